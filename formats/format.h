@@ -1,0 +1,42 @@
+/*
+ * format.h - file formats. Each format is one file that exports one const struct; the table of
+ * them (format.c) is all that the program knows about formats.
+ */
+#ifndef FORMAT_H
+#define FORMAT_H
+
+#include "scan.h"
+
+struct output_file; /* output_file.h: temporary name, checked writes, renamed when whole */
+struct input_file;  /* input_file.h: a file or standard input as bytes in memory, with its length */
+
+typedef struct format {
+	const char *name;               /* "ply", as on the command line */
+	const char *description;        /* for --help, a few words */
+	const char *const *extensions;  /* NULL-terminated, lower case without the dot */
+
+	/* True when the first `length` bytes of a file look like this format. NULL: by extension only. */
+	bool (*probe)(const uint8_t *head, size_t length);
+
+	/* Reads a whole scan. On failure *scan is empty. NULL when the format cannot be read. Every
+	 * count is checked against the bytes that are there before anything is allocated. */
+	gw_status (*read)(struct input_file *in, scan *scan, gw_error *error);
+
+	/* Writes a scan: all columns in order. NULL when the format cannot be written. */
+	gw_status (*write)(struct output_file *out, const scan *scan, gw_error *error);
+} format;
+
+extern const format *const formats[]; /* NULL-terminated */
+
+/* The format called `name`, or the one whose extension `path` has; NULL when there is none. */
+const format *format_by_name(const char *name);
+const format *format_by_path(const char *path);
+
+/*
+ * Reads a scan from a file, format found by content, then by extension.
+ *   path    "-" is standard input
+ *   name    NULL, or the name of the format to insist on
+ */
+gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
+
+#endif

@@ -1,0 +1,333 @@
+/*
+ * glowworm.h - public interface of libglowworm, the lighting baker for point clouds.
+ *
+ * The library takes bare points, finds out which piece of surface each one stands for, builds a
+ * sparse voxel octree on a Vulkan device, and computes the light that every point sends out.
+ * It reads and writes no files, prints nothing and never exits the process.
+ *
+ * The data's way through the library (each step is one file of the same name in lib/):
+ *
+ *   points -> frame -> surfels -> plan -> octree -> direct light -> records -> bounces -> points
+ *
+ * Quantities and letters, the same everywhere in this project:
+ *
+ *   radiance L, emission Le   W/(sr m^2), linear RGB with Rec.709 primaries, D65
+ *   irradiance E              W/m^2, on the point's oriented surface
+ *   intensity I               W/sr
+ *   albedo rho                1, diffuse reflectance, 0 <= rho < 1
+ *
+ * A photometric scene uses candela, cd/m^2 and lux instead; the numbers are treated the same.
+ * A diffuse point sends out L = Le + rho/pi * E.
+ *
+ * Thread-safety: calls that work on different objects may run at the same time. gw_bake uses
+ * several threads of its own; its callbacks are called on the thread that called gw_bake.
+ */
+#ifndef GLOWWORM_H
+#define GLOWWORM_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GW_VERSION "0.1.0"
+
+/* ---------------------------------------------------------------------------------- errors */
+
+/* What went wrong, by class; the command line maps each class to one exit code. */
+typedef enum gw_status {
+	GW_OK = 0,
+	GW_ERROR_USAGE,     /* an option or argument that makes no sense */
+	GW_ERROR_DATA,      /* the input's content is bad */
+	GW_ERROR_NO_DEVICE, /* no Vulkan device that can do the work */
+	GW_ERROR_MEMORY,    /* host memory, the memory budget or a device limit is too small */
+	GW_ERROR_INTERNAL,  /* a fault of glowworm or of the driver */
+	GW_ERROR_CANCELLED, /* a callback asked to stop */
+	GW_ERROR_NO_INPUT,  /* a file that cannot be opened for reading */
+	GW_ERROR_CREATE,    /* a file that cannot be created */
+	GW_ERROR_IO,        /* reading or writing failed half way: full disk, closed pipe */
+} gw_status;
+
+#define GW_ERROR_TEXT 1024
+
+/* One failure: its class and one sentence that says what failed, where, and what to do. */
+typedef struct gw_error {
+	gw_status status;
+	char text[GW_ERROR_TEXT];
+} gw_error;
+
+/*
+ * Fills *error with a class and a formatted sentence and returns the class, so that a function
+ * can end with `return gw_fail(error, GW_ERROR_DATA, "...")`.
+ *   error   where to put it; NULL drops the sentence
+ *   format  printf format of one whole sentence, without a final newline
+ */
+gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* --------------------------------------------------------------------------------- points in */
+
+/* The points of one scene. Nothing here is modified or kept after gw_bake returns. */
+typedef struct gw_points {
+	size_t count;           /* number of points; 0 is an error */
+	const double *position; /* 3 * count, metres, any origin; non-finite points are left out */
+	const float *normal;    /* 3 * count or NULL; a length below 1 is kept as the spread of an NDF
+	                           (Salm 4.3.1); zero or non-finite ones are estimated */
+	const float *albedo;    /* 3 * count or NULL, linear RGB; clamped to [0, GW_ALBEDO_MAX] */
+	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
+	const double *scanner;  /* 3 or NULL, where the scanner stood: orients estimated normals */
+} gw_points;
+
+/* Albedo is clamped to this, so that the sum of all bounces stays finite. */
+#define GW_ALBEDO_MAX 0.98f
+
+/* Albedo of points when gw_points.albedo is NULL. */
+#define GW_ALBEDO_DEFAULT 0.5f
+
+/* ------------------------------------------------------------------------------------- lights */
+
+typedef enum gw_light_type {
+	GW_LIGHT_POINT,       /* position, intensity, radius */
+	GW_LIGHT_SPOT,        /* position, direction, intensity, inner_angle, outer_angle, radius */
+	GW_LIGHT_SUN,         /* direction, irradiance, angle */
+	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere */
+	GW_LIGHT_TYPE_COUNT
+} gw_light_type;
+
+/* One light. Fields that its type does not name (see gw_light_type) are ignored. */
+typedef struct gw_light {
+	gw_light_type type;
+	char name[64];       /* for reports; may be empty */
+	double position[3];  /* metres, in the coordinates of gw_points.position */
+	double direction[3]; /* the way the light travels; any length above 0 */
+	float intensity[3];  /* W/sr, of a point light or in the inner cone of a spot light */
+	float irradiance[3]; /* W/m^2, on a plane that faces the sun */
+	float radiance[3];   /* W/(sr m^2), of the environment */
+	float inner_angle;   /* degrees from the axis, full intensity inside; 0 <= inner <= outer */
+	float outer_angle;   /* degrees from the axis, dark outside; at most 180. Between the two the
+	                        intensity falls by smoothstep in the cosine (as pbrt's spot light) */
+	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra */
+	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
+} gw_light;
+
+/* ------------------------------------------------------------------------------------ options */
+
+typedef enum gw_method {
+	GW_METHOD_RAYS,  /* records gather by rays against the planes in the leaves; hits stored once */
+	GW_METHOD_CONES, /* records gather by cones in the anisotropic pyramid, anew every bounce */
+	GW_METHOD_COUNT
+} gw_method;
+
+typedef enum gw_shadows {
+	GW_SHADOWS_TRACED, /* rays against the planes in the leaves */
+	GW_SHADOWS_MAPS,   /* minimum of variance and exponential shadow maps (Salm 4.2) */
+	GW_SHADOWS_NONE,   /* every light reaches every point that faces it */
+	GW_SHADOWS_COUNT
+} gw_shadows;
+
+#define GW_DEPTH_AUTO 0u
+#define GW_DEPTH_MAX 16u
+#define GW_BOUNCES_AUTO UINT32_MAX
+
+/* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
+typedef struct gw_bake_options {
+	gw_method method;
+	gw_shadows shadows;
+	uint32_t depth;         /* of the octree: 2^depth leaf cells a side; GW_DEPTH_AUTO derives it
+	                           from the point spacing */
+	uint32_t bounces;       /* how often light is reflected; 0 leaves only emission, 1 is direct
+	                           light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
+	                           out would add is under tolerance */
+	float tolerance;        /* of GW_BOUNCES_AUTO, relative to the light found so far, in (0, 1) */
+	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS), 1..4096 */
+	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
+	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
+	float record_spacing;   /* leaf cells between records, 0..64; 0 places one on every surface piece
+	                           of every leaf, as in Salm 4.4.3 */
+	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
+	uint32_t threads;       /* of the host; 0 means one a core */
+	uint64_t seed;          /* of all random directions */
+	uint64_t memory;        /* bytes that the bake may use, host and device together; 0 means most
+	                           of what the machine has free */
+	const char *device;     /* NULL, or an index, type name or part of the name of a device */
+	bool validate;          /* run under Vulkan's validation layer; any message is an error */
+	bool voxels;            /* fill gw_bake_result.voxels */
+} gw_bake_options;
+
+#define GW_BAKE_OPTIONS_DEFAULT                                                                \
+	((gw_bake_options){ .method = GW_METHOD_RAYS, .shadows = GW_SHADOWS_TRACED,                \
+	                    .depth = GW_DEPTH_AUTO, .bounces = GW_BOUNCES_AUTO, .tolerance = 0.005f, \
+	                    .rays = 64, .light_samples = 64, .cones = 16, .record_spacing = 2.5f,   \
+	                    .shadow_map_size = 1024 })
+
+/* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
+typedef struct gw_bake_callbacks {
+	/* Progress: name of the stage and the share of the whole bake that is done, 0..1. */
+	void (*progress)(void *user, const char *stage, double done);
+	/* Asked between steps; true stops the bake, which returns GW_ERROR_CANCELLED. */
+	bool (*cancelled)(void *user);
+	void *user;
+} gw_bake_callbacks;
+
+/* ------------------------------------------------------------------------------------- report */
+
+/* One stage of a bake, in the order they ran. */
+typedef struct gw_stage {
+	char name[32];
+	double seconds;         /* wall clock */
+	double device_seconds;  /* of that, on the device by its own timestamps */
+	double compile_seconds; /* of that, compiling pipelines */
+	uint64_t bytes;         /* device memory that the stage left allocated */
+	uint64_t dispatches;
+} gw_stage;
+
+/* One effect: whether the scene calls for it, why, and how it was computed. */
+typedef struct gw_effect {
+	char name[32];
+	bool called_for;
+	char reason[160]; /* one sentence */
+	char method[64];  /* empty when not called for */
+} gw_effect;
+
+/* One reflection of light. */
+typedef struct gw_bounce {
+	double energy;    /* reflected by it: sum over surface of area * rho * E, luminance, W */
+	double seconds;
+} gw_bounce;
+
+/* A number that a user should know about: points repaired, left out, clamped... */
+typedef struct gw_count {
+	char name[40];      /* snake_case, e.g. "duplicates_merged" */
+	char meaning[120];  /* one sentence */
+	uint64_t points;
+} gw_count;
+
+#define GW_REPORT_STAGES 24
+#define GW_REPORT_EFFECTS 12
+#define GW_REPORT_COUNTS 24
+
+/* Everything a bake says about itself. The fixed capacities count our own stages, effects and
+ * counters, not the user's data. bounces is allocated and freed with the result. */
+typedef struct gw_report {
+	gw_stage stage[GW_REPORT_STAGES];
+	uint32_t stage_count;
+	gw_effect effect[GW_REPORT_EFFECTS];
+	uint32_t effect_count;
+	gw_count count[GW_REPORT_COUNTS];
+	uint32_t count_count;
+	gw_bounce *bounce;
+	uint32_t bounce_count;
+	double remaining;         /* bound on the light of the bounces not computed, relative */
+	char device[256];
+	char driver[256];
+	uint32_t depth;           /* of the octree */
+	double leaf_size;         /* metres */
+	double origin[3];         /* of the local frame, metres */
+	double spacing;           /* metres between neighbouring points, median */
+	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
+	uint64_t octree_bytes;    /* tiles, keys, neighbour pointers, leaves, planes */
+	uint64_t brick_bytes;     /* 3D images */
+	uint64_t peak_bytes;      /* device memory at its highest */
+} gw_report;
+
+/* ------------------------------------------------------------------------------------ results */
+
+/* The leaves of the octree as voxels, for volume grids. */
+typedef struct gw_voxels {
+	size_t count;
+	int32_t *cell;        /* 3 * count, leaf coordinates */
+	float *density;       /* count, opacity 0..1 */
+	float *radiance;      /* 3 * count, area-weighted mean L of the surface in the leaf */
+	float *albedo;        /* 3 * count */
+	float *emission;      /* 3 * count */
+	float *normal;        /* 3 * count, mean normal (NDF), length <= 1 */
+	double origin[3];     /* of cell 0, metres, in the coordinates of gw_points.position */
+	double size;          /* of a cell, metres */
+} gw_voxels;
+
+/* What a bake found; per-point arrays are in the order of gw_points. Points that were left out
+ * (non-finite) hold zeros. */
+typedef struct gw_bake_result {
+	size_t count;
+	float *radiance;            /* 3 * count, L */
+	float *direct_irradiance;   /* 3 * count, E that came straight from lights, emitters and sky */
+	float *indirect_irradiance; /* 3 * count, E that was reflected at least once */
+	float *normal;              /* 3 * count, the unit normals that were used */
+	float *albedo;              /* 3 * count, the albedo that was used, linear */
+	float *roi;                 /* count, side of the region of influence in leaf cells */
+	gw_voxels voxels;           /* empty unless gw_bake_options.voxels */
+	gw_report report;
+} gw_bake_result;
+
+/*
+ * Bakes the light of a scene into its points.
+ *
+ * Returns GW_OK and a result that the caller hands to gw_bake_result_destroy; on failure returns
+ * the class, fills *error and leaves *result NULL.
+ *   points       what the scene is made of, see gw_points
+ *   lights       light_count of them; may be NULL when light_count is 0
+ *   options      how to bake
+ *   callbacks    NULL or see gw_bake_callbacks
+ *   result       receives the result
+ *   error        NULL or receives the failure
+ *
+ * The same input, options, device and driver give the same bytes, for any number of threads.
+ */
+gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+                  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+                  gw_bake_result **result, gw_error *error);
+
+/* Frees a result and sets *result to NULL; an empty handle is accepted. */
+void gw_bake_result_destroy(gw_bake_result **result);
+
+/* --------------------------------------------------------------------------------- statistics */
+
+/* What a cloud looks like before baking; for `glowworm info` and the choice of settings. */
+typedef struct gw_statistics {
+	uint64_t points, finite, duplicates; /* duplicates: points beyond the first at a position */
+	double minimum[3], maximum[3];       /* bounds of the finite points, metres */
+	double spacing[3];                   /* 5th, 50th and 95th percentile of the distance to the
+	                                        nearest other point, metres */
+	double density;                      /* points a square metre of surface, median */
+	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
+	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */
+	uint64_t memory;                     /* bytes that a bake would need, estimated */
+} gw_statistics;
+
+/* Measures a cloud. threads: of the host, 0 means one a core. */
+gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
+                     gw_error *error);
+
+/* ------------------------------------------------------------------------------------- devices */
+
+typedef struct gw_device_info {
+	char name[256];
+	char driver[256];
+	const char *type;      /* "discrete", "integrated", "virtual", "cpu" or "other" */
+	uint64_t memory;       /* bytes of the largest device-local heap */
+	uint32_t subgroup_size;
+	bool usable;           /* has all that a bake needs */
+	char missing[128];     /* when not usable: what it lacks */
+} gw_device_info;
+
+/*
+ * Lists the Vulkan devices in the order in which glowworm prefers them.
+ *   devices  receives an array that the caller frees with free(); NULL when *count is 0
+ */
+gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
+
+/* ---------------------------------------------------------------------------------------- names */
+
+/* Names of the enum values as used on the command line and in reports ("rays", "traced", "spot"). */
+const char *gw_method_name(gw_method method);
+const char *gw_shadows_name(gw_shadows shadows);
+const char *gw_light_type_name(gw_light_type type);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

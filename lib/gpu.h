@@ -1,0 +1,197 @@
+/*
+ * gpu.h - the Vulkan compute layer: one device, buffers, 3D images and passes.
+ *
+ * A pass is a compute pipeline with its bindings. Everything that can fail returns gw_status and
+ * fills a gw_error; every Vulkan result is checked, every object carries a name. The layer keeps
+ * its own account of device memory, because the software driver never reports that memory is
+ * short, and splits every dispatch so that none runs long (watchdogs) or loops past the software
+ * driver's silent limit.
+ *
+ * Thread-safety: a gw_gpu and all that was made with it belong to one thread at a time.
+ */
+#ifndef GPU_H
+#define GPU_H
+
+#include "glowworm.h"
+
+#include <vulkan/vulkan.h>
+
+typedef struct gw_gpu gw_gpu;
+
+typedef struct gw_gpu_options {
+	const char *device;          /* NULL: the best; else index, type name or part of a name */
+	uint64_t memory;             /* bytes of device memory that may be allocated; 0: the heap's size,
+	                                on a CPU device at most 3/4 of the machine's available memory */
+	bool validate;               /* core validation; messages become errors of the next call */
+	bool validate_synchronization;
+	bool validate_gpu_assisted;  /* not together with validate_synchronization */
+	uint32_t workgroup_size;     /* threads a workgroup, power of two; 0: the layer chooses */
+	double slice_seconds;        /* target length of one dispatch; 0: 0.05 */
+} gw_gpu_options;
+
+gw_status gw_gpu_create(const gw_gpu_options *options, gw_gpu **gpu, gw_error *error);
+void gw_gpu_destroy(gw_gpu **gpu);
+
+/* The device in use; valid as long as the gw_gpu. */
+const gw_device_info *gw_gpu_device(const gw_gpu *gpu);
+
+/* Limits that passes ask for: see Vulkan's VkPhysicalDeviceLimits. */
+const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu);
+
+/* The number of validation messages so far, and the first one's text ("" when none). */
+uint32_t gw_gpu_validation_messages(const gw_gpu *gpu, const char **first);
+
+/* ------------------------------------------------------------------------------------- account */
+
+/* Running totals since the device was opened; take differences around a stage. */
+typedef struct gw_gpu_account {
+	uint64_t bytes;          /* device memory allocated now */
+	uint64_t peak_bytes;     /* at its highest */
+	uint64_t dispatches;
+	double device_seconds;   /* by timestamps, all passes */
+	double compile_seconds;  /* creating pipelines and their first dispatch */
+} gw_gpu_account;
+
+gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu);
+
+/* ------------------------------------------------------------------------------------- buffers */
+
+typedef enum gw_buffer_kind {
+	GW_BUFFER_STORAGE, /* read and written by passes as a storage buffer */
+	GW_BUFFER_TEXEL,   /* the same, and readable as a texel buffer (quick random access on the
+	                      software driver) through the view of its format */
+} gw_buffer_kind;
+
+typedef struct gw_buffer {
+	VkBuffer handle;
+	VkBufferView view;     /* of GW_BUFFER_TEXEL, whole buffer */
+	VkDeviceMemory memory;
+	uint64_t bytes;        /* as asked for */
+	uint64_t allocated;
+	const char *name;
+} gw_buffer;
+
+/*
+ * Allocates a buffer filled with zeros. An earlier buffer in *buffer must have been destroyed.
+ *   bytes   at least 1 is allocated even for 0; a multiple of the format's texel size
+ *   format  of GW_BUFFER_TEXEL: VK_FORMAT_R32_UINT, R32G32_UINT, R32G32B32A32_SFLOAT, ...
+ *   name    a string that outlives the buffer
+ * Fails with GW_ERROR_MEMORY when the budget, an allocation or the texel limit is too small; the
+ * sentence holds the bytes needed. On failure *buffer is zeroed.
+ */
+gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
+                           const char *name, gw_buffer *buffer, gw_error *error);
+void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
+
+/* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4. */
+gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
+                           uint64_t bytes, gw_error *error);
+gw_status gw_buffer_download(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, void *data,
+                             uint64_t bytes, gw_error *error);
+gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error);
+
+/* ------------------------------------------------------------------------------------ 3D images */
+
+typedef struct gw_image {
+	VkImage handle;
+	VkImageView view;
+	VkDeviceMemory memory;
+	VkFormat format;
+	uint32_t extent[3];
+	uint64_t allocated;
+	const char *name;
+} gw_image;
+
+/* Allocates a 3D image cleared to zero, usable as storage image and with a sampler; it stays in
+ * VK_IMAGE_LAYOUT_GENERAL. Fails with GW_ERROR_MEMORY when the device's largest side or the budget
+ * is too small. */
+gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3], const char *name,
+                          gw_image *image, gw_error *error);
+void gw_image_destroy(gw_gpu *gpu, gw_image *image);
+/* Copies the whole image to the host, tightly packed, x fastest. */
+gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes, gw_error *error);
+
+/* --------------------------------------------------------------------------------------- passes */
+
+typedef enum gw_binding_kind {
+	GW_BIND_STORAGE,       /* gw_buffer as storage buffer */
+	GW_BIND_TEXEL,         /* gw_buffer as uniform texel buffer */
+	GW_BIND_STORAGE_IMAGE, /* gw_image, imageLoad/imageStore */
+	GW_BIND_SAMPLED_IMAGE, /* gw_image with a linear, clamp-to-edge sampler */
+} gw_binding_kind;
+
+/*
+ * One resource for one run. stride > 0 windows a storage buffer: each slice sees only the part
+ * [first * stride, (first + count) * stride) of it, indexed from 0, so that buffers may be larger
+ * than the device's largest storage range. Without stride the whole buffer is bound, which fails
+ * when it is larger than that range.
+ */
+typedef struct gw_binding {
+	gw_buffer *buffer;
+	gw_image *image;
+	uint32_t stride;
+} gw_binding;
+
+/*
+ * Every push-constant block begins with this span; the layer fills it for each slice. A shader
+ * returns at once from invocations at or past `count`; its element is span.first + gl_GlobalInvocationID.x.
+ * (No barrier() may follow such a return: passes with barriers clamp instead.)
+ */
+typedef struct gw_span {
+	uint32_t first;
+	uint32_t count;
+} gw_span;
+
+typedef struct gw_pass gw_pass;
+
+/*
+ * What a pass is. Specialisation constant 0 is always the workgroup's size in x (y = z = 1).
+ *   elements_per_invocation   how many elements (of gw_pass_run's count) one invocation covers; 0 and
+ *                        1 mean one. Above 1 the span counts elements and slices are multiples of
+ *                        workgroup_size * elements_per_invocation.
+ *   loop_bound           an upper bound of loop iterations of one invocation, 0 when small; slices do
+ *                        not help there, so above 8000 gw_pass_create fails: split the work instead
+ */
+typedef struct gw_pass_description {
+	const char *name;
+	const uint32_t *spirv;
+	size_t spirv_words;
+	const gw_binding_kind *bindings;
+	uint32_t binding_count;
+	uint32_t push_bytes;          /* with the span; at most 128 */
+	const uint32_t *constant;     /* specialisation constants 1, 2, ... */
+	uint32_t constant_count;
+	uint32_t workgroup_size;      /* 0: the device's choice; else exactly this, or an error */
+	uint32_t elements_per_invocation;
+	uint32_t loop_bound;
+} gw_pass_description;
+
+gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw_pass **pass,
+                         gw_error *error);
+void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass);
+uint32_t gw_pass_workgroup_size(const gw_pass *pass);
+
+/*
+ * Runs a pass over `count` elements, in slices whose length follows the time measured, and waits
+ * until it is done; all that it wrote is visible to later passes and copies.
+ *   bindings  as many as the pass has, in binding order (binding i is `layout(binding = i)`, set 0)
+ *   push      push_bytes bytes; the span at its start is ignored and filled by the layer
+ *   count     number of elements; 0 is fine and does nothing
+ * The first run of a pass dispatches an empty span first and books its time as compile time.
+ */
+gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
+                      uint64_t count, gw_error *error);
+
+/* ------------------------------------------------------------------------------------- shaders */
+
+/* Every shaders/NAME.comp, compiled into the library. */
+typedef struct gw_shader {
+	const char *name; /* "NAME" */
+	const uint32_t *spirv;
+	size_t words;
+} gw_shader;
+
+/* The shader of that name; asserts that it exists. */
+const gw_shader *gw_shader_find(const char *name);
+
+#endif
