@@ -1,0 +1,68 @@
+/*
+ * output_file.h - a file that appears under its name only when it is whole.
+ *
+ * Bytes go through a buffer into a temporary file beside the target; output_file_commit flushes,
+ * syncs and renames it. Until then the name holds what it held before, or nothing. Standard output,
+ * devices and FIFOs cannot be renamed: bytes go straight to them, and they are never unlinked.
+ *
+ * The first failure is latched: every later call returns it again, so that a writer may check
+ * only its last call. Messages name the file and the reason.
+ *
+ * The program must ignore SIGPIPE and SIGXFSZ; then a closed pipe and a file size limit are
+ * failures like a full disk.
+ *
+ * Thread-safety: calls on different files may run at the same time.
+ */
+#ifndef OUTPUT_FILE_H
+#define OUTPUT_FILE_H
+
+#include "glowworm.h"
+
+typedef struct output_file output_file;
+
+/*
+ * Starts an output.
+ *
+ *   out     receives the output, to be ended by output_file_commit or output_file_abandon;
+ *           NULL on failure
+ *   path    where it shall appear; "-" is standard output. A symbolic link is followed: the file
+ *           it leads to is replaced, the link stays
+ *   force   false: an existing file is an error, now and again at the commit
+ *   error   GW_ERROR_CREATE when it exists already or the folder is missing or cannot be written
+ *           to; GW_ERROR_MEMORY
+ */
+gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error);
+
+/* Appends bytes. GW_ERROR_IO when they could not be written, now or earlier. */
+gw_status output_file_write(output_file *out, const void *bytes, size_t length, gw_error *error);
+
+/* Appends text, formatted as printf does; numbers with a decimal point follow the locale, so print
+ * those with number_text.h. */
+gw_status output_file_print(output_file *out, gw_error *error, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Hands all buffered bytes to the system, so that the file can be opened and read back. */
+gw_status output_file_flush(output_file *out, gw_error *error);
+
+/* The name for messages: the path, or "standard output". Valid as long as the output. */
+const char *output_file_name(const output_file *out);
+
+/* Path of the temporary file, or NULL when bytes go straight to a device, FIFO or standard output.
+ * Valid as long as the output. */
+const char *output_file_temporary(const output_file *out);
+
+/*
+ * Ends an output: flush, sync, rename, sync of the folder. Frees it and sets *out to NULL, whether
+ * it succeeds or not; on failure the temporary file is removed and the target untouched.
+ */
+gw_status output_file_commit(output_file **out, gw_error *error);
+
+/* Ends an output that is not wanted any more: removes the temporary file, frees it and sets *out to
+ * NULL. An empty handle is accepted. */
+void output_file_abandon(output_file **out);
+
+/* Removes the temporary files of all outputs that are open. Async-signal-safe: for a handler that
+ * ends the process. */
+void output_file_remove_temporaries(void);
+
+#endif

@@ -1,0 +1,244 @@
+#include "scan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ------------------------------------------------------------------------------- columns */
+
+size_t scan_type_size(scan_type type)
+{
+	static const size_t size[SCAN_TYPE_COUNT] = {
+		[SCAN_INT8] = 1,  [SCAN_UINT8] = 1,  [SCAN_INT16] = 2,   [SCAN_UINT16] = 2,
+		[SCAN_INT32] = 4, [SCAN_UINT32] = 4, [SCAN_FLOAT32] = 4, [SCAN_FLOAT64] = 8,
+	};
+	return size[type];
+}
+
+void scan_clear(scan *cloud)
+{
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		free(cloud->column[c].name);
+		free(cloud->column[c].data);
+	}
+	free(cloud->column);
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		free(cloud->comment[c]);
+	free(cloud->comment);
+	memset(cloud, 0, sizeof *cloud);
+}
+
+scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_error *error)
+{
+	if (scan_find(cloud, name)) {
+		gw_fail(error, GW_ERROR_DATA, "two columns are called '%s'; rename one of them", name);
+		return NULL;
+	}
+	scan_column *grown = reallocarray(cloud->column, cloud->column_count + 1, sizeof *grown);
+	if (grown)
+		cloud->column = grown;
+	char *copy = strdup(name);
+	/* One more, because no bytes may come back as NULL. */
+	void *data = calloc(cloud->count ? cloud->count : 1, scan_type_size(type));
+	if (!grown || !copy || !data) {
+		free(copy);
+		free(data);
+		gw_fail(error, GW_ERROR_MEMORY, "no memory for the column '%s' of %zu points", name,
+		        cloud->count);
+		return NULL;
+	}
+	scan_column *column = &cloud->column[cloud->column_count++];
+	*column = (scan_column){ .name = copy, .type = type, .data = data };
+	return column;
+}
+
+gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
+{
+	char **grown = reallocarray(cloud->comment, cloud->comment_count + 1, sizeof *grown);
+	if (grown)
+		cloud->comment = grown;
+	char *copy = strdup(text);
+	if (!grown || !copy) {
+		free(copy);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a comment line");
+	}
+	cloud->comment[cloud->comment_count++] = copy;
+	return GW_OK;
+}
+
+scan_column *scan_find(const scan *cloud, const char *name)
+{
+	for (size_t c = 0; c < cloud->column_count; c++)
+		if (strcmp(cloud->column[c].name, name) == 0)
+			return &cloud->column[c];
+	return NULL;
+}
+
+void scan_remove_column(scan *cloud, const char *name)
+{
+	scan_column *column = scan_find(cloud, name);
+	if (!column)
+		return;
+	free(column->name);
+	free(column->data);
+	size_t behind = cloud->column_count - (size_t)(column - cloud->column) - 1;
+	memmove(column, column + 1, behind * sizeof *column);
+	cloud->column_count--;
+}
+
+double scan_value(const scan_column *column, size_t i)
+{
+	switch (column->type) {
+	case SCAN_INT8:
+		return ((const int8_t *)column->data)[i];
+	case SCAN_UINT8:
+		return ((const uint8_t *)column->data)[i];
+	case SCAN_INT16:
+		return ((const int16_t *)column->data)[i];
+	case SCAN_UINT16:
+		return ((const uint16_t *)column->data)[i];
+	case SCAN_INT32:
+		return ((const int32_t *)column->data)[i];
+	case SCAN_UINT32:
+		return ((const uint32_t *)column->data)[i];
+	case SCAN_FLOAT32:
+		return (double)((const float *)column->data)[i];
+	case SCAN_FLOAT64:
+		return ((const double *)column->data)[i];
+	case SCAN_TYPE_COUNT:
+		break;
+	}
+	return 0.0;
+}
+
+/* ------------------------------------------------------------------------------ appending */
+
+static bool is_float(scan_type type)
+{
+	return type == SCAN_FLOAT32 || type == SCAN_FLOAT64;
+}
+
+static bool is_signed(scan_type type)
+{
+	return type == SCAN_INT8 || type == SCAN_INT16 || type == SCAN_INT32;
+}
+
+/* The smallest type that holds every value of both. */
+static scan_type widen(scan_type a, scan_type b)
+{
+	if (a == b)
+		return a;
+	if (is_float(a) || is_float(b)) {
+		size_t other = scan_type_size(is_float(a) ? b : a);
+		bool single = a != SCAN_FLOAT64 && b != SCAN_FLOAT64 && other <= 2;
+		return single ? SCAN_FLOAT32 : SCAN_FLOAT64;
+	}
+	size_t size_a = scan_type_size(a), size_b = scan_type_size(b);
+	size_t size = size_a > size_b ? size_a : size_b;
+	if (is_signed(a) == is_signed(b))
+		return size_a > size_b ? a : b;
+	/* One is signed: it must be larger than the unsigned one. */
+	size_t unsigned_size = is_signed(a) ? size_b : size_a;
+	if (unsigned_size == size)
+		size *= 2;
+	return size == 2 ? SCAN_INT16 : size == 4 ? SCAN_INT32 : SCAN_FLOAT64;
+}
+
+/* Stores a value that the type is known to hold. */
+static void store(scan_column *column, size_t i, double value)
+{
+	switch (column->type) {
+	case SCAN_INT8:
+		((int8_t *)column->data)[i] = (int8_t)value;
+		break;
+	case SCAN_UINT8:
+		((uint8_t *)column->data)[i] = (uint8_t)value;
+		break;
+	case SCAN_INT16:
+		((int16_t *)column->data)[i] = (int16_t)value;
+		break;
+	case SCAN_UINT16:
+		((uint16_t *)column->data)[i] = (uint16_t)value;
+		break;
+	case SCAN_INT32:
+		((int32_t *)column->data)[i] = (int32_t)value;
+		break;
+	case SCAN_UINT32:
+		((uint32_t *)column->data)[i] = (uint32_t)value;
+		break;
+	case SCAN_FLOAT32:
+		((float *)column->data)[i] = (float)value;
+		break;
+	case SCAN_FLOAT64:
+		((double *)column->data)[i] = value;
+		break;
+	case SCAN_TYPE_COUNT:
+		break;
+	}
+}
+
+/* Copies the values of one column into another of the same or a wider type, from point `first`. */
+static void copy_values(scan_column *to, size_t first, const scan_column *from, size_t count)
+{
+	if (to->type == from->type) {
+		size_t size = scan_type_size(to->type);
+		memcpy((char *)to->data + first * size, from->data, count * size);
+		return;
+	}
+	for (size_t i = 0; i < count; i++)
+		store(to, first + i, scan_value(from, i));
+}
+
+/* Adds to `joined` the column that both scans have under this name, or that one of them has. */
+static gw_status join_column(scan *joined, const scan *head, const scan *tail, const char *name,
+                             gw_error *error)
+{
+	const scan_column *a = scan_find(head, name), *b = scan_find(tail, name);
+	scan_type type = a && b ? widen(a->type, b->type) : a ? a->type : b->type;
+	scan_column *to = scan_add_column(joined, name, type, error);
+	if (!to)
+		return GW_ERROR_MEMORY;
+	if (a)
+		copy_values(to, 0, a, head->count);
+	if (b)
+		copy_values(to, head->count, b, tail->count);
+	return GW_OK;
+}
+
+static gw_status join_columns(scan *joined, const scan *head, const scan *tail, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t c = 0; c < head->column_count && status == GW_OK; c++)
+		status = join_column(joined, head, tail, head->column[c].name, error);
+	for (size_t c = 0; c < tail->column_count && status == GW_OK; c++)
+		if (!scan_find(head, tail->column[c].name))
+			status = join_column(joined, head, tail, tail->column[c].name, error);
+	for (size_t c = 0; c < head->comment_count && status == GW_OK; c++)
+		status = scan_add_comment(joined, head->comment[c], error);
+	for (size_t c = 0; c < tail->comment_count && status == GW_OK; c++)
+		status = scan_add_comment(joined, tail->comment[c], error);
+	return status;
+}
+
+gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
+{
+	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
+	if (__builtin_add_overflow(cloud->count, tail->count, &joined.count))
+		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
+		               cloud->count, tail->count);
+	/* One scanner cannot have stood at two places; then nobody knows which points it saw. */
+	bool first = cloud->count == 0;
+	bool same = cloud->has_scanner && tail->has_scanner &&
+	            memcmp(cloud->scanner, tail->scanner, sizeof cloud->scanner) == 0;
+	joined.has_scanner = first ? tail->has_scanner : same;
+	if (joined.has_scanner)
+		memcpy(joined.scanner, tail->scanner, sizeof joined.scanner);
+
+	gw_status status = join_columns(&joined, cloud, tail, error);
+	if (status != GW_OK) {
+		scan_clear(&joined);
+		return status;
+	}
+	scan_clear(cloud);
+	*cloud = joined;
+	return GW_OK;
+}
