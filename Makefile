@@ -31,7 +31,7 @@ objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*.comp)
 SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
 
-.PHONY: all help clean
+.PHONY: all help clean FORCE
 all: $(BUILD)/glowworm  ## build the program
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -54,7 +54,19 @@ $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
 	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
 
-$(BUILD)/lib/shaders.o: $(SPIRV)
+# One array for each shader and a table of them; touched only when a shader comes or goes.
+$(BUILD)/shaders/shader_list.inc: FORCE
+	@mkdir -p $(@D)
+	@{ for shader in $(basename $(notdir $(SHADERS))); do \
+		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $$shader $$shader; \
+	done; \
+	echo 'static const gw_shader shader_list[] = {'; \
+	for shader in $(basename $(notdir $(SHADERS))); do \
+		printf '\t{ "%s", shader_%s, sizeof shader_%s / 4 },\n' $$shader $$shader $$shader; \
+	done; echo '};'; } > $@.new
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+$(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14

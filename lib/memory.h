@@ -1,0 +1,42 @@
+/*
+ * memory.h - host memory for arrays whose size comes from data.
+ *
+ * All of lib/ takes its arrays from here, so that no product of count and size can overflow.
+ * Thread-safe.
+ */
+#ifndef MEMORY_H
+#define MEMORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ * An array of `count` elements of `size` bytes, not initialised, for free(). A count of 0 gives a
+ * valid pointer, so that NULL always means failure: the product overflows or memory is short.
+ */
+void *gw_allocate_array(size_t count, size_t size);
+
+/* The same, filled with zeros. */
+void *gw_allocate_zeros(size_t count, size_t size);
+
+/*
+ * Resizes an array from one of the functions above (or NULL) to `count` elements and keeps its
+ * content. On failure returns NULL, and the array is still the caller's.
+ */
+void *gw_resize_array(void *array, size_t count, size_t size);
+
+/*
+ * Bytes of host memory that can be taken now without swapping: what the system reports as
+ * available, and not more than the control group of this process leaves. 0 when unknown.
+ */
+uint64_t gw_available_memory(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
