@@ -24,18 +24,25 @@ CXXFLAGS += -std=c++17 -D_GNU_SOURCE $(OPT) -Wall -Wextra -fPIC -pthread -ffp-co
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
 LDLIBS   += -lvulkan -lflann -llz4 -ljansson -lm
 
+# OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written.
+VDB_SOURCE      := formats/vdb_grids.cpp
+VDB_RUN_PATH    := -Wl,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
+
 LIB_SOURCES     := $(wildcard lib/*.c lib/*.cpp)
-FORMATS_SOURCES := $(wildcard formats/*.c formats/*.cpp)
+FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*.c formats/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*.c)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*.comp)
 SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
 
 .PHONY: all help clean FORCE
-all: $(BUILD)/glowworm  ## build the program
+all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so  ## build the program
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
-	$(CXX) $(LDFLAGS) -o $@ $^ $(LDLIBS)
+	$(CXX) $(LDFLAGS) $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
+
+$(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
+	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
 
 $(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
 	@rm -f $@

@@ -1,0 +1,368 @@
+/*
+ * Builds and checks OpenVDB files. This file and OpenVDB are one shared object, which takes nothing
+ * from the program but the functions' arguments; no exception leaves it.
+ */
+#include "vdb_grids.h"
+
+#include <openvdb/openvdb.h>
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <ostream>
+#include <stdexcept>
+#include <streambuf>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+const char *const grid_names[] = { "density", "radiance", "color", "emission", "normal" };
+
+__attribute__((format(printf, 3, 4))) gw_status fail(gw_error *error, gw_status status,
+                                                     const char *format, ...)
+{
+	if (error) {
+		va_list arguments;
+		va_start(arguments, format);
+		error->status = status;
+		std::vsnprintf(error->text, sizeof error->text, format, arguments);
+		va_end(arguments);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ the bytes */
+
+/* FNV-1a, in two lanes that start differently. */
+struct fingerprint {
+	uint64_t lane[2] = { 0xcbf29ce484222325u, 0x84222325cbf29ce4u };
+
+	void add(const void *bytes, size_t length)
+	{
+		for (size_t i = 0; i < length; i++)
+			for (uint64_t &l : lane)
+				l = (l ^ static_cast<const uint8_t *>(bytes)[i]) * 0x100000001b3u;
+	}
+};
+
+/*
+ * Hands bytes to the sink. OpenVDB puts a random UUID into each header; a file of the same content
+ * shall have the same bytes, so the UUID is replaced by one made from the content.
+ */
+class sink_buffer : public std::streambuf
+{
+public:
+	sink_buffer(vdb_sink sink, void *user, const std::string &uuid)
+	    : sink_(sink), user_(user), uuid_(uuid)
+	{
+	}
+
+protected:
+	std::streamsize xsputn(const char *bytes, std::streamsize length) override
+	{
+		std::streamsize done = 0;
+		for (; done < length && position_ < UUID_END; done++)
+			if (!take_header_byte(bytes[done]))
+				return done;
+		if (done < length && !sink_(user_, bytes + done, static_cast<size_t>(length - done)))
+			return done;
+		position_ += length - done;
+		return length;
+	}
+
+	int_type overflow(int_type c) override
+	{
+		char byte = traits_type::to_char_type(c);
+		return xsputn(&byte, 1) == 1 ? c : traits_type::eof();
+	}
+
+	/* Only tells the position. */
+	pos_type seekoff(off_type off, std::ios_base::seekdir way, std::ios_base::openmode) override
+	{
+		bool tells = off == 0 && way == std::ios_base::cur;
+		return tells ? pos_type(position_) : pos_type(off_type(-1));
+	}
+
+private:
+	/* The header: 8 bytes of magic, three uint32 of versions, one flag, and the UUID as text. */
+	static constexpr std::streamoff UUID_START = 21, UUID_END = UUID_START + 36;
+
+	bool take_header_byte(char byte)
+	{
+		if (position_ >= UUID_START) {
+			char ours = uuid_[static_cast<size_t>(position_ - UUID_START)];
+			if ((byte == '-') != (ours == '-'))
+				throw std::runtime_error("this version of OpenVDB has another header");
+			byte = ours;
+		}
+		position_++;
+		return sink_(user_, &byte, 1);
+	}
+
+	vdb_sink sink_;
+	void *user_;
+	std::string uuid_;
+	std::streamoff position_ = 0;
+};
+
+std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
+{
+	fingerprint print;
+	print.add(&v.count, sizeof v.count);
+	print.add(v.cell, v.count * 3 * sizeof *v.cell);
+	print.add(v.density, v.count * sizeof *v.density);
+	for (const float *values : { v.radiance, v.albedo, v.emission, v.normal })
+		print.add(values, v.count * 3 * sizeof *values);
+	print.add(v.origin, sizeof v.origin);
+	print.add(&v.size, sizeof v.size);
+	print.add(&m.half, sizeof m.half);
+	for (size_t i = 0; i < m.text_count; i++)
+		for (const char *text : { m.text[i].name, m.text[i].value })
+			print.add(text, std::strlen(text) + 1);
+	uint64_t a = print.lane[0], b = print.lane[1];
+	/* Version 8 of RFC 9562 leaves the content to the maker; the variant is 10 in binary. */
+	a = (a & ~UINT64_C(0xf000)) | 0x8000;
+	b = (b & ~(UINT64_C(3) << 62)) | UINT64_C(2) << 62;
+	char text[40];
+	std::snprintf(text, sizeof text, "%08llx-%04llx-%04llx-%04llx-%012llx",
+	              (unsigned long long)(a >> 32), (unsigned long long)(a >> 16 & 0xffff),
+	              (unsigned long long)(a & 0xffff), (unsigned long long)(b >> 48),
+	              (unsigned long long)(b & 0xffffffffffff));
+	return text;
+}
+
+/* ---------------------------------------------------------------------- before the building */
+
+gw_status check(const gw_voxels &v, gw_error *error)
+{
+	if (v.count == 0)
+		return fail(error, GW_ERROR_DATA, "there are no voxels to write as grids");
+	if (!(v.size > 0.0) || !std::isfinite(v.size))
+		return fail(error, GW_ERROR_DATA, "voxels of %g m cannot be written as grids", v.size);
+	for (double o : v.origin)
+		if (!std::isfinite(o))
+			return fail(error, GW_ERROR_DATA, "voxels at %g m cannot be written as grids", o);
+	for (size_t i = 0; i < 3 * v.count; i++)
+		if (v.cell[i] < -VDB_CELL_LIMIT || v.cell[i] >= VDB_CELL_LIMIT)
+			return fail(error, GW_ERROR_DATA,
+			            "the cell coordinate %d of voxel %zu is out of the range of grids, "
+			            "+-%d",
+			            v.cell[i], i / 3, VDB_CELL_LIMIT);
+	return GW_OK;
+}
+
+/* Bytes of a tree with so many nodes on its three levels. */
+template <typename Tree> uint64_t tree_bytes(const uint64_t nodes[3])
+{
+	using Upper = typename Tree::RootNodeType::ChildNodeType;
+	using Lower = typename Upper::ChildNodeType;
+	using Leaf = typename Tree::LeafNodeType;
+	uint64_t leaf = sizeof(Leaf) + Leaf::SIZE * sizeof(typename Tree::ValueType);
+	return nodes[0] * leaf + nodes[1] * sizeof(Lower) + nodes[2] * sizeof(Upper);
+}
+
+/* Counts the nodes that the voxels fall into: leaves of 8^3, inner ones of 128^3 and 4096^3. */
+void count_nodes(const gw_voxels &v, uint64_t nodes[3])
+{
+	std::vector<uint64_t> key(v.count);
+	for (int level = 0; level < 3; level++) {
+		const int shift[3] = { 3, 7, 12 };
+		for (size_t i = 0; i < v.count; i++) {
+			key[i] = 0;
+			for (int k = 0; k < 3; k++) {
+				auto cell = static_cast<uint64_t>(v.cell[3 * i + k] + VDB_CELL_LIMIT);
+				key[i] = key[i] << 21 | cell >> shift[level];
+			}
+		}
+		std::sort(key.begin(), key.end());
+		nodes[level] = static_cast<uint64_t>(std::unique(key.begin(), key.end()) - key.begin());
+	}
+}
+
+gw_status check_memory(const gw_voxels &v, uint64_t limit, gw_error *error)
+{
+	uint64_t nodes[3];
+	uint64_t counting = v.count * sizeof(uint64_t);
+	if (limit == 0)
+		return GW_OK;
+	if (counting <= limit) {
+		count_nodes(v, nodes);
+		uint64_t bytes = tree_bytes<openvdb::FloatTree>(nodes) +
+		                 4 * tree_bytes<openvdb::Vec3STree>(nodes);
+		if (bytes <= limit)
+			return GW_OK;
+		return fail(error, GW_ERROR_MEMORY,
+		            "the grids of %zu voxels in %llu leaf nodes would take %llu bytes of memory, "
+		            "%llu for each voxel, and %llu are allowed; bake with a smaller depth or "
+		            "allow more memory",
+		            v.count, (unsigned long long)nodes[0], (unsigned long long)bytes,
+		            (unsigned long long)(bytes / v.count), (unsigned long long)limit);
+	}
+	return fail(error, GW_ERROR_MEMORY,
+	            "counting the nodes of %zu voxels takes %llu bytes of memory, and %llu are allowed",
+	            v.count, (unsigned long long)counting, (unsigned long long)limit);
+}
+
+/* ------------------------------------------------------------------------------ the grids */
+
+struct builder {
+	const gw_voxels &voxels;
+	const vdb_metadata &metadata;
+	openvdb::math::Transform::Ptr transform;
+	double origin[3] = { 0, 0, 0 }; /* what the transform leaves out */
+	uint64_t clamped = 0;
+
+	builder(const gw_voxels &v, const vdb_metadata &m) : voxels(v), metadata(m)
+	{
+		bool far = false;
+		for (double o : v.origin)
+			far = far || std::fabs(o) > VDB_LOCAL_LIMIT;
+		openvdb::Vec3d start(0.5 * v.size);
+		for (int k = 0; k < 3; k++) {
+			if (far)
+				origin[k] = v.origin[k];
+			else
+				start[k] += v.origin[k];
+		}
+		transform = openvdb::math::Transform::createLinearTransform(v.size);
+		transform->postTranslate(start);
+	}
+
+	float stored(float value)
+	{
+		if (!metadata.half || std::fabs(value) <= VDB_HALF_MAX)
+			return value;
+		clamped++;
+		return std::copysign(VDB_HALF_MAX, value);
+	}
+
+	void describe(openvdb::MetaMap &map)
+	{
+		const char *const names[3] = { "gw_origin_x", "gw_origin_y", "gw_origin_z" };
+		for (int k = 0; k < 3; k++)
+			map.insertMeta(names[k], openvdb::DoubleMetadata(origin[k]));
+	}
+
+	template <typename Grid> typename Grid::Ptr start(const char *name)
+	{
+		auto grid = Grid::create();
+		grid->setName(name);
+		grid->setTransform(transform->copy());
+		grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+		grid->setSaveFloatAsHalf(metadata.half);
+		describe(*grid);
+		return grid;
+	}
+
+	openvdb::Coord cell(size_t i) const
+	{
+		const int32_t *c = voxels.cell + 3 * i;
+		return openvdb::Coord(c[0], c[1], c[2]);
+	}
+
+	openvdb::GridBase::Ptr scalars(const char *name, const float *values)
+	{
+		auto grid = start<openvdb::FloatGrid>(name);
+		auto accessor = grid->getAccessor();
+		for (size_t i = 0; i < voxels.count; i++)
+			accessor.setValueOn(cell(i), stored(values[i]));
+		return grid;
+	}
+
+	openvdb::GridBase::Ptr vectors(const char *name, const float *values)
+	{
+		auto grid = start<openvdb::Vec3SGrid>(name);
+		auto accessor = grid->getAccessor();
+		for (size_t i = 0; i < voxels.count; i++) {
+			const float *v = values + 3 * i;
+			accessor.setValueOn(cell(i),
+			                    openvdb::Vec3s(stored(v[0]), stored(v[1]), stored(v[2])));
+		}
+		return grid;
+	}
+};
+
+gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
+                 uint64_t *active, gw_error *error)
+{
+	gw_status status = check(v, error);
+	if (status == GW_OK)
+		status = check_memory(v, m.memory, error);
+	if (status != GW_OK)
+		return status;
+
+	openvdb::initialize();
+	builder build(v, m);
+	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
+		                      build.vectors(grid_names[1], v.radiance),
+		                      build.vectors(grid_names[2], v.albedo),
+		                      build.vectors(grid_names[3], v.emission),
+		                      build.vectors(grid_names[4], v.normal) };
+	openvdb::MetaMap file;
+	build.describe(file);
+	for (size_t i = 0; i < m.text_count; i++)
+		file.insertMeta(m.text[i].name, openvdb::StringMetadata(m.text[i].value));
+
+	sink_buffer buffer(sink, user, uuid_of(v, m));
+	std::ostream stream(&buffer);
+	stream.exceptions(std::ios::badbit | std::ios::failbit);
+	openvdb::io::Stream(stream).write(grids, file);
+	*active = grids[0]->activeVoxelCount();
+	if (m.clamped)
+		*m.clamped = build.clamped;
+	return GW_OK;
+}
+
+gw_status verify(const char *path, uint64_t active, gw_error *error)
+{
+	openvdb::initialize();
+	openvdb::io::File file(path);
+	file.open(false);
+	openvdb::GridPtrVecPtr grids = file.getGrids();
+	for (const char *name : grid_names) {
+		uint64_t found = 0;
+		for (const auto &grid : *grids)
+			if (grid->getName() == name)
+				found = grid->activeVoxelCount();
+		if (found != active)
+			return fail(error, GW_ERROR_IO,
+			            "the grid '%s' reads back with %llu voxels instead of %llu", name,
+			            (unsigned long long)found, (unsigned long long)active);
+	}
+	return GW_OK;
+}
+
+/* Runs work and turns whatever it throws into an error. */
+template <typename Work> gw_status guarded(const char *what, gw_error *error, Work work) noexcept
+{
+	try {
+		return work();
+	} catch (const std::bad_alloc &) {
+		return fail(error, GW_ERROR_MEMORY, "no memory to %s the grids", what);
+	} catch (const std::exception &e) {
+		return fail(error, GW_ERROR_IO, "cannot %s the grids: %s", what, e.what());
+	} catch (...) {
+		return fail(error, GW_ERROR_INTERNAL, "cannot %s the grids", what);
+	}
+}
+
+} // namespace
+
+extern "C" gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata,
+                                vdb_sink sink, void *user, uint64_t *active, gw_error *error)
+{
+	return guarded("write", error,
+	               [&] { return encode(*voxels, *metadata, sink, user, active, error); });
+}
+
+extern "C" gw_status vdb_verify(const char *path, uint64_t active, gw_error *error)
+{
+	return guarded("read back", error, [&] { return verify(path, active, error); });
+}

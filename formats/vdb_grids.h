@@ -1,0 +1,77 @@
+/*
+ * vdb_grids.h - the octree's leaves as an OpenVDB file: the grids density (float, fog volume),
+ * radiance, color (albedo), emission and normal (vec3s).
+ *
+ * Cell i reaches from i to i + 1 cell sizes, so the transform puts the centre of index i at
+ * origin + (i + 0.5) * size. Where the origin is more than VDB_LOCAL_LIMIT metres from zero, as with
+ * georeferenced scans, single precision readers would lose the voxels' places; the transform then
+ * starts at 0. In both cases the double metadata gw_origin_x, gw_origin_y and gw_origin_z, on the
+ * file and on each grid, say what to add to the grid's coordinates to get the scene's.
+ *
+ * OpenVDB's libraries take 40 ms to load, so a program linked with them would start that much
+ * later; therefore they hang on libglowworm-vdb.so, which is opened when a grid is written. The
+ * program calls vdb_write (vdb_plugin.c); vdb_encode and vdb_verify are what the shared object
+ * exports (vdb_grids.cpp).
+ */
+#ifndef VDB_GRIDS_H
+#define VDB_GRIDS_H
+
+#include "glowworm.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Metres from zero up to which grids are in the scene's own coordinates. */
+#define VDB_LOCAL_LIMIT 1e5
+
+/* The largest value that a 16-bit float holds. */
+#define VDB_HALF_MAX 65504.0f
+
+/* Cell coordinates must be from -VDB_CELL_LIMIT to VDB_CELL_LIMIT - 1. */
+#define VDB_CELL_LIMIT (1 << 23)
+
+typedef struct vdb_text {
+	const char *name;
+	const char *value;
+} vdb_text;
+
+/* What a grid file says about itself, and how it is written. A zeroed struct is a good default. */
+typedef struct vdb_metadata {
+	const vdb_text *text; /* text_count lines for the file's metadata: units, creator... */
+	size_t text_count;
+	bool half;         /* store 16-bit floats; values over VDB_HALF_MAX are clamped to it */
+	uint64_t memory;   /* bytes that building the grids may take; 0 means no limit */
+	uint64_t *clamped; /* NULL, or receives how many values were clamped for half */
+} vdb_metadata;
+
+/*
+ * Writes the grids. The same voxels and metadata give the same bytes.
+ *
+ *   path      "-" is standard output. A file is read back before it appears under its name
+ *   force     overwrite an existing file
+ *   voxels    at least one; all arrays present, values finite
+ *   error     GW_ERROR_MEMORY, before anything is built, when the grids would need more than
+ *             metadata->memory (isolated voxels take 50 KB each and more: the sentence holds the
+ *             numbers); GW_ERROR_DATA for a cell out of range or a size that is not above 0;
+ *             GW_ERROR_CREATE, GW_ERROR_IO, GW_ERROR_INTERNAL
+ */
+gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
+                    const vdb_metadata *metadata, gw_error *error);
+
+/* Takes the next bytes of the file; false when they could not be written, which ends the encoding. */
+typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
+
+/* Builds the grids and hands the file's bytes to the sink, in order. *active receives how many
+ * voxels each grid has. Throws nothing. */
+gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata, vdb_sink sink,
+                     void *user, uint64_t *active, gw_error *error);
+
+/* Reads a file back: GW_ERROR_IO unless it holds the five grids with so many active voxels each. */
+gw_status vdb_verify(const char *path, uint64_t active, gw_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
