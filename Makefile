@@ -3,6 +3,7 @@
 PREFIX  ?= /usr/local
 DESTDIR ?=
 BUILD   ?= build
+JOBS    ?= $(shell nproc)
 CC      ?= gcc
 CXX     ?= g++
 GLSLC   ?= glslc
@@ -35,8 +36,17 @@ objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*.comp)
 SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
 
-.PHONY: all help clean FORCE
-all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so  ## build the program
+# What tests and benchmarks link: the program without its main function, and their own helpers.
+MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
+TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
+BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
+TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES),$(wildcard tests/*/*.c tests/*/*.cpp))
+TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
+BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
+SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
+
+.PHONY: all deps demo test test-sanitize test-programs bench lint install uninstall help clean FORCE
+all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
@@ -75,8 +85,84 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 
 $(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
+$(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/samples/sample_points.o
+	$(CC) $(LDFLAGS) -o $@ $^ -lm
+
+# ------------------------------------------------------------------------------------- tests
+
+$(BUILD)/libprogram.a: $(call objects,$(filter-out $(MAIN_SOURCE),$(CLI_SOURCES)) $(FORMATS_SOURCES))
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BUILD)/libhelpers.a: $(call objects,$(TEST_HELPERS))
+	@mkdir -p $(@D)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Itests/bench
+$(TEST_PROGRAMS) $(BENCH_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
+		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
+	$(CXX) $(LDFLAGS) -Wl,-rpath,'$$ORIGIN/../..' -o $@ $^ -lcmocka -lembree3 $(LDLIBS)
+
+test-programs: all $(TEST_PROGRAMS)
+
+# Recipes below run make again, silently and in parallel, so that only what is wrong is printed.
+build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
+SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
+
+test: deps  ## build and run all tests, then most of them again under sanitizers
+	@$(build_quietly) config=release test-programs
+	@$(build_quietly) config=sanitize test-programs
+	@tests/suite.sh build:unit build:physics build:hostile build:cli build:lint $(SANITIZED)
+
+test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@$(build_quietly) config=sanitize test-programs
+	@tests/suite.sh $(SANITIZED)
+
+lint: $(BUILD)/libglowworm.a  ## style, layers, symbols and the folders' READMEs
+	@tests/suite.sh $(BUILD):lint
+
+bench: all $(BENCH_PROGRAMS)  ## measure speed and error
+	@set -e; for program in $(BENCH_PROGRAMS); do echo "== $${program##*/}"; $$program; done
+
+# -------------------------------------------------------------------------------------- use
+
+deps:  ## install the Debian packages that are missing
+	@tests/install_packages.sh .debian-packages
+
+demo: deps  ## make a cave, light it and say what came out
+	@$(build_quietly) all
+	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave samples/demo.sh $(BUILD)/demo
+
+bin    = $(DESTDIR)$(PREFIX)/bin
+shared = $(DESTDIR)$(PREFIX)/share
+plugin = $(DESTDIR)$(PREFIX)/lib/glowworm
+MAN_PAGES        = $(wildcard man/*.1 $(BUILD)/man/*.1)
+BASH_COMPLETIONS = $(wildcard cli/completion.bash $(BUILD)/completion.bash)
+ZSH_COMPLETIONS  = $(wildcard cli/completion.zsh $(BUILD)/completion.zsh)
+FISH_COMPLETIONS = $(wildcard cli/completion.fish $(BUILD)/completion.fish)
+SAMPLES          = $(wildcard samples/*.scene.json samples/*.sh samples/README.md)
+
+install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
+	install -D -t $(bin) $(BUILD)/glowworm $(SAMPLE_PROGRAMS)
+	install -D -m 644 -t $(plugin) $(BUILD)/libglowworm-vdb.so
+	install -D -m 644 -t $(shared)/glowworm/samples $(SAMPLES)
+	chmod 755 $(shared)/glowworm/samples/*.sh
+	$(if $(MAN_PAGES),install -D -m 644 -t $(shared)/man/man1 $(MAN_PAGES))
+	$(if $(BASH_COMPLETIONS),install -D -m 644 $(BASH_COMPLETIONS) $(shared)/bash-completion/completions/glowworm)
+	$(if $(ZSH_COMPLETIONS),install -D -m 644 $(ZSH_COMPLETIONS) $(shared)/zsh/site-functions/_glowworm)
+	$(if $(FISH_COMPLETIONS),install -D -m 644 $(FISH_COMPLETIONS) $(shared)/fish/vendor_completions.d/glowworm.fish)
+
+uninstall:  ## remove what install put there
+	rm -f $(bin)/glowworm $(addprefix $(bin)/,$(notdir $(SAMPLE_PROGRAMS)))
+	rm -rf $(plugin) $(shared)/glowworm
+	rm -f $(addprefix $(shared)/man/man1/,$(notdir $(MAN_PAGES)))
+	rm -f $(shared)/bash-completion/completions/glowworm $(shared)/zsh/site-functions/_glowworm
+	rm -f $(shared)/fish/vendor_completions.d/glowworm.fish
+
 help:  ## list the targets
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 15
+	@echo; echo 'config=sanitize with all, test-programs or lint builds into build/sanitize'
 
 clean:  ## remove what was built
 	rm -rf build

@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# Runs groups of tests and counts. Each argument is BUILD:GROUP, such as build:unit or
+# build/sanitize:cli. The groups:
+#
+#   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
+#   cli                    tests/cli/run with BUILD/glowworm; each script is a test
+#   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
+#
+# Prints one line a group, the output of what failed, and at the end `N passed, N failed`. The
+# exit status is 1 when a test failed or when there was none.
+set -u
+export LC_ALL=C TZ=UTC
+root=$(cd "$(dirname "$0")/.." && pwd)
+limit=${GLOWWORM_TEST_TIMEOUT:-600}
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/glowworm-suite.XXXXXX") || exit 70
+trap 'rm -rf "$scratch"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+cd "$root" || exit 70
+
+# The Vulkan loader and driver never free some of what they allocate; leaks of ours still count.
+export LSAN_OPTIONS="suppressions=$root/tests/leaks_of_others.txt:print_suppressions=0"
+export UBSAN_OPTIONS="print_stacktrace=1"
+passed=0 failed=0 skipped=0
+
+count_lines() { # pattern file
+	grep -ac -- "$1" "$2" || true
+}
+
+# Runs one cmocka program. A program that crashes or leaks has at least one failure, and the test
+# it was in when it crashed counts as failed.
+run_program() { # program
+	local name started good skips bad status
+	name=$(basename "$1")
+	timeout --kill-after=10 "$limit" "$1" >"$scratch/log" 2>&1 </dev/null
+	status=$?
+	started=$(count_lines '^\[ RUN      \]' "$scratch/log")
+	good=$(count_lines '^\[       OK \]' "$scratch/log")
+	skips=$(sed -n 's/^\[  SKIPPED \] \([0-9]*\) test(s).*/\1/p' "$scratch/log" | tail -n 1)
+	skips=${skips:-0}
+	bad=$((started - good - skips))
+	[ "$status" -ne 0 ] && [ "$bad" -le 0 ] && bad=1
+	if [ "$started" -eq 0 ]; then
+		bad=1
+		echo "no test ran" >>"$scratch/log"
+	fi
+	if [ "${GLOWWORM_NO_SKIP:-0}" = 1 ]; then
+		bad=$((bad + skips))
+		skips=0
+	fi
+	[ "$skips" -eq 0 ] || echo "   $name: $skips skipped"
+	if [ "$bad" -ne 0 ]; then
+		echo "FAIL $name: exit status $status"
+		[ "$status" -eq 124 ] && echo "   it ran into the limit of $limit seconds"
+		grep -av '^\[ RUN      \]\|^\[       OK \]' "$scratch/log" | head -n 120 | sed 's/^/   /'
+	fi
+	group_passed=$((group_passed + good))
+	group_failed=$((group_failed + bad))
+	skipped=$((skipped + skips))
+}
+
+run_programs() { # build group
+	local source program
+	for source in tests/"$2"/test_*.c tests/"$2"/test_*.cpp; do
+		[ -f "$source" ] || continue
+		program=$1/${source%.*}
+		if [ -x "$program" ]; then
+			run_program "$program"
+		else
+			echo "FAIL $program was not built"
+			group_failed=$((group_failed + 1))
+		fi
+	done
+}
+
+run_cli() { # build
+	local closing status
+	GLOWWORM=$1/glowworm tests/cli/run >"$scratch/log" 2>&1
+	status=$?
+	closing=$(tail -n 1 "$scratch/log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p')
+	sed '$d' "$scratch/log"
+	if [ -n "$closing" ]; then
+		group_passed=${closing% *}
+		group_failed=${closing#* }
+	else
+		tail -n 1 "$scratch/log"
+		group_failed=1
+	fi
+	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
+}
+
+run_lint() { # build
+	local script
+	for script in tests/lint/check_*.sh tests/lint/test_*.sh; do
+		if BUILD=$1 timeout "$limit" bash "$script" >"$scratch/log" 2>&1; then
+			group_passed=$((group_passed + 1))
+		else
+			group_failed=$((group_failed + 1))
+			echo "FAIL $script"
+			head -n 60 "$scratch/log" | sed 's/^/   /'
+		fi
+	done
+}
+
+for item in "$@"; do
+	build=${item%:*} group=${item##*:}
+	group_passed=0 group_failed=0
+	begin=$(date +%s)
