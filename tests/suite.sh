@@ -106,3 +106,24 @@ for item in "$@"; do
 	build=${item%:*} group=${item##*:}
 	group_passed=0 group_failed=0
 	begin=$(date +%s)
+	case $build in
+	*sanitize*) export ASAN_OPTIONS="detect_leaks=1:allocator_may_return_null=1" ;;
+	*) unset ASAN_OPTIONS ;;
+	esac
+	case $group in
+	unit | physics | hostile) run_programs "$build" "$group" ;;
+	cli) run_cli "$build" ;;
+	lint) run_lint "$build" ;;
+	*)
+		echo "tests/suite.sh: there is no group $group" >&2
+		exit 2
+		;;
+	esac
+	printf '%-24s %5d passed %4d failed %5d s\n' "$build $group" "$group_passed" "$group_failed" \
+		$(($(date +%s) - begin))
+	passed=$((passed + group_passed))
+	failed=$((failed + group_failed))
+done
+[ "$skipped" -eq 0 ] || echo "$skipped skipped"
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

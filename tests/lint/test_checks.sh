@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# The checks in this folder find what they look for: a clean small tree passes each of them, and
+# the same tree with one fault put in fails the check that is meant for it, with the right words.
+set -u
+here=$(cd "$(dirname "$0")" && pwd)
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/glowworm-lint.XXXXXX") || exit 70
+trap 'rm -rf "$scratch"' EXIT
+bad=0
+
+make_tree() {
+	rm -rf "$scratch/tree"
+	mkdir -p "$scratch"/tree/{lib,formats,cli,shaders,tests/cli,build}
+	cd "$scratch/tree" || exit 70
+	printf 'int gw_one(void);\n' >lib/one.h
+	printf '#include "one.h"\n\n/* exit(1) */\nint gw_one(void)\n{\n\treturn 1;\n}\n' >lib/one.c
+	printf '# lib\n- `one.h` `one.c` one\n' >lib/README.md
+	printf '#include "one.h"\n\nint two(void);\n' >formats/two.h
+	printf '# formats\n- `two.h` two\n' >formats/README.md
+	printf '# Prints one.\necho 1\n' >tests/cli/prints.sh
+	printf '#!/bin/sh\necho 1\n' >tests/cli/run
+	chmod +x tests/cli/run
+}
+
+build_library() {
+	gcc -c -o build/one.o lib/one.c && rm -f build/libglowworm.a &&
+		ar rcs build/libglowworm.a build/one.o
+}
+
+run_check() { # check
+	BUILD=build bash "$here/check_$1.sh" "$scratch/tree" >"$scratch/found" 2>&1
+}
+
+expect_clean() { # check
+	if ! run_check "$1"; then
+		echo "check_$1.sh complains about a clean tree:"
+		cat "$scratch/found"
+		bad=1
+	fi
+}
+
+# Puts a fault into a clean tree and wants the check to fail and to say so.
+expect_fault() { # check words command...
+	local check=$1 words=$2
+	shift 2
+	make_tree
+	eval "$*"
+	if [ "$check" = symbols ]; then build_library; fi
+	if run_check "$check"; then
+		echo "check_$check.sh does not see: $*"
+		bad=1
+	elif ! grep -qF -- "$words" "$scratch/found"; then
+		echo "check_$check.sh fails without saying '$words' after: $*"
+		cat "$scratch/found"
+		bad=1
+	fi
+}
+
+make_tree
+build_library
+for check in readme layers style symbols scripts; do
+	expect_clean "$check"
+done
+
+expect_fault readme 'does not name three.c' 'echo "int x;" >lib/three.c'
+expect_fault readme 'names one.c, which is not' 'rm lib/one.c'
+expect_fault readme 'there is no cli/README.md' 'echo "int x;" >cli/three.c'
+expect_fault readme 'begins with no comment' 'echo "echo 1" >tests/cli/prints.sh'
+
+expect_fault layers 'includes two.h' 'echo "#include \"two.h\"" >>lib/one.c'
+expect_fault layers 'includes four.h' \
+	'echo "int x;" >cli/four.h; echo "#include \"four.h\"" >>formats/two.h'
+expect_fault layers 'lib/one.c:8: prints' 'echo "void f(void) { printf(\"x\"); }" >>lib/one.c'
+expect_fault layers 'prints' 'echo "void f(void) { fprintf(stderr, \"x\"); }" >>lib/one.c'
+expect_fault layers 'prints' 'echo "void f(void) { exit(1); }" >>formats/two.h'
+
+expect_fault style 'blanks at the end' 'printf "int x; \n" >>lib/one.h'
+expect_fault style 'no newline' 'printf "int x;" >>lib/one.h'
+expect_fault style '101 columns' 'printf "/* %95s */\n" x | tr " " - >>lib/one.h'
+expect_fault style 'indented with blanks' 'printf "int f(void)\n{\n    return 1;\n}\n" >>lib/one.c'
+expect_fault style 'not ASCII' 'printf "/* \303\251 */\n" >>lib/one.h'
+expect_fault style 'an invisible character' 'printf "a\342\200\213b\n" >>lib/README.md'
+expect_fault style 'a control character' 'printf "a\rb\n" >>lib/README.md'
+expect_fault style 'more than one file' 'cp lib/one.h formats/one.h'
+expect_fault style 'upper case' 'echo "int x;" >lib/Three.h'
+expect_fault style 'odd characters' 'echo "int x;" >"lib/a b.h"'
+expect_fault style 'a function of 103 lines' \
+	'{ echo "void f(void)"; echo "{"; yes "	;" | head -n 101; echo "}"; } >>lib/one.c'
+
+expect_fault symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c'
+expect_fault symbols 'no function' 'echo "static int x;" >lib/one.c'
+expect_fault symbols 'counter: a global' 'echo "int counter = 1;" >>lib/one.c'
+
+expect_fault scripts 'not executable' 'chmod -x tests/cli/run'
+expect_fault scripts 'unexpected' 'echo "if true; then" >>tests/cli/prints.sh'
+
+[ "$bad" -eq 0 ]
