@@ -1,0 +1,39 @@
+/*
+ * neighbour_index.h - FLANN's exact k-d tree, behind functions that throw nothing.
+ */
+#ifndef NEIGHBOUR_INDEX_H
+#define NEIGHBOUR_INDEX_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct gw_neighbour_index gw_neighbour_index;
+
+/*
+ * Builds a tree over count (1..2^30) finite points of about unit size.
+ *   position  3 * count; borrowed until gw_neighbour_index_free
+ * Returns NULL when memory is short.
+ */
+gw_neighbour_index *gw_neighbour_index_build(float *position, size_t count);
+void gw_neighbour_index_free(gw_neighbour_index *index);
+
+/*
+ * Finds the k points nearest to each of query_count queries, nearest first. Several threads may
+ * search one index at the same time.
+ *   k         1..number of points in the tree
+ *   found     k * query_count indices
+ *   squared   k * query_count squared distances
+ * Returns false when memory is short.
+ */
+bool gw_neighbour_index_search(const gw_neighbour_index *index, float *query, size_t query_count,
+                               size_t k, int *found, float *squared);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,354 @@
+/*
+ * surfel_disc.c - the piece of surface that each point stands for; see surfel_steps.h.
+ *
+ * Neighbours on the same surface (like normals, near the plane) are projected to the plane of the
+ * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
+ * overlap, so areas add up whatever the distribution of the points. Where the neighbours leave one
+ * side empty, the surface ends; the cell and the disc are cut there.
+ */
+#include "surfel_steps.h"
+
+#include "memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DIRECTIONS 16       /* in which the neighbours' extent is looked at */
+#define DISC_RANK 8         /* the disc reaches to this neighbour on the surface */
+#define SAME_SURFACE 0.6    /* least cosine between normals */
+#define SLAB 0.35           /* half thickness of the plane, in distances of the furthest neighbour */
+#define SLAB_MAX 0.8        /* the same with noise */
+#define FIT_SLAB 0.6        /* half thickness within which noise is measured */
+#define LONE_RADIUS 0.01f   /* metres, of a scene that is one point */
+#define CORNERS 34          /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
+
+static const double pi = 3.14159265358979323846;
+
+/* Cosine and sine of the directions. */
+static const double direction_x[DIRECTIONS] = {
+	1, 0.92387953251128674, 0.70710678118654752, 0.38268343236508977,
+	0, -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
+	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
+	0, 0.38268343236508977, 0.70710678118654752, 0.92387953251128674,
+};
+static const double direction_y[DIRECTIONS] = {
+	0, 0.38268343236508977, 0.70710678118654752, 0.92387953251128674,
+	1, 0.92387953251128674, 0.70710678118654752, 0.38268343236508977,
+	0, -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
+	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
+};
+
+/*
+ * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
+ * there, by number of neighbours: with 16 it is 0.45 (measured: less leaves discs that stick out
+ * over edges, more cuts discs inside a surface). For fewer, the extent that as many points, spread
+ * evenly over a disc, fall short of with the same probability (1.75 %); at least 0.15.
+ */
+static const double open_extent[GW_NEIGHBOURS + 1] = {
+	0, 0, 0, 0, 0.15, 0.15, 0.15, 0.15, 0.16, 0.22, 0.27, 0.31, 0.34, 0.37, 0.40, 0.43, 0.45,
+};
+
+/* A neighbour in the plane of the surfel's normal. */
+typedef struct flat_point {
+	double x, y, height; /* along tangent, bitangent, normal, metres */
+	double distance;     /* in the plane */
+} flat_point;
+
+typedef struct half_plane {
+	double x, y, offset; /* unit direction; inside is x u + y v <= offset */
+} half_plane;
+
+typedef struct disc_step {
+	gw_neighbours *search;
+	gw_surfels *surfels;
+	float *gap;       /* NULL or count */
+	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+} disc_step;
+
+/* Neighbours with a normal like the surfel's; unoriented normals may be opposite. */
+static uint32_t flatten(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+                        flat_point *flat)
+{
+	const float *n = s->normal + 3 * surfel;
+	float t[3], b[3];
+	uint32_t count = 0;
+	gw_tangent_frame(n, t, b);
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		const float *m = s->normal + 3 * other;
+		double cosine = (double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
+		if (s->two_sided[surfel] || s->two_sided[other])
+			cosine = fabs(cosine);
+		if (!(cosine > SAME_SURFACE))
+			continue;
+		flat_point p = { 0, 0, 0, 0 };
+		for (size_t k = 0; k < 3; k++) {
+			double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
+			p.x += d * (double)t[k];
+			p.y += d * (double)b[k];
+			p.height += d * (double)n[k];
+		}
+		p.distance = sqrt(p.x * p.x + p.y * p.y);
+		flat[count++] = p;
+	}
+	return count;
+}
+
+/* Sums of a least-squares plane height = c + a x + b y. */
+typedef struct plane_fit {
+	double n, x, y, xx, xy, yy, h, hx, hy, hh;
+} plane_fit;
+
+static void add_to_fit(plane_fit *fit, const flat_point *p)
+{
+	fit->n += 1;
+	fit->x += p->x;
+	fit->y += p->y;
+	fit->xx += p->x * p->x;
+	fit->xy += p->x * p->y;
+	fit->yy += p->y * p->y;
+	fit->h += p->height;
+	fit->hx += p->height * p->x;
+	fit->hy += p->height * p->y;
+	fit->hh += p->height * p->height;
+}
+
+/*
+ * Tilt of the neighbours' plane against the normal, and their RMS distance from it; three degrees
+ * of freedom are the plane's own. Without enough neighbours, or when they lie on a line, the plane
+ * is the normal's.
+ */
+static double measure_noise(const flat_point *flat, uint32_t count, double reach, double tilt[2])
+{
+	plane_fit f = { .n = 1 }; /* the surfel itself, at 0 */
+	for (uint32_t j = 0; j < count; j++)
+		if (fabs(flat[j].height) <= FIT_SLAB * reach)
+			add_to_fit(&f, flat + j);
+	tilt[0] = tilt[1] = 0;
+	if (f.n < 6)
+		return 0;
+	double xx = f.xx - f.x * f.x / f.n, yy = f.yy - f.y * f.y / f.n, xy = f.xy - f.x * f.y / f.n;
+	double hx = f.hx - f.h * f.x / f.n, hy = f.hy - f.h * f.y / f.n, hh = f.hh - f.h * f.h / f.n;
+	double determinant = xx * yy - xy * xy;
+	if (!(determinant > 1e-3 * (xx + yy) * (xx + yy)))
+		return sqrt(fmax(hh, 0) / (f.n - 1));
+	double a = (hx * yy - hy * xy) / determinant, b = (hy * xx - hx * xy) / determinant;
+	if (a * a + b * b > 1)
+		return sqrt(fmax(hh, 0) / (f.n - 1));
+	tilt[0] = a;
+	tilt[1] = b;
+	double rest = hh - a * hx - b * hy;
+	return sqrt(fmax(rest, 0) / ((f.n - 3) * (1 + a * a + b * b)));
+}
+
+/* Keeps the neighbours near the plane, nearest in the plane first; returns how many. */
+static uint32_t keep_surface(flat_point *flat, uint32_t count, double slab, const double tilt[2])
+{
+	uint32_t kept = 0;
+	for (uint32_t j = 0; j < count; j++) {
+		flat_point p = flat[j];
+		if (fabs(p.height - tilt[0] * p.x - tilt[1] * p.y) > slab)
+			continue;
+		uint32_t at = kept++;
+		for (; at > 0 && p.distance < flat[at - 1].distance; at--)
+			flat[at] = flat[at - 1];
+		flat[at] = p;
+	}
+	return kept;
+}
+
+/*
+ * How far the surface goes on beyond its last point. On average this is half the distance between
+ * points: for regular points the distance to the nearest, for random ones the mean distance to the
+ * nearest is half a spacing and the last point of an edge a quarter of a spacing from it.
+ */
+static double edge_margin(const flat_point *kept, double reach)
+{
+	return fmin(fmax(0.5 * kept[0].distance, 0.06 * reach), 0.25 * reach);
+}
+
+/* At most two half-planes beyond which the surface has no points; the second at 60 degrees or more
+ * from the first. */
+static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane edge[2])
+{
+	double reach = kept[count - 1].distance, extent[DIRECTIONS];
+	uint32_t found = 0;
+	int first = 0;
+	for (int d = 0; d < DIRECTIONS; d++) {
+		extent[d] = 0;
+		for (uint32_t j = 0; j < count; j++)
+			extent[d] = fmax(extent[d], direction_x[d] * kept[j].x + direction_y[d] * kept[j].y);
+	}
+	for (; found < 2; found++) {
+		int best = -1;
+		for (int d = 0; d < DIRECTIONS; d++) {
+			int turn = abs(d - first), apart = turn > DIRECTIONS / 2 ? DIRECTIONS - turn : turn;
+			if (found == 1 && apart * 6 < DIRECTIONS)
+				continue;
+			if (best < 0 || extent[d] < extent[best])
+				best = d;
+		}
+		if (!(extent[best] < open_extent[count] * reach))
+			break;
+		edge[found] = (half_plane){ direction_x[best], direction_y[best],
+			                        extent[best] + edge_margin(kept, reach) };
+		first = best;
+	}
+	return found;
+}
+
+/* Cuts a convex polygon by a half-plane; returns its number of corners. */
+static int cut_polygon(double (*corner)[2], int count, const half_plane *h)
+{
+	double cut[2 * CORNERS][2]; /* rounding may add corners to thin slivers */
+	int left = 0;
+	for (int i = 0; i < count; i++) {
+		const double *a = corner[i], *b = corner[(i + 1) % count];
+		double over_a = h->x * a[0] + h->y * a[1] - h->offset;
+		double over_b = h->x * b[0] + h->y * b[1] - h->offset;
+		if (over_a <= 0) {
+			cut[left][0] = a[0];
+			cut[left++][1] = a[1];
+		}
+		if ((over_a < 0 && over_b > 0) || (over_a > 0 && over_b < 0)) {
+			double at = over_a / (over_a - over_b);
+			cut[left][0] = a[0] + at * (b[0] - a[0]);
+			cut[left++][1] = a[1] + at * (b[1] - a[1]);
+		}
+	}
+	if (left > CORNERS)
+		left = CORNERS;
+	memcpy(corner, cut, (size_t)left * sizeof *cut);
+	return left;
+}
+
+static double polygon_radius(double (*corner)[2], int count)
+{
+	double squared = 0;
+	for (int i = 0; i < count; i++)
+		squared = fmax(squared, corner[i][0] * corner[i][0] + corner[i][1] * corner[i][1]);
+	return sqrt(squared);
+}
+
+/* Area of the Voronoi cell, within the disc and the edges. */
+static double cell_area(const flat_point *kept, uint32_t count, double radius,
+                        const half_plane *edge, uint32_t edges)
+{
+	double corner[CORNERS][2], area = 0;
+	/* A regular polygon of the disc's area: n/2 sin(2 pi/n) R^2 = pi r^2, for 16 corners. */
+	double outer = radius * 1.0130112;
+	int corners = DIRECTIONS;
+	for (int d = 0; d < DIRECTIONS; d++) {
+		corner[d][0] = outer * direction_x[d];
+		corner[d][1] = outer * direction_y[d];
+	}
+	for (uint32_t e = 0; e < edges; e++)
+		corners = cut_polygon(corner, corners, edge + e);
+	for (uint32_t j = 0; j < count; j++) {
+		if (0.5 * kept[j].distance >= polygon_radius(corner, corners))
+			break;
+		if (!(kept[j].distance > 0))
+			continue;
+		half_plane bisector = { kept[j].x / kept[j].distance, kept[j].y / kept[j].distance,
+			                    0.5 * kept[j].distance };
+		corners = cut_polygon(corner, corners, &bisector);
+	}
+	for (int i = 0; i < corners; i++) {
+		const double *a = corner[i], *b = corner[(i + 1) % corners];
+		area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+	}
+	return area;
+}
+
+static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
+{
+	gw_surfels *s = step->surfels;
+	float radius = list->count ? 0.5f * list->distance[0] : LONE_RADIUS;
+	s->radius[surfel] = radius;
+	s->area[surfel] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+	step->isolated[surfel] = 1;
+}
+
+static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	disc_step *step = user;
+	gw_surfels *s = step->surfels;
+	flat_point flat[GW_NEIGHBOURS];
+	double tilt[2];
+	s->nearest[surfel] = gw_neighbours_nearest(step->search, surfel, list);
+	if (step->gap)
+		step->gap[surfel] = list->count ? list->distance[0] : INFINITY;
+
+	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
+	uint32_t count = flatten(s, surfel, list, flat);
+	double noise = measure_noise(flat, count, reach, tilt);
+	double slab = fmin(SLAB * reach + 2 * noise, SLAB_MAX * reach);
+	uint32_t kept = keep_surface(flat, count, slab, tilt);
+	s->noise[surfel] = (float)noise;
+	if (kept < 3 || !(flat[0].distance > 0)) {
+		store_isolated(step, surfel, list);
+		return;
+	}
+	half_plane edge[2];
+	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
+	uint32_t edges = find_edges(flat, kept, edge);
+	double area = cell_area(flat, kept, radius, edge, edges);
+	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
+	s->area[surfel] = fmaxf((float)area, FLT_MIN);
+	for (uint32_t e = 0; e < edges; e++) {
+		s->clip[6 * surfel + 3 * e] = (float)edge[e].x;
+		s->clip[6 * surfel + 3 * e + 1] = (float)edge[e].y;
+		s->clip[6 * surfel + 3 * e + 2] = (float)edge[e].offset;
+	}
+}
+
+/* Isolated surfels are lit from both sides and no larger than the median of the others. */
+static gw_status finish(disc_step *step, gw_error *error)
+{
+	gw_surfels *s = step->surfels;
+	float *width = gw_allocate_array(s->count, sizeof *width);
+	size_t measured = 0;
+	if (!width)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the spacing of %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		if (!step->isolated[i])
+			width[measured++] = sqrtf(s->area[i]);
+	float median = measured ? gw_rank_float(width, measured, measured / 2) : INFINITY;
+	for (size_t i = 0; i < s->count; i++) {
+		if (step->isolated[i]) {
+			float radius = fminf(s->radius[i], median);
+			s->radius[i] = radius;
+			s->area[i] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+			s->two_sided[i] = 1;
+		}
+		s->given_area += (double)s->area[i];
+		width[i] = sqrtf(s->area[i]);
+	}
+	s->spacing = gw_rank_float(width, s->count, s->count / 2);
+	free(width);
+	return GW_OK;
+}
+
+gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, gw_error *error)
+{
+	disc_step step = { .search = search, .surfels = surfels, .gap = gap };
+	size_t n = surfels->count;
+	surfels->nearest = gw_allocate_array(n, sizeof(float));
+	surfels->radius = gw_allocate_array(n, sizeof(float));
+	surfels->area = gw_allocate_array(n, sizeof(float));
+	surfels->clip = gw_allocate_zeros(n, 6 * sizeof(float));
+	surfels->noise = gw_allocate_array(n, sizeof(float));
+	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
+	gw_status status = GW_OK;
+	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
+	    !surfels->noise || !step.isolated)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, make_disc, &step, error);
+	if (status == GW_OK)
+		status = finish(&step, error);
+	free(step.isolated);
+	return status;
+}

@@ -1,0 +1,91 @@
+/*
+ * surfel_steps.h - the steps from points to surfels, one after the other. Internal to lib/.
+ *
+ *   frame       gw_frame_make        local coordinates, canonical order, duplicates merged
+ *   neighbours  gw_neighbours_open   a search structure; gw_neighbours_visit goes over all surfels
+ *   normals     gw_normals_complete  estimates and orients the normals that are missing
+ *   disc        gw_discs_make        area, radius, clip planes, noise and region of influence
+ *
+ * Every step fills its arrays of gw_surfels; gw_surfels_make frees them when a step fails.
+ */
+#ifndef SURFEL_STEPS_H
+#define SURFEL_STEPS_H
+
+#include "surfels.h"
+
+/* Coordinates further than this from 0 count as not finite, metres: volumes still fit a float. */
+#define GW_COORDINATE_MAX 1e12
+
+/*
+ * Fills what follows from the points alone: count, origin, bounds, position, albedo, emission,
+ * the given normals (missing ones are 0, 0, 0), normal_length, surfel_of_point and the counts of
+ * repairs; allocates two_sided (1 where merged normals oppose each other).
+ * Fails with GW_ERROR_DATA when no point is finite or there are more than 2^30, and with
+ * GW_ERROR_MEMORY.
+ */
+gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
+                        gw_surfels *surfels, gw_error *error);
+
+/* Search structure for the nearest neighbours of surfels. */
+typedef struct gw_neighbours gw_neighbours;
+
+/* The surfels nearest to one, by distance and then by index; itself left out. */
+typedef struct gw_neighbour_list {
+	uint32_t count;                   /* min(GW_NEIGHBOURS, surfels - 1) */
+	uint32_t index[GW_NEIGHBOURS];
+	float distance[GW_NEIGHBOURS];    /* Euclidean, metres */
+} gw_neighbour_list;
+
+/* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
+typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
+
+/*
+ * Builds the search structure over surfels->position, which must stay unchanged until it is closed.
+ *   keep      whether lists will be visited more than once: they are then stored (64 bytes a
+ *             surfel) when options->memory allows, and searched again each time when not
+ *   search    on success to be closed with gw_neighbours_close
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
+                             bool keep, gw_neighbours **search, gw_error *error);
+void gw_neighbours_close(gw_neighbours *search);
+
+/* Calls visit for every surfel. Fails with GW_ERROR_CANCELLED or GW_ERROR_MEMORY. */
+gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
+                              gw_error *error);
+
+/*
+ * The exact distance of a surfel to the nearest other one in the maximum norm, metres; infinity
+ * when there is no other. Thread-safe; when memory for a longer search is short, the next visit's
+ * status says so.
+ */
+float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list);
+
+/*
+ * Estimates normals that are 0, 0, 0, orients them and sets two_sided where they cannot be trusted.
+ * Orientation, by the first of these that the scene has: to the scanner; to the nearest point or
+ * spot light; against the first sun's direction (lights without power count as absent); upwards
+ * when the cloud is less than half as high as it is wide, else to the middle of its bounds - and
+ * then all estimated normals count as not to be trusted.
+ */
+gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
+                              gw_neighbours *search, gw_surfels *surfels, gw_error *error);
+
+/*
+ * Fills nearest, radius, area, clip, noise, spacing and given_area, and sets two_sided of surfels
+ * that have fewer than three neighbours on their surface.
+ *   gap   NULL or count floats that receive the Euclidean distance to the nearest other surfel
+ */
+gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, gw_error *error);
+
+/* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
+gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
+                                    gw_surfels *surfels, float **gap, gw_error *error);
+
+/*
+ * Value of rank `rank` (0 is the smallest) among count non-negative floats, without sorting them.
+ *   rank  below count
+ */
+float gw_rank_float(const float *values, size_t count, size_t rank);
+
+#endif

@@ -1,0 +1,106 @@
+/* surfels.c - runs the steps from points to surfels; see surfels.h. */
+#include "surfel_steps.h"
+
+#include "memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3])
+{
+	float s = normal[2] >= 0.0f ? 1.0f : -1.0f;
+	float a = -1.0f / (s + normal[2]), c = normal[0] * normal[1] * a;
+	tangent[0] = 1.0f + s * normal[0] * normal[0] * a;
+	tangent[1] = s * c;
+	tangent[2] = -s * normal[0];
+	bitangent[0] = c;
+	bitangent[1] = s + normal[1] * normal[1] * a;
+	bitangent[2] = -normal[1];
+}
+
+/* Two counting passes over the float's bits, which order non-negative floats as integers. */
+float gw_rank_float(const float *values, size_t count, size_t rank)
+{
+	uint32_t high = 0, bits;
+	for (int pass = 0; pass < 2; pass++) {
+		uint32_t in_bin[1u << 16] = { 0 };
+		for (size_t i = 0; i < count; i++) {
+			memcpy(&bits, values + i, sizeof bits);
+			if (pass == 0)
+				in_bin[bits >> 16]++;
+			else if (bits >> 16 == high)
+				in_bin[bits & 0xffff]++;
+		}
+		uint32_t bin = 0;
+		for (; bin < 0xffff && rank >= in_bin[bin]; bin++)
+			rank -= in_bin[bin];
+		bits = high << 16 | bin;
+		high = bin;
+	}
+	float value;
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
+                            gw_surfels *surfels, float **gap, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = gw_frame_make(points, options, surfels, error);
+	if (status != GW_OK)
+		return status;
+	bool estimate = surfels->normals_given < surfels->count;
+	if (gap) {
+		*gap = gw_allocate_array(surfels->count, sizeof **gap);
+		if (!*gap)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
+	}
+	status = gw_neighbours_open(surfels, options, estimate, &search, error);
+	if (status != GW_OK)
+		return status;
+	status = gw_normals_complete(points, options, search, surfels, error);
+	if (status == GW_OK)
+		status = gw_discs_make(search, surfels, gap ? *gap : NULL, error);
+	gw_neighbours_close(search);
+	return status;
+}
+
+gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
+                                    gw_surfels *surfels, float **gap, gw_error *error)
+{
+	*surfels = (gw_surfels){ .count = 0 };
+	if (gap)
+		*gap = NULL;
+	gw_status status = make_steps(points, options, surfels, gap, error);
+	if (status != GW_OK) {
+		gw_surfels_clear(surfels);
+		if (gap) {
+			free(*gap);
+			*gap = NULL;
+		}
+	}
+	return status;
+}
+
+gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
+                          gw_surfels *surfels, gw_error *error)
+{
+	return gw_surfels_make_with_gaps(points, options, surfels, NULL, error);
+}
+
+void gw_surfels_clear(gw_surfels *surfels)
+{
+	free(surfels->position);
+	free(surfels->normal);
+	free(surfels->normal_length);
+	free(surfels->albedo);
+	free(surfels->emission);
+	free(surfels->nearest);
+	free(surfels->radius);
+	free(surfels->area);
+	free(surfels->clip);
+	free(surfels->two_sided);
+	free(surfels->noise);
+	free(surfels->surfel_of_point);
+	*surfels = (gw_surfels){ .count = 0 };
+}

@@ -1,0 +1,75 @@
+/*
+ * surfels.h - from bare points to pieces of surface (surfels), on the host.
+ *
+ * Steps, in the order of the data's way: frame (local origin, canonical order, duplicates merged),
+ * neighbours (FLANN), normals (PCL where missing, oriented), region of influence, and for each
+ * point the disc of surface it stands for. Everything downstream works on this struct's order, not
+ * on the input's; `input` and `surfel_of_point` map between the two.
+ */
+#ifndef SURFELS_H
+#define SURFELS_H
+
+#include "glowworm.h"
+
+/* Neighbours a point is described by. */
+#define GW_NEIGHBOURS 16u
+
+/*
+ * The surfels of a cloud. Arrays hold `count` elements (times 3 where said).
+ *
+ * Order is canonical: by Morton key of the position on a 2^21 grid over the bounds, then by the
+ * exact coordinates, so that it does not depend on the order of the input.
+ */
+typedef struct gw_surfels {
+	size_t count;             /* distinct finite positions */
+	double origin[3];         /* of the local frame: integral metres, chosen from the bounds */
+	float minimum[3], maximum[3]; /* bounds in the local frame */
+	float *position;          /* 3 * count, metres in the local frame */
+	float *normal;            /* 3 * count, unit */
+	float *normal_length;     /* count, length of the given normal in (0, 1]: spread of the NDF */
+	float *albedo;            /* 3 * count, linear, clamped to [0, GW_ALBEDO_MAX]; the mean of merged points */
+	float *emission;          /* 3 * count, >= 0; NULL when nothing emits */
+	float *nearest;           /* count, maximum-norm distance to the nearest other surfel, metres
+	                             (Salm 4.3.4); infinity for a cloud of one */
+	float *radius;            /* count, metres, of the disc: distance to the 8th neighbour on the surface */
+	float *area;              /* count, m^2, that the surfel stands for */
+	float *clip;              /* 6 * count: two half-planes in the disc's plane that cut it at edges:
+	                             direction x, y in the disc's tangent frame (gw_tangent_frame) and the
+	                             distance beyond which nothing of it lies; (0, 0, 0): none */
+	uint8_t *two_sided;       /* count, 1 where the normal cannot be trusted: lit from both sides */
+	float *noise;             /* count, metres, RMS distance of the neighbours to the fitted plane */
+	uint32_t *surfel_of_point; /* point_count: surfel of each input point, UINT32_MAX: left out */
+	size_t point_count;
+	float spacing;            /* metres, median distance a surfel's share of surface is wide: sqrt(area) */
+	double given_area;        /* m^2, sum of area */
+	/* What was repaired, for the report. */
+	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
+	    normals_estimated, normals_untrusted, albedo_defaulted;
+} gw_surfels;
+
+typedef struct gw_surfels_options {
+	uint32_t threads;      /* 0: one a core */
+	const gw_light *lights; /* light_count; orient estimated normals when there is no scanner */
+	size_t light_count;
+	uint64_t memory;       /* bytes the step may use beyond its result; chunks follow from it */
+	bool (*cancelled)(void *user);
+	void *user;
+} gw_surfels_options;
+
+/*
+ * Makes the surfels of a cloud.
+ *   surfels   on success owned by the caller, freed with gw_surfels_clear; zeroed on failure
+ * Fails with GW_ERROR_DATA when no point is finite, GW_ERROR_MEMORY, GW_ERROR_CANCELLED.
+ * The result does not depend on the order of the points nor on the number of threads.
+ */
+gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
+                          gw_surfels *surfels, gw_error *error);
+void gw_surfels_clear(gw_surfels *surfels);
+
+/*
+ * Two unit tangents of a unit normal, right-handed (tangent x bitangent = normal), continuous but
+ * for one pole; the shaders' surfel code uses the same formula (Duff et al. 2017, branchless ONB).
+ */
+void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3]);
+
+#endif
