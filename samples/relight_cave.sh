@@ -16,8 +16,10 @@ mkdir -p "$folder/lit"
 [ -e "$folder/cave.ply" ] || "$MAKE_CAVE" -o "$folder/cave.ply"
 
 # One line a lighting: its name, then one lamp or several with / between them. The places are
-# those that `make_cave --stations` prints, so each lamp hangs in the air.
-while read -r name lamps; do
+# those that `make_cave --stations` prints, so each lamp hangs in the air. A line that ends with \
+# goes on in the next, as `read` without -r has it.
+# shellcheck disable=SC2162
+while read name lamps; do
 	output=$folder/lit/$name.ply
 	[ ! -e "$output" ] || continue
 	options=()
@@ -35,7 +37,8 @@ hall-west-warm   spot at 13.5,2.6,1.8 to 19,4.5,3.2 intensity 190,150,105 inner 
 hall-west-blue   spot at 13.5,2.6,1.8 to 19,4.5,3.2 intensity 60,110,200 inner 22 outer 42
 hall-up          spot at 13.5,2.6,1.8 to 15,3,7 intensity 150,140,120 inner 10 outer 60
 hall-east        spot at 20,2.8,1.5 to 13,4,3 intensity 190,150,105 inner 22 outer 42
-hall-crossed     spot at 13.5,2.6,1.8 to 19,4.5,3.2 intensity 200,60,30 inner 20 outer 40 / spot at 20,2.8,1.5 to 13,4,3 intensity 30,80,200 inner 20 outer 40
+hall-crossed     spot at 13.5,2.6,1.8 to 19,4.5,3.2 intensity 200,60,30 inner 20 outer 40 / \
+                 spot at 20,2.8,1.5 to 13,4,3 intensity 30,80,200 inner 20 outer 40
 alcove           point at 16,10.6,1.4 intensity 12,10,8
 headlamp-east    spot at 24.8,0,1.1 to 30,-3,1.4 intensity 80,80,76 inner 12 outer 35
 lava-dimmed      point at 28.6,-3.4,1 intensity 4,5,7

@@ -11,7 +11,7 @@ grep -a -c '^element vertex 3000$' a.ply
 header=$(sed '/^end_header$/q' a.ply | wc -c)
 echo $(($(wc -c <a.ply) - header - 3000 * 39))
 
-# .cloud: a count and 27 bytes a point; its y is the PLY's z, its z the PLY's y with the sign changed.
+# .cloud: a count and 27 bytes a point; its y is the PLY's z, its z the PLY's -y.
 make_cave --points 3000 --format cloud -o a.cloud
 wc -c <a.cloud
 ply=$(od -A n -t f4 -w12 -N 12 -j "$header" a.ply)

@@ -44,7 +44,7 @@ check_stale() {
 	list_files | grep -E '^(cli|lib|formats|shaders|samples|tests|man)/(.*/)?README\.md$' |
 		while read -r readme; do
 			folder=$(dirname "$readme")
-			grep -oE '`[A-Za-z0-9_.-]+\.(c|h|cpp|hpp|comp|glsl|sh)`' "$readme" | tr -d '`' | sort -u |
+			grep -oE '`[A-Za-z0-9_.-]+\.(c|h|cpp|hpp|comp|glsl|sh)`' "$readme" | tr -d '`' |
 				while read -r name; do
 					list_files | grep -qE "^$folder/(.*/)?$name\$" ||
 						echo "$readme: names $name, which is not in $folder/"

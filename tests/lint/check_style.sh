@@ -6,7 +6,8 @@
 . "$(dirname "$0")/tree_files"
 
 list_text() {
-	list_files | grep -E '\.(c|h|cpp|hpp|comp|glsl|sh|md|json|txt|[1-8])$|(^|/)(Makefile|run|tree_files)$'
+	list_files |
+		grep -E '\.(c|h|cpp|hpp|comp|glsl|sh|md|json|txt|[1-8])$|(^|/)(Makefile|run|tree_files)$'
 }
 
 check_lines() {
