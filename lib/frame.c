@@ -51,7 +51,7 @@ static void local_position(const frame *f, size_t point, float local[3])
 	}
 }
 
-static size_t find_bounds(const gw_points *points, double minimum[3], double maximum[3])
+size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maximum[3])
 {
 	size_t finite = 0;
 	for (int k = 0; k < 3; k++) {
@@ -200,13 +200,19 @@ static gw_status sort_points(frame *f, gw_error *error)
 	return GW_OK;
 }
 
+double gw_normal_length(const float n[3])
+{
+	double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+	return length > 1e-20 && isfinite(length) ? length : 0;
+}
+
 static void add_normal(const frame *f, size_t point, merged *sum)
 {
 	if (!f->points->normal)
 		return;
 	const float *n = f->points->normal + 3 * point;
-	double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
-	if (!(length > 1e-20) || !isfinite(length))
+	double length = gw_normal_length(n);
+	if (length <= 0)
 		return;
 	double given = fmin(length, 1);
 	for (int k = 0; k < 3; k++) {
@@ -373,7 +379,7 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 		return gw_fail(error, GW_ERROR_DATA,
 		               "the scene has %zu points; at most 2^30 can be baked at once, split it",
 		               points->count);
-	f.finite = find_bounds(points, minimum, maximum);
+	f.finite = gw_finite_bounds(points, minimum, maximum);
 	if (f.finite == 0)
 		return gw_fail(error, GW_ERROR_DATA,
 		               "none of the %zu points has finite coordinates within %g m of 0",

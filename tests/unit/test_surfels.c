@@ -1,0 +1,888 @@
+/* Surfels: frame, neighbours, normals, and the surface each point stands for. */
+#include "surfel_steps.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define PI 3.14159265358979323846
+
+/* A cloud under test; normals and the rest are there when allocated. */
+typedef struct cloud {
+	size_t count;
+	double *position;
+	float *normal, *albedo, *emission;
+} cloud;
+
+static uint64_t random_state;
+
+/* Random in [0, 1), the same numbers every run (splitmix64). */
+static double uniform(void)
+{
+	uint64_t z = random_state += 0x9e3779b97f4a7c15u;
+	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+	return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+static double gaussian(void)
+{
+	return sqrt(-2 * log(1 - uniform())) * cos(2 * PI * uniform());
+}
+
+static void *must_allocate(size_t count, size_t size)
+{
+	void *array = calloc(count ? count : 1, size);
+	assert_non_null(array);
+	return array;
+}
+
+static cloud make_cloud(size_t count, bool normals)
+{
+	random_state = count;
+	return (cloud){ .count = count,
+		            .position = must_allocate(count, 3 * sizeof(double)),
+		            .normal = normals ? must_allocate(count, 3 * sizeof(float)) : NULL };
+}
+
+static void clear_cloud(cloud *c)
+{
+	free(c->position);
+	free(c->normal);
+	free(c->albedo);
+	free(c->emission);
+}
+
+static void set_point(cloud *c, size_t i, double x, double y, double z)
+{
+	c->position[3 * i] = x;
+	c->position[3 * i + 1] = y;
+	c->position[3 * i + 2] = z;
+}
+
+static gw_points points_of(const cloud *c)
+{
+	return (gw_points){ .count = c->count,
+		                .position = c->position,
+		                .normal = c->normal,
+		                .albedo = c->albedo,
+		                .emission = c->emission };
+}
+
+static gw_surfels make_with(const gw_points *points, const gw_surfels_options *options)
+{
+	gw_surfels s;
+	gw_error error = { 0 };
+	if (gw_surfels_make(points, options, &s, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	return s;
+}
+
+static gw_surfels make(const cloud *c)
+{
+	gw_points points = points_of(c);
+	return make_with(&points, &(gw_surfels_options){ .threads = 2 });
+}
+
+static void assert_near(double a, double b, double tolerance)
+{
+	if (!(fabs(a - b) <= tolerance))
+		fail_msg("%.9g is not %.9g within %.3g", a, b, tolerance);
+}
+
+/* Every number of every surfel is one that later steps can work with. */
+static void assert_sane(const gw_surfels *s)
+{
+	for (size_t i = 0; i < s->count; i++) {
+		const float *n = s->normal + 3 * i;
+		assert_near((double)(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), 1, 1e-5);
+		assert_true(s->normal_length[i] > 0 && s->normal_length[i] <= 1);
+		assert_true(s->nearest[i] > 0 && (isfinite(s->nearest[i]) || s->count == 1));
+		assert_true(isfinite(s->radius[i]) && s->radius[i] > 0);
+		assert_true(isfinite(s->area[i]) && s->area[i] > 0);
+		assert_true(isfinite(s->noise[i]) && s->noise[i] >= 0);
+		for (size_t k = 0; k < 6; k++)
+			assert_true(isfinite(s->clip[6 * i + k]));
+		for (size_t k = 0; k < 3; k++) {
+			assert_true(s->albedo[3 * i + k] >= 0 && s->albedo[3 * i + k] <= GW_ALBEDO_MAX);
+			assert_true(s->position[3 * i + k] >= s->minimum[k]);
+			assert_true(s->position[3 * i + k] <= s->maximum[k]);
+		}
+	}
+	assert_true(isfinite(s->spacing) && s->spacing > 0);
+	assert_true(isfinite(s->given_area) && s->given_area > 0);
+}
+
+static void assert_equal_floats(const float *a, const float *b, size_t count)
+{
+	assert_true((a == NULL) == (b == NULL));
+	if (a)
+		assert_memory_equal(a, b, count * sizeof *a);
+}
+
+static void assert_same_surfels(const gw_surfels *a, const gw_surfels *b)
+{
+	assert_int_equal(a->count, b->count);
+	assert_equal_floats(a->position, b->position, 3 * a->count);
+	assert_equal_floats(a->normal, b->normal, 3 * a->count);
+	assert_equal_floats(a->normal_length, b->normal_length, a->count);
+	assert_equal_floats(a->albedo, b->albedo, 3 * a->count);
+	assert_equal_floats(a->emission, b->emission, 3 * a->count);
+	assert_equal_floats(a->nearest, b->nearest, a->count);
+	assert_equal_floats(a->radius, b->radius, a->count);
+	assert_equal_floats(a->area, b->area, a->count);
+	assert_equal_floats(a->clip, b->clip, 6 * a->count);
+	assert_equal_floats(a->noise, b->noise, a->count);
+	assert_memory_equal(a->two_sided, b->two_sided, a->count);
+	assert_true(a->given_area == b->given_area && a->spacing == b->spacing);
+}
+
+/* ------------------------------------------------------------------------------- test clouds */
+
+/* Moves a point along its normal by Gaussian noise and turns the normal by some degrees. */
+static void set_noisy(cloud *c, size_t i, const double p[3], const double n[3], double noise,
+                      double degrees)
+{
+	double turned[3], length = 0, along = noise > 0 ? noise * gaussian() : 0;
+	set_point(c, i, p[0] + along * n[0], p[1] + along * n[1], p[2] + along * n[2]);
+	for (int k = 0; k < 3; k++) {
+		turned[k] = n[k] + (degrees > 0 ? degrees * PI / 180 * gaussian() : 0);
+		length += turned[k] * turned[k];
+	}
+	for (size_t k = 0; k < 3 && c->normal; k++)
+		c->normal[3 * i + k] = (float)(turned[k] / sqrt(length));
+}
+
+/* Random points on the unit sphere; noise in mean spacings. */
+static cloud make_sphere(size_t count, bool normals, double noise, double degrees)
+{
+	cloud c = make_cloud(count, normals);
+	double spacing = sqrt(4 * PI / (double)count);
+	for (size_t i = 0; i < count; i++) {
+		double z = 2 * uniform() - 1, a = 2 * PI * uniform(), r = sqrt(1 - z * z);
+		double n[3] = { r * cos(a), r * sin(a), z };
+		set_noisy(&c, i, n, n, noise * spacing, degrees);
+	}
+	return c;
+}
+
+/* Random points on the faces of the unit cube. */
+static cloud make_box(size_t count, bool normals, double noise, double degrees)
+{
+	cloud c = make_cloud(count, normals);
+	double spacing = sqrt(6 / (double)count);
+	for (size_t i = 0; i < count; i++) {
+		size_t face = (size_t)(6 * uniform()), k = face % 3;
+		double p[3], n[3] = { 0, 0, 0 };
+		n[k] = face < 3 ? -1 : 1;
+		p[k] = face < 3 ? 0 : 1;
+		p[(k + 1) % 3] = uniform();
+		p[(k + 2) % 3] = uniform();
+		set_noisy(&c, i, p, n, noise * spacing, degrees);
+	}
+	return c;
+}
+
+/* A square of side x side points, one unit apart, facing up. */
+static cloud make_grid(size_t side)
+{
+	cloud c = make_cloud(side * side, true);
+	for (size_t i = 0; i < c.count; i++) {
+		set_point(&c, i, (double)(i % side), (double)(i / side), 0);
+		c.normal[3 * i + 2] = 1;
+	}
+	return c;
+}
+
+/* Points in a cube on a 2^-20 grid, some twice, with all attributes. */
+static cloud make_mixed(size_t count)
+{
+	cloud c = make_cloud(count, true);
+	c.albedo = must_allocate(count, 3 * sizeof(float));
+	c.emission = must_allocate(count, 3 * sizeof(float));
+	for (size_t i = 0; i < count; i++) {
+		size_t same = uniform() < 0.2 && i > 0 ? (size_t)(uniform() * (double)i) : i;
+		for (size_t k = 0; k < 3; k++) {
+			double x = floor(uniform() * (k == 2 ? 0x1p17 : 0x1p20)) * 0x1p-20;
+			c.position[3 * i + k] = same < i ? c.position[3 * same + k] : x;
+			c.normal[3 * i + k] = (float)(uniform() - 0.5) * (uniform() < 0.1 ? 0 : 1);
+			c.albedo[3 * i + k] = (float)uniform();
+			c.emission[3 * i + k] = (float)uniform();
+		}
+	}
+	return c;
+}
+
+/* --------------------------------------------------------------------------------------- frame */
+
+static void moving_by_whole_metres_changes_no_bit(void **state)
+{
+	(void)state;
+	cloud c = make_mixed(3000);
+	gw_surfels before = make(&c);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, c.position[3 * i] + 5e5, c.position[3 * i + 1] + 5.4e6,
+		          c.position[3 * i + 2] + 100);
+	gw_surfels after = make(&c);
+	assert_same_surfels(&before, &after);
+	assert_near(after.origin[0] - before.origin[0], 5e5, 0);
+	assert_near(after.origin[1] - before.origin[1], 5.4e6, 0);
+	gw_surfels_clear(&before);
+	gw_surfels_clear(&after);
+	clear_cloud(&c);
+}
+
+static void swap_values(void *array, size_t size, size_t a, size_t b)
+{
+	unsigned char kept[3 * sizeof(double)];
+	unsigned char *bytes = array;
+	memcpy(kept, bytes + a * size, size);
+	memcpy(bytes + a * size, bytes + b * size, size);
+	memcpy(bytes + b * size, kept, size);
+}
+
+static void order_and_threads_change_no_bit(void **state)
+{
+	(void)state;
+	cloud c = make_mixed(5000);
+	gw_points points = points_of(&c);
+	gw_surfels one = make_with(&points, &(gw_surfels_options){ .threads = 1 });
+	gw_surfels three = make_with(&points, &(gw_surfels_options){ .threads = 3 });
+	/* 32 bytes a point is enough to sort, 56 + 64 would be needed to keep the neighbour lists. */
+	gw_surfels small = make_with(&points, &(gw_surfels_options){ .memory = 5000 * 60 });
+	assert_same_surfels(&one, &three);
+	assert_same_surfels(&one, &small);
+	assert_true(one.duplicates > 500 && one.normals_estimated > 0 && one.count < c.count);
+
+	size_t *where = must_allocate(c.count, sizeof *where);
+	for (size_t i = 0; i < c.count; i++)
+		where[i] = i;
+	for (size_t i = c.count - 1; i > 0; i--) {
+		size_t j = (size_t)(uniform() * (double)(i + 1));
+		swap_values(c.position, 3 * sizeof(double), i, j);
+		swap_values(c.normal, 3 * sizeof(float), i, j);
+		swap_values(c.albedo, 3 * sizeof(float), i, j);
+		swap_values(c.emission, 3 * sizeof(float), i, j);
+		swap_values(where, sizeof *where, i, j);
+	}
+	gw_surfels shuffled = make(&c);
+	assert_same_surfels(&one, &shuffled);
+	for (size_t i = 0; i < c.count; i++)
+		assert_int_equal(shuffled.surfel_of_point[i], one.surfel_of_point[where[i]]);
+	free(where);
+	gw_surfels_clear(&one);
+	gw_surfels_clear(&three);
+	gw_surfels_clear(&small);
+	gw_surfels_clear(&shuffled);
+	clear_cloud(&c);
+}
+
+static void points_at_one_place_become_one(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(4, true);
+	const double x[4] = { 1, 3, 1, 1 };
+	const float albedo[4] = { 0.25f, 0.75f, 0.5f, 0.5f }, glow[4] = { 0, 0, 0, 6 };
+	c.albedo = must_allocate(4, 3 * sizeof(float));
+	c.emission = must_allocate(4, 3 * sizeof(float));
+	for (size_t i = 0; i < 4; i++) {
+		set_point(&c, i, x[i], 2, 0);
+		c.normal[3 * i + 2] = 1;
+		for (size_t k = 0; k < 3; k++) {
+			c.albedo[3 * i + k] = albedo[i];
+			c.emission[3 * i + k] = glow[i];
+		}
+	}
+	gw_surfels s = make(&c);
+	assert_int_equal(s.count, 2);
+	assert_int_equal(s.duplicates, 2);
+	assert_int_equal(s.surfel_of_point[0], 0);
+	assert_int_equal(s.surfel_of_point[1], 1);
+	assert_int_equal(s.surfel_of_point[2], 0);
+	assert_int_equal(s.surfel_of_point[3], 0);
+	assert_near((double)s.albedo[0], 1.25 / 3, 1e-7); /* rounded once to float32 */
+	assert_near((double)s.emission[0], 2, 0);
+	assert_near((double)s.nearest[0], 2, 0);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+
+	/* A sheet seen from both sides. */
+	c.normal[3 * 2 + 2] = -1;
+	c.count = 3;
+	s = make(&c);
+	assert_int_equal(s.two_sided[0], 1);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+static void points_that_are_not_finite_are_left_out(void **state)
+{
+	(void)state;
+	cloud c = make_grid(8);
+	c.position[0] = NAN;
+	c.position[3 * 5 + 1] = INFINITY;
+	c.position[3 * 9 + 2] = -INFINITY;
+	c.position[3 * 63] = 1e300;
+	gw_surfels s = make(&c);
+	assert_int_equal(s.non_finite, 4);
+	assert_int_equal(s.count, 60);
+	assert_true(s.surfel_of_point[0] == UINT32_MAX && s.surfel_of_point[63] == UINT32_MAX);
+	assert_true(s.surfel_of_point[5] == UINT32_MAX && s.surfel_of_point[6] != UINT32_MAX);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+
+	for (size_t i = 0; i < 3 * c.count; i++)
+		c.position[i] = NAN;
+	gw_points points = points_of(&c);
+	gw_surfels_options options = { .threads = 1 };
+	gw_error error = { 0 };
+	assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "64 points"));
+	assert_null(s.position);
+	points.count = 0;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_DATA);
+	clear_cloud(&c);
+}
+
+static void attributes_are_repaired_and_counted(void **state)
+{
+	(void)state;
+	cloud c = make_grid(3);
+	c.albedo = must_allocate(9, 3 * sizeof(float));
+	c.emission = must_allocate(9, 3 * sizeof(float));
+	c.albedo[0] = NAN;
+	c.albedo[3] = 1;
+	c.albedo[6] = -2;
+	c.albedo[9] = INFINITY;
+	c.emission[0] = NAN;
+	c.emission[4] = -1;
+	c.emission[8] = INFINITY;
+	gw_surfels s = make(&c);
+	const uint32_t *at = s.surfel_of_point;
+	assert_near((double)s.albedo[3 * at[0]], (double)GW_ALBEDO_DEFAULT, 0);
+	assert_near((double)s.albedo[3 * at[1]], (double)GW_ALBEDO_MAX, 0);
+	assert_near((double)s.albedo[3 * at[2]], 0, 0);
+	assert_near((double)s.albedo[3 * at[3]], (double)GW_ALBEDO_MAX, 0);
+	assert_int_equal(s.albedo_defaulted, 1);
+	assert_int_equal(s.albedo_clamped, 3);
+	assert_int_equal(s.emission_repaired, 3);
+	assert_null(s.emission); /* nothing that is left emits */
+	gw_surfels_clear(&s);
+
+	c.emission[12] = 2;
+	s = make(&c);
+	assert_non_null(s.emission);
+	assert_near((double)s.emission[3 * s.surfel_of_point[4]], 2, 0);
+	gw_surfels_clear(&s);
+	free(c.albedo);
+	c.albedo = NULL;
+	s = make(&c);
+	assert_int_equal(s.albedo_defaulted, 9);
+	assert_near((double)s.albedo[5], (double)GW_ALBEDO_DEFAULT, 0);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* ---------------------------------------------------------------------------------- neighbours */
+
+/* What a visit is compared with. */
+typedef struct comparison {
+	const gw_surfels *surfels;
+	uint8_t *wrong;
+} comparison;
+
+/* The j-th neighbour is at the j-th distance of all, and lists are in order. */
+static void compare_with_brute_force(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const comparison *c = user;
+	const float *p = c->surfels->position;
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t nearer = 0, other = list->index[j];
+		for (size_t i = 0; i < c->surfels->count; i++) {
+			double squared = 0;
+			for (size_t k = 0; k < 3; k++)
+				squared += pow((double)p[3 * i + k] - (double)p[3 * surfel + k], 2);
+			nearer += i != surfel && (float)sqrt(squared) < list->distance[j];
+		}
+		if (nearer > j || other == surfel)
+			c->wrong[surfel] = 1;
+		if (j > 0 && (list->distance[j] < list->distance[j - 1] ||
+		              (list->distance[j] == list->distance[j - 1] && other <= list->index[j - 1])))
+			c->wrong[surfel] = 1;
+	}
+	if (list->count != (c->surfels->count > GW_NEIGHBOURS ? GW_NEIGHBOURS : c->surfels->count - 1))
+		c->wrong[surfel] = 1;
+}
+
+static void neighbours_are_the_nearest(void **state)
+{
+	(void)state;
+	const size_t counts[] = { 2, 5, 17, 18, 1500 };
+	for (size_t t = 0; t < sizeof counts / sizeof *counts; t++) {
+		cloud c = make_sphere(counts[t], true, 0.3, 0);
+		gw_surfels s = make(&c);
+		gw_surfels_options options = { .threads = 2 };
+		gw_neighbours *search = NULL;
+		comparison compare = { &s, must_allocate(s.count, 1) };
+		assert_int_equal(gw_neighbours_open(&s, &options, true, &search, NULL), GW_OK);
+		for (int visit = 0; visit < 2; visit++) /* searched, then from the stored lists */
+			assert_int_equal(gw_neighbours_visit(search, compare_with_brute_force, &compare, NULL),
+			                 GW_OK);
+		for (size_t i = 0; i < s.count; i++)
+			assert_int_equal(compare.wrong[i], 0);
+		gw_neighbours_close(search);
+		free(compare.wrong);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+}
+
+static void assert_nearest_is_exact(const cloud *c)
+{
+	gw_surfels s = make(c);
+	for (size_t i = 0; i < s.count; i++) {
+		double nearest = INFINITY;
+		for (size_t j = 0; j < s.count; j++) {
+			double largest = 0;
+			for (size_t k = 0; k < 3; k++)
+				largest = fmax(largest, fabs((double)s.position[3 * i + k] -
+				                             (double)s.position[3 * j + k]));
+			if (j != i)
+				nearest = fmin(nearest, largest);
+		}
+		assert_true(s.nearest[i] == (float)nearest);
+	}
+	gw_surfels_clear(&s);
+}
+
+static void nearest_is_exact_in_the_maximum_norm(void **state)
+{
+	(void)state;
+	cloud c = make_box(2000, true, 0.5, 0);
+	assert_nearest_is_exact(&c);
+	clear_cloud(&c);
+	/* The worst case: a crowd on an axis hides a point on the diagonal that is nearer in the
+	 * maximum norm, (0.7, 0.7, 0.7) of Euclidean length 1.21. */
+	c = make_cloud(202, false);
+	for (size_t i = 0; i < 200; i++)
+		set_point(&c, i, 1 + 0.001 * uniform(), 0.01 * uniform(), 0.01 * uniform());
+	set_point(&c, 200, 0, 0, 0);
+	set_point(&c, 201, -0.7, -0.7, -0.7);
+	assert_nearest_is_exact(&c);
+	clear_cloud(&c);
+}
+
+/* ------------------------------------------------------------------------------------- normals */
+
+static void given_normals_are_kept(void **state)
+{
+	(void)state;
+	cloud c = make_grid(6);
+	c.normal[2] = 0.25f;
+	c.normal[3 + 2] = 7;
+	c.normal[6 + 2] = 0;
+	c.normal[9] = NAN;
+	c.normal[12 + 2] = 1e-40f;
+	gw_surfels s = make(&c);
+	const uint32_t *at = s.surfel_of_point;
+	assert_near((double)s.normal_length[at[0]], 0.25, 1e-7); /* one rounding to float32 */
+	assert_near((double)s.normal_length[at[1]], 1, 0);
+	assert_near((double)s.normal[3 * at[0] + 2], 1, 0);
+	assert_int_equal(s.normals_given, 33);
+	assert_int_equal(s.normals_estimated, 3);
+	for (size_t i = 2; i < 5; i++)
+		assert_near(fabs((double)s.normal[3 * at[i] + 2]), 1, 1e-5); /* float32 eigenvectors */
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* Share of points whose normal is within 15 degrees of sign times the given one. */
+static double share_right(const gw_surfels *s, const float *normal, float sign)
+{
+	size_t right = 0;
+	for (size_t i = 0; i < s->point_count; i++) {
+		const float *n = s->normal + 3 * (size_t)s->surfel_of_point[i], *m = normal + 3 * i;
+		right += sign * (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) > 0.966f;
+	}
+	return (double)right / (double)s->point_count;
+}
+
+static void estimated_normals_face_scanner_light_or_sun(void **state)
+{
+	(void)state;
+	cloud c = make_sphere(4000, true, 0.1, 0);
+	float *truth = c.normal;
+	c.normal = NULL;
+	gw_points points = points_of(&c);
+	const double centre[3] = { 0, 0, 0 };
+	gw_light lights[3] = {
+		{ .type = GW_LIGHT_POINT, .position = { 50, 0, 0 } }, /* off */
+		{ .type = GW_LIGHT_POINT, .position = { 0, 0, 0 }, .intensity = { 0, 1, 0 } },
+		{ .type = GW_LIGHT_SUN, .direction = { 0, 0, -2 }, .irradiance = { 1, 1, 1 } },
+	};
+	gw_surfels_options with_lights = { .lights = lights, .light_count = 3 };
+
+	points.scanner = centre;
+	gw_surfels inside = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+	assert_int_equal(inside.normals_estimated, 4000);
+	assert_true(share_right(&inside, truth, -1) > 0.99);
+	assert_true(inside.normals_untrusted < 40);
+
+	points.scanner = NULL;
+	gw_surfels lit = make_with(&points, &with_lights);
+	assert_same_surfels(&inside, &lit);
+
+	with_lights.lights = lights + 2;
+	with_lights.light_count = 1;
+	gw_surfels sunny = make_with(&points, &with_lights);
+	size_t wrong = 0;
+	for (size_t i = 0; i < sunny.count; i++)
+		wrong += !sunny.two_sided[i] && sunny.normal[3 * i + 2] < 0;
+	/* |cos| <= 0.1 to the sun is a tenth of the sphere: those are the untrusted ones. Noise of the
+	 * normals, some 5 degrees, leaves wrong ones beyond only by chance. */
+	assert_in_range(sunny.normals_untrusted, 300, 500);
+	assert_true(wrong < 10);
+	gw_surfels_clear(&inside);
+	gw_surfels_clear(&lit);
+	gw_surfels_clear(&sunny);
+	free(truth);
+	clear_cloud(&c);
+}
+
+static void guessed_normals_are_lit_from_both_sides(void **state)
+{
+	(void)state;
+	cloud c = make_grid(20);
+	free(c.normal);
+	c.normal = NULL;
+	gw_surfels flat = make(&c);
+	for (size_t i = 0; i < flat.count; i++)
+		assert_true(flat.two_sided[i] && flat.normal[3 * i + 2] > 0.99f);
+	assert_int_equal(flat.normals_untrusted, 400);
+	gw_surfels_clear(&flat);
+	clear_cloud(&c);
+
+	c = make_sphere(2000, true, 0, 0);
+	float *truth = c.normal;
+	c.normal = NULL;
+	gw_surfels closed = make(&c);
+	assert_true(share_right(&closed, truth, -1) > 0.99);
+	gw_surfels_clear(&closed);
+	free(truth);
+	clear_cloud(&c);
+}
+
+static void tangent_frame_is_right_handed(void **state)
+{
+	(void)state;
+	cloud c = make_sphere(500, true, 0, 0);
+	c.normal[0] = c.normal[1] = 0;
+	c.normal[2] = -1;
+	for (size_t i = 0; i < c.count; i++) {
+		const float *n = c.normal + 3 * i;
+		float t[3], b[3];
+		gw_tangent_frame(n, t, b);
+		for (int k = 0; k < 3; k++) /* some roundings of float32 */
+			assert_near((double)(t[(k + 1) % 3] * b[(k + 2) % 3] - t[(k + 2) % 3] * b[(k + 1) % 3]),
+			            (double)n[k], 1e-6);
+		assert_near((double)(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), 1, 1e-6);
+	}
+	clear_cloud(&c);
+}
+
+/* --------------------------------------------------------------------------------------- discs */
+
+/*
+ * Total area against the surface's, in percent. Voronoi cells share a plane out exactly. What is
+ * left: margins at edges are estimated, and with 16 neighbours some points inside a surface look
+ * like edges (-0.3 % for any number of points). Seen: clean at most 0.8 %; with noise of 0.3
+ * spacings and 5 degrees 1.2 %, with 0.5 spacings and 15 degrees 1.8 %.
+ */
+static void assert_total_area(cloud c, double area, double percent)
+{
+	gw_surfels s = make(&c);
+	assert_sane(&s);
+	if (!(fabs(s.given_area / area - 1) <= percent / 100))
+		fail_msg("area %g instead of %g", s.given_area, area);
+	/* The median Voronoi cell of random points has 0.91 of the mean area, of regular ones 1. */
+	assert_near((double)s.spacing, sqrt(area / (double)c.count), 0.08 * (double)s.spacing);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+static void areas_add_up(void **state)
+{
+	(void)state;
+	assert_total_area(make_sphere(12000, true, 0, 0), 4 * PI, 1);
+	assert_total_area(make_box(12000, true, 0, 0), 6, 1);
+	assert_total_area(make_grid(40), 1600, 0.2);
+}
+
+static void areas_add_up_with_sensor_noise(void **state)
+{
+	(void)state;
+	assert_total_area(make_sphere(12000, true, 0.1, 3), 4 * PI, 1.5);
+	assert_total_area(make_box(12000, true, 0.1, 3), 6, 1.5);
+	assert_total_area(make_sphere(12000, true, 0.3, 5), 4 * PI, 2);
+	assert_total_area(make_box(12000, true, 0.3, 5), 6, 2);
+	assert_total_area(make_sphere(12000, true, 0.5, 15), 4 * PI, 3);
+	assert_total_area(make_box(12000, true, 0.5, 15), 6, 3);
+}
+
+/* RMS over the surfels: Gaussian noise within a cut of two or more of its standard deviations. */
+static void noise_is_measured(void **state)
+{
+	(void)state;
+	const double noise[3] = { 0, 0.1, 0.3 };
+	for (int t = 0; t < 3; t++) {
+		cloud c = make_box(12000, true, noise[t], 0);
+		gw_surfels s = make(&c);
+		double squared = 0, spacing = sqrt(6.0 / 12000);
+		for (size_t i = 0; i < s.count; i++)
+			squared += (double)s.noise[i] * (double)s.noise[i];
+		assert_near(sqrt(squared / (double)s.count) / spacing, noise[t], 0.1 * noise[t] + 1e-6);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+}
+
+/* On a square of regular points every quantity is known. */
+static void discs_end_at_edges(void **state)
+{
+	(void)state;
+	const size_t side = 20;
+	cloud c = make_grid(side);
+	gw_surfels s = make(&c);
+	float t[3], b[3];
+	gw_tangent_frame((const float[3]){ 0, 0, 1 }, t, b);
+	assert_near((double)t[0], 1, 0); /* so that the disc's x and y are the cloud's */
+	for (size_t i = 0; i < c.count; i++) {
+		size_t x = i % side, y = i / side;
+		const float *clip = s.clip + 6 * (size_t)s.surfel_of_point[i];
+		float area = s.area[s.surfel_of_point[i]];
+		bool inner = x > 0 && y > 0 && x < side - 1 && y < side - 1;
+		if (inner)
+			assert_near((double)area, 1, 1e-6); /* roundings of doubles of metres to float32 */
+		if (x > 2 && y > 2 && x < side - 3 && y < side - 3)
+			assert_true(clip[0] == 0 && clip[1] == 0 && clip[2] == 0);
+		if (x == 0 && y > 2 && y < side - 3) { /* the margin is half a point distance */
+			assert_near((double)clip[0], -1, 1e-6);
+			assert_near((double)clip[2], 0.5, 1e-6);
+			assert_near((double)area, 1, 1e-6);
+		}
+		if (!inner && (x == 0 || x == side - 1) && (y == 0 || y == side - 1))
+			assert_true(clip[2] > 0 && clip[5] > 0);
+	}
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* Faces that meet or lie back to back do not share their areas. */
+static void thin_walls_are_two_surfaces(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(2 * 900, true);
+	for (size_t i = 0; i < c.count; i++) {
+		bool below = i >= 900;
+		set_point(&c, i, (double)(i % 30), (double)(i % 900 / 30), below ? -0.5 : 0);
+		c.normal[3 * i + 2] = below ? -1 : 1;
+	}
+	gw_surfels s = make(&c);
+	/* Half of the neighbours are on the other side, which leaves 8 or 9 to find edges with. */
+	assert_near(s.given_area / 1800, 1, 0.02);
+	for (size_t i = 0; i < s.count; i++)
+		assert_near((double)s.nearest[i], 0.5, 0);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* ------------------------------------------------------------------------------ odd clouds */
+
+static void few_or_degenerate_points_work(void **state)
+{
+	(void)state;
+	for (size_t n = 1; n <= 5; n++) {
+		for (int normals = 0; normals < 2; normals++) {
+			cloud line = make_cloud(n, normals), spread = make_cloud(n, normals);
+			for (size_t i = 0; i < n; i++) {
+				set_point(&line, i, (double)i, 2 * (double)i, -(double)i);
+				set_point(&spread, i, uniform(), uniform(), uniform());
+				if (normals)
+					line.normal[3 * i] = line.normal[3 * i + 2] = spread.normal[3 * i] = 1;
+			}
+			gw_surfels s = make(&line);
+			assert_int_equal(s.count, n);
+			assert_int_equal(s.two_sided[0], !normals || n < 4);
+			assert_sane(&s);
+			gw_surfels_clear(&s);
+			s = make(&spread);
+			assert_sane(&s);
+			gw_surfels_clear(&s);
+			clear_cloud(&line);
+			clear_cloud(&spread);
+		}
+	}
+}
+
+static void identical_and_collinear_points_work(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(20000, false);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, 1.5, -2.25, 1e6 + 0.1);
+	gw_surfels s = make(&c);
+	assert_int_equal(s.count, 1);
+	assert_int_equal(s.duplicates, 19999);
+	assert_true(isinf(s.nearest[0]));
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+
+	for (size_t i = 0; i < c.count; i++) /* along each axis and across */
+		set_point(&c, i, (double)i * 0.1, i % 2 ? 0 : 0.001, (double)i * 0.2);
+	s = make(&c);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, 0, 0, (double)i);
+	s = make(&c);
+	assert_sane(&s);
+	assert_int_equal(s.normals_untrusted, 20000);
+	for (size_t i = 0; i < s.count; i++) /* across the line */
+		assert_near((double)s.normal[3 * i + 2], 0, 1e-6);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* From a micrometre's millionth to light minutes. */
+static void scale_does_not_matter(void **state)
+{
+	(void)state;
+	const double scale[] = { 0x1p-40, 0x1p-20, 0x1p23, 0x1p38 };
+	cloud c = make_sphere(2000, false, 0.1, 0);
+	gw_surfels unit = make(&c);
+	for (size_t t = 0; t < sizeof scale / sizeof *scale; t++) {
+		cloud scaled = make_cloud(c.count, false);
+		for (size_t i = 0; i < 3 * c.count; i++)
+			scaled.position[i] = c.position[i] * scale[t];
+		gw_surfels s = make(&scaled);
+		assert_sane(&s);
+		assert_int_equal(s.count, unit.count);
+		/* The origin is on whole metres or finer: local coordinates differ by their rounding. */
+		assert_near((double)s.spacing / scale[t], (double)unit.spacing, 1e-5);
+		assert_near(s.given_area / scale[t] / scale[t], unit.given_area, 1e-3);
+		gw_surfels_clear(&s);
+		clear_cloud(&scaled);
+	}
+	gw_surfels_clear(&unit);
+	clear_cloud(&c);
+}
+
+/* Distances from 1e-9 to 1e3 in one cloud, and single points far away. */
+static void uneven_density_works(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(4000, false);
+	for (size_t i = 0; i < c.count; i++) {
+		double size = pow(10, -9 + 12 * uniform()), a = 2 * PI * uniform();
+		set_point(&c, i, size * cos(a), size * sin(a), size * (uniform() - 0.5));
+	}
+	gw_surfels s = make(&c);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+
+	c = make_grid(30);
+	set_point(&c, 0, 0, 0, 1000);
+	gw_surfels lone = make(&c);
+	uint32_t at = lone.surfel_of_point[0];
+	assert_true(lone.two_sided[at] && lone.radius[at] <= 1);
+	gw_surfels_clear(&lone);
+	clear_cloud(&c);
+}
+
+/* ------------------------------------------------------------------------------------- failing */
+
+static bool always(void *user)
+{
+	++*(int *)user;
+	return true;
+}
+
+static void stopping_and_small_memory_leave_nothing(void **state)
+{
+	(void)state;
+	cloud c = make_sphere(3000, false, 0, 0);
+	gw_points points = points_of(&c);
+	gw_surfels s;
+	gw_error error = { 0 };
+	int asked = 0;
+	gw_surfels_options options = { .cancelled = always, .user = &asked };
+	assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_CANCELLED);
+	assert_int_equal(asked, 1);
+	assert_true(s.count == 0 && !s.position && !s.surfel_of_point);
+
+	const uint64_t memory[2] = { 1000, 3000 * 40 }; /* too little to sort; to search */
+	for (int t = 0; t < 2; t++) {
+		options = (gw_surfels_options){ .memory = memory[t] };
+		assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_MEMORY);
+		assert_non_null(strstr(error.text, "3000 points"));
+		assert_null(s.position);
+	}
+	clear_cloud(&c);
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+static void ranks_are_those_of_sorted_values(void **state)
+{
+	(void)state;
+	float values[1000], sorted[1000];
+	random_state = 1;
+	for (size_t i = 0; i < 1000; i++)
+		values[i] = i % 50 == 0 ? 0 : (float)pow(10, 60 * uniform() - 40);
+	values[7] = INFINITY;
+	memcpy(sorted, values, sizeof values);
+	qsort(sorted, 1000, sizeof *sorted, compare_floats);
+	for (size_t i = 0; i < 1000; i += 37)
+		assert_true(gw_rank_float(values, 1000, i) == sorted[i]);
+	assert_true(isinf(gw_rank_float(values, 1000, 999)));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(moving_by_whole_metres_changes_no_bit),
+		cmocka_unit_test(order_and_threads_change_no_bit),
+		cmocka_unit_test(points_at_one_place_become_one),
+		cmocka_unit_test(points_that_are_not_finite_are_left_out),
+		cmocka_unit_test(attributes_are_repaired_and_counted),
+		cmocka_unit_test(neighbours_are_the_nearest),
+		cmocka_unit_test(nearest_is_exact_in_the_maximum_norm),
+		cmocka_unit_test(given_normals_are_kept),
+		cmocka_unit_test(estimated_normals_face_scanner_light_or_sun),
+		cmocka_unit_test(guessed_normals_are_lit_from_both_sides),
+		cmocka_unit_test(tangent_frame_is_right_handed),
+		cmocka_unit_test(areas_add_up),
+		cmocka_unit_test(areas_add_up_with_sensor_noise),
+		cmocka_unit_test(noise_is_measured),
+		cmocka_unit_test(discs_end_at_edges),
+		cmocka_unit_test(thin_walls_are_two_surfaces),
+		cmocka_unit_test(few_or_degenerate_points_work),
+		cmocka_unit_test(identical_and_collinear_points_work),
+		cmocka_unit_test(scale_does_not_matter),
+		cmocka_unit_test(uneven_density_works),
+		cmocka_unit_test(stopping_and_small_memory_leave_nothing),
+		cmocka_unit_test(ranks_are_those_of_sorted_values),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
