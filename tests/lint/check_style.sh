@@ -38,7 +38,7 @@ check_code() {
 		*.sh) continue ;;
 		esac
 		awk -v file="$file" '
-			/^ +[^ *]/ && before ~ /[;{}]$/ {
+			/^ +[^ *]/ && !/^ +(public|protected|private):/ && before ~ /[;{}]$/ {
 				printf "%s:%d: indented with blanks\n", file, NR }
 			/^\{/ { start = NR }
 			/^\}/ && start {
