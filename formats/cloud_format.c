@@ -9,7 +9,7 @@
 static uint32_t load_32(const uint8_t *bytes)
 {
 	return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
-	       (uint32_t)bytes[3] << 24;
+		   (uint32_t)bytes[3] << 24;
 }
 
 static void store_32(uint8_t *bytes, uint32_t value)
@@ -24,31 +24,30 @@ static gw_status check_length(const input_file *in, size_t *count, gw_error *err
 {
 	if (in->length < 4)
 		return gw_fail(error, GW_ERROR_DATA,
-		               "%s has %zu bytes, too few for the count at the start of a .cloud file",
-		               in->name, in->length);
+					   "%s has %zu bytes, too few for the count at the start of a .cloud file",
+					   in->name, in->length);
 	uint32_t claimed = load_32(in->data);
 	if (claimed > INT32_MAX || (in->length - 4) % SAMPLE_BYTES != 0 ||
-	    (in->length - 4) / SAMPLE_BYTES != claimed)
+		(in->length - 4) / SAMPLE_BYTES != claimed)
 		return gw_fail(error, GW_ERROR_DATA,
-		               "%s: the count at byte 0 is %ld, but %zu bytes follow it, which is %zu "
-		               "samples of 27 bytes and %zu bytes more; the file is damaged",
-		               in->name, (long)(int32_t)claimed, in->length - 4,
-		               (in->length - 4) / SAMPLE_BYTES, (in->length - 4) % SAMPLE_BYTES);
+					   "%s: the count at byte 0 is %ld, but %zu bytes follow it, which is %zu "
+					   "samples of 27 bytes and %zu bytes more; the file is damaged",
+					   in->name, (long)(int32_t)claimed, in->length - 4,
+					   (in->length - 4) / SAMPLE_BYTES, (in->length - 4) % SAMPLE_BYTES);
 	*count = claimed;
 	return GW_OK;
 }
 
 gw_status cloud_read(input_file *in, scan *cloud, gw_error *error)
 {
-	static const char *const names[9] = { "x",  "y",   "z",     "nx",  "ny",
-		                              "nz", "red", "green", "blue" };
+	static const char *const names[9] = { "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue" };
 	*cloud = (scan){ .up = 'y' };
 	gw_status status = check_length(in, &cloud->count, error);
 	if (status != GW_OK)
 		return status;
 	for (size_t c = 0; c < 9; c++) {
 		scan_column *column =
-		    scan_add_column(cloud, names[c], c < 6 ? SCAN_FLOAT32 : SCAN_UINT8, error);
+			scan_add_column(cloud, names[c], c < 6 ? SCAN_FLOAT32 : SCAN_UINT8, error);
 		if (!column) {
 			scan_clear(cloud);
 			return GW_ERROR_MEMORY;
@@ -77,17 +76,17 @@ typedef struct sources {
 } sources;
 
 static gw_status find_sources(const scan *cloud, sources *from, const output_file *out,
-                              gw_error *error)
+							  gw_error *error)
 {
 	static const char *const position[3] = { "x", "y", "z" };
 	static const char *const normal[3] = { "nx", "ny", "nz" };
 	if (cloud->count > INT32_MAX)
 		return gw_fail(error, GW_ERROR_DATA,
-		               "%s: a .cloud file holds at most 2147483647 points, not %zu; write PLY",
-		               output_file_name(out), cloud->count);
+					   "%s: a .cloud file holds at most 2147483647 points, not %zu; write PLY",
+					   output_file_name(out), cloud->count);
 	if (!scan_find_triple(cloud, position, from->position))
 		return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinates x, y and z",
-		               output_file_name(out));
+					   output_file_name(out));
 	from->has_normal = scan_find_triple(cloud, normal, from->normal);
 	from->has_color = scan_color_find(cloud, scan_color_names, &from->color);
 	from->turn = cloud->up == 'z';
@@ -96,10 +95,10 @@ static gw_status find_sources(const scan *cloud, sources *from, const output_fil
 			double value = scan_value(from->position[k], i);
 			if (isfinite(value) && fabs(value - (double)(float)value) > 1e-3)
 				return gw_fail(error, GW_ERROR_DATA,
-				               "%s: the coordinate %.3f of point %zu would move by over a "
-				               "millimetre in the 32-bit numbers of a .cloud file; write "
-				               "PLY",
-				               output_file_name(out), value, i);
+							   "%s: the coordinate %.3f of point %zu would move by over a "
+							   "millimetre in the 32-bit numbers of a .cloud file; write "
+							   "PLY",
+							   output_file_name(out), value, i);
 		}
 	}
 	return GW_OK;
@@ -108,7 +107,7 @@ static gw_status find_sources(const scan *cloud, sources *from, const output_fil
 static void put_vector(uint8_t *to, const scan_column *const column[3], size_t i, bool turn)
 {
 	float v[3] = { (float)scan_value(column[0], i), (float)scan_value(column[1], i),
-		       (float)scan_value(column[2], i) };
+				   (float)scan_value(column[2], i) };
 	if (turn) {
 		float up = v[2];
 		v[2] = -v[1];
@@ -136,7 +135,7 @@ static void put_sample(uint8_t *to, const sources *from, size_t i)
 		put_vector(to + 12, from->normal, i, from->turn);
 	for (int k = 0; k < 3; k++)
 		to[24 + k] = to_byte(from->has_color ? scan_color_value(&from->color, k, i)
-		                                     : scan_srgb_encode((double)GW_ALBEDO_DEFAULT));
+											 : scan_srgb_encode((double)GW_ALBEDO_DEFAULT));
 }
 
 gw_status cloud_write(output_file *out, const scan *cloud, gw_error *error)

@@ -63,7 +63,7 @@ gw_status format_read(const char *path, const char *name, scan *cloud, gw_error 
 	const format *found = name ? format_by_name(name) : NULL;
 	if (name && (!found || !found->read))
 		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be read; there are %s",
-		               name, known);
+					   name, known);
 	input_file in;
 	gw_status status = input_file_open(&in, path, error);
 	if (status != GW_OK)
@@ -76,8 +76,8 @@ gw_status format_read(const char *path, const char *name, scan *cloud, gw_error 
 		status = gw_fail(error, GW_ERROR_DATA, "%s is empty", in.name);
 	else
 		status = gw_fail(error, GW_ERROR_DATA,
-		                 "%s is of no known format, by content or by name; there are %s", in.name,
-		                 known);
+						 "%s is of no known format, by content or by name; there are %s", in.name,
+						 known);
 	input_file_close(&in);
 	return status;
 }

@@ -15,7 +15,8 @@ typedef struct format {
 	const char *description;        /* for --help, a few words */
 	const char *const *extensions;  /* NULL-terminated, lower case without the dot */
 
-	/* True when the first `length` bytes of a file look like this format. NULL: by extension only. */
+	/* True when the first `length` bytes of a file look like this format, of which at least the
+	 * first 4096 are given if the file has them. NULL: by extension only. */
 	bool (*probe)(const uint8_t *head, size_t length);
 
 	/* Reads a whole scan. On failure *scan is empty. NULL when the format cannot be read. Every

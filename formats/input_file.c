@@ -1,4 +1,5 @@
 #include "input_file.h"
+#include "memory.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -12,16 +13,6 @@
 
 static const uint8_t no_bytes[1];
 
-/* No pipe can bring more than this: past it the machine would swap itself to death. */
-static size_t memory_of_the_machine(void)
-{
-	long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-	size_t bytes;
-	if (pages <= 0 || page <= 0 || __builtin_mul_overflow((size_t)pages, (size_t)page, &bytes))
-		return SIZE_MAX / 2;
-	return bytes;
-}
-
 static gw_status fail_reading(const input_file *in, gw_error *error)
 {
 	if (errno == EINTR)
@@ -29,19 +20,22 @@ static gw_status fail_reading(const input_file *in, gw_error *error)
 	return gw_fail(error, GW_ERROR_IO, "cannot read %s: %s", in->name, strerror(errno));
 }
 
-/* Doubles the buffer when it is full. */
+/* Doubles the buffer when it is full. The system would promise more than it has, and then end us.
+ */
 static gw_status grow(const input_file *in, uint8_t **bytes, size_t *capacity, size_t length,
-                      gw_error *error)
+					  gw_error *error)
 {
 	if (length < *capacity)
 		return GW_OK;
 	size_t wanted = *capacity ? *capacity * 2 : FIRST_CAPACITY;
-	uint8_t *grown = wanted <= memory_of_the_machine() ? realloc(*bytes, wanted) : NULL;
+	uint64_t available = gw_available_memory();
+	bool fits = available == 0 || wanted - *capacity <= available;
+	uint8_t *grown = fits ? realloc(*bytes, wanted) : NULL;
 	if (!grown)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "%s brings more than the %zu bytes read so far, and there is no memory "
-		               "for it; save it to a file first, which is read without a copy",
-		               in->name, length);
+					   "%s brings more than the %zu bytes read so far, and there is no memory "
+					   "for it; save it to a file first, which is read without a copy",
+					   in->name, length);
 	*bytes = grown;
 	*capacity = wanted;
 	return GW_OK;
@@ -85,7 +79,7 @@ static gw_status load(input_file *in, int descriptor, gw_error *error)
 	 * may have been read in part by the program before us. */
 	bool from_start = lseek(descriptor, 0, SEEK_CUR) == 0;
 	if (S_ISREG(info.st_mode) && info.st_size > 0 && from_start &&
-	    (uintmax_t)info.st_size <= SIZE_MAX) {
+		(uintmax_t)info.st_size <= SIZE_MAX) {
 		void *bytes = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, descriptor, 0);
 		if (bytes != MAP_FAILED) {
 			in->data = bytes;

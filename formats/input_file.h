@@ -24,7 +24,7 @@ typedef struct input_file {
 	const uint8_t *data; /* length bytes, read-only; not NULL after input_file_open */
 	size_t length;       /* bytes */
 	input_file_storage storage;
-	char *owned_name;    /* NULL when the name belongs to somebody else */
+	char *owned_name; /* NULL when the name belongs to somebody else */
 } input_file;
 
 /*

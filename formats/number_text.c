@@ -26,20 +26,20 @@ static bool is_digit(char c)
 
 /* A decimal number taken apart. */
 typedef struct decimal {
-	size_t length;       /* of the text; 0 when it is no number */
-	uint64_t mantissa;   /* its digits without the point, when exact */
-	int64_t exponent;    /* power of ten of the last digit of the mantissa */
-	bool exact;          /* mantissa holds all digits */
+	size_t length;     /* of the text; 0 when it is no number */
+	uint64_t mantissa; /* its digits without the point, when exact */
+	int64_t exponent;  /* power of ten of the last digit of the mantissa */
+	bool exact;        /* mantissa holds all digits */
 	bool negative;
 } decimal;
 
 static void take_digits(const char *text, size_t length, size_t *at, bool fraction, size_t *digits,
-                        decimal *d)
+						decimal *d)
 {
 	for (; *at < length && is_digit(text[*at]); ++*at, ++*digits) {
 		uint64_t digit = (uint64_t)(text[*at] - '0');
 		if (__builtin_mul_overflow(d->mantissa, 10, &d->mantissa) ||
-		    __builtin_add_overflow(d->mantissa, digit, &d->mantissa))
+			__builtin_add_overflow(d->mantissa, digit, &d->mantissa))
 			d->exact = false;
 		if (fraction)
 			d->exponent--;
@@ -89,9 +89,9 @@ static size_t read_name(const char *text, size_t length, double *value)
 	static const struct {
 		const char *name;
 		double value;
-	} names[] = { { "infinity", INFINITY }, { "inf", INFINITY },    { "nan(ind)", NAN },
-		      { "nan(snan)", NAN },     { "nan", NAN },         { "1.#INF", INFINITY },
-		      { "1.#QNAN", NAN },       { "1.#SNAN", NAN },     { "1.#IND", NAN } };
+	} names[] = { { "infinity", INFINITY }, { "inf", INFINITY }, { "nan(ind)", NAN },
+				  { "nan(snan)", NAN },     { "nan", NAN },      { "1.#INF", INFINITY },
+				  { "1.#QNAN", NAN },       { "1.#SNAN", NAN },  { "1.#IND", NAN } };
 	size_t sign = length > 0 && (text[0] == '-' || text[0] == '+');
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
 		size_t size = strlen(names[i].name);
@@ -111,8 +111,8 @@ static size_t read_name(const char *text, size_t length, double *value)
 static bool read_exactly(const decimal *d, double *value)
 {
 	static const double power[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-					1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-					1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+									1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+									1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
 	if (!d->exact || d->mantissa > (uint64_t)1 << 53 || d->exponent < -22 || d->exponent > 22)
 		return false;
 	double m = (double)d->mantissa;

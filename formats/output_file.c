@@ -109,15 +109,14 @@ static gw_status create_temporary(output_file *out, const struct stat *replaced,
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", out->name);
 	do {
 		snprintf(out->temporary, size, "%.*s.glowworm-%ld-%u.part", (int)folder, out->target,
-		         (long)getpid(), atomic_fetch_add(&serial, 1));
+				 (long)getpid(), atomic_fetch_add(&serial, 1));
 		out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 	} while (out->descriptor < 0 && errno == EEXIST);
 	if (out->descriptor < 0) {
 		int reason = errno;
 		free(out->temporary);
 		out->temporary = NULL;
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", out->name,
-		               strerror(reason));
+		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", out->name, strerror(reason));
 	}
 	if (replaced)
 		(void)!fchmod(out->descriptor, replaced->st_mode & 0777);
@@ -131,15 +130,15 @@ static gw_status open_directly(output_file *out, int descriptor, gw_error *error
 	out->descriptor = descriptor;
 	if (descriptor < 0)
 		return gw_fail(error, GW_ERROR_CREATE, "cannot open %s for writing: %s", out->name,
-		               strerror(errno));
+					   strerror(errno));
 	return GW_OK;
 }
 
 static gw_status fail_existing(const output_file *out, gw_error *error)
 {
 	return gw_fail(error, GW_ERROR_CREATE,
-	               "%s exists already; choose another name, or overwrite it with --force",
-	               out->name);
+				   "%s exists already; choose another name, or overwrite it with --force",
+				   out->name);
 }
 
 /* Decides by what is there under the name: nothing, a file, or something that is no file. */
@@ -152,7 +151,7 @@ static gw_status open_target(output_file *out, const char *path, gw_error *error
 	if (stat(path, &info) == 0) {
 		if (S_ISDIR(info.st_mode))
 			return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: it is a directory",
-			               out->name);
+						   out->name);
 		if (!S_ISREG(info.st_mode))
 			return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
 		if (!out->force)
@@ -161,10 +160,10 @@ static gw_status open_target(output_file *out, const char *path, gw_error *error
 		out->target = realpath(path, NULL);
 	} else if (lstat(path, &info) == 0) {
 		return gw_fail(error, GW_ERROR_CREATE,
-		               "cannot create %s: it is a symbolic link that leads nowhere", out->name);
+					   "cannot create %s: it is a symbolic link that leads nowhere", out->name);
 	} else if (path[0] == '\0' || path[strlen(path) - 1] == '/') {
 		return gw_fail(error, GW_ERROR_CREATE, "cannot create '%s': a file name is missing",
-		               out->name);
+					   out->name);
 	} else {
 		out->target = strdup(path);
 	}
@@ -312,12 +311,12 @@ static void sync_folder(const output_file *out)
 static gw_status rename_temporary(output_file *out, gw_error *error)
 {
 	bool done = out->force ? rename(out->temporary, out->target) == 0
-	                       : rename_onto_nothing(out->temporary, out->target);
+						   : rename_onto_nothing(out->temporary, out->target);
 	if (!done && errno == EEXIST)
 		return fail_existing(out, error);
 	if (!done)
 		return gw_fail(error, GW_ERROR_CREATE, "cannot rename %s to %s: %s", out->temporary,
-		               out->target, strerror(errno));
+					   out->target, strerror(errno));
 	sync_folder(out);
 	if (unregister_temporary(out->temporary))
 		free(out->temporary);

@@ -39,7 +39,7 @@ gw_status output_file_write(output_file *out, const void *bytes, size_t length, 
 /* Appends text, formatted as printf does; numbers with a decimal point follow the locale, so print
  * those with number_text.h. */
 gw_status output_file_print(output_file *out, gw_error *error, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+	__attribute__((format(printf, 3, 4)));
 
 /* Hands all buffered bytes to the system, so that the file can be opened and read back. */
 gw_status output_file_flush(output_file *out, gw_error *error);

@@ -5,7 +5,7 @@
 static bool probe(const uint8_t *head, size_t length)
 {
 	return length >= 4 && memcmp(head, "ply", 3) == 0 &&
-	       (head[3] == '\n' || head[3] == '\r' || head[3] == ' ' || head[3] == '\t');
+		   (head[3] == '\n' || head[3] == '\r' || head[3] == ' ' || head[3] == '\t');
 }
 
 static const char *const extensions[] = { "ply", NULL };

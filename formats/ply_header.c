@@ -1,13 +1,14 @@
 #include "ply_header.h"
+#include "growing_table.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* Both spellings of every type: the paper's, and the one with the size in it. */
 static const char *const type_names[SCAN_TYPE_COUNT][2] = {
-	[SCAN_INT8] = { "char", "int8" },       [SCAN_UINT8] = { "uchar", "uint8" },
-	[SCAN_INT16] = { "short", "int16" },    [SCAN_UINT16] = { "ushort", "uint16" },
-	[SCAN_INT32] = { "int", "int32" },      [SCAN_UINT32] = { "uint", "uint32" },
+	[SCAN_INT8] = { "char", "int8" },        [SCAN_UINT8] = { "uchar", "uint8" },
+	[SCAN_INT16] = { "short", "int16" },     [SCAN_UINT16] = { "ushort", "uint16" },
+	[SCAN_INT32] = { "int", "int32" },       [SCAN_UINT32] = { "uint", "uint32" },
 	[SCAN_FLOAT32] = { "float", "float32" }, [SCAN_FLOAT64] = { "double", "float64" },
 };
 
@@ -31,10 +32,10 @@ typedef struct parser {
 	ply_header *header;
 	scan *comments;
 	gw_error *error;
-	size_t at;       /* offset of the next line */
-	bool bare_cr;    /* lines end in CR only */
-	bool has_format;
-	word line;       /* the current one, without its end */
+	size_t at;    /* offset of the next line */
+	bool bare_cr; /* lines end in CR only */
+	bool has_format, has_vertex;
+	word line; /* the current one, without its end */
 	word word[WORDS];
 	size_t words;
 } parser;
@@ -67,8 +68,8 @@ static char *copied(const word *w)
 static gw_status fail_line(const parser *p, const word *w, const char *expected)
 {
 	char text[44];
-	return gw_fail(p->error, GW_ERROR_DATA, "%s, line %zu: '%s' where %s was expected",
-	               p->in->name, p->header->lines, shown(w, text), expected);
+	return gw_fail(p->error, GW_ERROR_DATA, "%s, line %zu: '%s' where %s was expected", p->in->name,
+				   p->header->lines, shown(w, text), expected);
 }
 
 static gw_status fail_memory(const parser *p)
@@ -112,8 +113,8 @@ static bool next_line(parser *p)
 static gw_status take_format(parser *p)
 {
 	static const char *const names[] = { [PLY_ASCII] = "ascii",
-		                             [PLY_LITTLE_ENDIAN] = "binary_little_endian",
-		                             [PLY_BIG_ENDIAN] = "binary_big_endian" };
+										 [PLY_LITTLE_ENDIAN] = "binary_little_endian",
+										 [PLY_BIG_ENDIAN] = "binary_big_endian" };
 	if (p->words != 3 || !word_is(&p->word[2], "1.0"))
 		return fail_line(p, &p->line, "'format ENCODING 1.0'");
 	for (size_t e = 0; e < sizeof names / sizeof *names; e++) {
@@ -133,7 +134,7 @@ static bool parse_count(const word *w, uint64_t *count)
 		if (w->text[i] < '0' || w->text[i] > '9')
 			return false;
 		if (__builtin_mul_overflow(*count, 10, count) ||
-		    __builtin_add_overflow(*count, (uint64_t)(w->text[i] - '0'), count))
+			__builtin_add_overflow(*count, (uint64_t)(w->text[i] - '0'), count))
 			return false;
 	}
 	return w->length > 0;
@@ -147,10 +148,14 @@ static gw_status take_element(parser *p)
 		return fail_line(p, &p->line, "'element NAME COUNT'");
 	if (!parse_count(&p->word[2], &count))
 		return fail_line(p, &p->word[2], "a count of elements");
-	for (size_t e = 0; e < h->element_count; e++)
-		if (word_is(&p->word[1], "vertex") && strcmp(h->element[e].name, "vertex") == 0)
-			return fail_line(p, &p->line, "only one element 'vertex'");
-	ply_element *grown = reallocarray(h->element, h->element_count + 1, sizeof *grown);
+	bool vertex = word_is(&p->word[1], "vertex");
+	if (vertex && p->has_vertex)
+		return fail_line(p, &p->line, "only one element 'vertex'");
+	if (vertex) {
+		p->has_vertex = true;
+		h->vertex = h->element_count;
+	}
+	ply_element *grown = growing_table_room(h->element, h->element_count, sizeof *grown);
 	if (!grown)
 		return fail_memory(p);
 	h->element = grown;
@@ -183,8 +188,8 @@ static gw_status parse_property(parser *p, ply_property *property, const word **
 		return fail_line(p, type, types);
 	if (property->list) {
 		const word *count = &p->word[2];
-		if (!parse_type(count, &property->count_type) ||
-		    property->count_type == SCAN_FLOAT32 || property->count_type == SCAN_FLOAT64)
+		if (!parse_type(count, &property->count_type) || property->count_type == SCAN_FLOAT32 ||
+			property->count_type == SCAN_FLOAT64)
 			return fail_line(p, count, "an integer type that counts the values of a list");
 	}
 	*name = type + 1;
@@ -207,15 +212,11 @@ static gw_status take_property(parser *p)
 	for (size_t i = 0; i < element->property_count; i++)
 		if (word_is(name, element->property[i].name))
 			return fail_line(p, name, "a property that was not there before");
-	/* Capacity grows by doubling: it is full whenever the count is a power of two. */
-	size_t count = element->property_count;
-	if ((count & (count - 1)) == 0) {
-		ply_property *grown =
-		    reallocarray(element->property, count ? 2 * count : 1, sizeof *grown);
-		if (!grown)
-			return fail_memory(p);
-		element->property = grown;
-	}
+	ply_property *grown =
+		growing_table_room(element->property, element->property_count, sizeof *grown);
+	if (!grown)
+		return fail_memory(p);
+	element->property = grown;
 	property.name = copied(name);
 	if (!property.name)
 		return fail_memory(p);
@@ -270,26 +271,21 @@ static gw_status take_first_line(parser *p)
 		i++;
 	p->bare_cr = i + 1 < length && text[i] == '\r' && text[i + 1] != '\n';
 	if (!next_line(p) || p->words != 1 || !word_is(&p->word[0], "ply"))
-		return gw_fail(p->error, GW_ERROR_DATA,
-		               "%s is no PLY file: its first line is not 'ply'", p->in->name);
+		return gw_fail(p->error, GW_ERROR_DATA, "%s is no PLY file: its first line is not 'ply'",
+					   p->in->name);
 	return GW_OK;
 }
 
-static gw_status find_vertex(parser *p)
+static gw_status check_whole(const parser *p)
 {
-	ply_header *h = p->header;
 	if (!p->has_format)
+		return gw_fail(p->error, GW_ERROR_DATA, "%s: the header has no line 'format ENCODING 1.0'",
+					   p->in->name);
+	if (!p->has_vertex)
 		return gw_fail(p->error, GW_ERROR_DATA,
-		               "%s: the header has no line 'format ENCODING 1.0'", p->in->name);
-	for (size_t e = 0; e < h->element_count; e++) {
-		if (strcmp(h->element[e].name, "vertex") == 0) {
-			h->vertex = e;
-			return GW_OK;
-		}
-	}
-	return gw_fail(p->error, GW_ERROR_DATA,
-	               "%s: the header has no element 'vertex', so the file holds no points",
-	               p->in->name);
+					   "%s: the header has no element 'vertex', so the file holds no points",
+					   p->in->name);
+	return GW_OK;
 }
 
 static gw_status parse_lines(parser *p)
@@ -298,24 +294,23 @@ static gw_status parse_lines(parser *p)
 	while (status == GW_OK) {
 		if (!next_line(p))
 			return gw_fail(p->error, GW_ERROR_DATA,
-			               "%s: no line 'end_header' in the first %zu bytes; the header "
-			               "is cut short or damaged",
-			               p->in->name,
-			               p->in->length < PLY_HEADER_BYTES ? p->in->length
-			                                                : PLY_HEADER_BYTES);
+						   "%s: no line 'end_header' in the first %zu bytes; the header "
+						   "is cut short or damaged",
+						   p->in->name,
+						   p->in->length < PLY_HEADER_BYTES ? p->in->length : PLY_HEADER_BYTES);
 		if (p->words == 1 && word_is(&p->word[0], "end_header"))
 			break;
 		if (p->words > 0)
 			status = take_line(p);
 	}
 	if (status == GW_OK)
-		status = find_vertex(p);
+		status = check_whole(p);
 	p->header->body = p->at;
 	return status;
 }
 
 gw_status ply_header_parse(ply_header *header, const input_file *in, scan *comments,
-                           gw_error *error)
+						   gw_error *error)
 {
 	*header = (ply_header){ 0 };
 	parser p = { .in = in, .header = header, .comments = comments, .error = error };

@@ -40,13 +40,13 @@ typedef struct ply_header {
 } ply_header;
 
 /*
- * Parses the header. Lines may end in LF, CRLF or a bare CR, and have any white space between words.
- *   header    filled on success, to be given back with ply_header_clear; empty on failure
+ * Parses the header. Lines may end in LF, CRLF or a bare CR, and have any white space between
+ * words. header    filled on success, to be given back with ply_header_clear; empty on failure
  *   comments  receives the comment and obj_info lines
  *   error     GW_ERROR_DATA with file, line and what was expected; GW_ERROR_MEMORY
  */
 gw_status ply_header_parse(ply_header *header, const input_file *in, scan *comments,
-                           gw_error *error);
+						   gw_error *error);
 void ply_header_clear(ply_header *header);
 
 /* PLY's name of a type: char uchar short ushort int uint float double. */

@@ -43,7 +43,7 @@ static const char *canonical_name(const char *name)
 		{ "normal_x", "nx" },     { "normal_y", "ny" },         { "normal_z", "nz" },
 	};
 	static const char *const ours[] = { "x",   "y",     "z",    "nx",    "ny",       "nz",
-		                            "red", "green", "blue", "alpha", "intensity" };
+										"red", "green", "blue", "alpha", "intensity" };
 	for (size_t i = 0; i < sizeof alias / sizeof *alias; i++)
 		if (strcasecmp(name, alias[i][0]) == 0)
 			return alias[i][1];
@@ -66,7 +66,7 @@ static const char *column_name(const reader *r, const ply_property *property)
 {
 	const char *name = canonical_name(property->name);
 	if (strcmp(name, property->name) == 0 || has_property(r->vertex, name) ||
-	    scan_find(r->scan, name))
+		scan_find(r->scan, name))
 		return property->name;
 	return name;
 }
@@ -78,13 +78,13 @@ static gw_status check_position(const reader *r)
 		bool found = false;
 		for (size_t i = 0; i < r->vertex->property_count; i++) {
 			const ply_property *property = &r->vertex->property[i];
-			found = found || (!property->list &&
-			                  strcmp(canonical_name(property->name), names[k]) == 0);
+			found =
+				found || (!property->list && strcmp(canonical_name(property->name), names[k]) == 0);
 		}
 		if (!found)
 			return gw_fail(r->error, GW_ERROR_DATA,
-			               "%s: the vertices have no property '%s'; points need x, y and z",
-			               r->in->name, names[k]);
+						   "%s: the vertices have no property '%s'; points need x, y and z",
+						   r->in->name, names[k]);
 	}
 	return GW_OK;
 }
@@ -95,14 +95,13 @@ static gw_status add_columns(reader *r)
 	r->scan->count = (size_t)r->vertex->count;
 	r->data = calloc(count, sizeof *r->data);
 	if (!r->data)
-		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s",
-		               r->in->name);
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
 	for (size_t i = 0; i < count; i++) {
 		const ply_property *property = &r->vertex->property[i];
 		if (property->list)
 			continue;
 		scan_column *column =
-		    scan_add_column(r->scan, column_name(r, property), property->type, r->error);
+			scan_add_column(r->scan, column_name(r, property), property->type, r->error);
 		if (!column)
 			return GW_ERROR_MEMORY;
 		r->data[i] = column->data;
@@ -128,10 +127,10 @@ static size_t least_bytes(const ply_element *element, bool *lists)
 static gw_status fail_short(const reader *r, const ply_element *element, size_t bytes)
 {
 	return gw_fail(r->error, GW_ERROR_DATA,
-	               "%s ends at byte %zu, but the header counts %llu of '%.40s' with at least %zu "
-	               "bytes each from byte %zu on; the file is cut short or damaged",
-	               r->in->name, r->in->length, (unsigned long long)element->count,
-	               element->name, bytes, offset(r));
+				   "%s ends at byte %zu, but the header counts %llu of '%.40s' with at least %zu "
+				   "bytes each from byte %zu on; the file is cut short or damaged",
+				   r->in->name, r->in->length, (unsigned long long)element->count, element->name,
+				   bytes, offset(r));
 }
 
 static gw_status check_bytes(const reader *r, const ply_element *element, size_t bytes)
@@ -185,9 +184,9 @@ static gw_status skip_list(reader *r, const ply_property *property)
 		}
 	}
 	return gw_fail(r->error, GW_ERROR_DATA,
-	               "%s, byte %zu: the list '%.40s' starts here and does not fit into the %zu bytes "
-	               "that are left; the file is cut short or damaged",
-	               r->in->name, offset(r), property->name, left(r));
+				   "%s, byte %zu: the list '%.40s' starts here and does not fit into the %zu bytes "
+				   "that are left; the file is cut short or damaged",
+				   r->in->name, offset(r), property->name, left(r));
 }
 
 /* Steps over one element of known size or with lists, or takes it as vertex i. */
@@ -257,9 +256,9 @@ static gw_status read_binary(reader *r)
 		status = take_binary(r, r->vertex, i);
 	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && left(r) >= bytes)
 		return gw_fail(r->error, GW_ERROR_DATA,
-		               "%s: %zu bytes follow the last of %zu vertices at byte %zu; the count in "
-		               "the header is wrong or the file is damaged",
-		               r->in->name, left(r), r->scan->count, offset(r));
+					   "%s: %zu bytes follow the last of %zu vertices at byte %zu; the count in "
+					   "the header is wrong or the file is damaged",
+					   r->in->name, left(r), r->scan->count, offset(r));
 	return status;
 }
 
@@ -300,7 +299,7 @@ static bool next_line(reader *r, ascii_line *line)
 }
 
 static gw_status fail_value(const reader *r, const ply_property *property, const ascii_line *line,
-                            const char *expected)
+							const char *expected)
 {
 	char text[32];
 	size_t length = 0;
@@ -308,21 +307,21 @@ static gw_status fail_value(const reader *r, const ply_property *property, const
 		text[length++] = *c >= ' ' && *c <= '~' ? *c : '?';
 	text[length] = '\0';
 	return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: '%s' as '%.40s', where %s was expected",
-	               r->in->name, r->line, text, property->name, expected);
+				   r->in->name, r->line, text, property->name, expected);
 }
 
 /* Takes the next word of a line as a number. */
-static gw_status take_number(reader *r, const ply_property *property, ascii_line *line, double *value,
-                             float *single)
+static gw_status take_number(reader *r, const ply_property *property, ascii_line *line,
+							 double *value, float *single)
 {
 	skip_blanks(line);
 	size_t length = (size_t)(line->end - line->at);
 	if (length == 0)
 		return gw_fail(r->error, GW_ERROR_DATA,
-		               "%s, line %zu ends where a value of '%.40s' was expected", r->in->name,
-		               r->line, property->name);
-	size_t used = single ? number_read_float(line->at, length, single)
-	                     : number_read(line->at, length, value);
+					   "%s, line %zu ends where a value of '%.40s' was expected", r->in->name,
+					   r->line, property->name);
+	size_t used =
+		single ? number_read_float(line->at, length, single) : number_read(line->at, length, value);
 	if (used == 0 || (used < length && !is_blank(line->at[used])))
 		return fail_value(r, property, line, "a number");
 	line->at += used;
@@ -331,7 +330,7 @@ static gw_status take_number(reader *r, const ply_property *property, ascii_line
 
 /* Smallest and largest value of the integer types. */
 static const double limits[SCAN_TYPE_COUNT][2] = {
-	[SCAN_INT8] = { INT8_MIN, INT8_MAX },   [SCAN_UINT8] = { 0, UINT8_MAX },
+	[SCAN_INT8] = { INT8_MIN, INT8_MAX },    [SCAN_UINT8] = { 0, UINT8_MAX },
 	[SCAN_INT16] = { INT16_MIN, INT16_MAX }, [SCAN_UINT16] = { 0, UINT16_MAX },
 	[SCAN_INT32] = { INT32_MIN, INT32_MAX }, [SCAN_UINT32] = { 0, UINT32_MAX },
 };
@@ -350,7 +349,7 @@ static void store_integer(void *data, scan_type type, size_t i, double value)
 }
 
 static gw_status take_integer(reader *r, const ply_property *property, scan_type type,
-                              ascii_line *line, double *value)
+							  ascii_line *line, double *value)
 {
 	ascii_line before = *line;
 	gw_status status = take_number(r, property, line, value, NULL);
@@ -371,7 +370,7 @@ static gw_status skip_ascii_list(reader *r, const ply_property *property, ascii_
 	gw_status status = take_integer(r, property, property->count_type, line, &count);
 	if (status == GW_OK && count < 0.0)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: the list '%.40s' has a length of %g",
-		               r->in->name, r->line, property->name, count);
+					   r->in->name, r->line, property->name, count);
 	for (double i = 0.0; status == GW_OK && i < count; i += 1.0)
 		status = take_number(r, property, line, &ignored, NULL);
 	return status;
@@ -398,9 +397,9 @@ static gw_status take_ascii_vertex(reader *r, size_t i)
 	ascii_line line;
 	if (!next_line(r, &line))
 		return gw_fail(r->error, GW_ERROR_DATA,
-		               "%s ends after %zu of the %zu vertices that the header counts; the file is "
-		               "cut short or damaged",
-		               r->in->name, i, r->scan->count);
+					   "%s ends after %zu of the %zu vertices that the header counts; the file is "
+					   "cut short or damaged",
+					   r->in->name, i, r->scan->count);
 	for (size_t k = 0; k < r->vertex->property_count; k++) {
 		gw_status status = take_ascii_value(r, k, i, &line);
 		if (status != GW_OK)
@@ -409,8 +408,8 @@ static gw_status take_ascii_vertex(reader *r, size_t i)
 	skip_blanks(&line);
 	if (line.at < line.end)
 		return gw_fail(r->error, GW_ERROR_DATA,
-		               "%s, line %zu has more values than the %zu properties of a vertex",
-		               r->in->name, r->line, r->vertex->property_count);
+					   "%s, line %zu has more values than the %zu properties of a vertex",
+					   r->in->name, r->line, r->vertex->property_count);
 	return GW_OK;
 }
 
@@ -422,10 +421,10 @@ static gw_status skip_ascii(reader *r, const ply_element *element)
 	for (uint64_t i = 0; i < element->count; i++)
 		if (!next_line(r, &line))
 			return gw_fail(r->error, GW_ERROR_DATA,
-			               "%s ends after %llu of the %llu lines of '%.40s' that the header "
-			               "counts; the file is cut short or damaged",
-			               r->in->name, (unsigned long long)i,
-			               (unsigned long long)element->count, element->name);
+						   "%s ends after %llu of the %llu lines of '%.40s' that the header "
+						   "counts; the file is cut short or damaged",
+						   r->in->name, (unsigned long long)i, (unsigned long long)element->count,
+						   element->name);
 	return GW_OK;
 }
 
@@ -441,9 +440,9 @@ static gw_status read_ascii(reader *r)
 	ascii_line line;
 	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && next_line(r, &line))
 		return gw_fail(r->error, GW_ERROR_DATA,
-		               "%s, line %zu follows the last of %zu vertices; the count in the header is "
-		               "wrong or the file is damaged",
-		               r->in->name, r->line, r->scan->count);
+					   "%s, line %zu follows the last of %zu vertices; the count in the header is "
+					   "wrong or the file is damaged",
+					   r->in->name, r->line, r->scan->count);
 	return status;
 }
 
@@ -472,13 +471,13 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 	gw_status status = ply_header_parse(&header, in, cloud, error);
 	if (status == GW_OK) {
 		reader r = { .in = in,
-			     .header = &header,
-			     .vertex = &header.element[header.vertex],
-			     .scan = cloud,
-			     .error = error,
-			     .at = in->data + header.body,
-			     .end = in->data + in->length,
-			     .line = header.lines };
+					 .header = &header,
+					 .vertex = &header.element[header.vertex],
+					 .scan = cloud,
+					 .error = error,
+					 .at = in->data + header.body,
+					 .end = in->data + in->length,
+					 .line = header.lines };
 		status = read_body(&r);
 		ply_header_clear(&header);
 	}

@@ -32,8 +32,8 @@ static gw_status write_property(output_file *out, const scan_column *column, gw_
 	for (char *c = name; *c; c++)
 		if ((unsigned char)*c <= ' ')
 			*c = '_';
-	gw_status status = output_file_print(out, error, "property %s %s\n",
-	                                     ply_type_name(column->type), name);
+	gw_status status =
+		output_file_print(out, error, "property %s %s\n", ply_type_name(column->type), name);
 	free(name);
 	return status;
 }

@@ -1,4 +1,5 @@
 #include "scan.h"
+#include "growing_table.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,7 @@ scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_e
 		gw_fail(error, GW_ERROR_DATA, "two columns are called '%s'; rename one of them", name);
 		return NULL;
 	}
-	scan_column *grown = reallocarray(cloud->column, cloud->column_count + 1, sizeof *grown);
+	scan_column *grown = growing_table_room(cloud->column, cloud->column_count, sizeof *grown);
 	if (grown)
 		cloud->column = grown;
 	char *copy = strdup(name);
@@ -43,7 +44,7 @@ scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_e
 		free(copy);
 		free(data);
 		gw_fail(error, GW_ERROR_MEMORY, "no memory for the column '%s' of %zu points", name,
-		        cloud->count);
+				cloud->count);
 		return NULL;
 	}
 	scan_column *column = &cloud->column[cloud->column_count++];
@@ -53,7 +54,7 @@ scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_e
 
 gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 {
-	char **grown = reallocarray(cloud->comment, cloud->comment_count + 1, sizeof *grown);
+	char **grown = growing_table_room(cloud->comment, cloud->comment_count, sizeof *grown);
 	if (grown)
 		cloud->comment = grown;
 	char *copy = strdup(text);
@@ -190,7 +191,7 @@ static void copy_values(scan_column *to, size_t first, const scan_column *from, 
 
 /* Adds to `joined` the column that both scans have under this name, or that one of them has. */
 static gw_status join_column(scan *joined, const scan *head, const scan *tail, const char *name,
-                             gw_error *error)
+							 gw_error *error)
 {
 	const scan_column *a = scan_find(head, name), *b = scan_find(tail, name);
 	scan_type type = a && b ? widen(a->type, b->type) : a ? a->type : b->type;
@@ -224,11 +225,11 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
 	if (__builtin_add_overflow(cloud->count, tail->count, &joined.count))
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
-		               cloud->count, tail->count);
+					   cloud->count, tail->count);
 	/* One scanner cannot have stood at two places; then nobody knows which points it saw. */
 	bool first = cloud->count == 0;
 	bool same = cloud->has_scanner && tail->has_scanner &&
-	            memcmp(cloud->scanner, tail->scanner, sizeof cloud->scanner) == 0;
+				memcmp(cloud->scanner, tail->scanner, sizeof cloud->scanner) == 0;
 	joined.has_scanner = first ? tail->has_scanner : same;
 	if (joined.has_scanner)
 		memcpy(joined.scanner, tail->scanner, sizeof joined.scanner);

@@ -82,19 +82,21 @@ typedef struct scan_points_options {
 	bool linear_colors;    /* colours are linear already, not sRGB-encoded */
 } scan_points_options;
 
-#define SCAN_POINTS_OPTIONS_DEFAULT ((scan_points_options){ .constant = GW_ALBEDO_DEFAULT, .scale = 1.0f })
+#define SCAN_POINTS_OPTIONS_DEFAULT                                                            \
+	((scan_points_options){ .constant = GW_ALBEDO_DEFAULT, .scale = 1.0f })
 
 /* gw_points with the memory behind them. */
 typedef struct scan_points {
-	gw_points points;           /* what gw_bake takes; its pointers lead into this struct's memory */
-	char albedo_source[160];    /* one sentence: which albedo was used and why */
+	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
+	char albedo_source[160]; /* a phrase: which albedo was used and why */
 	double *position; float *normal; float *albedo; float *emission; double scanner[3]; /* owned */
 } scan_points;
 
 /*
  * Derives positions, normals, linear albedo and emission. uint8 colours count to 255, uint16 to
- * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). CloudCompare's
- * prefix scalar_ is understood. A lit file's own albedo_* columns go before its preview colours.
+ * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). With
+ * SCAN_ALBEDO_AUTO, colours that are all black count as none. CloudCompare's prefix scalar_ is
+ * understood. A lit file's own albedo_* columns go before its preview colours.
  *   out   on success owned by the caller, freed with scan_points_clear
  */
 gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,

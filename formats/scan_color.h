@@ -27,7 +27,8 @@ bool scan_find_triple(const scan *scan, const char *const name[3], const scan_co
 
 /*
  * Finds colour columns and what they count to: 8-bit types to 255; wider integers to 65535, or to
- * 255 if no value is larger; floats to 1, or to 255 if a value is over 1. False when one is missing.
+ * 255 if no value is larger; floats to 1, or to 255 if a value is over 1. False when one is
+ * missing.
  */
 bool scan_color_find(const scan *scan, const char *const name[3], scan_color *color);
 

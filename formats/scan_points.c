@@ -22,7 +22,7 @@ static gw_status allocate_triples(float **values, size_t count, gw_error *error)
 
 /* Interleaves three columns; a missing one gives zeros. */
 static gw_status gather(float **values, const scan_column *const column[3], size_t count,
-                        gw_error *error)
+						gw_error *error)
 {
 	gw_status status = allocate_triples(values, count, error);
 	for (size_t k = 0; k < 3 && status == GW_OK; k++)
@@ -39,12 +39,11 @@ static gw_status make_positions(const scan *cloud, scan_points *out, gw_error *e
 	out->position = reallocarray(NULL, cloud->count, 3 * sizeof *out->position);
 	if (!out->position)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions of %zu points",
-		               cloud->count);
+					   cloud->count);
 	for (size_t k = 0; k < 3; k++) {
 		const scan_column *column = scan_find(cloud, names[k]);
 		if (!column)
-			return gw_fail(error, GW_ERROR_DATA, "the points have no coordinate '%s'",
-			               names[k]);
+			return gw_fail(error, GW_ERROR_DATA, "the points have no coordinate '%s'", names[k]);
 		for (size_t i = 0; i < cloud->count; i++)
 			out->position[3 * i + k] = scan_value(column, i);
 	}
@@ -55,7 +54,7 @@ static gw_status make_positions(const scan *cloud, scan_points *out, gw_error *e
 
 /* Colours to linear albedo. Integer colours have few different values: those are decoded once. */
 static gw_status albedo_of_color(const scan_color *color, size_t count, bool linear, float *albedo,
-                                 gw_error *error)
+								 gw_error *error)
 {
 	for (int k = 0; k < 3; k++) {
 		scan_type type = color->column[k]->type;
@@ -89,7 +88,8 @@ static void swap_floats(float *a, float *b)
 	*b = kept;
 }
 
-/* The value that would stand at `rank` if the values were sorted (Hoare's selection, without NaN). */
+/* The value that would stand at `rank` if the values were sorted (Hoare's selection, without NaN).
+ */
 static float select_rank(float *value, ptrdiff_t count, ptrdiff_t rank)
 {
 	ptrdiff_t low = 0, high = count - 1;
@@ -114,7 +114,7 @@ static float select_rank(float *value, ptrdiff_t count, ptrdiff_t rank)
 
 /* The 99th percentile of the finite values; 0 when none is above 0. */
 static gw_status percentile_99(const scan_column *column, size_t count, float *result,
-                               gw_error *error)
+							   gw_error *error)
 {
 	float *value = reallocarray(NULL, count, sizeof *value);
 	if (!value)
@@ -126,7 +126,7 @@ static gw_status percentile_99(const scan_column *column, size_t count, float *r
 			value[finite++] = v;
 	}
 	if (finite > 0)
-		*result = select_rank(value, finite, finite - 1 - (finite - 1) / 100);
+		*result = select_rank(value, finite, finite - 1 - finite / 100);
 	free(value);
 	return GW_OK;
 }
@@ -145,33 +145,33 @@ static gw_status albedo_of_intensity(const scan *cloud, scan_points *out, gw_err
 	const scan_column *column = scan_find_scalar(cloud, "intensity");
 	if (!column)
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "the albedo shall come from the intensity, but the points have none");
+					   "the albedo shall come from the intensity, but the points have none");
 	float full = 0.0f;
 	gw_status status = percentile_99(column, cloud->count, &full, error);
 	if (status != GW_OK)
 		return status;
 	if (!(full > 0.0f))
 		return gw_fail(error, GW_ERROR_DATA,
-		               "the albedo shall come from the intensity, but that is zero almost "
-		               "everywhere; choose another source");
+					   "the albedo shall come from the intensity, but that is zero almost "
+					   "everywhere; choose another source");
 	fill_grey(out, cloud->count, column, (double)full);
 	snprintf(out->albedo_source, sizeof out->albedo_source,
-	         "the intensity, of which the 99th percentile, %g, counts as 1", (double)full);
+			 "the intensity, of which the 99th percentile, %g, counts as 1", (double)full);
 	return GW_OK;
 }
 
 static gw_status albedo_of_property(const scan *cloud, const char *name, scan_points *out,
-                                    gw_error *error)
+									gw_error *error)
 {
 	const scan_column *column = name ? scan_find_scalar(cloud, name) : NULL;
 	if (!column)
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "the albedo shall come from the property '%s', which the points do not "
-		               "have",
-		               name ? name : "");
+					   "the albedo shall come from the property '%s', which the points do not "
+					   "have",
+					   name ? name : "");
 	fill_grey(out, cloud->count, column, 1.0);
 	snprintf(out->albedo_source, sizeof out->albedo_source, "the property '%.80s', taken as linear",
-	         name);
+			 name);
 	return GW_OK;
 }
 
@@ -180,12 +180,12 @@ static void albedo_constant(scan_points *out, size_t count, float value, const c
 	for (size_t i = 0; i < 3 * count; i++)
 		out->albedo[i] = value;
 	snprintf(out->albedo_source, sizeof out->albedo_source, "the constant %g, %s", (double)value,
-	         reason);
+			 reason);
 }
 
 /* albedo_* before colours; colours that are all black are a scanner without a camera. */
 static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *options,
-                                  scan_points *out, gw_error *error)
+								  scan_points *out, gw_error *error)
 {
 	bool forced = options->albedo == SCAN_ALBEDO_COLOR;
 	const char *encoding = options->linear_colors ? "taken as linear" : "decoded from sRGB";
@@ -194,20 +194,20 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	bool any = own || scan_color_find(cloud, scan_color_names, &color);
 	if (!any && forced)
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "the albedo shall come from colours, but the points have none");
+					   "the albedo shall come from colours, but the points have none");
 	if (!any || (color.black && !forced)) {
 		albedo_constant(out, cloud->count, GW_ALBEDO_DEFAULT,
-		                any ? "because all colours are black"
-		                    : "because the points have no colours");
+						any ? "because all colours are black"
+							: "because the points have no colours");
 		return GW_OK;
 	}
 	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full",
-	         own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
+			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
 	return albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error);
 }
 
 static gw_status make_albedo(const scan *cloud, const scan_points_options *options,
-                             scan_points *out, gw_error *error)
+							 scan_points *out, gw_error *error)
 {
 	gw_status status = allocate_triples(&out->albedo, cloud->count, error);
 	if (status != GW_OK)
@@ -243,19 +243,19 @@ static gw_status check_options(const scan_points_options *options, gw_error *err
 {
 	if (!(options->scale >= 0.0f && isfinite(options->scale)))
 		return gw_fail(error, GW_ERROR_USAGE, "the albedo cannot be scaled by %g; use 0 or more",
-		               (double)options->scale);
+					   (double)options->scale);
 	if (!(options->white >= 0.0f && options->white <= 1.0f))
 		return gw_fail(error, GW_ERROR_USAGE, "the blend towards white is %g; use 0 to 1",
-		               (double)options->white);
+					   (double)options->white);
 	if (options->albedo == SCAN_ALBEDO_CONSTANT &&
-	    !(options->constant >= 0.0f && options->constant <= 1.0f))
+		!(options->constant >= 0.0f && options->constant <= 1.0f))
 		return gw_fail(error, GW_ERROR_USAGE, "the constant albedo is %g; use 0 to 1",
-		               (double)options->constant);
+					   (double)options->constant);
 	return GW_OK;
 }
 
 static gw_status make_all(const scan *cloud, const scan_points_options *options, scan_points *out,
-                          gw_error *error)
+						  gw_error *error)
 {
 	gw_status status = check_options(options, error);
 	if (status == GW_OK)
@@ -272,7 +272,7 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 }
 
 gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,
-                           gw_error *error)
+						   gw_error *error)
 {
 	memset(out, 0, sizeof *out);
 	if (cloud->count == 0)
@@ -285,11 +285,11 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 	if (cloud->has_scanner)
 		memcpy(out->scanner, cloud->scanner, sizeof out->scanner);
 	out->points = (gw_points){ .count = cloud->count,
-		                   .position = out->position,
-		                   .normal = out->normal,
-		                   .albedo = out->albedo,
-		                   .emission = out->emission,
-		                   .scanner = cloud->has_scanner ? out->scanner : NULL };
+							   .position = out->position,
+							   .normal = out->normal,
+							   .albedo = out->albedo,
+							   .emission = out->emission,
+							   .scanner = cloud->has_scanner ? out->scanner : NULL };
 	return GW_OK;
 }
 

@@ -26,7 +26,7 @@ namespace
 const char *const grid_names[] = { "density", "radiance", "color", "emission", "normal" };
 
 __attribute__((format(printf, 3, 4))) gw_status fail(gw_error *error, gw_status status,
-                                                     const char *format, ...)
+													 const char *format, ...)
 {
 	if (error) {
 		va_list arguments;
@@ -56,15 +56,12 @@ struct fingerprint {
  * Hands bytes to the sink. OpenVDB puts a random UUID into each header; a file of the same content
  * shall have the same bytes, so the UUID is replaced by one made from the content.
  */
-class sink_buffer : public std::streambuf
-{
-public:
+struct sink_buffer : std::streambuf {
 	sink_buffer(vdb_sink sink, void *user, const std::string &uuid)
-	    : sink_(sink), user_(user), uuid_(uuid)
+		: sink_(sink), user_(user), uuid_(uuid)
 	{
 	}
 
-protected:
 	std::streamsize xsputn(const char *bytes, std::streamsize length) override
 	{
 		std::streamsize done = 0;
@@ -90,7 +87,6 @@ protected:
 		return tells ? pos_type(position_) : pos_type(off_type(-1));
 	}
 
-private:
 	/* The header: 8 bytes of magic, three uint32 of versions, one flag, and the UUID as text. */
 	static constexpr std::streamoff UUID_START = 21, UUID_END = UUID_START + 36;
 
@@ -132,9 +128,9 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 	b = (b & ~(UINT64_C(3) << 62)) | UINT64_C(2) << 62;
 	char text[40];
 	std::snprintf(text, sizeof text, "%08llx-%04llx-%04llx-%04llx-%012llx",
-	              (unsigned long long)(a >> 32), (unsigned long long)(a >> 16 & 0xffff),
-	              (unsigned long long)(a & 0xffff), (unsigned long long)(b >> 48),
-	              (unsigned long long)(b & 0xffffffffffff));
+				  (unsigned long long)(a >> 32), (unsigned long long)(a >> 16 & 0xffff),
+				  (unsigned long long)(a & 0xffff), (unsigned long long)(b >> 48),
+				  (unsigned long long)(b & 0xffffffffffff));
 	return text;
 }
 
@@ -152,9 +148,9 @@ gw_status check(const gw_voxels &v, gw_error *error)
 	for (size_t i = 0; i < 3 * v.count; i++)
 		if (v.cell[i] < -VDB_CELL_LIMIT || v.cell[i] >= VDB_CELL_LIMIT)
 			return fail(error, GW_ERROR_DATA,
-			            "the cell coordinate %d of voxel %zu is out of the range of grids, "
-			            "+-%d",
-			            v.cell[i], i / 3, VDB_CELL_LIMIT);
+						"the cell coordinate %d of voxel %zu is out of the range of grids, "
+						"+-%d",
+						v.cell[i], i / 3, VDB_CELL_LIMIT);
 	return GW_OK;
 }
 
@@ -194,20 +190,20 @@ gw_status check_memory(const gw_voxels &v, uint64_t limit, gw_error *error)
 		return GW_OK;
 	if (counting <= limit) {
 		count_nodes(v, nodes);
-		uint64_t bytes = tree_bytes<openvdb::FloatTree>(nodes) +
-		                 4 * tree_bytes<openvdb::Vec3STree>(nodes);
+		uint64_t bytes =
+			tree_bytes<openvdb::FloatTree>(nodes) + 4 * tree_bytes<openvdb::Vec3STree>(nodes);
 		if (bytes <= limit)
 			return GW_OK;
 		return fail(error, GW_ERROR_MEMORY,
-		            "the grids of %zu voxels in %llu leaf nodes would take %llu bytes of memory, "
-		            "%llu for each voxel, and %llu are allowed; bake with a smaller depth or "
-		            "allow more memory",
-		            v.count, (unsigned long long)nodes[0], (unsigned long long)bytes,
-		            (unsigned long long)(bytes / v.count), (unsigned long long)limit);
+					"the grids of %zu voxels in %llu leaf nodes would take %llu bytes of memory, "
+					"%llu for each voxel, and %llu are allowed; bake with a smaller depth or "
+					"allow more memory",
+					v.count, (unsigned long long)nodes[0], (unsigned long long)bytes,
+					(unsigned long long)(bytes / v.count), (unsigned long long)limit);
 	}
 	return fail(error, GW_ERROR_MEMORY,
-	            "counting the nodes of %zu voxels takes %llu bytes of memory, and %llu are allowed",
-	            v.count, (unsigned long long)counting, (unsigned long long)limit);
+				"counting the nodes of %zu voxels takes %llu bytes of memory, and %llu are allowed",
+				v.count, (unsigned long long)counting, (unsigned long long)limit);
 }
 
 /* ------------------------------------------------------------------------------ the grids */
@@ -282,15 +278,14 @@ struct builder {
 		auto accessor = grid->getAccessor();
 		for (size_t i = 0; i < voxels.count; i++) {
 			const float *v = values + 3 * i;
-			accessor.setValueOn(cell(i),
-			                    openvdb::Vec3s(stored(v[0]), stored(v[1]), stored(v[2])));
+			accessor.setValueOn(cell(i), openvdb::Vec3s(stored(v[0]), stored(v[1]), stored(v[2])));
 		}
 		return grid;
 	}
 };
 
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
-                 uint64_t *active, gw_error *error)
+				 uint64_t *active, gw_error *error)
 {
 	gw_status status = check(v, error);
 	if (status == GW_OK)
@@ -301,10 +296,10 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 	openvdb::initialize();
 	builder build(v, m);
 	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
-		                      build.vectors(grid_names[1], v.radiance),
-		                      build.vectors(grid_names[2], v.albedo),
-		                      build.vectors(grid_names[3], v.emission),
-		                      build.vectors(grid_names[4], v.normal) };
+								  build.vectors(grid_names[1], v.radiance),
+								  build.vectors(grid_names[2], v.albedo),
+								  build.vectors(grid_names[3], v.emission),
+								  build.vectors(grid_names[4], v.normal) };
 	openvdb::MetaMap file;
 	build.describe(file);
 	for (size_t i = 0; i < m.text_count; i++)
@@ -333,8 +328,8 @@ gw_status verify(const char *path, uint64_t active, gw_error *error)
 				found = grid->activeVoxelCount();
 		if (found != active)
 			return fail(error, GW_ERROR_IO,
-			            "the grid '%s' reads back with %llu voxels instead of %llu", name,
-			            (unsigned long long)found, (unsigned long long)active);
+						"the grid '%s' reads back with %llu voxels instead of %llu", name,
+						(unsigned long long)found, (unsigned long long)active);
 	}
 	return GW_OK;
 }
@@ -356,10 +351,10 @@ template <typename Work> gw_status guarded(const char *what, gw_error *error, Wo
 } // namespace
 
 extern "C" gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata,
-                                vdb_sink sink, void *user, uint64_t *active, gw_error *error)
+								vdb_sink sink, void *user, uint64_t *active, gw_error *error)
 {
 	return guarded("write", error,
-	               [&] { return encode(*voxels, *metadata, sink, user, active, error); });
+				   [&] { return encode(*voxels, *metadata, sink, user, active, error); });
 }
 
 extern "C" gw_status vdb_verify(const char *path, uint64_t active, gw_error *error)

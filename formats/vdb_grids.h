@@ -3,10 +3,10 @@
  * radiance, color (albedo), emission and normal (vec3s).
  *
  * Cell i reaches from i to i + 1 cell sizes, so the transform puts the centre of index i at
- * origin + (i + 0.5) * size. Where the origin is more than VDB_LOCAL_LIMIT metres from zero, as with
- * georeferenced scans, single precision readers would lose the voxels' places; the transform then
- * starts at 0. In both cases the double metadata gw_origin_x, gw_origin_y and gw_origin_z, on the
- * file and on each grid, say what to add to the grid's coordinates to get the scene's.
+ * origin + (i + 0.5) * size. Where the origin is more than VDB_LOCAL_LIMIT metres from zero, as
+ * with georeferenced scans, single precision readers would lose the voxels' places; the transform
+ * then starts at 0. In both cases the double metadata gw_origin_x, gw_origin_y and gw_origin_z, on
+ * the file and on each grid, say what to add to the grid's coordinates to get the scene's.
  *
  * OpenVDB's libraries take 40 ms to load, so a program linked with them would start that much
  * later; therefore they hang on libglowworm-vdb.so, which is opened when a grid is written. The
@@ -57,15 +57,16 @@ typedef struct vdb_metadata {
  *             GW_ERROR_CREATE, GW_ERROR_IO, GW_ERROR_INTERNAL
  */
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
-                    const vdb_metadata *metadata, gw_error *error);
+					const vdb_metadata *metadata, gw_error *error);
 
-/* Takes the next bytes of the file; false when they could not be written, which ends the encoding. */
+/* Takes the next bytes of the file; false when they could not be written, which ends the encoding.
+ */
 typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
 
 /* Builds the grids and hands the file's bytes to the sink, in order. *active receives how many
  * voxels each grid has. Throws nothing. */
 gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata, vdb_sink sink,
-                     void *user, uint64_t *active, gw_error *error);
+					 void *user, uint64_t *active, gw_error *error);
 
 /* Reads a file back: GW_ERROR_IO unless it holds the five grids with so many active voxels each. */
 gw_status vdb_verify(const char *path, uint64_t active, gw_error *error);

@@ -10,7 +10,7 @@
 
 typedef struct plugin {
 	gw_status (*encode)(const gw_voxels *, const vdb_metadata *, vdb_sink, void *, uint64_t *,
-	                    gw_error *);
+						gw_error *);
 	gw_status (*verify)(const char *, uint64_t, gw_error *);
 } plugin;
 
@@ -27,11 +27,11 @@ static gw_status load(plugin *vdb, gw_error *error)
 {
 	void *library = dlopen("libglowworm-vdb.so", RTLD_NOW | RTLD_LOCAL);
 	if (!library || !find_function(library, "vdb_encode", &vdb->encode, sizeof vdb->encode) ||
-	    !find_function(library, "vdb_verify", &vdb->verify, sizeof vdb->verify))
+		!find_function(library, "vdb_verify", &vdb->verify, sizeof vdb->verify))
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "OpenVDB grids need libglowworm-vdb.so, which is installed beside "
-		               "glowworm or in its library folder: %s",
-		               dlerror());
+					   "OpenVDB grids need libglowworm-vdb.so, which is installed beside "
+					   "glowworm or in its library folder: %s",
+					   dlerror());
 	return GW_OK;
 }
 
@@ -41,7 +41,7 @@ static bool sink(void *user, const void *bytes, size_t length)
 }
 
 static gw_status encode_and_verify(const plugin *vdb, output_file *out, const gw_voxels *voxels,
-                                   const vdb_metadata *metadata, gw_error *error)
+								   const vdb_metadata *metadata, gw_error *error)
 {
 	uint64_t active = 0;
 	gw_status status = vdb->encode(voxels, metadata, sink, out, &active, error);
@@ -56,12 +56,12 @@ static gw_status encode_and_verify(const plugin *vdb, output_file *out, const gw
 	status = vdb->verify(temporary, active, &reason);
 	if (status != GW_OK)
 		return gw_fail(error, status, "%s was written, but cannot be read back: %s",
-		               output_file_name(out), reason.text);
+					   output_file_name(out), reason.text);
 	return GW_OK;
 }
 
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
-                    const vdb_metadata *metadata, gw_error *error)
+					const vdb_metadata *metadata, gw_error *error)
 {
 	plugin vdb;
 	output_file *out = NULL;

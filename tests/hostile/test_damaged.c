@@ -1,0 +1,468 @@
+/*
+ * Damaged files: every reader gets every truncated length, lies in every count, and some thousands
+ * of overwritten windows, each in memory of exactly the file's length, so that a sanitizer sees a
+ * byte too many. A reader may accept what it gets or refuse it with a sentence that names the file;
+ * it must not crash, leak, or ask for more memory than the file justifies. The linker leads calls
+ * to malloc and its kin through this file (--wrap), which counts, and fails them on demand.
+ */
+#include "cloud_format.h"
+#include "ply_format.h"
+
+#include <malloc.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* -------------------------------------------------------------------------- counted memory */
+
+void *__real_malloc(size_t size);
+void *__real_realloc(void *memory, size_t size);
+void __real_free(void *memory);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+void *__wrap_reallocarray(void *memory, size_t count, size_t size);
+char *__wrap_strdup(const char *text);
+char *__wrap_strndup(const char *text, size_t length);
+void __wrap_free(void *memory);
+
+static size_t live, peak, largest; /* bytes since the last reset */
+static long calls, fail_at = -1;   /* which call shall fail; -1: none */
+
+static bool denied(size_t size)
+{
+	largest = size > largest ? size : largest;
+	return calls++ == fail_at;
+}
+
+static void *counted(void *memory)
+{
+	live += memory ? malloc_usable_size(memory) : 0;
+	peak = live > peak ? live : peak;
+	return memory;
+}
+
+void *__wrap_malloc(size_t size)
+{
+	return denied(size) ? NULL : counted(__real_malloc(size));
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes))
+		bytes = SIZE_MAX;
+	void *memory = bytes == SIZE_MAX ? NULL : __wrap_malloc(bytes);
+	return memory ? memset(memory, 0, bytes) : NULL;
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+	if (denied(size))
+		return NULL;
+	size_t before = memory ? malloc_usable_size(memory) : 0;
+	void *grown = __real_realloc(memory, size);
+	live -= grown ? before : 0;
+	return counted(grown);
+}
+
+void *__wrap_reallocarray(void *memory, size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes))
+		bytes = SIZE_MAX / 2;
+	return __wrap_realloc(memory, bytes);
+}
+
+char *__wrap_strndup(const char *text, size_t length)
+{
+	size_t size = strnlen(text, length);
+	char *copy = __wrap_malloc(size + 1);
+	if (copy) {
+		memcpy(copy, text, size);
+		copy[size] = '\0';
+	}
+	return copy;
+}
+
+char *__wrap_strdup(const char *text)
+{
+	return __wrap_strndup(text, strlen(text));
+}
+
+void __wrap_free(void *memory)
+{
+	live -= memory ? malloc_usable_size(memory) : 0;
+	__real_free(memory);
+}
+
+/* ---------------------------------------------------------------------------------- seeds */
+
+typedef gw_status (*reader)(input_file *, scan *, gw_error *);
+
+/* A good file that is then damaged. */
+typedef struct seed {
+	const char *name;
+	reader read;
+	uint8_t data[2048];
+	size_t length;
+	size_t header; /* bytes of text with counts in it; 0: a binary count at the start */
+	size_t points;
+} seed;
+
+static void put_text(seed *s, const char *text)
+{
+	memcpy(s->data + s->length, text, strlen(text));
+	s->length += strlen(text);
+}
+
+static void put_pattern(seed *s, uint64_t pattern, size_t size, bool big)
+{
+	for (size_t i = 0; i < size; i++)
+		s->data[s->length++] = (uint8_t)(pattern >> 8 * (big ? size - 1 - i : i));
+}
+
+static void put_float(seed *s, float value, bool big)
+{
+	uint32_t pattern;
+	memcpy(&pattern, &value, sizeof pattern);
+	put_pattern(s, pattern, 4, big);
+}
+
+/* Elements before and behind the vertices, lists everywhere, types of every size. */
+static void make_ply(seed *s, const char *name, const char *encoding)
+{
+	bool big = strstr(encoding, "big") != NULL, ascii = strcmp(encoding, "ascii") == 0;
+	char line[80];
+	*s = (seed){ .name = name, .read = ply_read, .points = 12 };
+	snprintf(line, sizeof line, "ply\nformat %s 1.0\ncomment seed 7\n", encoding);
+	put_text(s, line);
+	put_text(s, "obj_info 42\nelement camera 2\nproperty ushort id\nproperty list uchar short v\n"
+				"element vertex 12\nproperty float x\nproperty double y\nproperty float z\n"
+				"property list uchar int w\nproperty uchar red\nproperty short s16\n"
+				"element face 2\nproperty list uchar int vertex_indices\nend_header\n");
+	s->header = s->length;
+	for (uint64_t i = 0; i < 2; i++) {
+		if (ascii) {
+			put_text(s, "300 2 -1 5\n");
+			continue;
+		}
+		put_pattern(s, 300, 2, big);
+		put_pattern(s, 2, 1, big);
+		put_pattern(s, 5, 4, big);
+	}
+	for (int i = 0; i < 12; i++) {
+		if (ascii) {
+			snprintf(line, sizeof line, "%d.5 -1.25e2 1e-3 2 7 8 255 -32768\n", i);
+			put_text(s, line);
+			continue;
+		}
+		put_float(s, (float)i, big);
+		put_pattern(s, 0x40590ccccccccccd, 8, big);
+		put_float(s, -1.0f, big);
+		put_pattern(s, 2, 1, big);
+		put_pattern(s, 0x0000000700000008, 8, big);
+		put_pattern(s, 255, 1, big);
+		put_pattern(s, 0x8000, 2, big);
+	}
+	if (ascii)
+		put_text(s, "3 0 1 2\n3 0 1 2\n");
+	else
+		put_text(s, "\001abcd\002abcdefgh");
+}
+
+/* As most scanners write it: vertices of one size and nothing else. */
+static void make_plain_ply(seed *s)
+{
+	*s = (seed){ .name = "plain ply", .read = ply_read, .points = 9 };
+	put_text(s, "ply\r\nformat binary_little_endian 1.0\r\nelement vertex 9\r\n"
+				"property float32 x\r\nproperty float32 y\r\nproperty float32 z\r\n"
+				"property uint8 red\r\nproperty uint8 green\r\nproperty uint8 blue\r\n"
+				"end_header\r\n");
+	s->header = s->length;
+	for (int i = 0; i < 9; i++) {
+		for (int k = 0; k < 3; k++)
+			put_float(s, (float)(i - k), false);
+		put_text(s, "rgb");
+	}
+}
+
+static void make_cloud(seed *s)
+{
+	*s = (seed){ .name = "cloud", .read = cloud_read, .points = 10 };
+	put_pattern(s, 10, 4, false);
+	for (int i = 0; i < 10; i++) {
+		for (int k = 0; k < 6; k++)
+			put_float(s, (float)(i * k), false);
+		put_text(s, "rgb");
+	}
+}
+
+enum { SEEDS = 5 };
+static seed seeds[SEEDS];
+
+static int make_seeds(void **state)
+{
+	(void)state;
+	make_ply(&seeds[0], "ascii ply", "ascii");
+	make_ply(&seeds[1], "little-endian ply", "binary_little_endian");
+	make_ply(&seeds[2], "big-endian ply", "binary_big_endian");
+	make_plain_ply(&seeds[3]);
+	make_cloud(&seeds[4]);
+	return 0;
+}
+
+/* -------------------------------------------------------------------------------- attempts */
+
+/*
+ * What a reader may hold at once. A column takes at most 8 bytes for 2 bytes of text; a header's
+ * property of 16 bytes or more takes under 160 in tables that double; the constant pays for the
+ * rounding up of small blocks.
+ */
+static size_t allowed(size_t length)
+{
+	return 16384 + 16 * length;
+}
+
+static size_t accepted, refused;
+
+/* Uses every value of a scan, so that a sanitizer sees columns that are too short. */
+static double sum_of_all(const scan *cloud)
+{
+	double sum = 0.0;
+	for (size_t c = 0; c < cloud->column_count; c++)
+		for (size_t i = 0; i < cloud->count; i++)
+			sum += scan_value(&cloud->column[c], i);
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		sum += (double)strlen(cloud->comment[c]);
+	return sum;
+}
+
+static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
+						 size_t at)
+{
+	uint8_t *copy = __real_malloc(length + !length);
+	memcpy(copy, data, length);
+	input_file in = { .name = "seed.file", .data = copy, .length = length };
+	scan cloud;
+	gw_error error = { 0 };
+	live = peak = largest = 0;
+	calls = 0;
+	gw_status status = s->read(&in, &cloud, &error);
+	__real_free(copy);
+	if (status == GW_OK) {
+		volatile double sum = sum_of_all(&cloud);
+		(void)sum;
+		scan_clear(&cloud);
+		accepted++;
+	} else {
+		refused++;
+		bool empty = !cloud.column && !cloud.comment && cloud.count == 0;
+		if (!empty || (status == GW_ERROR_DATA && !strstr(error.text, "seed.file")))
+			fail_msg("%s, %s %zu: bad refusal: '%s'", s->name, what, at, error.text);
+	}
+	if (peak > allowed(length) || largest > allowed(length) || live != 0)
+		fail_msg("%s, %s %zu: took %zu bytes, asked for %zu at once, left %zu", s->name, what, at,
+				 peak, largest, live);
+	return status;
+}
+
+static void seeds_are_good(void **state)
+{
+	(void)state;
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		assert_true(s->length <= sizeof s->data);
+		assert_int_equal(attempt(s, s->data, s->length, "whole", 0), GW_OK);
+	}
+}
+
+static void every_truncation(void **state)
+{
+	(void)state;
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		for (size_t length = 0; length < s->length; length++) {
+			gw_status status = attempt(s, s->data, length, "cut to", length);
+			/* Nothing reads as a whole scan before its last point is there. */
+			assert_true(status == GW_ERROR_DATA || length > s->length - 40);
+		}
+	}
+}
+
+/* Replaces a number in the header by a lie. */
+static void lie(const seed *s, size_t start, size_t end, const char *text)
+{
+	uint8_t data[sizeof s->data + 32];
+	size_t size = strlen(text);
+	memcpy(data, s->data, start);
+	memcpy(data + start, text, size);
+	memcpy(data + start + size, s->data + end, s->length - end);
+	attempt(s, data, start + size + s->length - end, "lie at", start);
+}
+
+static const char *const lies[] = { "0",
+									"1",
+									"-1",
+									"2147483647",
+									"2147483648",
+									"4294967295",
+									"4294967296",
+									"9223372036854775807",
+									"9223372036854775808",
+									"18446744073709551615",
+									"18446744073709551616",
+									"1e9",
+									"12.0" };
+
+static void every_count_in_a_header_lies(void **state)
+{
+	(void)state;
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		char more_than_the_file[24];
+		snprintf(more_than_the_file, sizeof more_than_the_file, "%zu", s->length + 1);
+		for (size_t at = 0; at < s->header; at++) {
+			size_t end = at;
+			while (end < s->header && s->data[end] >= '0' && s->data[end] <= '9')
+				end++;
+			if (end == at)
+				continue;
+			for (size_t l = 0; l < sizeof lies / sizeof *lies; l++)
+				lie(s, at, end, lies[l]);
+			lie(s, at, end, more_than_the_file);
+			at = end;
+		}
+	}
+}
+
+/* The same for numbers in bytes: at every place, in both orders, in 2, 4 and 8 bytes. */
+static void every_binary_number_lies(void **state)
+{
+	(void)state;
+	static const uint64_t numbers[] = { 0,          1,          UINT64_MAX, INT32_MAX,
+										0x80000000, UINT32_MAX, INT64_MAX,  (uint64_t)1 << 63 };
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		for (size_t at = s->header; at + 8 <= s->length; at++) {
+			for (size_t n = 0; n < 3 * 2 * sizeof numbers / sizeof *numbers; n++) {
+				seed damaged = *s;
+				damaged.length = at;
+				put_pattern(&damaged, numbers[n / 6], (size_t)2 << n % 3, n / 3 % 2);
+				attempt(s, damaged.data, s->length, "number at", at);
+			}
+		}
+	}
+}
+
+/* For formats with a binary count the one lie that matters most: one more, one less. */
+static void cloud_count_must_agree(void **state)
+{
+	(void)state;
+	const seed *s = &seeds[4];
+	for (uint64_t count = 0; count < 40; count++) {
+		seed damaged = *s;
+		damaged.length = 0;
+		put_pattern(&damaged, count, 4, false);
+		gw_status status = attempt(s, damaged.data, s->length, "count", count);
+		assert_int_equal(status, count == s->points ? GW_OK : GW_ERROR_DATA);
+	}
+}
+
+static uint64_t next_random(uint64_t *seed_of_sequence)
+{
+	uint64_t r = *seed_of_sequence;
+	r ^= r << 13;
+	r ^= r >> 7;
+	r ^= r << 17;
+	return *seed_of_sequence = r;
+}
+
+/* Overwrites 1 to 8 bytes with random ones, or with bytes that mean something to a parser. */
+static void windows_of_bytes(void **state)
+{
+	(void)state;
+	static const char special[] = "\0\n\r \t-+.e0129#plyv\x7f\x80\xff";
+	uint64_t random = 12345;
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		for (size_t turn = 0; turn < 4000; turn++) {
+			seed damaged = *s;
+			uint64_t r = next_random(&random);
+			/* Every other window lies in the header, where there is one. */
+			size_t range = turn % 2 && s->header ? s->header : s->length;
+			size_t at = (size_t)(r % range), size = 1 + (size_t)(r >> 32) % 8;
+			for (size_t k = at; k < at + size && k < s->length; k++) {
+				uint64_t pick = next_random(&random);
+				damaged.data[k] =
+					(uint8_t)(turn % 4 < 2 ? pick : (uint8_t)special[pick % sizeof special]);
+			}
+			attempt(s, damaged.data, s->length, "window", turn);
+		}
+	}
+	/* The damage reaches the readers in both ways. */
+	assert_true(accepted > 100 && refused > 100);
+}
+
+/* A header of nothing but properties, elements or comments cannot take much time or memory. */
+static void headers_that_swell(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *text;
+		bool numbered;
+	} lines[] = { { "element a 0", false },
+				  { "comment", false },
+				  { "", false },
+				  { "property char ", true },
+				  { "property list uchar char ", true } };
+	static char text[2 << 20];
+	for (size_t l = 0; l < sizeof lines / sizeof *lines; l++) {
+		size_t length = (size_t)sprintf(text, "ply\nformat ascii 1.0\nelement vertex 1\n");
+		for (size_t i = 0; length + 64 < sizeof text; i++)
+			length += lines[l].numbered
+						  ? (size_t)sprintf(text + length, "%s%zu\n", lines[l].text, i)
+						  : (size_t)sprintf(text + length, "%s\n", lines[l].text);
+		assert_int_equal(attempt(&seeds[0], text, length, "swollen", l), GW_ERROR_DATA);
+	}
+}
+
+/* Every allocation fails once: the reader says so and leaves nothing behind. */
+static void memory_runs_out(void **state)
+{
+	(void)state;
+	for (int i = 0; i < SEEDS; i++) {
+		const seed *s = &seeds[i];
+		long failures = 0;
+		for (;; failures++) {
+			fail_at = failures;
+			gw_status status = attempt(s, s->data, s->length, "allocation", (size_t)failures);
+			fail_at = -1;
+			if (status == GW_OK)
+				break;
+			assert_int_equal(status, GW_ERROR_MEMORY);
+		}
+		/* At least a name and the values of each column. */
+		assert_true(failures >= 10);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(seeds_are_good),
+		cmocka_unit_test(every_truncation),
+		cmocka_unit_test(every_count_in_a_header_lies),
+		cmocka_unit_test(every_binary_number_lies),
+		cmocka_unit_test(cloud_count_must_agree),
+		cmocka_unit_test(windows_of_bytes),
+		cmocka_unit_test(headers_that_swell),
+		cmocka_unit_test(memory_runs_out),
+	};
+	return cmocka_run_group_tests(tests, make_seeds, NULL);
+}

@@ -1,0 +1,363 @@
+/* Scans: columns, joining, and the way to points. */
+#include "scan_color.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* float32 keeps 24 bits; an albedo below 1 that was computed in double and rounded once is off by
+ * at most 2^-25. */
+#define HALF_ULP 0x1p-25
+
+static void assert_near(double a, double b, double tolerance)
+{
+	if (!(fabs(a - b) <= tolerance))
+		fail_msg("%.9g is not %.9g", a, b);
+}
+
+static scan_column *add(scan *cloud, const char *name, scan_type type, const double *values)
+{
+	gw_error error = { 0 };
+	scan_column *column = scan_add_column(cloud, name, type, &error);
+	assert_non_null(column);
+	for (size_t i = 0; i < cloud->count; i++) {
+		if (type == SCAN_FLOAT64)
+			((double *)column->data)[i] = values[i];
+		else if (type == SCAN_FLOAT32)
+			((float *)column->data)[i] = (float)values[i];
+		else if (type == SCAN_UINT8 || type == SCAN_INT8)
+			((uint8_t *)column->data)[i] = (uint8_t)(int)values[i];
+		else if (type == SCAN_UINT16)
+			((uint16_t *)column->data)[i] = (uint16_t)values[i];
+		else if (type == SCAN_INT16)
+			((int16_t *)column->data)[i] = (int16_t)values[i];
+		else if (type == SCAN_INT32)
+			((int32_t *)column->data)[i] = (int32_t)values[i];
+		else
+			((uint32_t *)column->data)[i] = (uint32_t)values[i];
+	}
+	return column;
+}
+
+static void add_position(scan *cloud)
+{
+	static const double x[4] = { 0, 1, 2, 3 };
+	add(cloud, "x", SCAN_FLOAT64, x);
+	add(cloud, "y", SCAN_FLOAT32, x);
+	add(cloud, "z", SCAN_INT32, x);
+}
+
+static void add_triple(scan *cloud, const char *const name[3], scan_type type, const double *values)
+{
+	for (int k = 0; k < 3; k++)
+		add(cloud, name[k], type, values);
+}
+
+/* ------------------------------------------------------------------------------- columns */
+
+static void columns_come_and_go(void **state)
+{
+	(void)state;
+	scan cloud = { .count = 4 };
+	gw_error error = { 0 };
+	add_position(&cloud);
+	assert_null(scan_add_column(&cloud, "y", SCAN_UINT8, &error));
+	assert_int_equal(error.status, GW_ERROR_DATA);
+	assert_int_equal(cloud.column_count, 3);
+	scan_remove_column(&cloud, "y");
+	scan_remove_column(&cloud, "none");
+	assert_int_equal(cloud.column_count, 2);
+	assert_null(scan_find(&cloud, "y"));
+	assert_true(scan_value(scan_find(&cloud, "z"), 3) == 3.0);
+	assert_int_equal(scan_add_comment(&cloud, "hello", NULL), GW_OK);
+	assert_string_equal(cloud.comment[0], "hello");
+	scan_clear(&cloud);
+	assert_int_equal(cloud.column_count, 0);
+	scan_clear(&cloud);
+}
+
+static void every_type_gives_its_value(void **state)
+{
+	(void)state;
+	static const size_t size[SCAN_TYPE_COUNT] = { 1, 1, 2, 2, 4, 4, 4, 8 };
+	const double values[2] = { 7, 100 };
+	for (int t = 0; t < SCAN_TYPE_COUNT; t++) {
+		scan cloud = { .count = 2 };
+		scan_column *column = add(&cloud, "a", (scan_type)t, values);
+		assert_int_equal(scan_type_size((scan_type)t), size[t]);
+		assert_true(scan_value(column, 0) == 7.0 && scan_value(column, 1) == 100.0);
+		scan_clear(&cloud);
+	}
+}
+
+/* Whatever two types meet, the joined column holds the extremes of both. */
+static void joining_widens_types(void **state)
+{
+	(void)state;
+	static const double extreme[SCAN_TYPE_COUNT][2] = {
+		{ -128, 127 },
+		{ 0, 255 },
+		{ -32768, 32767 },
+		{ 0, 65535 },
+		{ -2147483648.0, 2147483647.0 },
+		{ 0, 4294967295.0 },
+		{ -0x1p100, 0x1p-100 },
+		{ -0x1p1000, 0x1.fffffffffffffp52 },
+	};
+	for (int a = 0; a < SCAN_TYPE_COUNT; a++) {
+		for (int b = 0; b < SCAN_TYPE_COUNT; b++) {
+			scan head = { .count = 2 }, tail = { .count = 2 };
+			add(&head, "v", (scan_type)a, extreme[a]);
+			add(&tail, "v", (scan_type)b, extreme[b]);
+			assert_int_equal(scan_append(&head, &tail, NULL), GW_OK);
+			const scan_column *v = scan_find(&head, "v");
+			assert_true(a != b || v->type == (scan_type)a);
+			for (size_t i = 0; i < 2; i++) {
+				assert_true(scan_value(v, i) == extreme[a][i]);
+				assert_true(scan_value(v, 2 + i) == extreme[b][i]);
+			}
+			scan_clear(&head);
+			scan_clear(&tail);
+		}
+	}
+}
+
+static void joining_keeps_all_columns(void **state)
+{
+	(void)state;
+	const double ones[4] = { 1, 1, 1, 1 };
+	scan head = { .count = 4, .up = 'z', .has_scanner = true, .scanner = { 1, 2, 3 } };
+	scan tail = { .count = 4, .up = 'z' };
+	add_position(&head);
+	add_position(&tail);
+	add(&head, "mine", SCAN_UINT8, ones);
+	add(&tail, "yours", SCAN_INT16, ones);
+	scan_add_comment(&tail, "from the tail", NULL);
+	assert_int_equal(scan_append(&head, &tail, NULL), GW_OK);
+	assert_int_equal(head.count, 8);
+	assert_int_equal(head.column_count, 5);
+	assert_true(scan_value(scan_find(&head, "mine"), 3) == 1.0);
+	assert_true(scan_value(scan_find(&head, "mine"), 4) == 0.0);
+	assert_true(scan_value(scan_find(&head, "yours"), 3) == 0.0);
+	assert_true(scan_value(scan_find(&head, "yours"), 4) == 1.0);
+	assert_string_equal(head.comment[0], "from the tail");
+	assert_false(head.has_scanner);
+	assert_int_equal(tail.count, 4);
+
+	scan empty = { 0 };
+	assert_int_equal(scan_append(&empty, &tail, NULL), GW_OK);
+	assert_int_equal(empty.count, 4);
+	assert_int_equal(empty.up, 'z');
+	scan_clear(&empty);
+	scan_clear(&head);
+	scan_clear(&tail);
+}
+
+/* ------------------------------------------------------------------------------ to points */
+
+/* Albedo of point 1 of a cloud whose colours have these four values. */
+static float albedo_of(const char *const name[3], scan_type type, const double *values, bool linear)
+{
+	scan cloud = { .count = 4 };
+	scan_points points;
+	scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+	options.linear_colors = linear;
+	add_position(&cloud);
+	add_triple(&cloud, name, type, values);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	float albedo = points.points.albedo[3];
+	assert_true(albedo == points.points.albedo[4] && albedo == points.points.albedo[5]);
+	scan_points_clear(&points);
+	scan_clear(&cloud);
+	return albedo;
+}
+
+/* What a colour counts to is told by its type and its largest value; 51/255 = 13107/65535 = 0.2,
+ * which sRGB decodes to ((0.2 + 0.055) / 1.055)^2.4. */
+static void colors_count_to_their_type(void **state)
+{
+	(void)state;
+	const double decoded = 0.033104766570885055;
+	const double bytes[4] = { 0, 51, 255, 10 }, words[4] = { 0, 13107, 65535, 10 };
+	const double units[4] = { 0, 0.2, 1.0, 0.04 };
+	const struct {
+		scan_type type;
+		const double *values;
+	} cases[] = { { SCAN_UINT8, bytes },   { SCAN_INT8, bytes },    { SCAN_UINT16, bytes },
+				  { SCAN_UINT16, words },  { SCAN_UINT32, words },  { SCAN_INT16, bytes },
+				  { SCAN_FLOAT32, bytes }, { SCAN_FLOAT64, units }, { SCAN_FLOAT32, units } };
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		/* 0.2 as a float is off by 2^-27; the curve's slope there is below 0.5. */
+		assert_near(albedo_of(scan_color_names, cases[i].type, cases[i].values, false), decoded,
+					HALF_ULP);
+		assert_near(albedo_of(scan_color_names, cases[i].type, cases[i].values, true), 0.2,
+					HALF_ULP);
+	}
+}
+
+static void srgb_is_its_own_inverse(void **state)
+{
+	(void)state;
+	/* Anchors of IEC 61966-2-1; the two branches meet at 0.04045 within 1e-7. */
+	assert_near(scan_srgb_decode(0.0), 0.0, 0.0);
+	assert_near(scan_srgb_decode(1.0), 1.0, 1e-15);
+	assert_near(scan_srgb_decode(0.5), 0.21404114048223255, 1e-15);
+	for (int i = 0; i <= 255; i++)
+		assert_near(scan_srgb_encode(scan_srgb_decode(i / 255.0)), i / 255.0, 1e-7);
+}
+
+static void lit_file_is_lit_again_from_its_albedo(void **state)
+{
+	(void)state;
+	const double preview[4] = { 255, 255, 255, 255 }, albedo[4] = { 0, 51, 0, 0 };
+	scan cloud = { .count = 4 };
+	scan_points points;
+	add_position(&cloud);
+	add_triple(&cloud, scan_color_names, SCAN_UINT8, preview);
+	add_triple(&cloud, scan_albedo_names, SCAN_UINT8, albedo);
+	assert_int_equal(scan_points_make(&cloud, &SCAN_POINTS_OPTIONS_DEFAULT, &points, NULL), GW_OK);
+	assert_near(points.points.albedo[3], 0.033104766570885055, HALF_ULP);
+	assert_non_null(strstr(points.albedo_source, "albedo_r"));
+	scan_points_clear(&points);
+	scan_clear(&cloud);
+}
+
+static void black_or_missing_colors_give_the_default(void **state)
+{
+	(void)state;
+	const double black[4] = { 0, 0, 0, 0 };
+	scan cloud = { .count = 4 };
+	scan_points points;
+	scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+	add_position(&cloud);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	assert_true(points.points.albedo[11] == GW_ALBEDO_DEFAULT);
+	assert_null(points.points.normal);
+	assert_null(points.points.emission);
+	assert_null(points.points.scanner);
+	scan_points_clear(&points);
+
+	options.albedo = SCAN_ALBEDO_COLOR;
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_ERROR_USAGE);
+	add_triple(&cloud, scan_color_names, SCAN_UINT16, black);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	assert_true(points.points.albedo[0] == 0.0f);
+	scan_points_clear(&points);
+	options.albedo = SCAN_ALBEDO_AUTO;
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	assert_true(points.points.albedo[0] == GW_ALBEDO_DEFAULT);
+	assert_non_null(strstr(points.albedo_source, "black"));
+	scan_points_clear(&points);
+	scan_clear(&cloud);
+}
+
+/* 1000 shuffled intensities 1..1000 and two that are no numbers: rank 990 of 1000 is 990. */
+static void intensity_is_scaled_to_its_percentile(void **state)
+{
+	(void)state;
+	enum { N = 1002 };
+	double x[N], intensity[N];
+	for (int i = 0; i < N; i++) {
+		x[i] = i;
+		intensity[i] = i < 1000    ? 1.0 + i * 7919 % 1000
+					   : i == 1000 ? (double)NAN
+								   : (double)INFINITY;
+	}
+	scan cloud = { .count = N };
+	scan_points points;
+	scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+	options.albedo = SCAN_ALBEDO_INTENSITY;
+	add(&cloud, "x", SCAN_FLOAT64, x);
+	add(&cloud, "y", SCAN_FLOAT64, x);
+	add(&cloud, "z", SCAN_FLOAT64, x);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_ERROR_USAGE);
+	add(&cloud, "scalar_Intensity", SCAN_FLOAT32, intensity);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	for (size_t i = 0; i < 1000; i++)
+		assert_near(points.points.albedo[3 * i], intensity[i] / 990.0, 2 * HALF_ULP);
+	scan_points_clear(&points);
+	scan_clear(&cloud);
+}
+
+static void albedo_is_scaled_and_blended(void **state)
+{
+	(void)state;
+	const double rho[4] = { 0.1, 0.25, 0.5, 1.0 };
+	scan cloud = { .count = 4 };
+	scan_points points;
+	scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+	options.albedo = SCAN_ALBEDO_PROPERTY;
+	options.property = "reflectance";
+	options.scale = 0.5f;
+	options.white = 0.2f;
+	add_position(&cloud);
+	add(&cloud, "reflectance", SCAN_FLOAT32, rho);
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	/* Three roundings to float. */
+	for (size_t i = 0; i < 4; i++)
+		assert_near(points.points.albedo[3 * i], rho[i] * 0.5 + 0.2 * (1 - rho[i] * 0.5),
+					3 * HALF_ULP);
+	scan_points_clear(&points);
+
+	options.property = "none";
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_ERROR_USAGE);
+	options = SCAN_POINTS_OPTIONS_DEFAULT;
+	options.albedo = SCAN_ALBEDO_CONSTANT;
+	options.constant = 0.75f;
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	assert_true(points.points.albedo[5] == 0.75f);
+	scan_points_clear(&points);
+	options.white = NAN;
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_ERROR_USAGE);
+	scan_clear(&cloud);
+}
+
+static void everything_else_is_handed_on(void **state)
+{
+	(void)state;
+	static const char *const normal[3] = { "scalar_nx", "scalar_Ny", "nz" };
+	const double values[4] = { 1, -2, NAN, 4 };
+	scan cloud = { .count = 4, .has_scanner = true, .scanner = { 5, 6, 7 } };
+	scan_points points;
+	add_position(&cloud);
+	add_triple(&cloud, normal, SCAN_FLOAT32, values);
+	add(&cloud, "emission_g", SCAN_FLOAT32, values);
+	assert_int_equal(scan_points_make(&cloud, &SCAN_POINTS_OPTIONS_DEFAULT, &points, NULL), GW_OK);
+	assert_int_equal(points.points.count, 4);
+	assert_true(points.points.position[3] == 1.0 && points.points.position[11] == 3.0);
+	assert_true(points.points.normal[5] == -2.0f && isnan(points.points.normal[6]));
+	assert_true(points.points.emission[3] == 0.0f && points.points.emission[4] == -2.0f);
+	assert_true(points.points.scanner == points.scanner && points.scanner[2] == 7.0);
+	scan_points_clear(&points);
+
+	scan_remove_column(&cloud, "y");
+	gw_error error = { 0 };
+	assert_int_equal(scan_points_make(&cloud, &SCAN_POINTS_OPTIONS_DEFAULT, &points, &error),
+					 GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "'y'"));
+	scan_clear(&cloud);
+	assert_int_equal(scan_points_make(&cloud, &SCAN_POINTS_OPTIONS_DEFAULT, &points, &error),
+					 GW_ERROR_DATA);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(columns_come_and_go),
+		cmocka_unit_test(every_type_gives_its_value),
+		cmocka_unit_test(joining_widens_types),
+		cmocka_unit_test(joining_keeps_all_columns),
+		cmocka_unit_test(colors_count_to_their_type),
+		cmocka_unit_test(srgb_is_its_own_inverse),
+		cmocka_unit_test(lit_file_is_lit_again_from_its_albedo),
+		cmocka_unit_test(black_or_missing_colors_give_the_default),
+		cmocka_unit_test(intensity_is_scaled_to_its_percentile),
+		cmocka_unit_test(albedo_is_scaled_and_blended),
+		cmocka_unit_test(everything_else_is_handed_on),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
