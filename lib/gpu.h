@@ -83,7 +83,8 @@ gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, ui
                            const char *name, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
-/* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4. */
+/* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.
+ * A range past the end of the buffer fails. */
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
                            uint64_t bytes, gw_error *error);
 gw_status gw_buffer_download(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, void *data,
@@ -117,7 +118,8 @@ typedef enum gw_binding_kind {
 	GW_BIND_STORAGE,       /* gw_buffer as storage buffer */
 	GW_BIND_TEXEL,         /* gw_buffer as uniform texel buffer */
 	GW_BIND_STORAGE_IMAGE, /* gw_image, imageLoad/imageStore */
-	GW_BIND_SAMPLED_IMAGE, /* gw_image with a linear, clamp-to-edge sampler */
+	GW_BIND_SAMPLED_IMAGE, /* gw_image with a linear, clamp-to-edge sampler; nearest for formats
+	                          that the device cannot filter, as integers */
 } gw_binding_kind;
 
 /*
@@ -177,7 +179,10 @@ uint32_t gw_pass_workgroup_size(const gw_pass *pass);
  *   bindings  as many as the pass has, in binding order (binding i is `layout(binding = i)`, set 0)
  *   push      push_bytes bytes; the span at its start is ignored and filled by the layer
  *   count     number of elements; 0 is fine and does nothing
- * The first run of a pass dispatches an empty span first and books its time as compile time.
+ * The first run of a pass dispatches one workgroup with an empty span (count 0) first and books
+ * its time as compile time; nothing may be written then. Slices begin at multiples of the workgroup's
+ * elements and of 64; results must not depend on where else they begin, because that follows the
+ * time measured. Between slices there is a full barrier.
  */
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
                       uint64_t count, gw_error *error);

@@ -217,6 +217,7 @@ static void read_limits(gw_gpu *gpu)
 	vkGetPhysicalDeviceMemoryProperties(gpu->device.handle, &gpu->memory);
 	gpu->largest_allocation = maintenance.maxMemoryAllocationSize;
 	gpu->storage_range = properties.properties.limits.maxStorageBufferRange;
+	gpu->may_map = true;
 }
 
 static gw_status check_workgroup_size(const gw_gpu *gpu, gw_error *error)

@@ -54,6 +54,7 @@ struct gw_gpu {
 	VkPhysicalDeviceMemoryProperties memory;
 	uint64_t largest_allocation; /* bytes of one vkAllocateMemory */
 	uint64_t storage_range;      /* bytes of one storage binding; tests make it smaller */
+	bool may_map;                /* copies map memory where they can; tests forbid it */
 
 	VkDevice handle;
 	VkQueue queue;

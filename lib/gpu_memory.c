@@ -93,7 +93,7 @@ static int choose_memory_type(const gw_gpu *gpu, uint32_t allowed, bool staging)
 static bool can_map(const gw_gpu *gpu, uint32_t allowed)
 {
 	int type = choose_memory_type(gpu, allowed, false);
-	return type >= 0 &&
+	return gpu->may_map && type >= 0 &&
 	       (gpu->memory.memoryTypes[type].propertyFlags & mappable) == mappable;
 }
 

@@ -1,5 +1,5 @@
 /*
- * test_affine.comp - for the unit test of the device layer: out[i] = in[i] * factor + i.
+ * test_affine.comp - for the unit test of the device layer: out[i] = in[i] * factor + i + offset.
  *
  * Both buffers are windowed: they are indexed from 0 in every slice.
  */
@@ -7,6 +7,7 @@
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint factor = 1;
+layout(constant_id = 2) const uint each = 1; /* elements per invocation */
 
 layout(binding = 0) readonly buffer Input { uint value[]; };
 layout(binding = 1) writeonly buffer Output { uint result[]; };
@@ -18,8 +19,9 @@ layout(push_constant) uniform Push {
 
 void main()
 {
-	uint i = gl_GlobalInvocationID.x;
-	if (i >= count)
-		return;
-	result[i] = value[i] * factor + first + i + offset;
+	for (uint k = 0; k < each; k++) {
+		uint i = gl_GlobalInvocationID.x * each + k;
+		if (i < count)
+			result[i] = value[i] * factor + first + i + offset;
+	}
 }

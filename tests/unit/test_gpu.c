@@ -1,0 +1,579 @@
+/*
+ * test_gpu.c - the device layer: copies, passes in slices and windows, refusals, and whether the
+ * validation layer reports faults that are planted here.
+ *
+ * Integers from the device are compared exactly; so are floats, which all stay below 2^24 here.
+ */
+#include "gpu_internal.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Opens a device. Without one, or without the validation layer, the test is skipped; under CI it
+ * fails instead, so that nothing goes untested unseen. */
+static gw_gpu *open_gpu(gw_gpu_options options)
+{
+	gw_gpu *gpu = NULL;
+	gw_error error = { 0 };
+	gw_status status = gw_gpu_create(&options, &gpu, &error);
+	if (status == GW_OK)
+		return gpu;
+	print_message("no device: %s\n", error.text);
+	if (getenv("CI") != NULL || (status != GW_ERROR_NO_DEVICE && status != GW_ERROR_USAGE))
+		fail_msg("%s", error.text);
+	skip();
+	return NULL;
+}
+
+static void assert_ok(gw_status status, const gw_error *error)
+{
+	if (status != GW_OK)
+		fail_msg("%s", error->text);
+}
+
+static gw_buffer new_buffer(gw_gpu *gpu, uint64_t bytes, const char *name)
+{
+	gw_error error = { 0 };
+	gw_buffer buffer;
+	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, name, &buffer,
+	                           &error),
+	          &error);
+	return buffer;
+}
+
+static gw_pass *new_pass(gw_gpu *gpu, const char *shader_name, gw_pass_description description)
+{
+	gw_error error = { 0 };
+	const gw_shader *shader = gw_shader_find(shader_name);
+	description.name = shader_name;
+	description.spirv = shader->spirv;
+	description.spirv_words = shader->words;
+	gw_pass *pass = NULL;
+	assert_ok(gw_pass_create(gpu, &description, &pass, &error), &error);
+	return pass;
+}
+
+static const gw_binding_kind two_buffers[] = { GW_BIND_STORAGE, GW_BIND_STORAGE };
+
+/* A number for element i that has nothing to do with i's low bits. */
+static uint32_t scramble(uint32_t i)
+{
+	return i * 2654435761u ^ i >> 7;
+}
+
+/* ------------------------------------------------------------------------------- devices */
+
+static void test_devices(void **state)
+{
+	(void)state;
+	gw_device_info *devices;
+	size_t count;
+	gw_error error = { 0 };
+	assert_ok(gw_devices(&devices, &count, &error), &error);
+	static const char *const order[] = { "discrete", "integrated", "virtual", "cpu", "other" };
+	size_t rank = 0;
+	for (size_t i = 0; i < count; i++) {
+		size_t own = 0;
+		while (own < 5 && strcmp(order[own], devices[i].type) != 0)
+			own++;
+		assert_in_range(own, rank, 4); /* never better than the one before */
+		rank = own;
+		assert_true(devices[i].usable == (devices[i].missing[0] == '\0'));
+	}
+	free(devices);
+}
+
+static gw_candidate candidate(const char *name, const char *type, bool usable)
+{
+	gw_candidate made = { 0 };
+	snprintf(made.info.name, sizeof made.info.name, "%s", name);
+	made.info.type = type;
+	made.info.usable = usable;
+	snprintf(made.info.missing, sizeof made.info.missing, "%s", usable ? "" : "Vulkan 1.2");
+	return made;
+}
+
+static void test_choice(void **state)
+{
+	(void)state;
+	gw_candidate list[] = { candidate("Old 4090", "discrete", false),
+		                    candidate("Radiant 900", "discrete", true),
+		                    candidate("Pipe (LLVM)", "cpu", true) };
+	const struct {
+		const char *wanted;
+		int expected; /* -1: none */
+	} row[] = { { NULL, 1 },   { "", 1 },     { "2", 2 },        { "cpu", 2 },    { "CPU", 2 },
+		        { "llvm", 2 }, { "900", 1 },  { "discrete", 1 }, { "4090", -1 },  { "0", -1 },
+		        { "3", -1 },   { "nix", -1 }, { "integrated", -1 } };
+	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+		gw_candidate chosen;
+		gw_error error = { 0 };
+		gw_status status = gw_candidate_choose(list, 3, row[i].wanted, &chosen, &error);
+		if (row[i].expected >= 0) {
+			assert_int_equal(status, GW_OK);
+			assert_string_equal(chosen.info.name, list[row[i].expected].info.name);
+		} else {
+			assert_int_equal(status, GW_ERROR_NO_DEVICE);
+			assert_non_null(strstr(error.text, "1 \"Radiant 900\" (discrete)"));
+			assert_non_null(strstr(error.text, "lacks Vulkan 1.2"));
+		}
+	}
+	gw_error error = { 0 };
+	gw_candidate chosen;
+	assert_int_equal(gw_candidate_choose(NULL, 0, NULL, &chosen, &error), GW_ERROR_NO_DEVICE);
+	assert_non_null(strstr(error.text, "install"));
+}
+
+/* -------------------------------------------------------------------------------- copies */
+
+/* More than two staging buffers of 16 MiB, and not a multiple of them. */
+#define COPY_WORDS (9u * 1024 * 1024 + 13)
+
+static void copy_both_ways(bool may_map)
+{
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gpu->may_map = may_map;
+	gw_error error = { 0 };
+	gw_buffer buffer = new_buffer(gpu, COPY_WORDS * UINT64_C(4), "copied");
+	uint32_t *sent = malloc(COPY_WORDS * sizeof *sent), *got = malloc(COPY_WORDS * sizeof *got);
+	assert_true(sent != NULL && got != NULL);
+
+	assert_ok(gw_buffer_download(gpu, &buffer, 0, got, COPY_WORDS * UINT64_C(4), &error), &error);
+	for (uint32_t i = 0; i < COPY_WORDS; i++)
+		if (got[i] != 0)
+			fail_msg("word %u of a new buffer is %u", i, got[i]);
+
+	/* All but three words at either end, which must stay what the fill made them. */
+	for (uint32_t i = 0; i < COPY_WORDS; i++)
+		sent[i] = i < 3 || i >= COPY_WORDS - 3 ? 0xdeadbeefu : scramble(i);
+	assert_ok(gw_buffer_fill(gpu, &buffer, 0xdeadbeefu, &error), &error);
+	assert_ok(gw_buffer_upload(gpu, &buffer, 12, sent + 3, (COPY_WORDS - 6) * UINT64_C(4), &error),
+	          &error);
+	assert_ok(gw_buffer_download(gpu, &buffer, 0, got, COPY_WORDS * UINT64_C(4), &error), &error);
+	assert_memory_equal(sent, got, COPY_WORDS * sizeof *sent);
+
+	/* Past the end: refused, also when offset + bytes wraps around. */
+	assert_int_equal(gw_buffer_upload(gpu, &buffer, COPY_WORDS * UINT64_C(4), sent, 4, &error),
+	                 GW_ERROR_INTERNAL);
+	assert_int_equal(gw_buffer_download(gpu, &buffer, 4, got, UINT64_MAX - 3, &error),
+	                 GW_ERROR_INTERNAL);
+	free(sent);
+	free(got);
+	gw_buffer_destroy(gpu, &buffer);
+	assert_int_equal(gw_gpu_validation_messages(gpu, NULL), 0);
+	gw_gpu_destroy(&gpu);
+}
+
+static void test_copies_mapped(void **state)
+{
+	(void)state;
+	copy_both_ways(true);
+}
+
+static void test_copies_staged(void **state)
+{
+	(void)state;
+	copy_both_ways(false);
+}
+
+static void test_empty_buffer(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gw_error error = { 0 };
+	gw_buffer buffer;
+	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 0, "empty",
+	                           &buffer, &error),
+	          &error);
+	assert_int_equal(buffer.bytes, 0);
+	assert_true(buffer.handle != VK_NULL_HANDLE && buffer.allocated > 0);
+	gw_buffer_destroy(gpu, &buffer);
+	gw_buffer_destroy(gpu, &buffer); /* a zeroed one is accepted */
+	assert_int_equal(gw_gpu_read_account(gpu).bytes, 0);
+	assert_true(gw_gpu_read_account(gpu).peak_bytes > 0);
+	gw_gpu_destroy(&gpu);
+	gw_gpu_destroy(&gpu);
+}
+
+/* -------------------------------------------------------------------------------- passes */
+
+/* Not a multiple of any workgroup; many slices at the window below. */
+#define ELEMENTS 100003u
+#define WINDOW_BYTES 16384u
+
+/* Runs out = 3 * in + i + 5 under the given circumstances and checks every word. Returns the
+ * number of dispatches. */
+static uint64_t run_affine(gw_gpu_options options, uint32_t each, uint64_t storage_range)
+{
+	gw_gpu *gpu = open_gpu(options);
+	if (storage_range > 0)
+		gpu->storage_range = storage_range;
+	gw_error error = { 0 };
+	gw_buffer in = new_buffer(gpu, ELEMENTS * 4, "in"), out = new_buffer(gpu, ELEMENTS * 4, "out");
+	static uint32_t word[ELEMENTS];
+	for (uint32_t i = 0; i < ELEMENTS; i++)
+		word[i] = scramble(i);
+	assert_ok(gw_buffer_upload(gpu, &in, 0, word, sizeof word, &error), &error);
+
+	gw_pass *pass = new_pass(gpu, "test_affine",
+	                         (gw_pass_description){ .bindings = two_buffers,
+	                                                .binding_count = 2,
+	                                                .push_bytes = 12,
+	                                                .constant = (uint32_t[]){ 3, each },
+	                                                .constant_count = 2,
+	                                                .elements_per_invocation = each });
+	if (options.workgroup_size > 0)
+		assert_int_equal(gw_pass_workgroup_size(pass), options.workgroup_size);
+	const gw_binding bindings[] = { { .buffer = &in, .stride = 4 },
+		                            { .buffer = &out, .stride = 4 } };
+	const uint32_t push[] = { 77, 77, 5 }; /* the span is filled by the layer */
+	assert_ok(gw_pass_run(gpu, pass, bindings, push, 0, &error), &error);
+	assert_int_equal(gw_gpu_read_account(gpu).dispatches, 0);
+	assert_ok(gw_pass_run(gpu, pass, bindings, push, ELEMENTS, &error), &error);
+
+	static uint32_t got[ELEMENTS];
+	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
+	for (uint32_t i = 0; i < ELEMENTS; i++)
+		if (got[i] != word[i] * 3 + i + 5)
+			fail_msg("element %u is %u, not %u", i, got[i], word[i] * 3 + i + 5);
+	gw_gpu_account account = gw_gpu_read_account(gpu);
+	assert_true(account.device_seconds > 0 && account.compile_seconds > 0);
+	const char *first;
+	if (gw_gpu_validation_messages(gpu, &first) != 0)
+		fail_msg("%s", first);
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &in);
+	gw_buffer_destroy(gpu, &out);
+	gw_gpu_destroy(&gpu);
+	return account.dispatches;
+}
+
+static void test_pass_whole(void **state)
+{
+	(void)state;
+	run_affine((gw_gpu_options){ 0 }, 1, 0);
+}
+
+static void test_pass_windows(void **state)
+{
+	(void)state;
+	uint64_t least = ELEMENTS * UINT64_C(4) / WINDOW_BYTES;
+	assert_true(run_affine((gw_gpu_options){ .validate = true }, 1, WINDOW_BYTES) > least);
+	/* 3 elements an invocation: a unit that is no power of two */
+	assert_true(run_affine((gw_gpu_options){ .validate = true }, 3, WINDOW_BYTES) > least);
+}
+
+static void test_pass_short_slices(void **state)
+{
+	(void)state;
+	/* A target that even one unit of 64 elements misses: slices shrink to it. */
+	gw_gpu_options options = { .slice_seconds = 1e-9 };
+	assert_true(run_affine(options, 1, 0) > ELEMENTS / 128);
+}
+
+static void test_workgroup_sizes(void **state)
+{
+	(void)state;
+	for (uint32_t size = 1; size <= 128; size *= 8)
+		run_affine((gw_gpu_options){ .workgroup_size = size, .validate = true }, 1, WINDOW_BYTES);
+	run_affine((gw_gpu_options){ .workgroup_size = 128 }, 2, 0);
+}
+
+#define SIDE 6u
+#define TEXELS (SIDE * SIDE * SIDE)
+
+/* A storage image of floats that a pass fills, a filtered image that is a ramp in x made by a
+ * first run of the same pass, and a texel buffer. */
+static void test_images(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gw_error error = { 0 };
+	const uint32_t extent[3] = { SIDE, SIDE, SIDE };
+	gw_image store, ramp;
+	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "store", &store, &error),
+	          &error);
+	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "ramp", &ramp, &error),
+	          &error);
+	gw_buffer words, out = new_buffer(gpu, TEXELS * 4, "out");
+	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, TEXELS * 4, "words",
+	                           &words, &error),
+	          &error);
+	uint32_t word[TEXELS];
+	for (uint32_t i = 0; i < TEXELS; i++)
+		word[i] = 1000 + 7 * i;
+	assert_ok(gw_buffer_upload(gpu, &words, 0, word, sizeof word, &error), &error);
+
+	static const gw_binding_kind kinds[] = { GW_BIND_TEXEL, GW_BIND_STORAGE_IMAGE,
+		                                     GW_BIND_SAMPLED_IMAGE, GW_BIND_STORAGE };
+	gw_pass *pass = new_pass(
+	    gpu, "test_gather",
+	    (gw_pass_description){ .bindings = kinds, .binding_count = 4, .push_bytes = 12 });
+	gw_binding bindings[] = { { .buffer = &words },
+		                      { .image = &ramp },
+		                      { .image = &store },
+		                      { .buffer = &out, .stride = 4 } };
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 1 }, TEXELS, &error), &error);
+	bindings[1].image = &store;
+	bindings[2].image = &ramp;
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 1 }, TEXELS, &error), &error);
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 0 }, TEXELS, &error), &error);
+
+	float texel[TEXELS * 4], got[TEXELS];
+	assert_ok(gw_image_download(gpu, &store, texel, sizeof texel, &error), &error);
+	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
+	for (uint32_t i = 0; i < TEXELS; i++) {
+		assert_true(texel[4 * i] == (float)i && texel[4 * i + 1] == 0);
+		/* Half way to the next texel in x, which the edge clamps. Filters hold at least 4 bits of
+		 * fraction, in which 1/2 is exact; 1e-2 allows for the rounding of coordinates. */
+		float sample = (float)i + (i % SIDE < SIDE - 1 ? 0.5f : 0.0f);
+		float expected = (float)word[i] + (float)i + sample;
+		if (!(got[i] > expected - 1e-2f && got[i] < expected + 1e-2f))
+			fail_msg("element %u is %g, not %g", i, (double)got[i], (double)expected);
+	}
+	assert_int_equal(gw_image_download(gpu, &store, texel, sizeof texel - 4, &error),
+	                 GW_ERROR_INTERNAL);
+	gw_pass_destroy(gpu, &pass);
+	gw_image_destroy(gpu, &store);
+	gw_image_destroy(gpu, &ramp);
+	gw_buffer_destroy(gpu, &words);
+	gw_buffer_destroy(gpu, &out);
+	assert_int_equal(gw_gpu_validation_messages(gpu, NULL), 0);
+	gw_gpu_destroy(&gpu);
+}
+
+/* An image whose layers are larger than the staging buffer comes back in blocks of rows. */
+static void test_large_image(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gw_error error = { 0 };
+	const uint32_t extent[3] = { 1030, 1021, 2 }; /* 16.8 MB a layer */
+	gw_image image;
+	assert_ok(
+	    gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "large", &image, &error),
+	    &error);
+	size_t bytes = (size_t)1030 * 1021 * 2 * 16;
+	unsigned char *got = malloc(bytes);
+	assert_non_null(got);
+	memset(got, 0xff, bytes);
+	assert_ok(gw_image_download(gpu, &image, got, bytes, &error), &error);
+	for (size_t i = 0; i < bytes; i++)
+		if (got[i] != 0)
+			fail_msg("byte %zu of a new image is %u", i, got[i]);
+	free(got);
+	gw_image_destroy(gpu, &image);
+	gw_gpu_destroy(&gpu);
+}
+
+/* ------------------------------------------------------------------------------ refusals */
+
+static void test_budget(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .memory = 1 << 20 });
+	gw_error error = { 0 };
+	gw_buffer first = new_buffer(gpu, 700000, "first"), second;
+	uint64_t before = gw_gpu_read_account(gpu).bytes;
+	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 400000,
+	                                  "second", &second, &error),
+	                 GW_ERROR_MEMORY);
+	assert_non_null(strstr(error.text, "400000"));
+	assert_non_null(strstr(error.text, "1048576"));
+	assert_non_null(strstr(error.text, "\"second\""));
+	assert_true(second.handle == VK_NULL_HANDLE && second.bytes == 0);
+	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, UINT64_MAX - 3,
+	                                  "huge", &second, &error),
+	                 GW_ERROR_MEMORY);
+	gw_image image;
+	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT,
+	                                 (uint32_t[]){ 64, 64, 64 }, "image", &image, &error),
+	                 GW_ERROR_MEMORY);
+	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT,
+	                                 (uint32_t[]){ UINT32_MAX, 1, 1 }, "wide", &image, &error),
+	                 GW_ERROR_MEMORY);
+	assert_non_null(strstr(error.text, "4294967295 x 1 x 1"));
+	assert_int_equal(gw_gpu_read_account(gpu).bytes, before);
+	gw_buffer_destroy(gpu, &first);
+	gw_gpu_destroy(&gpu);
+}
+
+static void test_refusals(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 };
+	const gw_shader *shader = gw_shader_find("test_affine");
+	gw_pass_description description = { .name = "affine",
+		                                .spirv = shader->spirv,
+		                                .spirv_words = shader->words,
+		                                .bindings = two_buffers,
+		                                .binding_count = 2,
+		                                .push_bytes = 12,
+		                                .loop_bound = 8001 };
+	gw_pass *pass = NULL;
+	assert_int_equal(gw_pass_create(gpu, &description, &pass, &error), GW_ERROR_INTERNAL);
+	assert_non_null(strstr(error.text, "8001"));
+	description.loop_bound = 8000;
+	description.workgroup_size = 1 << 20;
+	assert_int_equal(gw_pass_create(gpu, &description, &pass, &error), GW_ERROR_NO_DEVICE);
+	assert_null(pass);
+	description.workgroup_size = 0;
+	assert_ok(gw_pass_create(gpu, &description, &pass, &error), &error);
+
+	gw_buffer in = new_buffer(gpu, 4096, "in"), out = new_buffer(gpu, 4096, "out");
+	gw_binding bindings[] = { { .buffer = &in }, { .buffer = &out, .stride = 4 } };
+	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, 1025, &error), GW_ERROR_INTERNAL);
+	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, UINT64_C(1) << 32, &error),
+	                 GW_ERROR_MEMORY);
+	gpu->storage_range = 2048; /* `in` is bound whole */
+	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, 1024, &error), GW_ERROR_MEMORY);
+	assert_non_null(strstr(error.text, "2048"));
+	bindings[0].stride = 4;
+	assert_ok(gw_pass_run(gpu, pass, bindings, NULL, 1024, &error), &error);
+	bindings[0].buffer = NULL;
+	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, 1024, &error), GW_ERROR_INTERNAL);
+
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &in);
+	gw_buffer_destroy(gpu, &out);
+	gw_gpu_destroy(&gpu);
+
+	gw_gpu_options odd = { .workgroup_size = 48 };
+	assert_int_equal(gw_gpu_create(&odd, &gpu, &error), GW_ERROR_USAGE);
+	gw_gpu_options unknown = { .device = "no such device" };
+	assert_int_equal(gw_gpu_create(&unknown, &gpu, &error), GW_ERROR_NO_DEVICE);
+	assert_null(gpu);
+	gw_gpu_options both = { .validate_synchronization = true, .validate_gpu_assisted = true };
+	assert_int_equal(gw_gpu_create(&both, &gpu, &error), GW_ERROR_USAGE);
+}
+
+static void test_lost_device(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 }, later = { 0 };
+	gw_buffer buffer = new_buffer(gpu, 64, "buffer"), other;
+	gw_status status =
+	    gw_vulkan_fail(gpu, &error, "vkQueueSubmit(x)", "pass one", VK_ERROR_DEVICE_LOST);
+	assert_int_equal(status, GW_ERROR_INTERNAL);
+	assert_non_null(strstr(error.text, "vkQueueSubmit for pass one"));
+	assert_int_equal(gw_buffer_fill(gpu, &buffer, 1, &later), GW_ERROR_INTERNAL);
+	assert_string_equal(later.text, error.text);
+	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 64, "other",
+	                                  &other, &later),
+	                 GW_ERROR_INTERNAL);
+	assert_string_equal(later.text, error.text);
+	gw_buffer_destroy(gpu, &buffer);
+	gw_gpu_destroy(&gpu);
+}
+
+/* ---------------------------------------------------------------------------- validation */
+
+#define FAULT_ELEMENTS 256u
+
+/* Two passes, the second reading what the first wrote, in one submission. */
+static uint32_t run_pair(bool barrier)
+{
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate_synchronization = true });
+	gw_error error = { 0 };
+	gw_buffer a = new_buffer(gpu, FAULT_ELEMENTS * 4, "a"),
+	          b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b"),
+	          c = new_buffer(gpu, FAULT_ELEMENTS * 4, "c");
+	gw_pass *pass = new_pass(
+	    gpu, "test_faults",
+	    (gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
+	const gw_binding write_b[] = { { .buffer = &a }, { .buffer = &b } },
+	                 read_b[] = { { .buffer = &b }, { .buffer = &c } };
+	const gw_slice slice = { 0, FAULT_ELEMENTS };
+	assert_ok(gw_commands_begin(gpu, &error), &error);
+	gw_pass_record(gpu, pass, 0, write_b, NULL, slice, &error);
+	if (barrier)
+		gw_commands_barrier(gpu);
+	gw_pass_record(gpu, pass, 1, read_b, NULL, slice, &error);
+	gw_status status = gw_commands_submit(gpu, "pair", NULL, &error);
+	uint32_t messages = gw_gpu_validation_messages(gpu, NULL);
+	assert_true(status == GW_OK || messages > 0);
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &a);
+	gw_buffer_destroy(gpu, &b);
+	gw_buffer_destroy(gpu, &c);
+	gw_gpu_destroy(&gpu);
+	return messages;
+}
+
+static void test_missing_barrier_is_reported(void **state)
+{
+	(void)state;
+	assert_int_equal(run_pair(true), 0);
+	assert_true(run_pair(false) > 0);
+}
+
+/* Reads and writes `read_shift` and `write_shift` elements too far. */
+static gw_status run_fault(uint32_t read_shift, uint32_t write_shift, uint32_t *messages)
+{
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate_gpu_assisted = true });
+	gw_error error = { 0 };
+	gw_buffer a = new_buffer(gpu, FAULT_ELEMENTS * 4, "a"),
+	          b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b");
+	gw_pass *pass = new_pass(
+	    gpu, "test_faults",
+	    (gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
+	const gw_binding bindings[] = { { .buffer = &a, .stride = 4 }, { .buffer = &b, .stride = 4 } };
+	const uint32_t push[] = { 0, 0, read_shift, write_shift };
+	gw_status status = gw_pass_run(gpu, pass, bindings, push, FAULT_ELEMENTS, &error);
+	*messages = gw_gpu_validation_messages(gpu, NULL);
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &a);
+	gw_buffer_destroy(gpu, &b);
+	gw_gpu_destroy(&gpu);
+	return status;
+}
+
+static void test_out_of_bounds_is_reported(void **state)
+{
+	(void)state;
+	uint32_t messages;
+	assert_int_equal(run_fault(0, 0, &messages), GW_OK);
+	assert_int_equal(messages, 0);
+	assert_int_equal(run_fault(1, 0, &messages), GW_ERROR_INTERNAL);
+	assert_true(messages > 0);
+	assert_int_equal(run_fault(0, 1, &messages), GW_ERROR_INTERNAL);
+	assert_true(messages > 0);
+}
+
+static void test_clean_passes_are_silent(void **state)
+{
+	(void)state;
+	run_affine((gw_gpu_options){ .validate_synchronization = true }, 1, WINDOW_BYTES);
+	run_affine((gw_gpu_options){ .validate_gpu_assisted = true }, 1, WINDOW_BYTES);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_devices),
+		cmocka_unit_test(test_choice),
+		cmocka_unit_test(test_copies_mapped),
+		cmocka_unit_test(test_copies_staged),
+		cmocka_unit_test(test_empty_buffer),
+		cmocka_unit_test(test_pass_whole),
+		cmocka_unit_test(test_pass_windows),
+		cmocka_unit_test(test_pass_short_slices),
+		cmocka_unit_test(test_workgroup_sizes),
+		cmocka_unit_test(test_images),
+		cmocka_unit_test(test_large_image),
+		cmocka_unit_test(test_budget),
+		cmocka_unit_test(test_refusals),
+		cmocka_unit_test(test_lost_device),
+		cmocka_unit_test(test_missing_barrier_is_reported),
+		cmocka_unit_test(test_out_of_bounds_is_reported),
+		cmocka_unit_test(test_clean_passes_are_silent),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
