@@ -13,6 +13,7 @@ config  ?= release
 ifeq ($(config),sanitize)
 BUILD   := build/sanitize
 OPT     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+KEEP_LOADED := $(BUILD)/tests/keep_loaded.o
 else
 OPT     := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
 endif
@@ -105,6 +106,9 @@ $(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Ite
 $(TEST_PROGRAMS) $(BENCH_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -Wl,--disable-new-dtags,-rpath,'$$ORIGIN/../..' -o $@ $^ -lcmocka -lembree3 $(LDLIBS)
+
+# Only of a sanitized build: see tests/keep_loaded.c.
+$(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
 
 # It counts what readers allocate and makes allocations fail.
 $(BUILD)/tests/hostile/test_damaged: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
