@@ -29,9 +29,9 @@ const char *gw_method_name(gw_method method)
 
 const char *gw_shadows_name(gw_shadows shadows)
 {
-	static const char *const name[] = { [GW_SHADOWS_TRACED] = "traced",
-		                                [GW_SHADOWS_MAPS] = "maps",
-		                                [GW_SHADOWS_NONE] = "none" };
+	static const char *const name[] = {
+		[GW_SHADOWS_TRACED] = "traced", [GW_SHADOWS_MAPS] = "maps", [GW_SHADOWS_NONE] = "none"
+	};
 	static_assert(sizeof name / sizeof *name == GW_SHADOWS_COUNT, "every kind has a name");
 	assert((unsigned)shadows < GW_SHADOWS_COUNT);
 	return name[shadows];
@@ -40,9 +40,9 @@ const char *gw_shadows_name(gw_shadows shadows)
 const char *gw_light_type_name(gw_light_type type)
 {
 	static const char *const name[] = { [GW_LIGHT_POINT] = "point",
-		                                [GW_LIGHT_SPOT] = "spot",
-		                                [GW_LIGHT_SUN] = "sun",
-		                                [GW_LIGHT_ENVIRONMENT] = "environment" };
+										[GW_LIGHT_SPOT] = "spot",
+										[GW_LIGHT_SUN] = "sun",
+										[GW_LIGHT_ENVIRONMENT] = "environment" };
 	static_assert(sizeof name / sizeof *name == GW_LIGHT_TYPE_COUNT, "every type has a name");
 	assert((unsigned)type < GW_LIGHT_TYPE_COUNT);
 	return name[type];

@@ -20,8 +20,9 @@ typedef struct gw_gpu gw_gpu;
 
 typedef struct gw_gpu_options {
 	const char *device;          /* NULL: the best; else index, type name or part of a name */
-	uint64_t memory;             /* bytes of device memory that may be allocated; 0: the heap's size,
-	                                on a CPU device at most 3/4 of the machine's available memory */
+	uint64_t memory;             /* bytes of device memory that may be allocated; 0, or more than
+	                                there is: the heap's size, or on a CPU device 3/4 of the
+	                                machine's available memory */
 	bool validate;               /* core validation; messages become errors of the next call */
 	bool validate_synchronization;
 	bool validate_gpu_assisted;  /* not together with validate_synchronization */
@@ -110,7 +111,8 @@ gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3]
                           gw_image *image, gw_error *error);
 void gw_image_destroy(gw_gpu *gpu, gw_image *image);
 /* Copies the whole image to the host, tightly packed, x fastest. */
-gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes, gw_error *error);
+gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes,
+                            gw_error *error);
 
 /* --------------------------------------------------------------------------------------- passes */
 
@@ -136,8 +138,8 @@ typedef struct gw_binding {
 
 /*
  * Every push-constant block begins with this span; the layer fills it for each slice. A shader
- * returns at once from invocations at or past `count`; its element is span.first + gl_GlobalInvocationID.x.
- * (No barrier() may follow such a return: passes with barriers clamp instead.)
+ * returns at once from invocations at or past `count`; its element is
+ * span.first + gl_GlobalInvocationID.x. (No barrier() may follow such a return: passes with barriers clamp instead.)
  */
 typedef struct gw_span {
 	uint32_t first;
@@ -148,11 +150,11 @@ typedef struct gw_pass gw_pass;
 
 /*
  * What a pass is. Specialisation constant 0 is always the workgroup's size in x (y = z = 1).
- *   elements_per_invocation   how many elements (of gw_pass_run's count) one invocation covers; 0 and
- *                        1 mean one. Above 1 the span counts elements and slices are multiples of
- *                        workgroup_size * elements_per_invocation.
- *   loop_bound           an upper bound of loop iterations of one invocation, 0 when small; slices do
- *                        not help there, so above 8000 gw_pass_create fails: split the work instead
+ *   elements_per_invocation   how many elements (of gw_pass_run's count) one invocation covers; 0
+ *                        and 1 mean one. Above 1 the span counts elements and slices are multiples
+ *                        of workgroup_size * elements_per_invocation.
+ *   loop_bound           an upper bound of loop iterations of one invocation, 0 when small; slices
+ *                        do not help there, so above 8000 gw_pass_create fails: split the work
  */
 typedef struct gw_pass_description {
 	const char *name;
@@ -180,8 +182,8 @@ uint32_t gw_pass_workgroup_size(const gw_pass *pass);
  *   push      push_bytes bytes; the span at its start is ignored and filled by the layer
  *   count     number of elements; 0 is fine and does nothing
  * The first run of a pass dispatches one workgroup with an empty span (count 0) first and books
- * its time as compile time; nothing may be written then. Slices begin at multiples of the workgroup's
- * elements and of 64; results must not depend on where else they begin, because that follows the
+ * its time as compile time; nothing may be written then. Slices begin at multiples of the
+ * workgroup's elements and of 64; results must not depend on where else they begin, because that follows the
  * time measured. Between slices there is a full barrier.
  */
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,

@@ -64,22 +64,22 @@ static gw_status class_of(VkResult result)
 }
 
 gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const char *what,
-                         VkResult result)
+						 VkResult result)
 {
 	int length = (int)strcspn(call, "(");
 	if (gpu != NULL && result == VK_ERROR_DEVICE_LOST && !gpu->lost) {
 		gpu->lost = true;
 		snprintf(gpu->lost_text, sizeof gpu->lost_text,
-		         "the device \"%s\" was lost in %.*s for %s: the driver reset it, often because "
-		         "one piece of work took too long; run again, or choose another device",
-		         gpu->device.info.name, length, call, what);
+				 "the device \"%s\" was lost in %.*s for %s: the driver reset it, often because "
+				 "one piece of work took too long; run again, or choose another device",
+				 gpu->device.info.name, length, call, what);
 	}
 	if (gpu != NULL && gpu->lost)
 		return gw_fail(error, GW_ERROR_INTERNAL, "%s", gpu->lost_text);
 	gw_status status = class_of(result);
 	return gw_fail(error, status, "%.*s for %s failed: %s%s", length, call, what,
-	               gw_vulkan_result_name(result),
-	               status == GW_ERROR_MEMORY ? "; free memory, or give the bake less to do" : "");
+				   gw_vulkan_result_name(result),
+				   status == GW_ERROR_MEMORY ? "; free memory, or give the bake less to do" : "");
 }
 
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
@@ -135,7 +135,7 @@ static gw_status create_device(gw_gpu *gpu, gw_error *error)
 		.pQueueCreateInfos = &queue,
 	};
 	GW_VULKAN(gpu, error, gpu->device.info.name,
-	          vkCreateDevice(gpu->device.handle, &info, NULL, &gpu->handle));
+			  vkCreateDevice(gpu->device.handle, &info, NULL, &gpu->handle));
 	vkGetDeviceQueue(gpu->handle, gpu->device.queue_family, 0, &gpu->queue);
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_QUEUE, (uint64_t)(uintptr_t)gpu->queue, "queue");
 	return GW_OK;
@@ -156,7 +156,7 @@ static gw_status create_commands(gw_gpu *gpu, gw_error *error)
 		.commandBufferCount = 1,
 	};
 	GW_VULKAN(gpu, error, "commands",
-	          vkAllocateCommandBuffers(gpu->handle, &commands, &gpu->commands));
+			  vkAllocateCommandBuffers(gpu->handle, &commands, &gpu->commands));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_COMMAND_BUFFER, (uint64_t)(uintptr_t)gpu->commands, "commands");
 	VkFenceCreateInfo fence = { .sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO };
 	GW_VULKAN(gpu, error, "commands", vkCreateFence(gpu->handle, &fence, NULL, &gpu->fence));
@@ -170,13 +170,13 @@ static gw_status create_commands(gw_gpu *gpu, gw_error *error)
 		.queryCount = 2,
 	};
 	GW_VULKAN(gpu, error, "timestamps",
-	          vkCreateQueryPool(gpu->handle, &queries, NULL, &gpu->timestamps));
+			  vkCreateQueryPool(gpu->handle, &queries, NULL, &gpu->timestamps));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)gpu->timestamps, "timestamps");
 	return GW_OK;
 }
 
 static gw_status create_sampler(gw_gpu *gpu, VkFilter filter, const char *name, VkSampler *sampler,
-                                gw_error *error)
+								gw_error *error)
 {
 	VkSamplerCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
@@ -210,9 +210,9 @@ static void read_limits(gw_gpu *gpu)
 	VkPhysicalDeviceMaintenance3Properties maintenance = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES
 	};
-	VkPhysicalDeviceProperties2 properties = {
-		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &maintenance
-	};
+	VkPhysicalDeviceProperties2 properties = { .sType =
+												   VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+											   .pNext = &maintenance };
 	vkGetPhysicalDeviceProperties2(gpu->device.handle, &properties);
 	vkGetPhysicalDeviceMemoryProperties(gpu->device.handle, &gpu->memory);
 	gpu->largest_allocation = maintenance.maxMemoryAllocationSize;
@@ -226,11 +226,11 @@ static gw_status check_workgroup_size(const gw_gpu *gpu, gw_error *error)
 	uint32_t size = gpu->workgroup_size;
 	if ((size & (size - 1)) != 0)
 		return gw_fail(error, GW_ERROR_USAGE, "a workgroup of %u threads is not a power of two",
-		               size);
+					   size);
 	if (size > limits->maxComputeWorkGroupSize[0] || size > limits->maxComputeWorkGroupInvocations)
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "a workgroup of %u threads is more than \"%s\" allows (%u)", size,
-		               gpu->device.info.name, limits->maxComputeWorkGroupInvocations);
+					   "a workgroup of %u threads is more than \"%s\" allows (%u)", size,
+					   gpu->device.info.name, limits->maxComputeWorkGroupInvocations);
 	return GW_OK;
 }
 
@@ -246,9 +246,10 @@ static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_erro
 		return status;
 	read_limits(gpu);
 	gpu->budget = choose_budget(gpu, options->memory);
-	gpu->slice_seconds = options->slice_seconds > 0 ? options->slice_seconds : SLICE_SECONDS_DEFAULT;
+	gpu->slice_seconds =
+		options->slice_seconds > 0 ? options->slice_seconds : SLICE_SECONDS_DEFAULT;
 	gpu->workgroup_size =
-	    options->workgroup_size > 0 ? options->workgroup_size : WORKGROUP_SIZE_DEFAULT;
+		options->workgroup_size > 0 ? options->workgroup_size : WORKGROUP_SIZE_DEFAULT;
 	GW_TRY(check_workgroup_size(gpu, error));
 	GW_TRY(create_device(gpu, error));
 	GW_TRY(create_commands(gpu, error));
@@ -313,7 +314,7 @@ gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu)
 /* -------------------------------------------------------------------------- submissions */
 
 static void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags before,
-                           VkPipelineStageFlags after)
+						   VkPipelineStageFlags after)
 {
 	VkMemoryBarrier barrier = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
@@ -340,7 +341,7 @@ gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error)
 	record_barrier(gpu->commands, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT, WORK_STAGES);
 	if (gpu->timestamps != VK_NULL_HANDLE)
 		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
-		                    0);
+							0);
 	return GW_OK;
 }
 
@@ -354,19 +355,20 @@ static double read_timestamps(gw_gpu *gpu, double fallback)
 {
 	uint64_t tick[2];
 	if (gpu->timestamps == VK_NULL_HANDLE ||
-	    vkGetQueryPoolResults(gpu->handle, gpu->timestamps, 0, 2, sizeof tick, tick,
-	                          sizeof tick[0], VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
+		vkGetQueryPoolResults(gpu->handle, gpu->timestamps, 0, 2, sizeof tick, tick, sizeof tick[0],
+							  VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
 		return fallback;
 	uint32_t bits = gpu->device.timestamp_bits;
 	uint64_t mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
-	return 1e-9 * (double)gw_gpu_limits(gpu)->timestampPeriod * (double)((tick[1] - tick[0]) & mask);
+	return 1e-9 * (double)gw_gpu_limits(gpu)->timestampPeriod *
+		   (double)((tick[1] - tick[0]) & mask);
 }
 
 gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
 {
 	if (gpu->timestamps != VK_NULL_HANDLE)
 		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
-		                    1);
+							1);
 	record_barrier(gpu->commands, WORK_STAGES, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT);
 	GW_VULKAN(gpu, error, what, vkEndCommandBuffer(gpu->commands));
 	VkSubmitInfo info = {
@@ -376,8 +378,7 @@ gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_
 	};
 	double start = gw_seconds();
 	GW_VULKAN(gpu, error, what, vkQueueSubmit(gpu->queue, 1, &info, gpu->fence));
-	GW_VULKAN(gpu, error, what,
-	          vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, UINT64_MAX));
+	GW_VULKAN(gpu, error, what, vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, UINT64_MAX));
 	GW_VULKAN(gpu, error, what, vkResetFences(gpu->handle, 1, &gpu->fence));
 	double wall = gw_seconds() - start;
 	if (seconds != NULL)

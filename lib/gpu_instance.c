@@ -17,8 +17,8 @@
 /* ---------------------------------------------------------------------------- messages */
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL receive_message(
-    VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT types,
-    const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
+	VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT types,
+	const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
 {
 	gw_messages *messages = user;
 	(void)severity;
@@ -36,7 +36,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL receive_message(
 static const VkDebugUtilsMessengerCreateInfoEXT messenger_template = {
 	.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
 	.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
-	                   VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+					   VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
 	.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
 	.pfnUserCallback = receive_message,
 };
@@ -66,7 +66,7 @@ static bool has_instance_extension(const char *layer, const char *name)
 	VkExtensionProperties *extension = gw_allocate_zeros(count, sizeof *extension);
 	bool found = false;
 	if (extension != NULL &&
-	    vkEnumerateInstanceExtensionProperties(layer, &count, extension) == VK_SUCCESS)
+		vkEnumerateInstanceExtensionProperties(layer, &count, extension) == VK_SUCCESS)
 		for (uint32_t i = 0; i < count; i++)
 			found = found || strcmp(extension[i].extensionName, name) == 0;
 	free(extension);
@@ -75,43 +75,41 @@ static bool has_instance_extension(const char *layer, const char *name)
 
 static bool wants_validation(const gw_gpu_options *options)
 {
-	return options->validate || options->validate_synchronization ||
-	       options->validate_gpu_assisted;
+	return options->validate || options->validate_synchronization || options->validate_gpu_assisted;
 }
 
 static gw_status check_validation(const gw_gpu_options *options, gw_error *error)
 {
 	if (options->validate_synchronization && options->validate_gpu_assisted)
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "synchronisation and GPU-assisted validation cannot run together: ask for "
-		               "one of them");
+					   "synchronisation and GPU-assisted validation cannot run together: ask for "
+					   "one of them");
 	if (!has_layer(VALIDATION_LAYER))
 		return gw_fail(error, GW_ERROR_USAGE,
-		               "validation was asked for, but the Vulkan layer %s is not installed: "
-		               "install the package vulkan-validationlayers",
-		               VALIDATION_LAYER);
+					   "validation was asked for, but the Vulkan layer %s is not installed: "
+					   "install the package vulkan-validationlayers",
+					   VALIDATION_LAYER);
 	if (!has_instance_extension(VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME) ||
-	    !has_instance_extension(VALIDATION_LAYER, VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
-		return gw_fail(error, GW_ERROR_USAGE,
-		               "the installed %s is too old: it lacks %s or %s", VALIDATION_LAYER,
-		               VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME,
-		               VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+		!has_instance_extension(VALIDATION_LAYER, VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
+		return gw_fail(error, GW_ERROR_USAGE, "the installed %s is too old: it lacks %s or %s",
+					   VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME,
+					   VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 	return GW_OK;
 }
 
 static void load_debug_functions(gw_instance *instance,
-                                 PFN_vkCreateDebugUtilsMessengerEXT *create_messenger)
+								 PFN_vkCreateDebugUtilsMessengerEXT *create_messenger)
 {
 	*create_messenger = (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
-	    instance->handle, "vkCreateDebugUtilsMessengerEXT");
+		instance->handle, "vkCreateDebugUtilsMessengerEXT");
 	instance->destroy_messenger = (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
-	    instance->handle, "vkDestroyDebugUtilsMessengerEXT");
+		instance->handle, "vkDestroyDebugUtilsMessengerEXT");
 	instance->set_name = (PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(
-	    instance->handle, "vkSetDebugUtilsObjectNameEXT");
+		instance->handle, "vkSetDebugUtilsObjectNameEXT");
 }
 
 static gw_status create_instance(const gw_gpu_options *options, gw_messages *messages,
-                                 gw_instance *instance, gw_error *error)
+								 gw_instance *instance, gw_error *error)
 {
 	bool validate = wants_validation(options);
 	if (validate)
@@ -120,19 +118,20 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 
 	VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_template;
 	messenger.pUserData = messages;
-	VkValidationFeatureEnableEXT enable = options->validate_synchronization
-	                                          ? VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT
-	                                          : VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT;
+	VkValidationFeatureEnableEXT enable =
+		options->validate_synchronization
+			? VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT
+			: VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT;
 	VkValidationFeaturesEXT features = {
 		.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
 		.pNext = &messenger,
 		.enabledValidationFeatureCount =
-		    options->validate_synchronization || options->validate_gpu_assisted ? 1 : 0,
+			options->validate_synchronization || options->validate_gpu_assisted ? 1 : 0,
 		.pEnabledValidationFeatures = &enable,
 	};
 	const char *layers[] = { VALIDATION_LAYER };
 	const char *extensions[] = { VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-		                         VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME };
+								 VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME };
 	VkApplicationInfo application = {
 		.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
 		.pApplicationName = "glowworm",
@@ -145,15 +144,17 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 		.pApplicationInfo = &application,
 		.enabledLayerCount = validate ? 1 : 0,
 		.ppEnabledLayerNames = layers,
-		.enabledExtensionCount = validate ? 2 : debug ? 1 : 0,
+		.enabledExtensionCount = validate ? 2
+								 : debug  ? 1
+										  : 0,
 		.ppEnabledExtensionNames = extensions,
 	};
 	VkResult result = vkCreateInstance(&info, NULL, &instance->handle);
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
-		               "there is no working Vulkan driver (vkCreateInstance: %s): install one, for "
-		               "example the package mesa-vulkan-drivers, which also runs without a GPU",
-		               gw_vulkan_result_name(result));
+					   "there is no working Vulkan driver (vkCreateInstance: %s): install one, for "
+					   "example the package mesa-vulkan-drivers, which also runs without a GPU",
+					   gw_vulkan_result_name(result));
 	if (result != VK_SUCCESS)
 		return gw_vulkan_fail(NULL, error, "vkCreateInstance", "the Vulkan instance", result);
 
@@ -162,12 +163,12 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 		load_debug_functions(instance, &create_messenger);
 	if (validate)
 		GW_VULKAN(NULL, error, "validation messages",
-		          create_messenger(instance->handle, &messenger, NULL, &instance->messenger));
+				  create_messenger(instance->handle, &messenger, NULL, &instance->messenger));
 	return GW_OK;
 }
 
 gw_status gw_instance_create(const gw_gpu_options *options, gw_messages *messages,
-                             gw_instance *instance, gw_error *error)
+							 gw_instance *instance, gw_error *error)
 {
 	*instance = (gw_instance){ 0 };
 	gw_status status = create_instance(options, messages, instance, error);
@@ -252,7 +253,7 @@ static const struct {
 	  "storage images of format r32ui" },
 	{ VK_FORMAT_R16G16B16A16_SFLOAT,
 	  VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
-	      VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT,
+		  VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT,
 	  "filtered storage images of format rgba16f" },
 	{ VK_FORMAT_R32G32B32A32_SFLOAT,
 	  VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT,
@@ -282,7 +283,7 @@ static uint64_t largest_local_heap(VkPhysicalDevice device)
 	uint64_t largest = 0;
 	for (uint32_t i = 0; i < memory.memoryHeapCount; i++)
 		if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT &&
-		    memory.memoryHeaps[i].size > largest)
+			memory.memoryHeaps[i].size > largest)
 			largest = memory.memoryHeaps[i].size;
 	return largest;
 }
@@ -292,9 +293,8 @@ static void read_features(gw_candidate *candidate)
 	VkPhysicalDeviceVulkan12Features features12 = {
 		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES
 	};
-	VkPhysicalDeviceFeatures2 features = {
-		.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &features12
-	};
+	VkPhysicalDeviceFeatures2 features = { .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+										   .pNext = &features12 };
 	vkGetPhysicalDeviceFeatures2(candidate->handle, &features);
 	candidate->int64 = features.features.shaderInt64;
 	candidate->int64_atomics = candidate->int64 && features12.shaderBufferInt64Atomics;
@@ -321,7 +321,7 @@ static void describe(VkPhysicalDevice handle, gw_candidate *candidate)
 		vkGetPhysicalDeviceProperties2(handle, &properties);
 		/* Two strings of 256 bytes at most go into one. */
 		snprintf(info->driver, sizeof info->driver, "%.100s %.150s", driver.driverName,
-		         driver.driverInfo);
+				 driver.driverInfo);
 		info->subgroup_size = subgroup.subgroupSize;
 		read_features(candidate);
 	}
@@ -335,8 +335,8 @@ static void rank(gw_candidate *list, size_t count)
 {
 	for (size_t i = 1; i < count; i++)
 		for (size_t j = i; j > 0 && type_rank(list[j].properties.deviceType) <
-		                                type_rank(list[j - 1].properties.deviceType);
-		     j--) {
+										type_rank(list[j - 1].properties.deviceType);
+			 j--) {
 			gw_candidate other = list[j];
 			list[j] = list[j - 1];
 			list[j - 1] = other;
@@ -344,7 +344,7 @@ static void rank(gw_candidate *list, size_t count)
 }
 
 gw_status gw_candidates_find(VkInstance instance, gw_candidate **list, size_t *count,
-                             gw_error *error)
+							 gw_error *error)
 {
 	*list = NULL;
 	*count = 0;
@@ -375,14 +375,13 @@ gw_status gw_candidates_find(VkInstance instance, gw_candidate **list, size_t *c
 }
 
 /* Whether `wanted` means this device: its index, its type, or a part of its name. */
-static bool is_wanted(const gw_candidate *candidate, size_t index, size_t count,
-                      const char *wanted)
+static bool is_wanted(const gw_candidate *candidate, size_t index, size_t count, const char *wanted)
 {
 	bool number = wanted[strspn(wanted, "0123456789")] == '\0';
 	if (number && strtoull(wanted, NULL, 10) < count)
 		return strtoull(wanted, NULL, 10) == index;
 	return strcasecmp(candidate->info.type, wanted) == 0 ||
-	       strcasestr(candidate->info.name, wanted) != NULL;
+		   strcasestr(candidate->info.name, wanted) != NULL;
 }
 
 static void print_list(const gw_candidate *list, size_t count, char *text, size_t size)
@@ -391,15 +390,15 @@ static void print_list(const gw_candidate *list, size_t count, char *text, size_
 	text[0] = '\0';
 	for (size_t i = 0; i < count && used < size; i++) {
 		const gw_device_info *info = &list[i].info;
-		int length = snprintf(text + used, size - used, "%s%zu \"%s\" (%s%s%s)", i > 0 ? ", " : "",
-		                      i, info->name, info->type, info->usable ? "" : ", lacks ",
-		                      info->missing);
+		int length =
+			snprintf(text + used, size - used, "%s%zu \"%s\" (%s%s%s)", i > 0 ? ", " : "", i,
+					 info->name, info->type, info->usable ? "" : ", lacks ", info->missing);
 		used += length > 0 ? (size_t)length : 0;
 	}
 }
 
 gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char *wanted,
-                              gw_candidate *chosen, gw_error *error)
+							  gw_candidate *chosen, gw_error *error)
 {
 	if (wanted != NULL && wanted[0] == '\0')
 		wanted = NULL;
@@ -410,17 +409,17 @@ gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char
 		}
 	if (count == 0)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
-		               "there is no Vulkan device: install a driver, for example the package "
-		               "mesa-vulkan-drivers, which also runs without a GPU");
+					   "there is no Vulkan device: install a driver, for example the package "
+					   "mesa-vulkan-drivers, which also runs without a GPU");
 	char text[GW_ERROR_TEXT - 200];
 	print_list(list, count, text, sizeof text);
 	if (wanted == NULL)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
-		               "no Vulkan device has all that is needed; there are: %s", text);
+					   "no Vulkan device has all that is needed; there are: %s", text);
 	return gw_fail(error, GW_ERROR_NO_DEVICE,
-	               "no usable Vulkan device is meant by \"%.60s\" (an index, a type or part of a "
-	               "name); there are: %s",
-	               wanted, text);
+				   "no usable Vulkan device is meant by \"%.60s\" (an index, a type or part of a "
+				   "name); there are: %s",
+				   wanted, text);
 }
 
 gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
@@ -440,7 +439,8 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
 	if (status == GW_OK && found > 0) {
 		*devices = gw_allocate_zeros(found, sizeof **devices);
 		if (*devices == NULL)
-			status = gw_fail(error, GW_ERROR_MEMORY, "not enough memory to list %zu devices", found);
+			status =
+				gw_fail(error, GW_ERROR_MEMORY, "not enough memory to list %zu devices", found);
 		for (size_t i = 0; status == GW_OK && i < found; i++)
 			(*devices)[i] = list[i].info;
 		*count = status == GW_OK ? found : 0;

@@ -85,7 +85,7 @@ const char *gw_vulkan_result_name(VkResult result);
  *   what  what the call was for: the name of a buffer or pass
  */
 gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const char *what,
-                         VkResult result);
+						 VkResult result);
 
 /* Returns from the calling function when a Vulkan call did not succeed. */
 #define GW_VULKAN(gpu, error, what, call)                                                          \
@@ -109,16 +109,16 @@ gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error);
 /* --------------------------------------------------------------------------------- instance */
 
 gw_status gw_instance_create(const gw_gpu_options *options, gw_messages *messages,
-                             gw_instance *instance, gw_error *error);
+							 gw_instance *instance, gw_error *error);
 void gw_instance_destroy(gw_instance *instance);
 
 /* Finds all devices, best first. The caller frees *list. */
 gw_status gw_candidates_find(VkInstance instance, gw_candidate **list, size_t *count,
-                             gw_error *error);
+							 gw_error *error);
 
 /* Picks the device that `wanted` means (NULL: the first usable one). */
 gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char *wanted,
-                              gw_candidate *chosen, gw_error *error);
+							  gw_candidate *chosen, gw_error *error);
 
 /* ------------------------------------------------------------------------------ submissions */
 
@@ -160,6 +160,6 @@ typedef struct gw_slice {
  *   push  as of gw_pass_run
  */
 gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_binding *bindings,
-                         const void *push, gw_slice slice, gw_error *error);
+						 const void *push, gw_slice slice, gw_error *error);
 
 #endif

@@ -17,8 +17,8 @@
 #define BUFFER_BYTES_MIN UINT64_C(16)
 
 static const VkMemoryPropertyFlags mappable = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                              VK_MEMORY_PROPERTY_HOST_COHERENT_BIT |
-                                              VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+											  VK_MEMORY_PROPERTY_HOST_COHERENT_BIT |
+											  VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
 /* ------------------------------------------------------------------------------- formats */
 
@@ -70,7 +70,7 @@ static int find_memory_type(const gw_gpu *gpu, uint32_t allowed, VkMemoryPropert
 		VkMemoryType type = gpu->memory.memoryTypes[i];
 		uint64_t size = gpu->memory.memoryHeaps[type.heapIndex].size;
 		if ((allowed >> i & 1) != 0 && (type.propertyFlags & wanted) == wanted &&
-		    size > best_size) {
+			size > best_size) {
 			best = (int)i;
 			best_size = size;
 		}
@@ -83,7 +83,7 @@ static int choose_memory_type(const gw_gpu *gpu, uint32_t allowed, bool staging)
 	VkMemoryPropertyFlags wanted[] = {
 		staging ? mappable : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | mappable,
 		staging ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
-		        : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+				: VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
 	};
 	int type = find_memory_type(gpu, allowed, wanted[0]);
 	return type >= 0 ? type : find_memory_type(gpu, allowed, wanted[1]);
@@ -94,7 +94,7 @@ static bool can_map(const gw_gpu *gpu, uint32_t allowed)
 {
 	int type = choose_memory_type(gpu, allowed, false);
 	return gpu->may_map && type >= 0 &&
-	       (gpu->memory.memoryTypes[type].propertyFlags & mappable) == mappable;
+		   (gpu->memory.memoryTypes[type].propertyFlags & mappable) == mappable;
 }
 
 static gw_status check_budget(const gw_gpu *gpu, uint64_t bytes, const char *name, gw_error *error)
@@ -102,32 +102,32 @@ static gw_status check_budget(const gw_gpu *gpu, uint64_t bytes, const char *nam
 	uint64_t used = gpu->account.bytes;
 	if (bytes > gpu->budget || used > gpu->budget - bytes)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" needs %" PRIu64 " bytes of device memory, but of the %" PRIu64
-		               " bytes that may be used %" PRIu64 " are taken: allow more memory, or "
-		               "bake with fewer points or a coarser octree",
-		               name, bytes, gpu->budget, used);
+					   "\"%s\" needs %" PRIu64 " bytes of device memory, but of the %" PRIu64
+					   " bytes that may be used %" PRIu64 " are taken: allow more memory, or "
+					   "bake with fewer points or a coarser octree",
+					   name, bytes, gpu->budget, used);
 	if (bytes > gpu->largest_allocation)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" needs %" PRIu64 " bytes in one piece, but \"%s\" allocates at most "
-		               "%" PRIu64 " at once: bake with fewer points or a coarser octree",
-		               name, bytes, gpu->device.info.name, gpu->largest_allocation);
+					   "\"%s\" needs %" PRIu64 " bytes in one piece, but \"%s\" allocates at most "
+					   "%" PRIu64 " at once: bake with fewer points or a coarser octree",
+					   name, bytes, gpu->device.info.name, gpu->largest_allocation);
 	return GW_OK;
 }
 
 static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging, const char *name,
-                          VkDeviceMemory *memory, uint64_t *allocated, gw_error *error)
+						  VkDeviceMemory *memory, uint64_t *allocated, gw_error *error)
 {
 	GW_TRY(check_budget(gpu, needs.size, name, error));
 	int type = choose_memory_type(gpu, needs.memoryTypeBits, staging);
 	if (type < 0)
 		return gw_fail(error, GW_ERROR_INTERNAL, "\"%s\" has no memory that suits \"%s\"",
-		               gpu->device.info.name, name);
+					   gpu->device.info.name, name);
 	uint64_t heap = gpu->memory.memoryHeaps[gpu->memory.memoryTypes[type].heapIndex].size;
 	if (needs.size > heap)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" needs %" PRIu64 " bytes of a memory of \"%s\" that holds %" PRIu64
-		               ": bake with fewer points or a coarser octree",
-		               name, needs.size, gpu->device.info.name, heap);
+					   "\"%s\" needs %" PRIu64 " bytes of a memory of \"%s\" that holds %" PRIu64
+					   ": bake with fewer points or a coarser octree",
+					   name, needs.size, gpu->device.info.name, heap);
 	VkMemoryAllocateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
 		.allocationSize = needs.size,
@@ -151,8 +151,8 @@ static void release(gw_gpu *gpu, VkDeviceMemory memory, uint64_t allocated)
 
 /* A buffer with memory bound to it. */
 static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t bytes, bool staging,
-                               const char *name, VkBuffer *handle, VkDeviceMemory *memory,
-                               uint64_t *allocated, gw_error *error)
+							   const char *name, VkBuffer *handle, VkDeviceMemory *memory,
+							   uint64_t *allocated, gw_error *error)
 {
 	VkBufferCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -177,9 +177,9 @@ static gw_status need_staging(gw_gpu *gpu, gw_error *error)
 	gw_staging *staging = &gpu->staging;
 	if (staging->mapped != NULL)
 		return GW_OK;
-	gw_status status = create_buffer(gpu, 0, STAGING_BYTES, true, "staging buffer",
-	                                 &staging->handle, &staging->memory, &staging->allocated,
-	                                 error);
+	gw_status status =
+		create_buffer(gpu, 0, STAGING_BYTES, true, "staging buffer", &staging->handle,
+					  &staging->memory, &staging->allocated, error);
 	VkResult result = VK_SUCCESS;
 	if (status == GW_OK)
 		result = vkMapMemory(gpu->handle, staging->memory, 0, VK_WHOLE_SIZE, 0, &staging->mapped);
@@ -202,25 +202,25 @@ void gw_staging_destroy(gw_gpu *gpu)
 /* ------------------------------------------------------------------------------- buffers */
 
 static gw_status check_texel_buffer(const gw_gpu *gpu, VkFormat format, uint64_t bytes,
-                                    const char *name, gw_error *error)
+									const char *name, gw_error *error)
 {
 	uint32_t texel = texel_bytes(format);
 	VkFormatProperties properties;
 	vkGetPhysicalDeviceFormatProperties(gpu->device.handle, format, &properties);
 	if (texel == 0 || !(properties.bufferFeatures & VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT))
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "\"%s\" cannot be a texel buffer of format %d on \"%s\"", name, (int)format,
-		               gpu->device.info.name);
+					   "\"%s\" cannot be a texel buffer of format %d on \"%s\"", name, (int)format,
+					   gpu->device.info.name);
 	if (bytes % texel != 0)
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "\"%s\" of %" PRIu64 " bytes is not a whole number of texels of %u bytes",
-		               name, bytes, texel);
+					   "\"%s\" of %" PRIu64 " bytes is not a whole number of texels of %u bytes",
+					   name, bytes, texel);
 	uint32_t most = gw_gpu_limits(gpu)->maxTexelBufferElements;
 	if (bytes / texel > most)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" needs %" PRIu64 " bytes, %" PRIu64 " texels, but \"%s\" reads at "
-		               "most %u texels of a buffer: bake with fewer points or a coarser octree",
-		               name, bytes, bytes / texel, gpu->device.info.name, most);
+					   "\"%s\" needs %" PRIu64 " bytes, %" PRIu64 " texels, but \"%s\" reads at "
+					   "most %u texels of a buffer: bake with fewer points or a coarser octree",
+					   name, bytes, bytes / texel, gpu->device.info.name, most);
 	return GW_OK;
 }
 
@@ -233,13 +233,13 @@ static gw_status create_view(gw_gpu *gpu, VkFormat format, gw_buffer *buffer, gw
 		.range = VK_WHOLE_SIZE,
 	};
 	GW_VULKAN(gpu, error, buffer->name,
-	          vkCreateBufferView(gpu->handle, &info, NULL, &buffer->view));
+			  vkCreateBufferView(gpu->handle, &info, NULL, &buffer->view));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_BUFFER_VIEW, (uint64_t)buffer->view, buffer->name);
 	return GW_OK;
 }
 
 static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, gw_buffer *buffer,
-                             gw_error *error)
+							 gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	const char *name = buffer->name;
@@ -253,14 +253,14 @@ static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, 
 	if (kind == GW_BUFFER_TEXEL)
 		usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
 	GW_TRY(create_buffer(gpu, usage, size, false, name, &buffer->handle, &buffer->memory,
-	                     &buffer->allocated, error));
+						 &buffer->allocated, error));
 	if (kind == GW_BUFFER_TEXEL)
 		GW_TRY(create_view(gpu, format, buffer, error));
 	return gw_buffer_fill(gpu, buffer, 0, error);
 }
 
 gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-                           const char *name, gw_buffer *buffer, gw_error *error)
+						   const char *name, gw_buffer *buffer, gw_error *error)
 {
 	assert(name != NULL);
 	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
@@ -289,18 +289,18 @@ gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error
 
 /* Copies by mapping; `to` and `from`: exactly one of them is NULL and stands for the buffer. */
 static gw_status copy_mapped(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *to,
-                             const void *from, uint64_t bytes, gw_error *error)
+							 const void *from, uint64_t bytes, gw_error *error)
 {
 	void *mapped;
 	GW_VULKAN(gpu, error, buffer->name,
-	          vkMapMemory(gpu->handle, buffer->memory, offset, bytes, 0, &mapped));
+			  vkMapMemory(gpu->handle, buffer->memory, offset, bytes, 0, &mapped));
 	memcpy(to != NULL ? to : mapped, from != NULL ? from : mapped, (size_t)bytes);
 	vkUnmapMemory(gpu->handle, buffer->memory);
 	return GW_OK;
 }
 
 static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, char *to,
-                             const char *from, uint64_t bytes, gw_error *error)
+							 const char *from, uint64_t bytes, gw_error *error)
 {
 	GW_TRY(need_staging(gpu, error));
 	gw_staging *staging = &gpu->staging;
@@ -315,7 +315,7 @@ static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 		}
 		GW_TRY(gw_commands_begin(gpu, error));
 		vkCmdCopyBuffer(gpu->commands, from != NULL ? staging->handle : buffer->handle,
-		                from != NULL ? buffer->handle : staging->handle, 1, &region);
+						from != NULL ? buffer->handle : staging->handle, 1, &region);
 		GW_TRY(gw_commands_submit(gpu, buffer->name, NULL, error));
 		if (to != NULL)
 			memcpy(to + done, staging->mapped, (size_t)part);
@@ -325,14 +325,14 @@ static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 }
 
 static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *to,
-                             const void *from, uint64_t bytes, gw_error *error)
+							 const void *from, uint64_t bytes, gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	if (offset > buffer->bytes || bytes > buffer->bytes - offset)
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "copying %" PRIu64 " bytes at %" PRIu64 " does not fit \"%s\" of %" PRIu64
-		               " bytes",
-		               bytes, offset, buffer->name, buffer->bytes);
+					   "copying %" PRIu64 " bytes at %" PRIu64 " does not fit \"%s\" of %" PRIu64
+					   " bytes",
+					   bytes, offset, buffer->name, buffer->bytes);
 	assert(offset % 4 == 0 && bytes % 4 == 0);
 	if (bytes == 0)
 		return GW_OK;
@@ -344,45 +344,43 @@ static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 }
 
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
-                           uint64_t bytes, gw_error *error)
+						   uint64_t bytes, gw_error *error)
 {
 	return copy_buffer(gpu, buffer, offset, NULL, data, bytes, error);
 }
 
 gw_status gw_buffer_download(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, void *data,
-                             uint64_t bytes, gw_error *error)
+							 uint64_t bytes, gw_error *error)
 {
 	return copy_buffer(gpu, buffer, offset, data, NULL, bytes, error);
 }
 
 /* -------------------------------------------------------------------------------- images */
 
-static const VkImageSubresourceRange whole_image = {
-	.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1
-};
+static const VkImageSubresourceRange whole_image = { .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT,
+													 .levelCount = 1,
+													 .layerCount = 1 };
 
 static gw_status check_image(const gw_gpu *gpu, const gw_image *image, gw_error *error)
 {
-	VkFormatFeatureFlags needed = VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT |
-	                              VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
-	                              VK_FORMAT_FEATURE_TRANSFER_SRC_BIT |
-	                              VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
+	VkFormatFeatureFlags needed =
+		VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT |
+		VK_FORMAT_FEATURE_TRANSFER_SRC_BIT | VK_FORMAT_FEATURE_TRANSFER_DST_BIT;
 	VkFormatProperties properties;
 	vkGetPhysicalDeviceFormatProperties(gpu->device.handle, image->format, &properties);
 	if (texel_bytes(image->format) == 0 || (properties.optimalTilingFeatures & needed) != needed)
-		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "\"%s\" cannot be an image of format %d on \"%s\"", image->name,
-		               (int)image->format, gpu->device.info.name);
+		return gw_fail(error, GW_ERROR_INTERNAL, "\"%s\" cannot be an image of format %d on \"%s\"",
+					   image->name, (int)image->format, gpu->device.info.name);
 	uint32_t most = gw_gpu_limits(gpu)->maxImageDimension3D;
 	uint64_t bytes = texel_bytes(image->format);
 	for (int i = 0; i < 3; i++) {
 		uint32_t side = image->extent[i];
 		if (side == 0 || side > most)
 			return gw_fail(error, GW_ERROR_MEMORY,
-			               "\"%s\" needs an image of %u x %u x %u texels, but \"%s\" has images of "
-			               "1 to %u texels a side: bake with fewer points or a coarser octree",
-			               image->name, image->extent[0], image->extent[1], image->extent[2],
-			               gpu->device.info.name, most);
+						   "\"%s\" needs an image of %u x %u x %u texels, but \"%s\" has images of "
+						   "1 to %u texels a side: bake with fewer points or a coarser octree",
+						   image->name, image->extent[0], image->extent[1], image->extent[2],
+						   gpu->device.info.name, most);
 		if (__builtin_mul_overflow(bytes, (uint64_t)side, &bytes))
 			bytes = UINT64_MAX;
 	}
@@ -401,7 +399,7 @@ static gw_status allocate_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 		.samples = VK_SAMPLE_COUNT_1_BIT,
 		.tiling = VK_IMAGE_TILING_OPTIMAL,
 		.usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-		         VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+				 VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
 		.sharingMode = VK_SHARING_MODE_EXCLUSIVE,
 		.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
 	};
@@ -411,7 +409,7 @@ static gw_status allocate_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 	vkGetImageMemoryRequirements(gpu->handle, image->handle, &needs);
 	GW_TRY(allocate(gpu, needs, false, image->name, &image->memory, &image->allocated, error));
 	GW_VULKAN(gpu, error, image->name,
-	          vkBindImageMemory(gpu->handle, image->handle, image->memory, 0));
+			  vkBindImageMemory(gpu->handle, image->handle, image->memory, 0));
 	return GW_OK;
 }
 
@@ -424,8 +422,7 @@ static gw_status create_image_view(gw_gpu *gpu, gw_image *image, gw_error *error
 		.format = image->format,
 		.subresourceRange = whole_image,
 	};
-	GW_VULKAN(gpu, error, image->name,
-	          vkCreateImageView(gpu->handle, &info, NULL, &image->view));
+	GW_VULKAN(gpu, error, image->name, vkCreateImageView(gpu->handle, &info, NULL, &image->view));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)image->view, image->name);
 	return GW_OK;
 }
@@ -445,10 +442,10 @@ static gw_status clear_image(gw_gpu *gpu, const gw_image *image, gw_error *error
 		.subresourceRange = whole_image,
 	};
 	vkCmdPipelineBarrier(gpu->commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
-	                     VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
+						 VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
 	VkClearColorValue zero = { 0 };
 	vkCmdClearColorImage(gpu->commands, image->handle, VK_IMAGE_LAYOUT_GENERAL, &zero, 1,
-	                     &whole_image);
+						 &whole_image);
 	return gw_commands_submit(gpu, image->name, NULL, error);
 }
 
@@ -462,12 +459,11 @@ static gw_status make_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 }
 
 gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3], const char *name,
-                          gw_image *image, gw_error *error)
+						  gw_image *image, gw_error *error)
 {
 	assert(name != NULL);
-	*image = (gw_image){ .format = format,
-		                 .extent = { extent[0], extent[1], extent[2] },
-		                 .name = name };
+	*image =
+		(gw_image){ .format = format, .extent = { extent[0], extent[1], extent[2] }, .name = name };
 	gw_status status = make_image(gpu, image, error);
 	if (status != GW_OK)
 		gw_image_destroy(gpu, image);
@@ -484,7 +480,7 @@ void gw_image_destroy(gw_gpu *gpu, gw_image *image)
 
 /* Copies `rows` rows of `depth` layers from (0, y, z) on; they fit the staging buffer. */
 static gw_status download_block(gw_gpu *gpu, const gw_image *image, uint32_t y, uint32_t z,
-                                uint32_t rows, uint32_t depth, gw_error *error)
+								uint32_t rows, uint32_t depth, gw_error *error)
 {
 	VkBufferImageCopy region = {
 		.imageSubresource = { .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1 },
@@ -493,12 +489,12 @@ static gw_status download_block(gw_gpu *gpu, const gw_image *image, uint32_t y, 
 	};
 	GW_TRY(gw_commands_begin(gpu, error));
 	vkCmdCopyImageToBuffer(gpu->commands, image->handle, VK_IMAGE_LAYOUT_GENERAL,
-	                       gpu->staging.handle, 1, &region);
+						   gpu->staging.handle, 1, &region);
 	return gw_commands_submit(gpu, image->name, NULL, error);
 }
 
 gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes,
-                            gw_error *error)
+							gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	GW_TRY(need_staging(gpu, error));
@@ -507,8 +503,8 @@ gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t b
 	uint64_t layer = row * extent[1];
 	if (bytes != layer * extent[2])
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "\"%s\" holds %" PRIu64 " bytes, but %" PRIu64 " were asked for",
-		               image->name, layer * extent[2], bytes);
+					   "\"%s\" holds %" PRIu64 " bytes, but %" PRIu64 " were asked for",
+					   image->name, layer * extent[2], bytes);
 	/* As many layers at once as the staging buffer holds; when not even one, then rows of it. */
 	uint64_t layers = gpu->staging.bytes / layer, rows = gpu->staging.bytes / row;
 	assert(rows > 0);

@@ -93,15 +93,15 @@ static gw_status check_binding_counts(const gw_gpu *gpu, const gw_pass *pass, gw
 	for (size_t i = 0; i < sizeof check / sizeof *check; i++)
 		if (check[i].count > check[i].most)
 			return gw_fail(error, GW_ERROR_NO_DEVICE,
-			               "pass \"%s\" uses %u %s, but \"%s\" allows %u: choose another device",
-			               pass->name, check[i].count, check[i].what, gpu->device.info.name,
-			               check[i].most);
+						   "pass \"%s\" uses %u %s, but \"%s\" allows %u: choose another device",
+						   pass->name, check[i].count, check[i].what, gpu->device.info.name,
+						   check[i].most);
 	return GW_OK;
 }
 
 /* Looks for instructions that declare 64-bit integers (SPIR-V specification, section 2.3). */
 static gw_status check_capabilities(const gw_gpu *gpu, const gw_pass_description *description,
-                                    gw_error *error)
+									gw_error *error)
 {
 	enum { HEADER_WORDS = 5, OP_CAPABILITY = 17, INT64 = 11, INT64_ATOMICS = 12 };
 	for (size_t i = HEADER_WORDS; i + 1 < description->spirv_words;) {
@@ -110,33 +110,33 @@ static gw_status check_capabilities(const gw_gpu *gpu, const gw_pass_description
 			break; /* capabilities come first */
 		uint32_t capability = description->spirv[i + 1];
 		if ((capability == INT64 && !gpu->device.int64) ||
-		    (capability == INT64_ATOMICS && !gpu->device.int64_atomics))
+			(capability == INT64_ATOMICS && !gpu->device.int64_atomics))
 			return gw_fail(error, GW_ERROR_NO_DEVICE,
-			               "pass \"%s\" needs 64-bit integers%s, which \"%s\" lacks: choose "
-			               "another device",
-			               description->name, capability == INT64 ? "" : " in atomics",
-			               gpu->device.info.name);
+						   "pass \"%s\" needs 64-bit integers%s, which \"%s\" lacks: choose "
+						   "another device",
+						   description->name, capability == INT64 ? "" : " in atomics",
+						   gpu->device.info.name);
 		i += words;
 	}
 	return GW_OK;
 }
 
 static gw_status check_description(const gw_gpu *gpu, const gw_pass_description *description,
-                                   const gw_pass *pass, gw_error *error)
+								   const gw_pass *pass, gw_error *error)
 {
 	const VkPhysicalDeviceLimits *limits = gw_gpu_limits(gpu);
 	if (description->loop_bound > LOOP_BOUND_MAX)
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "pass \"%s\" may loop %u times in one invocation, but software drivers end "
-		               "loops silently: split it so that it stays within %u",
-		               pass->name, description->loop_bound, LOOP_BOUND_MAX);
+					   "pass \"%s\" may loop %u times in one invocation, but software drivers end "
+					   "loops silently: split it so that it stays within %u",
+					   pass->name, description->loop_bound, LOOP_BOUND_MAX);
 	if (pass->workgroup_size > limits->maxComputeWorkGroupSize[0] ||
-	    pass->workgroup_size > limits->maxComputeWorkGroupInvocations)
+		pass->workgroup_size > limits->maxComputeWorkGroupInvocations)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
-		               "pass \"%s\" needs workgroups of %u threads, but \"%s\" allows %u: choose "
-		               "another device",
-		               pass->name, pass->workgroup_size, gpu->device.info.name,
-		               limits->maxComputeWorkGroupInvocations);
+					   "pass \"%s\" needs workgroups of %u threads, but \"%s\" allows %u: choose "
+					   "another device",
+					   pass->name, pass->workgroup_size, gpu->device.info.name,
+					   limits->maxComputeWorkGroupInvocations);
 	GW_TRY(check_capabilities(gpu, description, error));
 	return check_binding_counts(gpu, pass, error);
 }
@@ -157,7 +157,7 @@ static gw_status create_layouts(gw_gpu *gpu, gw_pass *pass, gw_error *error)
 		.pBindings = binding,
 	};
 	GW_VULKAN(gpu, error, pass->name,
-	          vkCreateDescriptorSetLayout(gpu->handle, &set, NULL, &pass->set_layout));
+			  vkCreateDescriptorSetLayout(gpu->handle, &set, NULL, &pass->set_layout));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT, (uint64_t)pass->set_layout, pass->name);
 	VkPushConstantRange push = { VK_SHADER_STAGE_COMPUTE_BIT, 0, pass->push_bytes };
 	VkPipelineLayoutCreateInfo layout = {
@@ -168,7 +168,7 @@ static gw_status create_layouts(gw_gpu *gpu, gw_pass *pass, gw_error *error)
 		.pPushConstantRanges = &push,
 	};
 	GW_VULKAN(gpu, error, pass->name,
-	          vkCreatePipelineLayout(gpu->handle, &layout, NULL, &pass->layout));
+			  vkCreatePipelineLayout(gpu->handle, &layout, NULL, &pass->layout));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_PIPELINE_LAYOUT, (uint64_t)pass->layout, pass->name);
 	return GW_OK;
 }
@@ -185,7 +185,7 @@ static gw_status create_descriptors(gw_gpu *gpu, gw_pass *pass, gw_error *error)
 		.pPoolSizes = size,
 	};
 	GW_VULKAN(gpu, error, pass->name,
-	          vkCreateDescriptorPool(gpu->handle, &pool, NULL, &pass->descriptors));
+			  vkCreateDescriptorPool(gpu->handle, &pool, NULL, &pass->descriptors));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_DESCRIPTOR_POOL, (uint64_t)pass->descriptors, pass->name);
 	VkDescriptorSetLayout layouts[GW_SLICES_MAX];
 	for (uint32_t i = 0; i < GW_SLICES_MAX; i++)
@@ -202,8 +202,8 @@ static gw_status create_descriptors(gw_gpu *gpu, gw_pass *pass, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status create_pipeline(gw_gpu *gpu, const gw_pass_description *description,
-                                 gw_pass *pass, gw_error *error)
+static gw_status create_pipeline(gw_gpu *gpu, const gw_pass_description *description, gw_pass *pass,
+								 gw_error *error)
 {
 	VkShaderModuleCreateInfo module_info = {
 		.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -212,7 +212,7 @@ static gw_status create_pipeline(gw_gpu *gpu, const gw_pass_description *descrip
 	};
 	VkShaderModule module;
 	GW_VULKAN(gpu, error, pass->name,
-	          vkCreateShaderModule(gpu->handle, &module_info, NULL, &module));
+			  vkCreateShaderModule(gpu->handle, &module_info, NULL, &module));
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_SHADER_MODULE, (uint64_t)module, pass->name);
 
 	/* Constant 0 is the workgroup's size, the caller's follow. */
@@ -222,20 +222,20 @@ static gw_status create_pipeline(gw_gpu *gpu, const gw_pass_description *descrip
 	if (count > 1)
 		memcpy(constant + 1, description->constant, (count - 1) * sizeof *constant);
 	for (uint32_t i = 0; i < count; i++)
-		entry[i] = (VkSpecializationMapEntry){ i, i * (uint32_t)sizeof *constant,
-			                                   sizeof *constant };
+		entry[i] =
+			(VkSpecializationMapEntry){ i, i * (uint32_t)sizeof *constant, sizeof *constant };
 	VkSpecializationInfo specialization = { count, entry, count * sizeof *constant, constant };
 	VkComputePipelineCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
 		.stage = { .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-		           .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-		           .module = module,
-		           .pName = "main",
-		           .pSpecializationInfo = &specialization },
+				   .stage = VK_SHADER_STAGE_COMPUTE_BIT,
+				   .module = module,
+				   .pName = "main",
+				   .pSpecializationInfo = &specialization },
 		.layout = pass->layout,
 	};
 	VkResult result =
-	    vkCreateComputePipelines(gpu->handle, VK_NULL_HANDLE, 1, &info, NULL, &pass->pipeline);
+		vkCreateComputePipelines(gpu->handle, VK_NULL_HANDLE, 1, &info, NULL, &pass->pipeline);
 	vkDestroyShaderModule(gpu->handle, module, NULL);
 	if (result != VK_SUCCESS)
 		return gw_vulkan_fail(gpu, error, "vkCreateComputePipelines", pass->name, result);
@@ -244,7 +244,7 @@ static gw_status create_pipeline(gw_gpu *gpu, const gw_pass_description *descrip
 }
 
 static gw_status make_pass(gw_gpu *gpu, const gw_pass_description *description, gw_pass *pass,
-                           gw_error *error)
+						   gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	GW_TRY(check_description(gpu, description, pass, error));
@@ -257,7 +257,7 @@ static gw_status make_pass(gw_gpu *gpu, const gw_pass_description *description, 
 }
 
 gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw_pass **pass,
-                         gw_error *error)
+						 gw_error *error)
 {
 	assert(description->binding_count > 0 && description->binding_count <= BINDINGS_MAX);
 	assert(description->constant_count <= CONSTANTS_MAX);
@@ -266,7 +266,7 @@ gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw
 	*pass = gw_allocate_zeros(1, sizeof **pass);
 	if (*pass == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for pass \"%s\"",
-		               description->name);
+					   description->name);
 	uint32_t each = description->elements_per_invocation, size = description->workgroup_size;
 	**pass = (gw_pass){
 		.name = description->name,
@@ -277,7 +277,7 @@ gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw
 		.submission = FIRST_ELEMENTS,
 	};
 	memcpy((*pass)->kind, description->bindings,
-	       description->binding_count * sizeof *description->bindings);
+		   description->binding_count * sizeof *description->bindings);
 	gw_status status = make_pass(gpu, description, *pass, error);
 	if (status != GW_OK)
 		gw_pass_destroy(gpu, pass);
@@ -310,7 +310,7 @@ static VkSampler choose_sampler(const gw_gpu *gpu, const gw_image *image)
 	VkFormatProperties properties;
 	vkGetPhysicalDeviceFormatProperties(gpu->device.handle, image->format, &properties);
 	bool filters =
-	    properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+		properties.optimalTilingFeatures & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
 	return filters ? gpu->linear : gpu->nearest;
 }
 
@@ -320,13 +320,12 @@ static VkDescriptorBufferInfo window_of(gw_binding binding, gw_slice slice)
 		return (VkDescriptorBufferInfo){ binding.buffer->handle, 0, VK_WHOLE_SIZE };
 	/* The empty span of a first run still needs something to be bound. */
 	uint64_t count = slice.count > 0 ? slice.count : 1;
-	return (VkDescriptorBufferInfo){ binding.buffer->handle,
-		                             (uint64_t)slice.first * binding.stride,
-		                             count * binding.stride };
+	return (VkDescriptorBufferInfo){ binding.buffer->handle, (uint64_t)slice.first * binding.stride,
+									 count * binding.stride };
 }
 
 static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, VkDescriptorSet set,
-                              const gw_binding *bindings, gw_slice slice)
+							  const gw_binding *bindings, gw_slice slice)
 {
 	VkWriteDescriptorSet write[BINDINGS_MAX];
 	VkDescriptorBufferInfo buffer[BINDINGS_MAX];
@@ -351,8 +350,7 @@ static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, VkDescriptorSet 
 		case GW_BIND_STORAGE_IMAGE:
 		case GW_BIND_SAMPLED_IMAGE:
 			image[i] = (VkDescriptorImageInfo){ choose_sampler(gpu, bindings[i].image),
-				                                bindings[i].image->view,
-				                                VK_IMAGE_LAYOUT_GENERAL };
+												bindings[i].image->view, VK_IMAGE_LAYOUT_GENERAL };
 			break;
 		}
 	}
@@ -365,7 +363,7 @@ static uint64_t divide_up(uint64_t value, uint64_t by)
 }
 
 gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_binding *bindings,
-                         const void *push, gw_slice slice, gw_error *error)
+						 const void *push, gw_slice slice, gw_error *error)
 {
 	assert(set < GW_SLICES_MAX);
 	write_descriptors(gpu, pass, pass->set[set], bindings, slice);
@@ -381,9 +379,9 @@ gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_bind
 	assert(groups <= gw_gpu_limits(gpu)->maxComputeWorkGroupCount[0]);
 	vkCmdBindPipeline(gpu->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass->pipeline);
 	vkCmdBindDescriptorSets(gpu->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass->layout, 0, 1,
-	                        &pass->set[set], 0, NULL);
+							&pass->set[set], 0, NULL);
 	vkCmdPushConstants(gpu->commands, pass->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-	                   pass->push_bytes, block);
+					   pass->push_bytes, block);
 	vkCmdDispatch(gpu->commands, (uint32_t)groups, 1, 1);
 	gpu->account.dispatches++;
 	return gw_gpu_check(gpu, error);
@@ -392,37 +390,38 @@ gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_bind
 /* -------------------------------------------------------------------------------- running */
 
 static gw_status check_storage(const gw_gpu *gpu, const gw_pass *pass, uint32_t index,
-                               gw_binding binding, uint64_t count, gw_error *error)
+							   gw_binding binding, uint64_t count, gw_error *error)
 {
 	uint64_t bytes = binding.buffer->bytes;
 	if (binding.stride > 0 && count > bytes / binding.stride)
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "pass \"%s\": binding %u \"%s\" of %" PRIu64 " bytes holds fewer than %" PRIu64
-		               " elements of %u bytes",
-		               pass->name, index, binding.buffer->name, bytes, count, binding.stride);
+					   "pass \"%s\": binding %u \"%s\" of %" PRIu64
+					   " bytes holds fewer than %" PRIu64 " elements of %u bytes",
+					   pass->name, index, binding.buffer->name, bytes, count, binding.stride);
 	if (binding.stride == 0 && bytes > gpu->storage_range)
-		return gw_fail(error, GW_ERROR_MEMORY,
-		               "pass \"%s\" needs all %" PRIu64 " bytes of \"%s\" at once, but \"%s\" binds "
-		               "at most %" PRIu64 ": bake with fewer points or a coarser octree",
-		               pass->name, bytes, binding.buffer->name, gpu->device.info.name,
-		               gpu->storage_range);
+		return gw_fail(
+			error, GW_ERROR_MEMORY,
+			"pass \"%s\" needs all %" PRIu64 " bytes of \"%s\" at once, but \"%s\" binds "
+			"at most %" PRIu64 ": bake with fewer points or a coarser octree",
+			pass->name, bytes, binding.buffer->name, gpu->device.info.name, gpu->storage_range);
 	return GW_OK;
 }
 
 /* Whether every binding has the resource that the pass expects, large enough. */
 static gw_status check_bindings(const gw_gpu *gpu, const gw_pass *pass, const gw_binding *bindings,
-                                uint64_t count, gw_error *error)
+								uint64_t count, gw_error *error)
 {
 	for (uint32_t i = 0; i < pass->binding_count; i++) {
 		const gw_binding *binding = &bindings[i];
-		bool there = pass->kind[i] == GW_BIND_STORAGE_IMAGE || pass->kind[i] == GW_BIND_SAMPLED_IMAGE
-		                 ? binding->image != NULL && binding->image->handle != VK_NULL_HANDLE
-		                 : binding->buffer != NULL && binding->buffer->handle != VK_NULL_HANDLE;
+		bool there =
+			pass->kind[i] == GW_BIND_STORAGE_IMAGE || pass->kind[i] == GW_BIND_SAMPLED_IMAGE
+				? binding->image != NULL && binding->image->handle != VK_NULL_HANDLE
+				: binding->buffer != NULL && binding->buffer->handle != VK_NULL_HANDLE;
 		if (there && pass->kind[i] == GW_BIND_TEXEL)
 			there = binding->buffer->view != VK_NULL_HANDLE;
 		if (!there)
 			return gw_fail(error, GW_ERROR_INTERNAL, "pass \"%s\": nothing is bound to binding %u",
-			               pass->name, i);
+						   pass->name, i);
 		if (pass->kind[i] == GW_BIND_STORAGE)
 			GW_TRY(check_storage(gpu, pass, i, *binding, count, error));
 	}
@@ -450,7 +449,7 @@ typedef struct cut {
 } cut;
 
 static gw_status find_cut(const gw_gpu *gpu, const gw_pass *pass, const gw_binding *bindings,
-                          cut *found, gw_error *error)
+						  cut *found, gw_error *error)
 {
 	const VkPhysicalDeviceLimits *limits = gw_gpu_limits(gpu);
 	uint64_t per_group = (uint64_t)pass->workgroup_size * pass->elements_per_invocation;
@@ -468,15 +467,16 @@ static gw_status find_cut(const gw_gpu *gpu, const gw_pass *pass, const gw_bindi
 	*found = (cut){ unit, most / unit * unit };
 	if (found->most == 0)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
-		               "pass \"%s\" works on %" PRIu64 " elements at once, but \"%s\" binds or starts "
-		               "only %" PRIu64 ": choose another device",
-		               pass->name, unit, gpu->device.info.name, most);
+					   "pass \"%s\" works on %" PRIu64
+					   " elements at once, but \"%s\" binds or starts "
+					   "only %" PRIu64 ": choose another device",
+					   pass->name, unit, gpu->device.info.name, most);
 	return GW_OK;
 }
 
 /* The first dispatch makes software drivers compile; an empty span does nothing else. */
 static gw_status warm_up(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
-                         gw_error *error)
+						 gw_error *error)
 {
 	double start = gw_seconds();
 	GW_TRY(gw_commands_begin(gpu, error));
@@ -489,8 +489,8 @@ static gw_status warm_up(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
 
 /* Submits up to `wanted` elements from `first` on, as few slices; says how many it did. */
 static gw_status submit_slices(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
-                               const void *push, cut limit, uint64_t first, uint64_t wanted,
-                               uint64_t *done, double *seconds, gw_error *error)
+							   const void *push, cut limit, uint64_t first, uint64_t wanted,
+							   uint64_t *done, double *seconds, gw_error *error)
 {
 	GW_TRY(gw_commands_begin(gpu, error));
 	*done = 0;
@@ -518,20 +518,22 @@ static void adapt(const gw_gpu *gpu, gw_pass *pass, uint64_t asked, uint64_t don
 	if (most < (double)pass->submission / GROWTH)
 		most = (double)pass->submission / GROWTH;
 	fitting = fitting < most ? fitting : most;
-	pass->submission = fitting < 1 ? 1 : fitting < (double)UINT32_MAX ? (uint64_t)fitting : UINT32_MAX;
+	pass->submission = fitting < 1                    ? 1
+					   : fitting < (double)UINT32_MAX ? (uint64_t)fitting
+													  : UINT32_MAX;
 }
 
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
-                      uint64_t count, gw_error *error)
+					  uint64_t count, gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	if (count == 0)
 		return GW_OK;
 	if (count > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "pass \"%s\" was given %" PRIu64 " elements, but takes at most %" PRIu32
-		               ": bake fewer points at once",
-		               pass->name, count, UINT32_MAX);
+					   "pass \"%s\" was given %" PRIu64 " elements, but takes at most %" PRIu32
+					   ": bake fewer points at once",
+					   pass->name, count, UINT32_MAX);
 	GW_TRY(check_bindings(gpu, pass, bindings, count, error));
 	cut limit;
 	GW_TRY(find_cut(gpu, pass, bindings, &limit, error));
@@ -546,8 +548,8 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 		uint64_t asked = divide_up(size, limit.unit) * limit.unit, done;
 		uint64_t left = count - first;
 		double seconds;
-		GW_TRY(submit_slices(gpu, pass, bindings, push, limit, first,
-		                     asked < left ? asked : left, &done, &seconds, error));
+		GW_TRY(submit_slices(gpu, pass, bindings, push, limit, first, asked < left ? asked : left,
+							 &done, &seconds, error));
 		adapt(gpu, pass, asked, done, seconds);
 		size = pass->submission;
 		first += done;

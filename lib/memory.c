@@ -33,7 +33,8 @@ void *gw_resize_array(void *array, size_t count, size_t size)
 	return realloc(array, bytes > 0 ? bytes : 1);
 }
 
-/* Reads one number from a file such as the kernel writes; false for "max" or when it isn't there. */
+/* Reads one number from a file such as the kernel writes; false for "max" or when it isn't there.
+ */
 static bool read_number(const char *path, uint64_t *value)
 {
 	FILE *file = fopen(path, "re");
@@ -76,8 +77,8 @@ static uint64_t memory_of_group(const char *folder, const char *limit_name, cons
 static uint64_t memory_of_groups(void)
 {
 	uint64_t least = memory_of_group("/sys/fs/cgroup", "memory.max", "memory.current");
-	uint64_t old = memory_of_group("/sys/fs/cgroup/memory", "memory.limit_in_bytes",
-	                               "memory.usage_in_bytes");
+	uint64_t old =
+		memory_of_group("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes");
 	least = old < least ? old : least;
 
 	FILE *file = fopen("/proc/self/cgroup", "re");

@@ -36,11 +36,11 @@ static void take_chunks(loop *shared, uint32_t index)
 {
 	size_t taken;
 	while ((taken = atomic_fetch_add_explicit(&shared->next, 1, memory_order_relaxed)) <
-	       shared->chunks) {
+		   shared->chunks) {
 		size_t first = taken * shared->chunk;
 		size_t left = shared->count - first;
 		shared->work(shared->user, first, first + (left < shared->chunk ? left : shared->chunk),
-		             index);
+					 index);
 	}
 }
 
@@ -52,7 +52,7 @@ static void *run_worker(void *argument)
 }
 
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
-                     void *user)
+					 void *user)
 {
 	assert(chunk > 0 && work != NULL);
 	size_t chunks = count / chunk + (count % chunk != 0);

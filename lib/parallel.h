@@ -35,7 +35,7 @@ typedef void gw_parallel_work(void *user, size_t first, size_t last, uint32_t wo
  * Thread-safe.
  */
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
-                     void *user);
+					 void *user);
 
 #ifdef __cplusplus
 }

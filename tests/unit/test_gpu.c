@@ -40,9 +40,9 @@ static gw_buffer new_buffer(gw_gpu *gpu, uint64_t bytes, const char *name)
 {
 	gw_error error = { 0 };
 	gw_buffer buffer;
-	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, name, &buffer,
-	                           &error),
-	          &error);
+	assert_ok(
+		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, name, &buffer, &error),
+		&error);
 	return buffer;
 }
 
@@ -102,14 +102,14 @@ static void test_choice(void **state)
 {
 	(void)state;
 	gw_candidate list[] = { candidate("Old 4090", "discrete", false),
-		                    candidate("Radiant 900", "discrete", true),
-		                    candidate("Pipe (LLVM)", "cpu", true) };
+							candidate("Radiant 900", "discrete", true),
+							candidate("Pipe (LLVM)", "cpu", true) };
 	const struct {
 		const char *wanted;
 		int expected; /* -1: none */
-	} row[] = { { NULL, 1 },   { "", 1 },     { "2", 2 },        { "cpu", 2 },    { "CPU", 2 },
-		        { "llvm", 2 }, { "900", 1 },  { "discrete", 1 }, { "4090", -1 },  { "0", -1 },
-		        { "3", -1 },   { "nix", -1 }, { "integrated", -1 } };
+	} row[] = { { NULL, 1 },   { "", 1 },     { "2", 2 },          { "cpu", 2 },   { "CPU", 2 },
+				{ "llvm", 2 }, { "900", 1 },  { "discrete", 1 },   { "4090", -1 }, { "0", -1 },
+				{ "3", -1 },   { "nix", -1 }, { "integrated", -1 } };
 	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
 		gw_candidate chosen;
 		gw_error error = { 0 };
@@ -153,15 +153,15 @@ static void copy_both_ways(bool may_map)
 		sent[i] = i < 3 || i >= COPY_WORDS - 3 ? 0xdeadbeefu : scramble(i);
 	assert_ok(gw_buffer_fill(gpu, &buffer, 0xdeadbeefu, &error), &error);
 	assert_ok(gw_buffer_upload(gpu, &buffer, 12, sent + 3, (COPY_WORDS - 6) * UINT64_C(4), &error),
-	          &error);
+			  &error);
 	assert_ok(gw_buffer_download(gpu, &buffer, 0, got, COPY_WORDS * UINT64_C(4), &error), &error);
 	assert_memory_equal(sent, got, COPY_WORDS * sizeof *sent);
 
 	/* Past the end: refused, also when offset + bytes wraps around. */
 	assert_int_equal(gw_buffer_upload(gpu, &buffer, COPY_WORDS * UINT64_C(4), sent, 4, &error),
-	                 GW_ERROR_INTERNAL);
+					 GW_ERROR_INTERNAL);
 	assert_int_equal(gw_buffer_download(gpu, &buffer, 4, got, UINT64_MAX - 3, &error),
-	                 GW_ERROR_INTERNAL);
+					 GW_ERROR_INTERNAL);
 	free(sent);
 	free(got);
 	gw_buffer_destroy(gpu, &buffer);
@@ -188,8 +188,8 @@ static void test_empty_buffer(void **state)
 	gw_error error = { 0 };
 	gw_buffer buffer;
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 0, "empty",
-	                           &buffer, &error),
-	          &error);
+							   &buffer, &error),
+			  &error);
 	assert_int_equal(buffer.bytes, 0);
 	assert_true(buffer.handle != VK_NULL_HANDLE && buffer.allocated > 0);
 	gw_buffer_destroy(gpu, &buffer);
@@ -221,16 +221,16 @@ static uint64_t run_affine(gw_gpu_options options, uint32_t each, uint64_t stora
 	assert_ok(gw_buffer_upload(gpu, &in, 0, word, sizeof word, &error), &error);
 
 	gw_pass *pass = new_pass(gpu, "test_affine",
-	                         (gw_pass_description){ .bindings = two_buffers,
-	                                                .binding_count = 2,
-	                                                .push_bytes = 12,
-	                                                .constant = (uint32_t[]){ 3, each },
-	                                                .constant_count = 2,
-	                                                .elements_per_invocation = each });
+							 (gw_pass_description){ .bindings = two_buffers,
+													.binding_count = 2,
+													.push_bytes = 12,
+													.constant = (uint32_t[]){ 3, each },
+													.constant_count = 2,
+													.elements_per_invocation = each });
 	if (options.workgroup_size > 0)
 		assert_int_equal(gw_pass_workgroup_size(pass), options.workgroup_size);
 	const gw_binding bindings[] = { { .buffer = &in, .stride = 4 },
-		                            { .buffer = &out, .stride = 4 } };
+									{ .buffer = &out, .stride = 4 } };
 	const uint32_t push[] = { 77, 77, 5 }; /* the span is filled by the layer */
 	assert_ok(gw_pass_run(gpu, pass, bindings, push, 0, &error), &error);
 	assert_int_equal(gw_gpu_read_account(gpu).dispatches, 0);
@@ -297,27 +297,27 @@ static void test_images(void **state)
 	const uint32_t extent[3] = { SIDE, SIDE, SIDE };
 	gw_image store, ramp;
 	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "store", &store, &error),
-	          &error);
+			  &error);
 	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "ramp", &ramp, &error),
-	          &error);
+			  &error);
 	gw_buffer words, out = new_buffer(gpu, TEXELS * 4, "out");
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, TEXELS * 4, "words",
-	                           &words, &error),
-	          &error);
+							   &words, &error),
+			  &error);
 	uint32_t word[TEXELS];
 	for (uint32_t i = 0; i < TEXELS; i++)
 		word[i] = 1000 + 7 * i;
 	assert_ok(gw_buffer_upload(gpu, &words, 0, word, sizeof word, &error), &error);
 
 	static const gw_binding_kind kinds[] = { GW_BIND_TEXEL, GW_BIND_STORAGE_IMAGE,
-		                                     GW_BIND_SAMPLED_IMAGE, GW_BIND_STORAGE };
-	gw_pass *pass = new_pass(
-	    gpu, "test_gather",
-	    (gw_pass_description){ .bindings = kinds, .binding_count = 4, .push_bytes = 12 });
+											 GW_BIND_SAMPLED_IMAGE, GW_BIND_STORAGE };
+	gw_pass *pass =
+		new_pass(gpu, "test_gather",
+				 (gw_pass_description){ .bindings = kinds, .binding_count = 4, .push_bytes = 12 });
 	gw_binding bindings[] = { { .buffer = &words },
-		                      { .image = &ramp },
-		                      { .image = &store },
-		                      { .buffer = &out, .stride = 4 } };
+							  { .image = &ramp },
+							  { .image = &store },
+							  { .buffer = &out, .stride = 4 } };
 	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 1 }, TEXELS, &error), &error);
 	bindings[1].image = &store;
 	bindings[2].image = &ramp;
@@ -337,7 +337,7 @@ static void test_images(void **state)
 			fail_msg("element %u is %g, not %g", i, (double)got[i], (double)expected);
 	}
 	assert_int_equal(gw_image_download(gpu, &store, texel, sizeof texel - 4, &error),
-	                 GW_ERROR_INTERNAL);
+					 GW_ERROR_INTERNAL);
 	gw_pass_destroy(gpu, &pass);
 	gw_image_destroy(gpu, &store);
 	gw_image_destroy(gpu, &ramp);
@@ -355,9 +355,8 @@ static void test_large_image(void **state)
 	gw_error error = { 0 };
 	const uint32_t extent[3] = { 1030, 1021, 2 }; /* 16.8 MB a layer */
 	gw_image image;
-	assert_ok(
-	    gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "large", &image, &error),
-	    &error);
+	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "large", &image, &error),
+			  &error);
 	size_t bytes = (size_t)1030 * 1021 * 2 * 16;
 	unsigned char *got = malloc(bytes);
 	assert_non_null(got);
@@ -380,23 +379,23 @@ static void test_budget(void **state)
 	gw_error error = { 0 };
 	gw_buffer first = new_buffer(gpu, 700000, "first"), second;
 	uint64_t before = gw_gpu_read_account(gpu).bytes;
-	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 400000,
-	                                  "second", &second, &error),
-	                 GW_ERROR_MEMORY);
+	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 400000, "second",
+									  &second, &error),
+					 GW_ERROR_MEMORY);
 	assert_non_null(strstr(error.text, "400000"));
 	assert_non_null(strstr(error.text, "1048576"));
 	assert_non_null(strstr(error.text, "\"second\""));
 	assert_true(second.handle == VK_NULL_HANDLE && second.bytes == 0);
 	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, UINT64_MAX - 3,
-	                                  "huge", &second, &error),
-	                 GW_ERROR_MEMORY);
+									  "huge", &second, &error),
+					 GW_ERROR_MEMORY);
 	gw_image image;
+	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, (uint32_t[]){ 64, 64, 64 },
+									 "image", &image, &error),
+					 GW_ERROR_MEMORY);
 	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT,
-	                                 (uint32_t[]){ 64, 64, 64 }, "image", &image, &error),
-	                 GW_ERROR_MEMORY);
-	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT,
-	                                 (uint32_t[]){ UINT32_MAX, 1, 1 }, "wide", &image, &error),
-	                 GW_ERROR_MEMORY);
+									 (uint32_t[]){ UINT32_MAX, 1, 1 }, "wide", &image, &error),
+					 GW_ERROR_MEMORY);
 	assert_non_null(strstr(error.text, "4294967295 x 1 x 1"));
 	assert_int_equal(gw_gpu_read_account(gpu).bytes, before);
 	gw_buffer_destroy(gpu, &first);
@@ -410,12 +409,12 @@ static void test_refusals(void **state)
 	gw_error error = { 0 };
 	const gw_shader *shader = gw_shader_find("test_affine");
 	gw_pass_description description = { .name = "affine",
-		                                .spirv = shader->spirv,
-		                                .spirv_words = shader->words,
-		                                .bindings = two_buffers,
-		                                .binding_count = 2,
-		                                .push_bytes = 12,
-		                                .loop_bound = 8001 };
+										.spirv = shader->spirv,
+										.spirv_words = shader->words,
+										.bindings = two_buffers,
+										.binding_count = 2,
+										.push_bytes = 12,
+										.loop_bound = 8001 };
 	gw_pass *pass = NULL;
 	assert_int_equal(gw_pass_create(gpu, &description, &pass, &error), GW_ERROR_INTERNAL);
 	assert_non_null(strstr(error.text, "8001"));
@@ -430,7 +429,7 @@ static void test_refusals(void **state)
 	gw_binding bindings[] = { { .buffer = &in }, { .buffer = &out, .stride = 4 } };
 	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, 1025, &error), GW_ERROR_INTERNAL);
 	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, UINT64_C(1) << 32, &error),
-	                 GW_ERROR_MEMORY);
+					 GW_ERROR_MEMORY);
 	gpu->storage_range = 2048; /* `in` is bound whole */
 	assert_int_equal(gw_pass_run(gpu, pass, bindings, NULL, 1024, &error), GW_ERROR_MEMORY);
 	assert_non_null(strstr(error.text, "2048"));
@@ -460,14 +459,14 @@ static void test_lost_device(void **state)
 	gw_error error = { 0 }, later = { 0 };
 	gw_buffer buffer = new_buffer(gpu, 64, "buffer"), other;
 	gw_status status =
-	    gw_vulkan_fail(gpu, &error, "vkQueueSubmit(x)", "pass one", VK_ERROR_DEVICE_LOST);
+		gw_vulkan_fail(gpu, &error, "vkQueueSubmit(x)", "pass one", VK_ERROR_DEVICE_LOST);
 	assert_int_equal(status, GW_ERROR_INTERNAL);
 	assert_non_null(strstr(error.text, "vkQueueSubmit for pass one"));
 	assert_int_equal(gw_buffer_fill(gpu, &buffer, 1, &later), GW_ERROR_INTERNAL);
 	assert_string_equal(later.text, error.text);
-	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 64, "other",
-	                                  &other, &later),
-	                 GW_ERROR_INTERNAL);
+	assert_int_equal(
+		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 64, "other", &other, &later),
+		GW_ERROR_INTERNAL);
 	assert_string_equal(later.text, error.text);
 	gw_buffer_destroy(gpu, &buffer);
 	gw_gpu_destroy(&gpu);
@@ -483,13 +482,13 @@ static uint32_t run_pair(bool barrier)
 	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate_synchronization = true });
 	gw_error error = { 0 };
 	gw_buffer a = new_buffer(gpu, FAULT_ELEMENTS * 4, "a"),
-	          b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b"),
-	          c = new_buffer(gpu, FAULT_ELEMENTS * 4, "c");
+			  b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b"),
+			  c = new_buffer(gpu, FAULT_ELEMENTS * 4, "c");
 	gw_pass *pass = new_pass(
-	    gpu, "test_faults",
-	    (gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
+		gpu, "test_faults",
+		(gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
 	const gw_binding write_b[] = { { .buffer = &a }, { .buffer = &b } },
-	                 read_b[] = { { .buffer = &b }, { .buffer = &c } };
+					 read_b[] = { { .buffer = &b }, { .buffer = &c } };
 	const gw_slice slice = { 0, FAULT_ELEMENTS };
 	assert_ok(gw_commands_begin(gpu, &error), &error);
 	gw_pass_record(gpu, pass, 0, write_b, NULL, slice, &error);
@@ -520,10 +519,10 @@ static gw_status run_fault(uint32_t read_shift, uint32_t write_shift, uint32_t *
 	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate_gpu_assisted = true });
 	gw_error error = { 0 };
 	gw_buffer a = new_buffer(gpu, FAULT_ELEMENTS * 4, "a"),
-	          b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b");
+			  b = new_buffer(gpu, FAULT_ELEMENTS * 4, "b");
 	gw_pass *pass = new_pass(
-	    gpu, "test_faults",
-	    (gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
+		gpu, "test_faults",
+		(gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
 	const gw_binding bindings[] = { { .buffer = &a, .stride = 4 }, { .buffer = &b, .stride = 4 } };
 	const uint32_t push[] = { 0, 0, read_shift, write_shift };
 	gw_status status = gw_pass_run(gpu, pass, bindings, push, FAULT_ELEMENTS, &error);
