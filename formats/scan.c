@@ -1,6 +1,8 @@
 #include "scan.h"
 #include "growing_table.h"
+#include "scan_color.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -189,30 +191,90 @@ static void copy_values(scan_column *to, size_t first, const scan_column *from, 
 		store(to, first + i, scan_value(from, i));
 }
 
-/* Adds to `joined` the column that both scans have under this name, or that one of them has. */
-static gw_status join_column(scan *joined, const scan *head, const scan *tail, const char *name,
-							 gw_error *error)
+/* Colours of two scans may count to different numbers; joined they must count to one. */
+typedef struct color_match {
+	const char *const *name; /* three of them */
+	bool differ;             /* both scans have these colours, and they count differently */
+	scan_color head, tail;
+	scan_type type; /* of the joined columns: uint16 to 65535 or float to 1 */
+} color_match;
+
+static color_match match_colors(const scan *head, const scan *tail, const char *const name[3])
 {
-	const scan_column *a = scan_find(head, name), *b = scan_find(tail, name);
+	color_match match = { .name = name, .type = SCAN_UINT16 };
+	match.differ = scan_color_find(head, name, &match.head) &&
+				   scan_color_find(tail, name, &match.tail) && match.head.range != match.tail.range;
+	for (int k = 0; k < 3 && match.differ; k++)
+		if (is_float(match.head.column[k]->type) || is_float(match.tail.column[k]->type))
+			match.type = SCAN_FLOAT32;
+	return match;
+}
+
+/* Stores channel k of some colours from point `first` on. */
+static void put_colors(scan_column *to, size_t first, const scan_color *color, int k, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		double value = scan_color_value(color, k, i);
+		if (to->type == SCAN_FLOAT32)
+			store(to, first + i, value);
+		else
+			store(to, first + i, value > 0.0 ? fmin(value, 1.0) * 65535.0 + 0.5 : 0.0);
+	}
+}
+
+/* Two scans on their way to one. */
+typedef struct join {
+	const scan *head, *tail;
+	color_match match[2]; /* of red green blue, and of albedo_* */
+	scan *joined;
+} join;
+
+/* The match that a column takes part in, and as which channel; NULL when it is joined as it is. */
+static const color_match *find_match(const join *j, const char *name, int *channel)
+{
+	for (int m = 0; m < 2; m++) {
+		for (int k = 0; k < 3; k++) {
+			*channel = k;
+			if (j->match[m].differ && strcmp(j->match[m].name[k], name) == 0)
+				return &j->match[m];
+		}
+	}
+	return NULL;
+}
+
+/* Adds to the joined scan the column that both scans have under this name, or one of them has. */
+static gw_status join_column(const join *j, const char *name, gw_error *error)
+{
+	int channel;
+	const scan_column *a = scan_find(j->head, name), *b = scan_find(j->tail, name);
+	const color_match *match = a && b ? find_match(j, name, &channel) : NULL;
 	scan_type type = a && b ? widen(a->type, b->type) : a ? a->type : b->type;
-	scan_column *to = scan_add_column(joined, name, type, error);
+	scan_column *to = scan_add_column(j->joined, name, match ? match->type : type, error);
 	if (!to)
 		return GW_ERROR_MEMORY;
+	if (match) {
+		put_colors(to, 0, &match->head, channel, j->head->count);
+		put_colors(to, j->head->count, &match->tail, channel, j->tail->count);
+		return GW_OK;
+	}
 	if (a)
-		copy_values(to, 0, a, head->count);
+		copy_values(to, 0, a, j->head->count);
 	if (b)
-		copy_values(to, head->count, b, tail->count);
+		copy_values(to, j->head->count, b, j->tail->count);
 	return GW_OK;
 }
 
 static gw_status join_columns(scan *joined, const scan *head, const scan *tail, gw_error *error)
 {
+	join j = { .head = head, .tail = tail, .joined = joined };
+	j.match[0] = match_colors(head, tail, scan_color_names);
+	j.match[1] = match_colors(head, tail, scan_albedo_names);
 	gw_status status = GW_OK;
 	for (size_t c = 0; c < head->column_count && status == GW_OK; c++)
-		status = join_column(joined, head, tail, head->column[c].name, error);
+		status = join_column(&j, head->column[c].name, error);
 	for (size_t c = 0; c < tail->column_count && status == GW_OK; c++)
 		if (!scan_find(head, tail->column[c].name))
-			status = join_column(joined, head, tail, tail->column[c].name, error);
+			status = join_column(&j, tail->column[c].name, error);
 	for (size_t c = 0; c < head->comment_count && status == GW_OK; c++)
 		status = scan_add_comment(joined, head->comment[c], error);
 	for (size_t c = 0; c < tail->comment_count && status == GW_OK; c++)

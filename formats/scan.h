@@ -57,8 +57,9 @@ void scan_remove_column(scan *scan, const char *name);
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
 
-/* Appends the points of `tail` to `scan`. Columns that both have stay (types widen to hold both);
- * the others are filled with zeros for the points that lack them. tail is left as it was. */
+/* Appends the points of `tail` to `scan`. Columns that both have stay (types widen to hold both;
+ * colours that count to different numbers are scaled to count to the same); the others are filled
+ * with zeros for the points that lack them. tail is left as it was, and so is scan on failure. */
 gw_status scan_append(scan *scan, const struct scan *tail, gw_error *error);
 
 /* ---------------------------------------------------------------------- from scan to points */

@@ -23,7 +23,7 @@
 namespace
 {
 
-const char *const grid_names[] = { "density", "radiance", "color", "emission", "normal" };
+const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal" };
 
 __attribute__((format(printf, 3, 4))) gw_status fail(gw_error *error, gw_status status,
 													 const char *format, ...)
@@ -231,12 +231,16 @@ struct builder {
 		transform->postTranslate(start);
 	}
 
+	/* The value as it will read back. */
 	float stored(float value)
 	{
-		if (!metadata.half || std::fabs(value) <= VDB_HALF_MAX)
+		if (!metadata.half)
 			return value;
-		clamped++;
-		return std::copysign(VDB_HALF_MAX, value);
+		if (std::fabs(value) > VDB_HALF_MAX) {
+			clamped++;
+			value = std::copysign(VDB_HALF_MAX, value);
+		}
+		return static_cast<float>(openvdb::math::half(value));
 	}
 
 	void describe(openvdb::MetaMap &map)
@@ -284,8 +288,39 @@ struct builder {
 	}
 };
 
+/* Sums up what one grid holds. */
+template <typename Grid> void digest_values(const Grid &grid, uint64_t &voxels, uint64_t &values)
+{
+	for (auto i = grid.cbeginValueOn(); i; ++i) {
+		openvdb::Vec3d place = grid.indexToWorld(i.getCoord());
+		auto value = *i;
+		fingerprint print;
+		print.add(place.asPointer(), 3 * sizeof(double));
+		print.add(&value, sizeof value);
+		voxels++;
+		values += print.lane[0] ^ print.lane[0] >> 29;
+	}
+}
+
+/* Sums up all grids, by name. A grid that is missing or of another type counts as empty. */
+vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
+{
+	vdb_digest digest = {};
+	for (int g = 0; g < VDB_GRIDS; g++) {
+		for (const auto &grid : grids) {
+			if (grid->getName() != grid_names[g])
+				continue;
+			if (auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
+				digest_values(*scalar, digest.voxels[g], digest.values[g]);
+			else if (auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid))
+				digest_values(*vector, digest.voxels[g], digest.values[g]);
+		}
+	}
+	return digest;
+}
+
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
-				 uint64_t *active, gw_error *error)
+				 vdb_digest *digest, gw_error *error)
 {
 	gw_status status = check(v, error);
 	if (status == GW_OK)
@@ -309,27 +344,26 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 	std::ostream stream(&buffer);
 	stream.exceptions(std::ios::badbit | std::ios::failbit);
 	openvdb::io::Stream(stream).write(grids, file);
-	*active = grids[0]->activeVoxelCount();
+	*digest = digest_grids(grids);
 	if (m.clamped)
 		*m.clamped = build.clamped;
 	return GW_OK;
 }
 
-gw_status verify(const char *path, uint64_t active, gw_error *error)
+gw_status verify(const char *path, const vdb_digest &meant, gw_error *error)
 {
 	openvdb::initialize();
 	openvdb::io::File file(path);
 	file.open(false);
-	openvdb::GridPtrVecPtr grids = file.getGrids();
-	for (const char *name : grid_names) {
-		uint64_t found = 0;
-		for (const auto &grid : *grids)
-			if (grid->getName() == name)
-				found = grid->activeVoxelCount();
-		if (found != active)
+	vdb_digest found = digest_grids(*file.getGrids());
+	for (int g = 0; g < VDB_GRIDS; g++) {
+		if (found.voxels[g] != meant.voxels[g])
 			return fail(error, GW_ERROR_IO,
-						"the grid '%s' reads back with %llu voxels instead of %llu", name,
-						(unsigned long long)found, (unsigned long long)active);
+						"the grid '%s' reads back with %llu voxels instead of %llu", grid_names[g],
+						(unsigned long long)found.voxels[g], (unsigned long long)meant.voxels[g]);
+		if (found.values[g] != meant.values[g])
+			return fail(error, GW_ERROR_IO, "the grid '%s' reads back with other values",
+						grid_names[g]);
 	}
 	return GW_OK;
 }
@@ -351,13 +385,13 @@ template <typename Work> gw_status guarded(const char *what, gw_error *error, Wo
 } // namespace
 
 extern "C" gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata,
-								vdb_sink sink, void *user, uint64_t *active, gw_error *error)
+								vdb_sink sink, void *user, vdb_digest *digest, gw_error *error)
 {
 	return guarded("write", error,
-				   [&] { return encode(*voxels, *metadata, sink, user, active, error); });
+				   [&] { return encode(*voxels, *metadata, sink, user, digest, error); });
 }
 
-extern "C" gw_status vdb_verify(const char *path, uint64_t active, gw_error *error)
+extern "C" gw_status vdb_verify(const char *path, const vdb_digest *digest, gw_error *error)
 {
-	return guarded("read back", error, [&] { return verify(path, active, error); });
+	return guarded("read back", error, [&] { return verify(path, *digest, error); });
 }

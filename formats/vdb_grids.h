@@ -63,13 +63,20 @@ gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
  */
 typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
 
-/* Builds the grids and hands the file's bytes to the sink, in order. *active receives how many
- * voxels each grid has. Throws nothing. */
-gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata, vdb_sink sink,
-					 void *user, uint64_t *active, gw_error *error);
+/* What the five grids hold, to compare a file with what was meant to be in it. */
+#define VDB_GRIDS 5
+typedef struct vdb_digest {
+	uint64_t voxels[VDB_GRIDS]; /* active ones */
+	uint64_t values[VDB_GRIDS]; /* hash of their places, in metres, and values; in any order */
+} vdb_digest;
 
-/* Reads a file back: GW_ERROR_IO unless it holds the five grids with so many active voxels each. */
-gw_status vdb_verify(const char *path, uint64_t active, gw_error *error);
+/* Builds the grids and hands the file's bytes to the sink, in order. *digest receives what they
+ * hold. Throws nothing. */
+gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata, vdb_sink sink,
+					 void *user, vdb_digest *digest, gw_error *error);
+
+/* Reads a file back: GW_ERROR_IO unless its grids hold just that. */
+gw_status vdb_verify(const char *path, const vdb_digest *digest, gw_error *error);
 
 #ifdef __cplusplus
 }

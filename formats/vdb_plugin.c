@@ -9,9 +9,9 @@
 #include <string.h>
 
 typedef struct plugin {
-	gw_status (*encode)(const gw_voxels *, const vdb_metadata *, vdb_sink, void *, uint64_t *,
+	gw_status (*encode)(const gw_voxels *, const vdb_metadata *, vdb_sink, void *, vdb_digest *,
 						gw_error *);
-	gw_status (*verify)(const char *, uint64_t, gw_error *);
+	gw_status (*verify)(const char *, const vdb_digest *, gw_error *);
 } plugin;
 
 /* dlsym returns a pointer to data; ISO C has no cast from that to a function. */
@@ -43,8 +43,8 @@ static bool sink(void *user, const void *bytes, size_t length)
 static gw_status encode_and_verify(const plugin *vdb, output_file *out, const gw_voxels *voxels,
 								   const vdb_metadata *metadata, gw_error *error)
 {
-	uint64_t active = 0;
-	gw_status status = vdb->encode(voxels, metadata, sink, out, &active, error);
+	vdb_digest digest;
+	gw_status status = vdb->encode(voxels, metadata, sink, out, &digest, error);
 	/* The output knows best why its bytes could not be written. */
 	gw_status written = output_file_flush(out, error);
 	if (status == GW_OK)
@@ -53,7 +53,7 @@ static gw_status encode_and_verify(const plugin *vdb, output_file *out, const gw
 	if (status != GW_OK || !temporary)
 		return status;
 	gw_error reason = { 0 };
-	status = vdb->verify(temporary, active, &reason);
+	status = vdb->verify(temporary, &digest, &reason);
 	if (status != GW_OK)
 		return gw_fail(error, status, "%s was written, but cannot be read back: %s",
 					   output_file_name(out), reason.text);

@@ -4,6 +4,7 @@
 #include "ply_format.h"
 #include "vdb_grids.h"
 
+#include <dlfcn.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -608,6 +609,53 @@ static void vdb_is_written(void **state)
 	unlink(in_folder("b.vdb"));
 }
 
+static bool to_stream(void *user, const void *data, size_t length)
+{
+	FILE *stream = user;
+	return fwrite(data, 1, length, stream) == length;
+}
+
+/* What a full disk or a fault in OpenVDB would leave behind is noticed when it is read back. */
+static void vdb_is_read_back(void **state)
+{
+	(void)state;
+	gw_status (*encode)(const gw_voxels *, const vdb_metadata *, vdb_sink, void *, vdb_digest *,
+						gw_error *);
+	gw_status (*verify)(const char *, const vdb_digest *, gw_error *);
+	void *library = dlopen("libglowworm-vdb.so", RTLD_NOW | RTLD_LOCAL);
+	assert_non_null(library);
+	void *address[2] = { dlsym(library, "vdb_encode"), dlsym(library, "vdb_verify") };
+	memcpy(&encode, &address[0], sizeof encode);
+	memcpy(&verify, &address[1], sizeof verify);
+
+	gw_voxels voxels = make_voxels(3);
+	vdb_metadata metadata = { .half = true };
+	vdb_digest digest;
+	gw_error error = { 0 };
+	char path[160];
+	snprintf(path, sizeof path, "%s/a.vdb", folder);
+	FILE *file = fopen(path, "w");
+	assert_int_equal(encode(&voxels, &metadata, to_stream, file, &digest, &error), GW_OK);
+	long length = ftell(file);
+	assert_int_equal(fclose(file), 0);
+	assert_int_equal(digest.voxels[0], VOXELS);
+	if (verify(path, &digest, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	for (int g = 0; g < VDB_GRIDS; g++) {
+		vdb_digest other = digest;
+		other.values[g] ^= 1;
+		assert_int_equal(verify(path, &other, &error), GW_ERROR_IO);
+		other = digest;
+		other.voxels[g]++;
+		assert_int_equal(verify(path, &other, &error), GW_ERROR_IO);
+	}
+	for (int part = 7; part >= 0; part--) {
+		assert_int_equal(truncate(path, length * part / 8), 0);
+		assert_int_equal(verify(path, &digest, &error), GW_ERROR_IO);
+	}
+	unlink(path);
+}
+
 static void vdb_refuses(void **state)
 {
 	(void)state;
@@ -656,6 +704,7 @@ int main(void)
 		cmocka_unit_test(every_format_is_found),
 		cmocka_unit_test(content_goes_before_the_name),
 		cmocka_unit_test(vdb_is_written),
+		cmocka_unit_test(vdb_is_read_back),
 		cmocka_unit_test(vdb_refuses),
 	};
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -157,6 +157,35 @@ static void joining_keeps_all_columns(void **state)
 	scan_clear(&tail);
 }
 
+/* A lamp with 8-bit colours joined to a scan with 16-bit ones must not turn black. */
+static void joining_keeps_colors(void **state)
+{
+	(void)state;
+	const double bytes[2] = { 51, 255 }, words[2] = { 13107, 65535 }, units[2] = { 0.2, 1.0 };
+	const struct {
+		scan_type head, tail, joined;
+		const double *from, *to, *expected;
+	} cases[] = { { SCAN_UINT8, SCAN_UINT16, SCAN_UINT16, bytes, words, words },
+				  { SCAN_UINT16, SCAN_UINT16, SCAN_UINT16, words, bytes, words },
+				  { SCAN_UINT8, SCAN_FLOAT32, SCAN_FLOAT32, bytes, units, units },
+				  { SCAN_FLOAT64, SCAN_UINT16, SCAN_FLOAT32, units, words, units },
+				  { SCAN_UINT8, SCAN_UINT8, SCAN_UINT8, bytes, bytes, bytes } };
+	for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+		scan head = { .count = 2 }, tail = { .count = 2 };
+		add_triple(&head, scan_color_names, cases[n].head, cases[n].from);
+		add_triple(&tail, scan_color_names, cases[n].tail, cases[n].to);
+		assert_int_equal(scan_append(&head, &tail, NULL), GW_OK);
+		for (int k = 0; k < 3; k++) {
+			const scan_column *column = scan_find(&head, scan_color_names[k]);
+			assert_int_equal(column->type, cases[n].joined);
+			for (size_t i = 0; i < 4; i++) /* 0.2 is rounded to float once */
+				assert_near(scan_value(column, i), cases[n].expected[i % 2], HALF_ULP);
+		}
+		scan_clear(&head);
+		scan_clear(&tail);
+	}
+}
+
 /* ------------------------------------------------------------------------------ to points */
 
 /* Albedo of point 1 of a cloud whose colours have these four values. */
@@ -351,6 +380,7 @@ int main(void)
 		cmocka_unit_test(every_type_gives_its_value),
 		cmocka_unit_test(joining_widens_types),
 		cmocka_unit_test(joining_keeps_all_columns),
+		cmocka_unit_test(joining_keeps_colors),
 		cmocka_unit_test(colors_count_to_their_type),
 		cmocka_unit_test(srgb_is_its_own_inverse),
 		cmocka_unit_test(lit_file_is_lit_again_from_its_albedo),
