@@ -21,7 +21,8 @@ typedef struct keyed_point {
 typedef struct frame {
 	const gw_points *points;
 	gw_surfels *surfels;
-	double grain;          /* local coordinates are multiples of it, metres; 0: not rounded */
+	double grain;           /* local coordinates are multiples of it, metres; 0: not rounded */
+	double grains_per_metre; /* its inverse, exact: both are powers of two */
 	double cells_per_metre; /* of the Morton grid */
 	keyed_point *order;    /* finite points, sorted */
 	size_t finite;
@@ -46,7 +47,7 @@ static void local_position(const frame *f, size_t point, float local[3])
 	for (int k = 0; k < 3; k++) {
 		double x = f->points->position[3 * point + (size_t)k] - f->surfels->origin[k];
 		if (f->grain > 0)
-			x = nearbyint(x / f->grain) * f->grain;
+			x = nearbyint(x * f->grains_per_metre) * f->grain;
 		local[k] = (float)x;
 	}
 }
@@ -87,6 +88,7 @@ static void choose_frame(frame *f, const double minimum[3], const double maximum
 	for (int k = 0; k < 3; k++)
 		f->surfels->origin[k] = floor(minimum[k] / step) * step;
 	f->grain = extent > 0 ? ldexp(1, ilogb(extent) - 40) : 0;
+	f->grains_per_metre = extent > 0 ? ldexp(1, 40 - ilogb(extent)) : 0;
 	/* Slightly less than 2^21 cells, so that the largest coordinate has a cell. */
 	f->cells_per_metre = extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0;
 }

@@ -13,6 +13,20 @@
 #define BLOCK (256u * CHUNK) /* surfels between two looks at `cancelled` */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
 
+/* Neighbours lie on a line when their squared distances from it are below this share of all squared
+ * distances: for half of the list, which random points on a surface hardly ever are, and for all. */
+#define LINE_SHARE_NEAREST 0.02
+#define LINE_SHARE 0.06
+
+/* Of a list that was widened: how many are the nearest; and the least distance between the others,
+ * relative to the reach of the wide search, with which some ten of them fit. */
+#define NEAREST_KEPT (GW_NEIGHBOURS / 2)
+#define SPREAD 0.37
+
+/* Marks the first index of a stored list that was widened; indices are below 2^30. */
+#define WIDENED (1u << 31)
+#define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
+
 /* Bytes a surfel that the tree takes: scaled positions, FLANN's copy, row pointers, order, nodes. */
 #define INDEX_BYTES 56u
 
@@ -131,7 +145,7 @@ static void insert_neighbour(gw_neighbour_list *list, uint32_t index, float dist
 	list->distance[at] = distance;
 }
 
-static void fill_list(const gw_neighbours *search, size_t surfel, const int *found,
+static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
                       gw_neighbour_list *list)
 {
 	list->count = 0;
@@ -140,16 +154,123 @@ static void fill_list(const gw_neighbours *search, size_t surfel, const int *fou
 		if (other != surfel)
 			insert_neighbour(list, other, (float)distance_between(search->surfels, surfel, other));
 	}
+	list->complete = list->count;
+}
+
+static void offset_of(const gw_surfels *s, size_t surfel, size_t other, double d[3])
+{
+	for (size_t k = 0; k < 3; k++)
+		d[k] = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Whether the first `count` neighbours lie on a line through the surfel. */
+static bool lies_on_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+                         uint32_t count, double share)
+{
+	double axis[3], d[3], along = 0, total = 0;
+	offset_of(s, surfel, list->index[count - 1], axis);
+	for (uint32_t j = 0; j < count; j++) {
+		offset_of(s, surfel, list->index[j], d);
+		along += dot(d, axis) * dot(d, axis) / dot(axis, axis);
+		total += dot(d, d);
+	}
+	return total - along < share * total;
+}
+
+/* A neighbour of a wide search. */
+typedef struct candidate {
+	uint32_t index;
+	float distance;
+} candidate;
+
+static int compare_candidates(const void *a, const void *b)
+{
+	const candidate *x = a, *y = b;
+	if (x->distance != y->distance)
+		return x->distance < y->distance ? -1 : 1;
+	return (x->index > y->index) - (x->index < y->index);
+}
+
+/* Fills a list with the nearest candidates, then with ones that are `apart` or more from each other
+ * and seen at 30 degrees or more from the line on which the nearest lie. */
+static void spread_list(const gw_surfels *s, size_t surfel, const candidate *sorted, uint32_t count,
+                        double apart, gw_neighbour_list *list)
+{
+	double axis[3], d[3];
+	offset_of(s, surfel, sorted[NEAREST_KEPT - 1].index, axis);
+	list->count = 0;
+	list->complete = NEAREST_KEPT;
+	for (uint32_t j = 0; j < count && list->count < GW_NEIGHBOURS; j++) {
+		offset_of(s, surfel, sorted[j].index, d);
+		bool take = j < NEAREST_KEPT ||
+		            dot(d, axis) * dot(d, axis) <= 0.75 * dot(d, d) * dot(axis, axis);
+		for (uint32_t i = NEAREST_KEPT; i < list->count && take; i++)
+			take = distance_between(s, sorted[j].index, list->index[i]) >= apart;
+		if (!take)
+			continue;
+		list->index[list->count] = sorted[j].index;
+		list->distance[list->count++] = sorted[j].distance;
+	}
+}
+
+/* Looks further where the nearest neighbours lie on a line. What is a line even then, such as a
+ * wire, keeps its list. */
+static void widen_list(gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
+{
+	const gw_surfels *s = search->surfels;
+	int found[GW_NEIGHBOURS_WIDE + 1];
+	float squared[GW_NEIGHBOURS_WIDE + 1];
+	candidate sorted[GW_NEIGHBOURS_WIDE + 1];
+	size_t k = s->count < GW_NEIGHBOURS_WIDE + 1 ? s->count : GW_NEIGHBOURS_WIDE + 1;
+	if (list->count < GW_NEIGHBOURS ||
+	    (!lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) &&
+	     !lies_on_line(s, surfel, list, list->count, LINE_SHARE)))
+		return;
+	if (!gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
+	                               squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return;
+	}
+	uint32_t count = 0;
+	for (size_t j = 0; j < k; j++)
+		if ((size_t)found[j] != surfel)
+			sorted[count++] = (candidate){
+				(uint32_t)found[j], (float)distance_between(s, surfel, (size_t)found[j]) };
+	qsort(sorted, count, sizeof *sorted, compare_candidates);
+	gw_neighbour_list wide;
+	spread_list(s, surfel, sorted, count, SPREAD * (double)sorted[count - 1].distance, &wide);
+	if (wide.count > NEAREST_KEPT)
+		*list = wide;
+}
+
+static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list)
+{
+	uint32_t *stored = search->stored + surfel * search->per_surfel;
+	for (uint32_t j = 0; j < search->per_surfel; j++)
+		stored[j] = j < list->count ? list->index[j] : NO_NEIGHBOUR;
+	if (list->complete < list->count)
+		stored[0] |= WIDENED;
 }
 
 static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
 {
 	const uint32_t *stored = search->stored + surfel * search->per_surfel;
-	list->count = search->per_surfel;
-	for (uint32_t j = 0; j < list->count; j++) {
-		list->index[j] = stored[j];
-		list->distance[j] = (float)distance_between(search->surfels, surfel, stored[j]);
+	list->count = 0;
+	for (uint32_t j = 0; j < search->per_surfel; j++) {
+		uint32_t other = stored[j] & ~WIDENED;
+		if (other == NO_NEIGHBOUR)
+			break;
+		list->index[j] = other;
+		list->distance[j] = (float)distance_between(search->surfels, surfel, other);
+		list->count++;
 	}
+	bool widened = list->count > 0 && (stored[0] & WIDENED);
+	list->complete = widened ? NEAREST_KEPT : list->count;
 }
 
 static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
@@ -168,13 +289,14 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	}
 	for (size_t i = first; i < last; i++) {
 		gw_neighbour_list list;
-		if (searching)
+		if (searching) {
 			fill_list(search, i, result->found + (i - first) * k, &list);
-		else
+			widen_list(search, i, &list);
+		} else {
 			restore_list(search, i, &list);
+		}
 		if (searching && search->stored)
-			for (uint32_t j = 0; j < list.count; j++)
-				search->stored[i * search->per_surfel + j] = list.index[j];
+			store_list(search, i, &list);
 		v->function(v->user, i, &list);
 	}
 }
@@ -222,7 +344,7 @@ static bool search_further(gw_neighbours *search, size_t surfel, size_t k, doubl
 /*
  * FLANN's trees do not take the maximum norm |.|m, but |d|m <= |d| <= sqrt(3) |d|m. Let m be the
  * least maximum-norm distance among the k Euclidean neighbours. A point with |d|m < m has
- * |d| < sqrt(3) m; so when the k-th neighbour is sqrt(3) m or more away, such a point would be one
+ * |d| < sqrt(3) m; so when the k-th nearest is sqrt(3) m or more away, such a point would be one
  * of the k, and m is exact. Otherwise more neighbours are searched until that holds. A margin of
  * 1e-5 covers the rounding of FLANN's float32 distances.
  */
@@ -231,11 +353,11 @@ float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neigh
 	const double bound = 1.7320508 * (1 + 1e-5);
 	if (list->count == 0)
 		return INFINITY;
-	double nearest = INFINITY, reach = (double)list->distance[list->count - 1];
+	double nearest = INFINITY, reach = (double)list->distance[list->complete - 1];
 	for (uint32_t j = 0; j < list->count; j++)
 		nearest = fmin(nearest, maximum_norm_between(search->surfels, surfel, list->index[j]));
 	size_t count = search->surfels->count;
-	for (size_t k = SEARCHED; k < count && reach < bound * nearest;) {
+	for (size_t k = list->complete + 1u; k < count && reach < bound * nearest;) {
 		k = k < count / 2 ? 2 * k : count;
 		if (!search_further(search, surfel, k, &nearest, &reach)) {
 			atomic_store(&search->out_of_memory, true);

@@ -292,7 +292,10 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 		return;
 	}
 	half_plane edge[2];
+	/* Half the reach is less than the 8th neighbour's distance but where scan lines are far apart:
+	 * there it closes the gaps between them. */
 	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
+	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
 	uint32_t edges = find_edges(flat, kept, edge);
 	double area = cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);

@@ -38,11 +38,17 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 /* Search structure for the nearest neighbours of surfels. */
 typedef struct gw_neighbours gw_neighbours;
 
-/* The surfels nearest to one, by distance and then by index; itself left out. */
+/*
+ * The surfels nearest to one, by distance and then by index; itself left out. Where the nearest lie
+ * on a line, because a scanner's lines are much further apart than the points on them, half of the
+ * list is spread over the nearest GW_NEIGHBOURS_WIDE instead, so that the next lines are seen.
+ */
+#define GW_NEIGHBOURS_WIDE 128u
 typedef struct gw_neighbour_list {
-	uint32_t count;                   /* min(GW_NEIGHBOURS, surfels - 1) */
+	uint32_t count;                   /* at most GW_NEIGHBOURS; all others when there are fewer */
 	uint32_t index[GW_NEIGHBOURS];
-	float distance[GW_NEIGHBOURS];    /* Euclidean, metres */
+	float distance[GW_NEIGHBOURS];    /* Euclidean, metres, ascending */
+	uint32_t complete;                /* the first so many are the nearest of all surfels */
 } gw_neighbour_list;
 
 /* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
