@@ -139,7 +139,8 @@ typedef struct gw_binding {
 /*
  * Every push-constant block begins with this span; the layer fills it for each slice. A shader
  * returns at once from invocations at or past `count`; its element is
- * span.first + gl_GlobalInvocationID.x. (No barrier() may follow such a return: passes with barriers clamp instead.)
+ * span.first + gl_GlobalInvocationID.x. (No barrier() may follow such a return: passes with
+ * barriers clamp instead.)
  */
 typedef struct gw_span {
 	uint32_t first;
@@ -183,8 +184,8 @@ uint32_t gw_pass_workgroup_size(const gw_pass *pass);
  *   count     number of elements; 0 is fine and does nothing
  * The first run of a pass dispatches one workgroup with an empty span (count 0) first and books
  * its time as compile time; nothing may be written then. Slices begin at multiples of the
- * workgroup's elements and of 64; results must not depend on where else they begin, because that follows the
- * time measured. Between slices there is a full barrier.
+ * workgroup's elements and of 64; results must not depend on where else they begin, because that
+ * follows the time measured. Between slices there is a full barrier.
  */
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
                       uint64_t count, gw_error *error);
