@@ -272,8 +272,9 @@ static void test_pass_short_slices(void **state)
 {
 	(void)state;
 	/* A target that even one unit of 64 elements misses: slices shrink to it. */
-	gw_gpu_options options = { .slice_seconds = 1e-9 };
-	assert_true(run_affine(options, 1, 0) > ELEMENTS / 128);
+	gw_gpu_options options = { .slice_seconds = 1e-9, .validate = true };
+	uint64_t dispatches = run_affine(options, 1, 0);
+	assert_in_range(dispatches, ELEMENTS / 128, ELEMENTS / 64 + 2);
 }
 
 static void test_workgroup_sizes(void **state)
@@ -513,6 +514,26 @@ static void test_missing_barrier_is_reported(void **state)
 	assert_true(run_pair(false) > 0);
 }
 
+/* Slices of one run that read and write the same buffer have barriers between them. */
+static void test_slices_are_ordered(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate_synchronization = true });
+	gpu->device.properties.limits.maxComputeWorkGroupCount[0] = 4;
+	gw_error error = { 0 };
+	gw_buffer both = new_buffer(gpu, 4096 * 4, "both");
+	gw_pass *pass = new_pass(
+		gpu, "test_faults",
+		(gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
+	const gw_binding bindings[] = { { .buffer = &both }, { .buffer = &both } };
+	assert_ok(gw_pass_run(gpu, pass, bindings, NULL, 4096, &error), &error);
+	assert_true(gw_gpu_read_account(gpu).dispatches > 2); /* the empty one and several slices */
+	assert_int_equal(gw_gpu_validation_messages(gpu, NULL), 0);
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &both);
+	gw_gpu_destroy(&gpu);
+}
+
 /* Reads and writes `read_shift` and `write_shift` elements too far. */
 static gw_status run_fault(uint32_t read_shift, uint32_t write_shift, uint32_t *messages)
 {
@@ -571,6 +592,7 @@ int main(void)
 		cmocka_unit_test(test_refusals),
 		cmocka_unit_test(test_lost_device),
 		cmocka_unit_test(test_missing_barrier_is_reported),
+		cmocka_unit_test(test_slices_are_ordered),
 		cmocka_unit_test(test_out_of_bounds_is_reported),
 		cmocka_unit_test(test_clean_passes_are_silent),
 	};
