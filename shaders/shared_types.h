@@ -1,0 +1,36 @@
+/*
+ * shared_types.h - lets one text define a struct for C and for GLSL.
+ *
+ * Structs in the shared headers are push-constant blocks. They hold uint, float and vec4 only, each
+ * at an offset that std430 and C agree on (a bare vec3 would not be); SHARED_OFFSET checks each on
+ * the C side.
+ */
+#ifndef SHARED_TYPES_H
+#define SHARED_TYPES_H
+
+#ifdef VULKAN /* GLSL, set by the shader compiler */
+
+#define SHARED_STRUCT(name) struct name
+#define SHARED_SIZE(name, bytes)
+#define SHARED_OFFSET(name, member, offset)
+
+#else
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef uint32_t uint;
+typedef struct vec4 {
+	_Alignas(16) float x;
+	float y, z, w;
+} vec4;
+
+#define SHARED_STRUCT(name)                                                                        \
+	typedef struct name name;                                                                      \
+	struct name
+#define SHARED_SIZE(name, bytes) _Static_assert(sizeof(name) == (bytes), #name " has another size")
+#define SHARED_OFFSET(name, member, offset)                                                        \
+	_Static_assert(offsetof(name, member) == (offset), #name "." #member " is elsewhere")
+
+#endif
+#endif

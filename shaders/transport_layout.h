@@ -1,0 +1,96 @@
+/*
+ * transport_layout.h - push-constant blocks of the light transport passes, shared by C and GLSL.
+ *
+ * Lengths are in leaf cells and positions in grid coordinates unless said otherwise. Every block
+ * starts with the span that the device layer fills (gpu.h).
+ */
+#ifndef TRANSPORT_LAYOUT_H
+#define TRANSPORT_LAYOUT_H
+
+#include "shared_types.h"
+
+/* A ray that left the scene, or no record. */
+#define GW_NONE 0xffffffffu
+
+/* Records that a lobe's irradiance is interpolated from, at most. */
+#define GW_WEIGHTS 8u
+
+/* Values of gw_light_push.type: as gw_light_type. */
+#define GW_PUSH_POINT 0u
+#define GW_PUSH_SPOT 1u
+#define GW_PUSH_SUN 2u
+
+/* One light, for its visibility and its irradiance. */
+SHARED_STRUCT(gw_light_push)
+{
+	uint first, count;
+	uint type;
+	uint samples;   /* shadow rays a point: 1 for a sharp shadow */
+	vec4 position;  /* grid coordinates; w: radius */
+	vec4 direction; /* unit, the way light travels; w: tangent of the sun's angular radius */
+	vec4 power;     /* intensity / leaf_size^2, or irradiance; w: unused */
+	float cos_inner, cos_outer;
+	uint seed;
+	uint shadows;   /* 1: multiply by the visibility buffer */
+};
+SHARED_SIZE(gw_light_push, 80);
+SHARED_OFFSET(gw_light_push, position, 16);
+SHARED_OFFSET(gw_light_push, direction, 32);
+SHARED_OFFSET(gw_light_push, power, 48);
+SHARED_OFFSET(gw_light_push, cos_inner, 64);
+SHARED_OFFSET(gw_light_push, shadows, 76);
+
+/* Records: rays, samples of emitters, gathers. */
+SHARED_STRUCT(gw_record_push)
+{
+	uint first, count;
+	uint rays;            /* gather rays a record, K */
+	uint light_samples;   /* samples of the emitters a record, M */
+	uint batch_first;     /* of the light samples taken in this run */
+	uint batch_count;
+	uint emitters;        /* entries of the emitter table */
+	uint seed;
+	float emitter_power;  /* sum over emitters of luminance(Le) * area, leaf cells^2 */
+	float spacing;        /* record spacing */
+	uint use_direct;      /* shade: add the lobes' direct irradiance */
+	uint use_hits;        /* first gather: emitters seen by rays count (by the balance heuristic) */
+	vec4 sky;             /* radiance of the environment */
+};
+SHARED_SIZE(gw_record_push, 64);
+SHARED_OFFSET(gw_record_push, sky, 48);
+
+/* Finding records near a point. */
+SHARED_STRUCT(gw_lookup_push)
+{
+	uint first, count;
+	uint block_level;     /* octree level of the blocks that records are listed by */
+	float radius;         /* of influence of a record, R */
+	float lift;           /* both ends of a visibility test are lifted this far off the surface */
+	uint visibility;      /* 1: test it where a record's surroundings are nearer than the point */
+	float unused0, unused1;
+};
+SHARED_SIZE(gw_lookup_push, 32);
+
+/* Cones and the brick pools. */
+SHARED_STRUCT(gw_cone_push)
+{
+	uint first, count;
+	uint cones;
+	uint seed;
+	uint level;           /* mipmap: of the tiles that are filled; leaf level = depth */
+	uint tile_first;      /* mipmap: first tile of that level */
+	uint child_tile_first; /* unused by leaves */
+	float scale;          /* radiance is stored times this, so that half floats hold it */
+	uint leaf_bricks[2];  /* bricks a row and rows a layer of the leaf pool */
+	uint mip_bricks[2];   /* of the mipmap pool */
+	uint leaf_face_depth; /* texels in z from one face's layer stack to the next, leaf pool */
+	uint mip_face_depth;
+	float gain;           /* over-coverage of a leaf's faces */
+	float start;          /* leaf cells along the normal where a cone starts */
+	vec4 sky;
+};
+SHARED_SIZE(gw_cone_push, 80);
+SHARED_OFFSET(gw_cone_push, scale, 28);
+SHARED_OFFSET(gw_cone_push, sky, 64);
+
+#endif
