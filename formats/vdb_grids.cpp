@@ -5,7 +5,6 @@
 #include "vdb_grids.h"
 
 #include <openvdb/openvdb.h>
-#include <openvdb/io/File.h>
 #include <openvdb/io/Stream.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <ostream>
 #include <stdexcept>
@@ -72,6 +72,11 @@ struct sink_buffer : std::streambuf {
 			return done;
 		position_ += length - done;
 		return length;
+	}
+
+	uint64_t position() const
+	{
+		return static_cast<uint64_t>(position_);
 	}
 
 	int_type overflow(int_type c) override
@@ -345,6 +350,7 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 	stream.exceptions(std::ios::badbit | std::ios::failbit);
 	openvdb::io::Stream(stream).write(grids, file);
 	*digest = digest_grids(grids);
+	digest->bytes = buffer.position();
 	if (m.clamped)
 		*m.clamped = build.clamped;
 	return GW_OK;
@@ -353,9 +359,17 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 gw_status verify(const char *path, const vdb_digest &meant, gw_error *error)
 {
 	openvdb::initialize();
-	openvdb::io::File file(path);
-	file.open(false);
-	vdb_digest found = digest_grids(*file.getGrids());
+	/* OpenVDB believes lengths that it could not read, and leaks when it is stopped half way. So
+	 * the length is checked first, and the stream throws at its end. */
+	std::ifstream file(path, std::ios::binary | std::ios::ate);
+	std::streamoff bytes = file.tellg();
+	if (bytes < 0 || static_cast<uint64_t>(bytes) != meant.bytes)
+		return fail(error, GW_ERROR_IO, "the file has %lld bytes instead of %llu", (long long)bytes,
+					(unsigned long long)meant.bytes);
+	file.seekg(0);
+	file.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
+	openvdb::io::Stream stream(file, false);
+	vdb_digest found = digest_grids(*stream.getGrids());
 	for (int g = 0; g < VDB_GRIDS; g++) {
 		if (found.voxels[g] != meant.voxels[g])
 			return fail(error, GW_ERROR_IO,

@@ -66,6 +66,7 @@ typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
 /* What the five grids hold, to compare a file with what was meant to be in it. */
 #define VDB_GRIDS 5
 typedef struct vdb_digest {
+	uint64_t bytes;             /* of the file */
 	uint64_t voxels[VDB_GRIDS]; /* active ones */
 	uint64_t values[VDB_GRIDS]; /* hash of their places, in metres, and values; in any order */
 } vdb_digest;
