@@ -21,10 +21,10 @@ typedef struct keyed_point {
 typedef struct frame {
 	const gw_points *points;
 	gw_surfels *surfels;
-	double grain;           /* local coordinates are multiples of it, metres; 0: not rounded */
+	double grain;            /* local coordinates are multiples of it, metres; 0: not rounded */
 	double grains_per_metre; /* its inverse, exact: both are powers of two */
-	double cells_per_metre; /* of the Morton grid */
-	keyed_point *order;    /* finite points, sorted */
+	double cells_per_metre;  /* of the Morton grid */
+	keyed_point *order;      /* finite points, sorted */
 	size_t finite;
 } frame;
 
@@ -39,7 +39,7 @@ typedef struct merged {
 static bool is_usable(const double position[3])
 {
 	return fabs(position[0]) <= GW_COORDINATE_MAX && fabs(position[1]) <= GW_COORDINATE_MAX &&
-	       fabs(position[2]) <= GW_COORDINATE_MAX; /* false for NaN */
+		   fabs(position[2]) <= GW_COORDINATE_MAX; /* false for NaN */
 }
 
 static void local_position(const frame *f, size_t point, float local[3])
@@ -108,7 +108,8 @@ static uint64_t morton_key(const frame *f, const float local[3])
 {
 	uint64_t key = 0;
 	for (int k = 0; k < 3; k++) {
-		double cell = floor(((double)local[k] - (double)f->surfels->minimum[k]) * f->cells_per_metre);
+		double cell =
+			floor(((double)local[k] - (double)f->surfels->minimum[k]) * f->cells_per_metre);
 		uint64_t last = (1u << GRID_BITS) - 1;
 		uint64_t c = cell > 0 ? (cell < (double)last ? (uint64_t)cell : last) : 0;
 		key |= every_third_bit(c) << k;
@@ -133,7 +134,8 @@ static void find_local_bounds(frame *f)
 	}
 }
 
-/* Sorts by key, least significant digit first; digits that are the same everywhere cost one look. */
+/* Sorts by key, least significant digit first; digits that are the same everywhere cost one look.
+ */
 static void sort_by_key(keyed_point **items, keyed_point **spare, size_t count)
 {
 	for (unsigned shift = 0; shift < 3 * GRID_BITS; shift += RADIX_BITS) {
@@ -183,9 +185,8 @@ static gw_status sort_points(frame *f, gw_error *error)
 {
 	keyed_point *spare = gw_allocate_array(f->finite, sizeof *spare);
 	if (!spare)
-		return gw_fail(error, GW_ERROR_MEMORY,
-		               "no memory to sort %zu points; %zu bytes are needed", f->finite,
-		               f->finite * sizeof *spare);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu points; %zu bytes are needed",
+					   f->finite, f->finite * sizeof *spare);
 	for (size_t i = 0; i < f->finite; i++) {
 		float local[3];
 		local_position(f, f->order[i].point, local);
@@ -343,7 +344,7 @@ static bool allocate_arrays(gw_surfels *s, size_t point_count, size_t finite, bo
 	if (emission)
 		s->emission = gw_allocate_array(finite, 3 * sizeof *s->emission);
 	return s->surfel_of_point && s->position && s->normal && s->normal_length && s->albedo &&
-	       s->two_sided && (!emission || s->emission);
+		   s->two_sided && (!emission || s->emission);
 }
 
 static void shrink(float **array, size_t count, size_t size)
@@ -373,25 +374,25 @@ static void list_finite(frame *f)
 }
 
 gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
-                        gw_surfels *surfels, gw_error *error)
+						gw_surfels *surfels, gw_error *error)
 {
 	frame f = { .points = points, .surfels = surfels };
 	double minimum[3], maximum[3];
 	if (points->count > 1u << 30)
 		return gw_fail(error, GW_ERROR_DATA,
-		               "the scene has %zu points; at most 2^30 can be baked at once, split it",
-		               points->count);
+					   "the scene has %zu points; at most 2^30 can be baked at once, split it",
+					   points->count);
 	f.finite = gw_finite_bounds(points, minimum, maximum);
 	if (f.finite == 0)
 		return gw_fail(error, GW_ERROR_DATA,
-		               "none of the %zu points has finite coordinates within %g m of 0",
-		               points->count, GW_COORDINATE_MAX);
+					   "none of the %zu points has finite coordinates within %g m of 0",
+					   points->count, GW_COORDINATE_MAX);
 	uint64_t needed = 2 * (uint64_t)f.finite * sizeof(keyed_point);
 	if (options->memory && needed > options->memory)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "sorting %zu points takes %llu bytes, %llu may be used; allow more memory "
-		               "or use fewer points",
-		               f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
+					   "sorting %zu points takes %llu bytes, %llu may be used; allow more memory "
+					   "or use fewer points",
+					   f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
 
 	choose_frame(&f, minimum, maximum);
 	surfels->point_count = points->count;

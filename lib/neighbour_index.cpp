@@ -35,7 +35,7 @@ extern "C" gw_neighbour_index *gw_neighbour_index_build(float *position, size_t 
 		float speedup = 0.0f;
 		index->parameters = exact_search();
 		index->tree = flann_build_index_float(position, static_cast<int>(count), 3, &speedup,
-		                                      &index->parameters);
+											  &index->parameters);
 	} catch (...) {
 		index->tree = nullptr;
 	}
@@ -59,13 +59,13 @@ extern "C" void gw_neighbour_index_free(gw_neighbour_index *index)
 }
 
 extern "C" bool gw_neighbour_index_search(const gw_neighbour_index *index, float *query,
-                                          size_t query_count, size_t k, int *found, float *squared)
+										  size_t query_count, size_t k, int *found, float *squared)
 {
 	try {
 		FLANNParameters parameters = index->parameters;
 		return flann_find_nearest_neighbors_index_float(
-		           index->tree, query, static_cast<int>(query_count), found, squared,
-		           static_cast<int>(k), &parameters) == 0;
+				   index->tree, query, static_cast<int>(query_count), found, squared,
+				   static_cast<int>(k), &parameters) == 0;
 	} catch (...) {
 		return false;
 	}

@@ -30,7 +30,7 @@ void gw_neighbour_index_free(gw_neighbour_index *index);
  * Returns false when memory is short.
  */
 bool gw_neighbour_index_search(const gw_neighbour_index *index, float *query, size_t query_count,
-                               size_t k, int *found, float *squared);
+							   size_t k, int *found, float *squared);
 
 #ifdef __cplusplus
 }

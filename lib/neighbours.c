@@ -9,12 +9,13 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#define CHUNK 1024u        /* surfels searched by one call */
-#define BLOCK (256u * CHUNK) /* surfels between two looks at `cancelled` */
+#define CHUNK 1024u                  /* surfels searched by one call */
+#define BLOCK (256u * CHUNK)         /* surfels between two looks at `cancelled` */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
 
 /* Neighbours lie on a line when their squared distances from it are below this share of all squared
- * distances: for half of the list, which random points on a surface hardly ever are, and for all. */
+ * distances: for half of the list, which random points on a surface hardly ever are, and for all.
+ */
 #define LINE_SHARE_NEAREST 0.02
 #define LINE_SHARE 0.06
 
@@ -27,24 +28,37 @@
 #define WIDENED (1u << 31)
 #define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
 
-/* Bytes a surfel that the tree takes: scaled positions, FLANN's copy, row pointers, order, nodes. */
+/* Bytes a surfel that the tree takes: scaled positions, FLANN's copy, row pointers, order, nodes.
+ */
 #define INDEX_BYTES 56u
 
-/* Results of one chunk's search. */
+/* One wide search serves the surfels around its centre, up to this share of its reach away. */
+#define WIDE_SHARED 0.25
+
+/* The surfels around one, itself included. */
+typedef struct wide_search {
+	size_t centre;
+	double reach;   /* distance of the furthest */
+	uint32_t count; /* 0: nothing was searched yet */
+	uint32_t index[GW_NEIGHBOURS_WIDE];
+} wide_search;
+
+/* A thread's memory: the results of one chunk's search. */
 typedef struct chunk_result {
 	int found[CHUNK * SEARCHED];
 	float squared[CHUNK * SEARCHED];
+	wide_search wide; /* starts anew with every chunk, so that threads make no difference */
 } chunk_result;
 
 struct gw_neighbours {
 	const gw_surfels *surfels;
 	const gw_surfels_options *options;
 	gw_neighbour_index *index;
-	float *scaled;          /* 3 * count, positions times a power of two: about unit size */
-	uint32_t per_surfel;    /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
-	uint32_t *stored;       /* NULL or per_surfel * count, lists found by the first visit */
-	bool is_stored;         /* whether the first visit has filled it */
-	chunk_result *scratch;  /* one a thread */
+	float *scaled;         /* 3 * count, positions times a power of two: about unit size */
+	uint32_t per_surfel;   /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
+	uint32_t *stored;      /* NULL or per_surfel * count, lists found by the first visit */
+	bool is_stored;        /* whether the first visit has filled it */
+	chunk_result *scratch; /* one a thread */
 	uint32_t threads;
 	atomic_bool out_of_memory;
 };
@@ -69,11 +83,13 @@ static double maximum_norm_between(const gw_surfels *s, size_t a, size_t b)
 {
 	double largest = 0;
 	for (size_t k = 0; k < 3; k++)
-		largest = fmax(largest, fabs((double)s->position[3 * a + k] - (double)s->position[3 * b + k]));
+		largest =
+			fmax(largest, fabs((double)s->position[3 * a + k] - (double)s->position[3 * b + k]));
 	return largest;
 }
 
-/* Positions times a power of two: nothing is rounded, and squares neither overflow nor underflow. */
+/* Positions times a power of two: nothing is rounded, and squares neither overflow nor underflow.
+ */
 static void scale_positions(gw_neighbours *search)
 {
 	const gw_surfels *s = search->surfels;
@@ -86,16 +102,15 @@ static void scale_positions(gw_neighbours *search)
 }
 
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
-                             bool keep, gw_neighbours **search, gw_error *error)
+							 bool keep, gw_neighbours **search, gw_error *error)
 {
 	size_t count = surfels->count;
 	uint64_t index_bytes = count * (uint64_t)INDEX_BYTES;
 	if (options->memory && index_bytes > options->memory)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "the search tree of %zu points takes %llu bytes, %llu may be used; allow "
-		               "more memory or use fewer points",
-		               count, (unsigned long long)index_bytes,
-		               (unsigned long long)options->memory);
+					   "the search tree of %zu points takes %llu bytes, %llu may be used; allow "
+					   "more memory or use fewer points",
+					   count, (unsigned long long)index_bytes, (unsigned long long)options->memory);
 	gw_neighbours *s = gw_allocate_zeros(1, sizeof *s);
 	if (!s)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the neighbours");
@@ -114,7 +129,8 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 	}
 	if (!s->index) {
 		gw_neighbours_close(s);
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the search tree of %zu points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the search tree of %zu points",
+					   count);
 	}
 	*search = s;
 	return GW_OK;
@@ -136,8 +152,8 @@ static void insert_neighbour(gw_neighbour_list *list, uint32_t index, float dist
 {
 	uint32_t at = list->count++;
 	for (; at > 0 && (distance < list->distance[at - 1] ||
-	                  (distance == list->distance[at - 1] && index < list->index[at - 1]));
-	     at--) {
+					  (distance == list->distance[at - 1] && index < list->index[at - 1]));
+		 at--) {
 		list->index[at] = list->index[at - 1];
 		list->distance[at] = list->distance[at - 1];
 	}
@@ -146,7 +162,7 @@ static void insert_neighbour(gw_neighbour_list *list, uint32_t index, float dist
 }
 
 static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
-                      gw_neighbour_list *list)
+					  gw_neighbour_list *list)
 {
 	list->count = 0;
 	for (uint32_t j = 0; j <= search->per_surfel && list->count < search->per_surfel; j++) {
@@ -156,6 +172,12 @@ static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
 	}
 	list->complete = list->count;
 }
+
+/* A surfel that may become a neighbour. */
+typedef struct neighbour {
+	uint32_t index;
+	float distance;
+} neighbour;
 
 static void offset_of(const gw_surfels *s, size_t surfel, size_t other, double d[3])
 {
@@ -170,7 +192,7 @@ static double dot(const double a[3], const double b[3])
 
 /* Whether the first `count` neighbours lie on a line through the surfel. */
 static bool lies_on_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-                         uint32_t count, double share)
+						 uint32_t count, double share)
 {
 	double axis[3], d[3], along = 0, total = 0;
 	offset_of(s, surfel, list->index[count - 1], axis);
@@ -182,70 +204,89 @@ static bool lies_on_line(const gw_surfels *s, size_t surfel, const gw_neighbour_
 	return total - along < share * total;
 }
 
-/* A neighbour of a wide search. */
-typedef struct candidate {
-	uint32_t index;
-	float distance;
-} candidate;
-
-static int compare_candidates(const void *a, const void *b)
+static bool search_wide(gw_neighbours *search, size_t surfel, wide_search *wide)
 {
-	const candidate *x = a, *y = b;
-	if (x->distance != y->distance)
-		return x->distance < y->distance ? -1 : 1;
-	return (x->index > y->index) - (x->index < y->index);
+	int found[GW_NEIGHBOURS_WIDE];
+	float squared[GW_NEIGHBOURS_WIDE];
+	size_t count = search->surfels->count;
+	size_t k = count < GW_NEIGHBOURS_WIDE ? count : GW_NEIGHBOURS_WIDE;
+	if (wide->count > 0 &&
+		distance_between(search->surfels, surfel, wide->centre) <= WIDE_SHARED * wide->reach)
+		return true;
+	if (!gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
+								   squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return false;
+	}
+	*wide = (wide_search){ .centre = surfel, .count = (uint32_t)k };
+	for (size_t j = 0; j < k; j++) {
+		wide->index[j] = (uint32_t)found[j];
+		wide->reach = fmax(wide->reach, distance_between(search->surfels, surfel, wide->index[j]));
+	}
+	return true;
 }
 
-/* Fills a list with the nearest candidates, then with ones that are `apart` or more from each other
- * and seen at 30 degrees or more from the line on which the nearest lie. */
-static void spread_list(const gw_surfels *s, size_t surfel, const candidate *sorted, uint32_t count,
-                        double apart, gw_neighbour_list *list)
+/* The candidates that are seen at 30 degrees or more from the line on which the nearest lie. */
+static uint32_t leave_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						   const wide_search *wide, neighbour *candidate)
 {
 	double axis[3], d[3];
-	offset_of(s, surfel, sorted[NEAREST_KEPT - 1].index, axis);
-	list->count = 0;
-	list->complete = NEAREST_KEPT;
-	for (uint32_t j = 0; j < count && list->count < GW_NEIGHBOURS; j++) {
-		offset_of(s, surfel, sorted[j].index, d);
-		bool take = j < NEAREST_KEPT ||
-		            dot(d, axis) * dot(d, axis) <= 0.75 * dot(d, d) * dot(axis, axis);
-		for (uint32_t i = NEAREST_KEPT; i < list->count && take; i++)
-			take = distance_between(s, sorted[j].index, list->index[i]) >= apart;
-		if (!take)
-			continue;
-		list->index[list->count] = sorted[j].index;
-		list->distance[list->count++] = sorted[j].distance;
+	uint32_t count = 0;
+	offset_of(s, surfel, list->index[NEAREST_KEPT - 1], axis);
+	for (uint32_t j = 0; j < wide->count; j++) {
+		uint32_t other = wide->index[j];
+		offset_of(s, surfel, other, d);
+		bool near_line = dot(d, axis) * dot(d, axis) > 0.75 * dot(d, d) * dot(axis, axis);
+		for (uint32_t i = 0; i < NEAREST_KEPT; i++)
+			near_line |= other == list->index[i];
+		if (other != surfel && !near_line)
+			candidate[count++] = (neighbour){ other, (float)sqrt(dot(d, d)) };
 	}
+	return count;
 }
 
-/* Looks further where the nearest neighbours lie on a line. What is a line even then, such as a
- * wire, keeps its list. */
-static void widen_list(gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
+static uint32_t nearest_candidate(const neighbour *candidate, uint32_t count)
+{
+	uint32_t best = 0;
+	for (uint32_t j = 1; j < count; j++)
+		if (candidate[j].distance < candidate[best].distance ||
+			(candidate[j].distance == candidate[best].distance &&
+			 candidate[j].index < candidate[best].index))
+			best = j;
+	return best;
+}
+
+/*
+ * Where the nearest neighbours lie on a line, replaces the second half of a list by the nearest
+ * candidates beside the line that are `apart` or more from each other. What is a line even then,
+ * such as a wire, keeps its list.
+ */
+static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
+					   gw_neighbour_list *list)
 {
 	const gw_surfels *s = search->surfels;
-	int found[GW_NEIGHBOURS_WIDE + 1];
-	float squared[GW_NEIGHBOURS_WIDE + 1];
-	candidate sorted[GW_NEIGHBOURS_WIDE + 1];
-	size_t k = s->count < GW_NEIGHBOURS_WIDE + 1 ? s->count : GW_NEIGHBOURS_WIDE + 1;
+	neighbour candidate[GW_NEIGHBOURS_WIDE];
 	if (list->count < GW_NEIGHBOURS ||
-	    (!lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) &&
-	     !lies_on_line(s, surfel, list, list->count, LINE_SHARE)))
+		(!lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) &&
+		 !lies_on_line(s, surfel, list, list->count, LINE_SHARE)))
 		return;
-	if (!gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
-	                               squared)) {
-		atomic_store(&search->out_of_memory, true);
+	if (!search_wide(search, surfel, wide))
 		return;
+	uint32_t count = leave_line(s, surfel, list, wide, candidate);
+	if (count == 0)
+		return;
+	double apart = SPREAD * wide->reach;
+	list->count = list->complete = NEAREST_KEPT;
+	while (count > 0 && list->count < GW_NEIGHBOURS) {
+		neighbour taken = candidate[nearest_candidate(candidate, count)];
+		list->index[list->count] = taken.index;
+		list->distance[list->count++] = taken.distance;
+		uint32_t left = 0;
+		for (uint32_t j = 0; j < count; j++)
+			if (distance_between(s, candidate[j].index, taken.index) >= apart)
+				candidate[left++] = candidate[j];
+		count = left;
 	}
-	uint32_t count = 0;
-	for (size_t j = 0; j < k; j++)
-		if ((size_t)found[j] != surfel)
-			sorted[count++] = (candidate){
-				(uint32_t)found[j], (float)distance_between(s, surfel, (size_t)found[j]) };
-	qsort(sorted, count, sizeof *sorted, compare_candidates);
-	gw_neighbour_list wide;
-	spread_list(s, surfel, sorted, count, SPREAD * (double)sorted[count - 1].distance, &wide);
-	if (wide.count > NEAREST_KEPT)
-		*list = wide;
 }
 
 static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list)
@@ -282,8 +323,9 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	bool searching = !search->stored || !search->is_stored;
 	first += v->first;
 	last += v->first;
+	result->wide.count = 0;
 	if (searching && !gw_neighbour_index_search(search->index, search->scaled + 3 * first,
-	                                            last - first, k, result->found, result->squared)) {
+												last - first, k, result->found, result->squared)) {
 		atomic_store(&search->out_of_memory, true);
 		return;
 	}
@@ -291,7 +333,7 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		gw_neighbour_list list;
 		if (searching) {
 			fill_list(search, i, result->found + (i - first) * k, &list);
-			widen_list(search, i, &list);
+			widen_list(search, i, &result->wide, &list);
 		} else {
 			restore_list(search, i, &list);
 		}
@@ -302,7 +344,7 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 }
 
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
-                              gw_error *error)
+							  gw_error *error)
 {
 	const gw_surfels_options *options = search->options;
 	visit v = { .search = search, .function = function, .user = user };
@@ -321,13 +363,13 @@ gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *func
 /* Searches k neighbours of one surfel; the least distance in the maximum norm goes to *nearest and
  * the Euclidean distance of the last one to *reach. */
 static bool search_further(gw_neighbours *search, size_t surfel, size_t k, double *nearest,
-                           double *reach)
+						   double *reach)
 {
 	int *found = gw_allocate_array(k, sizeof *found);
 	float *squared = gw_allocate_array(k, sizeof *squared);
-	bool good = found && squared &&
-	            gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
-	                                      squared);
+	bool good =
+		found && squared &&
+		gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found, squared);
 	*reach = 0;
 	for (size_t j = 0; good && j < k; j++) {
 		size_t other = (size_t)found[j];

@@ -24,15 +24,15 @@
 
 /* What is known of one estimated normal. */
 enum {
-	GIVEN = 0,       /* nothing was estimated */
+	GIVEN = 0, /* nothing was estimated */
 	ESTIMATED = 1,
-	UNSURE = 2,      /* orientation may be changed by a vote */
-	UNTRUSTED = 4,   /* lit from both sides */
-	NEGATIVE = 8,    /* the vote's result: points the other way */
+	UNSURE = 2,    /* orientation may be changed by a vote */
+	UNTRUSTED = 4, /* lit from both sides */
+	NEGATIVE = 8,  /* the vote's result: points the other way */
 };
 
 typedef enum orientation {
-	TO_POSITIONS,  /* the scanner, or the nearest of several lights */
+	TO_POSITIONS, /* the scanner, or the nearest of several lights */
 	AGAINST_SUN,
 	UPWARDS,
 	TO_MIDDLE,
@@ -42,12 +42,12 @@ typedef struct normal_step {
 	gw_surfels *surfels;
 	gw_neighbours *search;
 	orientation orientation;
-	double *target;       /* 3 * target_count, local; of TO_POSITIONS and TO_MIDDLE */
+	double *target; /* 3 * target_count, local; of TO_POSITIONS and TO_MIDDLE */
 	size_t target_count;
-	double direction[3];  /* of AGAINST_SUN and UPWARDS */
-	bool guessed;         /* nothing in the scene says where the outside is */
-	uint8_t *state;       /* count, bits as above */
-	uint8_t *next;        /* count, state after the vote */
+	double direction[3]; /* of AGAINST_SUN and UPWARDS */
+	bool guessed;        /* nothing in the scene says where the outside is */
+	uint8_t *state;      /* count, bits as above */
+	uint8_t *next;       /* count, state after the vote */
 } normal_step;
 
 static bool has_power(const float value[3])
@@ -58,7 +58,7 @@ static bool has_power(const float value[3])
 static bool is_lamp(const gw_light *light)
 {
 	return (light->type == GW_LIGHT_POINT || light->type == GW_LIGHT_SPOT) &&
-	       has_power(light->intensity);
+		   has_power(light->intensity);
 }
 
 static bool add_target(normal_step *step, const double position[3])
@@ -106,11 +106,11 @@ static bool guess_outside(normal_step *step)
 }
 
 static bool choose_orientation(normal_step *step, const gw_points *points,
-                               const gw_surfels_options *options)
+							   const gw_surfels_options *options)
 {
 	step->orientation = TO_POSITIONS;
 	if (points->scanner && isfinite(points->scanner[0]) && isfinite(points->scanner[1]) &&
-	    isfinite(points->scanner[2]))
+		isfinite(points->scanner[2]))
 		return add_target(step, points->scanner);
 	for (size_t i = 0; i < options->light_count; i++)
 		if (is_lamp(options->lights + i) && !add_target(step, options->lights[i].position))
@@ -146,14 +146,14 @@ static void outside_of(const normal_step *step, size_t surfel, double way[3])
 
 /* The neighbours around a surfel, itself first, in units of the furthest one's distance. */
 static size_t gather_points(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-                            float point[3 * (GW_NEIGHBOURS + 1)])
+							float point[3 * (GW_NEIGHBOURS + 1)])
 {
 	double reach = list->count ? (double)list->distance[list->count - 1] : 1;
 	memset(point, 0, 3 * sizeof *point);
 	for (uint32_t j = 0; j < list->count; j++)
 		for (size_t k = 0; k < 3; k++) {
 			double d = (double)s->position[3 * (size_t)list->index[j] + k] -
-			           (double)s->position[3 * surfel + k];
+					   (double)s->position[3 * surfel + k];
 			point[3 * (j + 1) + k] = (float)(d / reach);
 		}
 	return list->count + 1u;
@@ -288,7 +288,7 @@ static void apply_states(normal_step *step)
 }
 
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
-                              gw_neighbours *search, gw_surfels *surfels, gw_error *error)
+							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
 {
 	normal_step step = { .surfels = surfels, .search = search };
 	if (surfels->normals_given == surfels->count)
@@ -297,8 +297,8 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 	step.next = gw_allocate_zeros(surfels->count, sizeof *step.next);
 	gw_status status = GW_OK;
 	if (!step.state || !step.next || !choose_orientation(&step, points, options))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals",
-		                 surfels->count);
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, estimate_normal, &step, error);
 	if (status == GW_OK)

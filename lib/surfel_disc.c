@@ -15,28 +15,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DIRECTIONS 16       /* in which the neighbours' extent is looked at */
-#define DISC_RANK 8         /* the disc reaches to this neighbour on the surface */
-#define SAME_SURFACE 0.6    /* least cosine between normals */
-#define SLAB 0.35           /* half thickness of the plane, in distances of the furthest neighbour */
-#define SLAB_MAX 0.8        /* the same with noise */
-#define FIT_SLAB 0.6        /* half thickness within which noise is measured */
-#define LONE_RADIUS 0.01f   /* metres, of a scene that is one point */
-#define CORNERS 34          /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
+#define DIRECTIONS 16     /* in which the neighbours' extent is looked at */
+#define DISC_RANK 8       /* the disc reaches to this neighbour on the surface */
+#define SAME_SURFACE 0.6  /* least cosine between normals */
+#define SLAB 0.35         /* half thickness of the plane, in distances of the furthest neighbour */
+#define SLAB_MAX 0.8      /* the same with noise */
+#define FIT_SLAB 0.6      /* half thickness within which noise is measured */
+#define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
+#define CORNERS 34        /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
 
 static const double pi = 3.14159265358979323846;
 
 /* Cosine and sine of the directions. */
 static const double direction_x[DIRECTIONS] = {
-	1, 0.92387953251128674, 0.70710678118654752, 0.38268343236508977,
-	0, -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
+	1,  0.92387953251128674,  0.70710678118654752,  0.38268343236508977,
+	0,  -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
 	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
-	0, 0.38268343236508977, 0.70710678118654752, 0.92387953251128674,
+	0,  0.38268343236508977,  0.70710678118654752,  0.92387953251128674,
 };
 static const double direction_y[DIRECTIONS] = {
-	0, 0.38268343236508977, 0.70710678118654752, 0.92387953251128674,
-	1, 0.92387953251128674, 0.70710678118654752, 0.38268343236508977,
-	0, -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
+	0,  0.38268343236508977,  0.70710678118654752,  0.92387953251128674,
+	1,  0.92387953251128674,  0.70710678118654752,  0.38268343236508977,
+	0,  -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
 	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
 };
 
@@ -63,13 +63,13 @@ typedef struct half_plane {
 typedef struct disc_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
-	float *gap;       /* NULL or count */
+	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
 } disc_step;
 
 /* Neighbours with a normal like the surfel's; unoriented normals may be opposite. */
 static uint32_t flatten(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-                        flat_point *flat)
+						flat_point *flat)
 {
 	const float *n = s->normal + 3 * surfel;
 	float t[3], b[3];
@@ -193,7 +193,7 @@ static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane ed
 		if (!(extent[best] < open_extent[count] * reach))
 			break;
 		edge[found] = (half_plane){ direction_x[best], direction_y[best],
-			                        extent[best] + edge_margin(kept, reach) };
+									extent[best] + edge_margin(kept, reach) };
 		first = best;
 	}
 	return found;
@@ -234,7 +234,7 @@ static double polygon_radius(double (*corner)[2], int count)
 
 /* Area of the Voronoi cell, within the disc and the edges. */
 static double cell_area(const flat_point *kept, uint32_t count, double radius,
-                        const half_plane *edge, uint32_t edges)
+						const half_plane *edge, uint32_t edges)
 {
 	double corner[CORNERS][2], area = 0;
 	/* A regular polygon of the disc's area: n/2 sin(2 pi/n) R^2 = pi r^2, for 16 corners. */
@@ -252,7 +252,7 @@ static double cell_area(const flat_point *kept, uint32_t count, double radius,
 		if (!(kept[j].distance > 0))
 			continue;
 		half_plane bisector = { kept[j].x / kept[j].distance, kept[j].y / kept[j].distance,
-			                    0.5 * kept[j].distance };
+								0.5 * kept[j].distance };
 		corners = cut_polygon(corner, corners, &bisector);
 	}
 	for (int i = 0; i < corners; i++) {
@@ -346,7 +346,7 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, 
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-	    !surfels->noise || !step.isolated)
+		!surfels->noise || !step.isolated)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);

@@ -33,7 +33,7 @@ double gw_normal_length(const float normal[3]);
  * GW_ERROR_MEMORY.
  */
 gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
-                        gw_surfels *surfels, gw_error *error);
+						gw_surfels *surfels, gw_error *error);
 
 /* Search structure for the nearest neighbours of surfels. */
 typedef struct gw_neighbours gw_neighbours;
@@ -41,14 +41,14 @@ typedef struct gw_neighbours gw_neighbours;
 /*
  * The surfels nearest to one, by distance and then by index; itself left out. Where the nearest lie
  * on a line, because a scanner's lines are much further apart than the points on them, half of the
- * list is spread over the nearest GW_NEIGHBOURS_WIDE instead, so that the next lines are seen.
+ * list is taken from beside the line, from some GW_NEIGHBOURS_WIDE surfels around.
  */
 #define GW_NEIGHBOURS_WIDE 128u
 typedef struct gw_neighbour_list {
-	uint32_t count;                   /* at most GW_NEIGHBOURS; all others when there are fewer */
+	uint32_t count; /* at most GW_NEIGHBOURS; all others when there are fewer */
 	uint32_t index[GW_NEIGHBOURS];
-	float distance[GW_NEIGHBOURS];    /* Euclidean, metres, ascending */
-	uint32_t complete;                /* the first so many are the nearest of all surfels */
+	float distance[GW_NEIGHBOURS]; /* Euclidean, metres, ascending */
+	uint32_t complete;             /* the first so many are the nearest of all surfels */
 } gw_neighbour_list;
 
 /* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
@@ -62,12 +62,12 @@ typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
-                             bool keep, gw_neighbours **search, gw_error *error);
+							 bool keep, gw_neighbours **search, gw_error *error);
 void gw_neighbours_close(gw_neighbours *search);
 
 /* Calls visit for every surfel. Fails with GW_ERROR_CANCELLED or GW_ERROR_MEMORY. */
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
-                              gw_error *error);
+							  gw_error *error);
 
 /*
  * The exact distance of a surfel to the nearest other one in the maximum norm, metres; infinity
@@ -84,7 +84,7 @@ float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neigh
  * then all estimated normals count as not to be trusted.
  */
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
-                              gw_neighbours *search, gw_surfels *surfels, gw_error *error);
+							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);
 
 /*
  * Fills nearest, radius, area, clip, noise, spacing and given_area, and sets two_sided of surfels
@@ -95,7 +95,7 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, 
 
 /* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
-                                    gw_surfels *surfels, float **gap, gw_error *error);
+									gw_surfels *surfels, float **gap, gw_error *error);
 
 /*
  * Value of rank `rank` (0 is the smallest) among count non-negative floats, without sorting them.

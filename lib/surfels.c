@@ -43,7 +43,7 @@ float gw_rank_float(const float *values, size_t count, size_t rank)
 }
 
 static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
-                            gw_surfels *surfels, float **gap, gw_error *error)
+							gw_surfels *surfels, float **gap, gw_error *error)
 {
 	gw_neighbours *search = NULL;
 	gw_status status = gw_frame_make(points, options, surfels, error);
@@ -66,7 +66,7 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 }
 
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
-                                    gw_surfels *surfels, float **gap, gw_error *error)
+									gw_surfels *surfels, float **gap, gw_error *error)
 {
 	*surfels = (gw_surfels){ .count = 0 };
 	if (gap)
@@ -83,7 +83,7 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 }
 
 gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
-                          gw_surfels *surfels, gw_error *error)
+						  gw_surfels *surfels, gw_error *error)
 {
 	return gw_surfels_make_with_gaps(points, options, surfels, NULL, error);
 }

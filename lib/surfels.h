@@ -21,37 +21,39 @@
  * exact coordinates, so that it does not depend on the order of the input.
  */
 typedef struct gw_surfels {
-	size_t count;             /* distinct finite positions */
-	double origin[3];         /* of the local frame: integral metres, chosen from the bounds */
+	size_t count;     /* distinct finite positions */
+	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
+						 under a metre), chosen from the bounds */
 	float minimum[3], maximum[3]; /* bounds in the local frame */
-	float *position;          /* 3 * count, metres in the local frame */
-	float *normal;            /* 3 * count, unit */
-	float *normal_length;     /* count, length of the given normal in (0, 1]: spread of the NDF */
-	float *albedo;            /* 3 * count, linear, clamped to [0, GW_ALBEDO_MAX]; the mean of merged points */
-	float *emission;          /* 3 * count, >= 0; NULL when nothing emits */
-	float *nearest;           /* count, maximum-norm distance to the nearest other surfel, metres
-	                             (Salm 4.3.4); infinity for a cloud of one */
-	float *radius;            /* count, metres, of the disc: distance to the 8th neighbour on the surface */
-	float *area;              /* count, m^2, that the surfel stands for */
-	float *clip;              /* 6 * count: two half-planes in the disc's plane that cut it at edges:
-	                             direction x, y in the disc's tangent frame (gw_tangent_frame) and the
-	                             distance beyond which nothing of it lies; (0, 0, 0): none */
-	uint8_t *two_sided;       /* count, 1 where the normal cannot be trusted: lit from both sides */
-	float *noise;             /* count, metres, RMS distance of the neighbours to the fitted plane */
-	uint32_t *surfel_of_point; /* point_count: surfel of each input point, UINT32_MAX: left out */
+	float *position;              /* 3 * count, metres in the local frame */
+	float *normal;                /* 3 * count, unit */
+	float *normal_length; /* count, length of the given normal in (0, 1]: spread of the NDF */
+	float *albedo;        /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
+	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */
+	float *nearest;       /* count, maximum-norm distance to the nearest other surfel, metres
+							 (Salm 4.3.4); infinity for a cloud of one */
+	float *radius; /* count, metres, of the disc: distance to the 8th neighbour on the surface,
+					  or half that to the furthest where scan lines are far apart */
+	float *area;   /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */
+	float *clip;   /* 6 * count: two half-planes in the disc's plane that cut it at edges:
+					  direction x, y in the disc's tangent frame (gw_tangent_frame) and the
+					  distance beyond which nothing of it lies; (0, 0, 0): none */
+	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
+	float *noise;       /* count, metres, RMS distance of the neighbours to the fitted plane */
+	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out */
 	size_t point_count;
-	float spacing;            /* metres, median distance a surfel's share of surface is wide: sqrt(area) */
-	double given_area;        /* m^2, sum of area */
-	/* What was repaired, for the report. */
+	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
+	double given_area; /* m^2, sum of area */
+	/* What was repaired, for the report. Normals count surfels, the others points. */
 	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
-	    normals_estimated, normals_untrusted, albedo_defaulted;
+		normals_estimated, normals_untrusted, albedo_defaulted;
 } gw_surfels;
 
 typedef struct gw_surfels_options {
-	uint32_t threads;      /* 0: one a core */
+	uint32_t threads;       /* 0: one a core */
 	const gw_light *lights; /* light_count; orient estimated normals when there is no scanner */
 	size_t light_count;
-	uint64_t memory;       /* bytes the step may use beyond its result; chunks follow from it */
+	uint64_t memory; /* bytes the step may use beyond its result; chunks follow from it */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_surfels_options;
@@ -63,7 +65,7 @@ typedef struct gw_surfels_options {
  * The result does not depend on the order of the points nor on the number of threads.
  */
 gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
-                          gw_surfels *surfels, gw_error *error);
+						  gw_surfels *surfels, gw_error *error);
 void gw_surfels_clear(gw_surfels *surfels);
 
 /*

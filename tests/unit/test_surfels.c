@@ -45,8 +45,8 @@ static cloud make_cloud(size_t count, bool normals)
 {
 	random_state = count;
 	return (cloud){ .count = count,
-		            .position = must_allocate(count, 3 * sizeof(double)),
-		            .normal = normals ? must_allocate(count, 3 * sizeof(float)) : NULL };
+					.position = must_allocate(count, 3 * sizeof(double)),
+					.normal = normals ? must_allocate(count, 3 * sizeof(float)) : NULL };
 }
 
 static void clear_cloud(cloud *c)
@@ -67,10 +67,10 @@ static void set_point(cloud *c, size_t i, double x, double y, double z)
 static gw_points points_of(const cloud *c)
 {
 	return (gw_points){ .count = c->count,
-		                .position = c->position,
-		                .normal = c->normal,
-		                .albedo = c->albedo,
-		                .emission = c->emission };
+						.position = c->position,
+						.normal = c->normal,
+						.albedo = c->albedo,
+						.emission = c->emission };
 }
 
 static gw_surfels make_with(const gw_points *points, const gw_surfels_options *options)
@@ -145,7 +145,7 @@ static void assert_same_surfels(const gw_surfels *a, const gw_surfels *b)
 
 /* Moves a point along its normal by Gaussian noise and turns the normal by some degrees. */
 static void set_noisy(cloud *c, size_t i, const double p[3], const double n[3], double noise,
-                      double degrees)
+					  double degrees)
 {
 	double turned[3], length = 0, along = noise > 0 ? noise * gaussian() : 0;
 	set_point(c, i, p[0] + along * n[0], p[1] + along * n[1], p[2] + along * n[2]);
@@ -240,7 +240,7 @@ static void moving_by_whole_metres_changes_no_bit(void **state)
 	gw_surfels before = make(&c);
 	for (size_t i = 0; i < c.count; i++)
 		set_point(&c, i, c.position[3 * i] + 5e5, c.position[3 * i + 1] + 5.4e6,
-		          c.position[3 * i + 2] + 100);
+				  c.position[3 * i + 2] + 100);
 	gw_surfels after = make(&c);
 	assert_same_surfels(&before, &after);
 	assert_near(after.origin[0] - before.origin[0], 5e5, 0);
@@ -427,11 +427,13 @@ static void compare_with_brute_force(void *user, size_t surfel, const gw_neighbo
 		if ((j < list->complete && nearer > j) || other == surfel)
 			c->wrong[surfel] = 1;
 		if (j > 0 && (list->distance[j] < list->distance[j - 1] ||
-		              (list->distance[j] == list->distance[j - 1] && other <= list->index[j - 1])))
+					  (list->distance[j] == list->distance[j - 1] && other <= list->index[j - 1])))
 			c->wrong[surfel] = 1;
 	}
 	size_t others = c->surfels->count - 1;
-	size_t expected = others < GW_NEIGHBOURS ? others : c->lines ? GW_NEIGHBOURS / 2 : GW_NEIGHBOURS;
+	size_t expected = others < GW_NEIGHBOURS ? others
+					  : c->lines             ? GW_NEIGHBOURS / 2
+											 : GW_NEIGHBOURS;
 	if (list->complete != expected || list->count < expected || list->count > GW_NEIGHBOURS)
 		c->wrong[surfel] = 1;
 }
@@ -445,7 +447,7 @@ static void assert_neighbours_are_nearest(cloud c, bool lines)
 	assert_int_equal(gw_neighbours_open(&s, &options, true, &search, NULL), GW_OK);
 	for (int visit = 0; visit < 2; visit++) /* searched, then from the stored lists */
 		assert_int_equal(gw_neighbours_visit(search, compare_with_brute_force, &compare, NULL),
-		                 GW_OK);
+						 GW_OK);
 	for (size_t i = 0; i < s.count; i++)
 		assert_int_equal(compare.wrong[i], 0);
 	gw_neighbours_close(search);
@@ -471,8 +473,8 @@ static void assert_nearest_is_exact(const cloud *c)
 		for (size_t j = 0; j < s.count; j++) {
 			double largest = 0;
 			for (size_t k = 0; k < 3; k++)
-				largest = fmax(largest, fabs((double)s.position[3 * i + k] -
-				                             (double)s.position[3 * j + k]));
+				largest = fmax(largest,
+							   fabs((double)s.position[3 * i + k] - (double)s.position[3 * j + k]));
 			if (j != i)
 				nearest = fmin(nearest, largest);
 		}
@@ -614,7 +616,7 @@ static void tangent_frame_is_right_handed(void **state)
 		gw_tangent_frame(n, t, b);
 		for (int k = 0; k < 3; k++) /* some roundings of float32 */
 			assert_near((double)(t[(k + 1) % 3] * b[(k + 2) % 3] - t[(k + 2) % 3] * b[(k + 1) % 3]),
-			            (double)n[k], 1e-6);
+						(double)n[k], 1e-6);
 		assert_near((double)(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), 1, 1e-6);
 	}
 	clear_cloud(&c);
@@ -648,9 +650,9 @@ static void areas_add_up(void **state)
 	assert_total_area(make_grid(40), 1600, 0.2);
 }
 
-/* Scan lines far apart are still one surface: a disc reaches the next line's, and nothing is missing
- * between them. Seen: 0.98 to 1.01 of the area; the cloud ends half a line away from its last line,
- * which the margin of an edge does not know (1/lines). */
+/* Scan lines far apart are still one surface: a disc reaches the next line's, and nothing is
+ * missing between them. Seen: 0.98 to 1.01 of the area; the cloud ends half a line away from its
+ * last line, which the margin of an edge does not know (1/lines). */
 static void scan_lines_are_one_surface(void **state)
 {
 	(void)state;
