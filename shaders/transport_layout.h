@@ -67,7 +67,8 @@ SHARED_STRUCT(gw_lookup_push)
 	float radius;         /* of influence of a record, R */
 	float lift;           /* both ends of a visibility test are lifted this far off the surface */
 	uint visibility;      /* 1: test it where a record's surroundings are nearer than the point */
-	float unused0, unused1;
+	uint tile_first;      /* first tile whose parent cells are of block_level */
+	uint unused;
 };
 SHARED_SIZE(gw_lookup_push, 32);
 
@@ -79,7 +80,7 @@ SHARED_STRUCT(gw_cone_push)
 	uint seed;
 	uint level;           /* mipmap: of the tiles that are filled; leaf level = depth */
 	uint tile_first;      /* mipmap: first tile of that level */
-	uint child_tile_first; /* unused by leaves */
+	uint from_leaves;     /* mipmap: 1 when the children's bricks are in the leaf pool */
 	float scale;          /* radiance is stored times this, so that half floats hold it */
 	uint leaf_bricks[2];  /* bricks a row and rows a layer of the leaf pool */
 	uint mip_bricks[2];   /* of the mipmap pool */

@@ -1,0 +1,530 @@
+/*
+ * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h.
+ */
+#include "bounces.h"
+#include "direct_light.h"
+#include "memory.h"
+#include "parallel.h"
+#include "plan.h"
+#include "report.h"
+#include "voxels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays a record that only look for the nearest surface, when cones gather. */
+#define NEAREST_RAYS 16u
+
+/* Emitters that cover less of the surface than this are sampled; more are light of the voxels. */
+#define SAMPLED_SHARE 0.1
+
+/* All that one bake holds. */
+typedef struct bake {
+	const gw_points *points;
+	const gw_light *lights;
+	size_t light_count;
+	gw_bake_options options;
+	gw_bake_callbacks callbacks;
+	gw_bake_result *result;
+	gw_report *report;
+
+	gw_gpu *gpu;
+	gw_surfels surfels;
+	gw_octree octree;
+	gw_plan plan;
+	gw_passes passes;
+	gw_emitters emitters;
+	gw_records records;
+	gw_ray_gather rays;
+	gw_cone_gather cones;
+	gw_buffer surfel_direct, surfel_first, surfel_indirect; /* vec4 a surfel */
+	gw_buffer lobe_direct, lobe_radiance;                   /* vec4 a lobe */
+} bake;
+
+static bool cancelled(void *user)
+{
+	const bake *b = user;
+	return b->callbacks.cancelled != NULL && b->callbacks.cancelled(b->callbacks.user);
+}
+
+/* Begins a stage: books it, tells the caller, asks whether to stop. */
+static gw_status stage(bake *b, const char *name, double done, gw_error *error)
+{
+	gw_report_stage(b->report, b->gpu, name);
+	if (b->callbacks.progress)
+		b->callbacks.progress(b->callbacks.user, name, done);
+	if (cancelled(b))
+		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'", name);
+	return GW_OK;
+}
+
+static gw_status check_number(const char *option, double value, double low, double high,
+                              gw_error *error)
+{
+	if (!(value >= low && value <= high))
+		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option, value,
+		               low, high);
+	return GW_OK;
+}
+
+static gw_status check_options(const bake *b, gw_error *error)
+{
+	const gw_bake_options *o = &b->options;
+	const struct {
+		const char *name;
+		double value, low, high;
+	} rows[] = {
+		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
+		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
+		{ "rays", o->rays, 1, 4096 },
+		{ "light samples", o->light_samples, 1, 4096 },
+		{ "cones", o->cones, 1, 256 },
+		{ "record spacing", (double)o->record_spacing, 0, 64 },
+		{ "shadow map size", o->shadow_map_size, 16, 8192 },
+		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
+		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+	};
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
+	if (status == GW_OK && b->points->count == 0)
+		status = gw_fail(error, GW_ERROR_DATA, "the cloud holds no points, so there is nothing to light");
+	return status == GW_OK ? gw_lights_check(b->lights, b->light_count, error) : status;
+}
+
+static gw_status make_surfels(bake *b, gw_error *error)
+{
+	gw_surfels_options options = { .threads = b->options.threads,
+		                           .lights = b->lights,
+		                           .light_count = b->light_count,
+		                           .memory = b->options.memory,
+		                           .cancelled = cancelled,
+		                           .user = b };
+	gw_status status = gw_surfels_make(b->points, &options, &b->surfels, error);
+	if (status != GW_OK)
+		return status;
+	const gw_surfels *s = &b->surfels;
+	gw_report *r = b->report;
+	gw_report_count(r, "left_out_non_finite", s->non_finite, "points without finite coordinates: left out, written as dark");
+	gw_report_count(r, "duplicates_merged", s->duplicates, "points at the place of another: they share its light");
+	gw_report_count(r, "albedo_clamped", s->albedo_clamped, "points whose albedo was outside 0 to 0.98");
+	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted, "points whose albedo was not a number: 0.5 was taken");
+	gw_report_count(r, "emission_repaired", s->emission_repaired, "points with negative or non-finite emission: taken as 0");
+	gw_report_count(r, "normals_estimated", s->normals_estimated, "points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_untrusted", s->normals_untrusted, "points whose normal cannot be trusted: lit from both sides");
+	memcpy(r->origin, s->origin, sizeof r->origin);
+	r->spacing = (double)s->spacing;
+	return GW_OK;
+}
+
+static gw_status open_device(bake *b, gw_error *error)
+{
+	gw_gpu_options options = { .device = b->options.device,
+		                       .memory = b->options.memory,
+		                       .validate = b->options.validate };
+	gw_status status = gw_gpu_create(&options, &b->gpu, error);
+	if (status == GW_OK) {
+		const gw_device_info *device = gw_gpu_device(b->gpu);
+		snprintf(b->report->device, sizeof b->report->device, "%s", device->name);
+		snprintf(b->report->driver, sizeof b->report->driver, "%s", device->driver);
+	}
+	return status;
+}
+
+static gw_status build_octree(bake *b, gw_error *error)
+{
+	uint32_t depth = b->options.depth ? b->options.depth : gw_octree_auto_depth(&b->surfels);
+	gw_status status = gw_octree_build(b->gpu, &b->surfels, depth, &b->octree, error);
+	if (status != GW_OK)
+		return status;
+	gw_passes_init(&b->passes, b->gpu, &b->octree);
+	gw_report *r = b->report;
+	r->depth = depth;
+	r->leaf_size = (double)b->octree.leaf_size;
+	r->leaves = b->octree.leaf_count;
+	r->tiles = b->octree.tile_count;
+	r->leaf_tiles = b->octree.leaf_tile_count;
+	r->border_tiles = b->octree.border_tile_count;
+	r->octree_bytes = gw_gpu_read_account(b->gpu).bytes;
+	return GW_OK;
+}
+
+static gw_status texel4(bake *b, uint64_t count, const char *name, gw_buffer *buffer,
+                        gw_error *error)
+{
+	return gw_buffer_create(b->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * count, name,
+	                        buffer, error);
+}
+
+static gw_status light_directly(bake *b, gw_error *error)
+{
+	uint64_t slots = 2 * (uint64_t)b->octree.leaf_count;
+	gw_status status = texel4(b, b->surfels.count, "direct irradiance", &b->surfel_direct, error);
+	if (status == GW_OK)
+		status = texel4(b, slots, "lobe direct irradiance", &b->lobe_direct, error);
+	if (status == GW_OK && b->plan.lamps)
+		status = gw_direct_light(&b->passes, &b->octree, &b->surfels, b->lights, b->light_count,
+		                         &b->options, &b->surfel_direct, &b->lobe_direct, error);
+	return status;
+}
+
+/* ------------------------------------------------------------------ what the trace steps do */
+
+static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
+                                gw_error *error)
+{
+	bake *b = self;
+	(void)largest;
+	return gw_ray_gather_bounce(&b->passes, &b->rays, lobe_radiance, &b->records, error);
+}
+
+static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
+                                 gw_error *error)
+{
+	bake *b = self;
+	const float black[3] = { 0 };
+	return gw_cone_gather_bounce(&b->passes, &b->octree, &b->cones, &b->records, lobe_radiance,
+	                             largest, black, &b->records.gathered, error);
+}
+
+static gw_status first_by_rays(bake *b, gw_error *error)
+{
+	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, b->options.rays,
+	                                       (uint32_t)b->options.seed, &b->rays, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &b->rays, &b->emitters,
+		                             b->options.light_samples, true, b->plan.sky_radiance, error);
+	return status;
+}
+
+static float largest_emission(const gw_surfels *surfels)
+{
+	float largest = 0.0f;
+	for (size_t i = 0; i < 3 * surfels->count; i++)
+		largest = fmaxf(largest, surfels->emission[i]);
+	return largest;
+}
+
+/* Cones see the sky and large emitters; small emitters are sampled, with a few rays that also find
+ * how near the records' surroundings are. */
+static gw_status first_by_cones(bake *b, gw_error *error)
+{
+	const float black[3] = { 0 };
+	bool in_voxels = b->plan.emitters && b->emitters.area_share >= SAMPLED_SHARE;
+	uint32_t samples = in_voxels ? 0 : b->options.light_samples;
+	gw_ray_gather nearest = { 0 };
+	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, NEAREST_RAYS,
+	                                       (uint32_t)b->options.seed, &nearest, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &nearest, &b->emitters,
+		                             samples, false, black, error);
+	gw_ray_gather_destroy(b->gpu, &nearest);
+	if (status == GW_OK)
+		status = gw_cone_gather_create(b->gpu, &b->octree, b->options.cones,
+		                               (uint32_t)b->options.seed, &b->cones, error);
+	if (status != GW_OK || (!in_voxels && !b->plan.sky))
+		return status;
+	status = gw_cone_gather_bounce(&b->passes, &b->octree, &b->cones, &b->records,
+	                               in_voxels ? &b->octree.lobe_emission : &b->lobe_radiance,
+	                               in_voxels ? largest_emission(&b->surfels) : 1.0f,
+	                               b->plan.sky_radiance, &b->records.gathered, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = { gw_window(&b->records.gathered, 16),
+			                            gw_window(&b->records.first, 16) };
+		status = gw_passes_run(&b->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 },
+		                       b->records.count, error);
+	}
+	return status;
+}
+
+static gw_status place_records(bake *b, gw_error *error)
+{
+	uint64_t slots = 2 * (uint64_t)b->octree.leaf_count;
+	gw_status status = texel4(b, slots, "lobe radiance", &b->lobe_radiance, error);
+	if (status == GW_OK && b->plan.emitters)
+		status = gw_emitters_make(b->gpu, &b->octree, &b->emitters, error);
+	if (status == GW_OK)
+		status = gw_records_place(&b->passes, &b->octree, b->options.record_spacing,
+		                          b->options.seed, &b->records, error);
+	b->report->records = b->records.count;
+	return status;
+}
+
+static gw_status gather_first(bake *b, gw_error *error)
+{
+	gw_status status =
+	    b->options.method == GW_METHOD_RAYS ? first_by_rays(b, error) : first_by_cones(b, error);
+	b->report->brick_bytes = b->cones.leaf_pool.allocated + b->cones.mip_pool.allocated;
+	if (status == GW_OK)
+		status = gw_records_weigh_lobes(&b->passes, &b->octree, &b->records, error);
+	return status;
+}
+
+static gw_status bounce(bake *b, gw_error *error)
+{
+	gw_bounces bounces;
+	gw_bounces_task task = { .passes = &b->passes,
+		                     .octree = &b->octree,
+		                     .records = &b->records,
+		                     .lobe_direct = &b->lobe_direct,
+		                     .lobe_radiance = &b->lobe_radiance,
+		                     .step = { b->options.method == GW_METHOD_RAYS ? gather_by_rays
+		                                                                   : gather_by_cones,
+		                               b },
+		                     .limit = b->plan.bounces ? b->plan.limit : 1,
+		                     .tolerance = b->options.tolerance,
+		                     .cancelled = cancelled,
+		                     .user = b };
+	gw_status status = gw_bounces_run(&task, &bounces, error);
+	b->report->bounce = bounces.bounce;
+	b->report->bounce_count = bounces.bounce_count;
+	b->report->remaining = bounces.remaining;
+	return status;
+}
+
+static gw_status read_back(bake *b, gw_error *error)
+{
+	uint64_t count = b->surfels.count;
+	gw_status status = gw_buffer_create(b->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * count,
+	                                    "surfel first irradiance", &b->surfel_first, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(b->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * count,
+		                          "surfel indirect irradiance", &b->surfel_indirect, error);
+	if (status == GW_OK)
+		status = gw_records_read_back(&b->passes, &b->octree, &b->records, count, &b->surfel_first,
+		                              &b->surfel_indirect, error);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ result */
+
+static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
+{
+	result->count = count;
+	float **vectors[] = { &result->radiance, &result->direct_irradiance,
+		                  &result->indirect_irradiance, &result->normal, &result->albedo };
+	bool complete = (result->roi = gw_allocate_zeros(count, sizeof(float))) != NULL;
+	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
+	if (!complete)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points", count);
+	return GW_OK;
+}
+
+/* Downloads a vec4 buffer; NULL in *values when the buffer was never made. */
+static gw_status download(bake *b, gw_buffer *buffer, float **values, gw_error *error)
+{
+	if (buffer->handle == VK_NULL_HANDLE)
+		return GW_OK;
+	*values = gw_allocate_array(b->surfels.count, 4 * sizeof **values);
+	if (!*values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+		               b->surfels.count);
+	return gw_buffer_download(b->gpu, buffer, 0, *values, 16 * (uint64_t)b->surfels.count, error);
+}
+
+typedef struct scatter {
+	const bake *b;
+	const float *direct, *first, *indirect; /* 4 a surfel, or NULL */
+} scatter;
+
+static float component(const float *values, size_t surfel, size_t c)
+{
+	return values ? values[4 * surfel + c] : 0.0f;
+}
+
+/* L = Le + rho / pi * E for the points first..last-1. */
+static void scatter_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const scatter *job = user;
+	const gw_surfels *surfels = &job->b->surfels;
+	gw_bake_result *out = job->b->result;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t s = surfels->surfel_of_point[i];
+		if (s == UINT32_MAX)
+			continue;
+		out->roi[i] = fminf(1.0f, surfels->nearest[s] / job->b->octree.leaf_size);
+		for (size_t c = 0; c < 3; c++) {
+			float direct = component(job->direct, s, c) + component(job->first, s, c);
+			float indirect = component(job->indirect, s, c);
+			float albedo = surfels->albedo[3 * s + c];
+			float emission = surfels->emission ? surfels->emission[3 * s + c] : 0.0f;
+			out->direct_irradiance[3 * i + c] = direct;
+			out->indirect_irradiance[3 * i + c] = indirect;
+			out->albedo[3 * i + c] = albedo;
+			out->normal[3 * i + c] = surfels->normal[3 * s + c];
+			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
+		}
+	}
+}
+
+static gw_status collect(bake *b, gw_error *error)
+{
+	float *direct = NULL, *first = NULL, *indirect = NULL;
+	gw_status status = allocate_result(b->points->count, b->result, error);
+	if (status == GW_OK)
+		status = download(b, &b->surfel_direct, &direct, error);
+	if (status == GW_OK)
+		status = download(b, &b->surfel_first, &first, error);
+	if (status == GW_OK)
+		status = download(b, &b->surfel_indirect, &indirect, error);
+	if (status == GW_OK) {
+		uint64_t lost = 0;
+		for (size_t i = 0; first != NULL && i < b->surfels.count; i++)
+			lost += !(first[4 * i + 3] > 0.0f);
+		gw_report_count(b->report, "without_record", lost, "points with no record near: no gathered light");
+		scatter job = { b, direct, first, indirect };
+		gw_parallel_for(gw_thread_count(b->options.threads), b->points->count, 65536,
+		                scatter_points, &job);
+	}
+	free(direct);
+	free(first);
+	free(indirect);
+	return status;
+}
+
+static gw_status collect_voxels(bake *b, gw_error *error)
+{
+	gw_voxels_task task = { .passes = &b->passes,
+		                    .octree = &b->octree,
+		                    .surfels = &b->surfels,
+		                    .records = b->plan.records ? &b->records : NULL,
+		                    .lobe_direct = &b->lobe_direct };
+	return gw_voxels_collect(&task, &b->result->voxels, error);
+}
+
+/* -------------------------------------------------------------------------------------- steps */
+
+typedef struct step {
+	const char *name;
+	double share; /* of the whole, for progress: what was measured on a 1.4 M point cave */
+	gw_status (*run)(bake *b, gw_error *error);
+	bool (*wanted)(const bake *b);
+} step;
+
+static bool always(const bake *b)
+{
+	(void)b;
+	return true;
+}
+
+static bool needs_records(const bake *b)
+{
+	return b->plan.records;
+}
+
+static bool needs_voxels(const bake *b)
+{
+	return b->options.voxels;
+}
+
+static gw_status make_plan(bake *b, gw_error *error)
+{
+	(void)error;
+	gw_plan_make(&b->surfels, b->lights, b->light_count, &b->options, &b->plan, b->report);
+	return GW_OK;
+}
+
+static const step steps[] = {
+	{ "device", 0.01, open_device, always },
+	{ "surfels", 0.35, make_surfels, always },
+	{ "plan", 0.0, make_plan, always },
+	{ "octree", 0.25, build_octree, always },
+	{ "direct light", 0.1, light_directly, always },
+	{ "records", 0.02, place_records, needs_records },
+	{ "first gather", 0.12, gather_first, needs_records },
+	{ "bounces", 0.05, bounce, needs_records },
+	{ "read back", 0.08, read_back, needs_records },
+	{ "voxels", 0.02, collect_voxels, needs_voxels },
+	{ "points", 0.02, collect, always },
+};
+
+static gw_status check_validation(const bake *b, gw_error *error)
+{
+	const char *first;
+	uint32_t messages = gw_gpu_validation_messages(b->gpu, &first);
+	if (messages > 0)
+		return gw_fail(error, GW_ERROR_INTERNAL,
+		               "the validation layer objected %u times, first: %.600s", messages, first);
+	return GW_OK;
+}
+
+static gw_status run_steps(bake *b, gw_error *error)
+{
+	double done = 0.0;
+	gw_status status = check_options(b, error);
+	for (size_t i = 0; i < sizeof steps / sizeof *steps && status == GW_OK; i++) {
+		if (!steps[i].wanted(b))
+			continue;
+		status = stage(b, steps[i].name, done, error);
+		if (status == GW_OK)
+			status = steps[i].run(b, error);
+		done += steps[i].share;
+	}
+	gw_report_stage(b->report, b->gpu, NULL);
+	if (b->gpu)
+		b->report->peak_bytes = gw_gpu_read_account(b->gpu).peak_bytes;
+	if (status == GW_OK && b->options.validate)
+		status = check_validation(b, error);
+	return status;
+}
+
+static void release(bake *b)
+{
+	gw_surfels_clear(&b->surfels);
+	if (b->gpu == NULL)
+		return;
+	gw_buffer *buffers[] = { &b->surfel_direct, &b->surfel_first, &b->surfel_indirect,
+		                     &b->lobe_direct, &b->lobe_radiance };
+	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
+		gw_buffer_destroy(b->gpu, buffers[i]);
+	gw_cone_gather_destroy(b->gpu, &b->cones);
+	gw_ray_gather_destroy(b->gpu, &b->rays);
+	gw_records_destroy(b->gpu, &b->records);
+	gw_emitters_destroy(b->gpu, &b->emitters);
+	if (b->passes.gpu)
+		gw_passes_destroy(&b->passes);
+	gw_octree_destroy(b->gpu, &b->octree);
+	gw_gpu_destroy(&b->gpu);
+}
+
+gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+                  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+                  gw_bake_result **result, gw_error *error)
+{
+	*result = NULL;
+	bake b = { .points = points, .lights = lights, .light_count = light_count, .options = *options };
+	if (callbacks)
+		b.callbacks = *callbacks;
+	b.result = gw_allocate_zeros(1, sizeof *b.result);
+	if (!b.result)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+	b.report = &b.result->report;
+	gw_status status = run_steps(&b, error);
+	release(&b);
+	if (status == GW_OK)
+		*result = b.result;
+	else
+		gw_bake_result_destroy(&b.result);
+	return status;
+}
+
+void gw_bake_result_destroy(gw_bake_result **result)
+{
+	gw_bake_result *r = *result;
+	if (r == NULL)
+		return;
+	free(r->radiance);
+	free(r->direct_irradiance);
+	free(r->indirect_irradiance);
+	free(r->normal);
+	free(r->albedo);
+	free(r->roi);
+	gw_voxels_clear(&r->voxels);
+	free(r->report.bounce);
+	free(r);
+	*result = NULL;
+}

@@ -1,0 +1,29 @@
+/*
+ * direct_light.h - light of point, spot and sun lights at every surfel (Salm 4.2): analytic, with
+ * shadows traced at every surfel or looked up in shadow maps; and its mean in every lobe.
+ */
+#ifndef DIRECT_LIGHT_H
+#define DIRECT_LIGHT_H
+
+#include "passes.h"
+
+/* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction. The
+ * sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
+gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error);
+
+/* Whether a light of these is of a type that direct_light computes and is not black. */
+bool gw_light_shines(const gw_light *light);
+
+/*
+ * Adds the irradiance of every such light.
+ *   surfel_irradiance  texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller
+ *   lobe_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each lobe
+ *   surfels            gives the local frame
+ *   cancelled, user    NULL or asked between lights
+ */
+gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+                          const gw_light *lights, size_t light_count,
+                          const gw_bake_options *options, gw_buffer *surfel_irradiance,
+                          gw_buffer *lobe_direct, gw_error *error);
+
+#endif

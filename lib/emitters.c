@@ -1,0 +1,131 @@
+/*
+ * emitters.c - see emitters.h.
+ */
+#include "emitters.h"
+
+#include "memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct emitter_row {
+	uint32_t lobe;
+	uint32_t alias;
+	float probability;
+	uint32_t zero;
+} emitter_row;
+
+/* Vose's construction: rows poorer than the mean are topped up by one richer row each. */
+static void fill_aliases(emitter_row *rows, double *share, uint32_t *stack, uint32_t count)
+{
+	uint32_t poor = 0, rich = count; /* poor rows from the bottom of the stack, rich from its top */
+	for (uint32_t i = 0; i < count; i++) {
+		if (share[i] < 1.0)
+			stack[poor++] = i;
+		else
+			stack[--rich] = i;
+	}
+	while (poor > 0 && rich < count) {
+		uint32_t low = stack[--poor], high = stack[rich];
+		rows[low].probability = (float)share[low];
+		rows[low].alias = high;
+		share[high] -= 1.0 - share[low];
+		if (share[high] < 1.0) {
+			rich++;
+			stack[poor++] = high;
+		}
+	}
+	/* What is left is 1 but for rounding: it keeps its own lobe. */
+	while (poor > 0)
+		rows[stack[--poor]].probability = 1.0f;
+	while (rich < count)
+		rows[stack[rich++]].probability = 1.0f;
+}
+
+static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *centre, size_t slots,
+                              gw_emitters *emitters, gw_error *error)
+{
+	emitter_row *rows = gw_allocate_zeros(emitters->count, sizeof *rows);
+	double *share = gw_allocate_array(emitters->count, sizeof *share);
+	uint32_t *stack = gw_allocate_array(emitters->count, sizeof *stack);
+	gw_status status = GW_OK;
+	if (!rows || !share || !stack)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u emitters", emitters->count);
+	if (status == GW_OK) {
+		uint32_t n = 0;
+		double total = 0.0;
+		for (size_t i = 0; i < slots; i++) {
+			const float *e = &emission[4 * i];
+			double power = (0.2126 * (double)e[0] + 0.7152 * (double)e[1] + 0.0722 * (double)e[2]) *
+			               (double)centre[4 * i + 3];
+			if (power <= 0.0)
+				continue;
+			rows[n] = (emitter_row){ .lobe = (uint32_t)i, .alias = n };
+			share[n++] = power;
+			total += power;
+		}
+		for (uint32_t i = 0; i < n; i++)
+			share[i] *= (double)n / total;
+		emitters->power = (float)total;
+		fill_aliases(rows, share, stack, n);
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+		                          sizeof *rows * (uint64_t)n, "emitter table", &emitters->table,
+		                          error);
+	}
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &emitters->table, 0, rows,
+		                          sizeof *rows * (uint64_t)emitters->count, error);
+	free(rows);
+	free(share);
+	free(stack);
+	return status;
+}
+
+static void count_emitters(const float *emission, const float *centre, size_t slots,
+                           gw_emitters *emitters)
+{
+	double emitting = 0.0, whole = 0.0;
+	for (size_t i = 0; i < slots; i++) {
+		const float *e = &emission[4 * i];
+		double area = (double)centre[4 * i + 3];
+		whole += area;
+		if (area > 0.0 && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f)) {
+			emitters->count++;
+			emitting += area;
+		}
+	}
+	emitters->area_share = whole > 0.0 ? emitting / whole : 0.0;
+}
+
+gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, gw_emitters *emitters,
+                           gw_error *error)
+{
+	*emitters = (gw_emitters){ 0 };
+	size_t slots = 2 * (size_t)octree->leaf_count;
+	if (octree->lobe_emission.bytes < 16 * slots)
+		return GW_OK;
+	float *emission = gw_allocate_array(slots, 4 * sizeof *emission);
+	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
+	gw_status status = GW_OK;
+	if (!emission || !centre)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_emission, 0,
+		                            emission, 16 * slots, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
+		                            16 * slots, error);
+	if (status == GW_OK)
+		count_emitters(emission, centre, slots, emitters);
+	if (status == GW_OK && emitters->count > 0)
+		status = upload_table(gpu, emission, centre, slots, emitters, error);
+	free(emission);
+	free(centre);
+	return status;
+}
+
+void gw_emitters_destroy(gw_gpu *gpu, gw_emitters *emitters)
+{
+	gw_buffer_destroy(gpu, &emitters->table);
+	*emitters = (gw_emitters){ 0 };
+}

@@ -1,0 +1,100 @@
+/*
+ * passes.c - table of the light transport's passes, see passes.h.
+ */
+#include "passes.h"
+
+#include "transport_layout.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* How far a leaf's plane reaches beyond its cell, in cells: closes the cracks between neighbours. */
+#define CELL_SLACK 0.02f
+
+/* Bindings by letter, in binding order: t texel buffer, s storage buffer, i storage image,
+ * m sampled image. */
+typedef struct pass_row {
+	const char *shader;
+	const char *bindings;
+	uint32_t push_bytes;
+	uint32_t loop_bound; /* iterations of one invocation, at most */
+} pass_row;
+
+static const pass_row table[GW_PASS_COUNT] = {
+	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsss", sizeof(gw_light_push), 4096 },
+	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push), 0 },
+	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048 },
+	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttss", sizeof(gw_lookup_push), 16 },
+	[GW_PASS_RECORD_RAYS] = { "record_rays", "tttttttss", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttsss", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttssss", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), 0 },
+	[GW_PASS_LOBE_WEIGHTS] = { "lobe_weights", "ttttttttttss", sizeof(gw_lookup_push), 4096 },
+	[GW_PASS_LOBE_SHADE] = { "lobe_shade", "ssssts", sizeof(gw_record_push), GW_WEIGHTS },
+	[GW_PASS_BRICK_INJECT] = { "brick_inject", "ttttti", sizeof(gw_cone_push), 8 },
+	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48 },
+	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096 },
+	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttssss", sizeof(gw_lookup_push), 4096 },
+};
+
+void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)
+{
+	const float slack = CELL_SLACK;
+	*passes = (gw_passes){ .gpu = gpu, .constant = { octree->depth, octree->directory_level } };
+	memcpy(&passes->constant[2], &slack, sizeof slack);
+}
+
+void gw_passes_destroy(gw_passes *passes)
+{
+	for (int i = 0; i < GW_PASS_COUNT; i++)
+		gw_pass_destroy(passes->gpu, &passes->pass[i]);
+}
+
+static gw_binding_kind binding_kind(char letter)
+{
+	switch (letter) {
+	case 't':
+		return GW_BIND_TEXEL;
+	case 'i':
+		return GW_BIND_STORAGE_IMAGE;
+	case 'm':
+		return GW_BIND_SAMPLED_IMAGE;
+	default:
+		assert(letter == 's');
+		return GW_BIND_STORAGE;
+	}
+}
+
+static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
+{
+	const pass_row *row = &table[id];
+	const gw_shader *shader = gw_shader_find(row->shader);
+	gw_binding_kind kinds[16];
+	uint32_t count = (uint32_t)strlen(row->bindings);
+	assert(count <= 16);
+	for (uint32_t i = 0; i < count; i++)
+		kinds[i] = binding_kind(row->bindings[i]);
+	return gw_pass_create(passes->gpu,
+	                      &(gw_pass_description){ .name = row->shader,
+	                                              .spirv = shader->spirv,
+	                                              .spirv_words = shader->words,
+	                                              .bindings = kinds,
+	                                              .binding_count = count,
+	                                              .push_bytes = row->push_bytes,
+	                                              .constant = passes->constant,
+	                                              .constant_count = 3,
+	                                              .loop_bound = row->loop_bound },
+	                      &passes->pass[id], error);
+}
+
+gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+                        const void *push, uint64_t count, gw_error *error)
+{
+	if (passes->pass[id] == NULL) {
+		gw_status status = create(passes, id, error);
+		if (status != GW_OK)
+			return status;
+	}
+	return gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+}

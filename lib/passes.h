@@ -1,0 +1,59 @@
+/*
+ * passes.h - the compute passes of the light transport: one table, created when first run, so that
+ * a bake pays only for the passes its scene calls for.
+ */
+#ifndef PASSES_H
+#define PASSES_H
+
+#include "octree.h"
+
+typedef enum gw_pass_id {
+	GW_PASS_LIGHT_VISIBILITY,
+	GW_PASS_LIGHT_IRRADIANCE,
+	GW_PASS_LOBE_DIRECT,
+	GW_PASS_RECORD_BLOCK,
+	GW_PASS_RECORD_RAYS,
+	GW_PASS_RECORD_EMITTERS,
+	GW_PASS_RECORD_FIRST,
+	GW_PASS_RECORD_GATHER,
+	GW_PASS_RECORD_ADD,
+	GW_PASS_LOBE_WEIGHTS,
+	GW_PASS_LOBE_SHADE,
+	GW_PASS_BRICK_INJECT,
+	GW_PASS_BRICK_MIPMAP,
+	GW_PASS_RECORD_CONES,
+	GW_PASS_READ_BACK,
+	GW_PASS_COUNT
+} gw_pass_id;
+
+typedef struct gw_passes {
+	gw_gpu *gpu;
+	uint32_t constant[3]; /* octree depth, directory level, bits of the cell slack */
+	gw_pass *pass[GW_PASS_COUNT];
+} gw_passes;
+
+/* A set of passes for an octree of that shape; nothing is created yet. */
+void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree);
+void gw_passes_destroy(gw_passes *passes);
+
+/* Runs a pass over count elements, see gw_pass_run; bindings are as the shader lists them. */
+gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+                        const void *push, uint64_t count, gw_error *error);
+
+/* Bindings of whole buffers and of windows with `bytes` an element. */
+static inline gw_binding gw_whole(const gw_buffer *buffer)
+{
+	return (gw_binding){ .buffer = (gw_buffer *)(uintptr_t)buffer };
+}
+
+static inline gw_binding gw_window(const gw_buffer *buffer, uint32_t bytes)
+{
+	return (gw_binding){ .buffer = (gw_buffer *)(uintptr_t)buffer, .stride = bytes };
+}
+
+static inline gw_binding gw_voxels_of(const gw_image *image)
+{
+	return (gw_binding){ .image = (gw_image *)(uintptr_t)image };
+}
+
+#endif

@@ -1,0 +1,154 @@
+/*
+ * record_places.c - see record_places.h.
+ */
+#include "record_places.h"
+
+#include "memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lobes whose normals are closer than this share a record. */
+#define LIKE_NORMAL 0.7f
+
+/* Darts that stuck, listed by cells of a hash table; a cell is one spacing wide. */
+typedef struct dart_table {
+	uint32_t *head;  /* bucket -> chosen index + 1 */
+	uint32_t *next;  /* chosen index -> chosen index + 1 */
+	uint32_t mask;
+	float cell;
+} dart_table;
+
+typedef struct dart {
+	uint64_t order;
+	uint32_t slot;
+} dart;
+
+static uint64_t mix(uint64_t v)
+{
+	/* SplitMix64's finaliser (Steele et al. 2014). */
+	v += 0x9e3779b97f4a7c15u;
+	v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+	v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+	return v ^ (v >> 31);
+}
+
+static int by_order(const void *a, const void *b)
+{
+	const dart *x = a, *y = b;
+	if (x->order != y->order)
+		return x->order < y->order ? -1 : 1;
+	return x->slot < y->slot ? -1 : x->slot > y->slot;
+}
+
+static int by_value(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	return x < y ? -1 : x > y;
+}
+
+static uint32_t bucket(const dart_table *table, int64_t x, int64_t y, int64_t z)
+{
+	uint64_t key = ((uint64_t)x & 0x1fffff) | ((uint64_t)y & 0x1fffff) << 21 |
+	               ((uint64_t)z & 0x1fffff) << 42;
+	return (uint32_t)mix(key) & table->mask;
+}
+
+/* Do two lobes lie on the same piece of surface, nearer than the spacing? */
+static bool conflict(const float *centre, const float *plane, size_t a, size_t b, float spacing,
+                     float off_plane)
+{
+	float squared = 0.0f, alignment = 0.0f, height = 0.0f;
+	for (size_t axis = 0; axis < 3; axis++) {
+		float d = centre[4 * a + axis] - centre[4 * b + axis];
+		squared += d * d;
+		alignment += plane[4 * a + axis] * plane[4 * b + axis];
+		height += d * plane[4 * b + axis];
+	}
+	return squared < spacing * spacing && alignment > LIKE_NORMAL && fabsf(height) < off_plane;
+}
+
+static bool crowded(const dart_table *table, const uint32_t *chosen, const float *centre,
+                    const float *plane, uint32_t slot, float spacing, float off_plane)
+{
+	int64_t cell[3];
+	for (size_t axis = 0; axis < 3; axis++)
+		cell[axis] = (int64_t)floorf(centre[4 * (size_t)slot + axis] / table->cell);
+	for (int i = 0; i < 27; i++) {
+		uint32_t b = bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
+		                    cell[2] + i / 9 - 1);
+		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
+			if (conflict(centre, plane, slot, chosen[at - 1], spacing, off_plane))
+				return true;
+		}
+	}
+	return false;
+}
+
+static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_count,
+                          uint32_t *chosen, const float *centre, const float *plane, float spacing,
+                          float off_plane)
+{
+	size_t count = 0;
+	for (size_t i = 0; i < dart_count; i++) {
+		uint32_t slot = darts[i].slot;
+		if (crowded(table, chosen, centre, plane, slot, spacing, off_plane))
+			continue;
+		const float *c = &centre[4 * (size_t)slot];
+		uint32_t b = bucket(table, (int64_t)floorf(c[0] / table->cell),
+		                    (int64_t)floorf(c[1] / table->cell),
+		                    (int64_t)floorf(c[2] / table->cell));
+		chosen[count] = slot;
+		table->next[count] = table->head[b];
+		table->head[b] = (uint32_t)++count;
+	}
+	return count;
+}
+
+static size_t list_darts(const float *centre, size_t slots, uint64_t seed, dart *darts)
+{
+	size_t count = 0;
+	for (size_t slot = 0; slot < slots; slot++) {
+		if (centre[4 * slot + 3] > 0.0f)
+			darts[count++] = (dart){ mix(slot ^ mix(seed)), (uint32_t)slot };
+	}
+	return count;
+}
+
+gw_status gw_place_records(const float *centre, const float *plane, size_t slots, float spacing,
+                           float radius, uint64_t seed, uint32_t **chosen, size_t *count,
+                           gw_error *error)
+{
+	dart_table table = { .mask = 1, .cell = spacing };
+	while (table.mask < slots && table.mask < UINT32_MAX / 2)
+		table.mask = table.mask * 2 + 1;
+	dart *darts = gw_allocate_array(slots, sizeof *darts);
+	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
+	table.next = gw_allocate_array(slots, sizeof *table.next);
+	*chosen = gw_allocate_array(slots, sizeof **chosen);
+	gw_status status = GW_OK;
+	if (!darts || !table.head || !table.next || !*chosen) {
+		status = gw_fail(error, GW_ERROR_MEMORY,
+		                 "no host memory for %zu candidates of records; bake at a smaller depth",
+		                 slots);
+		free(*chosen);
+		*chosen = NULL;
+	} else {
+		size_t dart_count = list_darts(centre, slots, seed, darts);
+		if (spacing > 0.0f) {
+			qsort(darts, dart_count, sizeof *darts, by_order);
+			*count = throw_darts(&table, darts, dart_count, *chosen, centre, plane, spacing,
+			                     0.3f * radius);
+			qsort(*chosen, *count, sizeof **chosen, by_value);
+		} else {
+			for (size_t i = 0; i < dart_count; i++)
+				(*chosen)[i] = darts[i].slot;
+			*count = dart_count;
+		}
+	}
+	free(darts);
+	free(table.head);
+	free(table.next);
+	return status;
+}

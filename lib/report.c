@@ -1,0 +1,68 @@
+/*
+ * report.c - see report.h. A stage under way holds the account at its start; ending it turns that into
+ * differences.
+ */
+#include "report.h"
+
+#include "clock.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static gw_gpu_account account_of(const gw_gpu *gpu)
+{
+	return gpu ? gw_gpu_read_account(gpu) : (gw_gpu_account){ 0 };
+}
+
+static void end_stage(gw_stage *stage, const gw_gpu *gpu)
+{
+	gw_gpu_account now = account_of(gpu);
+	stage->seconds = gw_seconds() - stage->seconds;
+	stage->device_seconds = now.device_seconds - stage->device_seconds;
+	stage->compile_seconds = now.compile_seconds - stage->compile_seconds;
+	stage->dispatches = now.dispatches - stage->dispatches;
+	stage->bytes = now.bytes;
+}
+
+void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
+{
+	if (report->stage_count > 0)
+		end_stage(&report->stage[report->stage_count - 1], gpu);
+	if (name == NULL)
+		return;
+	assert(report->stage_count < GW_REPORT_STAGES);
+	gw_stage *stage = &report->stage[report->stage_count++];
+	gw_gpu_account now = account_of(gpu);
+	*stage = (gw_stage){ .seconds = gw_seconds(),
+		                 .device_seconds = now.device_seconds,
+		                 .compile_seconds = now.compile_seconds,
+		                 .dispatches = now.dispatches };
+	snprintf(stage->name, sizeof stage->name, "%s", name);
+}
+
+void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
+                      ...)
+{
+	assert(report->effect_count < GW_REPORT_EFFECTS);
+	gw_effect *effect = &report->effect[report->effect_count++];
+	effect->called_for = method != NULL;
+	snprintf(effect->name, sizeof effect->name, "%s", name);
+	snprintf(effect->method, sizeof effect->method, "%s", method ? method : "");
+	va_list arguments;
+	va_start(arguments, reason);
+	vsnprintf(effect->reason, sizeof effect->reason, reason, arguments);
+	va_end(arguments);
+}
+
+void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
+{
+	if (points == 0)
+		return;
+	assert(report->count_count < GW_REPORT_COUNTS);
+	gw_count *count = &report->count[report->count_count++];
+	count->points = points;
+	snprintf(count->name, sizeof count->name, "%s", name);
+	snprintf(count->meaning, sizeof count->meaning, "%s", meaning);
+}

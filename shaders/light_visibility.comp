@@ -1,0 +1,56 @@
+/*
+ * light_visibility.comp - which share of a light each surfel sees, by shadow rays.
+ *
+ * One invocation a surfel. A light without extent gets one ray; one with a radius gets
+ * push.samples rays to points spread over the disc that it shows.
+ */
+#version 460
+
+#include "octree_walk.glsl"
+#include "sampling.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer ray_directory;
+layout(binding = 1) uniform usamplerBuffer node;
+layout(binding = 2) uniform usamplerBuffer leaf_tile;
+layout(binding = 3) uniform samplerBuffer lobe_plane;
+layout(binding = 4) uniform samplerBuffer lobe_centre;
+layout(binding = 5) readonly buffer Position { vec4 surfel_position[]; };
+layout(binding = 6) readonly buffer Normal { vec4 surfel_normal[]; };
+layout(binding = 7) buffer Visibility { float visibility[]; };
+layout(push_constant) uniform Push { gw_light_push push; };
+
+#include "octree_trace.glsl"
+#include "light.glsl"
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 g = surfel_position[i].xyz;
+	vec4 normal = surfel_normal[i];
+	float seen = 0.0;
+	float distance;
+	vec3 towards;
+	if (light_cosine(g, normal, light_irradiance(g, towards, distance), towards) > 0.0) {
+		vec3 facing = dot(normal.xyz, towards) < 0.0 ? -normal.xyz : normal.xyz;
+		float turn = unit_float(hash2(push.first + i, push.seed));
+		vec3 t, b;
+		tangent_frame(towards, t, b);
+		for (uint s = 0u; s < push.samples; s++) {
+			vec2 p = push.samples > 1u ? spiral_disc(s, push.samples, 0.5, turn) : vec2(0.0);
+			vec3 offset = (t * p.x + b * p.y) *
+			              (push.type == GW_PUSH_SUN ? push.direction.w : push.position.w);
+			vec3 to = push.type == GW_PUSH_SUN ? towards + offset : towards * distance + offset;
+			float range = push.type == GW_PUSH_SUN ? 1e9 : length(to);
+			uint lobe;
+			float t_hit;
+			bool behind;
+			if (!trace(g, facing, normalize(to), range, true, lobe, t_hit, behind))
+				seen += 1.0;
+		}
+		seen /= float(push.samples);
+	}
+	visibility[i] = seen;
+}

@@ -1,0 +1,70 @@
+/*
+ * record_first.comp - irradiance that reaches a record unreflected: from the emitters its rays hit
+ * (weighted against record_emitters.comp by the balance heuristic), from the samples of emitters,
+ * and from the sky where rays left the scene. Also the distance to the nearest thing it saw.
+ */
+#version 460
+
+#include "transport_layout.h"
+#include "sampling.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer hit_lobe;
+layout(binding = 1) uniform samplerBuffer hit_distance;
+layout(binding = 2) uniform samplerBuffer lobe_plane;
+layout(binding = 3) uniform samplerBuffer lobe_emission;
+layout(binding = 4) readonly buffer Sampled { vec4 record_sampled[]; };
+layout(binding = 5) buffer Position { vec4 record_position[]; };
+layout(binding = 6) buffer Normal { vec4 record_normal[]; };
+layout(binding = 7) writeonly buffer First { vec4 record_first[]; };
+layout(push_constant) uniform Push { gw_record_push push; };
+
+#include "record_ray.glsl"
+
+/* Share of an emitter's light that the hit of a gather ray stands for. */
+float hit_weight(vec3 direction, float cosine, uint lobe, float t, vec3 emission)
+{
+	if (push.light_samples == 0u)
+		return 1.0;
+	float cosine_emitter = max(1e-4, -dot(texelFetch(lobe_plane, int(lobe)).xyz, direction));
+	float density = luminance(emission) / push.emitter_power * t * t / cosine_emitter;
+	float by_rays = float(push.rays) * cosine / PI;
+	return by_rays / (by_rays + float(push.light_samples) * density);
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint record = push.first + i;
+	vec3 sum = vec3(0.0);
+	float nearest = 1e9;
+	uint behind = 0u;
+	for (uint k = 0u; k < push.rays; k++) {
+		int h = int(record * push.rays + k);
+		uint lobe = texelFetch(hit_lobe, h).x;
+		float t = texelFetch(hit_distance, h).x;
+		behind += t < 0.0 ? 1u : 0u;
+		t = abs(t);
+		nearest = min(nearest, t);
+		if (lobe == GW_NONE) {
+			sum += push.sky.xyz;
+			continue;
+		}
+		if (push.use_hits == 0u)
+			continue;
+		vec3 emission = texelFetch(lobe_emission, int(lobe)).xyz;
+		if (luminance(emission) > 0.0) {
+			float cosine;
+			vec3 direction = record_ray(record_normal[i].xyz, record, k, cosine);
+			sum += emission * hit_weight(direction, cosine, lobe, t, emission);
+		}
+	}
+	/* A record that sees mostly the backs of surfaces lies inside something solid. */
+	bool buried = 2u * behind > push.rays;
+	record_position[i].w = nearest;
+	record_normal[i].w = buried ? 0.0 : 1.0;
+	vec3 first = sum * PI / float(push.rays) + record_sampled[i].xyz;
+	record_first[i] = vec4(buried ? vec3(0.0) : first, 0.0);
+}
