@@ -57,6 +57,13 @@ static const format *recognise(const char *path, const input_file *in)
 
 gw_status format_read(const char *path, const char *name, scan *cloud, gw_error *error)
 {
+	const format *found;
+	return format_read_found(path, name, cloud, &found, error);
+}
+
+gw_status format_read_found(const char *path, const char *name, scan *cloud,
+							const format **recognised, gw_error *error)
+{
 	*cloud = (scan){ 0 };
 	char known[256];
 	list_readable(known, sizeof known);
@@ -79,5 +86,6 @@ gw_status format_read(const char *path, const char *name, scan *cloud, gw_error 
 						 "%s is of no known format, by content or by name; there are %s", in.name,
 						 known);
 	input_file_close(&in);
+	*recognised = found;
 	return status;
 }

@@ -40,4 +40,8 @@ const format *format_by_path(const char *path);
  */
 gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
 
+/* The same; *found receives the format that it was. */
+gw_status format_read_found(const char *path, const char *name, scan *scan, const format **found,
+							gw_error *error);
+
 #endif

@@ -1,0 +1,228 @@
+#include "bake_report.h"
+#include "json_writer.h"
+#include "options.h"
+#include "preview.h"
+#include "scene_file.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MEGABYTE 1e6
+
+/* ------------------------------------------------------------------------------ the file */
+
+static void write_inputs(json_writer *json, const bake_facts *f)
+{
+	json_put_open(json, "inputs", '[');
+	for (size_t i = 0; i < f->scene->input_count; i++) {
+		const loaded_input *input = &f->scene->input[i];
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "file", input->path);
+		json_put_text(json, "format", input->format->name);
+		json_put_count(json, "points", input->points);
+		json_put_text(json, "albedo", input->albedo_source);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_counts(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "counts", '[');
+	for (uint32_t i = 0; i < r->count_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", r->count[i].name);
+		json_put_count(json, "points", r->count[i].points);
+		json_put_text(json, "meaning", r->count[i].meaning);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_effects(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "plan", '[');
+	for (uint32_t i = 0; i < r->effect_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "effect", r->effect[i].name);
+		json_put_bool(json, "called_for", r->effect[i].called_for);
+		json_put_text(json, "reason", r->effect[i].reason);
+		json_put_text(json, "method", r->effect[i].method);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_stages(json_writer *json, const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	json_put_open(json, "stages", '[');
+	for (uint32_t i = 0; i < r->stage_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", r->stage[i].name);
+		json_put_real(json, "seconds", r->stage[i].seconds);
+		json_put_real(json, "device_seconds", r->stage[i].device_seconds);
+		json_put_real(json, "compile_seconds", r->stage[i].compile_seconds);
+		json_put_count(json, "bytes", r->stage[i].bytes);
+		json_put_count(json, "dispatches", r->stage[i].dispatches);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_open_flat(json, "seconds", '{');
+	json_put_real(json, "read", f->read_seconds);
+	json_put_real(json, "bake", f->bake_seconds);
+	json_put_real(json, "write", f->write_seconds);
+	json_put_close(json, '}');
+}
+
+static void write_bounces(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "bounces", '[');
+	for (uint32_t i = 0; i < r->bounce_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_real(json, "energy", r->bounce[i].energy);
+		json_put_real(json, "seconds", r->bounce[i].seconds);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_real(json, "remaining", r->remaining);
+}
+
+static void write_octree(json_writer *json, const gw_report *r)
+{
+	json_put_open_flat(json, "octree", '{');
+	json_put_count(json, "depth", r->depth);
+	json_put_real(json, "leaf_size", r->leaf_size);
+	json_put_reals(json, "origin", r->origin, 3);
+	json_put_count(json, "leaves", r->leaves);
+	json_put_count(json, "tiles", r->tiles);
+	json_put_count(json, "leaf_tiles", r->leaf_tiles);
+	json_put_count(json, "border_tiles", r->border_tiles);
+	json_put_count(json, "octree_bytes", r->octree_bytes);
+	json_put_count(json, "brick_bytes", r->brick_bytes);
+	json_put_close(json, '}');
+	json_put_count(json, "records", r->records);
+	json_put_real(json, "spacing", r->spacing);
+	json_put_count(json, "peak_bytes", r->peak_bytes);
+}
+
+static void write_luminance(json_writer *json, const bake_facts *f)
+{
+	const float *radiance = f->result->radiance;
+	size_t n = f->result->count;
+	double least = n ? preview_luminance(radiance) : 0.0, most = least, sum = 0.0;
+	for (size_t i = 0; i < n; i++) {
+		double luminance = preview_luminance(radiance + 3 * i);
+		least = luminance < least ? luminance : least;
+		most = luminance > most ? luminance : most;
+		sum += luminance;
+	}
+	json_put_open_flat(json, "luminance", '{');
+	json_put_real(json, "minimum", least);
+	json_put_real(json, "mean", n ? sum / (double)n : 0.0);
+	json_put_real(json, "maximum", most);
+	json_put_close(json, '}');
+	json_put_real(json, "exposure", f->exposure);
+}
+
+gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *error)
+{
+	char *text = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+	if (!stream)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the report");
+	const gw_report *r = &f->result->report;
+	json_writer json = { .out = stream, .lines = true };
+	json_put_open(&json, NULL, '{');
+	json_put_text(&json, "glowworm", GW_VERSION);
+	json_put_text(&json, "command", f->settings->command);
+	json_put_count(&json, "points", f->result->count);
+	write_inputs(&json, f);
+	scene_write_members(&json, f->settings);
+	json_put_text(&json, "device", r->device);
+	json_put_text(&json, "driver", r->driver);
+	write_counts(&json, r);
+	write_effects(&json, r);
+	write_octree(&json, r);
+	write_stages(&json, f);
+	write_bounces(&json, r);
+	write_luminance(&json, f);
+	if (f->settings->vdb)
+		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
+	json_put_close(&json, '}');
+	fputc('\n', stream);
+	gw_status status = GW_OK;
+	if (fclose(stream) != 0)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the report");
+	else
+		status = output_file_write(out, text, length, error);
+	free(text);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ for people */
+
+void bake_report_explain(const gw_report *r)
+{
+	for (uint32_t i = 0; i < r->effect_count; i++)
+		fprintf(stderr, "%-18s %-16s %s%s%s%s\n", r->effect[i].name,
+				r->effect[i].called_for ? "called for" : "not called for", r->effect[i].reason,
+				*r->effect[i].method ? " [" : "", r->effect[i].method,
+				*r->effect[i].method ? "]" : "");
+}
+
+void bake_report_profile(const gw_report *r)
+{
+	double seconds = 0.0, device = 0.0, compile = 0.0;
+	fprintf(stderr, "%-18s %9s %9s %9s %9s %10s\n", "stage", "ms", "device ms", "compile ms", "MB",
+			"dispatches");
+	for (uint32_t i = 0; i < r->stage_count; i++) {
+		const gw_stage *s = &r->stage[i];
+		fprintf(stderr, "%-18s %9.1f %9.1f %9.1f %9.1f %10" PRIu64 "\n", s->name, s->seconds * 1e3,
+				s->device_seconds * 1e3, s->compile_seconds * 1e3, (double)s->bytes / MEGABYTE,
+				s->dispatches);
+		seconds += s->seconds;
+		device += s->device_seconds;
+		compile += s->compile_seconds;
+	}
+	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f\n\n", "net", seconds * 1e3, device * 1e3,
+			compile * 1e3);
+	fprintf(stderr, "%-18s %9" PRIu32 "\n", "SVO depth", r->depth);
+	fprintf(stderr, "%-18s %9.1f MB\n", "SVO-buffer", (double)r->octree_bytes / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "brick pools", (double)r->brick_bytes / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "SVO",
+			(double)(r->octree_bytes + r->brick_bytes) / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)r->peak_bytes / MEGABYTE);
+}
+
+void bake_report_notes(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	for (uint32_t i = 0; i < r->count_count; i++)
+		if (r->count[i].points)
+			fprintf(stderr, "glowworm: note: %s: %" PRIu64 "; %s\n", r->count[i].name,
+					r->count[i].points, r->count[i].meaning);
+	if (f->vdb_clamped)
+		fprintf(stderr,
+				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
+				"clamped\n",
+				f->vdb_clamped);
+}
+
+void bake_report_summary(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	for (size_t i = 0; i < f->scene->input_count; i++)
+		fprintf(stderr, "glowworm: %s: %s, %zu points; albedo from %s\n",
+				loaded_scene_input_name(f->scene->input[i].path), f->scene->input[i].format->name,
+				f->scene->input[i].points, f->scene->input[i].albedo_source);
+	fprintf(stderr, "glowworm: device: %s\n", r->device);
+	fprintf(stderr, "glowworm: octree: depth %" PRIu32 ", leaves of %.4g m, %" PRIu64 " of them\n",
+			r->depth, r->leaf_size, r->leaves);
+	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
+			r->bounce_count, r->remaining);
+	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
+			f->bake_seconds, f->write_seconds);
+}

@@ -1,0 +1,36 @@
+/*
+ * bake_report.h - what a bake says about itself: the report file, and tables for people.
+ */
+#ifndef BAKE_REPORT_H
+#define BAKE_REPORT_H
+
+#include "loaded_scene.h"
+#include "output_file.h"
+
+/* What the program adds to the library's report. */
+typedef struct bake_facts {
+	const settings *settings;
+	const loaded_scene *scene; /* its cloud may be gone */
+	const gw_bake_result *result;
+	double exposure;
+	double read_seconds, bake_seconds, write_seconds; /* wall clock */
+	uint64_t vdb_clamped;
+} bake_facts;
+
+/* Writes the report as JSON; glowworm-bake(1) describes it. */
+gw_status bake_report_write(const bake_facts *facts, output_file *out, gw_error *error);
+
+/* Prints to standard error which effects the scene called for, and why. */
+void bake_report_explain(const gw_report *report);
+
+/* Prints time and memory of each stage to standard error, and what the octree takes, in the terms
+ * of Salm's tables 5.1 to 5.4. */
+void bake_report_profile(const gw_report *report);
+
+/* Prints what was repaired or left out, to standard error. */
+void bake_report_notes(const bake_facts *facts);
+
+/* Prints a summary of the bake to standard error. */
+void bake_report_summary(const bake_facts *facts);
+
+#endif

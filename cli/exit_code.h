@@ -1,0 +1,28 @@
+/*
+ * exit_code.h - what the process ends with; the numbers are those of sysexits.h where it has them.
+ */
+#ifndef EXIT_CODE_H
+#define EXIT_CODE_H
+
+#include "glowworm.h"
+
+typedef enum exit_code {
+	EXIT_CODE_GOOD = 0,
+	EXIT_CODE_USAGE = 2,
+	EXIT_CODE_DATA = 65,
+	EXIT_CODE_NO_INPUT = 66,
+	EXIT_CODE_NO_DEVICE = 69,
+	EXIT_CODE_INTERNAL = 70,
+	EXIT_CODE_MEMORY = 71,
+	EXIT_CODE_CREATE = 73,
+	EXIT_CODE_IO = 74,
+	EXIT_CODE_SIGNAL = 128, /* plus the number of the signal */
+} exit_code;
+
+/* The exit code for a status; signal: the one that asked to stop, or 0. Thread-safe. */
+int exit_code_of(gw_status status, int signal);
+
+/* What each code means, for the manual: the i-th code, or -1 behind the last one. */
+int exit_code_describe(int i, const char **meaning);
+
+#endif

@@ -1,0 +1,338 @@
+#include "loaded_scene.h"
+#include "scan_color.h"
+#include "signals.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const position_names[3] = { "x", "y", "z" };
+static const char *const normal_names[3] = { "nx", "ny", "nz" };
+static const char *const emission_names[3] = { "emission_r", "emission_g", "emission_b" };
+
+const char *loaded_scene_input_name(const char *path)
+{
+	return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+/* -------------------------------------------------------------------- moving one input */
+
+/* Replaces three columns by doubles, M * v; what they held comes from scan_value. */
+static gw_status transform_columns(scan *cloud, const char *const name[3], const double m[9],
+								   const double shift[3], gw_error *error)
+{
+	double *value = reallocarray(NULL, cloud->count, 3 * sizeof *value);
+	if (!value)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to move %zu points", cloud->count);
+	for (int k = 0; k < 3; k++) {
+		const scan_column *column = scan_find(cloud, name[k]);
+		for (size_t i = 0; i < cloud->count; i++)
+			value[3 * i + (size_t)k] = scan_value(column, i);
+	}
+	gw_status status = GW_OK;
+	for (int k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(cloud, name[k]);
+		scan_column *column = scan_add_column(cloud, name[k], SCAN_FLOAT64, error);
+		status = column ? GW_OK : GW_ERROR_MEMORY;
+		for (size_t i = 0; column && i < cloud->count; i++) {
+			const double *v = value + 3 * i;
+			((double *)column->data)[i] =
+				m[3 * k] * v[0] + m[3 * k + 1] * v[1] + m[3 * k + 2] * v[2] + shift[k];
+		}
+	}
+	free(value);
+	return status;
+}
+
+/* Cofactors of a 3x3 matrix: its inverse transposed, up to a factor. */
+static void cofactors(const double a[9], double c[9])
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+			c[3 * i + j] = a[3 * i1 + j1] * a[3 * i2 + j2] - a[3 * i1 + j2] * a[3 * i2 + j1];
+		}
+}
+
+/* Normals keep their length, which says how much they spread. */
+static gw_status transform_normals(scan *cloud, const double linear[9], gw_error *error)
+{
+	static const double zero[3] = { 0 };
+	double c[9];
+	cofactors(linear, c);
+	double determinant = linear[0] * c[0] + linear[1] * c[1] + linear[2] * c[2];
+	for (int k = 0; k < 9; k++)
+		c[k] *= determinant < 0.0 ? -1.0 : 1.0;
+	double *length = reallocarray(NULL, cloud->count, sizeof *length);
+	if (!length)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++) {
+		double n[3];
+		for (int k = 0; k < 3; k++)
+			n[k] = scan_value(scan_find(cloud, normal_names[k]), i);
+		length[i] = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+	}
+	gw_status status = transform_columns(cloud, normal_names, c, zero, error);
+	for (size_t i = 0; i < cloud->count && status == GW_OK; i++) {
+		double *n[3], sum = 0.0;
+		for (int k = 0; k < 3; k++) {
+			n[k] = (double *)scan_find(cloud, normal_names[k])->data + i;
+			sum += *n[k] * *n[k];
+		}
+		for (int k = 0; k < 3 && sum > 0.0; k++)
+			*n[k] *= length[i] / sqrt(sum);
+	}
+	free(length);
+	return status;
+}
+
+static gw_status transform(scan *cloud, const double matrix[16], gw_error *error)
+{
+	double linear[9], shift[3];
+	for (int row = 0; row < 3; row++) {
+		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
+		shift[row] = matrix[4 * row + 3];
+	}
+	if (cloud->has_scanner) {
+		double s[3];
+		memcpy(s, cloud->scanner, sizeof s);
+		for (int k = 0; k < 3; k++)
+			cloud->scanner[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] +
+								linear[3 * k + 2] * s[2] + shift[k];
+	}
+	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
+	gw_status status = transform_columns(cloud, position_names, linear, shift, error);
+	if (status == GW_OK && normals)
+		status = transform_normals(cloud, linear, error);
+	return status;
+}
+
+/* --------------------------------------------------------------------- one input's columns */
+
+static gw_status set_emission(scan *cloud, const float emission[3], gw_error *error)
+{
+	for (int k = 0; k < 3; k++) {
+		scan_remove_column(cloud, emission_names[k]);
+		scan_column *column = scan_add_column(cloud, emission_names[k], SCAN_FLOAT32, error);
+		if (!column)
+			return GW_ERROR_MEMORY;
+		for (size_t i = 0; i < cloud->count; i++)
+			((float *)column->data)[i] = emission[k];
+	}
+	return GW_OK;
+}
+
+static uint8_t to_byte(double value)
+{
+	return value > 0.0 ? (uint8_t)(fmin(value, 1.0) * 255.0 + 0.5) : 0;
+}
+
+/* Keeps the colours under the names by which a lit file is lit again. */
+static gw_status keep_albedo(scan *cloud, const float *albedo, bool own_colors, gw_error *error)
+{
+	scan_color color = { 0 };
+	own_colors = own_colors &&
+				 (scan_color_find(cloud, scan_albedo_names, &color) ||
+				  scan_color_find(cloud, scan_color_names, &color)) &&
+				 !color.black;
+	uint8_t *kept = reallocarray(NULL, cloud->count, 3);
+	if (!kept)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for colours of %zu points", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++)
+		for (size_t k = 0; k < 3; k++)
+			kept[3 * i + k] = to_byte(own_colors ? scan_color_value(&color, (int)k, i)
+												 : scan_srgb_encode((double)albedo[3 * i + k]));
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(cloud, scan_albedo_names[k]);
+		scan_column *column = scan_add_column(cloud, scan_albedo_names[k], SCAN_UINT8, error);
+		status = column ? GW_OK : GW_ERROR_MEMORY;
+		for (size_t i = 0; column && i < cloud->count; i++)
+			((uint8_t *)column->data)[i] = kept[3 * i + k];
+	}
+	free(kept);
+	return status;
+}
+
+static bool is_lit(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], "glowworm ", 9) == 0)
+			return true;
+	return false;
+}
+
+/* From the columns of one file to points; facts for the report. */
+static gw_status make_points(const settings *s, const settings_input *from, scan *cloud,
+							 scan_points *points, loaded_input *facts, gw_error *error)
+{
+	scan_points_options options = s->points;
+	options.linear_colors = s->gamma == 1;
+	gw_status status = scan_points_make(cloud, &options, points, error);
+	if (status != GW_OK)
+		return status;
+	for (size_t i = 0; from->has_albedo && i < 3 * cloud->count; i++)
+		points->albedo[i] = from->albedo[i % 3];
+	bool colors = !from->has_albedo;
+	memcpy(facts->albedo_source, points->albedo_source, sizeof facts->albedo_source);
+	if (from->has_albedo)
+		strcpy(facts->albedo_source, "a constant, as the scene file says");
+	scan_color color;
+	facts->albedo_missing = !from->has_albedo && s->points.albedo == SCAN_ALBEDO_AUTO &&
+							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
+							   scan_color_find(cloud, scan_color_names, &color)) ||
+							 color.black);
+	facts->lit = is_lit(cloud);
+	facts->points = cloud->count;
+	return keep_albedo(cloud, points->albedo, colors, error);
+}
+
+static gw_status read_one(const settings *s, const settings_input *from, scan *cloud,
+						  scan_points *points, loaded_input *facts, gw_error *error)
+{
+	gw_error reason = { 0 };
+	gw_status status = format_read_found(from->path, s->format, cloud, &facts->format, error);
+	if (status != GW_OK)
+		return status;
+	facts->path = from->path;
+	if (cloud->count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
+					   loaded_scene_input_name(from->path));
+	if (from->has_matrix)
+		status = transform(cloud, from->matrix, error);
+	if (status == GW_OK && from->has_emission)
+		status = set_emission(cloud, from->emission, error);
+	if (status == GW_OK) {
+		status = make_points(s, from, cloud, points, facts, &reason);
+		if (status != GW_OK)
+			gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- joining */
+
+/* Appends n values to count ones; a missing array counts as zeros. */
+static gw_status append_floats(float **to, size_t count, const float *from, size_t n,
+							   gw_error *error)
+{
+	if (!*to && !from)
+		return GW_OK;
+	bool had = *to != NULL;
+	float *grown = reallocarray(*to, count + n, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", (count + n) / 3);
+	if (!had)
+		memset(grown, 0, count * sizeof *grown);
+	if (from)
+		memcpy(grown + count, from, n * sizeof *grown);
+	else
+		memset(grown + count, 0, n * sizeof *grown);
+	*to = grown;
+	return GW_OK;
+}
+
+static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
+							   gw_error *error)
+{
+	size_t n = 3 * from->points.count;
+	double *position = reallocarray(to->position, 3 * count + n, sizeof *position);
+	if (!position)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions");
+	to->position = position;
+	memcpy(position + 3 * count, from->position, n * sizeof *position);
+	gw_status status = append_floats(&to->normal, 3 * count, from->normal, n, error);
+	if (status == GW_OK)
+		status = append_floats(&to->albedo, 3 * count, from->albedo, n, error);
+	if (status == GW_OK)
+		status = append_floats(&to->emission, 3 * count, from->emission, n, error);
+	return status;
+}
+
+static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
+{
+	if (scene->cloud.column_count == 0) {
+		scene->cloud = *cloud;
+		scene->points = *points;
+		*cloud = (scan){ 0 };
+		*points = (scan_points){ 0 };
+		return GW_OK;
+	}
+	gw_status status = append_points(&scene->points, scene->cloud.count, points, error);
+	if (status == GW_OK)
+		status = scan_append(&scene->cloud, cloud, error);
+	return status;
+}
+
+static gw_status check_up(const settings *s, loaded_scene *scene, char up, const char *path,
+						  gw_error *error)
+{
+	if (s->up != SETTINGS_UP_AUTO)
+		up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	if (scene->up && scene->up != up)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s has %c up, but the inputs before it %c; say which holds with --up",
+					   loaded_scene_input_name(path), up, scene->up);
+	scene->up = up;
+	return GW_OK;
+}
+
+static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	scene->input = calloc(s->input_count, sizeof *scene->input);
+	if (!scene->input)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+		scan cloud = { 0 };
+		scan_points points = { 0 };
+		status = read_one(s, &s->input[i], &cloud, &points, &scene->input[i], error);
+		scene->input_count = i + 1;
+		if (status == GW_OK)
+			status = check_up(s, scene, cloud.up, s->input[i].path, error);
+		if (status == GW_OK)
+			status = join(scene, &cloud, &points, error);
+		scan_clear(&cloud);
+		scan_points_clear(&points);
+		if (status == GW_OK && signals_pending())
+			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+	}
+	return status;
+}
+
+gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	*scene = (loaded_scene){ 0 };
+	gw_status status = read_all(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	scan_points *p = &scene->points;
+	if (scene->cloud.has_scanner)
+		memcpy(p->scanner, scene->cloud.scanner, sizeof p->scanner);
+	p->points = (gw_points){ .count = scene->cloud.count,
+							 .position = p->position,
+							 .normal = p->normal,
+							 .albedo = p->albedo,
+							 .emission = p->emission,
+							 .scanner = scene->cloud.has_scanner ? p->scanner : NULL };
+	return GW_OK;
+}
+
+void loaded_scene_clear(loaded_scene *scene)
+{
+	scan_clear(&scene->cloud);
+	scan_points_clear(&scene->points);
+	free(scene->input);
+	*scene = (loaded_scene){ 0 };
+}
+
+bool loaded_scene_emits(const loaded_scene *scene)
+{
+	const float *emission = scene->points.emission;
+	for (size_t i = 0; emission && i < 3 * scene->cloud.count; i++)
+		if (emission[i] > 0.0f && isfinite(emission[i]))
+			return true;
+	return false;
+}

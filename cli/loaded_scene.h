@@ -1,0 +1,46 @@
+/*
+ * loaded_scene.h - the inputs of a scene, read and joined: what the files hold, and what the light
+ * needs of it.
+ */
+#ifndef LOADED_SCENE_H
+#define LOADED_SCENE_H
+
+#include "format.h"
+#include "settings.h"
+
+/* What one input was. */
+typedef struct loaded_input {
+	const char *path; /* leads into the settings */
+	const format *format;
+	size_t points;
+	char albedo_source[160];
+	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
+	bool lit;            /* glowworm wrote it */
+} loaded_input;
+
+typedef struct loaded_scene {
+	scan cloud;          /* all points, in order; albedo_r albedo_g albedo_b are the colours that
+							came in, or the albedo where none came, sRGB-encoded, uint8 */
+	scan_points points;  /* the same points for the bake */
+	loaded_input *input; /* owned; input_count */
+	size_t input_count;
+	char up; /* 'y' or 'z' */
+} loaded_scene;
+
+/*
+ * Reads settings->input in order and joins them. Each input's colours are taken by themselves, so
+ * that inputs may encode them differently.
+ *   scene   on success owned by the caller, freed with loaded_scene_clear; zeroed on failure
+ *   error   of reading; GW_ERROR_DATA when an input holds no points; GW_ERROR_USAGE when inputs
+ *           disagree about which axis is up; GW_ERROR_CANCELLED
+ */
+gw_status loaded_scene_read(const settings *settings, loaded_scene *scene, gw_error *error);
+void loaded_scene_clear(loaded_scene *scene);
+
+/* True when a point emits light. */
+bool loaded_scene_emits(const loaded_scene *scene);
+
+/* The name for messages: the path, or "standard input". */
+const char *loaded_scene_input_name(const char *path);
+
+#endif

@@ -1,0 +1,90 @@
+/*
+ * glowworm - finds the verb, reads its options, runs it, says what went wrong.
+ */
+#include "exit_code.h"
+#include "nearest_name.h"
+#include "option_text.h"
+#include "signals.h"
+#include "verbs.h"
+
+#include <errno.h>
+#include <string.h>
+
+/* What was printed must have arrived: a full disk or a closed pipe is a failure. */
+static gw_status flush_output(gw_error *error)
+{
+	errno = 0;
+	if (fflush(stdout) == 0 && !ferror(stdout))
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_IO, "standard output cannot be written: %s",
+				   strerror(errno ? errno : EIO));
+}
+
+static gw_status find_verb(const char *word, verb *found, gw_error *error)
+{
+	char hint[NEAREST_NAME_HINT], known[128] = "";
+	const char *name[VERB_COUNT];
+	for (int v = 0; v < VERB_COUNT; v++) {
+		name[v] = verb_name(v);
+		if (strcmp(word, name[v]) == 0) {
+			*found = (verb)v;
+			return GW_OK;
+		}
+		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", v ? ", " : "",
+				 name[v]);
+	}
+	return gw_fail(error, GW_ERROR_USAGE, "there is no verb '%.60s'; there are %s%s", word, known,
+				   nearest_name_hint(hint, word, "", name, VERB_COUNT));
+}
+
+static gw_status run_verb(int count, char **argument, gw_error *error)
+{
+	verb v = VERB_BAKE;
+	gw_status status = find_verb(argument[0], &v, error);
+	if (status != GW_OK)
+		return status;
+	settings s = settings_default();
+	status = options_parse(v, count - 1, argument + 1, &s, error);
+	if (s.help) {
+		option_text_help(v, stdout);
+		status = GW_OK;
+	} else if (status == GW_OK) {
+		status = v == VERB_BAKE ? verb_bake(&s, error) : verb_info(&s, error);
+	}
+	settings_clear(&s);
+	return status;
+}
+
+static gw_status run(int count, char **argument, gw_error *error)
+{
+	if (strcmp(argument[0], "--version") == 0 || strcmp(argument[0], "-V") == 0) {
+		puts("glowworm " GW_VERSION);
+		return GW_OK;
+	}
+	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0) {
+		option_text_usage(stdout);
+		return GW_OK;
+	}
+	if (strcmp(argument[0], "--generate") == 0 && count == 2)
+		return option_text_generate(argument[1], stdout, error);
+	if (argument[0][0] == '-')
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "'%.60s' is no option here; there are --help and --version", argument[0]);
+	return run_verb(count, argument, error);
+}
+
+int main(int count, char **argument)
+{
+	signals_install();
+	if (count < 2) {
+		option_text_usage(stderr);
+		return EXIT_CODE_USAGE;
+	}
+	gw_error error = { 0 };
+	gw_status status = run(count - 1, argument + 1, &error);
+	if (status == GW_OK)
+		status = flush_output(&error);
+	if (status != GW_OK)
+		fprintf(stderr, "glowworm: %s\n", error.text);
+	return exit_code_of(status, signals_pending());
+}

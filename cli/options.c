@@ -1,0 +1,364 @@
+#include "options.h"
+#include "format.h"
+#include "nearest_name.h"
+#include "text_quote.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --------------------------------------------------------------------------------- names */
+
+static const char *method_name(int i)
+{
+	return i < GW_METHOD_COUNT ? gw_method_name((gw_method)i) : NULL;
+}
+
+static const char *shadows_name(int i)
+{
+	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
+}
+
+static const char *gamma_name(int i)
+{
+	static const char *const name[] = { "srgb", "linear", NULL };
+	return name[i];
+}
+
+static const char *up_name(int i)
+{
+	static const char *const name[] = { "auto", "y", "z", NULL };
+	return name[i];
+}
+
+static const char *colors_name(int i)
+{
+	static const char *const name[] = { "preview", "keep", NULL };
+	return name[i];
+}
+
+static const char *progress_name(int i)
+{
+	static const char *const name[] = { "auto", "json", "none", NULL };
+	return name[i];
+}
+
+static const char *field_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_FIELD_DIRECT] = "direct",
+										[SETTINGS_FIELD_INDIRECT] = "indirect",
+										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
+										[SETTINGS_FIELD_ROI] = "roi",
+										[SETTINGS_FIELD_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *format_name(int i)
+{
+	return formats[i] ? formats[i]->name : NULL;
+}
+
+/* -------------------------------------------------------------------------------- the table */
+
+#define AT(member) .offset = offsetof(settings, member)
+#define BAKE .verbs = 1u << VERB_BAKE
+#define INFO .verbs = 1u << VERB_INFO
+#define BOTH .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
+#define QUIETLY .effect = OPTION_LEAVES_POINTS
+#define RANGE(low, high) .minimum = (low), .maximum = (high)
+#define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
+
+static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int),
+			  "choices are stored as int");
+
+const option options[] = {
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(output), .group = "Output",
+	  .help = "write the lit points there; - is standard output. The name's extension chooses the "
+			  "format" },
+	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(force), .group = "Output",
+	  .help = "overwrite files that exist" },
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
+	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
+	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_half), .group = "Output",
+	  .help = "store 16-bit floats in the grids" },
+	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
+	  .help = "write what was done, left out and measured, as JSON" },
+	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
+	  .group = "Output", .help = "more columns for the points, with commas between them" },
+	{ "colors", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(colors), .choice = colors_name,
+	  .group = "Output",
+	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
+	{ "exposure", 0, "EV", OPTION_REAL, BAKE, .scene = true, AT(exposure), RANGE(-100.0, 100.0),
+	  AUTOMATIC(NAN), .group = "Output",
+	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
+
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, BAKE, .group = "Scene",
+	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "albedo", 0, NULL, OPTION_ALBEDO, BAKE, .scene = true, .group = "Scene",
+	  .help = "where the diffuse reflectance comes from" },
+	{ "albedo-scale", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.scale),
+	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
+	{ "albedo-white", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
+	  .group = "Scene", .help = "blend every albedo towards white: rho + X (1 - rho)" },
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(gamma), .choice = gamma_name,
+	  .group = "Scene", .help = "how the input's colours are encoded" },
+	{ "up", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(up), .choice = up_name,
+	  .group = "Scene",
+	  .help = "which axis points up, for suns with azimuth and elevation; auto asks the format" },
+	{ "format", 0, NULL, OPTION_TEXT, BOTH, AT(format), .choice = format_name, .group = "Scene",
+	  .help = "read the inputs as this format, whatever they look like" },
+
+	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
+	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
+	{ "shadows", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.shadows),
+	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
+	{ "depth", 'd', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.depth),
+	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
+	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
+	{ "bounces", 'b', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.bounces), RANGE(0.0, 10000.0),
+	  AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
+	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
+			  "goes on until the rest is below the tolerance" },
+	{ "tolerance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0),
+	  .open = true, .group = "Light",
+	  .help = "share of the light that --bounces auto may leave out" },
+	{ "rays", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
+	  .group = "Light", .help = "gather rays a record, for --method rays" },
+	{ "light-samples", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.light_samples),
+	  RANGE(1.0, 4096.0), .group = "Light",
+	  .help = "samples of the points that emit light, a record" },
+	{ "cones", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
+	  .group = "Light", .help = "gather cones a record, for --method cones" },
+	{ "record-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.record_spacing),
+	  RANGE(0.0, 64.0), .group = "Light",
+	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.shadow_map_size),
+	  RANGE(16.0, 8192.0), .group = "Light",
+	  .help = "texels a side of a shadow map, for --shadows maps" },
+	{ "seed", 0, "N", OPTION_SEED, BAKE, .scene = true, AT(bake.seed), .group = "Light",
+	  .help = "of all random directions" },
+
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, BOTH, .scene = true, AT(bake.threads),
+	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
+	  .help = "of the host; auto is one a core. The result is the same for any number" },
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, BAKE, .scene = true, AT(bake.memory),
+	  AUTOMATIC(0.0), .group = "Machine",
+	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
+			  "what is free" },
+	{ "device", 0, "NAME", OPTION_TEXT, BAKE, .scene = true, AT(bake.device), .group = "Machine",
+	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
+			  "--devices` lists them" },
+	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(bake.validate), .group = "Machine",
+	  .help = "run under Vulkan's validation layer; any message is an error" },
+
+	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
+	  .help = "list the Vulkan devices instead of files" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
+	  .help = "print JSON, one object a line" },
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, BAKE, AT(progress), .choice = progress_name,
+	  .group = "Messages",
+	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
+	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
+	  .help = "say which effects the scene called for, and why" },
+	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(profile), .group = "Messages",
+	  .help = "show time and memory of each stage" },
+	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
+	  .help = "print the scene with all values in effect, as a scene file, and stop" },
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(quiet), .group = "Messages",
+	  .help = "print errors only" },
+	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(verbose), .group = "Messages",
+	  .help = "say what was read, made and written" },
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, BOTH, AT(help), .group = "Messages",
+	  .help = "print this and stop" },
+	{ .name = NULL },
+};
+
+static_assert(sizeof options / sizeof *options <= 64, "settings.given has 64 bits");
+
+const option *option_find(verb v, const char *name, size_t length)
+{
+	for (const option *o = options; o->name; o++)
+		if (o->verbs & 1u << v && strlen(o->name) == length && !strncmp(name, o->name, length))
+			return o;
+	return NULL;
+}
+
+void option_key(const option *o, char key[64])
+{
+	snprintf(key, 64, "%s", o->name);
+	for (char *c = key; *c; c++)
+		if (*c == '-')
+			*c = '_';
+}
+
+const option *option_find_key(const char *key)
+{
+	char own[64];
+	for (const option *o = options; o->name; o++) {
+		option_key(o, own);
+		if (o->scene && strcmp(own, key) == 0)
+			return o;
+	}
+	return NULL;
+}
+
+/* --------------------------------------------------------------------------------- verbs */
+
+const char *verb_name(int v)
+{
+	static const char *const name[] = { "bake", "info", NULL };
+	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
+	return name[v];
+}
+
+const char *verb_summary(verb v)
+{
+	static const char *const summary[] = { "light a point cloud",
+										   "say what is in a point cloud, or list devices" };
+	return summary[v];
+}
+
+const char *verb_synopsis(verb v)
+{
+	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
+											"info FILE... [--json] | info --devices [--json]" };
+	return synopsis[v];
+}
+
+/* ------------------------------------------------------------------------------- parsing */
+
+typedef struct parser {
+	verb verb;
+	int count, next;
+	char *const *argument;
+	settings *settings;
+	FILE *command;
+	gw_error *error;
+} parser;
+
+static gw_status fail_unknown(const parser *p, const char *word, size_t length)
+{
+	const char *name[64] = { NULL };
+	char hint[NEAREST_NAME_HINT], plain[64], shown[64];
+	size_t count = 0;
+	for (const option *o = options; o->name; o++)
+		if (o->verbs & 1u << p->verb)
+			name[count++] = o->name;
+	snprintf(shown, sizeof shown, "%.*s", (int)(length < 60 ? length : 60), word);
+	snprintf(plain, sizeof plain, "%s", shown + strspn(shown, "-"));
+	nearest_name_hint(hint, plain, "--", name, count);
+	return gw_fail(p->error, GW_ERROR_USAGE, "'%s' is no option of glowworm %s%s%s", shown,
+				   verb_name(p->verb), hint, *hint ? "" : "; --help lists them");
+}
+
+/* Quotes what can change the points, so that a lit file says how to make it again. */
+static void quote(const parser *p, const option *o, const char *value)
+{
+	if (o && o->effect == OPTION_LEAVES_POINTS)
+		return;
+	fputc(' ', p->command);
+	if (o)
+		fprintf(p->command, "--%s", o->name);
+	if (o && value)
+		fputc(' ', p->command);
+	if (value)
+		text_quote(p->command, value);
+}
+
+static gw_status apply(const parser *p, const option *o, const char *value)
+{
+	gw_error reason = { 0 };
+	p->settings->given |= 1ull << (o - options);
+	quote(p, o, o->type == OPTION_FLAG ? NULL : value);
+	gw_status status = option_set(o, p->settings, value, &reason);
+	if (status == GW_OK)
+		return GW_OK;
+	if (o->type == OPTION_LIGHT)
+		return gw_fail(p->error, status, "%s", reason.text);
+	return gw_fail(p->error, status, "--%s %.900s", o->name, reason.text);
+}
+
+/* The value of an option: what is joined to it, or the next argument. */
+static gw_status take(parser *p, const option *o, const char *joined)
+{
+	if (o->type == OPTION_FLAG && joined)
+		return gw_fail(p->error, GW_ERROR_USAGE, "--%s takes no value", o->name);
+	if (o->type == OPTION_FLAG)
+		return apply(p, o, "");
+	if (!joined && p->next == p->count) {
+		char argument[OPTION_VALUE];
+		option_argument(o, argument);
+		return gw_fail(p->error, GW_ERROR_USAGE, "--%s needs a value: --%s %s", o->name, o->name,
+					   argument);
+	}
+	return apply(p, o, joined ? joined : p->argument[p->next++]);
+}
+
+static gw_status take_long(parser *p, const char *word)
+{
+	size_t length = strcspn(word + 2, "=");
+	const option *o = option_find(p->verb, word + 2, length);
+	if (!o)
+		return fail_unknown(p, word, length + 2);
+	return take(p, o, word[2 + length] ? word + length + 3 : NULL);
+}
+
+/* -fq, -oFILE or -o FILE */
+static gw_status take_letters(parser *p, const char *word)
+{
+	gw_status status = GW_OK;
+	for (const char *c = word + 1; *c && status == GW_OK; c++) {
+		const option *o = options;
+		while (o->name && !(o->letter == *c && o->verbs & 1u << p->verb))
+			o++;
+		if (!o->name)
+			return fail_unknown(p, word, strlen(word));
+		status = take(p, o, o->type != OPTION_FLAG && c[1] ? c + 1 : NULL);
+		if (o->type != OPTION_FLAG)
+			break;
+	}
+	return status;
+}
+
+static gw_status take_input(const parser *p, char *word)
+{
+	if (!*word)
+		return gw_fail(p->error, GW_ERROR_USAGE, "an input's name is empty");
+	quote(p, NULL, word);
+	return settings_add_input(p->settings, &(settings_input){ .path = word }, p->error);
+}
+
+static gw_status parse_all(parser *p)
+{
+	gw_status status = GW_OK;
+	bool names_only = false;
+	while (status == GW_OK && p->next < p->count) {
+		char *word = p->argument[p->next++];
+		if (names_only || word[0] != '-' || !word[1])
+			status = take_input(p, word);
+		else if (strcmp(word, "--") == 0)
+			names_only = true;
+		else if (word[1] == '-')
+			status = take_long(p, word);
+		else
+			status = take_letters(p, word);
+	}
+	return status;
+}
+
+gw_status options_parse(verb v, int count, char *const *argument, settings *s, gw_error *error)
+{
+	size_t length;
+	FILE *command = open_memstream(&s->command, &length);
+	if (!command)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the command line");
+	fprintf(command, "glowworm %s", verb_name(v));
+	parser p = { v, count, 0, argument, s, command, error };
+	gw_status status = parse_all(&p);
+	if (fclose(command) != 0 && status == GW_OK)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the command line");
+	return status;
+}

@@ -1,0 +1,472 @@
+#include "scene_file.h"
+#include "input_file.h"
+#include "json_place.h"
+#include "nearest_name.h"
+#include "number_text.h"
+#include "options.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+#include <strings.h>
+
+/* A scene is a few hundred lines; more than this is some other file. */
+#define SCENE_BYTES_MAX ((size_t)64 << 20)
+
+/* What is being read, and where in it we are. */
+typedef struct reader {
+	const char *path;
+	const input_file *in;
+	settings *settings;
+	json_step step[8];
+	size_t depth;
+	gw_error *error;
+} reader;
+
+bool scene_is_file(const char *path)
+{
+	size_t length = strlen(path);
+	return length > 5 && strcasecmp(path + length - 5, ".json") == 0;
+}
+
+/* ------------------------------------------------------------------------------- messages */
+
+static gw_status fail_here(const reader *r, const char *form, ...)
+	__attribute__((format(printf, 2, 3)));
+
+/* File and line, the way to the value ("lights[1].radius"), and the sentence. */
+static gw_status fail_here(const reader *r, const char *form, ...)
+{
+	char way[256] = "", sentence[700];
+	for (size_t i = 0; i < r->depth; i++) {
+		size_t used = strlen(way);
+		if (r->step[i].key)
+			snprintf(way + used, sizeof way - used, "%s%.60s", i ? "." : "", r->step[i].key);
+		else
+			snprintf(way + used, sizeof way - used, "[%zu]", r->step[i].index);
+	}
+	va_list arguments;
+	va_start(arguments, form);
+	vsnprintf(sentence, sizeof sentence, form, arguments);
+	va_end(arguments);
+	size_t line = json_place_line((const char *)r->in->data, r->in->length, r->step, r->depth);
+	return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: %s%s%s", r->path, line, way,
+				   *way ? ": " : "", sentence);
+}
+
+static void enter_key(reader *r, const char *key)
+{
+	r->step[r->depth++] = (json_step){ .key = key };
+}
+
+static void enter_index(reader *r, size_t index)
+{
+	r->step[r->depth++] = (json_step){ .index = index };
+}
+
+static void leave(reader *r)
+{
+	r->depth--;
+}
+
+static gw_status fail_key(const reader *r, const char *const *name, size_t count)
+{
+	char known[512] = "", hint[NEAREST_NAME_HINT];
+	const char *key = r->step[r->depth - 1].key;
+	for (size_t i = 0; i < count; i++)
+		if (name[i])
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s",
+					 *known ? ", " : "", name[i]);
+	nearest_name_hint(hint, key, "", name, count);
+	return fail_here(r, "there is no such key; there are %s%s", known, hint);
+}
+
+/* --------------------------------------------------------------------------------- values */
+
+/* An array of numbers, or where one is allowed a single number. */
+static gw_status take_numbers(const reader *r, json_t *value, double *to, size_t most,
+							  bool one_allowed, size_t *count)
+{
+	bool one = json_is_number(value) && one_allowed;
+	if (one)
+		to[0] = json_number_value(value);
+	*count = one ? 1 : json_array_size(value);
+	bool good = one || (json_is_array(value) && *count == most && most > 1);
+	for (size_t i = 0; i < *count && good && !one; i++) {
+		good = json_is_number(json_array_get(value, i));
+		to[i] = json_number_value(json_array_get(value, i));
+	}
+	if (good)
+		return GW_OK;
+	if (most == 1)
+		return fail_here(r, "a number is needed");
+	return fail_here(r, "an array of %zu numbers%s is needed", most,
+					 one_allowed ? ", or one number," : "");
+}
+
+static gw_status take_color(const reader *r, json_t *value, double most, float color[3])
+{
+	double v[3];
+	size_t count;
+	gw_status status = take_numbers(r, value, v, 3, true, &count);
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		double number = v[count == 3 ? k : 0];
+		color[k] = (float)number;
+		if (!(number >= 0.0 && number <= most && isfinite(color[k])))
+			status = isinf(most) ? fail_here(r, "it must be 0 or more")
+								 : fail_here(r, "it must be 0 to %g", most);
+	}
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- inputs */
+
+static gw_status take_matrix(const reader *r, json_t *value, double m[16])
+{
+	size_t count;
+	gw_status status = take_numbers(r, value, m, 16, false, &count);
+	if (status != GW_OK)
+		return status;
+	double determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+						 m[2] * (m[4] * m[9] - m[5] * m[8]);
+	if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0)
+		return fail_here(r, "the last row must be 0, 0, 0, 1; rows come one after the other");
+	if (determinant == 0.0 || !isfinite(determinant))
+		return fail_here(r, "this matrix has no inverse");
+	return GW_OK;
+}
+
+/* A path counts from the scene file's folder; "-" is standard input. */
+static gw_status take_path(const reader *r, json_t *value, char **path)
+{
+	const char *name = json_string_value(value);
+	if (!name || !*name)
+		return fail_here(r, "the name of a file is needed");
+	if (strlen(name) != json_string_length(value))
+		return fail_here(r, "a name cannot hold a zero");
+	const char *slash = strrchr(r->path, '/');
+	bool own = *name == '/' || strcmp(name, "-") == 0 || !slash;
+	free(*path);
+	if (asprintf(path, "%.*s%s", own ? 0 : (int)(slash - r->path) + 1, r->path, name) < 0) {
+		*path = NULL;
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
+	}
+	return GW_OK;
+}
+
+static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
+{
+	static const char *const name[] = { "file", "matrix", "emission", "albedo" };
+	if (strcmp(key, "file") == 0)
+		return take_path(r, value, &input->path);
+	if (strcmp(key, "matrix") == 0) {
+		input->has_matrix = true;
+		return take_matrix(r, value, input->matrix);
+	}
+	if (strcmp(key, "emission") == 0) {
+		input->has_emission = true;
+		return take_color(r, value, HUGE_VAL, input->emission);
+	}
+	if (strcmp(key, "albedo") == 0) {
+		input->has_albedo = true;
+		return take_color(r, value, 1.0, input->albedo);
+	}
+	return fail_key(r, name, sizeof name / sizeof *name);
+}
+
+static gw_status take_input(reader *r, json_t *object)
+{
+	settings_input input = { 0 };
+	gw_status status = GW_OK;
+	const char *key;
+	json_t *value;
+	if (!json_is_object(object))
+		return fail_here(r, "an input is an object with \"file\"");
+	json_object_foreach(object, key, value)
+	{
+		enter_key(r, key);
+		if (status == GW_OK)
+			status = take_input_key(r, key, value, &input);
+		leave(r);
+	}
+	if (status == GW_OK && !input.path)
+		status = fail_here(r, "an input needs 'file'");
+	if (status == GW_OK)
+		status = settings_add_input(r->settings, &input, r->error);
+	free(input.path);
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- lights */
+
+static gw_status fail_light_key(const reader *r, gw_light_type type, const char *key)
+{
+	const char *name[LIGHT_KEY_COUNT + 1] = { [LIGHT_KEY_COUNT] = "type" };
+	bool sky = type == GW_LIGHT_ENVIRONMENT;
+	if (sky && (strcmp(key, "file") == 0 || strcmp(key, "up") == 0))
+		return fail_here(r,
+						 "maps of the sky cannot be read by this version; give 'radiance', which "
+						 "is the same from everywhere");
+	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
+		if (light_keys[k].types & 1u << type)
+			name[k] = light_keys[k].name;
+	return fail_key(r, name, LIGHT_KEY_COUNT + 1);
+}
+
+static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
+								unsigned *given)
+{
+	int id = 0;
+	while (id < LIGHT_KEY_COUNT && !(light_keys[id].types & 1u << light->light.type &&
+									 light_keys[id].name && strcmp(key, light_keys[id].name) == 0))
+		id++;
+	if (id == LIGHT_KEY_COUNT)
+		return fail_light_key(r, light->light.type, key);
+	*given |= 1u << id;
+	if (id == LIGHT_KEY_NAME) {
+		const char *name = json_string_value(value);
+		if (!name || strlen(name) >= sizeof light->light.name)
+			return fail_here(r, "a text of at most 63 bytes is needed");
+		strcpy(light->light.name, name);
+		return GW_OK;
+	}
+	double v[3] = { 0 };
+	size_t count, most = light_keys[id].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	bool one = light_keys[id].value != LIGHT_VALUE_VECTOR;
+	gw_status status = take_numbers(r, value, v, most, one, &count);
+	gw_error reason = { 0 };
+	if (status == GW_OK && light_set(light, (light_key_id)id, v, count, &reason) != GW_OK)
+		status = fail_here(r, "%.600s", reason.text);
+	return status;
+}
+
+static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
+{
+	const char *word = json_string_value(json_object_get(object, "type"));
+	char known[128], hint[NEAREST_NAME_HINT];
+	const char *name[GW_LIGHT_TYPE_COUNT];
+	for (int t = 0; t < GW_LIGHT_TYPE_COUNT; t++)
+		name[t] = gw_light_type_name((gw_light_type)t);
+	light_list_types(known, sizeof known);
+	*type = word ? light_type_by_name(word) : GW_LIGHT_TYPE_COUNT;
+	if (!word)
+		return fail_here(r, "a light needs 'type': %s", known);
+	if (*type != GW_LIGHT_TYPE_COUNT)
+		return GW_OK;
+	enter_key(r, "type");
+	gw_status status = fail_here(r, "there is no light '%.60s'; there are %s%s", word, known,
+								 nearest_name_hint(hint, word, "", name, GW_LIGHT_TYPE_COUNT));
+	leave(r);
+	return status;
+}
+
+static gw_status take_light(reader *r, json_t *object)
+{
+	gw_light_type type;
+	if (!json_is_object(object))
+		return fail_here(r, "a light is an object with \"type\"");
+	gw_status status = find_light_type(r, object, &type);
+	if (status != GW_OK)
+		return status;
+	lamp light = light_default(type);
+	unsigned given = 0;
+	const char *key;
+	json_t *value;
+	json_object_foreach(object, key, value)
+	{
+		enter_key(r, key);
+		if (status == GW_OK && strcmp(key, "type") != 0)
+			status = take_light_key(r, key, value, &light, &given);
+		leave(r);
+	}
+	gw_error reason = { 0 };
+	if (status == GW_OK && light_check(&light, given, true, &reason) != GW_OK)
+		status = fail_here(r, "%.600s", reason.text);
+	if (status == GW_OK)
+		status = settings_add_light(r->settings, &light, r->error);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ bake */
+
+static gw_status fail_bake_key(const reader *r)
+{
+	char key[64][64];
+	const char *name[64];
+	size_t count = 0;
+	for (const option *o = options; o->name; o++)
+		if (o->scene) {
+			option_key(o, key[count]);
+			name[count] = key[count];
+			count++;
+		}
+	return fail_key(r, name, count);
+}
+
+/* The value as the text that the option takes. */
+static bool value_text(json_t *value, char text[OPTION_VALUE])
+{
+	if (json_is_string(value))
+		return (size_t)snprintf(text, OPTION_VALUE, "%s", json_string_value(value)) < OPTION_VALUE;
+	if (json_is_integer(value))
+		snprintf(text, OPTION_VALUE, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+	else if (json_is_real(value))
+		number_print(text, json_real_value(value));
+	return json_is_number(value);
+}
+
+/* What the command line says wins, but the scene still has to make sense. */
+static gw_status take_bake_key(const reader *r, const char *key, json_t *value)
+{
+	char text[OPTION_VALUE];
+	const option *o = option_find_key(key);
+	if (!o)
+		return fail_bake_key(r);
+	if (!value_text(value, text))
+		return fail_here(r, "a number or a short text is needed");
+	settings unused = settings_default();
+	bool given = r->settings->given & 1ull << (o - options);
+	gw_error reason = { 0 };
+	gw_status status = option_set(o, given ? &unused : r->settings, text, &reason);
+	settings_clear(&unused);
+	return status == GW_OK ? GW_OK : fail_here(r, "it %.600s", reason.text);
+}
+
+static gw_status take_bake(reader *r, json_t *object)
+{
+	gw_status status = GW_OK;
+	const char *key;
+	json_t *value;
+	if (!json_is_object(object))
+		return fail_here(r, "an object is needed");
+	json_object_foreach(object, key, value)
+	{
+		enter_key(r, key);
+		if (status == GW_OK)
+			status = take_bake_key(r, key, value);
+		leave(r);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- the scene */
+
+static gw_status take_units(const reader *r, json_t *value)
+{
+	const char *units = json_string_value(value);
+	if (units && strcmp(units, "radiometric") == 0)
+		r->settings->units = 0;
+	else if (units && strcmp(units, "photometric") == 0)
+		r->settings->units = 1;
+	else
+		return fail_here(r, "it must be \"radiometric\" or \"photometric\"");
+	return GW_OK;
+}
+
+static gw_status take_list(reader *r, json_t *list, gw_status (*take)(reader *, json_t *))
+{
+	gw_status status = GW_OK;
+	if (!json_is_array(list))
+		return fail_here(r, "an array is needed");
+	for (size_t i = 0; i < json_array_size(list) && status == GW_OK; i++) {
+		enter_index(r, i);
+		status = take(r, json_array_get(list, i));
+		leave(r);
+	}
+	return status;
+}
+
+static gw_status take_member(reader *r, const char *key, json_t *value)
+{
+	static const char *const name[] = { "version", "units", "inputs", "lights", "bake" };
+	if (strcmp(key, "version") == 0)
+		return json_integer_value(value) == 1 ? GW_OK
+											  : fail_here(r, "this program reads version 1 only");
+	if (strcmp(key, "units") == 0)
+		return take_units(r, value);
+	if (strcmp(key, "inputs") == 0)
+		return take_list(r, value, take_input);
+	if (strcmp(key, "lights") == 0)
+		return take_list(r, value, take_light);
+	if (strcmp(key, "bake") == 0)
+		return take_bake(r, value);
+	return fail_key(r, name, sizeof name / sizeof *name);
+}
+
+static gw_status take_scene(reader *r, json_t *root)
+{
+	gw_status status = GW_OK;
+	const char *key;
+	json_t *value;
+	if (!json_is_object(root))
+		return fail_here(r, "a scene is an object");
+	if (!json_object_get(root, "version"))
+		return fail_here(r, "a scene begins with \"version\": 1");
+	json_object_foreach(root, key, value)
+	{
+		enter_key(r, key);
+		if (status == GW_OK)
+			status = take_member(r, key, value);
+		leave(r);
+	}
+	return status;
+}
+
+static gw_status parse(reader *r)
+{
+	json_error_t problem;
+	if (r->in->length > SCENE_BYTES_MAX)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s has %zu bytes; that is no scene file", r->path,
+					   r->in->length);
+	/* jansson refuses what is nested more than 2048 deep. */
+	json_t *root =
+		json_loadb((const char *)r->in->data, r->in->length, JSON_REJECT_DUPLICATES, &problem);
+	if (!root)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %d, column %d: %s", r->path, problem.line,
+					   problem.column, problem.text);
+	gw_status status = take_scene(r, root);
+	json_decref(root);
+	return status;
+}
+
+/* Moves the last count entries of a table with total ones to place `to`. */
+static gw_status move_last(void *table, size_t size, size_t total, size_t count, size_t to,
+						   gw_error *error)
+{
+	char *base = table, *kept = malloc(count * size + 1);
+	if (!kept)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to join two lists");
+	if (count > 0) {
+		memcpy(kept, base + (total - count) * size, count * size);
+		memmove(base + (to + count) * size, base + to * size, (total - count - to) * size);
+		memcpy(base + to * size, kept, count * size);
+	}
+	free(kept);
+	return GW_OK;
+}
+
+gw_status scene_read(const char *path, size_t index, settings *s, gw_error *error)
+{
+	input_file in;
+	gw_status status = input_file_open(&in, path, error);
+	if (status != GW_OK)
+		return status;
+	size_t inputs = s->input_count, lights = s->light_count;
+	reader r = { .path = path, .in = &in, .settings = s, .error = error };
+	status = parse(&r);
+	input_file_close(&in);
+	if (status == GW_OK)
+		status = move_last(s->input, sizeof *s->input, s->input_count, s->input_count - inputs,
+						   index + 1, error);
+	if (status == GW_OK && s->light_count > 0)
+		status = move_last(s->light, sizeof *s->light, s->light_count, s->light_count - lights, 0,
+						   error);
+	if (status != GW_OK)
+		return status;
+	free(s->input[index].path);
+	memmove(&s->input[index], &s->input[index + 1],
+			(s->input_count - index - 1) * sizeof *s->input);
+	s->input_count--;
+	return GW_OK;
+}

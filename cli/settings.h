@@ -1,0 +1,79 @@
+/*
+ * settings.h - everything that options and scene file say: what to light, how, and where to put it.
+ */
+#ifndef SETTINGS_H
+#define SETTINGS_H
+
+#include "light_text.h"
+#include "scan.h"
+
+typedef enum verb {
+	VERB_BAKE,
+	VERB_INFO,
+	VERB_COUNT,
+} verb;
+
+/* One input of the scene. */
+typedef struct settings_input {
+	char *path; /* owned; "-" is standard input */
+	bool has_matrix;
+	double matrix[16]; /* row-major; from the file's coordinates to the scene's */
+	bool has_emission;
+	float emission[3];
+	bool has_albedo;
+	float albedo[3]; /* linear */
+} settings_input;
+
+typedef enum settings_up {
+	SETTINGS_UP_AUTO,
+	SETTINGS_UP_Y,
+	SETTINGS_UP_Z,
+	SETTINGS_UP_COUNT
+} settings_up;
+
+typedef enum settings_progress {
+	SETTINGS_PROGRESS_AUTO,
+	SETTINGS_PROGRESS_JSON,
+	SETTINGS_PROGRESS_NONE,
+	SETTINGS_PROGRESS_COUNT
+} settings_progress;
+
+/* Columns that are written on request. */
+typedef enum settings_field {
+	SETTINGS_FIELD_DIRECT,     /* irradiance straight from lights, emitters and sky */
+	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
+	SETTINGS_FIELD_IRRADIANCE, /* both together */
+	SETTINGS_FIELD_ROI,        /* side of the region of influence */
+	SETTINGS_FIELD_COUNT
+} settings_field;
+
+typedef struct settings {
+	gw_bake_options bake;
+	scan_points_options points;
+	settings_input *input; /* owned; input_count */
+	size_t input_count;
+	lamp *light; /* owned; light_count */
+	size_t light_count;
+	int units;                       /* 0 radiometric, 1 photometric */
+	int up, colors, gamma, progress; /* values of enums and choices */
+	uint32_t fields;                 /* 1 << settings_field */
+	float exposure;                  /* EV; NAN: from the picture */
+	const char *output, *vdb, *report, *format;
+	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
+	uint64_t given; /* 1 << index in options[] for each that the command line has */
+	char *command;  /* owned; the command line, without what cannot change the points */
+	char **text;    /* owned; text_count strings that others point to */
+	size_t text_count;
+} settings;
+
+settings settings_default(void);
+void settings_clear(settings *settings);
+
+/* Adds an input or a light; copies. */
+gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
+gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Keeps a copy of a text until settings_clear; NULL when memory is short. */
+const char *settings_keep(settings *settings, const char *text, gw_error *error);
+
+#endif

@@ -1,0 +1,17 @@
+/*
+ * signals.h - being asked to stop.
+ *
+ * The first SIGINT or SIGTERM asks; the work stops at its next step and cleans up. The second one
+ * removes temporary files and ends the process at once. SIGPIPE and SIGXFSZ are ignored, so that a
+ * closed pipe is a failed write like a full disk.
+ */
+#ifndef SIGNALS_H
+#define SIGNALS_H
+
+/* Installs the handlers, and opens /dev/null where one of the three standard streams is closed. */
+void signals_install(void);
+
+/* The signal that asked to stop, or 0. */
+int signals_pending(void);
+
+#endif

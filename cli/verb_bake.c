@@ -1,0 +1,341 @@
+#include "verbs.h"
+#include "bake_report.h"
+#include "lit_scan.h"
+#include "progress.h"
+#include "scene_file.h"
+#include "signals.h"
+#include "vdb_grids.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* All that lives as long as one bake. */
+typedef struct bake {
+	settings *settings;
+	const format *format; /* of the output */
+	output_file *output, *report;
+	loaded_scene scene;
+	gw_light *light;
+	gw_bake_result *result;
+	scan lit;
+	progress progress;
+	bake_facts facts;
+	gw_error *error;
+} bake;
+
+static double now(void)
+{
+	struct timespec time;
+	clock_gettime(CLOCK_MONOTONIC, &time);
+	return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+/* ------------------------------------------------------------------------- before reading */
+
+static gw_status read_scenes(settings *s, gw_error *error)
+{
+	bool any = false;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (!scene_is_file(s->input[i].path))
+			continue;
+		if (any)
+			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
+						   s->input[i].path);
+		any = true;
+		char *path = strdup(s->input[i].path);
+		if (!path)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
+		size_t before = s->input_count;
+		gw_status status = scene_read(path, i, s, error);
+		free(path);
+		if (status != GW_OK)
+			return status;
+		i += s->input_count - before;
+	}
+	return GW_OK;
+}
+
+/* Input from a pipe can be read once, and standard output can be written once. */
+static gw_status check_streams(const settings *s, gw_error *error)
+{
+	int from = 0, to = 0;
+	for (size_t i = 0; i < s->input_count; i++)
+		from += strcmp(s->input[i].path, "-") == 0;
+	const char *const out[] = { s->output, s->vdb, s->report };
+	for (size_t i = 0; i < 3; i++)
+		to += out[i] && strcmp(out[i], "-") == 0;
+	if (from > 1)
+		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
+					   from);
+	if (to > 1)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output can hold one of --output, --vdb and --report, not %d", to);
+	bool binary =
+		(s->output && strcmp(s->output, "-") == 0) || (s->vdb && strcmp(s->vdb, "-") == 0);
+	if (binary && isatty(STDOUT_FILENO))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	return GW_OK;
+}
+
+static bool same_file(const char *a, const char *b)
+{
+	struct stat one, other;
+	return stat(a, &one) == 0 && stat(b, &other) == 0 && S_ISREG(one.st_mode) &&
+		   one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+static gw_status check_names(const settings *s, gw_error *error)
+{
+	const char *const out[] = { s->output, s->vdb, s->report };
+	for (size_t k = 0; k < 3; k++) {
+		for (size_t i = 0; out[k] && i < s->input_count; i++)
+			if (same_file(out[k], s->input[i].path))
+				return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name",
+							   out[k]);
+		for (size_t j = 0; out[k] && j < k; j++)
+			if (out[j] && strcmp(out[j], out[k]) == 0 && strcmp(out[k], "-") != 0)
+				return gw_fail(error, GW_ERROR_USAGE, "two outputs are called %s", out[k]);
+	}
+	return GW_OK;
+}
+
+static gw_status choose_format(bake *b)
+{
+	const char *path = b->settings->output;
+	if (!path)
+		return GW_OK;
+	struct stat info;
+	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	b->format = format_by_path(path);
+	if (!b->format && stream)
+		b->format = format_by_name("ply");
+	if (b->format && b->format->write)
+		return GW_OK;
+	char known[256] = "";
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->write)
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s.%s",
+					 *known ? ", " : "", formats[f]->extensions[0]);
+	return gw_fail(b->error, GW_ERROR_USAGE,
+				   "%s: the name must end in a format that can be written: %s", path, known);
+}
+
+static gw_status check(bake *b)
+{
+	const settings *s = b->settings;
+	if (s->input_count == 0)
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "what to light? Name an input, or - for standard input");
+	if (s->print_scene)
+		return GW_OK;
+	if (!s->output && !s->vdb && !s->report)
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "where to write? Give -o FILE, or -o - for standard output");
+	if (s->vdb_half && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
+	gw_status status = check_streams(s, b->error);
+	if (status == GW_OK)
+		status = check_names(s, b->error);
+	return status == GW_OK ? choose_format(b) : status;
+}
+
+/* Before hours of work it has to be clear that the results can be put down. */
+static gw_status open_outputs(bake *b)
+{
+	const settings *s = b->settings;
+	gw_status status = GW_OK;
+	if (s->output)
+		status = output_file_create(&b->output, s->output, s->force, b->error);
+	if (status == GW_OK && s->report)
+		status = output_file_create(&b->report, s->report, s->force, b->error);
+	struct stat info;
+	bool stream = s->vdb && (strcmp(s->vdb, "-") == 0 ||
+							 (stat(s->vdb, &info) == 0 && !S_ISREG(info.st_mode)));
+	if (status == GW_OK && s->vdb && !stream) {
+		output_file *probe;
+		status = output_file_create(&probe, s->vdb, s->force, b->error);
+		if (status == GW_OK)
+			output_file_abandon(&probe);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- the bake */
+
+static gw_status resolve_lights(bake *b)
+{
+	settings *s = b->settings;
+	b->light = calloc(s->light_count ? s->light_count : 1, sizeof *b->light);
+	if (!b->light)
+		return gw_fail(b->error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	for (size_t i = 0; i < s->light_count; i++) {
+		light_resolve(&s->light[i], b->scene.up);
+		b->light[i] = s->light[i].light;
+	}
+	if (s->light_count == 0 && s->bake.bounces != 0 && !loaded_scene_emits(&b->scene))
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "nothing here gives light: there is no --light, and no point has emission; "
+					   "try --light 'sky radiance 1'");
+	return GW_OK;
+}
+
+static void note_inputs(const bake *b)
+{
+	for (size_t i = 0; i < b->scene.input_count && !b->settings->quiet; i++)
+		if (b->scene.input[i].albedo_missing)
+			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
+					loaded_scene_input_name(b->scene.input[i].path),
+					b->scene.input[i].albedo_source);
+}
+
+static gw_status read_inputs(bake *b)
+{
+	double start = now();
+	progress_show(&b->progress, "read", 0.0);
+	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
+	progress_clear(&b->progress);
+	if (status == GW_OK)
+		note_inputs(b);
+	b->facts.read_seconds = now() - start;
+	return status;
+}
+
+static void on_progress(void *user, const char *stage, double done)
+{
+	progress_show(user, stage, done);
+}
+
+static bool on_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static gw_status light_points(bake *b)
+{
+	double start = now();
+	gw_bake_options options = b->settings->bake;
+	options.voxels = b->settings->vdb != NULL;
+	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
+	gw_status status = gw_bake(&b->scene.points.points, b->light, b->settings->light_count,
+							   &options, &callbacks, &b->result, b->error);
+	progress_clear(&b->progress);
+	b->facts.bake_seconds = now() - start;
+	b->facts.result = b->result;
+	return status;
+}
+
+/* -------------------------------------------------------------------------------- results */
+
+static gw_status write_grids(bake *b)
+{
+	const settings *s = b->settings;
+	const vdb_text text[] = {
+		{ "creator", "glowworm " GW_VERSION },
+		{ "command", s->command },
+		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
+	};
+	vdb_metadata metadata = { .text = text,
+							  .text_count = sizeof text / sizeof *text,
+							  .half = s->vdb_half,
+							  .memory = s->bake.memory,
+							  .clamped = &b->facts.vdb_clamped };
+	return vdb_write(s->vdb, s->force, &b->result->voxels, &metadata, b->error);
+}
+
+static gw_status stopped(const bake *b)
+{
+	return signals_pending() ? gw_fail(b->error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+}
+
+static gw_status write_results(bake *b)
+{
+	double start = now();
+	progress_show(&b->progress, "write", 1.0);
+	gw_status status =
+		lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error);
+	if (status == GW_OK && b->output)
+		status = b->format->write(b->output, &b->lit, b->error);
+	if (status == GW_OK && b->settings->vdb)
+		status = write_grids(b);
+	if (status == GW_OK)
+		status = stopped(b);
+	if (status == GW_OK && b->output)
+		status = output_file_commit(&b->output, b->error);
+	b->facts.write_seconds = now() - start;
+	if (status == GW_OK && b->report)
+		status = bake_report_write(&b->facts, b->report, b->error);
+	if (status == GW_OK && b->report)
+		status = output_file_commit(&b->report, b->error);
+	progress_end(&b->progress);
+	return status;
+}
+
+static gw_status print_scene(bake *b)
+{
+	settings *s = b->settings;
+	char up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	bool ask = false;
+	for (size_t i = 0; i < s->light_count; i++)
+		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);
+	if (ask) {
+		gw_status status = read_inputs(b);
+		if (status != GW_OK)
+			return status;
+		up = b->scene.up;
+	}
+	for (size_t i = 0; i < s->light_count; i++)
+		light_resolve(&s->light[i], up);
+	scene_write(stdout, s);
+	return GW_OK;
+}
+
+static gw_status run(bake *b)
+{
+	gw_status status = read_scenes(b->settings, b->error);
+	if (status == GW_OK)
+		status = check(b);
+	if (status == GW_OK && b->settings->print_scene)
+		return print_scene(b);
+	if (status == GW_OK)
+		status = open_outputs(b);
+	if (status == GW_OK)
+		status = read_inputs(b);
+	if (status == GW_OK)
+		status = resolve_lights(b);
+	if (status == GW_OK)
+		status = light_points(b);
+	if (status == GW_OK)
+		status = write_results(b);
+	return status;
+}
+
+gw_status verb_bake(settings *s, gw_error *error)
+{
+	bake b = { .settings = s,
+			   .progress = progress_start((settings_progress)s->progress, s->quiet),
+			   .error = error };
+	b.facts = (bake_facts){ .settings = s, .scene = &b.scene };
+	gw_status status = run(&b);
+	progress_end(&b.progress);
+	if (status == GW_OK && b.result && !s->quiet)
+		bake_report_notes(&b.facts);
+	if (status == GW_OK && b.result && s->verbose)
+		bake_report_summary(&b.facts);
+	if (status == GW_OK && b.result && s->explain)
+		bake_report_explain(&b.result->report);
+	if (status == GW_OK && b.result && s->profile)
+		bake_report_profile(&b.result->report);
+	output_file_abandon(&b.output);
+	output_file_abandon(&b.report);
+	gw_bake_result_destroy(&b.result);
+	loaded_scene_clear(&b.scene);
+	scan_clear(&b.lit);
+	free(b.light);
+	return status;
+}

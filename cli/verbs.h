@@ -1,0 +1,16 @@
+/*
+ * verbs.h - what the program does, one function a verb. Each prints what it has to, and returns how
+ * it went; the caller prints the error.
+ */
+#ifndef VERBS_H
+#define VERBS_H
+
+#include "settings.h"
+
+/* Reads, lights, writes. Changes the settings: reads scene files into them. */
+gw_status verb_bake(settings *settings, gw_error *error);
+
+/* Prints what is in files, or lists the devices, to standard output. */
+gw_status verb_info(const settings *settings, gw_error *error);
+
+#endif
