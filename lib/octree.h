@@ -37,6 +37,7 @@ typedef struct gw_octree {
 	uint32_t tile_count;        /* non-leaf tiles of all levels, with border tiles */
 	uint32_t border_tile_count; /* of both kinds */
 	uint32_t fragment_count;
+	uint64_t discs_clamped;     /* surfels whose disc was cut to a radius of 16 leaf cells */
 	uint32_t tile_first[GW_DEPTH_MAX + 2]; /* tiles of level l (whose nodes are of level l) are
 	                                          tile_first[l] .. tile_first[l + 1] - 1; l = 1..depth - 1 */
 

@@ -1,0 +1,113 @@
+/*
+ * octree_steps.h - the steps of building an octree, in the order of octree.c:
+ *
+ *   octree_fragments.c  surfels to the device; fragments, sorted by leaf
+ *   octree_tiles.c      leaves, tiles of all levels with border tiles, pointers
+ *   octree_leaves.c     what lies in each leaf; the directory of rays
+ *
+ * Only these files include it. Every step frees what it took beyond its results when it succeeds;
+ * gw_octree_build frees the rest when one fails.
+ */
+#ifndef OCTREE_STEPS_H
+#define OCTREE_STEPS_H
+
+#include "octree.h"
+#include "octree_layout.h"
+#include "named_pass.h"
+#include "radix_sort.h"
+
+/* Passes of the build, made when first used. */
+typedef enum gw_octree_pass {
+	GW_OCTREE_FRAGMENTS,
+	GW_OCTREE_GATHER,
+	GW_OCTREE_MARK,
+	GW_OCTREE_UNIQUE,
+	GW_OCTREE_PARENTS,
+	GW_OCTREE_BORDER,
+	GW_OCTREE_LINK,
+	GW_OCTREE_LEAF_TILES,
+	GW_OCTREE_SEED,
+	GW_OCTREE_LOBES,
+	GW_OCTREE_FINISH,
+	GW_OCTREE_DISTANCE,
+	GW_OCTREE_PASSES,
+} gw_octree_pass;
+
+/* A build on its way. */
+typedef struct gw_octree_work {
+	gw_gpu *gpu;
+	const gw_surfels *surfels;
+	gw_octree *octree;
+	gw_pass *pass[GW_OCTREE_PASSES];
+	gw_radix_sort sort;
+
+	/* Of surfels, only while building. */
+	gw_buffer surfel_disc;     /* R32G32B32A32_SFLOAT: radius, area, direction of the first clip */
+	gw_buffer surfel_clip;     /* likewise: distance of the first clip, second clip */
+	gw_buffer surfel_albedo;   /* likewise: rgb, 0 */
+	gw_buffer surfel_emission; /* likewise; one texel when nothing emits */
+	gw_buffer surfel_offset;   /* count or first of its fragments */
+	gw_buffer surfel_samples;  /* of its disc, that count */
+
+	/* Of fragments, first in the order of surfels, then sorted. */
+	gw_sort_list keys;
+	gw_buffer unsorted_surfel, unsorted_weight, unsorted_centroid;
+	gw_buffer fragment_centroid; /* R32_UINT: three times 10 bits, place in the leaf */
+
+	/* Keys, R32G32_UINT, by level of the cells. At level depth, cells are leaves. */
+	gw_buffer real[GW_DEPTH_MAX + 1];   /* cells that hold leaves, or are some */
+	uint32_t real_count[GW_DEPTH_MAX + 1];
+	gw_buffer parent[GW_DEPTH_MAX + 1]; /* cells whose children are a tile, with border tiles */
+	uint32_t parent_count[GW_DEPTH_MAX + 1];
+
+	gw_buffer marks;              /* scratch of gw_octree_unique */
+	gw_buffer first;              /* first element of each distinct key, its result */
+	gw_sort_list list;            /* scratch of a level's tiles */
+	gw_buffer seed;               /* of each leaf's reduction */
+	gw_buffer ray_mark, distance; /* one word for each cell of the directory's level */
+} gw_octree_work;
+
+/* Runs a pass, made if need be. */
+gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
+                        const void *push, uint64_t count, gw_error *error);
+
+/* Bindings: a whole buffer, or a window of `stride` bytes an element. */
+#define GW_WHOLE(address) ((gw_binding){ .buffer = (address) })
+#define GW_WINDOW(address, bytes) ((gw_binding){ .buffer = (address), .stride = (bytes) })
+
+/* Allocates a texel buffer. */
+gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
+                           gw_buffer *buffer, gw_error *error);
+
+/*
+ * Picks the cube and uploads the surfels: fills depth to directory_level, surfel_position,
+ * surfel_normal and discs_clamped of the octree, and the surfel_ buffers of the work.
+ */
+gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
+
+/* Frees what gw_octree_upload made. */
+void gw_octree_forget_upload(gw_octree_work *work);
+
+/* Counts the fragments of each surfel; *total may be 2^32 or more. */
+gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error);
+
+/* Writes and sorts the fragments: keys, fragment_surfel, fragment_weight, fragment_centroid. */
+gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error);
+
+/*
+ * Distinct keys of a sorted list.
+ *   keys, high  R32G32_UINT and NULL; or R32_UINT and the high words, in a list that is split
+ *   shift       0, or 3: of the keys' parents
+ *   result      receives a new buffer, R32G32_UINT; work->first is made anew
+ */
+gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
+                           uint32_t shift, const char *name, gw_buffer *result,
+                           uint32_t *result_count, gw_error *error);
+
+/* Leaves, tiles, pointers, level_directory. */
+gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);
+
+/* Geometry, lobes, ray_directory. */
+gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error);
+
+#endif

@@ -1,0 +1,237 @@
+/*
+ * octree_fragments.comp - the leaf cells to which each surfel contributes, and how much.
+ *
+ * RoI fragments (Salm 4.3.4): the cells which the cube of side s around the point overlaps. On a
+ * surface whose samples are s apart, each stands for s^2 of it, so the opacity of a sample, which
+ * is its density times s^3, has to be s^2: the density is 1/s, and a cell gets overlap volume / s.
+ * A flat surface then gives each cell the opacity of the area it covers there, whatever s is.
+ *
+ * Disc fragments: the cells which the surfel's disc overlaps get its area by their shares of the
+ * disc. A small disc is looked at in 16 fixed points of equal area, a larger one in a lattice of
+ * 4 x 4 points in each column of cells along the axis nearest to its normal.
+ *
+ * The same shader counts and writes, so that both always agree.
+ */
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "octree_common.glsl"
+
+layout(local_size_x_id = 0) in;
+
+layout(binding = 0) uniform samplerBuffer surfel_position; /* grid coordinates, RoI */
+layout(binding = 1) uniform samplerBuffer surfel_normal;
+layout(binding = 2) uniform samplerBuffer surfel_disc; /* radius, area, first clip direction */
+layout(binding = 3) uniform samplerBuffer surfel_clip; /* first clip distance, second clip */
+layout(binding = 4) buffer Offsets { uint offset[]; }; /* count, then first fragment; windowed */
+layout(binding = 5) buffer Samples { uint samples[]; }; /* of the disc, that count; windowed */
+layout(binding = 6) writeonly buffer KeysLow { uint key_low[]; };
+layout(binding = 7) writeonly buffer KeysHigh { uint key_high[]; };
+layout(binding = 8) writeonly buffer Surfels { uint fragment_surfel[]; };
+layout(binding = 9) writeonly buffer Weights { float fragment_weight[]; };
+layout(binding = 10) writeonly buffer Centroids { uint fragment_centroid[]; };
+
+layout(push_constant) uniform Push { gw_fragments_push push; };
+
+const uint SMALL_POINTS = 16u;
+/* Golden angle: the points (i + 1/2) / 16 of a Fibonacci spiral have equal shares of the disc. */
+const vec2 GOLDEN_TURN = vec2(-0.73736888, 0.67549029);
+
+struct Disc {
+	vec3 place;  /* of the centre, from the corner of its cell */
+	ivec3 cell;  /* of the centre */
+	vec3 normal, tangent, bitangent;
+	float radius, area;
+	vec3 clip[2];
+};
+
+uint surfel, fragments, inside_count;
+uint place_to_write;
+
+void add_fragment(ivec3 cell, uint kind, float weight, vec3 middle)
+{
+	if (push.emit != 0u) {
+		uint at = place_to_write + fragments;
+		uvec2 key = morton_encode(uvec3(cell));
+		key_low[at] = key.x;
+		if (push.wide != 0u)
+			key_high[at] = key.y;
+		fragment_surfel[at] = surfel | kind;
+		fragment_weight[at] = weight;
+		uvec3 c = uvec3(clamp(middle, vec3(0.0), vec3(1.0)) * 1023.0 + 0.5);
+		fragment_centroid[at] = c.x | c.y << 10 | c.z << 20;
+	}
+	fragments++;
+}
+
+bool in_cube(ivec3 cell)
+{
+	return all(greaterThanEqual(cell, ivec3(0))) && all(lessThan(cell, ivec3(push.side)));
+}
+
+/* ---------------------------------------------------------------- regions of influence */
+
+void add_roi(ivec3 cell, vec3 place, float side)
+{
+	/* Shares of the cube's side below, in and above the point's cell. */
+	precise vec3 below = max(vec3(0.0), vec3(0.5) - place / side);
+	precise vec3 above = max(vec3(0.0), vec3(0.5) - (vec3(1.0) - place) / side);
+	precise vec3 within = vec3(1.0) - below - above;
+	for (uint i = 0u; i < 27u; i++) {
+		uvec3 k = uvec3(i % 3u, i / 3u % 3u, i / 9u);
+		vec3 share = mix(mix(below, within, equal(k, uvec3(1u))), above, equal(k, uvec3(2u)));
+		ivec3 other = cell + ivec3(k) - 1;
+		if (share.x > 0.0 && share.y > 0.0 && share.z > 0.0 && in_cube(other))
+			add_fragment(other, GW_FRAGMENT_ROI, share.x * share.y * share.z * side * side,
+			             vec3(0.0));
+	}
+}
+
+/* --------------------------------------------------------------------------------- discs */
+
+/* The same frame as gw_tangent_frame's. */
+void make_frame(vec3 n, out vec3 tangent, out vec3 bitangent)
+{
+	float s = n.z >= 0.0 ? 1.0 : -1.0;
+	float a = -1.0 / (s + n.z), c = n.x * n.y * a;
+	tangent = vec3(1.0 + s * n.x * n.x * a, s * c, -s * n.x);
+	bitangent = vec3(c, s + n.y * n.y * a, -n.y);
+}
+
+bool is_cut(Disc disc, vec2 at)
+{
+	return dot(disc.clip[0].xy, at) > disc.clip[0].z || dot(disc.clip[1].xy, at) > disc.clip[1].z;
+}
+
+void add_small_disc(Disc disc)
+{
+	uint hits[27];
+	vec3 sum[27];
+	for (uint i = 0u; i < 27u; i++) {
+		hits[i] = 0u;
+		sum[i] = vec3(0.0);
+	}
+	vec2 turn = vec2(1.0, 0.0);
+	for (uint i = 0u; i < SMALL_POINTS; i++) {
+		vec2 at = turn * (disc.radius * sqrt((float(i) + 0.5) / float(SMALL_POINTS)));
+		turn = vec2(turn.x * GOLDEN_TURN.x - turn.y * GOLDEN_TURN.y,
+		            turn.x * GOLDEN_TURN.y + turn.y * GOLDEN_TURN.x);
+		vec3 p = disc.place + disc.tangent * at.x + disc.bitangent * at.y;
+		ivec3 step = clamp(ivec3(floor(p)), ivec3(-1), ivec3(1));
+		if (is_cut(disc, at) || !in_cube(disc.cell + step))
+			continue;
+		int k = step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1);
+		hits[k]++;
+		sum[k] += p - vec3(step);
+		inside_count++;
+	}
+	float share = disc.area / float(max(inside_count, 1u));
+	for (int i = 0; i < 27; i++)
+		if (hits[i] > 0u)
+			add_fragment(disc.cell + ivec3(i % 3, i / 3 % 3, i / 9) - 1, 0u,
+			             share * float(hits[i]), sum[i] / float(hits[i]));
+}
+
+/* Turns axes so that z is the one along which columns are looked at, and back. */
+vec3 turn_axes(vec3 v, int axis)
+{
+	return axis == 0 ? v.yzx : axis == 1 ? v.zxy : v;
+}
+
+vec3 turn_back(vec3 v, int axis)
+{
+	return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v;
+}
+
+/*
+ * One column of cells; slopes of the plane are at most 1, so that at most three cells of it are
+ * met. `from` is the column's corner relative to the disc's centre, in turned axes as all here.
+ */
+void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 from,
+                ivec2 column, int axis, float share)
+{
+	vec2 slope = -n.xy / n.z;
+	float level_there = height + dot(slope, from + 0.5);
+	float lowest = floor(level_there - 0.5 * (abs(slope.x) + abs(slope.y)));
+	vec3 hits = vec3(0.0), sum_x = vec3(0.0), sum_y = vec3(0.0);
+	for (uint j = 0u; j < 4u; j++) {
+		vec4 x = from.x + vec4(0.125, 0.375, 0.625, 0.875);
+		float y = from.y + 0.125 + 0.25 * float(j);
+		vec4 z = slope.x * x + slope.y * y;
+		vec4 u = tangent.x * x + tangent.y * y + tangent.z * z;
+		vec4 v = bitangent.x * x + bitangent.y * y + bitangent.z * z;
+		vec4 level = clamp(floor(height + z) - lowest, 0.0, 2.0);
+		vec4 kept = vec4(lessThanEqual(x * x + y * y + z * z, vec4(disc.radius * disc.radius))) *
+		            vec4(lessThanEqual(disc.clip[0].x * u + disc.clip[0].y * v,
+		                               vec4(disc.clip[0].z))) *
+		            vec4(lessThanEqual(disc.clip[1].x * u + disc.clip[1].y * v,
+		                               vec4(disc.clip[1].z)));
+		for (int k = 0; k < 3; k++) {
+			vec4 here = kept * vec4(equal(level, vec4(float(k))));
+			float number = dot(here, vec4(1.0));
+			hits[k] += number;
+			sum_x[k] += dot(here, x);
+			sum_y[k] += number * y;
+		}
+	}
+	for (int k = 0; k < 3; k++) {
+		ivec3 step = ivec3(turn_back(vec3(vec2(column), lowest + float(k)), axis));
+		if (hits[k] == 0.0 || !in_cube(disc.cell + step))
+			continue;
+		vec2 mean = vec2(sum_x[k], sum_y[k]) / hits[k];
+		vec3 middle = vec3(mean - from, height + dot(slope, mean) - lowest - float(k));
+		inside_count += uint(hits[k]);
+		add_fragment(disc.cell + step, 0u, share * hits[k], turn_back(middle, axis));
+	}
+}
+
+void add_large_disc(Disc disc, uint known)
+{
+	vec3 size = abs(disc.normal);
+	int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+	vec3 n = turn_axes(disc.normal, axis), place = turn_axes(disc.place, axis);
+	vec3 tangent = turn_axes(disc.tangent, axis), bitangent = turn_axes(disc.bitangent, axis);
+	vec2 extent = disc.radius * sqrt(max(vec2(0.0), vec2(1.0) - n.xy * n.xy));
+	ivec2 low = ivec2(floor(place.xy - extent)), high = ivec2(floor(place.xy + extent));
+	float share = disc.area / float(max(known, 1u));
+	for (int y = low.y; y <= high.y; y++)
+		for (int x = low.x; x <= high.x; x++)
+			add_column(disc, n, tangent, bitangent, place.z, vec2(x, y) - place.xy, ivec2(x, y),
+			           axis, share);
+}
+
+void main()
+{
+	uint local = gl_GlobalInvocationID.x;
+	if (local >= push.count)
+		return;
+	surfel = push.first + local;
+	fragments = 0u;
+	inside_count = 0u;
+	place_to_write = push.emit != 0u ? offset[local] : 0u;
+	uint known = push.emit != 0u ? samples[local] : 0u;
+
+	vec4 position = texelFetch(surfel_position, int(surfel));
+	vec4 size = texelFetch(surfel_disc, int(surfel)), clip = texelFetch(surfel_clip, int(surfel));
+	Disc disc;
+	disc.cell = clamp(ivec3(floor(position.xyz)), ivec3(0), ivec3(push.side) - 1);
+	disc.place = position.xyz - vec3(disc.cell);
+	disc.normal = texelFetch(surfel_normal, int(surfel)).xyz;
+	make_frame(disc.normal, disc.tangent, disc.bitangent);
+	disc.radius = size.x;
+	disc.area = size.y;
+	disc.clip[0] = vec3(size.zw, clip.x);
+	disc.clip[1] = clip.yzw;
+
+	add_roi(disc.cell, disc.place, position.w);
+	if (disc.radius <= GW_DISC_SMALL)
+		add_small_disc(disc);
+	else
+		add_large_disc(disc, known);
+	if (inside_count == 0u)
+		add_fragment(disc.cell, 0u, disc.area, disc.place);
+	if (push.emit == 0u) {
+		offset[local] = fragments;
+		samples[local] = inside_count;
+	}
+}

@@ -1,0 +1,36 @@
+/*
+ * radix_scatter.comp - puts the keys of a run where the prefix sums of the digits' counts say.
+ */
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "octree_layout.h"
+
+layout(local_size_x_id = 0) in;
+
+layout(binding = 0) readonly buffer Low { uint low[]; };
+layout(binding = 1) readonly buffer High { uint high[]; };
+layout(binding = 2) readonly buffer Payload { uint payload[]; };
+layout(binding = 3) buffer Counts { uint counts[]; }; /* prefix sums; used up */
+layout(binding = 4) writeonly buffer LowOut { uint low_out[]; };
+layout(binding = 5) writeonly buffer HighOut { uint high_out[]; };
+layout(binding = 6) writeonly buffer PayloadOut { uint payload_out[]; };
+
+layout(push_constant) uniform Push { gw_radix_push push; };
+
+void main()
+{
+	if (gl_GlobalInvocationID.x >= push.count)
+		return;
+	uint run = push.first + gl_GlobalInvocationID.x;
+	uint begin = run * push.run, end = min(begin + push.run, push.total);
+	for (uint i = begin; i < end; i++) {
+		uint low_word = low[i], high_word = push.wide != 0u ? high[i] : 0u;
+		uint digit = (push.high != 0u ? high_word : low_word) >> push.shift & (GW_RADIX_DIGITS - 1u);
+		uint to = counts[digit * push.runs + run]++;
+		low_out[to] = low_word;
+		if (push.wide != 0u)
+			high_out[to] = high_word;
+		payload_out[to] = push.index != 0u ? i : payload[i];
+	}
+}
