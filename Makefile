@@ -48,8 +48,12 @@ TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
 BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
 SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 
+# Pages of the manual and completions, of which the program itself writes what repeats its options.
+MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
+COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
+
 .PHONY: all deps demo test test-sanitize test-programs bench lint install uninstall help clean FORCE
-all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS)  ## build program and samples
+all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
@@ -90,6 +94,17 @@ $(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
 $(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/samples/sample_points.o
 	$(CC) $(LDFLAGS) -o $@ $^ -lm
+
+$(BUILD)/man/%.1: man/%.1.in $(BUILD)/glowworm
+	@mkdir -p $(@D)
+	$(BUILD)/glowworm --generate man-$* >$@.options
+	sed -e '/^@OPTIONS@$$/{r $@.options' -e 'd}' \
+		-e "s/@VERSION@/$$($(BUILD)/glowworm --version | cut -d ' ' -f 2)/" $< >$@.new
+	@rm $@.options && mv $@.new $@
+
+$(BUILD)/completion.%: $(BUILD)/glowworm
+	$< --generate $* >$@.new
+	@mv $@.new $@
 
 # ------------------------------------------------------------------------------------- tests
 
@@ -147,10 +162,6 @@ demo: deps  ## make a cave, light it and say what came out
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
 plugin = $(DESTDIR)$(PREFIX)/lib/glowworm
-MAN_PAGES        = $(wildcard man/*.1 $(BUILD)/man/*.1)
-BASH_COMPLETIONS = $(wildcard cli/completion.bash $(BUILD)/completion.bash)
-ZSH_COMPLETIONS  = $(wildcard cli/completion.zsh $(BUILD)/completion.zsh)
-FISH_COMPLETIONS = $(wildcard cli/completion.fish $(BUILD)/completion.fish)
 SAMPLES          = $(wildcard samples/*.scene.json samples/*.sh samples/README.md)
 
 install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
@@ -158,10 +169,10 @@ install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is giv
 	install -D -m 644 -t $(plugin) $(BUILD)/libglowworm-vdb.so
 	install -D -m 644 -t $(shared)/glowworm/samples $(SAMPLES)
 	chmod 755 $(shared)/glowworm/samples/*.sh
-	$(if $(MAN_PAGES),install -D -m 644 -t $(shared)/man/man1 $(MAN_PAGES))
-	$(if $(BASH_COMPLETIONS),install -D -m 644 $(BASH_COMPLETIONS) $(shared)/bash-completion/completions/glowworm)
-	$(if $(ZSH_COMPLETIONS),install -D -m 644 $(ZSH_COMPLETIONS) $(shared)/zsh/site-functions/_glowworm)
-	$(if $(FISH_COMPLETIONS),install -D -m 644 $(FISH_COMPLETIONS) $(shared)/fish/vendor_completions.d/glowworm.fish)
+	install -D -m 644 -t $(shared)/man/man1 $(MAN_PAGES)
+	install -D -m 644 $(BUILD)/completion.bash $(shared)/bash-completion/completions/glowworm
+	install -D -m 644 $(BUILD)/completion.zsh $(shared)/zsh/site-functions/_glowworm
+	install -D -m 644 $(BUILD)/completion.fish $(shared)/fish/vendor_completions.d/glowworm.fish
 
 uninstall:  ## remove what install put there
 	rm -f $(bin)/glowworm $(addprefix $(bin)/,$(notdir $(SAMPLE_PROGRAMS)))

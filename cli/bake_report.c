@@ -202,8 +202,8 @@ void bake_report_notes(const bake_facts *f)
 	const gw_report *r = &f->result->report;
 	for (uint32_t i = 0; i < r->count_count; i++)
 		if (r->count[i].points)
-			fprintf(stderr, "glowworm: note: %s: %" PRIu64 "; %s\n", r->count[i].name,
-					r->count[i].points, r->count[i].meaning);
+			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
+					r->count[i].meaning);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "

@@ -219,9 +219,10 @@ void light_resolve(lamp *light, char up)
 	const double degree = acos(-1.0) / 180.0;
 	double a = light->azimuth * degree, e = light->elevation * degree;
 	double east = sin(a) * cos(e), north = cos(a) * cos(e), height = sin(e);
-	l->direction[0] = -east;
-	l->direction[1] = up == 'y' ? -height : -north;
-	l->direction[2] = up == 'y' ? north : -height;
+	/* From 0, so that no -0 comes out. */
+	l->direction[0] = 0.0 - east;
+	l->direction[1] = 0.0 - (up == 'y' ? height : north);
+	l->direction[2] = up == 'y' ? north : 0.0 - height;
 }
 
 /* -------------------------------------------------------------------------------- words */

@@ -48,7 +48,7 @@ static void write_manual_option(FILE *out, const option *o, const settings *defa
 		write_roff(out, text);
 		fputs(".\n", out);
 	} else if (o->type == OPTION_FIELDS) {
-		fputs("They are ", out);
+		fputs("A column is ", out);
 		write_roff(out, text);
 		fputs(".\n", out);
 	}

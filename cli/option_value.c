@@ -44,16 +44,14 @@ void option_legal(const option *o, char text[OPTION_VALUE])
 	const char *(*choice)(int) = choices_of(o);
 	for (int i = 0; choice && choice(i); i++)
 		snprintf(text + strlen(text), OPTION_VALUE - strlen(text), "%s%s",
-				 !i                         ? ""
-				 : choice(i + 1)            ? ", "
-				 : o->type == OPTION_FIELDS ? " and "
-											: " or ",
+				 !i              ? ""
+				 : choice(i + 1) ? ", "
+								 : " or ",
 				 choice(i));
 	if (o->type == OPTION_COUNT || o->type == OPTION_REAL) {
-		const char *form = o->open             ? "above %g and below %g"
-						   : isinf(o->maximum) ? "%g or more"
-						   : isinf(o->minimum) ? "a number"
-											   : "%g to %g";
+		const char *form = o->open                   ? "above %g and below %g"
+						   : o->type == OPTION_COUNT ? "a whole number, %g to %g"
+													 : "%g to %g";
 		snprintf(text, OPTION_VALUE, form, o->minimum, o->maximum);
 	}
 	if (o->type == OPTION_SEED)
@@ -187,8 +185,11 @@ static gw_status set_fields(const option *o, settings *s, const char *text, gw_e
 		while (o->choice(i) &&
 			   (strlen(o->choice(i)) != length || strncmp(at, o->choice(i), length)))
 			i++;
-		if (!o->choice(i))
-			return fail_value(o, text, error);
+		if (!o->choice(i)) {
+			char part[OPTION_VALUE];
+			snprintf(part, sizeof part, "%.*s", (int)length, at);
+			return fail_value(o, part, error);
+		}
 		set |= 1u << i;
 		at += length + (at[length] == ',');
 	}

@@ -186,11 +186,17 @@ static gw_status resolve_lights(bake *b)
 
 static void note_inputs(const bake *b)
 {
-	for (size_t i = 0; i < b->scene.input_count && !b->settings->quiet; i++)
-		if (b->scene.input[i].albedo_missing)
+	bool lit = true;
+	for (size_t i = 0; i < b->scene.input_count; i++) {
+		const loaded_input *input = &b->scene.input[i];
+		lit = lit && input->lit;
+		if (input->albedo_missing)
 			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
-					loaded_scene_input_name(b->scene.input[i].path),
-					b->scene.input[i].albedo_source);
+					loaded_scene_input_name(input->path), input->albedo_source);
+	}
+	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
+		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
+						"luminance\n");
 }
 
 static gw_status read_inputs(bake *b)
@@ -199,7 +205,7 @@ static gw_status read_inputs(bake *b)
 	progress_show(&b->progress, "read", 0.0);
 	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
 	progress_clear(&b->progress);
-	if (status == GW_OK)
+	if (status == GW_OK && !b->settings->quiet)
 		note_inputs(b);
 	b->facts.read_seconds = now() - start;
 	return status;

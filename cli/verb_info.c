@@ -128,7 +128,7 @@ static void print_columns(const facts *f)
 		column_range range = find_range(column, f->cloud->count);
 		printf("  %-24s %-8s ", column->name, type_name(column->type));
 		if (range.bad < f->cloud->count)
-			printf("%14.9g %14.9g %" PRIu64 "\n", range.minimum, range.maximum, range.bad);
+			printf("%14.12g %14.12g %" PRIu64 "\n", range.minimum, range.maximum, range.bad);
 		else
 			printf("%14s %14s %" PRIu64 "\n", "-", "-", range.bad);
 	}
@@ -143,7 +143,7 @@ static void print_text(const facts *f)
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
 	for (int k = 0; k < 3 && s->finite; k++)
-		printf("  %-10s %.9g to %.9g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
+		printf("  %-10s %.12g to %.12g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
 	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],
 		   s->spacing[2]);
 	printf("  density    %.4g points/m^2\n", s->density);

@@ -1,0 +1,15 @@
+# What is repaired or taken for granted is said: points without a place, missing colours; --quiet
+# says nothing. Points keep their number and order.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+{
+	printf 'ply\nformat ascii 1.0\nelement vertex 12\n'
+	printf 'property float %s\n' x y z
+	echo end_header
+	awk 'BEGIN { for (i = 0; i < 9; i++) print i % 3 * 0.1, int(i / 3) * 0.1, 0 }'
+	printf '%s\n' 'nan 0 0' '0 inf 0' '0 0 -inf'
+} >a.ply
+glowworm bake a.ply --light 'sky radiance 1' -o lit.ply 2>notes
+grep albedo notes
+grep 'finite' notes
+glowworm info lit.ply --json | tr '{' '\n' | grep '"x"\|radiance_r'
+glowworm bake a.ply --light 'sky radiance 1' -o quiet.ply --quiet
