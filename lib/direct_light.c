@@ -4,6 +4,7 @@
  */
 #include "direct_light.h"
 
+#include "shadow_map.h"
 #include "transport_layout.h"
 
 #include <math.h>
@@ -139,26 +140,35 @@ static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
 	return push;
 }
 
-static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
-                           uint64_t count, gw_buffer *visibility, gw_buffer *surfel_irradiance,
-                           gw_error *error)
+static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
+                                  const gw_light_push *push, uint64_t count, gw_buffer *visibility,
+                                  gw_error *error)
 {
-	if (push->shadows) {
-		const gw_binding bindings[] = { gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-			                            gw_whole(&octree->leaf_tile), gw_whole(&octree->lobe_plane),
-			                            gw_whole(&octree->lobe_centre),
-			                            gw_window(&octree->surfel_position, 16),
-			                            gw_window(&octree->surfel_normal, 16),
-			                            gw_window(visibility, 4) };
-		gw_status status =
-		    gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
-		if (status != GW_OK)
-			return status;
-	}
+	const gw_binding bindings[] = { gw_whole(&octree->ray_directory), gw_whole(&octree->node),
+		                            gw_whole(&octree->leaf_tile), gw_whole(&octree->lobe_plane),
+		                            gw_whole(&octree->lobe_centre),
+		                            gw_window(&octree->surfel_position, 16),
+		                            gw_window(&octree->surfel_normal, 16),
+		                            gw_window(visibility, 4) };
+	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
+}
+
+static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+                           const gw_light_push *push, const gw_bake_options *options,
+                           gw_buffer *visibility, gw_buffer *surfel_irradiance, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (options->shadows == GW_SHADOWS_MAPS)
+		status = gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
+		                                  visibility, error);
+	else if (options->shadows == GW_SHADOWS_TRACED)
+		status = trace_visibility(passes, octree, push, surfels->count, visibility, error);
+	if (status != GW_OK)
+		return status;
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16),
 		                            gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
 		                            gw_window(surfel_irradiance, 16) };
-	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
+	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, surfels->count, error);
 }
 
 static gw_status average_lobes(gw_passes *passes, const gw_octree *octree,
@@ -186,7 +196,7 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 		if (!gw_light_shines(&lights[i]))
 			continue;
 		gw_light_push push = light_push(&lights[i], octree, surfels, options);
-		status = add_light(passes, octree, &push, surfels->count, &visibility, surfel_irradiance,
+		status = add_light(passes, octree, surfels, &push, options, &visibility, surfel_irradiance,
 		                   error);
 	}
 	if (status == GW_OK)

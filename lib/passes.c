@@ -3,6 +3,7 @@
  */
 #include "passes.h"
 
+#include "shadow_layout.h"
 #include "transport_layout.h"
 
 #include <assert.h>
@@ -22,6 +23,9 @@ typedef struct pass_row {
 
 static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsss", sizeof(gw_light_push), 4096 },
+	[GW_PASS_SHADOW_MAP_SPLAT] = { "shadow_map_splat", "ttss", sizeof(gw_shadow_push),
+	                               (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE },
+	[GW_PASS_SHADOW_MAP_VISIBILITY] = { "shadow_map_visibility", "tsss", sizeof(gw_shadow_push), 36 },
 	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push), 0 },
 	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048 },
 	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttss", sizeof(gw_lookup_push), 16 },

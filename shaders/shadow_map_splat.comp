@@ -1,0 +1,100 @@
+/*
+ * shadow_map_splat.comp - draws the lobes into a shadow map: of each texel, the distance to the
+ * nearest plane in the leaves.
+ *
+ * One invocation a lobe. A lobe is drawn as what a shadow ray would meet, its plane within its cell,
+ * so the pieces join without holes. Both sides are drawn, because a wall that was scanned from
+ * inside keeps the sun out. The nearest is kept by atomicMin on the bits of distances, which order as
+ * integers do, so the map does not depend on the order of invocations. Lobes near a lamp cover many
+ * texels; a run draws one tile of each, and `most` tells how many runs are needed.
+ */
+#version 460
+
+#include "shadow_layout.h"
+
+layout(local_size_x_id = 0) in;
+layout(constant_id = 3) const float cell_slack = 0.02;
+layout(binding = 0) uniform usamplerBuffer leaf_cell;
+layout(binding = 1) uniform samplerBuffer lobe_plane;
+layout(binding = 2) buffer Map { uint shadow_map[]; };
+layout(binding = 3) buffer Most { uint most; };
+layout(push_constant) uniform Push { gw_shadow_push push; };
+
+#include "shadow_ray.glsl"
+
+/* Nearer to the lamp's plane than this, a corner has no place in the map. */
+const float NEAREST = 0.01;
+
+/* Texels from low to below high that a cell's picture may cover. */
+void cell_bounds(vec3 centre, out ivec2 low, out ivec2 high)
+{
+	float extent = 0.5 + cell_slack;
+	vec3 middle = shadow_place(centre);
+	mat3 axes = transpose(mat3(push.right.xyz, push.up.xyz, push.forward.xyz)) * extent;
+	vec3 reach = abs(axes[0]) + abs(axes[1]) + abs(axes[2]);
+	float side = float(push.side);
+	low = high = ivec2(0);
+	if (middle.z + reach.z <= 0.0)
+		return;
+	if (middle.z - reach.z <= NEAREST) {
+		/* Beside the lamp: anywhere, unless beyond the widest angle of the window. */
+		vec2 c = vec2(push.centre_x, push.centre_y);
+		vec2 widest = max(abs(c), abs(vec2(side) - c)) / push.right.w * (middle.z + reach.z);
+		if (push.origin.w > 0.5 || all(lessThanEqual(abs(middle.xy) - reach.xy, widest)))
+			high = ivec2(push.side);
+		return;
+	}
+	vec2 least = vec2(1e9), largest = vec2(-1e9);
+	for (uint k = 0u; k < 8u; k++) {
+		vec3 s = vec3(k & 1u, (k >> 1) & 1u, k >> 2) * 2.0 - 1.0;
+		vec2 texel = shadow_texel(middle + axes * s);
+		least = min(least, texel);
+		largest = max(largest, texel);
+	}
+	low = ivec2(floor(clamp(least - 0.5, vec2(0.0), vec2(side))));
+	high = ivec2(ceil(clamp(largest + 0.5, vec2(0.0), vec2(side))));
+}
+
+void draw(ivec2 texel, vec3 centre, vec4 plane)
+{
+	vec3 origin, direction;
+	shadow_ray(vec2(texel) + 0.5, origin, direction);
+	float approach = dot(plane.xyz, direction);
+	if (abs(approach) < 1e-6)
+		return;
+	float distance = (plane.w - dot(plane.xyz, origin - centre)) / approach;
+	vec3 off = abs(origin + direction * distance - centre);
+	if (distance < 0.0 || max(off.x, max(off.y, off.z)) > 0.5 + cell_slack)
+		return;
+	uint depth = floatBitsToUint(min(distance / push.up.w, 1.0));
+	uint index = uint(texel.y) * push.side + uint(texel.x);
+	if (shadow_map[index] > depth)
+		atomicMin(shadow_map[index], depth);
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint slot = push.first + i;
+	vec4 plane = texelFetch(lobe_plane, int(slot));
+	if (dot(plane.xyz, plane.xyz) < 0.25)
+		return;
+	vec3 centre = vec3(texelFetch(leaf_cell, int(slot >> 1)).xyz) + 0.5;
+	ivec2 low, high;
+	cell_bounds(centre, low, high);
+	if (any(greaterThanEqual(low, high)))
+		return;
+	uvec2 tiles = (uvec2(high - low) + GW_SHADOW_TILE - 1u) / GW_SHADOW_TILE;
+	uint wanted = tiles.x * tiles.y;
+	if (push.round >= wanted)
+		return;
+	if (push.round == 0u && wanted > 1u)
+		atomicMax(most, wanted);
+	low += ivec2(uvec2(push.round % tiles.x, push.round / tiles.x) * GW_SHADOW_TILE);
+	high = min(high, low + int(GW_SHADOW_TILE));
+	for (int y = low.y; y < high.y; y++)
+		for (int x = low.x; x < high.x; x++)
+			draw(ivec2(x, y), centre, plane);
+}
