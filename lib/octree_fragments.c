@@ -16,6 +16,11 @@
 /* The least RoI; keeps shares of it finite. */
 #define ROI_MIN 1e-6f
 
+/* Areas of discs in leaf cells^2: more than the largest disc cannot be placed, and less than the
+ * least would leave the range of float32 when means are divided by it. */
+#define AREA_MAX (3.14159265358979 * GW_DISC_MAX * GW_DISC_MAX)
+#define AREA_MIN 1e-12
+
 static float larger(float a, float b)
 {
 	return a > b ? a : b;
@@ -30,9 +35,9 @@ static void choose_cube(const gw_surfels *surfels, gw_octree *octree)
 	double side = (double)(1u << octree->depth), margin = fmin(2, side / 4), extent = 0;
 	for (int k = 0; k < 3; k++)
 		extent = fmax(extent, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
-	/* One point: its disc is about a cell. */
+	/* One point: its piece of surface is about a cell. */
 	if (!(extent > 0))
-		extent = surfels->spacing > 0 ? (double)surfels->spacing : 1;
+		extent = (surfels->spacing > 0 ? (double)surfels->spacing : 1) * (side - 2 * margin);
 	/* A little larger, so that rounding keeps the margin. */
 	octree->leaf_size = (float)(extent / (side - 2 * margin) * (1 + 1e-5));
 	octree->leaf_size = larger(octree->leaf_size, FLT_MIN);
@@ -65,7 +70,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 		break;
 	case 2:
 		out[0] = (float)fmin(GW_DISC_MAX, (double)s->radius[i] / leaf);
-		out[1] = (float)fmin(FLT_MAX, (double)s->area[i] / (leaf * leaf));
+		out[1] = (float)fmin(AREA_MAX, fmax(AREA_MIN, (double)s->area[i] / (leaf * leaf)));
 		out[2] = clip[0];
 		out[3] = clip[1];
 		break;
@@ -102,9 +107,12 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 		gw_buffer *buffer;
 		const char *name;
 	} array[] = {
-		{ &octree->surfel_position, "surfel positions" }, { &octree->surfel_normal, "surfel normals" },
-		{ &work->surfel_disc, "surfel discs" },           { &work->surfel_clip, "surfel clips" },
-		{ &work->surfel_albedo, "surfel albedos" },       { &work->surfel_emission, "surfel emission" },
+		{ &octree->surfel_position, "surfel positions" },
+		{ &octree->surfel_normal, "surfel normals" },
+		{ &work->surfel_disc, "surfel discs" },
+		{ &work->surfel_clip, "surfel clips" },
+		{ &work->surfel_albedo, "surfel albedos" },
+		{ &work->surfel_emission, "surfel emission" },
 	};
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
 	for (int i = 0; i < 6; i++) {

@@ -86,8 +86,8 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 		return GW_OK;
 	if (count > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake with "
-		               "fewer points or a coarser octree",
+		               "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake "
+		               "with fewer points or a coarser octree",
 		               words->name, (unsigned long long)count);
 	level levels[LEVELS_MAX];
 	uint32_t needed, last = plan_levels(count, levels, &needed);

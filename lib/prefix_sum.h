@@ -19,8 +19,8 @@ void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix); /* a zeroed one 
 
 /*
  * Replaces each word by the sum of those before it.
- *   words   R32_UINT or storage buffer of at least `count` words that can be bound as a whole; a run
- *           of 128 of them must add up to less than 2^32
+ *   words   a buffer of at least `count` words that can be bound as a whole; a run of 128 of them
+ *           must add up to less than 2^32
  *   count   0 is fine
  *   total   NULL, or receives the sum of all words. It may be 2^32 or more; then the prefix sums
  *           have wrapped around and the caller must not use them

@@ -73,14 +73,16 @@ bool in_cube(ivec3 cell)
 
 void add_roi(ivec3 cell, vec3 place, float side)
 {
-	/* Shares of the cube's side below, in and above the point's cell. */
-	precise vec3 below = max(vec3(0.0), vec3(0.5) - place / side);
-	precise vec3 above = max(vec3(0.0), vec3(0.5) - (vec3(1.0) - place) / side);
-	precise vec3 within = vec3(1.0) - below - above;
-	for (uint i = 0u; i < 27u; i++) {
-		uvec3 k = uvec3(i % 3u, i / 3u % 3u, i / 9u);
-		vec3 share = mix(mix(below, within, equal(k, uvec3(1u))), above, equal(k, uvec3(2u)));
-		ivec3 other = cell + ivec3(k) - 1;
+	/* The cube reaches into at most one other cell along each axis. Shares of its side there: */
+	precise vec3 below = vec3(0.5) - place / side;
+	precise vec3 above = vec3(0.5) - (vec3(1.0) - place) / side;
+	precise vec3 beyond = max(vec3(0.0), max(below, above));
+	precise vec3 within = vec3(1.0) - beyond;
+	ivec3 way = ivec3(mix(vec3(1.0), vec3(-1.0), greaterThan(below, above)));
+	for (int i = 0; i < 8; i++) {
+		ivec3 step = ivec3(i, i >> 1, i >> 2) & 1;
+		vec3 share = mix(within, beyond, equal(step, ivec3(1)));
+		ivec3 other = cell + step * way;
 		if (share.x > 0.0 && share.y > 0.0 && share.z > 0.0 && in_cube(other))
 			add_fragment(other, GW_FRAGMENT_ROI, share.x * share.y * share.z * side * side,
 			             vec3(0.0));
@@ -105,12 +107,8 @@ bool is_cut(Disc disc, vec2 at)
 
 void add_small_disc(Disc disc)
 {
-	uint hits[27];
-	vec3 sum[27];
-	for (uint i = 0u; i < 27u; i++) {
-		hits[i] = 0u;
-		sum[i] = vec3(0.0);
-	}
+	vec4 sum[27]; /* of the points in each cell, and their number */
+	uint used = 0u;
 	vec2 turn = vec2(1.0, 0.0);
 	for (uint i = 0u; i < SMALL_POINTS; i++) {
 		vec2 at = turn * (disc.radius * sqrt((float(i) + 0.5) / float(SMALL_POINTS)));
@@ -121,15 +119,17 @@ void add_small_disc(Disc disc)
 		if (is_cut(disc, at) || !in_cube(disc.cell + step))
 			continue;
 		int k = step.x + 1 + 3 * (step.y + 1) + 9 * (step.z + 1);
-		hits[k]++;
-		sum[k] += p - vec3(step);
+		vec4 before = (used >> k & 1u) != 0u ? sum[k] : vec4(0.0);
+		sum[k] = before + vec4(p - vec3(step), 1.0);
+		used |= 1u << k;
 		inside_count++;
 	}
 	float share = disc.area / float(max(inside_count, 1u));
-	for (int i = 0; i < 27; i++)
-		if (hits[i] > 0u)
-			add_fragment(disc.cell + ivec3(i % 3, i / 3 % 3, i / 9) - 1, 0u,
-			             share * float(hits[i]), sum[i] / float(hits[i]));
+	for (; used != 0u; used &= used - 1u) {
+		int k = findLSB(used);
+		add_fragment(disc.cell + ivec3(k % 3, k / 3 % 3, k / 9) - 1, 0u, share * sum[k].w,
+		             sum[k].xyz / sum[k].w);
+	}
 }
 
 /* Turns axes so that z is the one along which columns are looked at, and back. */

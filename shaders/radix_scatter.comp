@@ -26,7 +26,8 @@ void main()
 	uint begin = run * push.run, end = min(begin + push.run, push.total);
 	for (uint i = begin; i < end; i++) {
 		uint low_word = low[i], high_word = push.wide != 0u ? high[i] : 0u;
-		uint digit = (push.high != 0u ? high_word : low_word) >> push.shift & (GW_RADIX_DIGITS - 1u);
+		uint word = push.high != 0u ? high_word : low_word;
+		uint digit = word >> push.shift & (GW_RADIX_DIGITS - 1u);
 		uint to = counts[digit * push.runs + run]++;
 		low_out[to] = low_word;
 		if (push.wide != 0u)

@@ -30,7 +30,8 @@ static gw_status measure(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth,
 	printf("%zu points, depth %u: %u fragments, %u leaves, %u leaf tiles, %u tiles, %u border\n",
 	       surfels->count, depth, octree.fragment_count, octree.leaf_count, octree.leaf_tile_count,
 	       octree.tile_count, octree.border_tile_count);
-	printf("  %.3f s, of it %.3f s on the device and %.3f s compiling; %.1f MB kept, %.1f MB peak\n",
+	printf("  %.3f s, of it %.3f s on the device and %.3f s compiling; %.1f MB kept, %.1f MB "
+	       "peak\n",
 	       seconds() - start, after.device_seconds - before.device_seconds,
 	       after.compile_seconds - before.compile_seconds,
 	       (double)(after.bytes - before.bytes) * 1e-6, (double)after.peak_bytes * 1e-6);

@@ -118,9 +118,9 @@ static void link_level(octree_reference *r, const key_set *parent, uint32_t dept
 			uint32_t above = r->tile_first[t] + find(&parent[t - 1], k >> 3) - 1;
 			r->node[8 * above + (k & 7)] = (uint32_t)tile + 1;
 		}
+		uint64_t place = entry + at[0] + ((uint64_t)at[1] << t) + ((uint64_t)at[2] << 2 * t);
 		if (t <= r->directory_level)
-			r->level_directory[entry + at[0] + ((uint64_t)at[1] << t) + ((uint64_t)at[2] << 2 * t)] =
-				(uint32_t)tile + 1;
+			r->level_directory[place] = (uint32_t)tile + 1;
 	}
 }
 

@@ -5,6 +5,7 @@
  * Leaves are taken from the device and compared with the host within rounding; everything above
  * them follows from their keys in integers and is compared exactly.
  */
+#include "gpu_internal.h"
 #include "octree.h"
 #include "octree_points.h"
 #include "octree_reference.h"
@@ -334,7 +335,8 @@ static void compare_fragments(gw_gpu *gpu, const gw_surfels *s, gw_octree *octre
 			if (f > first[i]) {
 				uint32_t before = surfel[f - 1] & 0x3fffffffu;
 				/* The RoI fragment of a surfel comes before that of its disc. */
-				assert_true(before < id || (before == id && surfel[f - 1] >> 31 && !(surfel[f] >> 31)));
+				bool roi_first = surfel[f - 1] >> 31 == 1 && surfel[f] >> 31 == 0;
+				assert_true(before < id || (before == id && roi_first));
 			}
 			if (surfel[f] >> 31) {
 				double expected = octree_reference_roi(s, octree->cube_minimum, leaf, id,
@@ -351,7 +353,8 @@ static void compare_fragments(gw_gpu *gpu, const gw_surfels *s, gw_octree *octre
 		}
 	}
 	for (size_t i = 0; i < s->count; i++) {
-		double expected = (double)s->area[i] / (leaf * leaf);
+		/* No disc is larger than one of 16 cells' radius. */
+		double expected = fmin((double)s->area[i] / (leaf * leaf), 3.14159265358979 * 256);
 		/* A thousand float32 weights at most. */
 		if (!(fabs(area[i] - expected) <= 1e-5 * expected))
 			fail_msg("disc %zu has area %g in leaves, not %g", i, area[i], expected);
@@ -432,6 +435,513 @@ static void test_topology(void **state)
 	close_gpu(gpu);
 }
 
+/* ------------------------------------------------------------------------- discs in leaves */
+
+/* Shares of a disc in cells. */
+typedef struct share {
+	uint64_t key;
+	double reference, got;
+} share;
+
+static share *share_of(share *list, uint32_t *count, uint64_t key)
+{
+	for (uint32_t i = 0; i < *count; i++)
+		if (list[i].key == key)
+			return list + i;
+	assert_true(*count < 4096);
+	list[*count] = (share){ key, 0, 0 };
+	return list + (*count)++;
+}
+
+#define DENSE 160
+
+/* Looks at a disc in a dense lattice of its own plane. */
+static void look_at_disc(const gw_surfels *s, const gw_octree *octree, size_t i, share *list,
+                         uint32_t *count)
+{
+	float t[3], b[3];
+	const float *clip = s->clip + 6 * i;
+	gw_tangent_frame(s->normal + 3 * i, t, b);
+	double radius = (double)s->radius[i], total = 0;
+	for (int k = 0; k < DENSE * DENSE; k++) {
+		double u = (2 * (k % DENSE + 0.5) / DENSE - 1) * radius;
+		double v = (2 * (k / DENSE + 0.5) / DENSE - 1) * radius;
+		uint32_t cell[3];
+		if (u * u + v * v > radius * radius ||
+		    (double)clip[0] * u + (double)clip[1] * v > (double)clip[2] ||
+		    (double)clip[3] * u + (double)clip[4] * v > (double)clip[5])
+			continue;
+		for (size_t a = 0; a < 3; a++) {
+			double p = (double)s->position[3 * i + a] + u * (double)t[a] + v * (double)b[a];
+			cell[a] = (uint32_t)((p - (double)octree->cube_minimum[a]) / (double)octree->leaf_size);
+		}
+		share_of(list, count, gw_morton_encode(cell[0], cell[1], cell[2]))->reference++;
+		total++;
+	}
+	for (uint32_t k = 0; k < *count && total > 0; k++)
+		list[k].reference /= total;
+}
+
+static void test_discs(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree;
+	/* Radii up to 5 leaf cells, inside the cube. */
+	make_scattered(150, 3, 0.08f, &s);
+	for (size_t i = 0; i < s.count; i++)
+		for (size_t k = 0; k < 3; k++)
+			s.position[3 * i + k] *= 0.8f;
+	s.minimum[2] = -0.1f;
+	s.maximum[2] = 0.5f;
+	s.minimum[0] = s.minimum[1] = -0.1f;
+	s.maximum[0] = s.maximum[1] = 0.9f;
+	assert_ok(gw_octree_build(gpu, &s, 6, &octree, &error), &error);
+	uint32_t *first = download(gpu, &octree.leaf_fragment), *cell = download(gpu, &octree.leaf_cell);
+	uint32_t *surfel = download(gpu, &octree.fragment_surfel);
+	float *weight = download(gpu, &octree.fragment_weight);
+	static share list[4096];
+	for (size_t i = 0; i < s.count; i++) {
+		uint32_t count = 0;
+		double leaf = (double)octree.leaf_size, cells = (double)s.area[i] / (leaf * leaf);
+		double radius = (double)s.radius[i] / leaf;
+		if (i % 50 == 0)
+			continue; /* all of it is cut */
+		look_at_disc(&s, &octree, i, list, &count);
+		for (uint32_t l = 0; l < octree.leaf_count; l++)
+			for (uint32_t f = first[l]; f < first[l + 1]; f++)
+				if (surfel[f] >> 31 == 0 && (surfel[f] & 0x3fffffffu) == i)
+					share_of(list, &count, gw_morton_encode(cell[4 * l], cell[4 * l + 1],
+					                                        cell[4 * l + 2]))
+						->got += (double)weight[f] / cells;
+		/* Small discs: 16 points of which those near a border, and of those near a clip, may be on
+		 * the wrong side: 3 of the least 8 that clips leave. Large: in a column, of 16 points those
+		 * along up to two lines; relative to the part of the disc that clips leave, at least half. */
+		double tolerance = radius <= 1 ? 3.0 / 8 : 0.5 * 1.7321 / (0.5 * 3.14159 * radius * radius);
+		for (uint32_t k = 0; k < count; k++)
+			if (!(fabs(list[k].got - list[k].reference) <= tolerance))
+				fail_msg("disc %zu, radius %g: share %g, not %g", i, radius, list[k].got,
+				         list[k].reference);
+	}
+	free(first);
+	free(cell);
+	free(surfel);
+	free(weight);
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
+/* ---------------------------------------------------------------------------------- leaves */
+
+/* Sums over the fragments of one leaf, in double. */
+typedef struct leaf_sums {
+	double geometry[7];                /* opacity times albedo, opacity, opacity times normal */
+	double area[2], normal[2][3], albedo[2][3], emission[2][3], two_sided[2];
+	uint32_t seed;
+	bool lobe[2];
+} leaf_sums;
+
+static double dot(const float *a, const float *b)
+{
+	return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+
+typedef struct downloaded {
+	uint32_t *first, *surfel, *tile, *cell;
+	float *weight, *geometry, *plane, *centre, *albedo, *emission;
+} downloaded;
+
+static downloaded download_leaves(gw_gpu *gpu, gw_octree *o)
+{
+	return (downloaded){
+		.first = download(gpu, &o->leaf_fragment),  .surfel = download(gpu, &o->fragment_surfel),
+		.tile = download(gpu, &o->leaf_tile),       .cell = download(gpu, &o->leaf_cell),
+		.weight = download(gpu, &o->fragment_weight), .geometry = download(gpu, &o->leaf_geometry),
+		.plane = download(gpu, &o->lobe_plane),     .centre = download(gpu, &o->lobe_centre),
+		.albedo = download(gpu, &o->lobe_albedo),   .emission = download(gpu, &o->lobe_emission),
+	};
+}
+
+static void free_leaves(downloaded *d)
+{
+	void *array[] = { d->first,    d->surfel, d->tile,   d->cell,   d->weight,
+		              d->geometry, d->plane,  d->centre, d->albedo, d->emission };
+	for (size_t i = 0; i < sizeof array / sizeof *array; i++)
+		free(array[i]);
+}
+
+static void add_lobe(leaf_sums *sums, const gw_surfels *s, uint32_t id, double area, int lobe)
+{
+	sums->lobe[lobe] = true;
+	sums->area[lobe] += area;
+	sums->two_sided[lobe] += s->two_sided[id] ? area : 0;
+	for (size_t k = 0; k < 3; k++) {
+		sums->normal[lobe][k] += area * (double)s->normal[3 * id + k];
+		sums->albedo[lobe][k] += area * (double)s->albedo[3 * id + k];
+		if (s->emission != NULL)
+			sums->emission[lobe][k] += area * (double)s->emission[3 * id + k];
+	}
+}
+
+/* Also checks the bit that says which lobe a fragment joined. */
+static leaf_sums sum_leaf(const gw_surfels *s, const downloaded *d, uint32_t leaf)
+{
+	leaf_sums sums = { .seed = UINT32_MAX };
+	for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++)
+		if (d->surfel[f] >> 31 == 0 &&
+		    (sums.seed == UINT32_MAX || d->weight[f] > d->weight[sums.seed]))
+			sums.seed = f;
+	for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++) {
+		uint32_t id = d->surfel[f] & 0x3fffffffu;
+		double weight = (double)d->weight[f];
+		if (d->surfel[f] >> 31) {
+			for (size_t k = 0; k < 3; k++) {
+				sums.geometry[k] += weight * (double)s->albedo[3 * id + k];
+				sums.geometry[4 + k] += weight * (double)s->normal[3 * id + k];
+			}
+			sums.geometry[3] += weight;
+			continue;
+		}
+		double cosine = dot(s->normal + 3 * id,
+		                    s->normal + 3 * (d->surfel[sums.seed] & 0x3fffffffu));
+		int lobe = d->surfel[f] >> 30 & 1;
+		/* On the border between the lobes, rounding of a dot product of float32 decides. */
+		if (fabs(cosine - 0.5) > 4 * 0x1p-23)
+			assert_int_equal(lobe, cosine < 0.5);
+		add_lobe(&sums, s, id, weight, lobe);
+	}
+	return sums;
+}
+
+/*
+ * Sums of positive float32 values, in two stages of at most 2048: about 2048 half units in the last
+ * place if all rounded the same way, in practice its square root.
+ */
+#define SUM_TOLERANCE (2048 * 0x1p-24)
+
+static void assert_near(const char *what, uint32_t leaf, double got, double expected,
+                        double tolerance)
+{
+	if (!(fabs(got - expected) <= tolerance))
+		fail_msg("%s of leaf %u is %.9g, not %.9g", what, leaf, got, expected);
+}
+
+static void compare_lobe(const gw_surfels *s, const downloaded *d, const leaf_sums *sums,
+                         uint32_t leaf, int lobe)
+{
+	size_t slot = 2 * (size_t)leaf + (size_t)lobe;
+	const float *plane = d->plane + 4 * slot, *centre = d->centre + 4 * slot;
+	double area = sums->area[lobe], length = 0, offset = 0;
+	if (!sums->lobe[lobe]) {
+		for (int k = 0; k < 4; k++)
+			assert_true(plane[k] == 0 && centre[k] == 0 && d->albedo[4 * slot + (size_t)k] == 0);
+		return;
+	}
+	assert_near("area", leaf, (double)centre[3], area, SUM_TOLERANCE * area);
+	for (int k = 0; k < 3; k++)
+		length += sums->normal[lobe][k] * sums->normal[lobe][k];
+	length = sqrt(length);
+	assert_near("normal's length", leaf, dot(plane, plane), 1, 1e-6);
+	for (size_t k = 0; k < 3; k++) {
+		size_t at = 4 * slot + k;
+		if (length > 0.01 * area)
+			assert_near("normal", leaf, (double)plane[k], sums->normal[lobe][k] / length,
+			            2 * SUM_TOLERANCE * area / length);
+		assert_near("albedo", leaf, (double)d->albedo[at], sums->albedo[lobe][k] / area,
+		            2 * SUM_TOLERANCE);
+		if (s->emission != NULL)
+			assert_near("emission", leaf, (double)d->emission[at], sums->emission[lobe][k] / area,
+			            2 * SUM_TOLERANCE * 5);
+		double from_middle = (double)centre[k] - (double)d->cell[4 * leaf + k] - 0.5;
+		/* Grid coordinates of centres are float32. */
+		assert_true(fabs(from_middle) <= 0.5 + 1e-4);
+		offset += from_middle * (double)plane[k];
+	}
+	if (fabs(offset) < 0.49) /* else the centre may have been moved into the cell */
+		assert_near("offset", leaf, (double)plane[3], offset, 3e-4);
+	if (fabs(sums->two_sided[lobe] - 0.5 * area) > 1e-3 * area)
+		assert_true((d->albedo[4 * slot + 3] == 1) == (sums->two_sided[lobe] > 0.5 * area));
+}
+
+/* Returns the area of all lobes. */
+static double compare_leaves(gw_gpu *gpu, const gw_surfels *s, gw_octree *octree)
+{
+	downloaded d = download_leaves(gpu, octree);
+	double area = 0;
+	for (uint32_t leaf = 0; leaf < octree->leaf_count; leaf++) {
+		const uint32_t *c = d.cell + 4 * leaf;
+		uint32_t octant = (c[0] & 1) | (c[1] & 1) << 1 | (c[2] & 1) << 2;
+		leaf_sums sums = sum_leaf(s, &d, leaf);
+		uint32_t flags = d.tile[2 * c[3] + 1] >> octant;
+		assert_int_equal(flags & 1, 1);
+		assert_int_equal(flags >> 8 & 1, sums.lobe[0]);
+		assert_int_equal(flags >> 16 & 1, sums.lobe[1]);
+		for (size_t k = 0; k < 7; k++)
+			assert_near("geometry", leaf, (double)d.geometry[8 * leaf + k], sums.geometry[k],
+			            SUM_TOLERANCE * sums.geometry[3] + 1e-30);
+		for (int lobe = 0; lobe < 2; lobe++) {
+			compare_lobe(s, &d, &sums, leaf, lobe);
+			area += (double)d.centre[8 * leaf + 4 * (size_t)lobe + 3];
+		}
+	}
+	free_leaves(&d);
+	return area;
+}
+
+static void test_leaves(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	const struct {
+		size_t count;
+		uint32_t depth;
+	} row[] = { { 500, 7 }, { 5000, 5 }, { 20000, 1 } }; /* the last: many runs a leaf */
+	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+		gw_error error = { 0 };
+		gw_surfels s;
+		gw_octree octree;
+		make_scattered(row[i].count, i + 5, 0.03f, &s); /* with emission, and without */
+		assert_ok(gw_octree_build(gpu, &s, row[i].depth, &octree, &error), &error);
+		assert_int_equal(octree.lobe_emission.bytes,
+		                 s.emission != NULL ? 32 * octree.leaf_count : 16);
+		compare_leaves(gpu, &s, &octree);
+		gw_octree_destroy(gpu, &octree);
+		gw_surfels_clear(&s);
+	}
+	close_gpu(gpu);
+}
+
+/* A sphere: areas add up, and lobes look outwards. */
+static void test_sphere(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree;
+	assert_true(octree_points_sphere(20000, 11, &s));
+	assert_ok(gw_octree_build(gpu, &s, 6, &octree, &error), &error);
+	double leaf = (double)octree.leaf_size, area = compare_leaves(gpu, &s, &octree) * leaf * leaf;
+	/* The surfels' areas, in float32. */
+	assert_true(fabs(area - 4 * 3.14159265) < 1e-4 * area);
+	downloaded d = download_leaves(gpu, &octree);
+	double worst = 0, sum = 0, opacity = 0;
+	for (uint32_t slot = 0; slot < 2 * octree.leaf_count; slot++) {
+		double r = 0, cosine = 0;
+		opacity += slot % 2 ? 0 : (double)d.geometry[4 * slot + 3];
+		if (d.centre[4 * slot + 3] == 0)
+			continue;
+		assert_int_equal(slot % 2, 0); /* nothing here is 60 degrees apart */
+		for (size_t k = 0; k < 3; k++) {
+			double p = (double)d.centre[4 * slot + k] * leaf + (double)octree.cube_minimum[k];
+			r += p * p;
+			cosine += p * (double)d.plane[4 * slot + k];
+		}
+		double angle = acos(fmin(1, cosine / sqrt(r)));
+		worst = fmax(worst, angle);
+		sum += angle * (double)d.centre[4 * slot + 3];
+	}
+	/* A patch has the normal of its surfel, which is up to a disc's radius away. */
+	assert_true(worst < (double)s.radius[0]);
+	double mean = sum * leaf * leaf / area;
+	print_message("normals off by %.3f degrees on average, %.3f at worst\n", mean * 57.29578,
+	              worst * 57.29578);
+	/* RoI is half a spacing here, and so a quarter of the area is opaque. */
+	assert_true(fabs(opacity * leaf * leaf / area - 0.25) < 1e-3);
+	free_leaves(&d);
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
+/* A slanted plane: each lobe lies in it, wherever its cell cuts it. */
+static void test_plane(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree;
+	assert_true(octree_points_make(3000, false, &s));
+	const float normal[3] = { 0.36f, 0.48f, 0.8f };
+	uint64_t seed = 21;
+	for (size_t i = 0; i < s.count; i++) {
+		float *p = s.position + 3 * i;
+		p[0] = (float)octree_points_random(&seed);
+		p[1] = (float)octree_points_random(&seed);
+		p[2] = -(0.36f * p[0] + 0.48f * p[1]) / 0.8f;
+		memcpy(s.normal + 3 * i, normal, sizeof normal);
+		s.radius[i] = i % 2 ? 0.01f : 0.05f; /* small ones, and large ones */
+		s.area[i] = 1e-3f;
+		s.nearest[i] = 0.01f;
+	}
+	octree_points_bound(&s);
+	assert_ok(gw_octree_build(gpu, &s, 6, &octree, &error), &error);
+	downloaded d = download_leaves(gpu, &octree);
+	double leaf = (double)octree.leaf_size;
+	for (uint32_t i = 0; i < octree.leaf_count; i++) {
+		const float *plane = d.plane + 8 * i;
+		double height = 0;
+		if (d.centre[8 * i + 3] == 0)
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			assert_true(fabsf(plane[k] - normal[k]) < 1e-5f);
+			height += (double)normal[k] * (((double)d.cell[4 * i + k] + 0.5) * leaf +
+			                               (double)octree.cube_minimum[k]);
+		}
+		/* height + c = 0; grid coordinates up to 64 are float32: 2^-19 each, and as much again for
+		 * the surfels' own positions, in cells. */
+		if (!(fabs(height / leaf + (double)plane[3]) < 2e-5))
+			fail_msg("leaf %u is %g cells off the plane", i, height / leaf + (double)plane[3]);
+	}
+	free_leaves(&d);
+	gw_octree_destroy(gpu, &octree);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
+/* ------------------------------------------------------------------------------ circumstances */
+
+#define BUFFERS 19
+
+static void list_buffers(gw_octree *o, gw_buffer *list[BUFFERS])
+{
+	gw_buffer *all[BUFFERS] = {
+		&o->node,          &o->tile_key,       &o->tile_neighbour,  &o->leaf_tile_key,
+		&o->leaf_tile,     &o->leaf_cell,      &o->leaf_tile_neighbour, &o->level_directory,
+		&o->ray_directory, &o->leaf_geometry,  &o->lobe_plane,      &o->lobe_centre,
+		&o->lobe_albedo,   &o->lobe_emission,  &o->leaf_fragment,   &o->fragment_surfel,
+		&o->surfel_normal, &o->surfel_position, &o->fragment_weight,
+	};
+	memcpy(list, all, sizeof all);
+}
+
+/* The same bytes, however the work is cut. */
+static void test_repeatable(void **state)
+{
+	(void)state;
+	const gw_gpu_options options[] = { { 0 }, { .slice_seconds = 1e-4, .workgroup_size = 8 } };
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree[2];
+	gw_gpu *gpu[2];
+	make_scattered(20000, 4, 0.02f, &s);
+	for (int i = 0; i < 2; i++) {
+		gpu[i] = open_gpu(options[i]);
+		assert_ok(gw_octree_build(gpu[i], &s, 7, &octree[i], &error), &error);
+	}
+	gw_buffer *a[BUFFERS], *b[BUFFERS];
+	list_buffers(&octree[0], a);
+	list_buffers(&octree[1], b);
+	for (int i = 0; i < BUFFERS; i++) {
+		void *x = download(gpu[0], a[i]), *y = download(gpu[1], b[i]);
+		assert_true(a[i]->bytes == b[i]->bytes);
+		if (memcmp(x, y, a[i]->bytes) != 0)
+			fail_msg("\"%s\" differs between two builds", a[i]->name);
+		free(x);
+		free(y);
+	}
+	for (int i = 0; i < 2; i++) {
+		gw_octree_destroy(gpu[i], &octree[i]);
+		close_gpu(gpu[i]);
+	}
+	gw_surfels_clear(&s);
+}
+
+/* Points that are hard: one alone, tiny and huge discs and regions. */
+static void test_odd_surfels(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu(validated);
+	gw_error error = { 0 };
+	for (int i = 0; i < 4; i++) {
+		gw_surfels s;
+		gw_octree octree;
+		size_t count = i == 0 ? 1 : 3;
+		assert_true(octree_points_make(count, false, &s));
+		for (size_t k = 0; k < count; k++) {
+			s.position[3 * k] = (float)k;
+			s.nearest[k] = i == 0 ? INFINITY : i == 1 ? 1e-30f : 1;
+			s.radius[k] = i == 2 ? 1e30f : i == 3 ? 1e-38f : 0.1f;
+			s.area[k] = i == 2 ? 1e30f : i == 3 ? 1.2e-38f : 0.01f;
+		}
+		s.spacing = 0.1f;
+		octree_points_bound(&s);
+		const uint32_t depth[] = { 1, 6, 16 };
+		for (int k = 0; k < 3; k++) {
+			assert_ok(gw_octree_build(gpu, &s, depth[k], &octree, &error), &error);
+			bool clamped = i == 2 || (i == 1 && depth[k] == 16);
+			assert_int_equal(octree.discs_clamped, clamped ? count : 0);
+			compare_topology(gpu, &octree);
+			float *plane = download(gpu, &octree.lobe_plane);
+			for (uint64_t f = 0; f < octree.lobe_plane.bytes / 4; f++)
+				assert_true(isfinite(plane[f]));
+			free(plane);
+			gw_octree_destroy(gpu, &octree);
+		}
+		gw_surfels_clear(&s);
+	}
+	close_gpu(gpu);
+}
+
+static void test_refusals(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 };
+	gw_surfels s, none = { 0 };
+	gw_octree octree;
+	make_scattered(2000, 9, 0.2f, &s);
+	assert_int_equal(gw_octree_build(gpu, &s, 0, &octree, &error), GW_ERROR_USAGE);
+	assert_int_equal(gw_octree_build(gpu, &s, GW_DEPTH_MAX + 1, &octree, &error), GW_ERROR_USAGE);
+	assert_int_equal(gw_octree_build(gpu, &none, 5, &octree, &error), GW_ERROR_DATA);
+
+	/* A device that binds little: the sentence names a depth, and that depth is right. */
+	gpu->device.properties.limits.maxStorageBufferRange = 200000;
+	assert_int_equal(gw_octree_build(gpu, &s, 7, &octree, &error), GW_ERROR_MEMORY);
+	const char *advice = strstr(error.text, "--depth ");
+	assert_non_null(advice);
+	uint32_t fitting = (uint32_t)strtoul(advice + 8, NULL, 10);
+	assert_in_range(fitting, 1, 6);
+	assert_ok(gw_octree_build(gpu, &s, fitting, &octree, &error), &error);
+	assert_true(4 * (uint64_t)octree.fragment_count <= 200000);
+	gw_octree_destroy(gpu, &octree);
+	assert_int_equal(gw_octree_build(gpu, &s, fitting + 1, &octree, &error), GW_ERROR_MEMORY);
+	gpu->device.properties.limits.maxStorageBufferRange = 8000;
+	assert_int_equal(gw_octree_build(gpu, &s, 7, &octree, &error), GW_ERROR_MEMORY);
+	assert_non_null(strstr(error.text, "fewer points"));
+	assert_null(octree.node.handle);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
+/* Whichever allocation fails, everything is given back. */
+static void test_short_memory(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ 0 });
+	gw_error error = { 0 };
+	gw_surfels s;
+	gw_octree octree;
+	make_scattered(500, 2, 0.05f, &s);
+	assert_ok(gw_octree_build(gpu, &s, 5, &octree, &error), &error);
+	gw_octree_destroy(gpu, &octree);
+	uint64_t peak = gw_gpu_read_account(gpu).peak_bytes;
+	int failed = 0;
+	for (uint64_t budget = 0; budget < peak; budget += peak / 40 + 1, failed++) {
+		gpu->budget = budget;
+		assert_int_equal(gw_octree_build(gpu, &s, 5, &octree, &error), GW_ERROR_MEMORY);
+		assert_int_equal(gw_gpu_read_account(gpu).bytes, 0);
+		assert_null(octree.lobe_plane.handle);
+	}
+	assert_in_range(failed, 39, 40);
+	gw_surfels_clear(&s);
+	close_gpu(gpu);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -441,6 +951,14 @@ int main(void)
 		cmocka_unit_test(test_large_total),
 		cmocka_unit_test(test_sort),
 		cmocka_unit_test(test_topology),
+		cmocka_unit_test(test_discs),
+		cmocka_unit_test(test_leaves),
+		cmocka_unit_test(test_sphere),
+		cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_repeatable),
+		cmocka_unit_test(test_odd_surfels),
+		cmocka_unit_test(test_refusals),
+		cmocka_unit_test(test_short_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
