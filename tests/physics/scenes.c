@@ -1,0 +1,217 @@
+/*
+ * scenes.c - see scenes.h.
+ */
+#include "scenes.h"
+
+#include "surfels.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+double scene_random(scene *s)
+{
+	/* SplitMix64 (Steele et al. 2014). */
+	uint64_t z = s->state += 0x9e3779b97f4a7c15u;
+	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+	return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static void *grown(void *array, size_t count, size_t size)
+{
+	void *larger = realloc(array, count * size);
+	assert_non_null(larger);
+	return larger;
+}
+
+size_t scene_add(scene *s, const double position[3], const double normal[3], float albedo)
+{
+	if (s->count == s->capacity) {
+		s->capacity = s->capacity ? 2 * s->capacity : 1024;
+		s->position = grown(s->position, s->capacity, 3 * sizeof(double));
+		s->normal = grown(s->normal, s->capacity, 3 * sizeof(float));
+		s->albedo = grown(s->albedo, s->capacity, 3 * sizeof(float));
+		s->emission = grown(s->emission, s->capacity, 3 * sizeof(float));
+	}
+	for (size_t k = 0; k < 3; k++) {
+		s->position[3 * s->count + k] = nearbyint(position[k] * 0x1p20) * 0x1p-20;
+		s->normal[3 * s->count + k] = (float)normal[k];
+		s->albedo[3 * s->count + k] = albedo;
+		s->emission[3 * s->count + k] = 0.0f;
+	}
+	return s->count++;
+}
+
+void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
+                     size_t n, size_t m, float albedo)
+{
+	double normal[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+		                 u[0] * v[1] - u[1] * v[0] };
+	double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+	for (size_t k = 0; k < 3; k++)
+		normal[k] /= length;
+	for (size_t j = 0; j < m; j++) {
+		for (size_t i = 0; i < n; i++) {
+			double a = ((double)i + scene_random(s)) / (double)n;
+			double b = ((double)j + scene_random(s)) / (double)m;
+			double p[3];
+			for (size_t k = 0; k < 3; k++)
+				p[k] = corner[k] + a * u[k] + b * v[k];
+			scene_add(s, p, normal, albedo);
+		}
+	}
+}
+
+void scene_add_sphere(scene *s, const double centre[3], double radius, size_t count, int facing,
+                      float albedo)
+{
+	for (size_t i = 0; i < count; i++) {
+		double z = 1.0 - (2.0 * (double)i + 1.0) / (double)count;
+		double r = sqrt(1.0 - z * z), turn = 2.399963229728653 * (double)i;
+		double out[3] = { r * cos(turn), r * sin(turn), z }, p[3], normal[3];
+		for (size_t k = 0; k < 3; k++) {
+			p[k] = centre[k] + radius * out[k];
+			normal[k] = facing * out[k];
+		}
+		scene_add(s, p, normal, albedo);
+	}
+}
+
+void scene_add_box(scene *s, const double corner[3], const double size[3], double per_metre,
+                   float albedo)
+{
+	for (size_t axis = 0; axis < 3; axis++) {
+		size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
+		size_t n = (size_t)lround(size[a] * per_metre), m = (size_t)lround(size[b] * per_metre);
+		double low[3], high[3], u[3] = { 0 }, v[3] = { 0 };
+		memcpy(low, corner, sizeof low);
+		memcpy(high, corner, sizeof high);
+		high[axis] += size[axis];
+		u[a] = size[a];
+		v[b] = size[b];
+		scene_add_patch(s, low, u, v, n, m, albedo);  /* u x v is +axis: inwards */
+		scene_add_patch(s, high, v, u, m, n, albedo); /* v x u is -axis: inwards */
+	}
+}
+
+static void colour(scene *s, size_t first, float red, float green, float blue)
+{
+	for (size_t i = first; i < s->count; i++) {
+		s->albedo[3 * i] = red;
+		s->albedo[3 * i + 1] = green;
+		s->albedo[3 * i + 2] = blue;
+	}
+}
+
+void scene_emit(scene *s, size_t first, const float radiance[3])
+{
+	s->emits = true;
+	for (size_t i = first; i < s->count; i++)
+		memcpy(&s->emission[3 * i], radiance, 3 * sizeof(float));
+}
+
+void scene_make_hall(scene *s)
+{
+	const double origin[3] = { 0, 0, 0 }, right[3] = { 4, 0, 0 }, back[3] = { 0, 3, 0 };
+	const double top[3] = { 0, 0, 2.5 };
+	const double x[3] = { 4, 0, 0 }, y[3] = { 0, 3, 0 }, z[3] = { 0, 0, 2.5 };
+	scene_add_patch(s, origin, x, y, 48, 36, 0.5f);
+	scene_add_patch(s, top, y, x, 36, 48, 0.7f);
+	scene_add_patch(s, back, x, z, 48, 30, 0.6f);
+	size_t first = s->count;
+	scene_add_patch(s, origin, y, z, 36, 30, 0.5f);
+	colour(s, first, 0.7f, 0.1f, 0.1f);
+	first = s->count;
+	scene_add_patch(s, right, z, y, 30, 36, 0.5f);
+	colour(s, first, 0.1f, 0.7f, 0.2f);
+	scene_add_sphere(s, (double[3]){ 2.5, 1.75, 0.75 }, 0.5, 450, 1, 0.8f);
+	first = s->count;
+	const double lamp[3] = { 1, 1, 2.25 };
+	scene_add_patch(s, lamp, (double[3]){ 0, 0.5, 0 }, (double[3]){ 0.5, 0, 0 }, 6, 6, 0.2f);
+	scene_emit(s, first, (float[3]){ 8.0f, 7.0f, 5.0f });
+}
+
+gw_points scene_points(const scene *s)
+{
+	return (gw_points){ .count = s->count,
+		                .position = s->position,
+		                .normal = s->normal,
+		                .albedo = s->albedo,
+		                .emission = s->emits ? s->emission : NULL };
+}
+
+void scene_clear(scene *s)
+{
+	free(s->position);
+	free(s->normal);
+	free(s->albedo);
+	free(s->emission);
+	*s = (scene){ 0 };
+}
+
+gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+                           const gw_bake_options *options)
+{
+	gw_bake_result *result;
+	gw_error error = { 0 };
+	gw_status status = gw_bake(points, lights, light_count, options, NULL, &result, &error);
+	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL) {
+		print_message("%s\n", error.text);
+		skip();
+	}
+	if (status != GW_OK)
+		fail_msg("%s", error.text);
+	return result;
+}
+
+double *scene_areas(const gw_points *points)
+{
+	gw_surfels surfels;
+	gw_error error = { 0 };
+	if (gw_surfels_make(points, &(gw_surfels_options){ 0 }, &surfels, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	double *area = calloc(points->count, sizeof *area);
+	assert_non_null(area);
+	for (size_t i = 0; i < points->count; i++)
+		area[i] = (double)surfels.area[surfels.surfel_of_point[i]];
+	gw_surfels_clear(&surfels);
+	return area;
+}
+
+double scene_mean(const float *values, size_t count, size_t channel)
+{
+	double sum = 0.0;
+	for (size_t i = 0; i < count; i++)
+		sum += (double)values[3 * i + channel];
+	return sum / (double)count;
+}
+
+bool scene_has_stage(const gw_report *report, const char *name)
+{
+	for (uint32_t i = 0; i < report->stage_count; i++) {
+		if (strcmp(report->stage[i].name, name) == 0)
+			return true;
+	}
+	return false;
+}
+
+uint64_t scene_dispatches(const gw_report *report)
+{
+	uint64_t sum = 0;
+	for (uint32_t i = 0; i < report->stage_count; i++)
+		sum += report->stage[i].dispatches;
+	return sum;
+}
+
+gw_light scene_point_light(double x, double y, double z, float intensity)
+{
+	return (gw_light){ .type = GW_LIGHT_POINT,
+		               .position = { x, y, z },
+		               .intensity = { intensity, intensity, intensity } };
+}

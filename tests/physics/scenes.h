@@ -1,0 +1,80 @@
+/*
+ * scenes.h - point clouds made in memory, and bakes of them, for tests that know the answer.
+ *
+ * All coordinates are multiples of 2^-20 m, so that a scene can be moved without rounding. The
+ * functions fail the running cmocka test themselves when memory is short or a bake goes wrong;
+ * a bake on a machine without a Vulkan device skips it (under CI it fails).
+ */
+#ifndef SCENES_H
+#define SCENES_H
+
+#include "glowworm.h"
+
+#define SCENE_PI 3.14159265358979323846
+
+/* A cloud under construction. emission is all zero until something emits. */
+typedef struct scene {
+	size_t count, capacity;
+	double *position; /* 3 * count, metres */
+	float *normal, *albedo, *emission;
+	bool emits;
+	uint64_t state; /* of the random numbers */
+} scene;
+
+/* A number in [0, 1), the next of the scene's sequence. */
+double scene_random(scene *s);
+
+/* Adds a point; albedo is the same in all channels. Returns its index. */
+size_t scene_add(scene *s, const double position[3], const double normal[3], float albedo);
+
+/*
+ * Adds a parallelogram of n x m points, one at a random place in each of the cells.
+ *   corner, u, v   metres; u and v are the sides, the normal is along u x v
+ */
+void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
+                     size_t n, size_t m, float albedo);
+
+/*
+ * Adds `count` points spread evenly over a sphere (golden-angle spiral).
+ *   facing   -1: normals towards the centre, 1: away from it
+ */
+void scene_add_sphere(scene *s, const double centre[3], double radius, size_t count, int facing,
+                      float albedo);
+
+/* Adds the six walls of a box that is lit from inside; per_metre points a metre along each edge. */
+void scene_add_box(scene *s, const double corner[3], const double size[3], double per_metre,
+                   float albedo);
+
+/*
+ * An open hall with all that a bake can light: five walls in three colours, a ball, a lamp of
+ * points that emit in the ceiling. 4 x 3 x 2.5 m, open at y = 0; about 7000 points.
+ */
+void scene_make_hall(scene *s);
+
+/* All points from `first` on emit that radiance. */
+void scene_emit(scene *s, size_t first, const float radiance[3]);
+
+/* The scene as gw_bake takes it; valid as long as nothing is added. */
+gw_points scene_points(const scene *s);
+void scene_clear(scene *s);
+
+/* Bakes; the result is freed by the caller with gw_bake_result_destroy. */
+gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+                           const gw_bake_options *options);
+
+/* The area that each point stands for, m^2, as the library finds it; freed by the caller. */
+double *scene_areas(const gw_points *points);
+
+/* Mean over all points of one channel of a per-point array. */
+double scene_mean(const float *values, size_t count, size_t channel);
+
+/* The report has a stage of that name. */
+bool scene_has_stage(const gw_report *report, const char *name);
+
+/* Sum of the dispatches of all stages. */
+uint64_t scene_dispatches(const gw_report *report);
+
+/* A white point light without extent: intensity in W/sr, the same in all channels. */
+gw_light scene_point_light(double x, double y, double z, float intensity);
+
+#endif

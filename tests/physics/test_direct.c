@@ -1,0 +1,305 @@
+/* Direct light against closed forms: point lights, spot lights, the sun, and what closed rooms
+ * receive of them. */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Unit roundoff of float32. */
+#define ROUNDOFF 0x1p-24
+
+/*
+ * How far a place in the octree may be off: points and lights are rounded twice, in the local frame
+ * and in grid coordinates, each by half a unit in the last place of at most the cube's side. Four
+ * roundings a coordinate, three coordinates, all to the same side.
+ */
+static double place_error(const gw_report *report)
+{
+	return 4.0 * sqrt(3.0) * ROUNDOFF * report->leaf_size * (double)(1u << report->depth);
+}
+
+/*
+ * Relative error of I h / d^3 for that: 1/h + 3/d of the error of place. The arithmetic after it is
+ * 16 operations, of which the reciprocal root may be off by 2 units: 2^-20 in all.
+ */
+static double point_light_error(const gw_report *report, double height, double distance)
+{
+	return place_error(report) * (1.0 / height + 3.0 / distance) + 0x1p-20;
+}
+
+static gw_bake_options direct_only(gw_shadows shadows)
+{
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	options.bounces = 1;
+	options.shadows = shadows;
+	return options;
+}
+
+/* A plane of 4 x 4 m about the origin. */
+static scene make_plane(void)
+{
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ -2, -2, 0 }, (double[3]){ 4, 0, 0 }, (double[3]){ 0, 4, 0 },
+	                100, 100, 0.5f);
+	scene_add(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 0, 0, 1 }, 0.5f);
+	return s;
+}
+
+static void assert_near(double found, double expected, double tolerance, size_t point)
+{
+	if (!(fabs(found - expected) <= tolerance))
+		fail_msg("point %zu: %.9g, not %.9g; off by %.3g, allowed %.3g", point, found, expected,
+		         fabs(found - expected), tolerance);
+}
+
+/* E = I h / (h^2 + r^2)^1.5 everywhere: shadows must not darken an open plane. */
+static void point_light_over_plane(void **state)
+{
+	(void)state;
+	const double heights[] = { 0.25, 1.0, 3.0 };
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	for (size_t n = 0; n < 3; n++) {
+		double h = heights[n];
+		gw_light light = scene_point_light(0.3, -0.2, h, 5.0f);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		for (size_t i = 0; i < s.count; i++) {
+			double dx = s.position[3 * i] - 0.3, dy = s.position[3 * i + 1] + 0.2;
+			double d = sqrt(dx * dx + dy * dy + h * h), e = 5.0 * h / (d * d * d);
+			double error = point_light_error(&result->report, h, d);
+			assert_near((double)result->direct_irradiance[3 * i], e, e * error, i);
+			/* L = rho / pi E; three more roundings. */
+			assert_near((double)result->radiance[3 * i + 1], e * 0.5 / SCENE_PI,
+			            e * (error + 3 * ROUNDOFF), i);
+			assert_true(result->indirect_irradiance[3 * i + 2] == 0.0f);
+		}
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+static void inverse_square(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	double e[3], error = 0.0;
+	for (size_t n = 0; n < 3; n++) {
+		double d = (double)(1 << n);
+		gw_light light = scene_point_light(0, 0, d, 1.0f);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		e[n] = (double)result->direct_irradiance[3 * (s.count - 1)];
+		error = fmax(error, point_light_error(&result->report, d, d));
+		gw_bake_result_destroy(&result);
+	}
+	assert_near(e[1] / e[0], 0.25, 0.25 * 2 * error, 1);
+	assert_near(e[2] / e[0], 0.0625, 0.0625 * 2 * error, 2);
+	scene_clear(&s);
+}
+
+/* sum of E_i A_i. */
+static double flux(const scene *s, const gw_light *light)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_bake_result *result = scene_bake(&points, light, 1, &options);
+	double *area = scene_areas(&points), sum = 0.0;
+	for (size_t i = 0; i < s->count; i++)
+		sum += area[i] * (double)result->direct_irradiance[3 * i];
+	free(area);
+	gw_bake_result_destroy(&result);
+	return sum;
+}
+
+/*
+ * All light of a lamp in a closed room arrives: 4 pi I. 3 %: each point's area is known from 16
+ * random neighbours, and points within a cell of an edge may be in the wrong plane's shadow.
+ */
+static void flux_is_conserved(void **state)
+{
+	(void)state;
+	scene box = { 0 }, sphere = { 0 };
+	gw_light light = scene_point_light(0.7, 1.1, 0.9, 2.0f);
+	scene_add_box(&box, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 32, 0.5f);
+	assert_near(flux(&box, &light) / (8 * SCENE_PI), 1.0, 0.03, 0);
+	scene_add_sphere(&sphere, (double[3]){ 1, 1, 1 }, 1.0, 20000, -1, 0.5f);
+	assert_near(flux(&sphere, &light) / (8 * SCENE_PI), 1.0, 0.03, 0);
+	scene_clear(&box);
+	scene_clear(&sphere);
+}
+
+/* Share of a spot light's intensity at a cosine from its axis. */
+static double spot_share(double cosine, double cos_inner, double cos_outer)
+{
+	double x = fmin(1.0, fmax(0.0, (cosine - cos_outer) / (cos_inner - cos_outer)));
+	return x * x * (3.0 - 2.0 * x);
+}
+
+static gw_light make_spot(double x, double y, double z)
+{
+	gw_light light = scene_point_light(x, y, z, 4.0f);
+	light.type = GW_LIGHT_SPOT;
+	light.direction[2] = -3.0;
+	light.inner_angle = 20.0f;
+	light.outer_angle = 40.0f;
+	return light;
+}
+
+static void spot_light_over_plane(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_light light = make_spot(0, 0, 1.5);
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double inner = cos(20 * SCENE_PI / 180), outer = cos(40 * SCENE_PI / 180);
+	size_t bright = 0, between = 0, dark = 0;
+	for (size_t i = 0; i < s.count; i++) {
+		double x = s.position[3 * i], y = s.position[3 * i + 1];
+		double d = sqrt(x * x + y * y + 2.25), cosine = 1.5 / d, e = 4.0 * 1.5 / (d * d * d);
+		double share = spot_share(cosine, inner, outer);
+		/* The cosine is off by the error of place over d and 2^-20; smoothstep is at most 1.5
+		 * times as steep as the line across the same width, of which 4 units may be lost. */
+		double off = place_error(&result->report) / d + 0x1p-20;
+		double share_error = 1.5 * off / (inner - outer) + 0x1p-22;
+		double error = point_light_error(&result->report, 1.5, d);
+		assert_near((double)result->direct_irradiance[3 * i], e * share,
+		            e * (share * error + share_error), i);
+		if (cosine < outer - off) {
+			assert_true(result->direct_irradiance[3 * i] == 0.0f);
+			dark++;
+		}
+		bright += cosine > inner;
+		between += cosine < inner && cosine > outer;
+	}
+	assert_true(bright > 100 && between > 100 && dark > 100);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+/* Phi = 2 pi I [(1 - ci) + (ci - co) / 2]; 3 % as above. */
+static void spot_light_flux(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 20000, -1, 0.5f);
+	gw_light light = make_spot(0.1, 0.2, 0.3);
+	double inner = cos(20 * SCENE_PI / 180), outer = cos(40 * SCENE_PI / 180);
+	double phi = 2 * SCENE_PI * 4.0 * ((1 - inner) + (inner - outer) / 2);
+	assert_near(flux(&s, &light) / phi, 1.0, 0.03, 0);
+	scene_clear(&s);
+}
+
+/* E = E0 max(0, cos b) on planes that face the sun by b; exactly 0 from behind. */
+static void sun_on_tilted_planes(void **state)
+{
+	(void)state;
+	const double degrees[] = { 0, 30, 60, 85, 95, 180 };
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_light sun = { .type = GW_LIGHT_SUN,
+		             .direction = { 0, 0, -2 },
+		             .irradiance = { 1000.0f, 900.0f, 0.5f } };
+	for (size_t n = 0; n < sizeof degrees / sizeof *degrees; n++) {
+		double b = degrees[n] * SCENE_PI / 180;
+		scene s = { 0 };
+		scene_add_patch(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 0, 0 },
+		                (double[3]){ 0, 2 * cos(b), 2 * sin(b) }, 60, 60, 0.5f);
+		gw_points points = scene_points(&s);
+		gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+		for (size_t i = 0; i < 3 * s.count; i++) {
+			double e0 = (double)sun.irradiance[i % 3], e = e0 * fmax(0.0, cos(b));
+			/* The normal and the direction are rounded and normalized, then 5 operations: 16
+			 * roundings, of E0. */
+			assert_near((double)result->direct_irradiance[i], e,
+			            degrees[n] > 90 ? 0.0 : e0 * 16 * ROUNDOFF, i / 3);
+		}
+		gw_bake_result_destroy(&result);
+		scene_clear(&s);
+	}
+}
+
+/* Under a low sun and low lamps with and without extent, an open surface is as bright with shadows
+ * as without, to the last bit. */
+static void open_plane_has_no_shadow(void **state)
+{
+	(void)state;
+	gw_light lights[] = { { .type = GW_LIGHT_SUN,
+		                    .direction = { 1, 0.3, -0.05 },
+		                    .irradiance = { 1, 1, 1 } },
+		                  scene_point_light(1, 0.4, 0.05, 1.0f),
+		                  scene_point_light(-1.5, 0, 0.6, 1.0f),
+		                  { .type = GW_LIGHT_SUN,
+		                    .direction = { 0.2, 0.3, -1 },
+		                    .irradiance = { 1, 1, 1 },
+		                    .angle = 5 } };
+	lights[2].radius = 0.25f;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options with = direct_only(GW_SHADOWS_TRACED), without = direct_only(GW_SHADOWS_NONE);
+	for (size_t n = 0; n < 4; n++) {
+		gw_bake_result *a = scene_bake(&points, &lights[n], 1, &with);
+		gw_bake_result *b = scene_bake(&points, &lights[n], 1, &without);
+		size_t differing = 0;
+		for (size_t i = 0; i < s.count; i++)
+			differing += a->direct_irradiance[3 * i] != b->direct_irradiance[3 * i];
+		if (differing > 0)
+			fail_msg("light %zu: %zu of %zu points are shadowed", n, differing, s.count);
+		gw_bake_result_destroy(&a);
+		gw_bake_result_destroy(&b);
+	}
+	scene_clear(&s);
+}
+
+/* A wall between lamp and floor: dark behind it, and nothing of it is lit through. Points nearer
+ * than 3 cells to the shadow's edge or to the wall may be either. */
+static void wall_casts_its_shadow(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	size_t floor_count = s.count;
+	scene_add_patch(&s, (double[3]){ 0.5, -2, 0 }, (double[3]){ 0, 0, 1 }, (double[3]){ 0, 4, 0 },
+	                25, 100, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_light light = scene_point_light(-1, 0, 2, 1.0f);
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double margin = 3 * result->report.leaf_size;
+	size_t lit = 0, dark = 0;
+	for (size_t i = 0; i < floor_count; i++) {
+		/* The ray that grazes the wall's top at x = 0.5, z = 1 ends at the floor's edge, x = 2. */
+		double x = s.position[3 * i];
+		if (x > 0.5 + margin && x < 2.0 - 2 * margin) {
+			assert_true(result->direct_irradiance[3 * i] == 0.0f);
+			dark++;
+		} else if (x < 0.5 - margin) {
+			assert_true(result->direct_irradiance[3 * i] > 0.0f);
+			lit++;
+		}
+	}
+	assert_true(lit > 1000 && dark > 1000);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(point_light_over_plane),
+		cmocka_unit_test(inverse_square),
+		cmocka_unit_test(flux_is_conserved),
+		cmocka_unit_test(spot_light_over_plane),
+		cmocka_unit_test(spot_light_flux),
+		cmocka_unit_test(sun_on_tilted_planes),
+		cmocka_unit_test(open_plane_has_no_shadow),
+		cmocka_unit_test(wall_casts_its_shadow),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

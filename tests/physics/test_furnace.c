@@ -1,0 +1,228 @@
+/* Interreflection against closed forms: the white furnace bounce by bounce, and the integrating
+ * sphere. Every point of a sphere sees every other alike, so all bounces are known exactly. */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define POINTS 20000
+
+/*
+ * Allowed error of a mean, relative. Rays find the planes in the leaves or slip between two at a
+ * crease of the sphere: under 1 %. Cones blur a voxel over its neighbours: 3 %.
+ */
+static double allowed(gw_method method)
+{
+	return method == GW_METHOD_RAYS ? 0.01 : 0.03;
+}
+
+static gw_bake_options options_of(gw_method method, uint32_t bounces)
+{
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	options.method = method;
+	options.bounces = bounces;
+	return options;
+}
+
+/* A sphere of radius 1 seen from inside; Le = 1 everywhere if it emits. */
+static scene make_sphere(float albedo, bool emits)
+{
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, POINTS, -1, albedo);
+	if (emits)
+		scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	return s;
+}
+
+static void assert_mean(const char *what, double found, double expected, double relative)
+{
+	if (!(fabs(found / expected - 1.0) <= relative))
+		fail_msg("%s: %.6g, not %.6g: off by %.2f %%, allowed %.2f %%", what, found, expected,
+		         100.0 * (found / expected - 1.0), 100.0 * relative);
+}
+
+/* Successive reflections never gain energy: their ratio is at most the albedo, and 0.001 for the
+ * float32 sums (hard bound: the Neumann series converges). */
+static void assert_decay(const gw_report *report, double albedo)
+{
+	for (uint32_t n = 1; n < report->bounce_count; n++) {
+		double before = report->bounce[n - 1].energy, now = report->bounce[n].energy;
+		if (!(now <= before && now <= before * (albedo + 1e-3)))
+			fail_msg("bounce %u has %.6g W after %.6g W: ratio %.5f, albedo %g", n + 1, now,
+			         before, now / before, albedo);
+	}
+}
+
+/*
+ * Nor do they lose any in a closed scene. 1 % of the mean at albedo 0.8, where all bounces after the
+ * first are 4 times the first, allows each to lose 0.25 %.
+ */
+static void assert_no_leak(const gw_report *report, double albedo)
+{
+	for (uint32_t n = 1; n < report->bounce_count; n++) {
+		double ratio = report->bounce[n].energy / report->bounce[n - 1].energy;
+		if (!(ratio >= albedo * (1.0 - 0.0025)))
+			fail_msg("bounce %u keeps %.5f of the one before, albedo %g", n + 1, ratio, albedo);
+	}
+}
+
+/* After N bounces L = Le (1 - rho^(N+1)) / (1 - rho). */
+static void check_bounces(gw_method method, float albedo, uint32_t bounces)
+{
+	scene s = make_sphere(albedo, true);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = options_of(method, bounces);
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	double rho = (double)albedo;
+	double expected = (1.0 - pow(rho, bounces + 1.0)) / (1.0 - rho);
+	char what[64];
+	snprintf(what, sizeof what, "%s, albedo %g, %u bounces", gw_method_name(method), rho, bounces);
+	for (size_t c = 0; c < 3; c++)
+		assert_mean(what, scene_mean(result->radiance, s.count, c), expected,
+		            bounces == 0 ? 0.0 : allowed(method));
+	assert_int_equal(result->report.bounce_count, bounces);
+	assert_decay(&result->report, rho);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+static void furnace_by_rays(void **state)
+{
+	(void)state;
+	const uint32_t bounces[] = { 0, 1, 2, 3, 8 };
+	for (size_t i = 0; i < 5; i++)
+		check_bounces(GW_METHOD_RAYS, 0.5f, bounces[i]);
+	check_bounces(GW_METHOD_RAYS, 0.8f, 3);
+	check_bounces(GW_METHOD_RAYS, 0.8f, 8);
+}
+
+static void furnace_by_cones(void **state)
+{
+	(void)state;
+	const uint32_t bounces[] = { 0, 1, 2, 3, 8 };
+	for (size_t i = 0; i < 5; i++)
+		check_bounces(GW_METHOD_CONES, 0.5f, bounces[i]);
+	check_bounces(GW_METHOD_CONES, 0.8f, 3);
+}
+
+/* Automatic bounces reach Le / (1 - rho) but for the tolerance, which they promise to keep. */
+static void furnace_until_tolerance(void **state)
+{
+	(void)state;
+	const float albedo[] = { 0.5f, 0.8f, 0.98f };
+	for (size_t i = 0; i < 3; i++) {
+		double rho = (double)albedo[i];
+		scene s = make_sphere(albedo[i], true);
+		gw_points points = scene_points(&s);
+		gw_bake_options options = options_of(GW_METHOD_RAYS, GW_BOUNCES_AUTO);
+		gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+		assert_true(result->report.remaining <= (double)options.tolerance);
+		/* What every bounce may lose (see assert_no_leak) adds up to this over all of them. */
+		double leak = 0.0025 * rho / (1.0 - rho);
+		assert_mean("automatic", scene_mean(result->radiance, s.count, 0), 1.0 / (1.0 - rho),
+		            fmax(allowed(GW_METHOD_RAYS), leak) + (double)options.tolerance);
+		assert_no_leak(&result->report, rho);
+		assert_decay(&result->report, rho);
+		gw_bake_result_destroy(&result);
+		scene_clear(&s);
+	}
+}
+
+/*
+ * Spread that Monte Carlo alone gives the indirect irradiance: a record's rays fall evenly on the
+ * sphere whatever the record's place, so its first gather has the variance of the reflected light
+ * over the sphere, divided by the number of rays. Later bounces gather what is already even.
+ */
+static double record_spread(const gw_bake_result *result, double rho, double samples)
+{
+	double sum = 0.0, squares = 0.0, n = (double)result->count;
+	for (size_t i = 0; i < result->count; i++) {
+		double e = rho * (double)result->direct_irradiance[3 * i];
+		sum += e;
+		squares += e * e;
+	}
+	return sqrt(fmax(0.0, squares / n - sum / n * (sum / n)) / samples);
+}
+
+/* E_ind = rho Phi / (4 pi R^2 (1 - rho)), the same at every point wherever the lamp is. */
+static void check_integrating_sphere(gw_method method, float albedo)
+{
+	double rho = (double)albedo;
+	scene s = make_sphere(albedo, false);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.3, 0.2, -0.1, 2.0f);
+	gw_bake_options options = options_of(method, GW_BOUNCES_AUTO);
+	options.tolerance = 0.001f;
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double expected = rho * 2.0 / (1.0 - rho);
+	assert_mean(gw_method_name(method), scene_mean(result->indirect_irradiance, s.count, 0),
+	            expected, allowed(method));
+	double squares = 0.0;
+	for (size_t i = 0; i < s.count; i++) {
+		double off = (double)result->indirect_irradiance[3 * i] - expected;
+		squares += off * off;
+	}
+	double samples = method == GW_METHOD_RAYS ? options.rays : options.cones;
+	double spread = sqrt(squares / (double)s.count);
+	double bound = record_spread(result, rho, samples) + allowed(method) * expected;
+	if (!(spread <= bound))
+		fail_msg("%s, albedo %g: indirect light spreads by %.4g of %.4g, allowed %.4g",
+		         gw_method_name(method), rho, spread, expected, bound);
+	assert_decay(&result->report, rho);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+static void integrating_sphere(void **state)
+{
+	(void)state;
+	check_integrating_sphere(GW_METHOD_RAYS, 0.5f);
+	check_integrating_sphere(GW_METHOD_RAYS, 0.8f);
+	check_integrating_sphere(GW_METHOD_CONES, 0.5f);
+}
+
+/*
+ * The lamp of a closed cube of side a: mean indirect irradiance rho Phi / (6 a^2 (1 - rho)), by
+ * energy, whatever the shape (CIE 171, 5.8). Points per area are even, so the mean is over area.
+ * Of the 60 cells that a wall is wide, half a cell along each of its four edges belongs to either
+ * wall, and half the light there is lost, in every bounce: 4 * 0.5 / 60 * 0.5 / (1 - rho) = 3.3 %,
+ * besides the error of the mean.
+ */
+static void check_cube(gw_method method)
+{
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 30, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(1, 1, 1, 2.0f);
+	gw_bake_options options = options_of(method, GW_BOUNCES_AUTO);
+	options.tolerance = 0.001f;
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	assert_mean(gw_method_name(method), scene_mean(result->indirect_irradiance, s.count, 0),
+	            8 * SCENE_PI / 24, 0.033 + allowed(method));
+	/* Cones may brighten by their allowed error; rays may not. */
+	assert_decay(&result->report, method == GW_METHOD_CONES ? 0.5 * (1 + allowed(method)) : 0.5);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+static void closed_cube(void **state)
+{
+	(void)state;
+	check_cube(GW_METHOD_RAYS);
+	check_cube(GW_METHOD_CONES);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(furnace_by_rays),         cmocka_unit_test(furnace_by_cones),
+		cmocka_unit_test(furnace_until_tolerance), cmocka_unit_test(integrating_sphere),
+		cmocka_unit_test(closed_cube),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
