@@ -11,3 +11,9 @@ EOF
 glowworm bake folder/scene.json c.ply --rays 7 --up z --light 'sun from 90,0 irradiance 1,2,3' \
 	--print-scene | tee printed.json
 glowworm bake printed.json --print-scene | cmp - printed.json
+# Azimuth and elevation: from the north and from the zenith, with z up and with y up.
+for up in y z; do
+	glowworm bake a.ply --up $up --light 'sun from 0,0 irradiance 1' \
+		--light 'sun from 0,90 irradiance 1' --print-scene |
+		sed -n '/"sun"/{s/-*6.123233995736766e-17/0/g;p}'
+done
