@@ -56,16 +56,17 @@ static gw_status stage(bake *b, const char *name, double done, gw_error *error)
 	if (b->callbacks.progress)
 		b->callbacks.progress(b->callbacks.user, name, done);
 	if (cancelled(b))
-		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'", name);
+		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
+					   name);
 	return GW_OK;
 }
 
 static gw_status check_number(const char *option, double value, double low, double high,
-                              gw_error *error)
+							  gw_error *error)
 {
 	if (!(value >= low && value <= high))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option, value,
-		               low, high);
+		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
+					   value, low, high);
 	return GW_OK;
 }
 
@@ -90,30 +91,38 @@ static gw_status check_options(const bake *b, gw_error *error)
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
 		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
 	if (status == GW_OK && b->points->count == 0)
-		status = gw_fail(error, GW_ERROR_DATA, "the cloud holds no points, so there is nothing to light");
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "the cloud holds no points, so there is nothing to light");
 	return status == GW_OK ? gw_lights_check(b->lights, b->light_count, error) : status;
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
 {
 	gw_surfels_options options = { .threads = b->options.threads,
-		                           .lights = b->lights,
-		                           .light_count = b->light_count,
-		                           .memory = b->options.memory,
-		                           .cancelled = cancelled,
-		                           .user = b };
+								   .lights = b->lights,
+								   .light_count = b->light_count,
+								   .memory = b->options.memory,
+								   .cancelled = cancelled,
+								   .user = b };
 	gw_status status = gw_surfels_make(b->points, &options, &b->surfels, error);
 	if (status != GW_OK)
 		return status;
 	const gw_surfels *s = &b->surfels;
 	gw_report *r = b->report;
-	gw_report_count(r, "left_out_non_finite", s->non_finite, "points without finite coordinates: left out, written as dark");
-	gw_report_count(r, "duplicates_merged", s->duplicates, "points at the place of another: they share its light");
-	gw_report_count(r, "albedo_clamped", s->albedo_clamped, "points whose albedo was outside 0 to 0.98");
-	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted, "points whose albedo was not a number: 0.5 was taken");
-	gw_report_count(r, "emission_repaired", s->emission_repaired, "points with negative or non-finite emission: taken as 0");
-	gw_report_count(r, "normals_estimated", s->normals_estimated, "points whose normal was missing or bad: estimated from neighbours");
-	gw_report_count(r, "normals_untrusted", s->normals_untrusted, "points whose normal cannot be trusted: lit from both sides");
+	gw_report_count(r, "left_out_non_finite", s->non_finite,
+					"points without finite coordinates: left out, written as dark");
+	gw_report_count(r, "duplicates_merged", s->duplicates,
+					"points at the place of another: they share its light");
+	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
+					"points whose albedo was outside 0 to 0.98");
+	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
+					"points whose albedo was not a number: 0.5 was taken");
+	gw_report_count(r, "emission_repaired", s->emission_repaired,
+					"points with negative or non-finite emission: taken as 0");
+	gw_report_count(r, "normals_estimated", s->normals_estimated,
+					"points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
+					"points whose normal cannot be trusted: lit from both sides");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
 	return GW_OK;
@@ -122,8 +131,8 @@ static gw_status make_surfels(bake *b, gw_error *error)
 static gw_status open_device(bake *b, gw_error *error)
 {
 	gw_gpu_options options = { .device = b->options.device,
-		                       .memory = b->options.memory,
-		                       .validate = b->options.validate };
+							   .memory = b->options.memory,
+							   .validate = b->options.validate };
 	gw_status status = gw_gpu_create(&options, &b->gpu, error);
 	if (status == GW_OK) {
 		const gw_device_info *device = gw_gpu_device(b->gpu);
@@ -152,10 +161,10 @@ static gw_status build_octree(bake *b, gw_error *error)
 }
 
 static gw_status texel4(bake *b, uint64_t count, const char *name, gw_buffer *buffer,
-                        gw_error *error)
+						gw_error *error)
 {
-	return gw_buffer_create(b->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * count, name,
-	                        buffer, error);
+	return gw_buffer_create(b->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * count,
+							name, buffer, error);
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
@@ -166,14 +175,14 @@ static gw_status light_directly(bake *b, gw_error *error)
 		status = texel4(b, slots, "lobe direct irradiance", &b->lobe_direct, error);
 	if (status == GW_OK && b->plan.lamps)
 		status = gw_direct_light(&b->passes, &b->octree, &b->surfels, b->lights, b->light_count,
-		                         &b->options, &b->surfel_direct, &b->lobe_direct, error);
+								 &b->options, &b->surfel_direct, &b->lobe_direct, error);
 	return status;
 }
 
 /* ------------------------------------------------------------------ what the trace steps do */
 
 static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
-                                gw_error *error)
+								gw_error *error)
 {
 	bake *b = self;
 	(void)largest;
@@ -181,21 +190,21 @@ static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, floa
 }
 
 static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
-                                 gw_error *error)
+								 gw_error *error)
 {
 	bake *b = self;
 	const float black[3] = { 0 };
 	return gw_cone_gather_bounce(&b->passes, &b->octree, &b->cones, &b->records, lobe_radiance,
-	                             largest, black, &b->records.gathered, error);
+								 largest, black, &b->records.gathered, error);
 }
 
 static gw_status first_by_rays(bake *b, gw_error *error)
 {
 	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, b->options.rays,
-	                                       (uint32_t)b->options.seed, &b->rays, error);
+										   (uint32_t)b->options.seed, &b->rays, error);
 	if (status == GW_OK)
 		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &b->rays, &b->emitters,
-		                             b->options.light_samples, true, b->plan.sky_radiance, error);
+									 b->options.light_samples, true, b->plan.sky_radiance, error);
 	return status;
 }
 
@@ -216,25 +225,25 @@ static gw_status first_by_cones(bake *b, gw_error *error)
 	uint32_t samples = in_voxels ? 0 : b->options.light_samples;
 	gw_ray_gather nearest = { 0 };
 	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, NEAREST_RAYS,
-	                                       (uint32_t)b->options.seed, &nearest, error);
+										   (uint32_t)b->options.seed, &nearest, error);
 	if (status == GW_OK)
 		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &nearest, &b->emitters,
-		                             samples, false, black, error);
+									 samples, false, black, error);
 	gw_ray_gather_destroy(b->gpu, &nearest);
 	if (status == GW_OK)
 		status = gw_cone_gather_create(b->gpu, &b->octree, b->options.cones,
-		                               (uint32_t)b->options.seed, &b->cones, error);
+									   (uint32_t)b->options.seed, &b->cones, error);
 	if (status != GW_OK || (!in_voxels && !b->plan.sky))
 		return status;
 	status = gw_cone_gather_bounce(&b->passes, &b->octree, &b->cones, &b->records,
-	                               in_voxels ? &b->octree.lobe_emission : &b->lobe_radiance,
-	                               in_voxels ? largest_emission(&b->surfels) : 1.0f,
-	                               b->plan.sky_radiance, &b->records.gathered, error);
+								   in_voxels ? &b->octree.lobe_emission : &b->lobe_radiance,
+								   in_voxels ? largest_emission(&b->surfels) : 1.0f,
+								   b->plan.sky_radiance, &b->records.gathered, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_window(&b->records.gathered, 16),
-			                            gw_window(&b->records.first, 16) };
+										gw_window(&b->records.first, 16) };
 		status = gw_passes_run(&b->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 },
-		                       b->records.count, error);
+							   b->records.count, error);
 	}
 	return status;
 }
@@ -247,7 +256,7 @@ static gw_status place_records(bake *b, gw_error *error)
 		status = gw_emitters_make(b->gpu, &b->octree, &b->emitters, error);
 	if (status == GW_OK)
 		status = gw_records_place(&b->passes, &b->octree, b->options.record_spacing,
-		                          b->options.seed, &b->records, error);
+								  b->options.seed, &b->records, error);
 	b->report->records = b->records.count;
 	return status;
 }
@@ -255,7 +264,7 @@ static gw_status place_records(bake *b, gw_error *error)
 static gw_status gather_first(bake *b, gw_error *error)
 {
 	gw_status status =
-	    b->options.method == GW_METHOD_RAYS ? first_by_rays(b, error) : first_by_cones(b, error);
+		b->options.method == GW_METHOD_RAYS ? first_by_rays(b, error) : first_by_cones(b, error);
 	b->report->brick_bytes = b->cones.leaf_pool.allocated + b->cones.mip_pool.allocated;
 	if (status == GW_OK)
 		status = gw_records_weigh_lobes(&b->passes, &b->octree, &b->records, error);
@@ -265,18 +274,18 @@ static gw_status gather_first(bake *b, gw_error *error)
 static gw_status bounce(bake *b, gw_error *error)
 {
 	gw_bounces bounces;
-	gw_bounces_task task = { .passes = &b->passes,
-		                     .octree = &b->octree,
-		                     .records = &b->records,
-		                     .lobe_direct = &b->lobe_direct,
-		                     .lobe_radiance = &b->lobe_radiance,
-		                     .step = { b->options.method == GW_METHOD_RAYS ? gather_by_rays
-		                                                                   : gather_by_cones,
-		                               b },
-		                     .limit = b->plan.bounces ? b->plan.limit : 1,
-		                     .tolerance = b->options.tolerance,
-		                     .cancelled = cancelled,
-		                     .user = b };
+	gw_bounces_task task = {
+		.passes = &b->passes,
+		.octree = &b->octree,
+		.records = &b->records,
+		.lobe_direct = &b->lobe_direct,
+		.lobe_radiance = &b->lobe_radiance,
+		.step = { b->options.method == GW_METHOD_RAYS ? gather_by_rays : gather_by_cones, b },
+		.limit = b->plan.bounces ? b->plan.limit : 1,
+		.tolerance = b->options.tolerance,
+		.cancelled = cancelled,
+		.user = b
+	};
 	gw_status status = gw_bounces_run(&task, &bounces, error);
 	b->report->bounce = bounces.bounce;
 	b->report->bounce_count = bounces.bounce_count;
@@ -288,13 +297,13 @@ static gw_status read_back(bake *b, gw_error *error)
 {
 	uint64_t count = b->surfels.count;
 	gw_status status = gw_buffer_create(b->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * count,
-	                                    "surfel first irradiance", &b->surfel_first, error);
+										"surfel first irradiance", &b->surfel_first, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(b->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * count,
-		                          "surfel indirect irradiance", &b->surfel_indirect, error);
+								  "surfel indirect irradiance", &b->surfel_indirect, error);
 	if (status == GW_OK)
 		status = gw_records_read_back(&b->passes, &b->octree, &b->records, count, &b->surfel_first,
-		                              &b->surfel_indirect, error);
+									  &b->surfel_indirect, error);
 	return status;
 }
 
@@ -304,7 +313,7 @@ static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error 
 {
 	result->count = count;
 	float **vectors[] = { &result->radiance, &result->direct_irradiance,
-		                  &result->indirect_irradiance, &result->normal, &result->albedo };
+						  &result->indirect_irradiance, &result->normal, &result->albedo };
 	bool complete = (result->roi = gw_allocate_zeros(count, sizeof(float))) != NULL;
 	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
 		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
@@ -321,7 +330,7 @@ static gw_status download(bake *b, gw_buffer *buffer, float **values, gw_error *
 	*values = gw_allocate_array(b->surfels.count, 4 * sizeof **values);
 	if (!*values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
-		               b->surfels.count);
+					   b->surfels.count);
 	return gw_buffer_download(b->gpu, buffer, 0, *values, 16 * (uint64_t)b->surfels.count, error);
 }
 
@@ -375,10 +384,11 @@ static gw_status collect(bake *b, gw_error *error)
 		uint64_t lost = 0;
 		for (size_t i = 0; first != NULL && i < b->surfels.count; i++)
 			lost += !(first[4 * i + 3] > 0.0f);
-		gw_report_count(b->report, "without_record", lost, "points with no record near: no gathered light");
+		gw_report_count(b->report, "without_record", lost,
+						"points with no record near: no gathered light");
 		scatter job = { b, direct, first, indirect };
 		gw_parallel_for(gw_thread_count(b->options.threads), b->points->count, 65536,
-		                scatter_points, &job);
+						scatter_points, &job);
 	}
 	free(direct);
 	free(first);
@@ -389,10 +399,10 @@ static gw_status collect(bake *b, gw_error *error)
 static gw_status collect_voxels(bake *b, gw_error *error)
 {
 	gw_voxels_task task = { .passes = &b->passes,
-		                    .octree = &b->octree,
-		                    .surfels = &b->surfels,
-		                    .records = b->plan.records ? &b->records : NULL,
-		                    .lobe_direct = &b->lobe_direct };
+							.octree = &b->octree,
+							.surfels = &b->surfels,
+							.records = b->plan.records ? &b->records : NULL,
+							.lobe_direct = &b->lobe_direct };
 	return gw_voxels_collect(&task, &b->result->voxels, error);
 }
 
@@ -448,7 +458,7 @@ static gw_status check_validation(const bake *b, gw_error *error)
 	uint32_t messages = gw_gpu_validation_messages(b->gpu, &first);
 	if (messages > 0)
 		return gw_fail(error, GW_ERROR_INTERNAL,
-		               "the validation layer objected %u times, first: %.600s", messages, first);
+					   "the validation layer objected %u times, first: %.600s", messages, first);
 	return GW_OK;
 }
 
@@ -478,7 +488,7 @@ static void release(bake *b)
 	if (b->gpu == NULL)
 		return;
 	gw_buffer *buffers[] = { &b->surfel_direct, &b->surfel_first, &b->surfel_indirect,
-		                     &b->lobe_direct, &b->lobe_radiance };
+							 &b->lobe_direct, &b->lobe_radiance };
 	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
 		gw_buffer_destroy(b->gpu, buffers[i]);
 	gw_cone_gather_destroy(b->gpu, &b->cones);
@@ -492,11 +502,13 @@ static void release(bake *b)
 }
 
 gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-                  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-                  gw_bake_result **result, gw_error *error)
+				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+				  gw_bake_result **result, gw_error *error)
 {
 	*result = NULL;
-	bake b = { .points = points, .lights = lights, .light_count = light_count, .options = *options };
+	bake b = {
+		.points = points, .lights = lights, .light_count = light_count, .options = *options
+	};
 	if (callbacks)
 		b.callbacks = *callbacks;
 	b.result = gw_allocate_zeros(1, sizeof *b.result);

@@ -1,10 +1,10 @@
 /*
  * bounces.c - see bounces.h.
  *
- * With T the transport of one bounce (interpolate at the lobes, reflect, gather at the records), the
- * irradiance of all bounces is sum T^n E. Rows of T sum to at most the mean albedo of what a record
- * sees, so gathering the albedo itself gives q, the largest row sum, and what is left after a
- * bounce of energy e is at most e q / (1 - q). q < 1 because albedo is clamped below 1: bounces
+ * With T the transport of one bounce (interpolate at the lobes, reflect, gather at the records),
+ * the irradiance of all bounces is sum T^n E. Rows of T sum to at most the mean albedo of what a
+ * record sees, so gathering the albedo itself gives q, the largest row sum, and what is left after
+ * a bounce of energy e is at most e q / (1 - q). q < 1 because albedo is clamped below 1: bounces
  * always converge.
  */
 #include "bounces.h"
@@ -20,16 +20,18 @@
 #define BOUNCE_CEILING 1000u
 
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-                         const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-                         bool use_direct, gw_buffer *lobe_radiance, gw_error *error)
+						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
+						 bool use_direct, gw_buffer *lobe_radiance, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
-		                            gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
-		                            gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
-		                            gw_whole(records_irradiance), gw_window(lobe_radiance, 16) };
+	const gw_binding bindings[] = { gw_window(&octree->lobe_albedo, 16),
+									gw_window(lobe_direct, 16),
+									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
+									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
+									gw_whole(records_irradiance),
+									gw_window(lobe_radiance, 16) };
 	return gw_passes_run(passes, GW_PASS_LOBE_SHADE, bindings,
-	                     &(gw_record_push){ .use_direct = use_direct },
-	                     2 * (uint64_t)octree->leaf_count, error);
+						 &(gw_record_push){ .use_direct = use_direct },
+						 2 * (uint64_t)octree->leaf_count, error);
 }
 
 /* Host copies for sums in a fixed order. */
@@ -46,24 +48,23 @@ static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_er
 	sums->centre = gw_allocate_array(sums->slots, 4 * sizeof(float));
 	if (!sums->radiance || !sums->centre)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", sums->slots);
-	return gw_buffer_download(task->passes->gpu,
-	                          (gw_buffer *)(uintptr_t)&task->octree->lobe_centre, 0, sums->centre,
-	                          16 * sums->slots, error);
+	return gw_buffer_download(task->passes->gpu, (gw_buffer *)(uintptr_t)&task->octree->lobe_centre,
+							  0, sums->centre, 16 * sums->slots, error);
 }
 
 /* Energy that the lobes reflect, pi * area * luminance(L), and the largest component. */
 static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
-                         float *largest, gw_error *error)
+						 float *largest, gw_error *error)
 {
 	gw_status status = gw_buffer_download(task->passes->gpu, task->lobe_radiance, 0, sums->radiance,
-	                                      16 * sums->slots, error);
+										  16 * sums->slots, error);
 	double sum = 0.0;
 	*largest = 0.0f;
 	for (size_t i = 0; i < sums->slots && status == GW_OK; i++) {
 		const float *l = &sums->radiance[4 * i];
 		*largest = fmaxf(*largest, fmaxf(l[0], fmaxf(l[1], l[2])));
 		sum += (double)sums->centre[4 * i + 3] *
-		       (0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+			   (0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
 	}
 	double cell = (double)task->octree->leaf_size;
 	*energy = sum * 3.14159265358979323846 * cell * cell;
@@ -73,8 +74,7 @@ static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *e
 }
 
 /* The largest row sum of a bounce: every lobe sends out its albedo, the records gather it. */
-static gw_status find_contraction(const gw_bounces_task *task, double *contraction,
-                                  gw_error *error)
+static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
 {
 	gw_records *records = task->records;
 	gw_status status = task->step.gather(task->step.self, &task->octree->lobe_albedo, 1.0f, error);
@@ -83,7 +83,7 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
 	if (status == GW_OK)
 		status = gw_buffer_download(task->passes->gpu, &records->gathered, 0, gathered,
-		                            16 * (uint64_t)records->count, error);
+									16 * (uint64_t)records->count, error);
 	double largest = 0.0;
 	for (size_t i = 0; i < records->count && status == GW_OK; i++) {
 		for (int c = 0; c < 3; c++)
@@ -97,10 +97,10 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_error *error)
 {
 	gw_bounce *grown =
-	    gw_resize_array(bounces->bounce, bounces->bounce_count + 1, sizeof *bounces->bounce);
+		gw_resize_array(bounces->bounce, bounces->bounce_count + 1, sizeof *bounces->bounce);
 	if (!grown)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for bounce %u",
-		               bounces->bounce_count + 1);
+					   bounces->bounce_count + 1);
 	bounces->bounce = grown;
 	bounces->bounce[bounces->bounce_count++] = (gw_bounce){ energy, seconds };
 	return GW_OK;
@@ -113,24 +113,24 @@ static gw_status reflect_once(const gw_bounces_task *task, float largest, gw_err
 	gw_status status = task->step.gather(task->step.self, task->lobe_radiance, largest, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_window(&records->gathered, 16),
-			                            gw_window(&records->indirect, 16) };
+										gw_window(&records->indirect, 16) };
 		status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-		                       records->count, error);
+							   records->count, error);
 	}
 	if (status == GW_OK)
 		status = gw_lobes_shade(task->passes, task->octree, records, &records->gathered,
-		                        task->lobe_direct, false, task->lobe_radiance, error);
+								task->lobe_direct, false, task->lobe_radiance, error);
 	return status;
 }
 
 static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *bounces,
-                     gw_error *error)
+					 gw_error *error)
 {
 	double started = gw_seconds(), energy = 0.0, total = 0.0;
 	float largest;
-	gw_status status = gw_lobes_shade(task->passes, task->octree, task->records,
-	                                  &task->records->first, task->lobe_direct, true,
-	                                  task->lobe_radiance, error);
+	gw_status status =
+		gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
+					   task->lobe_direct, true, task->lobe_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, sums, &energy, &largest, error);
 	if (status == GW_OK)
@@ -142,7 +142,8 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 	for (uint32_t n = 1; status == GW_OK; n++) {
 		total += energy;
 		bounces->remaining = total > 0.0 ? energy * q / (1.0 - q) / total : 0.0;
-		bool enough = task->limit == GW_BOUNCES_AUTO && bounces->remaining <= (double)task->tolerance;
+		bool enough =
+			task->limit == GW_BOUNCES_AUTO && bounces->remaining <= (double)task->tolerance;
 		if (n >= limit || enough || energy <= 0.0)
 			break;
 		if (task->cancelled && task->cancelled(task->user))

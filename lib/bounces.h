@@ -1,6 +1,6 @@
 /*
- * bounces.h - progressive bounces over records: what light does between the first reflection and the
- * last one that matters. The trace step is exchangeable (rays or cones).
+ * bounces.h - progressive bounces over records: what light does between the first reflection and
+ * the last one that matters. The trace step is exchangeable (rays or cones).
  */
 #ifndef BOUNCES_H
 #define BOUNCES_H
@@ -8,14 +8,16 @@
 #include "gather_cones.h"
 #include "gather_rays.h"
 
-/* One trace step: fills records->gathered from the lobes' radiance. largest is its largest component. */
+/* One trace step: fills records->gathered from the lobes' radiance. largest is its largest
+ * component. */
 typedef struct gw_trace_step {
 	gw_status (*gather)(void *self, const gw_buffer *lobe_radiance, float largest, gw_error *error);
 	void *self;
 } gw_trace_step;
 
 typedef struct gw_bounces {
-	gw_bounce *bounce;  /* allocated; bounce_count entries, the first is the reflection of direct light */
+	gw_bounce
+		*bounce; /* allocated; bounce_count entries, the first is the reflection of direct light */
 	uint32_t bounce_count;
 	double remaining;   /* bound on the light of bounces left out, relative to the light found */
 	double contraction; /* largest share of irradiance that a further bounce can keep anywhere */
@@ -28,7 +30,7 @@ typedef struct gw_bounces_task {
 	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
 	gw_buffer *lobe_radiance;     /* texel buffer, 2 * leaf_count vec4: work space */
 	gw_trace_step step;
-	uint32_t limit;               /* reflections, GW_BOUNCES_AUTO: until tolerance */
+	uint32_t limit; /* reflections, GW_BOUNCES_AUTO: until tolerance */
 	float tolerance;
 	bool (*cancelled)(void *user);
 	void *user;
@@ -41,9 +43,10 @@ typedef struct gw_bounces_task {
  */
 gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error);
 
-/* Radiance that the lobes reflect of irradiance `records_irradiance` (and of lobe_direct when use_direct). */
+/* Radiance that the lobes reflect of irradiance `records_irradiance` (and of lobe_direct when
+ * use_direct). */
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-                         const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-                         bool use_direct, gw_buffer *lobe_radiance, gw_error *error);
+						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
+						 bool use_direct, gw_buffer *lobe_radiance, gw_error *error);
 
 #endif

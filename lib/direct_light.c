@@ -16,20 +16,20 @@
 #define PENUMBRA_RAYS 16u
 
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
-                           const char *remedy, gw_error *error)
+						   const char *remedy, gw_error *error)
 {
 	return gw_fail(error, GW_ERROR_USAGE, "light %zu (%s%s%s): %s is %g; %s", index + 1,
-	               gw_light_type_name(light->type), light->name[0] ? " " : "", light->name, what,
-	               value, remedy);
+				   gw_light_type_name(light->type), light->name[0] ? " " : "", light->name, what,
+				   value, remedy);
 }
 
 static gw_status check_color(size_t index, const gw_light *light, const char *what,
-                             const float color[3], gw_error *error)
+							 const float color[3], gw_error *error)
 {
 	for (int c = 0; c < 3; c++) {
 		if (!isfinite(color[c]) || color[c] < 0.0f)
 			return bad_light(index, light, what, (double)color[c],
-			                 "give three finite numbers of at least 0", error);
+							 "give three finite numbers of at least 0", error);
 	}
 	return GW_OK;
 }
@@ -40,7 +40,7 @@ static gw_status check_direction(size_t index, const gw_light *light, gw_error *
 	double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 	if (!isfinite(length) || length <= 0.0)
 		return bad_light(index, light, "length of the direction", length,
-		                 "give a direction of finite length above 0", error);
+						 "give a direction of finite length above 0", error);
 	return GW_OK;
 }
 
@@ -49,18 +49,18 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 	for (int axis = 0; axis < 3; axis++) {
 		if (!isfinite(light->position[axis]))
 			return bad_light(index, light, "a coordinate", light->position[axis],
-			                 "give a finite position", error);
+							 "give a finite position", error);
 	}
 	if (!isfinite(light->radius) || light->radius < 0.0f)
-		return bad_light(index, light, "radius", (double)light->radius,
-		                 "give metres of at least 0", error);
+		return bad_light(index, light, "radius", (double)light->radius, "give metres of at least 0",
+						 error);
 	if (light->type == GW_LIGHT_SPOT) {
 		if (!(light->outer_angle > 0.0f && light->outer_angle <= 180.0f))
 			return bad_light(index, light, "outer angle", (double)light->outer_angle,
-			                 "give degrees from the axis above 0 and up to 180", error);
+							 "give degrees from the axis above 0 and up to 180", error);
 		if (!(light->inner_angle >= 0.0f && light->inner_angle <= light->outer_angle))
 			return bad_light(index, light, "inner angle", (double)light->inner_angle,
-			                 "give degrees from 0 to the outer angle", error);
+							 "give degrees from 0 to the outer angle", error);
 		gw_status status = check_direction(index, light, error);
 		if (status != GW_OK)
 			return status;
@@ -81,7 +81,7 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 		case GW_LIGHT_SUN:
 			if (!(light->angle >= 0.0f && light->angle < 90.0f))
 				return bad_light(i, light, "angle", (double)light->angle,
-				                 "give degrees from 0 to below 90", error);
+								 "give degrees from 0 to below 90", error);
 			status = check_direction(i, light, error);
 			if (status == GW_OK)
 				status = check_color(i, light, "irradiance", light->irradiance, error);
@@ -91,7 +91,7 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 			break;
 		default:
 			return gw_fail(error, GW_ERROR_USAGE, "light %zu has the unknown type %d", i + 1,
-			               (int)light->type);
+						   (int)light->type);
 		}
 		if (status != GW_OK)
 			return status;
@@ -108,96 +108,97 @@ bool gw_light_shines(const gw_light *light)
 /* The light in grid coordinates: subtracting the frame's origin in double keeps large coordinates
  * exact; an intensity in W/sr becomes one per leaf cell squared. */
 static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
-                                const gw_surfels *surfels, const gw_bake_options *options)
+								const gw_surfels *surfels, const gw_bake_options *options)
 {
 	gw_light_push push = { .type = light->type == GW_LIGHT_SUN    ? GW_PUSH_SUN
-	                               : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
-	                                                              : GW_PUSH_POINT,
-		                   .samples = 1,
-		                   .cos_inner = (float)cos((double)light->inner_angle * DEGREES),
-		                   .cos_outer = (float)cos((double)light->outer_angle * DEGREES),
-		                   .seed = (uint32_t)options->seed,
-		                   .shadows = options->shadows != GW_SHADOWS_NONE };
+								   : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
+																  : GW_PUSH_POINT,
+						   .samples = 1,
+						   .cos_inner = (float)cos((double)light->inner_angle * DEGREES),
+						   .cos_outer = (float)cos((double)light->outer_angle * DEGREES),
+						   .seed = (uint32_t)options->seed,
+						   .shadows = options->shadows != GW_SHADOWS_NONE };
 	double cell = (double)octree->leaf_size;
 	double g[3];
 	for (int axis = 0; axis < 3; axis++)
-		g[axis] = ((light->position[axis] - surfels->origin[axis]) -
-		           (double)octree->cube_minimum[axis]) / cell;
-	push.position = (vec4){ (float)g[0], (float)g[1], (float)g[2],
-		                    (float)((double)light->radius / cell) };
+		g[axis] =
+			((light->position[axis] - surfels->origin[axis]) - (double)octree->cube_minimum[axis]) /
+			cell;
+	push.position =
+		(vec4){ (float)g[0], (float)g[1], (float)g[2], (float)((double)light->radius / cell) };
 	const double *d = light->direction;
 	double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 	double scale = length > 0.0 ? 1.0 / length : 0.0;
 	push.direction = (vec4){ (float)(d[0] * scale), (float)(d[1] * scale), (float)(d[2] * scale),
-		                     (float)tan((double)light->angle * 0.5 * DEGREES) };
+							 (float)tan((double)light->angle * 0.5 * DEGREES) };
 	bool sun = light->type == GW_LIGHT_SUN;
 	const float *power = sun ? light->irradiance : light->intensity;
 	double unit = sun ? 1.0 : 1.0 / (cell * cell);
 	push.power = (vec4){ (float)((double)power[0] * unit), (float)((double)power[1] * unit),
-		                 (float)((double)power[2] * unit), 0.0f };
+						 (float)((double)power[2] * unit), 0.0f };
 	if ((sun && light->angle > 0.0f) || (!sun && light->radius > 0.0f))
 		push.samples = PENUMBRA_RAYS;
 	return push;
 }
 
 static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
-                                  const gw_light_push *push, uint64_t count, gw_buffer *visibility,
-                                  gw_error *error)
+								  const gw_light_push *push, uint64_t count, gw_buffer *visibility,
+								  gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-		                            gw_whole(&octree->leaf_tile), gw_whole(&octree->lobe_plane),
-		                            gw_whole(&octree->lobe_centre),
-		                            gw_window(&octree->surfel_position, 16),
-		                            gw_window(&octree->surfel_normal, 16),
-		                            gw_window(visibility, 4) };
+	const gw_binding bindings[] = {
+		gw_whole(&octree->ray_directory),      gw_whole(&octree->node),
+		gw_whole(&octree->leaf_tile),          gw_whole(&octree->lobe_plane),
+		gw_whole(&octree->lobe_centre),        gw_window(&octree->surfel_position, 16),
+		gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4)
+	};
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }
 
 static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-                           const gw_light_push *push, const gw_bake_options *options,
-                           gw_buffer *visibility, gw_buffer *surfel_irradiance, gw_error *error)
+						   const gw_light_push *push, const gw_bake_options *options,
+						   gw_buffer *visibility, gw_buffer *surfel_irradiance, gw_error *error)
 {
 	gw_status status = GW_OK;
 	if (options->shadows == GW_SHADOWS_MAPS)
 		status = gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
-		                                  visibility, error);
+										  visibility, error);
 	else if (options->shadows == GW_SHADOWS_TRACED)
 		status = trace_visibility(passes, octree, push, surfels->count, visibility, error);
 	if (status != GW_OK)
 		return status;
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16),
-		                            gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
-		                            gw_window(surfel_irradiance, 16) };
+									gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
+									gw_window(surfel_irradiance, 16) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, surfels->count, error);
 }
 
 static gw_status average_lobes(gw_passes *passes, const gw_octree *octree,
-                               gw_buffer *surfel_irradiance, gw_buffer *lobe_direct,
-                               gw_error *error)
+							   gw_buffer *surfel_irradiance, gw_buffer *lobe_direct,
+							   gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
-		                            gw_whole(&octree->fragment_surfel),
-		                            gw_whole(&octree->fragment_weight),
-		                            gw_whole(surfel_irradiance), gw_window(lobe_direct, 16) };
+									gw_whole(&octree->fragment_surfel),
+									gw_whole(&octree->fragment_weight), gw_whole(surfel_irradiance),
+									gw_window(lobe_direct, 16) };
 	return gw_passes_run(passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 },
-	                     2 * (uint64_t)octree->leaf_count, error);
+						 2 * (uint64_t)octree->leaf_count, error);
 }
 
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-                          const gw_light *lights, size_t light_count,
-                          const gw_bake_options *options, gw_buffer *surfel_irradiance,
-                          gw_buffer *lobe_direct, gw_error *error)
+						  const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
+						  gw_buffer *lobe_direct, gw_error *error)
 {
 	gw_buffer visibility = { 0 };
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-	                                    4 * (uint64_t)surfels->count, "visibility", &visibility,
-	                                    error);
+	gw_status status =
+		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+						 4 * (uint64_t)surfels->count, "visibility", &visibility, error);
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))
 			continue;
 		gw_light_push push = light_push(&lights[i], octree, surfels, options);
 		status = add_light(passes, octree, surfels, &push, options, &visibility, surfel_irradiance,
-		                   error);
+						   error);
 	}
 	if (status == GW_OK)
 		status = average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);

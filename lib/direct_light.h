@@ -7,8 +7,8 @@
 
 #include "passes.h"
 
-/* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction. The
- * sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
+/* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
+ * The sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
 gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error);
 
 /* Whether a light of these is of a type that direct_light computes and is not black. */
@@ -22,8 +22,8 @@ bool gw_light_shines(const gw_light *light);
  *   cancelled, user    NULL or asked between lights
  */
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-                          const gw_light *lights, size_t light_count,
-                          const gw_bake_options *options, gw_buffer *surfel_irradiance,
-                          gw_buffer *lobe_direct, gw_error *error);
+						  const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
+						  gw_buffer *lobe_direct, gw_error *error);
 
 #endif

@@ -43,7 +43,7 @@ static void fill_aliases(emitter_row *rows, double *share, uint32_t *stack, uint
 }
 
 static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *centre, size_t slots,
-                              gw_emitters *emitters, gw_error *error)
+							  gw_emitters *emitters, gw_error *error)
 {
 	emitter_row *rows = gw_allocate_zeros(emitters->count, sizeof *rows);
 	double *share = gw_allocate_array(emitters->count, sizeof *share);
@@ -57,7 +57,7 @@ static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *c
 		for (size_t i = 0; i < slots; i++) {
 			const float *e = &emission[4 * i];
 			double power = (0.2126 * (double)e[0] + 0.7152 * (double)e[1] + 0.0722 * (double)e[2]) *
-			               (double)centre[4 * i + 3];
+						   (double)centre[4 * i + 3];
 			if (power <= 0.0)
 				continue;
 			rows[n] = (emitter_row){ .lobe = (uint32_t)i, .alias = n };
@@ -68,13 +68,13 @@ static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *c
 			share[i] *= (double)n / total;
 		emitters->power = (float)total;
 		fill_aliases(rows, share, stack, n);
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
-		                          sizeof *rows * (uint64_t)n, "emitter table", &emitters->table,
-		                          error);
+		status =
+			gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+							 sizeof *rows * (uint64_t)n, "emitter table", &emitters->table, error);
 	}
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &emitters->table, 0, rows,
-		                          sizeof *rows * (uint64_t)emitters->count, error);
+								  sizeof *rows * (uint64_t)emitters->count, error);
 	free(rows);
 	free(share);
 	free(stack);
@@ -82,7 +82,7 @@ static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *c
 }
 
 static void count_emitters(const float *emission, const float *centre, size_t slots,
-                           gw_emitters *emitters)
+						   gw_emitters *emitters)
 {
 	double emitting = 0.0, whole = 0.0;
 	for (size_t i = 0; i < slots; i++) {
@@ -98,7 +98,7 @@ static void count_emitters(const float *emission, const float *centre, size_t sl
 }
 
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, gw_emitters *emitters,
-                           gw_error *error)
+						   gw_error *error)
 {
 	*emitters = (gw_emitters){ 0 };
 	size_t slots = 2 * (size_t)octree->leaf_count;
@@ -111,10 +111,10 @@ gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, gw_emitters *em
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_emission, 0,
-		                            emission, 16 * slots, error);
+									emission, 16 * slots, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
-		                            16 * slots, error);
+									16 * slots, error);
 	if (status == GW_OK)
 		count_emitters(emission, centre, slots, emitters);
 	if (status == GW_OK && emitters->count > 0)

@@ -16,13 +16,13 @@ typedef struct gw_cone_gather {
 	uint32_t seed;
 	uint32_t leaf_bricks[2], mip_bricks[2];
 	uint32_t leaf_face_depth, mip_face_depth;
-	gw_image leaf_pool, mip_pool; /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
+	gw_image leaf_pool, mip_pool;          /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
 	double inject_seconds, gather_seconds; /* device time so far, for the profile */
 } gw_cone_gather;
 
 /* Allocates the pools. Fails with GW_ERROR_MEMORY and the bytes needed. */
 gw_status gw_cone_gather_create(gw_gpu *gpu, const gw_octree *octree, uint32_t cones, uint32_t seed,
-                                gw_cone_gather *gather, gw_error *error);
+								gw_cone_gather *gather, gw_error *error);
 void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather);
 
 /*
@@ -33,8 +33,8 @@ void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather);
  *   gathered        receives irradiance, records->count vec4
  */
 gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
-                                const gw_records *records, const gw_buffer *lobe_radiance,
-                                float largest, const float sky[3], gw_buffer *gathered,
-                                gw_error *error);
+								const gw_records *records, const gw_buffer *lobe_radiance,
+								float largest, const float sky[3], gw_buffer *gathered,
+								gw_error *error);
 
 #endif

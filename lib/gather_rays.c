@@ -9,27 +9,29 @@
 #define LIGHT_BATCH 16u
 
 gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-                              uint32_t rays, uint32_t seed, gw_ray_gather *gather,
-                              gw_error *error)
+							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error)
 {
 	*gather = (gw_ray_gather){ .rays = rays, .seed = seed };
 	uint64_t count = (uint64_t)rays * records->count;
 	if (count > UINT32_MAX)
-		return gw_fail(error, GW_ERROR_MEMORY,
-		               "%u records with %u rays each are more than 2^32 rays; use fewer --rays or a "
-		               "larger --record-spacing",
-		               records->count, rays);
+		return gw_fail(
+			error, GW_ERROR_MEMORY,
+			"%u records with %u rays each are more than 2^32 rays; use fewer --rays or a "
+			"larger --record-spacing",
+			records->count, rays);
 	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-	                                    "hit lobe", &gather->lobe, error);
+										"hit lobe", &gather->lobe, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
-		                          "hit distance", &gather->distance, error);
+								  "hit distance", &gather->distance, error);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-			                            gw_whole(&octree->leaf_tile), gw_whole(&octree->lobe_plane),
-			                            gw_whole(&octree->lobe_centre), gw_whole(&records->position), gw_whole(&records->normal),
-			                            gw_window(&gather->lobe, 4),
-			                            gw_window(&gather->distance, 4) };
+		const gw_binding bindings[] = {
+			gw_whole(&octree->ray_directory), gw_whole(&octree->node),
+			gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
+			gw_whole(&octree->lobe_centre),   gw_whole(&records->position),
+			gw_whole(&records->normal),       gw_window(&gather->lobe, 4),
+			gw_window(&gather->distance, 4)
+		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
 	}
@@ -46,60 +48,65 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 
 /* Adds samples of the emitters, in batches, to `sampled`. */
 static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
-                                 const gw_emitters *emitters, gw_record_push push,
-                                 gw_buffer *sampled, gw_error *error)
+								 const gw_emitters *emitters, gw_record_push push,
+								 gw_buffer *sampled, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-		                            gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
-		                            gw_whole(&octree->lobe_centre),   gw_whole(&octree->lobe_emission),
-		                            gw_whole(&emitters->table),       gw_window(&records->position, 16),
-		                            gw_window(&records->normal, 16),  gw_window(sampled, 16) };
+	const gw_binding bindings[] = {
+		gw_whole(&octree->ray_directory), gw_whole(&octree->node),
+		gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
+		gw_whole(&octree->lobe_centre),   gw_whole(&octree->lobe_emission),
+		gw_whole(&emitters->table),       gw_window(&records->position, 16),
+		gw_window(&records->normal, 16),  gw_window(sampled, 16)
+	};
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;
-		push.batch_count = push.light_samples - m < LIGHT_BATCH ? push.light_samples - m : LIGHT_BATCH;
-		status = gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count,
-		                       error);
+		push.batch_count =
+			push.light_samples - m < LIGHT_BATCH ? push.light_samples - m : LIGHT_BATCH;
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count, error);
 	}
 	return status;
 }
 
 gw_status gw_ray_gather_first(gw_passes *passes, const gw_octree *octree, gw_records *records,
-                              const gw_ray_gather *gather, const gw_emitters *emitters,
-                              uint32_t light_samples, bool use_hits, const float sky[3],
-                              gw_error *error)
+							  const gw_ray_gather *gather, const gw_emitters *emitters,
+							  uint32_t light_samples, bool use_hits, const float sky[3],
+							  gw_error *error)
 {
 	gw_buffer sampled = { 0 };
 	gw_record_push push = { .rays = gather->rays,
-		                    .seed = gather->seed,
-		                    .light_samples = emitters->count > 0 ? light_samples : 0,
-		                    .emitters = emitters->count,
-		                    .emitter_power = emitters->power,
-		                    .use_hits = use_hits && emitters->count > 0,
-		                    .sky = { sky[0], sky[1], sky[2], 0.0f } };
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-	                                    16 * (uint64_t)records->count, "sampled irradiance",
-	                                    &sampled, error);
+							.seed = gather->seed,
+							.light_samples = emitters->count > 0 ? light_samples : 0,
+							.emitters = emitters->count,
+							.emitter_power = emitters->power,
+							.use_hits = use_hits && emitters->count > 0,
+							.sky = { sky[0], sky[1], sky[2], 0.0f } };
+	gw_status status =
+		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
 	if (status == GW_OK && push.light_samples > 0)
 		status = sample_emitters(passes, octree, records, emitters, push, &sampled, error);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&gather->lobe),          gw_whole(&gather->distance),
-			                            gw_whole(&octree->lobe_plane),    gw_whole(&octree->lobe_emission),
-			                            gw_window(&sampled, 16),          gw_window(&records->position, 16),
-			                            gw_window(&records->normal, 16),  gw_window(&records->first, 16) };
-		status = gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
+		const gw_binding bindings[] = {
+			gw_whole(&gather->lobe),         gw_whole(&gather->distance),
+			gw_whole(&octree->lobe_plane),   gw_whole(&octree->lobe_emission),
+			gw_window(&sampled, 16),         gw_window(&records->position, 16),
+			gw_window(&records->normal, 16), gw_window(&records->first, 16)
+		};
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
 	}
 	gw_buffer_destroy(passes->gpu, &sampled);
 	return status;
 }
 
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
-                               const gw_buffer *lobe_radiance, gw_records *records,
-                               gw_error *error)
+							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
-		                            gw_window(&records->normal, 16),
-		                            gw_window(&records->gathered, 16) };
+									gw_window(&records->normal, 16),
+									gw_window(&records->gathered, 16) };
 	gw_record_push push = { .rays = gather->rays };
 	return gw_passes_run(passes, GW_PASS_RECORD_GATHER, bindings, &push, records->count, error);
 }

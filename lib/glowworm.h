@@ -66,7 +66,7 @@ typedef struct gw_error {
  *   format  printf format of one whole sentence, without a final newline
  */
 gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+	__attribute__((format(printf, 3, 4)));
 
 /* --------------------------------------------------------------------------------- points in */
 
@@ -75,7 +75,7 @@ typedef struct gw_points {
 	size_t count;           /* number of points; 0 is an error */
 	const double *position; /* 3 * count, metres, any origin; non-finite points are left out */
 	const float *normal;    /* 3 * count or NULL; a length below 1 is kept as the spread of an NDF
-	                           (Salm 4.3.1); zero or non-finite ones are estimated */
+							   (Salm 4.3.1); zero or non-finite ones are estimated */
 	const float *albedo;    /* 3 * count or NULL, linear RGB; clamped to [0, GW_ALBEDO_MAX] */
 	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
 	const double *scanner;  /* 3 or NULL, where the scanner stood: orients estimated normals */
@@ -108,7 +108,7 @@ typedef struct gw_light {
 	float radiance[3];   /* W/(sr m^2), of the environment */
 	float inner_angle;   /* degrees from the axis, full intensity inside; 0 <= inner <= outer */
 	float outer_angle;   /* degrees from the axis, dark outside; at most 180. Between the two the
-	                        intensity falls by smoothstep in the cosine (as pbrt's spot light) */
+							intensity falls by smoothstep in the cosine (as pbrt's spot light) */
 	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra */
 	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
 } gw_light;
@@ -137,31 +137,37 @@ typedef struct gw_bake_options {
 	gw_method method;
 	gw_shadows shadows;
 	uint32_t depth;         /* of the octree: 2^depth leaf cells a side; GW_DEPTH_AUTO derives it
-	                           from the point spacing */
+							   from the point spacing */
 	uint32_t bounces;       /* how often light is reflected; 0 leaves only emission, 1 is direct
-	                           light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
-	                           out would add is under tolerance */
+							   light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
+							   out would add is under tolerance */
 	float tolerance;        /* of GW_BOUNCES_AUTO, relative to the light found so far, in (0, 1) */
 	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS), 1..4096 */
 	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
-	float record_spacing;   /* leaf cells between records, 0..64; 0 places one on every surface piece
-	                           of every leaf, as in Salm 4.4.3 */
+	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
+							 of every leaf, as in Salm 4.4.3 */
 	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
-	uint32_t threads;       /* of the host; 0 means one a core */
-	uint64_t seed;          /* of all random directions */
-	uint64_t memory;        /* bytes that the bake may use, host and device together; 0 means most
-	                           of what the machine has free */
-	const char *device;     /* NULL, or an index, type name or part of the name of a device */
-	bool validate;          /* run under Vulkan's validation layer; any message is an error */
-	bool voxels;            /* fill gw_bake_result.voxels */
+	uint32_t threads;         /* of the host; 0 means one a core */
+	uint64_t seed;            /* of all random directions */
+	uint64_t memory;          /* bytes that the bake may use, host and device together; 0 means most
+								 of what the machine has free */
+	const char *device;       /* NULL, or an index, type name or part of the name of a device */
+	bool validate;            /* run under Vulkan's validation layer; any message is an error */
+	bool voxels;              /* fill gw_bake_result.voxels */
 } gw_bake_options;
 
-#define GW_BAKE_OPTIONS_DEFAULT                                                                \
-	((gw_bake_options){ .method = GW_METHOD_RAYS, .shadows = GW_SHADOWS_TRACED,                \
-	                    .depth = GW_DEPTH_AUTO, .bounces = GW_BOUNCES_AUTO, .tolerance = 0.005f, \
-	                    .rays = 64, .light_samples = 64, .cones = 16, .record_spacing = 2.5f,   \
-	                    .shadow_map_size = 1024 })
+#define GW_BAKE_OPTIONS_DEFAULT                                                                    \
+	((gw_bake_options){ .method = GW_METHOD_RAYS,                                                  \
+						.shadows = GW_SHADOWS_TRACED,                                              \
+						.depth = GW_DEPTH_AUTO,                                                    \
+						.bounces = GW_BOUNCES_AUTO,                                                \
+						.tolerance = 0.005f,                                                       \
+						.rays = 64,                                                                \
+						.light_samples = 64,                                                       \
+						.cones = 16,                                                               \
+						.record_spacing = 2.5f,                                                    \
+						.shadow_map_size = 1024 })
 
 /* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
 typedef struct gw_bake_callbacks {
@@ -194,14 +200,14 @@ typedef struct gw_effect {
 
 /* One reflection of light. */
 typedef struct gw_bounce {
-	double energy;    /* reflected by it: sum over surface of area * rho * E, luminance, W */
+	double energy; /* reflected by it: sum over surface of area * rho * E, luminance, W */
 	double seconds;
 } gw_bounce;
 
 /* A number that a user should know about: points repaired, left out, clamped... */
 typedef struct gw_count {
-	char name[40];      /* snake_case, e.g. "duplicates_merged" */
-	char meaning[120];  /* one sentence */
+	char name[40];     /* snake_case, e.g. "duplicates_merged" */
+	char meaning[120]; /* one sentence */
 	uint64_t points;
 } gw_count;
 
@@ -220,17 +226,17 @@ typedef struct gw_report {
 	uint32_t count_count;
 	gw_bounce *bounce;
 	uint32_t bounce_count;
-	double remaining;         /* bound on the light of the bounces not computed, relative */
+	double remaining; /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];
-	uint32_t depth;           /* of the octree */
-	double leaf_size;         /* metres */
-	double origin[3];         /* of the local frame, metres */
-	double spacing;           /* metres between neighbouring points, median */
+	uint32_t depth;   /* of the octree */
+	double leaf_size; /* metres */
+	double origin[3]; /* of the local frame, metres */
+	double spacing;   /* metres between neighbouring points, median */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
-	uint64_t octree_bytes;    /* tiles, keys, neighbour pointers, leaves, planes */
-	uint64_t brick_bytes;     /* 3D images */
-	uint64_t peak_bytes;      /* device memory at its highest */
+	uint64_t octree_bytes; /* tiles, keys, neighbour pointers, leaves, planes */
+	uint64_t brick_bytes;  /* 3D images */
+	uint64_t peak_bytes;   /* device memory at its highest */
 } gw_report;
 
 /* ------------------------------------------------------------------------------------ results */
@@ -238,14 +244,14 @@ typedef struct gw_report {
 /* The leaves of the octree as voxels, for volume grids. */
 typedef struct gw_voxels {
 	size_t count;
-	int32_t *cell;        /* 3 * count, leaf coordinates */
-	float *density;       /* count, opacity 0..1 */
-	float *radiance;      /* 3 * count, area-weighted mean L of the surface in the leaf */
-	float *albedo;        /* 3 * count */
-	float *emission;      /* 3 * count */
-	float *normal;        /* 3 * count, mean normal (NDF), length <= 1 */
-	double origin[3];     /* of cell 0, metres, in the coordinates of gw_points.position */
-	double size;          /* of a cell, metres */
+	int32_t *cell;    /* 3 * count, leaf coordinates */
+	float *density;   /* count, opacity 0..1 */
+	float *radiance;  /* 3 * count, area-weighted mean L of the surface in the leaf */
+	float *albedo;    /* 3 * count */
+	float *emission;  /* 3 * count */
+	float *normal;    /* 3 * count, mean normal (NDF), length <= 1 */
+	double origin[3]; /* of cell 0, metres, in the coordinates of gw_points.position */
+	double size;      /* of a cell, metres */
 } gw_voxels;
 
 /* What a bake found; per-point arrays are in the order of gw_points. Points that were left out
@@ -277,8 +283,8 @@ typedef struct gw_bake_result {
  * The same input, options, device and driver give the same bytes, for any number of threads.
  */
 gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-                  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-                  gw_bake_result **result, gw_error *error);
+				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+				  gw_bake_result **result, gw_error *error);
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
@@ -290,7 +296,7 @@ typedef struct gw_statistics {
 	uint64_t points, finite, duplicates; /* duplicates: points beyond the first at a position */
 	double minimum[3], maximum[3];       /* bounds of the finite points, metres */
 	double spacing[3];                   /* 5th, 50th and 95th percentile of the distance to the
-	                                        nearest other point, metres */
+											nearest other point, metres */
 	double density;                      /* points a square metre of surface, median */
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
 	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */
@@ -299,18 +305,18 @@ typedef struct gw_statistics {
 
 /* Measures a cloud. threads: of the host, 0 means one a core. */
 gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
-                     gw_error *error);
+					 gw_error *error);
 
 /* ------------------------------------------------------------------------------------- devices */
 
 typedef struct gw_device_info {
 	char name[256];
 	char driver[256];
-	const char *type;      /* "discrete", "integrated", "virtual", "cpu" or "other" */
-	uint64_t memory;       /* bytes of the largest device-local heap */
+	const char *type; /* "discrete", "integrated", "virtual", "cpu" or "other" */
+	uint64_t memory;  /* bytes of the largest device-local heap */
 	uint32_t subgroup_size;
-	bool usable;           /* has all that a bake needs */
-	char missing[128];     /* when not usable: what it lacks */
+	bool usable;       /* has all that a bake needs */
+	char missing[128]; /* when not usable: what it lacks */
 } gw_device_info;
 
 /*
@@ -321,7 +327,8 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
 
 /* ---------------------------------------------------------------------------------------- names */
 
-/* Names of the enum values as used on the command line and in reports ("rays", "traced", "spot"). */
+/* Names of the enum values as used on the command line and in reports ("rays", "traced", "spot").
+ */
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_light_type_name(gw_light_type type);

@@ -9,7 +9,8 @@
 #include <assert.h>
 #include <string.h>
 
-/* How far a leaf's plane reaches beyond its cell, in cells: closes the cracks between neighbours. */
+/* How far a leaf's plane reaches beyond its cell, in cells: closes the cracks between neighbours.
+ */
 #define CELL_SLACK 0.02f
 
 /* Bindings by letter, in binding order: t texel buffer, s storage buffer, i storage image,
@@ -24,8 +25,9 @@ typedef struct pass_row {
 static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsss", sizeof(gw_light_push), 4096 },
 	[GW_PASS_SHADOW_MAP_SPLAT] = { "shadow_map_splat", "ttss", sizeof(gw_shadow_push),
-	                               (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE },
-	[GW_PASS_SHADOW_MAP_VISIBILITY] = { "shadow_map_visibility", "tsss", sizeof(gw_shadow_push), 36 },
+								   (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE },
+	[GW_PASS_SHADOW_MAP_VISIBILITY] = { "shadow_map_visibility", "tsss", sizeof(gw_shadow_push),
+										36 },
 	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push), 0 },
 	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048 },
 	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttss", sizeof(gw_lookup_push), 16 },
@@ -80,20 +82,20 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 	for (uint32_t i = 0; i < count; i++)
 		kinds[i] = binding_kind(row->bindings[i]);
 	return gw_pass_create(passes->gpu,
-	                      &(gw_pass_description){ .name = row->shader,
-	                                              .spirv = shader->spirv,
-	                                              .spirv_words = shader->words,
-	                                              .bindings = kinds,
-	                                              .binding_count = count,
-	                                              .push_bytes = row->push_bytes,
-	                                              .constant = passes->constant,
-	                                              .constant_count = 3,
-	                                              .loop_bound = row->loop_bound },
-	                      &passes->pass[id], error);
+						  &(gw_pass_description){ .name = row->shader,
+												  .spirv = shader->spirv,
+												  .spirv_words = shader->words,
+												  .bindings = kinds,
+												  .binding_count = count,
+												  .push_bytes = row->push_bytes,
+												  .constant = passes->constant,
+												  .constant_count = 3,
+												  .loop_bound = row->loop_bound },
+						  &passes->pass[id], error);
 }
 
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
-                        const void *push, uint64_t count, gw_error *error)
+						const void *push, uint64_t count, gw_error *error)
 {
 	if (passes->pass[id] == NULL) {
 		gw_status status = create(passes, id, error);

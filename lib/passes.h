@@ -40,7 +40,7 @@ void gw_passes_destroy(gw_passes *passes);
 
 /* Runs a pass over count elements, see gw_pass_run; bindings are as the shader lists them. */
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
-                        const void *push, uint64_t count, gw_error *error);
+						const void *push, uint64_t count, gw_error *error);
 
 /* Bindings of whole buffers and of windows with `bytes` an element. */
 static inline gw_binding gw_whole(const gw_buffer *buffer)

@@ -14,8 +14,8 @@
 
 /* Darts that stuck, listed by cells of a hash table; a cell is one spacing wide. */
 typedef struct dart_table {
-	uint32_t *head;  /* bucket -> chosen index + 1 */
-	uint32_t *next;  /* chosen index -> chosen index + 1 */
+	uint32_t *head; /* bucket -> chosen index + 1 */
+	uint32_t *next; /* chosen index -> chosen index + 1 */
 	uint32_t mask;
 	float cell;
 } dart_table;
@@ -50,14 +50,14 @@ static int by_value(const void *a, const void *b)
 
 static uint32_t bucket(const dart_table *table, int64_t x, int64_t y, int64_t z)
 {
-	uint64_t key = ((uint64_t)x & 0x1fffff) | ((uint64_t)y & 0x1fffff) << 21 |
-	               ((uint64_t)z & 0x1fffff) << 42;
+	uint64_t key =
+		((uint64_t)x & 0x1fffff) | ((uint64_t)y & 0x1fffff) << 21 | ((uint64_t)z & 0x1fffff) << 42;
 	return (uint32_t)mix(key) & table->mask;
 }
 
 /* Do two lobes lie on the same piece of surface, nearer than the spacing? */
 static bool conflict(const float *centre, const float *plane, size_t a, size_t b, float spacing,
-                     float off_plane)
+					 float off_plane)
 {
 	float squared = 0.0f, alignment = 0.0f, height = 0.0f;
 	for (size_t axis = 0; axis < 3; axis++) {
@@ -70,14 +70,14 @@ static bool conflict(const float *centre, const float *plane, size_t a, size_t b
 }
 
 static bool crowded(const dart_table *table, const uint32_t *chosen, const float *centre,
-                    const float *plane, uint32_t slot, float spacing, float off_plane)
+					const float *plane, uint32_t slot, float spacing, float off_plane)
 {
 	int64_t cell[3];
 	for (size_t axis = 0; axis < 3; axis++)
 		cell[axis] = (int64_t)floorf(centre[4 * (size_t)slot + axis] / table->cell);
 	for (int i = 0; i < 27; i++) {
-		uint32_t b = bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
-		                    cell[2] + i / 9 - 1);
+		uint32_t b =
+			bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1);
 		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
 			if (conflict(centre, plane, slot, chosen[at - 1], spacing, off_plane))
 				return true;
@@ -86,9 +86,8 @@ static bool crowded(const dart_table *table, const uint32_t *chosen, const float
 	return false;
 }
 
-static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_count,
-                          uint32_t *chosen, const float *centre, const float *plane, float spacing,
-                          float off_plane)
+static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_count, uint32_t *chosen,
+						  const float *centre, const float *plane, float spacing, float off_plane)
 {
 	size_t count = 0;
 	for (size_t i = 0; i < dart_count; i++) {
@@ -96,9 +95,9 @@ static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_coun
 		if (crowded(table, chosen, centre, plane, slot, spacing, off_plane))
 			continue;
 		const float *c = &centre[4 * (size_t)slot];
-		uint32_t b = bucket(table, (int64_t)floorf(c[0] / table->cell),
-		                    (int64_t)floorf(c[1] / table->cell),
-		                    (int64_t)floorf(c[2] / table->cell));
+		uint32_t b =
+			bucket(table, (int64_t)floorf(c[0] / table->cell), (int64_t)floorf(c[1] / table->cell),
+				   (int64_t)floorf(c[2] / table->cell));
 		chosen[count] = slot;
 		table->next[count] = table->head[b];
 		table->head[b] = (uint32_t)++count;
@@ -117,8 +116,8 @@ static size_t list_darts(const float *centre, size_t slots, uint64_t seed, dart 
 }
 
 gw_status gw_place_records(const float *centre, const float *plane, size_t slots, float spacing,
-                           float radius, uint64_t seed, uint32_t **chosen, size_t *count,
-                           gw_error *error)
+						   float radius, uint64_t seed, uint32_t **chosen, size_t *count,
+						   gw_error *error)
 {
 	dart_table table = { .mask = 1, .cell = spacing };
 	while (table.mask < slots && table.mask < UINT32_MAX / 2)
@@ -129,9 +128,9 @@ gw_status gw_place_records(const float *centre, const float *plane, size_t slots
 	*chosen = gw_allocate_array(slots, sizeof **chosen);
 	gw_status status = GW_OK;
 	if (!darts || !table.head || !table.next || !*chosen) {
-		status = gw_fail(error, GW_ERROR_MEMORY,
-		                 "no host memory for %zu candidates of records; bake at a smaller depth",
-		                 slots);
+		status =
+			gw_fail(error, GW_ERROR_MEMORY,
+					"no host memory for %zu candidates of records; bake at a smaller depth", slots);
 		free(*chosen);
 		*chosen = NULL;
 	} else {
@@ -139,7 +138,7 @@ gw_status gw_place_records(const float *centre, const float *plane, size_t slots
 		if (spacing > 0.0f) {
 			qsort(darts, dart_count, sizeof *darts, by_order);
 			*count = throw_darts(&table, darts, dart_count, *chosen, centre, plane, spacing,
-			                     0.3f * radius);
+								 0.3f * radius);
 			qsort(*chosen, *count, sizeof **chosen, by_value);
 		} else {
 			for (size_t i = 0; i < dart_count; i++)

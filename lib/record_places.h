@@ -15,7 +15,7 @@
  *   chosen          receives the slots in ascending order, allocated; freed by the caller
  */
 gw_status gw_place_records(const float *centre, const float *plane, size_t slots, float spacing,
-                           float radius, uint64_t seed, uint32_t **chosen, size_t *count,
-                           gw_error *error);
+						   float radius, uint64_t seed, uint32_t **chosen, size_t *count,
+						   gw_error *error);
 
 #endif

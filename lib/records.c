@@ -18,16 +18,18 @@
 /* Radius of influence when every lobe is a record, leaf cells. */
 #define RADIUS_DENSE 1.6f
 
-/* Ends of a visibility test are lifted this far off the surface, leaf cells: half a disc's radius. */
+/* Ends of a visibility test are lifted this far off the surface, leaf cells: half a disc's radius.
+ */
 #define LIFT 0.65f
 
 static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char *name,
-                       gw_buffer *buffer, gw_error *error)
+					   gw_buffer *buffer, gw_error *error)
 {
 	return gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
 }
 
-/* The level whose cells are at least two radii wide, so that 2x2x2 of them hold all that matters. */
+/* The level whose cells are at least two radii wide, so that 2x2x2 of them hold all that matters.
+ */
 static void choose_blocks(const gw_octree *octree, gw_records *records)
 {
 	uint32_t up = (uint32_t)ceilf(log2f(2.0f * records->radius));
@@ -45,7 +47,7 @@ static void choose_blocks(const gw_octree *octree, gw_records *records)
 }
 
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
-                                gw_error *error)
+								gw_error *error)
 {
 	const VkFormat f4 = VK_FORMAT_R32G32B32A32_SFLOAT, u1 = VK_FORMAT_R32_UINT;
 	uint64_t n = records->count, slots = 2 * (uint64_t)octree->leaf_count;
@@ -73,7 +75,7 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 
 /* Uploads position and normal of the chosen lobes. */
 static gw_status upload_places(gw_gpu *gpu, const float *centre, const float *plane,
-                               const uint32_t *chosen, gw_records *records, gw_error *error)
+							   const uint32_t *chosen, gw_records *records, gw_error *error)
 {
 	float *rows = gw_allocate_array(records->count, 4 * sizeof *rows);
 	if (!rows)
@@ -94,7 +96,7 @@ static gw_status upload_places(gw_gpu *gpu, const float *centre, const float *pl
 
 /* Counting sort of the records by block: block_first is where each block's list starts. */
 static void sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_count,
-                          uint32_t *first, uint32_t *sorted)
+						  uint32_t *first, uint32_t *sorted)
 {
 	memset(first, 0, ((size_t)block_count + 1) * sizeof *first);
 	for (uint32_t i = 0; i < count; i++) {
@@ -115,7 +117,7 @@ static void sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_
 }
 
 static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_records *records,
-                               gw_error *error)
+							   gw_error *error)
 {
 	gw_gpu *gpu = passes->gpu;
 	gw_buffer block_of = { 0 };
@@ -124,30 +126,30 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_re
 	uint32_t *first = gw_allocate_array((size_t)records->block_count + 1, sizeof *first);
 	gw_status status = GW_OK;
 	if (!block || !sorted || !first)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records",
-		                 records->count);
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", records->count);
 	if (status == GW_OK)
 		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-		                          4 * (uint64_t)records->count, "record block", &block_of, error);
+								  4 * (uint64_t)records->count, "record block", &block_of, error);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
-			                            gw_whole(&octree->node),
-			                            gw_window(&records->position, 16),
-			                            gw_window(&block_of, 4) };
+		const gw_binding bindings[] = { gw_whole(&octree->level_directory), gw_whole(&octree->node),
+										gw_window(&records->position, 16),
+										gw_window(&block_of, 4) };
 		gw_lookup_push push = { .block_level = records->block_level,
-			                    .tile_first = records->block_tile_first };
-		status = gw_passes_run(passes, GW_PASS_RECORD_BLOCK, bindings, &push, records->count, error);
+								.tile_first = records->block_tile_first };
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_BLOCK, bindings, &push, records->count, error);
 	}
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)records->count, error);
 	if (status == GW_OK) {
 		sort_by_block(block, records->count, records->block_count, first, sorted);
 		status = gw_buffer_upload(gpu, &records->block_first, 0, first,
-		                          4 * ((uint64_t)records->block_count + 1), error);
+								  4 * ((uint64_t)records->block_count + 1), error);
 	}
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &records->block_record, 0, sorted,
-		                          4 * (uint64_t)records->count, error);
+								  4 * (uint64_t)records->count, error);
 	gw_buffer_destroy(gpu, &block_of);
 	free(block);
 	free(sorted);
@@ -156,10 +158,11 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_re
 }
 
 gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-                           gw_records *records, gw_error *error)
+						   gw_records *records, gw_error *error)
 {
-	*records = (gw_records){ .radius = spacing > 0.0f ? fmaxf(RADIUS_PER_SPACING * spacing, RADIUS_DENSE)
-		                                              : RADIUS_DENSE };
+	*records =
+		(gw_records){ .radius = spacing > 0.0f ? fmaxf(RADIUS_PER_SPACING * spacing, RADIUS_DENSE)
+											   : RADIUS_DENSE };
 	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
 	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
 	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
@@ -169,13 +172,13 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 	if (status == GW_OK)
 		status = gw_buffer_download(passes->gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0,
-		                            centre, 16 * slots, error);
+									centre, 16 * slots, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(passes->gpu, (gw_buffer *)(uintptr_t)&octree->lobe_plane, 0,
-		                            plane, 16 * slots, error);
+									plane, 16 * slots, error);
 	if (status == GW_OK)
 		status = gw_place_records(centre, plane, slots, spacing, records->radius, seed, &chosen,
-		                          &count, error);
+								  &count, error);
 	records->count = (uint32_t)count;
 	choose_blocks(octree, records);
 	if (status == GW_OK)
@@ -194,9 +197,9 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 
 void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 {
-	gw_buffer *all[] = { &records->position,     &records->normal,       &records->block_first,
-		                 &records->block_record, &records->first,        &records->indirect,
-		                 &records->gathered,     &records->lobe_record, &records->lobe_weight };
+	gw_buffer *all[] = { &records->position,     &records->normal,      &records->block_first,
+						 &records->block_record, &records->first,       &records->indirect,
+						 &records->gathered,     &records->lobe_record, &records->lobe_weight };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_buffer_destroy(gpu, all[i]);
 	*records = (gw_records){ 0 };
@@ -205,42 +208,42 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 static gw_lookup_push lookup(const gw_records *records)
 {
 	return (gw_lookup_push){ .block_level = records->block_level,
-		                     .tile_first = records->block_tile_first,
-		                     .radius = records->radius,
-		                     .lift = LIFT,
-		                     .visibility = 1 };
+							 .tile_first = records->block_tile_first,
+							 .radius = records->radius,
+							 .lift = LIFT,
+							 .visibility = 1 };
 }
 
 /* The first ten bindings of both lookups. */
 #define LOOKUP_BINDINGS                                                                            \
 	gw_whole(&octree->ray_directory), gw_whole(&octree->node), gw_whole(&octree->leaf_tile),       \
-	    gw_whole(&octree->lobe_plane), gw_whole(&octree->lobe_centre),                             \
-	    gw_whole(&octree->level_directory),                         \
-	    gw_whole(&records->position), gw_whole(&records->normal), gw_whole(&records->block_first), \
-	    gw_whole(&records->block_record)
+		gw_whole(&octree->lobe_plane), gw_whole(&octree->lobe_centre),                             \
+		gw_whole(&octree->level_directory), gw_whole(&records->position),                          \
+		gw_whole(&records->normal), gw_whole(&records->block_first),                               \
+		gw_whole(&records->block_record)
 
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-                                 gw_error *error)
+								 gw_error *error)
 {
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-		                            gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
-		                            gw_window(&records->lobe_weight, 4 * GW_WEIGHTS) };
+									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
+									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS) };
 	gw_lookup_push push = lookup(records);
 	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
-	                     2 * (uint64_t)octree->leaf_count, error);
+						 2 * (uint64_t)octree->leaf_count, error);
 }
 
 gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-                               const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-                               gw_buffer *indirect, gw_error *error)
+							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
+							   gw_buffer *indirect, gw_error *error)
 {
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-		                            gw_whole(&records->first),
-		                            gw_whole(&records->indirect),
-		                            gw_window(&octree->surfel_position, 16),
-		                            gw_window(&octree->surfel_normal, 16),
-		                            gw_window(first, 16),
-		                            gw_window(indirect, 16) };
+									gw_whole(&records->first),
+									gw_whole(&records->indirect),
+									gw_window(&octree->surfel_position, 16),
+									gw_window(&octree->surfel_normal, 16),
+									gw_window(first, 16),
+									gw_window(indirect, 16) };
 	gw_lookup_push push = lookup(records);
 	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, surfel_count, error);
 }

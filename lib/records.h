@@ -14,20 +14,21 @@
 
 typedef struct gw_records {
 	uint32_t count;
-	float radius;           /* of influence, leaf cells */
-	uint32_t block_level;   /* octree level of the cells that list them */
+	float radius;         /* of influence, leaf cells */
+	uint32_t block_level; /* octree level of the cells that list them */
 	uint32_t block_count;
 	uint32_t block_tile_first; /* first tile whose parent cells are blocks */
-	gw_buffer position;     /* R32G32B32A32_SFLOAT: grid coordinates; w: distance to the nearest thing
-	                           the record saw */
-	gw_buffer normal;       /* R32G32B32A32_SFLOAT; w: 0 if the record lies inside something solid */
+	gw_buffer position; /* R32G32B32A32_SFLOAT: grid coordinates; w: distance to the nearest thing
+						   the record saw */
+	gw_buffer normal;   /* R32G32B32A32_SFLOAT; w: 0 if the record lies inside something solid */
 	gw_buffer block_first;  /* R32_UINT, block_count + 1 */
 	gw_buffer block_record; /* R32_UINT, count */
-	gw_buffer first;        /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
-	gw_buffer indirect;     /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
-	gw_buffer gathered;     /* R32G32B32A32_SFLOAT, of the latest bounce */
-	gw_buffer lobe_record;  /* R32_UINT, GW_WEIGHTS * 2 * leaf_count: see lobe_weights.comp */
-	gw_buffer lobe_weight;  /* R32_SFLOAT, likewise */
+	gw_buffer
+		first; /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
+	gw_buffer indirect;    /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
+	gw_buffer gathered;    /* R32G32B32A32_SFLOAT, of the latest bounce */
+	gw_buffer lobe_record; /* R32_UINT, GW_WEIGHTS * 2 * leaf_count: see lobe_weights.comp */
+	gw_buffer lobe_weight; /* R32_SFLOAT, likewise */
 } gw_records;
 
 /*
@@ -36,20 +37,20 @@ typedef struct gw_records {
  * lobe lies within that distance of a record. spacing 0: one on every lobe (Salm 4.4.3).
  */
 gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-                           gw_records *records, gw_error *error);
+						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
 /* Finds the records each lobe's irradiance is interpolated from. Needs record position w. */
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-                                 gw_error *error);
+								 gw_error *error);
 
 /*
  * Reads the records' irradiance back at every surfel.
- *   first, indirect   storage buffers of surfel count vec4 that receive it; w of first is 0 where no
- *                     record was near
+ *   first, indirect   storage buffers of surfel count vec4 that receive it; w of first is 0 where
+ * no record was near
  */
 gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-                               const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-                               gw_buffer *indirect, gw_error *error);
+							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
+							   gw_buffer *indirect, gw_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * report.c - see report.h. A stage under way holds the account at its start; ending it turns that into
- * differences.
+ * report.c - see report.h. A stage under way holds the account at its start; ending it turns that
+ * into differences.
  */
 #include "report.h"
 
@@ -36,14 +36,14 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	gw_stage *stage = &report->stage[report->stage_count++];
 	gw_gpu_account now = account_of(gpu);
 	*stage = (gw_stage){ .seconds = gw_seconds(),
-		                 .device_seconds = now.device_seconds,
-		                 .compile_seconds = now.compile_seconds,
-		                 .dispatches = now.dispatches };
+						 .device_seconds = now.device_seconds,
+						 .compile_seconds = now.compile_seconds,
+						 .dispatches = now.dispatches };
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
-                      ...)
+					  ...)
 {
 	assert(report->effect_count < GW_REPORT_EFFECTS);
 	gw_effect *effect = &report->effect[report->effect_count++];

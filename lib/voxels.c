@@ -17,16 +17,16 @@ typedef struct leaf_arrays {
 } leaf_arrays;
 
 static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint64_t texels,
-                       void **values, gw_error *error)
+					   void **values, gw_error *error)
 {
 	*values = gw_allocate_zeros((size_t)texels, 16);
 	if (!*values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu voxels",
-		               (unsigned long long)texels);
+					   (unsigned long long)texels);
 	if (buffer->bytes < 16 * texels)
 		return GW_OK; /* an attribute that nothing has: zeros */
 	return gw_buffer_download(task->passes->gpu, (gw_buffer *)(uintptr_t)buffer, 0, *values,
-	                          16 * texels, error);
+							  16 * texels, error);
 }
 
 /* What the lobes reflect of all that was gathered, into a buffer of its own. */
@@ -37,13 +37,13 @@ static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_e
 	gw_buffer reflected = { 0 };
 	const gw_binding add[] = { gw_window(&records->first, 16), gw_window(&records->indirect, 16) };
 	gw_status status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
-	                                 records->count, error);
+									 records->count, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(task->passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-		                          16 * slots, "voxel radiance", &reflected, error);
+								  16 * slots, "voxel radiance", &reflected, error);
 	if (status == GW_OK)
 		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
-		                        task->lobe_direct, false, &reflected, error);
+								task->lobe_direct, false, &reflected, error);
 	if (status == GW_OK)
 		status = fetch(task, &reflected, slots, (void **)values, error);
 	gw_buffer_destroy(task->passes->gpu, &reflected);
@@ -89,8 +89,8 @@ static gw_status allocate(size_t count, gw_voxels *voxels, gw_error *error)
 	return GW_OK;
 }
 
-/* Area-weighted means over a leaf's lobes. A leaf that only a region of influence touches has no lobe:
- * its albedo comes from there. */
+/* Area-weighted means over a leaf's lobes. A leaf that only a region of influence touches has no
+ * lobe: its albedo comes from there. */
 static void fill_voxel(const leaf_arrays *arrays, size_t leaf, gw_voxels *voxels)
 {
 	const float *geometry = &arrays->geometry[8 * leaf];
@@ -104,7 +104,7 @@ static void fill_voxel(const leaf_arrays *arrays, size_t leaf, gw_voxels *voxels
 			size_t at = 8 * leaf + 4 * s + c;
 			float share = arrays->centre[8 * leaf + 4 * s + 3] / area;
 			float reflected = arrays->albedo[at] * 0.318309886f * arrays->direct[at] +
-			                  (arrays->gathered ? arrays->gathered[at] : 0.0f);
+							  (arrays->gathered ? arrays->gathered[at] : 0.0f);
 			radiance += share * (arrays->emission[at] + reflected);
 			albedo += share * arrays->albedo[at];
 			emission += share * arrays->emission[at];
@@ -133,8 +133,8 @@ gw_status gw_voxels_collect(const gw_voxels_task *task, gw_voxels *voxels, gw_er
 		status = allocate(octree->leaf_count, voxels, error);
 	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++)
 		fill_voxel(&arrays, leaf, voxels);
-	void *all[] = { arrays.geometry, arrays.centre, arrays.albedo, arrays.emission,
-		            arrays.plane, arrays.direct, arrays.gathered, arrays.cell };
+	void *all[] = { arrays.geometry, arrays.centre, arrays.albedo,   arrays.emission,
+					arrays.plane,    arrays.direct, arrays.gathered, arrays.cell };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		free(all[i]);
 	if (status != GW_OK)

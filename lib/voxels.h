@@ -10,8 +10,8 @@ typedef struct gw_voxels_task {
 	gw_passes *passes;
 	const gw_octree *octree;
 	const gw_surfels *surfels;
-	gw_records *records;          /* NULL when nothing was gathered; its indirect becomes the sum of all
-	                                 gathered irradiance */
+	gw_records *records; /* NULL when nothing was gathered; its indirect becomes the sum of all
+							gathered irradiance */
 	const gw_buffer *lobe_direct; /* irradiance from lamps */
 } gw_voxels_task;
 

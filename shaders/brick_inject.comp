@@ -1,8 +1,8 @@
 /*
  * brick_inject.comp - fills the leaf pool: one invocation a voxel of a brick, its redundant
- * positive boundary included (Salm 4.3.1, 4.4.1). Each lobe shows area * max(0, n . face) to a face;
- * one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall sampled by
- * scattered points lets nothing through.
+ * positive boundary included (Salm 4.3.1, 4.4.1). Each lobe shows area * max(0, n . face) to a
+ * face; one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall
+ * sampled by scattered points lets nothing through.
  */
 #version 460
 
@@ -15,7 +15,10 @@ layout(binding = 2) uniform samplerBuffer lobe_plane;
 layout(binding = 3) uniform samplerBuffer lobe_centre;
 layout(binding = 4) uniform samplerBuffer lobe_radiance;
 layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
-layout(push_constant) uniform Push { gw_cone_push push; };
+layout(push_constant) uniform Push
+{
+	gw_cone_push push;
+};
 
 #include "brick_pool.glsl"
 
@@ -40,13 +43,15 @@ void main()
 	for (uint s = 0u; s < 2u; s++) {
 		int slot = int(2u * leaf + s);
 		bool lobe = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
-		radiance[s] = lobe ? vec4(texelFetch(lobe_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
-		facing[s] = lobe ? texelFetch(lobe_plane, slot).xyz * texelFetch(lobe_centre, slot).w : vec3(0.0);
+		radiance[s] =
+			lobe ? vec4(texelFetch(lobe_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
+		facing[s] =
+			lobe ? texelFetch(lobe_plane, slot).xyz * texelFetch(lobe_centre, slot).w : vec3(0.0);
 	}
 	for (int f = 0; f < 6; f++) {
 		vec4 shown = radiance[0] * max(0.0, dot(facing[0], FACE_NORMAL[f])) +
-		             radiance[1] * max(0.0, dot(facing[1], FACE_NORMAL[f]));
+					 radiance[1] * max(0.0, dot(facing[1], FACE_NORMAL[f]));
 		imageStore(leaf_pool, corner + ivec3(0, 0, f * int(push.leaf_face_depth)),
-		           min(shown * push.gain, vec4(65504.0)));
+				   min(shown * push.gain, vec4(65504.0)));
 	}
 }

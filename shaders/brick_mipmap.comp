@@ -1,7 +1,7 @@
 /*
  * brick_mipmap.comp - fills the mipmap pool for one level: one invocation a voxel of a brick, its
- * redundant boundary included (Salm 4.4.2). F and G are areas per cell area, so a voxel is the sum of
- * its eight children over four.
+ * redundant boundary included (Salm 4.4.2). F and G are areas per cell area, so a voxel is the sum
+ * of its eight children over four.
  */
 #version 460
 
@@ -12,7 +12,10 @@ layout(binding = 0) uniform usamplerBuffer node;
 layout(binding = 1) uniform usamplerBuffer tile_neighbour;
 layout(binding = 2, rgba16f) uniform readonly image3D leaf_pool;
 layout(binding = 3, rgba16f) uniform image3D mip_pool;
-layout(push_constant) uniform Push { gw_cone_push push; };
+layout(push_constant) uniform Push
+{
+	gw_cone_push push;
+};
 
 #include "brick_pool.glsl"
 
@@ -32,18 +35,19 @@ void main()
 
 	bool leaves = push.from_leaves != 0u;
 	ivec3 from = child == 0u ? ivec3(0)
-	             : leaves ? brick_corner(child - 1u, push.leaf_bricks[0], push.leaf_bricks[1])
-	                      : brick_corner(child - 1u, push.mip_bricks[0], push.mip_bricks[1]);
+				 : leaves    ? brick_corner(child - 1u, push.leaf_bricks[0], push.leaf_bricks[1])
+							 : brick_corner(child - 1u, push.mip_bricks[0], push.mip_bricks[1]);
 	for (int f = 0; f < 6; f++) {
 		vec4 sum = vec4(0.0);
 		if (child != 0u) {
-			ivec3 face = from + ivec3(0, 0, f * int(leaves ? push.leaf_face_depth : push.mip_face_depth));
+			ivec3 face =
+				from + ivec3(0, 0, f * int(leaves ? push.leaf_face_depth : push.mip_face_depth));
 			for (int c = 0; c < 8; c++) {
 				ivec3 at = face + ivec3(c & 1, (c >> 1) & 1, c >> 2);
 				sum += leaves ? imageLoad(leaf_pool, at) : imageLoad(mip_pool, at);
 			}
 		}
 		imageStore(mip_pool, corner + ivec3(0, 0, f * int(push.mip_face_depth)),
-		           min(sum * 0.25, vec4(65504.0)));
+				   min(sum * 0.25, vec4(65504.0)));
 	}
 }

@@ -16,6 +16,6 @@ ivec3 brick_corner(uint brick, uint row, uint rows)
 }
 
 const vec3 FACE_NORMAL[6] = vec3[6](vec3(1, 0, 0), vec3(-1, 0, 0), vec3(0, 1, 0), vec3(0, -1, 0),
-                                    vec3(0, 0, 1), vec3(0, 0, -1));
+									vec3(0, 0, 1), vec3(0, 0, -1));
 
 #endif

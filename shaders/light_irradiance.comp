@@ -1,17 +1,32 @@
 /*
- * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the visibility
- * that light_visibility.comp or shadow_map_visibility.comp found.
+ * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the
+ * visibility that light_visibility.comp or shadow_map_visibility.comp found.
  */
 #version 460
 
 #include "transport_layout.h"
 
 layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Position { vec4 surfel_position[]; };
-layout(binding = 1) readonly buffer Normal { vec4 surfel_normal[]; };
-layout(binding = 2) readonly buffer Visibility { float visibility[]; };
-layout(binding = 3) buffer Irradiance { vec4 irradiance[]; };
-layout(push_constant) uniform Push { gw_light_push push; };
+layout(binding = 0) readonly buffer Position
+{
+	vec4 surfel_position[];
+};
+layout(binding = 1) readonly buffer Normal
+{
+	vec4 surfel_normal[];
+};
+layout(binding = 2) readonly buffer Visibility
+{
+	float visibility[];
+};
+layout(binding = 3) buffer Irradiance
+{
+	vec4 irradiance[];
+};
+layout(push_constant) uniform Push
+{
+	gw_light_push push;
+};
 
 #include "light.glsl"
 

@@ -15,10 +15,22 @@ layout(binding = 1) uniform usamplerBuffer node;
 layout(binding = 2) uniform usamplerBuffer leaf_tile;
 layout(binding = 3) uniform samplerBuffer lobe_plane;
 layout(binding = 4) uniform samplerBuffer lobe_centre;
-layout(binding = 5) readonly buffer Position { vec4 surfel_position[]; };
-layout(binding = 6) readonly buffer Normal { vec4 surfel_normal[]; };
-layout(binding = 7) buffer Visibility { float visibility[]; };
-layout(push_constant) uniform Push { gw_light_push push; };
+layout(binding = 5) readonly buffer Position
+{
+	vec4 surfel_position[];
+};
+layout(binding = 6) readonly buffer Normal
+{
+	vec4 surfel_normal[];
+};
+layout(binding = 7) buffer Visibility
+{
+	float visibility[];
+};
+layout(push_constant) uniform Push
+{
+	gw_light_push push;
+};
 
 #include "octree_trace.glsl"
 #include "light.glsl"
@@ -41,7 +53,7 @@ void main()
 		for (uint s = 0u; s < push.samples; s++) {
 			vec2 p = push.samples > 1u ? spiral_disc(s, push.samples, 0.5, turn) : vec2(0.0);
 			vec3 offset = (t * p.x + b * p.y) *
-			              (push.type == GW_PUSH_SUN ? push.direction.w : push.position.w);
+						  (push.type == GW_PUSH_SUN ? push.direction.w : push.position.w);
 			vec3 to = push.type == GW_PUSH_SUN ? towards + offset : towards * distance + offset;
 			float range = push.type == GW_PUSH_SUN ? 1e9 : length(to);
 			uint lobe;

@@ -1,7 +1,7 @@
 /*
- * lobe_direct.comp - irradiance of each lobe from point, spot and sun lights: the area-weighted mean
- * over the surfels that lie in it. Of leaves with very many fragments every n-th counts, so that no
- * invocation loops long.
+ * lobe_direct.comp - irradiance of each lobe from point, spot and sun lights: the area-weighted
+ * mean over the surfels that lie in it. Of leaves with very many fragments every n-th counts, so
+ * that no invocation loops long.
  */
 #version 460
 
@@ -12,8 +12,14 @@ layout(binding = 0) uniform usamplerBuffer leaf_fragment;
 layout(binding = 1) uniform usamplerBuffer fragment_surfel;
 layout(binding = 2) uniform samplerBuffer fragment_weight;
 layout(binding = 3) uniform samplerBuffer surfel_irradiance;
-layout(binding = 4) writeonly buffer Direct { vec4 lobe_direct[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 4) writeonly buffer Direct
+{
+	vec4 lobe_direct[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 const uint FRAGMENTS = 1024u;
 

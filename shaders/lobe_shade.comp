@@ -1,19 +1,38 @@
 /*
- * lobe_shade.comp - shade step: radiance that each lobe reflects of one bounce's irradiance, which is
- * interpolated from the records (and, for the first reflection, of the lights' direct irradiance).
+ * lobe_shade.comp - shade step: radiance that each lobe reflects of one bounce's irradiance, which
+ * is interpolated from the records (and, for the first reflection, of the lights' direct
+ * irradiance).
  */
 #version 460
 
 #include "transport_layout.h"
 
 layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Albedo { vec4 lobe_albedo[]; };
-layout(binding = 1) readonly buffer Direct { vec4 lobe_direct[]; };
-layout(binding = 2) readonly buffer Record { uint lobe_record[]; };
-layout(binding = 3) readonly buffer Weight { float lobe_weight[]; };
+layout(binding = 0) readonly buffer Albedo
+{
+	vec4 lobe_albedo[];
+};
+layout(binding = 1) readonly buffer Direct
+{
+	vec4 lobe_direct[];
+};
+layout(binding = 2) readonly buffer Record
+{
+	uint lobe_record[];
+};
+layout(binding = 3) readonly buffer Weight
+{
+	float lobe_weight[];
+};
 layout(binding = 4) uniform samplerBuffer record_irradiance;
-layout(binding = 5) writeonly buffer Radiance { vec4 lobe_radiance[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 5) writeonly buffer Radiance
+{
+	vec4 lobe_radiance[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 void main()
 {

@@ -1,6 +1,6 @@
 /*
- * lobe_weights.comp - the records each lobe's irradiance is interpolated from, once for all bounces:
- * the GW_WEIGHTS heaviest, with weights that sum to 1.
+ * lobe_weights.comp - the records each lobe's irradiance is interpolated from, once for all
+ * bounces: the GW_WEIGHTS heaviest, with weights that sum to 1.
  */
 #version 460
 
@@ -17,9 +17,18 @@ layout(binding = 6) uniform samplerBuffer record_position;
 layout(binding = 7) uniform samplerBuffer record_normal;
 layout(binding = 8) uniform usamplerBuffer block_first;
 layout(binding = 9) uniform usamplerBuffer block_record;
-layout(binding = 10) buffer Record { uint lobe_record[]; };
-layout(binding = 11) buffer Weight { float lobe_weight[]; };
-layout(push_constant) uniform Push { gw_lookup_push push; };
+layout(binding = 10) buffer Record
+{
+	uint lobe_record[];
+};
+layout(binding = 11) buffer Weight
+{
+	float lobe_weight[];
+};
+layout(push_constant) uniform Push
+{
+	gw_lookup_push push;
+};
 
 uint row;
 

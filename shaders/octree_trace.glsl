@@ -23,12 +23,12 @@ float exit_distance(vec3 origin, vec3 inverse, bvec3 forward, vec3 low, vec3 hig
 /*
  * Does the ray meet a lobe's plane within its cell, nearer than t?
  *
- * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges planes that
- * stick out of their cells' surface. So within NEAR cells a plane counts only if its lobe's centre
- * lies above the tangent plane of the start, and only its front side.
+ * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
+ * planes that stick out of their cells' surface. So within NEAR cells a plane counts only if its
+ * lobe's centre lies above the tangent plane of the start, and only its front side.
  */
 bool hit_plane(int slot, bool both_sides, vec3 origin, vec3 facing, vec3 direction, vec3 centre,
-               inout float t, inout bool behind)
+			   inout float t, inout bool behind)
 {
 	vec4 plane = texelFetch(lobe_plane, slot);
 	float approach = dot(plane.xyz, direction);
@@ -57,18 +57,19 @@ bool hit_plane(int slot, bool both_sides, vec3 origin, vec3 facing, vec3 directi
 }
 
 /*
- * The nearest lobe whose front side the ray meets before t_max. Back sides let it through, because planes
- * that stick out over convex edges would darken what lies behind them, but `behind` says that one was
- * met first; with `both_sides` they stop the ray. facing is the normal of the surface at its start.
+ * The nearest lobe whose front side the ray meets before t_max. Back sides let it through, because
+ * planes that stick out over convex edges would darken what lies behind them, but `behind` says
+ * that one was met first; with `both_sides` they stop the ray. facing is the normal of the surface
+ * at its start.
  */
 bool trace(vec3 origin, vec3 facing, vec3 direction, float t_max, bool both_sides, out uint lobe,
-           out float t_hit, out bool behind)
+		   out float t_hit, out bool behind)
 {
 	float side = exp2(float(depth));
 	float nudge = 1e-5 + side * 4e-7;
 	bvec3 forward = greaterThanEqual(direction, vec3(0.0));
 	vec3 inverse = 1.0 / mix(direction, mix(vec3(-1e-20), vec3(1e-20), forward),
-	                         lessThan(abs(direction), vec3(1e-20)));
+							 lessThan(abs(direction), vec3(1e-20)));
 	uint coarse_shift = depth - directory_level;
 
 	vec3 near = (mix(vec3(side), vec3(0.0), forward) - origin) * inverse;
@@ -83,7 +84,8 @@ bool trace(vec3 origin, vec3 facing, vec3 direction, float t_max, bool both_side
 		uvec3 cell = uvec3(clamp(g, vec3(0.0), vec3(side - 1.0)));
 		uvec3 c = cell >> coarse_shift;
 		uint entry = texelFetch(ray_directory, int(c.x + (c.y << directory_level) +
-		                                           (c.z << (2u * directory_level)))).x;
+												   (c.z << (2u * directory_level))))
+						 .x;
 		vec3 low, high;
 		if ((entry & 0x80000000u) == 0u) {
 			/* Nothing within entry - 1 cells around this one. */
@@ -111,10 +113,12 @@ bool trace(vec3 origin, vec3 facing, vec3 direction, float t_max, bool both_side
 					uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 					vec3 centre = vec3(cell) + 0.5;
 					int slot = int(2u * leaf);
-					if (hit_plane(slot, both_sides, origin, facing, direction, centre, t_hit, behind))
+					if (hit_plane(slot, both_sides, origin, facing, direction, centre, t_hit,
+								  behind))
 						lobe = uint(slot);
 					if (((tile.y >> (16u + octant)) & 1u) != 0u &&
-					    hit_plane(slot + 1, both_sides, origin, facing, direction, centre, t_hit, behind))
+						hit_plane(slot + 1, both_sides, origin, facing, direction, centre, t_hit,
+								  behind))
 						lobe = uint(slot + 1);
 					if (lobe != GW_NONE)
 						return true;

@@ -19,11 +19,26 @@ layout(binding = 8) uniform usamplerBuffer block_first;
 layout(binding = 9) uniform usamplerBuffer block_record;
 layout(binding = 10) uniform samplerBuffer record_first;
 layout(binding = 11) uniform samplerBuffer record_indirect;
-layout(binding = 12) readonly buffer Position { vec4 surfel_position[]; };
-layout(binding = 13) readonly buffer Normal { vec4 surfel_normal[]; };
-layout(binding = 14) writeonly buffer First { vec4 surfel_first[]; };
-layout(binding = 15) writeonly buffer Indirect { vec4 surfel_indirect[]; };
-layout(push_constant) uniform Push { gw_lookup_push push; };
+layout(binding = 12) readonly buffer Position
+{
+	vec4 surfel_position[];
+};
+layout(binding = 13) readonly buffer Normal
+{
+	vec4 surfel_normal[];
+};
+layout(binding = 14) writeonly buffer First
+{
+	vec4 surfel_first[];
+};
+layout(binding = 15) writeonly buffer Indirect
+{
+	vec4 surfel_indirect[];
+};
+layout(push_constant) uniform Push
+{
+	gw_lookup_push push;
+};
 
 vec3 first_sum = vec3(0.0), indirect_sum = vec3(0.0);
 

@@ -6,9 +6,18 @@
 #include "transport_layout.h"
 
 layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Gathered { vec4 record_gathered[]; };
-layout(binding = 1) buffer Sum { vec4 record_sum[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 0) readonly buffer Gathered
+{
+	vec4 record_gathered[];
+};
+layout(binding = 1) buffer Sum
+{
+	vec4 record_sum[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 void main()
 {

@@ -9,9 +9,18 @@
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer level_directory;
 layout(binding = 1) uniform usamplerBuffer node;
-layout(binding = 2) readonly buffer Position { vec4 record_position[]; };
-layout(binding = 3) writeonly buffer Block { uint record_block[]; };
-layout(push_constant) uniform Push { gw_lookup_push push; };
+layout(binding = 2) readonly buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 3) writeonly buffer Block
+{
+	uint record_block[];
+};
+layout(push_constant) uniform Push
+{
+	gw_lookup_push push;
+};
 
 #include "octree_tiles.glsl"
 

@@ -18,10 +18,22 @@ layout(binding = 3) uniform samplerBuffer lobe_plane;
 layout(binding = 4) uniform samplerBuffer lobe_centre;
 layout(binding = 5) uniform samplerBuffer lobe_emission;
 layout(binding = 6) uniform usamplerBuffer emitter; /* lobe, alias, probability (float bits), 0 */
-layout(binding = 7) readonly buffer Position { vec4 record_position[]; };
-layout(binding = 8) readonly buffer Normal { vec4 record_normal[]; };
-layout(binding = 9) buffer Sum { vec4 record_sampled[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 7) readonly buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 8) readonly buffer Normal
+{
+	vec4 record_normal[];
+};
+layout(binding = 9) buffer Sum
+{
+	vec4 record_sampled[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 #include "octree_trace.glsl"
 
@@ -54,7 +66,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint random)
 	float t_hit;
 	bool behind;
 	float distance = sqrt(squared);
-	if (trace(g, normal, direction, distance - 1.0, false, seen, t_hit, behind) && seen != uint(lobe))
+	if (trace(g, normal, direction, distance - 1.0, false, seen, t_hit, behind) &&
+		seen != uint(lobe))
 		return vec3(0.0);
 
 	float density = luminance(emission) / push.emitter_power * squared / cosine_emitter;

@@ -13,11 +13,26 @@ layout(binding = 0) uniform usamplerBuffer hit_lobe;
 layout(binding = 1) uniform samplerBuffer hit_distance;
 layout(binding = 2) uniform samplerBuffer lobe_plane;
 layout(binding = 3) uniform samplerBuffer lobe_emission;
-layout(binding = 4) readonly buffer Sampled { vec4 record_sampled[]; };
-layout(binding = 5) buffer Position { vec4 record_position[]; };
-layout(binding = 6) buffer Normal { vec4 record_normal[]; };
-layout(binding = 7) writeonly buffer First { vec4 record_first[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 4) readonly buffer Sampled
+{
+	vec4 record_sampled[];
+};
+layout(binding = 5) buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 6) buffer Normal
+{
+	vec4 record_normal[];
+};
+layout(binding = 7) writeonly buffer First
+{
+	vec4 record_first[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 #include "record_ray.glsl"
 

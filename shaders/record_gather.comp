@@ -9,9 +9,18 @@
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer hit_lobe;
 layout(binding = 1) uniform samplerBuffer lobe_radiance;
-layout(binding = 2) readonly buffer Normal { vec4 record_normal[]; }; /* w: 0 if buried */
-layout(binding = 3) writeonly buffer Gathered { vec4 record_gathered[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 2) readonly buffer Normal
+{
+	vec4 record_normal[];
+}; /* w: 0 if buried */
+layout(binding = 3) writeonly buffer Gathered
+{
+	vec4 record_gathered[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 void main()
 {
@@ -25,5 +34,6 @@ void main()
 		if (lobe != GW_NONE)
 			sum += texelFetch(lobe_radiance, int(lobe)).xyz;
 	}
-	record_gathered[i] = vec4(sum * record_normal[i].w * (3.14159265358979 / float(push.rays)), 0.0);
+	record_gathered[i] =
+		vec4(sum * record_normal[i].w * (3.14159265358979 / float(push.rays)), 0.0);
 }

@@ -7,9 +7,10 @@
  * record's plane (after Ward); a record that a wall separates from the point counts nothing, which
  * is tested only where something is nearer to the record than the point is.
  *
- * The including shader defines `void use_record(uint record, float weight)`; find_records calls it for
- * each record with a weight above 0 and returns the sum of the weights. When no record qualifies it
- * calls it for the nearest record of the blocks, with weight 1; when there is none it returns 0.
+ * The including shader defines `void use_record(uint record, float weight)`; find_records calls it
+ * for each record with a weight above 0 and returns the sum of the weights. When no record
+ * qualifies it calls it for the nearest record of the blocks, with weight 1; when there is none it
+ * returns 0.
  */
 #ifndef RECORD_LOOKUP_GLSL
 #define RECORD_LOOKUP_GLSL

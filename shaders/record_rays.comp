@@ -1,6 +1,6 @@
 /*
- * record_rays.comp - trace step of the records: one gather ray an invocation, cosine-weighted over the
- * record's hemisphere. What was hit is kept; the hits of a record serve all bounces, because
+ * record_rays.comp - trace step of the records: one gather ray an invocation, cosine-weighted over
+ * the record's hemisphere. What was hit is kept; the hits of a record serve all bounces, because
  * geometry does not change between them.
  */
 #version 460
@@ -16,9 +16,18 @@ layout(binding = 3) uniform samplerBuffer lobe_plane;
 layout(binding = 4) uniform samplerBuffer lobe_centre;
 layout(binding = 5) uniform samplerBuffer record_position;
 layout(binding = 6) uniform samplerBuffer record_normal;
-layout(binding = 7) writeonly buffer Lobe { uint hit_lobe[]; };
-layout(binding = 8) writeonly buffer Distance { float hit_distance[]; };
-layout(push_constant) uniform Push { gw_record_push push; };
+layout(binding = 7) writeonly buffer Lobe
+{
+	uint hit_lobe[];
+};
+layout(binding = 8) writeonly buffer Distance
+{
+	float hit_distance[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
 
 #include "octree_trace.glsl"
 #include "record_ray.glsl"

@@ -31,7 +31,7 @@ SHARED_STRUCT(gw_light_push)
 	vec4 power;     /* intensity / leaf_size^2, or irradiance; w: unused */
 	float cos_inner, cos_outer;
 	uint seed;
-	uint shadows;   /* 1: multiply by the visibility buffer */
+	uint shadows; /* 1: multiply by the visibility buffer */
 };
 SHARED_SIZE(gw_light_push, 80);
 SHARED_OFFSET(gw_light_push, position, 16);
@@ -44,17 +44,17 @@ SHARED_OFFSET(gw_light_push, shadows, 76);
 SHARED_STRUCT(gw_record_push)
 {
 	uint first, count;
-	uint rays;            /* gather rays a record, K */
-	uint light_samples;   /* samples of the emitters a record, M */
-	uint batch_first;     /* of the light samples taken in this run */
+	uint rays;          /* gather rays a record, K */
+	uint light_samples; /* samples of the emitters a record, M */
+	uint batch_first;   /* of the light samples taken in this run */
 	uint batch_count;
-	uint emitters;        /* entries of the emitter table */
+	uint emitters; /* entries of the emitter table */
 	uint seed;
-	float emitter_power;  /* sum over emitters of luminance(Le) * area, leaf cells^2 */
-	float spacing;        /* record spacing */
-	uint use_direct;      /* shade: add the lobes' direct irradiance */
-	uint use_hits;        /* first gather: emitters seen by rays count (by the balance heuristic) */
-	vec4 sky;             /* radiance of the environment */
+	float emitter_power; /* sum over emitters of luminance(Le) * area, leaf cells^2 */
+	float spacing;       /* record spacing */
+	uint use_direct;     /* shade: add the lobes' direct irradiance */
+	uint use_hits;       /* first gather: emitters seen by rays count (by the balance heuristic) */
+	vec4 sky;            /* radiance of the environment */
 };
 SHARED_SIZE(gw_record_push, 64);
 SHARED_OFFSET(gw_record_push, sky, 48);
@@ -63,11 +63,11 @@ SHARED_OFFSET(gw_record_push, sky, 48);
 SHARED_STRUCT(gw_lookup_push)
 {
 	uint first, count;
-	uint block_level;     /* octree level of the blocks that records are listed by */
-	float radius;         /* of influence of a record, R */
-	float lift;           /* both ends of a visibility test are lifted this far off the surface */
-	uint visibility;      /* 1: test it where a record's surroundings are nearer than the point */
-	uint tile_first;      /* first tile whose parent cells are of block_level */
+	uint block_level; /* octree level of the blocks that records are listed by */
+	float radius;     /* of influence of a record, R */
+	float lift;       /* both ends of a visibility test are lifted this far off the surface */
+	uint visibility;  /* 1: test it where a record's surroundings are nearer than the point */
+	uint tile_first;  /* first tile whose parent cells are of block_level */
 	uint unused;
 };
 SHARED_SIZE(gw_lookup_push, 32);
@@ -86,8 +86,8 @@ SHARED_STRUCT(gw_cone_push)
 	uint mip_bricks[2];   /* of the mipmap pool */
 	uint leaf_face_depth; /* texels in z from one face's layer stack to the next, leaf pool */
 	uint mip_face_depth;
-	float gain;           /* over-coverage of a leaf's faces */
-	float start;          /* leaf cells along the normal where a cone starts */
+	float gain;  /* over-coverage of a leaf's faces */
+	float start; /* leaf cells along the normal where a cone starts */
 	vec4 sky;
 };
 SHARED_SIZE(gw_cone_push, 80);
