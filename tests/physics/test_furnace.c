@@ -59,8 +59,8 @@ static void assert_decay(const gw_report *report, double albedo)
 }
 
 /*
- * Nor do they lose any in a closed scene. 1 % of the mean at albedo 0.8, where all bounces after the
- * first are 4 times the first, allows each to lose 0.25 %.
+ * Nor do they lose any in a closed scene. 1 % of the mean at albedo 0.8, where all bounces after
+ * the first are 4 times the first, allows each to lose 0.25 %.
  */
 static void assert_no_leak(const gw_report *report, double albedo)
 {

@@ -1,0 +1,548 @@
+/* Bakes compared with each other: what must change nothing, changes nothing; what must double,
+ * doubles. No reference is needed, and most comparisons are of every bit. */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Relative spacing of half floats, which hold the light of the cones' voxels. */
+#define HALF_ROUNDOFF 0x1p-11
+
+#define LIGHTS 4
+
+/* Lamps of the hall: one of each type, with and without extent. */
+static void make_lights(gw_light lights[LIGHTS])
+{
+	lights[0] = scene_point_light(1.0, 2.0, 1.5, 3.0f);
+	lights[0].radius = 0.0625f;
+	lights[1] = scene_point_light(3.0, 0.5, 2.0, 6.0f);
+	lights[1].type = GW_LIGHT_SPOT;
+	lights[1].direction[1] = 1.0;
+	lights[1].direction[2] = -1.0;
+	lights[1].inner_angle = 10.0f;
+	lights[1].outer_angle = 35.0f;
+	lights[2] = (gw_light){ .type = GW_LIGHT_SUN,
+		                    .direction = { 0.25, 1, -0.5 },
+		                    .irradiance = { 4.0f, 3.5f, 3.0f } };
+	lights[3] = (gw_light){ .type = GW_LIGHT_ENVIRONMENT, .radiance = { 0.3f, 0.4f, 0.6f } };
+}
+
+static gw_bake_options options_of(gw_method method)
+{
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	options.method = method;
+	options.bounces = 3;
+	return options;
+}
+
+/* The hall and its lights, baked. */
+static gw_bake_result *bake_hall(const scene *s, const gw_light *lights, size_t light_count,
+                                 gw_method method)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = options_of(method);
+	return scene_bake(&points, lights, light_count, &options);
+}
+
+/* Fails unless a[3 * i] == factor * b[3 * order[i]] in every bit; order NULL: the same order. */
+static void assert_same(const char *what, const float *a, const float *b, float factor,
+                        const size_t *order, size_t count)
+{
+	size_t differing = 0;
+	double worst = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		size_t other = order ? order[i] : i;
+		for (size_t c = 0; c < 3; c++) {
+			float x = a[3 * i + c], y = factor * b[3 * other + c];
+			differing += memcmp(&x, &y, sizeof x) != 0;
+			worst = fmax(worst, fabs((double)x - (double)y));
+		}
+	}
+	if (differing > 0)
+		fail_msg("%s: %zu of %zu values differ, by up to %g", what, differing, 3 * count, worst);
+}
+
+static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b, float factor,
+                              const size_t *order)
+{
+	assert_same("direct irradiance", a->direct_irradiance, b->direct_irradiance, factor, order,
+	            a->count);
+	assert_same("indirect irradiance", a->indirect_irradiance, b->indirect_irradiance, factor,
+	            order, a->count);
+	assert_same("radiance", a->radiance, b->radiance, factor, order, a->count);
+}
+
+static void assert_finite(const gw_bake_result *result)
+{
+	const float *arrays[] = { result->radiance, result->direct_irradiance,
+		                      result->indirect_irradiance, result->albedo };
+	for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++) {
+		for (size_t i = 0; i < 3 * result->count; i++)
+			assert_true(isfinite(arrays[a][i]) && arrays[a][i] >= 0.0f);
+	}
+	for (size_t i = 0; i < result->count; i++) {
+		const float *n = &result->normal[3 * i];
+		double length = sqrt((double)(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]));
+		/* Three squares, two sums and a root of float32. */
+		assert_true(fabs(length - 1.0) <= 8 * 0x1p-24);
+		assert_true(isfinite(result->roi[i]) && result->roi[i] >= 0.0f);
+	}
+}
+
+typedef void compare(gw_method method, const scene *hall, const gw_light *lights,
+                     const gw_bake_result *plain);
+
+/* Bakes the hall by both methods and hands it to a comparison. */
+static void with_hall(compare *run)
+{
+	for (int method = 0; method < GW_METHOD_COUNT; method++) {
+		scene hall = { 0 };
+		gw_light lights[LIGHTS];
+		scene_make_hall(&hall);
+		make_lights(lights);
+		gw_bake_result *plain = bake_hall(&hall, lights, LIGHTS, (gw_method)method);
+		run((gw_method)method, &hall, lights, plain);
+		gw_bake_result_destroy(&plain);
+		scene_clear(&hall);
+	}
+}
+
+static void brighten(gw_light *light, float factor)
+{
+	for (size_t c = 0; c < 3; c++) {
+		light->intensity[c] *= factor;
+		light->irradiance[c] *= factor;
+		light->radiance[c] *= factor;
+	}
+}
+
+/* ----------------------------------------------------------------------------- the same bits */
+
+static void compare_doubled(gw_method method, const scene *hall, const gw_light *lights,
+                            const gw_bake_result *plain)
+{
+	gw_light bright[LIGHTS];
+	memcpy(bright, lights, sizeof bright);
+	for (size_t i = 0; i < LIGHTS; i++)
+		brighten(&bright[i], 2.0f);
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->emission[i] *= 2.0f;
+	gw_bake_result *result = bake_hall(hall, bright, LIGHTS, method);
+	assert_same_light(result, plain, 2.0f, NULL);
+	gw_bake_result_destroy(&result);
+}
+
+/* All light times 2, a power of two, is exactly twice as bright. */
+static void twice_the_light(void **state)
+{
+	(void)state;
+	with_hall(compare_doubled);
+}
+
+static void compare_shuffled(gw_method method, const scene *hall, const gw_light *lights,
+                             const gw_bake_result *plain)
+{
+	scene mixed = { .state = 7 };
+	size_t *order = malloc(hall->count * sizeof *order);
+	assert_non_null(order);
+	for (size_t i = 0; i < hall->count; i++) {
+		size_t j = (size_t)(scene_random(&mixed) * (double)(i + 1));
+		order[i] = order[j];
+		order[j] = i;
+	}
+	for (size_t i = 0; i < hall->count; i++) {
+		const float *n = &hall->normal[3 * order[i]];
+		scene_add(&mixed, &hall->position[3 * order[i]], (double[3]){ 0, 0, 1 }, 0.0f);
+		memcpy(&mixed.normal[3 * i], n, 3 * sizeof *n);
+		memcpy(&mixed.albedo[3 * i], &hall->albedo[3 * order[i]], 3 * sizeof *n);
+		memcpy(&mixed.emission[3 * i], &hall->emission[3 * order[i]], 3 * sizeof *n);
+	}
+	mixed.emits = true;
+	gw_bake_result *result = bake_hall(&mixed, lights, LIGHTS, method);
+	assert_same_light(result, plain, 1.0f, order);
+	gw_bake_result_destroy(&result);
+	scene_clear(&mixed);
+	free(order);
+}
+
+static void order_of_points(void **state)
+{
+	(void)state;
+	with_hall(compare_shuffled);
+}
+
+static void compare_moved(gw_method method, const scene *hall, const gw_light *lights,
+                          const gw_bake_result *plain)
+{
+	const double by[3] = { 5e5, 5.4e6, 100 };
+	gw_light moved[LIGHTS];
+	memcpy(moved, lights, sizeof moved);
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->position[i] += by[i % 3];
+	for (size_t i = 0; i < 3 * LIGHTS; i++)
+		moved[i / 3].position[i % 3] += by[i % 3];
+	gw_bake_result *result = bake_hall(hall, moved, LIGHTS, method);
+	assert_same_light(result, plain, 1.0f, NULL);
+	gw_bake_result_destroy(&result);
+}
+
+/* Coordinates of a map's grid, where float32 could not tell points of a room apart. */
+static void far_from_the_origin(void **state)
+{
+	(void)state;
+	with_hall(compare_moved);
+}
+
+static void compare_again(gw_method method, const scene *hall, const gw_light *lights,
+                          const gw_bake_result *plain)
+{
+	gw_points points = scene_points(hall);
+	gw_bake_options options = options_of(method);
+	for (uint32_t threads = 0; threads < 3; threads++) {
+		options.threads = threads;
+		gw_bake_result *result = scene_bake(&points, lights, LIGHTS, &options);
+		assert_same_light(result, plain, 1.0f, NULL);
+		assert_memory_equal(result->roi, plain->roi, hall->count * sizeof *plain->roi);
+		gw_bake_result_destroy(&result);
+	}
+}
+
+static void same_again_and_for_any_threads(void **state)
+{
+	(void)state;
+	with_hall(compare_again);
+}
+
+static void compare_dark_light(gw_method method, const scene *hall, const gw_light *lights,
+                               const gw_bake_result *plain)
+{
+	gw_light more[2 * LIGHTS];
+	memcpy(more, lights, LIGHTS * sizeof *more);
+	memcpy(more + LIGHTS, lights, LIGHTS * sizeof *more);
+	for (size_t i = LIGHTS; i < 2 * LIGHTS; i++)
+		brighten(&more[i], 0.0f);
+	gw_bake_result *result = bake_hall(hall, more, 2 * LIGHTS, method);
+	assert_same_light(result, plain, 1.0f, NULL);
+	assert_int_equal(scene_dispatches(&result->report), scene_dispatches(&plain->report));
+	gw_bake_result_destroy(&result);
+}
+
+/* Lights without power cost nothing on the device. */
+static void dark_lights_do_nothing(void **state)
+{
+	(void)state;
+	with_hall(compare_dark_light);
+}
+
+static void compare_red(gw_method method, const scene *hall, const gw_light *lights,
+                        const gw_bake_result *plain)
+{
+	gw_light red[LIGHTS];
+	memcpy(red, lights, sizeof red);
+	for (size_t i = 0; i < LIGHTS; i++) {
+		for (size_t c = 1; c < 3; c++)
+			red[i].intensity[c] = red[i].irradiance[c] = red[i].radiance[c] = 0.0f;
+	}
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->emission[i] *= i % 3 == 0 ? 1.0f : 0.0f;
+	gw_bake_result *result = bake_hall(hall, red, LIGHTS, method);
+	for (size_t i = 0; i < 3 * hall->count; i++) {
+		if (i % 3 != 0)
+			assert_true(result->radiance[i] == 0.0f && result->direct_irradiance[i] == 0.0f &&
+			            result->indirect_irradiance[i] == 0.0f);
+	}
+	assert_true(scene_mean(result->indirect_irradiance, hall->count, 0) >
+	            0.1 * scene_mean(plain->indirect_irradiance, hall->count, 0));
+	gw_bake_result_destroy(&result);
+}
+
+static void red_light_stays_red(void **state)
+{
+	(void)state;
+	with_hall(compare_red);
+}
+
+/* -------------------------------------------------------------------------- nearly the same */
+
+static void assert_mean(const char *what, const float *a, const float *b, size_t count_a,
+                        size_t count_b, double relative)
+{
+	for (size_t c = 0; c < 3; c++) {
+		double x = scene_mean(a, count_a, c), y = scene_mean(b, count_b, c);
+		if (!(fabs(x - y) <= relative * fabs(y)))
+			fail_msg("%s, channel %zu: mean %.7g, not %.7g: off by %.2g, allowed %.2g", what, c, x,
+			         y, fabs(x / y - 1.0), relative);
+	}
+}
+
+static void compare_duplicated(gw_method method, const scene *hall, const gw_light *lights,
+                               const gw_bake_result *plain)
+{
+	scene twice = { 0 };
+	for (size_t i = 0; i < 2 * hall->count; i++) {
+		size_t from = i % hall->count;
+		scene_add(&twice, &hall->position[3 * from], (double[3]){ 0, 0, 1 }, 0.0f);
+		memcpy(&twice.normal[3 * i], &hall->normal[3 * from], 3 * sizeof(float));
+		memcpy(&twice.albedo[3 * i], &hall->albedo[3 * from], 3 * sizeof(float));
+		memcpy(&twice.emission[3 * i], &hall->emission[3 * from], 3 * sizeof(float));
+	}
+	twice.emits = true;
+	gw_bake_result *result = bake_hall(&twice, lights, LIGHTS, method);
+	/* 1 %: merging averages normals, which rounds them, and a ray may then just miss a plane. */
+	assert_mean("duplicated", result->radiance, plain->radiance, twice.count, hall->count, 0.01);
+	assert_mean("duplicated, indirect", result->indirect_irradiance, plain->indirect_irradiance,
+	            twice.count, hall->count, 0.01);
+	gw_bake_result_destroy(&result);
+	scene_clear(&twice);
+}
+
+/* Points at the place of others add nothing. */
+static void duplicates_do_not_brighten(void **state)
+{
+	(void)state;
+	with_hall(compare_duplicated);
+}
+
+static void compare_scaled(gw_method method, const scene *hall, const gw_light *lights,
+                           const gw_bake_result *plain)
+{
+	const float scale = 4.0f;
+	gw_light scaled[LIGHTS];
+	memcpy(scaled, lights, sizeof scaled);
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->position[i] *= (double)scale;
+	for (size_t i = 0; i < LIGHTS; i++) {
+		for (size_t k = 0; k < 3; k++) {
+			scaled[i].position[k] *= (double)scale;
+			scaled[i].intensity[k] *= scale * scale;
+		}
+		scaled[i].radius *= scale;
+	}
+	gw_bake_result *result = bake_hall(hall, scaled, LIGHTS, method);
+	/* The scale is a power of two, so only what is rounded relative to whole metres differs: a
+	 * few rays in 10^5 may pass on the other side of an edge. */
+	assert_mean("scaled, direct", result->direct_irradiance, plain->direct_irradiance, hall->count,
+	            hall->count, 1e-4);
+	assert_mean("scaled", result->radiance, plain->radiance, hall->count, hall->count, 1e-4);
+	gw_bake_result_destroy(&result);
+}
+
+/* Lengths times 4 and intensities times 16: the same irradiance. */
+static void scale_of_the_scene(void **state)
+{
+	(void)state;
+	with_hall(compare_scaled);
+}
+
+static void compare_sum(gw_method method, const scene *hall, const gw_light *lights,
+                        const gw_bake_result *plain)
+{
+	(void)plain;
+	memset(hall->emission, 0, 3 * hall->count * sizeof *hall->emission);
+	gw_bake_result *both = bake_hall(hall, lights, LIGHTS, method);
+	gw_bake_result *a = bake_hall(hall, lights, 2, method);
+	gw_bake_result *b = bake_hall(hall, lights + 2, LIGHTS - 2, method);
+	double mean = scene_mean(both->radiance, hall->count, 1);
+	/* Rays: float32 sums of up to 64 terms in four stages. Cones: radiance is rounded to half
+	 * floats at the leaves and at each mipmap below the root, in each of two reflections. */
+	double allowed = method == GW_METHOD_RAYS ? 1e-5
+	                                          : 2.0 * both->report.depth * HALF_ROUNDOFF;
+	for (size_t i = 0; i < 3 * hall->count; i++) {
+		double sum = (double)a->radiance[i] + (double)b->radiance[i];
+		double off = fabs((double)both->radiance[i] - sum);
+		if (!(off <= allowed * fmax(mean, sum)))
+			fail_msg("%s, point %zu: %.8g, not %.8g: off by %.2g of the mean, allowed %.2g",
+			         gw_method_name(method), i / 3, (double)both->radiance[i], sum, off / mean,
+			         allowed);
+	}
+	gw_bake_result_destroy(&both);
+	gw_bake_result_destroy(&a);
+	gw_bake_result_destroy(&b);
+}
+
+/* Light of two groups of lamps adds up, each with its shadows and reflections. */
+static void superposition(void **state)
+{
+	(void)state;
+	with_hall(compare_sum);
+}
+
+/* Twice as many points a metre: the same room, so the same mean but for the width of its edges,
+ * which half as wide cells halve: 5 %. */
+static void density_does_not_brighten(void **state)
+{
+	(void)state;
+	for (int method = 0; method < GW_METHOD_COUNT; method++) {
+		gw_light light = scene_point_light(1.2, 0.8, 1.1, 2.0f);
+		gw_bake_result *result[2];
+		scene s[2] = { { 0 }, { 0 } };
+		for (size_t n = 0; n < 2; n++) {
+			scene_add_box(&s[n], (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, n ? 40 : 20, 0.5f);
+			result[n] = bake_hall(&s[n], &light, 1, (gw_method)method);
+		}
+		assert_mean(gw_method_name((gw_method)method), result[1]->indirect_irradiance,
+		            result[0]->indirect_irradiance, s[1].count, s[0].count, 0.05);
+		for (size_t n = 0; n < 2; n++) {
+			gw_bake_result_destroy(&result[n]);
+			scene_clear(&s[n]);
+		}
+	}
+}
+
+/* ------------------------------------------------------------------- only what is called for */
+
+/* One reflection of a lamp: no records are placed, and no effect but direct light is computed. */
+static void no_records_without_need(void **state)
+{
+	(void)state;
+	const char *stages[] = { "records", "first gather", "bounces", "read back", "voxels" };
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 20, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.5, 0.5, 0.5, 1.0f);
+	gw_bake_options options = options_of(GW_METHOD_RAYS);
+	options.bounces = 1;
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	for (size_t i = 0; i < sizeof stages / sizeof *stages; i++)
+		assert_false(scene_has_stage(&result->report, stages[i]));
+	assert_true(scene_has_stage(&result->report, "direct light"));
+	assert_int_equal(result->report.records, 0);
+	assert_int_equal(result->report.brick_bytes, 0);
+	for (uint32_t i = 0; i < result->report.effect_count; i++) {
+		const gw_effect *effect = &result->report.effect[i];
+		assert_int_equal(effect->called_for, strcmp(effect->name, "direct light") == 0);
+		assert_true(effect->reason[0] != '\0');
+		assert_int_equal(effect->method[0] != '\0', effect->called_for);
+	}
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+/* Black walls reflect nothing, so bounces that are asked for do not run; nor does anything without
+ * light. */
+static void nothing_to_reflect(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 20, 0.0f);
+	gw_light light = scene_point_light(0.5, 0.5, 0.5, 1.0f);
+	gw_bake_result *black = bake_hall(&s, &light, 1, GW_METHOD_RAYS);
+	assert_false(scene_has_stage(&black->report, "bounces"));
+	assert_true(scene_mean(black->direct_irradiance, s.count, 0) > 0.0);
+	gw_bake_result_destroy(&black);
+	gw_bake_result *unlit = bake_hall(&s, NULL, 0, GW_METHOD_RAYS);
+	assert_false(scene_has_stage(&unlit->report, "bounces"));
+	for (size_t i = 0; i < 3 * s.count; i++)
+		assert_true(unlit->radiance[i] == 0.0f);
+	gw_bake_result_destroy(&unlit);
+	scene_clear(&s);
+}
+
+/* The hall calls for all effects, and each is reported and computed. */
+static void compare_effects(gw_method method, const scene *hall, const gw_light *lights,
+                            const gw_bake_result *plain)
+{
+	(void)lights;
+	assert_true(plain->report.effect_count >= 4);
+	for (uint32_t i = 0; i < plain->report.effect_count; i++) {
+		const gw_effect *effect = &plain->report.effect[i];
+		if (!effect->called_for)
+			fail_msg("%s is not called for: %s", effect->name, effect->reason);
+	}
+	assert_true(plain->report.records > 0);
+	assert_int_equal(plain->report.brick_bytes > 0, method == GW_METHOD_CONES);
+	assert_true(scene_mean(plain->indirect_irradiance, hall->count, 1) > 0.0);
+	assert_finite(plain);
+}
+
+static void all_effects(void **state)
+{
+	(void)state;
+	with_hall(compare_effects);
+}
+
+/* Clouds of one, two and three points are odd but no fault. */
+static void few_points(void **state)
+{
+	(void)state;
+	gw_light lights[LIGHTS];
+	make_lights(lights);
+	for (int method = 0; method < GW_METHOD_COUNT; method++) {
+		for (size_t n = 1; n <= 3; n++) {
+			scene s = { 0 };
+			for (size_t i = 0; i < n; i++)
+				scene_add(&s, (double[3]){ (double)i, 0.25 * (double)(i * i), 0 },
+				          (double[3]){ 0, 0, 1 }, 0.5f);
+			scene_emit(&s, n - 1, (float[3]){ 1, 1, 1 });
+			gw_points points = scene_points(&s);
+			gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+			options.method = (gw_method)method;
+			for (int normals = 0; normals < 2; normals++) {
+				points.normal = normals ? s.normal : NULL;
+				gw_bake_result *result = scene_bake(&points, lights, LIGHTS, &options);
+				assert_finite(result);
+				assert_true(result->direct_irradiance[0] > 0.0f);
+				gw_bake_result_destroy(&result);
+			}
+			scene_clear(&s);
+		}
+	}
+}
+
+/* -------------------------------------------------------------------------------- validation */
+
+/* A bake under Vulkan's validation layer, which makes any message an error. */
+static void validated(void **state)
+{
+	(void)state;
+	for (int method = 0; method < GW_METHOD_COUNT; method++) {
+		scene hall = { 0 };
+		gw_light lights[LIGHTS];
+		gw_bake_result *result;
+		gw_error error = { 0 };
+		scene_make_hall(&hall);
+		make_lights(lights);
+		gw_points points = scene_points(&hall);
+		gw_bake_options options = options_of((gw_method)method);
+		options.validate = true;
+		options.voxels = true;
+		gw_status status = gw_bake(&points, lights, LIGHTS, &options, NULL, &result, &error);
+		scene_clear(&hall);
+		/* The layer is not everywhere; in CI it has to be. */
+		if ((status == GW_ERROR_NO_DEVICE || status == GW_ERROR_USAGE) && getenv("CI") == NULL) {
+			print_message("%s\n", error.text);
+			skip();
+		}
+		if (status != GW_OK)
+			fail_msg("%s: %s", gw_method_name((gw_method)method), error.text);
+		assert_true(result->voxels.count > 0);
+		gw_bake_result_destroy(&result);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(twice_the_light),
+		cmocka_unit_test(order_of_points),
+		cmocka_unit_test(far_from_the_origin),
+		cmocka_unit_test(same_again_and_for_any_threads),
+		cmocka_unit_test(dark_lights_do_nothing),
+		cmocka_unit_test(red_light_stays_red),
+		cmocka_unit_test(duplicates_do_not_brighten),
+		cmocka_unit_test(scale_of_the_scene),
+		cmocka_unit_test(superposition),
+		cmocka_unit_test(density_does_not_brighten),
+		cmocka_unit_test(no_records_without_need),
+		cmocka_unit_test(nothing_to_reflect),
+		cmocka_unit_test(all_effects),
+		cmocka_unit_test(few_points),
+		cmocka_unit_test(validated),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,233 @@
+/* Where records go: every lobe has one near, none are crowded, and the choice is always the same.
+ * Compared with brute force over all pairs. */
+#include "record_places.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* What record_places.c promises: lobes share a record when their normals' cosine is above this and
+ * they are nearer to its plane than this share of the radius. */
+#define LIKE_NORMAL 0.7f
+#define OFF_PLANE 0.3f
+
+/* Lobes of a made-up octree: as gw_octree.lobe_centre and lobe_plane. */
+typedef struct lobes {
+	size_t count;
+	float *centre, *plane; /* 4 * count */
+} lobes;
+
+static uint64_t random_state;
+
+/* Random in [0, 1), the same numbers every run (splitmix64). */
+static float uniform(void)
+{
+	uint64_t z = random_state += 0x9e3779b97f4a7c15u;
+	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+	return (float)((z ^ z >> 31) >> 40) * 0x1p-24f;
+}
+
+static lobes make_lobes(size_t count)
+{
+	random_state = count;
+	lobes l = { .count = count,
+		        .centre = calloc(4 * count, sizeof(float)),
+		        .plane = calloc(4 * count, sizeof(float)) };
+	assert_non_null(l.centre);
+	assert_non_null(l.plane);
+	return l;
+}
+
+static void clear_lobes(lobes *l)
+{
+	free(l->centre);
+	free(l->plane);
+}
+
+/* A ball, floors 1.5 cells apart and lobes anywhere; every seventh slot is unused. */
+static lobes make_mixed(void)
+{
+	lobes l = make_lobes(6000);
+	for (size_t i = 0; i < l.count; i++) {
+		float *c = &l.centre[4 * i], *n = &l.plane[4 * i];
+		float z = 2.0f * uniform() - 1.0f, turn = 6.2831853f * uniform();
+		float direction[3] = { sqrtf(1 - z * z) * cosf(turn), sqrtf(1 - z * z) * sinf(turn), z };
+		memcpy(n, direction, sizeof direction);
+		for (size_t k = 0; k < 3; k++)
+			c[k] = i % 3 == 0 ? 40 + 9 * direction[k] : 64 * uniform();
+		if (i % 3 == 1) {
+			memcpy(n, (float[3]){ 0, 0, i % 2 ? 1.0f : -1.0f }, 3 * sizeof *n);
+			c[2] = 8.0f + 1.5f * (float)(i / 3 % 4);
+		}
+		c[3] = i % 7 == 6 ? 0.0f : 0.5f + uniform();
+	}
+	return l;
+}
+
+/* A floor of lobes that all face up: conflicts are symmetric. */
+static lobes make_floor(void)
+{
+	lobes l = make_lobes(64 * 64);
+	for (size_t i = 0; i < l.count; i++) {
+		float c[4] = { (float)(i % 64) + uniform(), (float)(i / 64) + uniform(), 10.25f, 1.0f };
+		memcpy(&l.centre[4 * i], c, sizeof c);
+		l.plane[4 * i + 2] = 1.0f;
+	}
+	return l;
+}
+
+/* Does a record at b speak for a lobe at a? */
+static bool covers(const lobes *l, size_t a, size_t b, float spacing, float radius)
+{
+	float squared = 0, alignment = 0, height = 0;
+	for (size_t k = 0; k < 3; k++) {
+		float off = l->centre[4 * a + k] - l->centre[4 * b + k];
+		squared += off * off;
+		alignment += l->plane[4 * a + k] * l->plane[4 * b + k];
+		height += off * l->plane[4 * b + k];
+	}
+	return squared < spacing * spacing && alignment > LIKE_NORMAL &&
+	       fabsf(height) < OFF_PLANE * radius;
+}
+
+static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, uint32_t **chosen)
+{
+	size_t count = 0;
+	gw_error error = { 0 };
+	if (gw_place_records(l->centre, l->plane, l->count, spacing, radius, seed, chosen, &count,
+	                     &error) != GW_OK)
+		fail_msg("%s", error.text);
+	for (size_t i = 0; i < count; i++) {
+		assert_true((*chosen)[i] < l->count);
+		assert_true(i == 0 || (*chosen)[i] > (*chosen)[i - 1]);
+		assert_true(l->centre[4 * (size_t)(*chosen)[i] + 3] > 0.0f);
+	}
+	return count;
+}
+
+/* Every lobe is chosen or covered; no two chosen ones cover each other. Returns how many. */
+static size_t check_places(const lobes *l, float spacing, float radius, uint64_t seed)
+{
+	uint32_t *chosen;
+	size_t count = place(l, spacing, radius, seed, &chosen), next = 0;
+	for (size_t i = 0; i < l->count; i++) {
+		if (next < count && chosen[next] == i) {
+			for (size_t j = 0; j < next; j++)
+				assert_false(covers(l, i, chosen[j], spacing, radius) &&
+				             covers(l, chosen[j], i, spacing, radius));
+			next++;
+			continue;
+		}
+		bool covered = !(l->centre[4 * i + 3] > 0.0f);
+		for (size_t j = 0; j < count && !covered; j++)
+			covered = covers(l, i, chosen[j], spacing, radius);
+		if (!covered)
+			fail_msg("spacing %g: lobe %zu has no record near", (double)spacing, i);
+	}
+	assert_int_equal(next, count);
+	free(chosen);
+	return count;
+}
+
+static void every_lobe_has_a_record(void **state)
+{
+	(void)state;
+	const float spacings[] = { 0.5f, 1.0f, 2.5f, 7.0f, 64.0f };
+	lobes l = make_mixed();
+	size_t before = l.count;
+	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
+		size_t count = check_places(&l, spacings[i], 1.6f * spacings[i], 5);
+		assert_true(count < before);
+		before = count;
+	}
+	clear_lobes(&l);
+}
+
+/*
+ * On a floor, discs of half the spacing do not overlap and those of the spacing cover all lobes, so
+ * with a cell's diagonal more the floor: the number lies between area / (pi (s + sqrt 2)^2) and, with
+ * a rim of s / 2, the densest packing of the plane.
+ */
+static void density_on_a_floor(void **state)
+{
+	(void)state;
+	const double s = 4.0, side = 64.0, pi = 3.14159265358979;
+	lobes l = make_floor();
+	double count = (double)check_places(&l, (float)s, 6.4f, 1);
+	assert_true(count >= side * side / (pi * (s + sqrt(2.0)) * (s + sqrt(2.0))));
+	assert_true(count <= (side + s) * (side + s) * 2.0 / (sqrt(3.0) * s * s));
+	clear_lobes(&l);
+}
+
+/* Spacing 0 puts a record on every lobe. */
+static void one_on_every_lobe(void **state)
+{
+	(void)state;
+	lobes l = make_mixed();
+	uint32_t *chosen;
+	size_t count = place(&l, 0.0f, 1.6f, 3, &chosen), lobe_count = 0;
+	for (size_t i = 0; i < l.count; i++)
+		lobe_count += l.centre[4 * i + 3] > 0.0f;
+	assert_int_equal(count, lobe_count);
+	free(chosen);
+	clear_lobes(&l);
+}
+
+static void the_seed_decides(void **state)
+{
+	(void)state;
+	lobes l = make_mixed();
+	uint32_t *a, *b, *c;
+	size_t count_a = place(&l, 2.5f, 4.0f, 11, &a), count_b = place(&l, 2.5f, 4.0f, 11, &b);
+	size_t count_c = place(&l, 2.5f, 4.0f, 12, &c);
+	assert_int_equal(count_a, count_b);
+	assert_memory_equal(a, b, count_a * sizeof *a);
+	assert_true(count_a != count_c || memcmp(a, c, count_a * sizeof *a) != 0);
+	free(a);
+	free(b);
+	free(c);
+	clear_lobes(&l);
+}
+
+/* Two sides of a thin wall, and the steps of a stair, need records of their own. */
+static void separate_surfaces(void **state)
+{
+	(void)state;
+	lobes l = make_lobes(3);
+	for (size_t i = 0; i < 3; i++) {
+		memcpy(&l.centre[4 * i], (float[4]){ 5, 5, 5, 1 }, 4 * sizeof(float));
+		l.plane[4 * i + 2] = i == 1 ? -1.0f : 1.0f;
+	}
+	l.centre[4 * 2 + 2] = 5.0f + 1.01f * OFF_PLANE * 4.0f;
+	assert_int_equal(check_places(&l, 2.5f, 4.0f, 0), 3);
+	l.centre[4 * 2 + 2] = 5.0f + 0.99f * OFF_PLANE * 4.0f;
+	assert_int_equal(check_places(&l, 2.5f, 4.0f, 0), 2);
+	clear_lobes(&l);
+}
+
+static void nothing_to_place(void **state)
+{
+	(void)state;
+	lobes l = make_lobes(5);
+	uint32_t *chosen;
+	assert_int_equal(place(&l, 2.5f, 4.0f, 0, &chosen), 0);
+	free(chosen);
+	assert_int_equal(place(&l, 0.0f, 1.6f, 0, &chosen), 0);
+	free(chosen);
+	clear_lobes(&l);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_lobe_has_a_record), cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_lobe),       cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(separate_surfaces),       cmocka_unit_test(nothing_to_place),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
