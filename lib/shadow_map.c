@@ -13,6 +13,10 @@
  * most of its texels on the rim. */
 #define SPOT_COSINE 0.17364817766693033f
 
+/* A lamp this many times the cloud's radius from its middle sees it in one map, of which the cloud
+ * fills as much as of a face of a cube: 45 degrees from the axis. */
+#define OUTSIDE 1.4142136f
+
 /* The bits of 1.0f: the depth of a texel that sees nothing. */
 #define FAR_DEPTH 0x3f800000u
 
@@ -103,7 +107,9 @@ static gw_status run_view(shadow_map *map, gw_shadow_push push, float extent, gw
 
 static vec4 axis_vector(int axis, float sign)
 {
-	return (vec4){ axis == 0 ? sign : 0.0f, axis == 1 ? sign : 0.0f, axis == 2 ? sign : 0.0f, 0.0f };
+	float v[3] = { 0 };
+	v[axis] = sign;
+	return (vec4){ v[0], v[1], v[2], 0.0f };
 }
 
 static void frame_along(gw_shadow_push *push, vec4 direction)
@@ -127,17 +133,43 @@ static float furthest_corner(const shadow_map *map, vec4 from)
 	return furthest;
 }
 
+/* Tangent of the angle from a spot's axis that its map has to reach; infinite when too wide. */
+static float spot_tangent(const gw_light_push *light)
+{
+	float c = light->cos_outer;
+	if (light->type != GW_PUSH_SPOT || c <= SPOT_COSINE)
+		return INFINITY;
+	/* The narrowest cones keep a view that is not of width zero. */
+	return fmaxf(sqrtf(fmaxf(0.0f, 1.0f - c * c)) / c, 1e-3f);
+}
+
+/* The same of one map from a lamp outside of the cloud that holds all of it, and the direction to
+ * the cloud's middle; infinite when the lamp is too near for that. */
+static float outside_tangent(const shadow_map *map, vec4 lamp, vec4 *direction)
+{
+	vec4 to = { 0.5f * (map->low[0] + map->high[0]) - lamp.x,
+		        0.5f * (map->low[1] + map->high[1]) - lamp.y,
+		        0.5f * (map->low[2] + map->high[2]) - lamp.z, 0.0f };
+	float distance = hypotf(hypotf(to.x, to.y), to.z);
+	float radius = 0.5f * hypotf(hypotf(map->high[0] - map->low[0], map->high[1] - map->low[1]),
+	                             map->high[2] - map->low[2]);
+	if (distance < OUTSIDE * radius)
+		return INFINITY;
+	*direction = (vec4){ to.x / distance, to.y / distance, to.z / distance, 0.0f };
+	float share = radius / distance;
+	return share / sqrtf(1.0f - share * share);
+}
+
 static gw_status run_lamp(shadow_map *map, const gw_light_push *light, gw_error *error)
 {
 	gw_shadow_push push = { .origin = light->position };
 	push.origin.w = 0.0f;
 	push.up.w = furthest_corner(map, light->position);
-	if (light->type == GW_PUSH_SPOT && light->cos_outer > SPOT_COSINE) {
-		float c = light->cos_outer;
-		frame_along(&push, light->direction);
-		/* The narrowest cones keep a view that is not of width zero. */
-		float tangent = sqrtf(fmaxf(0.0f, 1.0f - c * c)) / c;
-		return run_view(map, push, fmaxf(tangent, 1e-3f), error);
+	vec4 middle = { 0 };
+	float spot = spot_tangent(light), outside = outside_tangent(map, light->position, &middle);
+	if (isfinite(fminf(spot, outside))) {
+		frame_along(&push, spot <= outside ? light->direction : middle);
+		return run_view(map, push, fminf(spot, outside), error);
 	}
 	gw_status status = GW_OK;
 	float range = push.up.w;

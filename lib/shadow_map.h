@@ -3,10 +3,11 @@
  * of by shadow rays. What light_visibility.comp finds by tracing is found here by drawing the
  * planes in the leaves as the light sees them and comparing depths.
  *
- * A spot light narrower than 80 degrees from its axis has one perspective map, other lamps the six
- * faces of a cube, a sun one orthographic map over the cloud. A map is drawn in windows of at most
- * GW_SHADOW_WINDOW texels a side, one after the other, so that memory does not grow with its size.
- * A light with an extent gets the filter's penumbra of about 5 texels, not that of its extent.
+ * A spot light narrower than 80 degrees from its axis has one perspective map, as has a lamp that
+ * sees the cloud from outside; other lamps have the six faces of a cube, and a sun has one
+ * orthographic map over the cloud. A map is drawn in windows of at most GW_SHADOW_WINDOW texels a
+ * side, one after the other, so that memory does not grow with its size. A light with an
+ * extent gets the filter's penumbra of about 5 texels, not that of its extent.
  */
 #ifndef SHADOW_MAP_H
 #define SHADOW_MAP_H

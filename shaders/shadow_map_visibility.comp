@@ -1,14 +1,14 @@
 /*
- * shadow_map_visibility.comp - which share of a light each surfel sees, by a shadow map: the minimum
- * of a variance and an exponential shadow map (Salm 2.3, 4.2) under a disc of 5 texels.
+ * shadow_map_visibility.comp - which share of a light each surfel sees, by a shadow map: the
+ * minimum of a variance and an exponential shadow map (Salm 2.3, 4.2) under a disc of 5 texels.
  *
  * One invocation a surfel; those that lie outside the window keep their value. The thesis filters
  * the map first. Filtering where a surfel looks gives the same moments, needs one map instead of
  * three, and lets depths be taken relative to the receiver:
  *   - what lies behind the receiver counts as lying on it, which removes the light that both
  *     kinds of map leak behind an occluder with an open background;
- *   - at taps where the receiver's plane comes nearer, that plane is the receiver, so that a slanted
- *     surface does not shade itself;
+ *   - at taps where the receiver's plane comes nearer, that plane is the receiver, so that a
+ *     slanted surface does not shade itself;
  *   - exponents are never above 0: they cannot overflow, however sharp the exponential is.
  */
 #version 460
@@ -44,8 +44,8 @@ bool in_window(vec3 place, out vec2 texel)
 		return false;
 	whole = clamp(whole, vec2(0.0), vec2(last - 0.001));
 	texel = whole - corner + float(GW_SHADOW_BORDER);
-	float inner = float(push.side - GW_SHADOW_BORDER);
-	return all(greaterThanEqual(texel, vec2(GW_SHADOW_BORDER))) && all(lessThan(texel, vec2(inner)));
+	float first = float(GW_SHADOW_BORDER), beyond = float(push.side - GW_SHADOW_BORDER);
+	return all(greaterThanEqual(texel, vec2(first))) && all(lessThan(texel, vec2(beyond)));
 }
 
 /* Moments of how far what the light sees lies before the receiver at g: mean, mean square, mean
@@ -60,6 +60,7 @@ vec3 filter_map(vec2 texel, vec3 g, float t, vec3 normal)
 		float weight = clamp(FILTER_RADIUS + 0.5 - distance(centre, texel), 0.0, 1.0);
 		vec3 origin, direction;
 		shadow_ray(centre, origin, direction);
+		direction = normalize(direction);
 		float receiver = min(t, dot(normal, g - origin) / min(dot(normal, direction), -0.02));
 		float seen = texelFetch(shadow_map, at.y * int(push.side) + at.x).x * push.up.w;
 		float before = min(seen - receiver, 0.0);

@@ -4,14 +4,14 @@
 #ifndef SHADOW_RAY_GLSL
 #define SHADOW_RAY_GLSL
 
-/* The ray through a point of the window, in texels. */
+/* The ray through a point of the window, in texels; its direction is of length 1 or more. */
 void shadow_ray(vec2 texel, out vec3 origin, out vec3 direction)
 {
 	vec2 p = (texel - vec2(push.centre_x, push.centre_y)) / push.right.w;
 	vec3 across = push.right.xyz * p.x + push.up.xyz * p.y;
 	bool sun = push.origin.w > 0.5;
 	origin = sun ? push.origin.xyz + across : push.origin.xyz;
-	direction = sun ? push.forward.xyz : normalize(push.forward.xyz + across);
+	direction = sun ? push.forward.xyz : push.forward.xyz + across;
 }
 
 /* Coordinates of a place along right, up and forward. */

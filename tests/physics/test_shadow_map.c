@@ -172,7 +172,9 @@ static void test_wide_spot(void **state)
 static void test_sun(void **state)
 {
 	(void)state;
-	shadow_case test = { .light = sun, .size = 512, .middle = 0.3, .half = 0.5, .texel = 5.0 / 512 };
+	shadow_case test = {
+		.light = sun, .size = 512, .middle = 0.3, .half = 0.5, .texel = 5.0 / 512
+	};
 	check(&test);
 	/* Scanned from below only, it throws the same shadow. */
 	test.facing_down = true;
@@ -186,6 +188,16 @@ static void test_near_lamp(void **state)
 	(void)state;
 	shadow_case test = { .light = point, .size = 1024, .half = 8.8, .texel = 2.1 / 1024 };
 	test.light.position[2] = 1.06;
+	check(&test);
+}
+
+/* A lamp far outside has one map over the cloud, not a few texels of a cube's face. */
+static void test_far_lamp(void **state)
+{
+	(void)state;
+	double half = 0.5 * 30.0 / 29.0;
+	shadow_case test = { .light = point, .size = 256, .half = half, .texel = 6.0 / 256 };
+	test.light.position[2] = 30.0;
 	check(&test);
 }
 
@@ -206,7 +218,7 @@ int main(void)
 		cmocka_unit_test(test_point),     cmocka_unit_test(test_spot),
 		cmocka_unit_test(test_windows),   cmocka_unit_test(test_wide_spot),
 		cmocka_unit_test(test_sun),       cmocka_unit_test(test_near_lamp),
-		cmocka_unit_test(test_same_bytes),
+		cmocka_unit_test(test_far_lamp),  cmocka_unit_test(test_same_bytes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
