@@ -144,13 +144,12 @@ static gw_status open_device(bake *b, gw_error *error)
 
 static gw_status build_octree(bake *b, gw_error *error)
 {
-	uint32_t depth = b->options.depth ? b->options.depth : gw_octree_auto_depth(&b->surfels);
-	gw_status status = gw_octree_build(b->gpu, &b->surfels, depth, &b->octree, error);
+	gw_status status = gw_octree_build(b->gpu, &b->surfels, b->options.depth, &b->octree, error);
 	if (status != GW_OK)
 		return status;
 	gw_passes_init(&b->passes, b->gpu, &b->octree);
 	gw_report *r = b->report;
-	r->depth = depth;
+	r->depth = b->octree.depth;
 	r->leaf_size = (double)b->octree.leaf_size;
 	r->leaves = b->octree.leaf_count;
 	r->tiles = b->octree.tile_count;

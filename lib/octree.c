@@ -21,7 +21,7 @@ static const struct {
 	uint32_t loop_bound;
 } pass_table[GW_OCTREE_PASSES] = {
 	[GW_OCTREE_FRAGMENTS] = { "octree_fragments", "TTTTSSSSSSS", sizeof(gw_fragments_push),
-	                          DISC_LOOPS },
+							  DISC_LOOPS },
 	[GW_OCTREE_GATHER] = { "octree_gather", "STTTSSS", sizeof(gw_keys_push), 0 },
 	[GW_OCTREE_MARK] = { "octree_mark", "TTS", sizeof(gw_keys_push), 0 },
 	[GW_OCTREE_UNIQUE] = { "octree_unique", "TTSSS", sizeof(gw_keys_push), 0 },
@@ -31,46 +31,56 @@ static const struct {
 	[GW_OCTREE_LEAF_TILES] = { "octree_leaf_tiles", "TTSS", sizeof(gw_leaves_push), SEARCH_LOOPS },
 	[GW_OCTREE_SEED] = { "octree_seed", "TTTTTSS", sizeof(gw_leaves_push), GW_REDUCE_RUN },
 	[GW_OCTREE_LOBES] = { "octree_lobes", "TTTTTTTTSSSSSS", sizeof(gw_leaves_push),
-	                      3 * GW_REDUCE_RUN },
+						  3 * GW_REDUCE_RUN },
 	[GW_OCTREE_FINISH] = { "octree_finish", "TTTTSSSSSSS", sizeof(gw_leaves_push), 0 },
 	[GW_OCTREE_DISTANCE] = { "octree_distance", "TTS", sizeof(gw_distance_push), 128 },
 };
 
 gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
-                        const void *push, uint64_t count, gw_error *error)
+						const void *push, uint64_t count, gw_error *error)
 {
 	if (work->pass[pass] == NULL)
 		GW_TRY(gw_named_pass_create(work->gpu, pass_table[pass].shader, pass_table[pass].bindings,
-		                            pass_table[pass].push_bytes, pass_table[pass].loop_bound,
-		                            &work->pass[pass], error));
+									pass_table[pass].push_bytes, pass_table[pass].loop_bound,
+									&work->pass[pass], error));
 	return gw_pass_run(work->gpu, work->pass[pass], bindings, push, count, error);
 }
 
 gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
-                           gw_buffer *buffer, gw_error *error)
+						   gw_buffer *buffer, gw_error *error)
 {
 	return gw_buffer_create(work->gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
 }
 
-uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
+static double extent_of(const gw_surfels *surfels)
 {
 	double extent = 0;
 	for (int k = 0; k < 3; k++)
 		extent = fmax(extent, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
-	double cells = extent / (CELL_SPACINGS * (double)surfels->spacing);
-	for (uint32_t depth = 1; depth < GW_DEPTH_MAX; depth++)
-		/* The depth whose leaf size is nearest by ratio; a NaN ends here, too. */
-		if (!(cells > (double)(1u << depth) * 1.4142135623730951))
+	return extent;
+}
+
+/* The least depth whose cube has that many cells a side and two free ones on each; NaN gives 1. */
+static uint32_t depth_of(double cells)
+{
+	for (uint32_t depth = 1; depth < GW_DEPTH_MAX; depth++) {
+		double side = (double)(1u << depth);
+		if (!(cells > side - 2 * fmin(2, side / 4)))
 			return depth;
+	}
 	return GW_DEPTH_MAX;
+}
+
+uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
+{
+	return depth_of(extent_of(surfels) / (CELL_SPACINGS * (double)surfels->spacing));
 }
 
 /* Bytes of the list of fragments that has to be bound as a whole. */
 static bool fragments_fit(const gw_octree_work *work, uint64_t fragments)
 {
 	return 4 * fragments <= gw_gpu_limits(work->gpu)->maxStorageBufferRange &&
-	       fragments <= gw_gpu_limits(work->gpu)->maxTexelBufferElements &&
-	       fragments < UINT32_MAX;
+		   fragments <= gw_gpu_limits(work->gpu)->maxTexelBufferElements && fragments < UINT32_MAX;
 }
 
 /* There are too many fragments: says so, and at which depth there aren't. */
@@ -84,17 +94,16 @@ static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_err
 		GW_TRY(gw_octree_count_fragments(work, &fewer, error));
 		if (fragments_fit(work, fewer))
 			return gw_fail(error, GW_ERROR_MEMORY,
-			               "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at "
-			               "most %u: use --depth %u or fewer points",
-			               depth, 4 * (unsigned long long)fragments,
-			               gw_gpu_device(work->gpu)->name,
-			               gw_gpu_limits(work->gpu)->maxStorageBufferRange, fitting);
+						   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at "
+						   "most %u: use --depth %u or fewer points",
+						   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
+						   gw_gpu_limits(work->gpu)->maxStorageBufferRange, fitting);
 	}
 	return gw_fail(error, GW_ERROR_MEMORY,
-	               "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %u: "
-	               "use fewer points; no --depth is small enough",
-	               depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
-	               gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+				   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %u: "
+				   "use fewer points; no --depth is small enough",
+				   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
+				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 }
 
 static gw_status build(gw_octree_work *work, uint32_t depth, gw_error *error)
@@ -115,11 +124,21 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_disc,     &work->surfel_clip,       &work->surfel_albedo,
-		&work->surfel_emission, &work->surfel_offset,     &work->surfel_samples,
-		&work->unsorted_surfel, &work->unsorted_weight,   &work->unsorted_centroid,
-		&work->marks,           &work->fragment_centroid, &work->first,
-		&work->seed,            &work->ray_mark,          &work->distance,
+		&work->surfel_disc,
+		&work->surfel_clip,
+		&work->surfel_albedo,
+		&work->surfel_emission,
+		&work->surfel_offset,
+		&work->surfel_samples,
+		&work->unsorted_surfel,
+		&work->unsorted_weight,
+		&work->unsorted_centroid,
+		&work->marks,
+		&work->fragment_centroid,
+		&work->first,
+		&work->seed,
+		&work->ray_mark,
+		&work->distance,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
@@ -134,22 +153,46 @@ static void destroy_work(gw_octree_work *work)
 		gw_pass_destroy(gpu, &work->pass[i]);
 }
 
-gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
-                          gw_error *error)
+static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth,
+							double leaf_size, gw_octree *octree, gw_error *error)
 {
-	memset(octree, 0, sizeof *octree);
-	if (depth < 1 || depth > GW_DEPTH_MAX)
-		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
-		               GW_DEPTH_MAX);
-	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
-		return gw_fail(error, GW_ERROR_DATA, "an octree of %zu points: it can hold 1 to %u",
-		               surfels->count, GW_FRAGMENT_SURFEL);
-	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree };
+	gw_octree_work work = {
+		.gpu = gpu, .surfels = surfels, .octree = octree, .leaf_size = leaf_size
+	};
 	gw_status status = build(&work, depth, error);
 	destroy_work(&work);
 	if (status != GW_OK)
 		gw_octree_destroy(gpu, octree);
 	return status;
+}
+
+/* Leaves of the wished size, or as much larger as the device's memory and limits ask for. */
+static gw_status build_auto(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
+							gw_error *error)
+{
+	double leaf_size = CELL_SPACINGS * (double)surfels->spacing;
+	for (;;) {
+		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
+		gw_status status = build_once(gpu, surfels, depth, leaf_size, octree, error);
+		if (status != GW_ERROR_MEMORY || depth == 1)
+			return status;
+		leaf_size *= 1.4142135623730951;
+	}
+}
+
+gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
+						  gw_error *error)
+{
+	memset(octree, 0, sizeof *octree);
+	if (depth > GW_DEPTH_MAX)
+		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
+					   GW_DEPTH_MAX);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return gw_fail(error, GW_ERROR_DATA, "an octree of %zu points: it can hold 1 to %u",
+					   surfels->count, GW_FRAGMENT_SURFEL);
+	if (depth == GW_DEPTH_AUTO)
+		return build_auto(gpu, surfels, octree, error);
+	return build_once(gpu, surfels, depth, 0, octree, error);
 }
 
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)

@@ -110,13 +110,14 @@ typedef struct gw_octree {
 	gw_buffer surfel_normal;
 } gw_octree;
 
-/* The depth at which leaf cells are about 1.25 spacings wide, clamped to [1, GW_DEPTH_MAX]
- * (measured best for planes in leaves). */
+/* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 
 /*
  * Builds the octree of a cloud.
- *   depth   1..GW_DEPTH_MAX
+ *   depth   1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: leaves are
+ *           1.25 spacings wide (measured best for planes in leaves), or as much wider as memory and
+ *           the device's limits ask for
  *   octree  on success to be freed with gw_octree_destroy; zeroed on failure
  * Fails with GW_ERROR_MEMORY, with the bytes needed and a depth that would fit.
  */

@@ -28,9 +28,10 @@ static float larger(float a, float b)
 
 /*
  * The cube's side is 2^depth leaf cells, of which two (a quarter of the side, if that is less) on
- * each side are left free for regions of influence, discs and border tiles.
+ * each side are left free for regions of influence, discs and border tiles. Leaves are as small as
+ * that allows, but at least leaf_size metres wide.
  */
-static void choose_cube(const gw_surfels *surfels, gw_octree *octree)
+static void choose_cube(const gw_surfels *surfels, double leaf_size, gw_octree *octree)
 {
 	double side = (double)(1u << octree->depth), margin = fmin(2, side / 4), extent = 0;
 	for (int k = 0; k < 3; k++)
@@ -40,7 +41,7 @@ static void choose_cube(const gw_surfels *surfels, gw_octree *octree)
 		extent = (surfels->spacing > 0 ? (double)surfels->spacing : 1) * (side - 2 * margin);
 	/* A little larger, so that rounding keeps the margin. */
 	octree->leaf_size = (float)(extent / (side - 2 * margin) * (1 + 1e-5));
-	octree->leaf_size = larger(octree->leaf_size, FLT_MIN);
+	octree->leaf_size = larger(octree->leaf_size, larger((float)leaf_size, FLT_MIN));
 	for (int k = 0; k < 3; k++) {
 		double middle = 0.5 * ((double)surfels->minimum[k] + (double)surfels->maximum[k]);
 		octree->cube_minimum[k] = (float)(middle - 0.5 * side * (double)octree->leaf_size);
@@ -132,7 +133,7 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 {
 	const gw_surfels *s = work->surfels;
 	work->octree->depth = depth;
-	choose_cube(s, work->octree);
+	choose_cube(s, work->leaf_size, work->octree);
 	work->octree->discs_clamped = 0;
 	for (size_t i = 0; i < s->count; i++)
 		work->octree->discs_clamped +=

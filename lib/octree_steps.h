@@ -38,6 +38,7 @@ typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
+	double leaf_size; /* metres; leaves are at least this wide */
 	gw_pass *pass[GW_OCTREE_PASSES];
 	gw_radix_sort sort;
 
