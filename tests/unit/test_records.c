@@ -149,9 +149,9 @@ static void every_lobe_has_a_record(void **state)
 }
 
 /*
- * On a floor, discs of half the spacing do not overlap and those of the spacing cover all lobes, so
- * with a cell's diagonal more the floor: the number lies between area / (pi (s + sqrt 2)^2) and, with
- * a rim of s / 2, the densest packing of the plane.
+ * On a floor, discs of half the spacing do not overlap and those of the spacing cover all lobes,
+ * so with a cell's diagonal more the floor: the number lies between area / (pi (s + sqrt 2)^2) and,
+ * with a rim of s / 2, the densest packing of the plane.
  */
 static void density_on_a_floor(void **state)
 {
@@ -159,7 +159,7 @@ static void density_on_a_floor(void **state)
 	const double s = 4.0, side = 64.0, pi = 3.14159265358979;
 	lobes l = make_floor();
 	double count = (double)check_places(&l, (float)s, 6.4f, 1);
-	assert_true(count >= side * side / (pi * (s + sqrt(2.0)) * (s + sqrt(2.0))));
+	assert_true(count >= side * side / (pi * pow(s + sqrt(2.0), 2.0)));
 	assert_true(count <= (side + s) * (side + s) * 2.0 / (sqrt(3.0) * s * s));
 	clear_lobes(&l);
 }
