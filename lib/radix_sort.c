@@ -23,10 +23,10 @@ gw_status gw_radix_sort_create(gw_gpu *gpu, gw_radix_sort *sort, gw_error *error
 	memset(sort, 0, sizeof *sort);
 	gw_status status = gw_prefix_sum_create(gpu, &sort->prefix, error);
 	if (status == GW_OK)
-		status = gw_named_pass_create(gpu, "radix_count", "SS", sizeof(gw_radix_push), RUN_MAX,
+		status = gw_named_pass_create(gpu, "radix_count", "TS", sizeof(gw_radix_push), RUN_MAX,
 		                              &sort->count, error);
 	if (status == GW_OK)
-		status = gw_named_pass_create(gpu, "radix_scatter", "SSSSSSS", sizeof(gw_radix_push),
+		status = gw_named_pass_create(gpu, "radix_scatter", "TTTSSSS", sizeof(gw_radix_push),
 		                              RUN_MAX, &sort->scatter, error);
 	if (status != GW_OK)
 		gw_radix_sort_destroy(gpu, sort);

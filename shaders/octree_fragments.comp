@@ -174,9 +174,11 @@ void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, v
 			sum_y[k] += number * y;
 		}
 	}
-	for (int k = 0; k < 3; k++) {
+	uvec3 met = uvec3(greaterThan(hits, vec3(0.0)));
+	for (uint left = met.x | met.y << 1 | met.z << 2; left != 0u; left &= left - 1u) {
+		int k = findLSB(left);
 		ivec3 step = ivec3(turn_back(vec3(vec2(column), lowest + float(k)), axis));
-		if (hits[k] == 0.0 || !in_cube(disc.cell + step))
+		if (!in_cube(disc.cell + step))
 			continue;
 		vec2 mean = vec2(sum_x[k], sum_y[k]) / hits[k];
 		vec3 middle = vec3(mean - from, height + dot(slope, mean) - lowest - float(k));

@@ -8,9 +8,9 @@
 
 layout(local_size_x_id = 0) in;
 
-layout(binding = 0) readonly buffer Low { uint low[]; };
-layout(binding = 1) readonly buffer High { uint high[]; };
-layout(binding = 2) readonly buffer Payload { uint payload[]; };
+layout(binding = 0) uniform usamplerBuffer low;
+layout(binding = 1) uniform usamplerBuffer high;
+layout(binding = 2) uniform usamplerBuffer payload;
 layout(binding = 3) buffer Counts { uint counts[]; }; /* prefix sums; used up */
 layout(binding = 4) writeonly buffer LowOut { uint low_out[]; };
 layout(binding = 5) writeonly buffer HighOut { uint high_out[]; };
@@ -25,13 +25,14 @@ void main()
 	uint run = push.first + gl_GlobalInvocationID.x;
 	uint begin = run * push.run, end = min(begin + push.run, push.total);
 	for (uint i = begin; i < end; i++) {
-		uint low_word = low[i], high_word = push.wide != 0u ? high[i] : 0u;
+		uint low_word = texelFetch(low, int(i)).x;
+		uint high_word = push.wide != 0u ? texelFetch(high, int(i)).x : 0u;
 		uint word = push.high != 0u ? high_word : low_word;
 		uint digit = word >> push.shift & (GW_RADIX_DIGITS - 1u);
 		uint to = counts[digit * push.runs + run]++;
 		low_out[to] = low_word;
 		if (push.wide != 0u)
 			high_out[to] = high_word;
-		payload_out[to] = push.index != 0u ? i : payload[i];
+		payload_out[to] = push.index != 0u ? i : texelFetch(payload, int(i)).x;
 	}
 }
