@@ -27,11 +27,11 @@ typedef struct shadow_map {
 	gw_passes *passes;
 	const gw_octree *octree;
 	uint64_t surfels;
-	uint32_t size;          /* texels a side of the whole map */
-	uint32_t window;        /* of a window, without borders */
-	float low[3], high[3];  /* bounds of the cloud, grid coordinates */
-	gw_buffer depth;        /* R32_SFLOAT, a window with borders: distance / range */
-	gw_buffer most;         /* one word: tiles of the largest picture of a lobe */
+	uint32_t size;         /* texels a side of the whole map */
+	uint32_t window;       /* of a window, without borders */
+	float low[3], high[3]; /* bounds of the cloud, grid coordinates */
+	gw_buffer depth;       /* R32_SFLOAT, a window with borders: distance / range */
+	gw_buffer most;        /* one word: tiles of the largest picture of a lobe */
 	gw_buffer *visibility;
 } shadow_map;
 
@@ -52,14 +52,14 @@ static float dot3(vec4 a, const float b[3])
 static gw_status draw_lobes(shadow_map *map, gw_shadow_push *push, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&map->octree->leaf_cell),
-		                            gw_whole(&map->octree->lobe_plane), gw_whole(&map->depth),
-		                            gw_whole(&map->most) };
+									gw_whole(&map->octree->lobe_plane), gw_whole(&map->depth),
+									gw_whole(&map->most) };
 	gw_gpu *gpu = map->passes->gpu;
 	uint32_t rounds = 1;
 	gw_status status = gw_buffer_fill(gpu, &map->most, 0, error);
 	for (push->round = 0; push->round < rounds && status == GW_OK; push->round++) {
 		status = gw_passes_run(map->passes, GW_PASS_SHADOW_MAP_SPLAT, bindings, push,
-		                       2 * (uint64_t)map->octree->leaf_count, error);
+							   2 * (uint64_t)map->octree->leaf_count, error);
 		uint32_t most = 0;
 		if (status == GW_OK && push->round == 0)
 			status = gw_buffer_download(gpu, &map->most, 0, &most, sizeof most, error);
@@ -76,11 +76,11 @@ static gw_status run_window(shadow_map *map, gw_shadow_push *push, gw_error *err
 	if (status != GW_OK)
 		return status;
 	const gw_binding bindings[] = { gw_whole(&map->depth),
-		                            gw_window(&map->octree->surfel_position, 16),
-		                            gw_window(&map->octree->surfel_normal, 16),
-		                            gw_window(map->visibility, 4) };
+									gw_window(&map->octree->surfel_position, 16),
+									gw_window(&map->octree->surfel_normal, 16),
+									gw_window(map->visibility, 4) };
 	return gw_passes_run(map->passes, GW_PASS_SHADOW_MAP_VISIBILITY, bindings, push, map->surfels,
-	                     error);
+						 error);
 }
 
 /* Runs all windows of one view; extent is half its width, a tangent or leaf cells. */
@@ -148,11 +148,11 @@ static float spot_tangent(const gw_light_push *light)
 static float outside_tangent(const shadow_map *map, vec4 lamp, vec4 *direction)
 {
 	vec4 to = { 0.5f * (map->low[0] + map->high[0]) - lamp.x,
-		        0.5f * (map->low[1] + map->high[1]) - lamp.y,
-		        0.5f * (map->low[2] + map->high[2]) - lamp.z, 0.0f };
+				0.5f * (map->low[1] + map->high[1]) - lamp.y,
+				0.5f * (map->low[2] + map->high[2]) - lamp.z, 0.0f };
 	float distance = hypotf(hypotf(to.x, to.y), to.z);
 	float radius = 0.5f * hypotf(hypotf(map->high[0] - map->low[0], map->high[1] - map->low[1]),
-	                             map->high[2] - map->low[2]);
+								 map->high[2] - map->low[2]);
 	if (distance < OUTSIDE * radius)
 		return INFINITY;
 	*direction = (vec4){ to.x / distance, to.y / distance, to.z / distance, 0.0f };
@@ -217,25 +217,25 @@ static gw_status create(shadow_map *map, gw_error *error)
 	gw_gpu *gpu = map->passes->gpu;
 	uint64_t side = (uint64_t)map->window + 2 * GW_SHADOW_BORDER;
 	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * side * side,
-	                                    "shadow map", &map->depth, error);
+										"shadow map", &map->depth, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4,
-		                          "shadow map tiles", &map->most, error);
+								  "shadow map tiles", &map->most, error);
 	if (status == GW_OK)
 		status = gw_buffer_fill(gpu, map->visibility, 0, error);
 	return status;
 }
 
 gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
-                                   const gw_surfels *surfels, const gw_light_push *light,
-                                   uint32_t size, gw_buffer *visibility, gw_error *error)
+								   const gw_surfels *surfels, const gw_light_push *light,
+								   uint32_t size, gw_buffer *visibility, gw_error *error)
 {
 	shadow_map map = { .passes = passes,
-		               .octree = octree,
-		               .surfels = surfels->count,
-		               .size = size,
-		               .window = size < GW_SHADOW_WINDOW ? size : GW_SHADOW_WINDOW,
-		               .visibility = visibility };
+					   .octree = octree,
+					   .surfels = surfels->count,
+					   .size = size,
+					   .window = size < GW_SHADOW_WINDOW ? size : GW_SHADOW_WINDOW,
+					   .visibility = visibility };
 	for (int axis = 0; axis < 3; axis++) {
 		float minimum = octree->cube_minimum[axis], cell = octree->leaf_size;
 		map.low[axis] = (surfels->minimum[axis] - minimum) / cell - MARGIN;
@@ -243,8 +243,8 @@ gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
 	}
 	gw_status status = create(&map, error);
 	if (status == GW_OK)
-		status = light->type == GW_PUSH_SUN ? run_sun(&map, light, error)
-		                                    : run_lamp(&map, light, error);
+		status =
+			light->type == GW_PUSH_SUN ? run_sun(&map, light, error) : run_lamp(&map, light, error);
 	gw_buffer_destroy(passes->gpu, &map.depth);
 	gw_buffer_destroy(passes->gpu, &map.most);
 	return status;

@@ -27,7 +27,7 @@
  * Fails with GW_ERROR_MEMORY or what gw_pass_run says. Nothing stays allocated.
  */
 gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
-                                   const gw_surfels *surfels, const gw_light_push *light,
-                                   uint32_t size, gw_buffer *visibility, gw_error *error);
+								   const gw_surfels *surfels, const gw_light_push *light,
+								   uint32_t size, gw_buffer *visibility, gw_error *error);
 
 #endif

@@ -28,7 +28,7 @@ SHARED_STRUCT(gw_shadow_push)
 	vec4 forward;   /* unit; w: texels a side of the whole map */
 	float centre_x; /* texel coordinates of the map's middle in this window */
 	float centre_y;
-	float first_x;  /* texel of the whole map that the window's inner part begins at */
+	float first_x; /* texel of the whole map that the window's inner part begins at */
 	float first_y;
 };
 SHARED_SIZE(gw_shadow_push, 96);

@@ -125,21 +125,21 @@ static void check(const shadow_case *test)
 }
 
 static const gw_light point = { .type = GW_LIGHT_POINT,
-	                            .position = { 0.0, 0.0, 3.0 },
-	                            .intensity = { 10.0f, 10.0f, 10.0f } };
+								.position = { 0.0, 0.0, 3.0 },
+								.intensity = { 10.0f, 10.0f, 10.0f } };
 
 /* Wide enough for the plane's corners, 43.3 degrees from the axis. */
 static const gw_light spot = { .type = GW_LIGHT_SPOT,
-	                           .position = { 0.0, 0.0, 3.0 },
-	                           .direction = { 0.0, 0.0, -2.0 },
-	                           .intensity = { 10.0f, 10.0f, 10.0f },
-	                           .inner_angle = 50.0f,
-	                           .outer_angle = 60.0f };
+							   .position = { 0.0, 0.0, 3.0 },
+							   .direction = { 0.0, 0.0, -2.0 },
+							   .intensity = { 10.0f, 10.0f, 10.0f },
+							   .inner_angle = 50.0f,
+							   .outer_angle = 60.0f };
 
 /* The square is seen 0.3 m aside; on the plane it is as large as itself. */
 static const gw_light sun = { .type = GW_LIGHT_SUN,
-	                          .direction = { 0.3, 0.0, -1.0 },
-	                          .irradiance = { 5.0f, 5.0f, 5.0f } };
+							  .direction = { 0.3, 0.0, -1.0 },
+							  .irradiance = { 5.0f, 5.0f, 5.0f } };
 
 static void test_point(void **state)
 {
@@ -215,10 +215,10 @@ static void test_same_bytes(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_point),     cmocka_unit_test(test_spot),
-		cmocka_unit_test(test_windows),   cmocka_unit_test(test_wide_spot),
-		cmocka_unit_test(test_sun),       cmocka_unit_test(test_near_lamp),
-		cmocka_unit_test(test_far_lamp),  cmocka_unit_test(test_same_bytes),
+		cmocka_unit_test(test_point),    cmocka_unit_test(test_spot),
+		cmocka_unit_test(test_windows),  cmocka_unit_test(test_wide_spot),
+		cmocka_unit_test(test_sun),      cmocka_unit_test(test_near_lamp),
+		cmocka_unit_test(test_far_lamp), cmocka_unit_test(test_same_bytes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
