@@ -17,6 +17,9 @@
  * fills as much as of a face of a cube: 45 degrees from the axis. */
 #define OUTSIDE 1.4142136f
 
+/* Leaf cells: distances up to this have squares that a float holds. */
+#define RANGE_MAX 1e18f
+
 /* The bits of 1.0f: the depth of a texel that sees nothing. */
 #define FAR_DEPTH 0x3f800000u
 
@@ -86,6 +89,9 @@ static gw_status run_window(shadow_map *map, gw_shadow_push *push, gw_error *err
 /* Runs all windows of one view; extent is half its width, a tangent or leaf cells. */
 static gw_status run_view(shadow_map *map, gw_shadow_push push, float extent, gw_error *error)
 {
+	/* A lamp as far away as this sends nothing that a float could hold. */
+	if (!(push.up.w < RANGE_MAX))
+		return GW_OK;
 	float half = 0.5f * (float)map->size;
 	push.right.w = half / extent;
 	push.forward.w = (float)map->size;
