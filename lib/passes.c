@@ -9,9 +9,10 @@
 #include <assert.h>
 #include <string.h>
 
-/* How far a leaf's plane reaches beyond its cell, in cells: closes the cracks between neighbours.
- */
-#define CELL_SLACK 0.02f
+/* How far a leaf's plane reaches beyond its cell, in cells, to close the cracks between neighbours.
+ * Of the rays inside a sphere 30 cells wide 0.19 % escape at 0.02, 0.08 % at 0.1; from 0.2 on,
+ * planes that stick out over edges cost more light than cracks do. */
+#define CELL_SLACK 0.1f
 
 /* Bindings by letter, in binding order: t texel buffer, s storage buffer, i storage image,
  * m sampled image. */

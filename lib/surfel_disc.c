@@ -3,8 +3,9 @@
  *
  * Neighbours on the same surface (like normals, near the plane) are projected to the plane of the
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
- * overlap, so areas add up whatever the distribution of the points. Where the neighbours leave one
- * side empty, the surface ends; the cell and the disc are cut there.
+ * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
+ * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
+ * disc are cut there.
  */
 #include "surfel_steps.h"
 
@@ -21,7 +22,10 @@
 #define SLAB 0.35         /* half thickness of the plane, in distances of the furthest neighbour */
 #define SLAB_MAX 0.8      /* the same with noise */
 #define FIT_SLAB 0.6      /* half thickness within which noise is measured */
+#define CREASE_VOTES 3    /* neighbours that have to agree on a crease */
+#define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
 #define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
+#define COS_60 0.5001     /* a little more, so that 60 degrees are enough */
 #define CORNERS 34        /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
 
 static const double pi = 3.14159265358979323846;
@@ -60,6 +64,12 @@ typedef struct half_plane {
 	double x, y, offset; /* unit direction; inside is x u + y v <= offset */
 } half_plane;
 
+/* Where the surfel's plane meets other surfaces: one line a neighbour on such a surface. */
+typedef struct crease_lines {
+	half_plane line[GW_NEIGHBOURS];
+	uint32_t count;
+} crease_lines;
+
 typedef struct disc_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
@@ -94,6 +104,44 @@ static uint32_t flatten(const gw_surfels *s, size_t surfel, const gw_neighbour_l
 		flat[count++] = p;
 	}
 	return count;
+}
+
+/*
+ * The line in the surfel's plane where that of a neighbour on another surface crosses it. In a
+ * concave crease each point lies in front of the other's plane, in a convex one behind it; where
+ * the two disagree by more than doubt allows, the surfaces do not meet there.
+ */
+static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double reach,
+						half_plane *line)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	float t[3], b[3];
+	double cosine = 0, x = 0, y = 0, ahead = 0, facing = 0;
+	gw_tangent_frame(n, t, b);
+	for (size_t k = 0; k < 3; k++) {
+		double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
+		cosine += (double)(n[k] * m[k]);
+		x += (double)(m[k] * t[k]);
+		y += (double)(m[k] * b[k]);
+		ahead += (double)n[k] * d;
+		facing -= (double)m[k] * d;
+	}
+	if (fabs(cosine) > SAME_SURFACE || s->two_sided[surfel] || s->two_sided[other])
+		return false;
+	double side = ahead + facing < 0 ? -1 : 1, slope = sqrt(x * x + y * y);
+	if (fmin(side * ahead, side * facing) < -CREASE_DOUBT * reach)
+		return false;
+	*line = (half_plane){ -side * x / slope, -side * y / slope, fmax(side * facing, 0) / slope };
+	return line->offset < reach;
+}
+
+static void find_creases(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						 double reach, crease_lines *creases)
+{
+	creases->count = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		creases->count +=
+			find_crease(s, surfel, list->index[j], reach, creases->line + creases->count);
 }
 
 /* Sums of a least-squares plane height = c + a x + b y. */
@@ -169,13 +217,54 @@ static double edge_margin(const flat_point *kept, double reach)
 	return fmin(fmax(0.5 * kept[0].distance, 0.06 * reach), 0.25 * reach);
 }
 
-/* At most two half-planes beyond which the surface has no points; the second at 60 degrees or more
- * from the first. */
-static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane edge[2])
+static double along(const half_plane *h, double x, double y)
+{
+	return h->x * x + h->y * y;
+}
+
+/* The mean of the lines that agree with the nearest one, which are then taken off the list. */
+static uint32_t merge_lines(crease_lines *creases, double reach, half_plane *mean)
+{
+	uint32_t left = 0, votes = 0;
+	half_plane nearest = creases->line[0];
+	*mean = (half_plane){ 0, 0, 0 };
+	for (uint32_t j = 1; j < creases->count; j++)
+		if (creases->line[j].offset < nearest.offset)
+			nearest = creases->line[j];
+	for (uint32_t j = 0; j < creases->count; j++) {
+		half_plane line = creases->line[j];
+		if (along(&nearest, line.x, line.y) < 0.7 || line.offset - nearest.offset > 0.35 * reach) {
+			creases->line[left++] = line;
+			continue;
+		}
+		votes++;
+		mean->x += line.x;
+		mean->y += line.y;
+		mean->offset += line.offset;
+	}
+	creases->count = left;
+	double length = hypot(mean->x, mean->y);
+	*mean = (half_plane){ mean->x / length, mean->y / length, mean->offset / votes };
+	return votes;
+}
+
+/* At most two creases, the nearest ones on which enough neighbours agree. */
+static uint32_t take_creases(crease_lines *creases, double reach, half_plane edge[2])
+{
+	uint32_t found = 0;
+	while (creases->count > 0 && found < 2) {
+		if (merge_lines(creases, reach, edge + found) >= CREASE_VOTES)
+			found++;
+	}
+	return found;
+}
+
+/* Adds half-planes beyond which the surface has no points, up to two with those already found, from
+ * which they are turned by 60 degrees or more. */
+static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane edge[2],
+						   uint32_t found)
 {
 	double reach = kept[count - 1].distance, extent[DIRECTIONS];
-	uint32_t found = 0;
-	int first = 0;
 	for (int d = 0; d < DIRECTIONS; d++) {
 		extent[d] = 0;
 		for (uint32_t j = 0; j < count; j++)
@@ -184,8 +273,7 @@ static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane ed
 	for (; found < 2; found++) {
 		int best = -1;
 		for (int d = 0; d < DIRECTIONS; d++) {
-			int turn = abs(d - first), apart = turn > DIRECTIONS / 2 ? DIRECTIONS - turn : turn;
-			if (found == 1 && apart * 6 < DIRECTIONS)
+			if (found == 1 && along(edge, direction_x[d], direction_y[d]) > COS_60)
 				continue;
 			if (best < 0 || extent[d] < extent[best])
 				best = d;
@@ -194,7 +282,6 @@ static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane ed
 			break;
 		edge[found] = (half_plane){ direction_x[best], direction_y[best],
 									extent[best] + edge_margin(kept, reach) };
-		first = best;
 	}
 	return found;
 }
@@ -296,7 +383,9 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	 * there it closes the gaps between them. */
 	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
 	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
-	uint32_t edges = find_edges(flat, kept, edge);
+	crease_lines creases;
+	find_creases(s, surfel, list, reach, &creases);
+	uint32_t edges = find_edges(flat, kept, edge, take_creases(&creases, reach, edge));
 	double area = cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);

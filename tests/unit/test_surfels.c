@@ -734,6 +734,49 @@ static void discs_end_at_edges(void **state)
 	clear_cloud(&c);
 }
 
+/* Two squares of 20 x 20 points a metre apart that meet along y: z = 0, and x = 0 above it; seen from
+ * within the right angle, or turned over, from outside. */
+static cloud make_corner(size_t side, float facing)
+{
+	cloud c = make_cloud(2 * side * side, true);
+	for (size_t i = 0; i < c.count; i++) {
+		double a = (double)(i % side) + 0.25, b = (double)(i / side % side);
+		bool wall = i >= side * side;
+		set_point(&c, i, wall ? 0 : a, b, wall ? a : 0);
+		c.normal[3 * i] = wall ? facing : 0;
+		c.normal[3 * i + 2] = wall ? 0 : facing;
+	}
+	return c;
+}
+
+/* Discs end where the plane of the other square is, a quarter of a metre beyond the last point. */
+static void discs_end_at_creases(void **state)
+{
+	(void)state;
+	const size_t side = 20;
+	for (float facing = -1; facing <= 1; facing += 2) {
+		cloud c = make_corner(side, facing);
+		gw_surfels s = make(&c);
+		for (size_t i = 0; i < c.count; i++) {
+			size_t a = i % side, b = i / side % side;
+			if (a > 0 || b < 3 || b > side - 4)
+				continue;
+			size_t surfel = s.surfel_of_point[i];
+			float t[3], u[3];
+			gw_tangent_frame(s.normal + 3 * surfel, t, u);
+			size_t inward = i < side * side ? 0 : 2;
+			const float *clip = s.clip + 6 * surfel;
+			float along = clip[0] * t[inward] + clip[1] * u[inward];
+			assert_near((double)along, -1, 1e-5); /* float32 */
+			assert_near((double)clip[2], 0.25, 1e-5);
+			/* Its cell reaches to the next point's: half a metre. */
+			assert_near((double)s.area[surfel], 0.75, 1e-5);
+		}
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+}
+
 /* Faces that meet or lie back to back do not share their areas. */
 static void thin_walls_are_two_surfaces(void **state)
 {
@@ -928,6 +971,7 @@ int main(void)
 		cmocka_unit_test(areas_add_up_with_sensor_noise),
 		cmocka_unit_test(noise_is_measured),
 		cmocka_unit_test(discs_end_at_edges),
+		cmocka_unit_test(discs_end_at_creases),
 		cmocka_unit_test(thin_walls_are_two_surfaces),
 		cmocka_unit_test(few_or_degenerate_points_work),
 		cmocka_unit_test(identical_and_collinear_points_work),
