@@ -517,9 +517,9 @@ static void test_discs(void **state)
 					share_of(list, &count, gw_morton_encode(cell[4 * l], cell[4 * l + 1],
 					                                        cell[4 * l + 2]))
 						->got += (double)weight[f] / cells;
-		/* Small discs: 16 points of which those near a border, and of those near a clip, may be on
-		 * the wrong side: 3 of the least 8 that clips leave. Large: in a column, of 16 points those
-		 * along up to two lines; relative to the part of the disc that clips leave, at least half. */
+		/* Small discs: 16 points of which those near a border, and of those near a clip, may be
+		 * on the wrong side: 3 of the least 8 that clips leave. Large: in a column, of 16 points
+		 * those along up to two lines; relative to the part that clips leave, at least half. */
 		double left = 0.5 * 3.14159 * radius * radius;
 		double tolerance = radius <= 1 ? 3.0 / 8 : 0.5 * 1.7321 / left;
 		for (uint32_t k = 0; k < count; k++)

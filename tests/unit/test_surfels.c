@@ -734,7 +734,7 @@ static void discs_end_at_edges(void **state)
 	clear_cloud(&c);
 }
 
-/* Two squares of 20 x 20 points a metre apart that meet along y: z = 0, and x = 0 above it; seen from
+/* Two squares of points a metre apart that meet along y: z = 0, and x = 0 above it; seen from
  * within the right angle, or turned over, from outside. */
 static cloud make_corner(size_t side, float facing)
 {
