@@ -59,7 +59,8 @@ void main()
 			uint lobe;
 			float t_hit;
 			bool behind;
-			if (!trace(g, facing, normalize(to), range, true, lobe, t_hit, behind))
+			if (!trace(g, tangent_plane_at(g, facing), normalize(to), range, true, lobe, t_hit,
+					   behind))
 				seen += 1.0;
 		}
 		seen /= float(push.samples);

@@ -20,15 +20,21 @@ float exit_distance(vec3 origin, vec3 inverse, bvec3 forward, vec3 low, vec3 hig
 	return min(far.x, min(far.y, far.z));
 }
 
+/* The plane of a surface: normal n and distance d from the origin, n . g = d. */
+vec4 tangent_plane_at(vec3 g, vec3 normal)
+{
+	return vec4(normal, dot(normal, g));
+}
+
 /*
  * Does the ray meet a lobe's plane within its cell, nearer than t?
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within NEAR cells a plane counts only if its
- * lobe's centre lies above the tangent plane of the start, and only its front side.
+ * lobe's centre lies above the tangent plane of that surface, and only its front side.
  */
-bool hit_plane(int slot, bool both_sides, vec3 origin, vec3 facing, vec3 direction, vec3 centre,
-			   inout float t, inout bool behind)
+bool hit_plane(int slot, bool both_sides, vec3 origin, vec4 tangent_plane, vec3 direction,
+			   vec3 centre, inout float t, inout bool behind)
 {
 	vec4 plane = texelFetch(lobe_plane, slot);
 	float approach = dot(plane.xyz, direction);
@@ -43,8 +49,8 @@ bool hit_plane(int slot, bool both_sides, vec3 origin, vec3 facing, vec3 directi
 	if (distance < NEAR) {
 		if (approach > 0.0)
 			return false;
-		vec3 above = texelFetch(lobe_centre, slot).xyz - origin;
-		if (dot(facing, above) < NEAR_HEIGHT)
+		float height = dot(tangent_plane.xyz, texelFetch(lobe_centre, slot).xyz) - tangent_plane.w;
+		if (height < NEAR_HEIGHT)
 			return false;
 	}
 	if (approach > 0.0) {
@@ -59,11 +65,11 @@ bool hit_plane(int slot, bool both_sides, vec3 origin, vec3 facing, vec3 directi
 /*
  * The nearest lobe whose front side the ray meets before t_max. Back sides let it through, because
  * planes that stick out over convex edges would darken what lies behind them, but `behind` says
- * that one was met first; with `both_sides` they stop the ray. facing is the normal of the surface
- * at its start.
+ * that one was met first; with `both_sides` they stop the ray. tangent_plane is that of the surface
+ * it leaves.
  */
-bool trace(vec3 origin, vec3 facing, vec3 direction, float t_max, bool both_sides, out uint lobe,
-		   out float t_hit, out bool behind)
+bool trace(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool both_sides,
+		   out uint lobe, out float t_hit, out bool behind)
 {
 	float side = exp2(float(depth));
 	float nudge = 1e-5 + side * 4e-7;
@@ -113,12 +119,12 @@ bool trace(vec3 origin, vec3 facing, vec3 direction, float t_max, bool both_side
 					uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 					vec3 centre = vec3(cell) + 0.5;
 					int slot = int(2u * leaf);
-					if (hit_plane(slot, both_sides, origin, facing, direction, centre, t_hit,
+					if (hit_plane(slot, both_sides, origin, tangent_plane, direction, centre, t_hit,
 								  behind))
 						lobe = uint(slot);
 					if (((tile.y >> (16u + octant)) & 1u) != 0u &&
-						hit_plane(slot + 1, both_sides, origin, facing, direction, centre, t_hit,
-								  behind))
+						hit_plane(slot + 1, both_sides, origin, tangent_plane, direction, centre,
+								  t_hit, behind))
 						lobe = uint(slot + 1);
 					if (lobe != GW_NONE)
 						return true;

@@ -66,7 +66,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint random)
 	float t_hit;
 	bool behind;
 	float distance = sqrt(squared);
-	if (trace(g, normal, direction, distance - 1.0, false, seen, t_hit, behind) &&
+	if (trace(g, tangent_plane_at(g, normal), direction, distance - 1.0, false, seen, t_hit,
+			  behind) &&
 		seen != uint(lobe))
 		return vec3(0.0);
 

@@ -40,7 +40,8 @@ bool record_visible(vec3 g, vec3 normal, vec4 record, vec3 record_facing)
 	uint lobe;
 	float t;
 	bool behind;
-	return !trace(g + normal * push.lift, normal, to / distance, distance, true, lobe, t, behind);
+	return !trace(g + normal * push.lift, tangent_plane_at(g, normal), to / distance, distance,
+				  true, lobe, t, behind);
 }
 
 float find_records(vec3 g, vec3 normal, bool both_sides)

@@ -46,7 +46,7 @@ void main()
 	uint lobe;
 	float t;
 	bool behind;
-	bool hit = trace(g, normal, direction, 1e9, false, lobe, t, behind);
+	bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
 	hit_lobe[i] = hit ? lobe : GW_NONE;
 	/* Negative: the ray passed the back of a surface on its way. */
 	hit_distance[i] = (hit ? t : 1e9) * (behind ? -1.0 : 1.0);
