@@ -102,6 +102,11 @@ static void write_octree(json_writer *json, const gw_report *r)
 	json_put_count(json, "octree_bytes", r->octree_bytes);
 	json_put_count(json, "brick_bytes", r->brick_bytes);
 	json_put_close(json, '}');
+	json_put_open_flat(json, "profile", '{');
+	json_put_real(json, "inject_seconds", r->inject_seconds);
+	json_put_real(json, "trace_seconds", r->trace_seconds);
+	json_put_real(json, "gather_seconds", r->gather_seconds);
+	json_put_close(json, '}');
 	json_put_count(json, "records", r->records);
 	json_put_real(json, "spacing", r->spacing);
 	json_put_count(json, "peak_bytes", r->peak_bytes);
@@ -173,6 +178,28 @@ void bake_report_explain(const gw_report *r)
 				*r->effect[i].method ? "]" : "");
 }
 
+static double stage_seconds(const gw_report *r, const char *name)
+{
+	double seconds = 0.0;
+	for (uint32_t i = 0; i < r->stage_count; i++)
+		seconds += strcmp(r->stage[i].name, name) == 0 ? r->stage[i].seconds : 0.0;
+	return seconds;
+}
+
+/* The rows of Salm's tables 5.1 to 5.4: what is built once, and what each bounce costs. */
+static void profile_bounces(const gw_report *r)
+{
+	double bounces = r->bounce_count > 1 ? (double)(r->bounce_count - 1) : 1.0;
+	double inject = r->inject_seconds * 1e3, gather = r->gather_seconds * 1e3;
+	fprintf(stderr, "%-18s %9s %12s\n", "thesis's terms", "ms", "ms a bounce");
+	fprintf(stderr, "%-18s %9.1f\n", "static", stage_seconds(r, "octree") * 1e3);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n", "inj./mip.", inject, inject / bounces);
+	fprintf(stderr, "%-18s %9.1f\n", "rays, traced once", r->trace_seconds * 1e3);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n", "gather", gather, gather / bounces);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n\n", "l.prop.", inject + gather,
+			(inject + gather) / bounces);
+}
+
 void bake_report_profile(const gw_report *r)
 {
 	double seconds = 0.0, device = 0.0, compile = 0.0;
@@ -189,6 +216,7 @@ void bake_report_profile(const gw_report *r)
 	}
 	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f\n\n", "net", seconds * 1e3, device * 1e3,
 			compile * 1e3);
+	profile_bounces(r);
 	fprintf(stderr, "%-18s %9" PRIu32 "\n", "SVO depth", r->depth);
 	fprintf(stderr, "%-18s %9.1f MB\n", "SVO-buffer", (double)r->octree_bytes / MEGABYTE);
 	fprintf(stderr, "%-18s %9.1f MB\n", "brick pools", (double)r->brick_bytes / MEGABYTE);

@@ -461,6 +461,17 @@ static gw_status check_validation(const bake *b, gw_error *error)
 	return GW_OK;
 }
 
+/* What the bounces cost, in the terms of Salm's tables 5.1 to 5.4. */
+static void report_profile(const gw_passes *passes, gw_report *report)
+{
+	const double *seconds = passes->device_seconds;
+	report->inject_seconds =
+		seconds[GW_PASS_LOBE_SHADE] + seconds[GW_PASS_BRICK_INJECT] + seconds[GW_PASS_BRICK_MIPMAP];
+	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
+							seconds[GW_PASS_RECORD_FIRST];
+	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
+}
+
 static gw_status run_steps(bake *b, gw_error *error)
 {
 	double done = 0.0;
@@ -474,6 +485,7 @@ static gw_status run_steps(bake *b, gw_error *error)
 		done += steps[i].share;
 	}
 	gw_report_stage(b->report, b->gpu, NULL);
+	report_profile(&b->passes, b->report);
 	if (b->gpu)
 		b->report->peak_bytes = gw_gpu_read_account(b->gpu).peak_bytes;
 	if (status == GW_OK && b->options.validate)

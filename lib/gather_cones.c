@@ -109,9 +109,7 @@ gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_c
 								gw_error *error)
 {
 	gw_cone_push push = cone_push(gather, largest > 0.0f ? STORED_LARGEST / largest : 1.0f, sky);
-	double before = gw_gpu_read_account(passes->gpu).device_seconds;
 	gw_status status = inject(passes, octree, gather, lobe_radiance, push, error);
-	double injected = gw_gpu_read_account(passes->gpu).device_seconds;
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
 										gw_whole(&octree->node),
@@ -123,7 +121,5 @@ gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_c
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_CONES, bindings, &push, records->count, error);
 	}
-	gather->inject_seconds += injected - before;
-	gather->gather_seconds += gw_gpu_read_account(passes->gpu).device_seconds - injected;
 	return status;
 }

@@ -16,8 +16,7 @@ typedef struct gw_cone_gather {
 	uint32_t seed;
 	uint32_t leaf_bricks[2], mip_bricks[2];
 	uint32_t leaf_face_depth, mip_face_depth;
-	gw_image leaf_pool, mip_pool;          /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
-	double inject_seconds, gather_seconds; /* device time so far, for the profile */
+	gw_image leaf_pool, mip_pool; /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
 } gw_cone_gather;
 
 /* Allocates the pools. Fails with GW_ERROR_MEMORY and the bytes needed. */

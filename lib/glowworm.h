@@ -226,6 +226,9 @@ typedef struct gw_report {
 	uint32_t count_count;
 	gw_bounce *bounce;
 	uint32_t bounce_count;
+	/* Seconds on the device, over all bounces: shading the lobes, which for cones are then injected
+	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
+	double inject_seconds, trace_seconds, gather_seconds;
 	double remaining; /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];

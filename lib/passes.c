@@ -103,5 +103,8 @@ gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bind
 		if (status != GW_OK)
 			return status;
 	}
-	return gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+	double before = gw_gpu_read_account(passes->gpu).device_seconds;
+	gw_status status = gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+	passes->device_seconds[id] += gw_gpu_read_account(passes->gpu).device_seconds - before;
+	return status;
 }

@@ -32,6 +32,7 @@ typedef struct gw_passes {
 	gw_gpu *gpu;
 	uint32_t constant[3]; /* octree depth, directory level, bits of the cell slack */
 	gw_pass *pass[GW_PASS_COUNT];
+	double device_seconds[GW_PASS_COUNT]; /* by timestamps, so far */
 } gw_passes;
 
 /* A set of passes for an octree of that shape; nothing is created yet. */
