@@ -87,6 +87,12 @@ static void write_bounces(json_writer *json, const gw_report *r)
 	}
 	json_put_close(json, ']');
 	json_put_real(json, "remaining", r->remaining);
+	json_put_open_flat(json, "error", '{');
+	json_put_count(json, "points", r->error.points);
+	json_put_real(json, "relative_rms", r->error.relative_rms);
+	json_put_real(json, "spread", r->error.spread);
+	json_put_real(json, "bias", r->error.bias);
+	json_put_close(json, '}');
 }
 
 static void write_octree(json_writer *json, const gw_report *r)
@@ -251,6 +257,12 @@ void bake_report_summary(const bake_facts *f)
 			r->depth, r->leaf_size, r->leaves);
 	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
 			r->bounce_count, r->remaining);
+	if (r->error.points)
+		fprintf(stderr,
+				"glowworm: error: %.2g %% +- %.2g %% of the mean radiance (bias %+.2g %%), from "
+				"%" PRIu32 " points solved again\n",
+				100.0 * r->error.relative_rms, 100.0 * r->error.spread, 100.0 * r->error.bias,
+				r->error.points);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
 			f->bake_seconds, f->write_seconds);
 }

@@ -204,11 +204,27 @@ static gw_status comment_command(maker *m)
 	return status;
 }
 
+static gw_status comment_error(maker *m)
+{
+	const gw_report *r = &m->result->report;
+	char text[256], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	number_print_float(remaining, (float)r->remaining);
+	number_print_float(rms, (float)r->error.relative_rms);
+	number_print_float(spread, (float)r->error.spread);
+	snprintf(text, sizeof text,
+			 "glowworm estimated error: bounces left out would add at most %s of the light",
+			 remaining);
+	gw_status status = comment(m, text);
+	snprintf(text, sizeof text,
+			 "glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points", rms,
+			 spread, r->error.points);
+	return status == GW_OK && r->error.points ? comment(m, text) : status;
+}
+
 static gw_status make_comments(maker *m)
 {
-	char text[256], exposure[NUMBER_TEXT], remaining[NUMBER_TEXT];
+	char text[256], exposure[NUMBER_TEXT];
 	number_print_float(exposure, (float)m->exposure);
-	number_print_float(remaining, (float)m->result->report.remaining);
 	gw_status status = GW_OK;
 	for (size_t c = 0; c < m->from->comment_count && status == GW_OK; c++)
 		if (strncmp(m->from->comment[c], "glowworm ", 9) != 0)
@@ -227,12 +243,7 @@ static gw_status make_comments(maker *m)
 			 exposure);
 	if (status == GW_OK && m->settings->colors == 0)
 		status = comment(m, text);
-	snprintf(text, sizeof text,
-			 "glowworm estimated error: bounces left out would add at most %s of the light",
-			 remaining);
-	if (status == GW_OK)
-		status = comment(m, text);
-	return status;
+	return status == GW_OK ? comment_error(m) : status;
 }
 
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,

@@ -138,6 +138,9 @@ const option options[] = {
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.shadow_map_size),
 	  RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },
+	{ "estimate-points", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.estimate_points),
+	  RANGE(0.0, 1e6), .group = "Light",
+	  .help = "points that are solved again, to say how wrong the result is; 0 leaves it out" },
 	{ "seed", 0, "N", OPTION_SEED, BAKE, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random directions" },
 

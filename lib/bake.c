@@ -3,6 +3,7 @@
  */
 #include "bounces.h"
 #include "direct_light.h"
+#include "error_estimate.h"
 #include "memory.h"
 #include "parallel.h"
 #include "plan.h"
@@ -306,6 +307,38 @@ static gw_status read_back(bake *b, gw_error *error)
 	return status;
 }
 
+static gw_status download(bake *b, gw_buffer *buffer, float **values, gw_error *error);
+
+static gw_status estimate(bake *b, gw_error *error)
+{
+	float *direct = NULL, *first = NULL, *indirect = NULL;
+	gw_status status = download(b, &b->surfel_direct, &direct, error);
+	if (status == GW_OK)
+		status = download(b, &b->surfel_first, &first, error);
+	if (status == GW_OK)
+		status = download(b, &b->surfel_indirect, &indirect, error);
+	if (status == GW_OK) {
+		const gw_estimate_task task = { .passes = &b->passes,
+										.octree = &b->octree,
+										.surfels = &b->surfels,
+										.records = &b->records,
+										.emitters = &b->emitters,
+										.lobe_direct = &b->lobe_direct,
+										.sky = b->plan.sky_radiance,
+										.bounces = b->plan.bounces,
+										.direct = direct,
+										.first = first,
+										.indirect = indirect,
+										.points = b->options.estimate_points,
+										.seed = (uint32_t)b->options.seed };
+		status = gw_estimate_error(&task, &b->report->error, error);
+	}
+	free(direct);
+	free(first);
+	free(indirect);
+	return status;
+}
+
 /* ------------------------------------------------------------------------------------ result */
 
 static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
@@ -425,6 +458,11 @@ static bool needs_records(const bake *b)
 	return b->plan.records;
 }
 
+static bool needs_estimate(const bake *b)
+{
+	return b->plan.records && b->options.estimate_points > 0;
+}
+
 static bool needs_voxels(const bake *b)
 {
 	return b->options.voxels;
@@ -447,6 +485,7 @@ static const step steps[] = {
 	{ "first gather", 0.12, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
 	{ "read back", 0.08, read_back, needs_records },
+	{ "estimate", 0.02, estimate, needs_estimate },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
 };

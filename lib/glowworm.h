@@ -147,6 +147,7 @@ typedef struct gw_bake_options {
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
+	uint32_t estimate_points; /* points solved again to estimate the error; 0 makes no estimate */
 	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
 	uint32_t threads;         /* of the host; 0 means one a core */
 	uint64_t seed;            /* of all random directions */
@@ -162,11 +163,12 @@ typedef struct gw_bake_options {
 						.shadows = GW_SHADOWS_TRACED,                                              \
 						.depth = GW_DEPTH_AUTO,                                                    \
 						.bounces = GW_BOUNCES_AUTO,                                                \
-						.tolerance = 0.005f,                                                       \
+						.tolerance = 0.001f,                                                       \
 						.rays = 64,                                                                \
 						.light_samples = 64,                                                       \
 						.cones = 16,                                                               \
 						.record_spacing = 2.5f,                                                    \
+						.estimate_points = 1000,                                                   \
 						.shadow_map_size = 1024 })
 
 /* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
@@ -204,6 +206,15 @@ typedef struct gw_bounce {
 	double seconds;
 } gw_bounce;
 
+/* How wrong a bake's radiance is, estimated by solving some points again (error_estimate.h).
+ * Relative to the mean radiance of the points that do not emit. */
+typedef struct gw_error_estimate {
+	uint32_t points;     /* solved again; 0 when no estimate was made */
+	double relative_rms; /* root mean square error */
+	double spread;       /* its standard error: 2.3 % +- 0.3 % */
+	double bias;         /* mean error: above 0, the bake is too bright */
+} gw_error_estimate;
+
 /* A number that a user should know about: points repaired, left out, clamped... */
 typedef struct gw_count {
 	char name[40];     /* snake_case, e.g. "duplicates_merged" */
@@ -229,6 +240,7 @@ typedef struct gw_report {
 	/* Seconds on the device, over all bounces: shading the lobes, which for cones are then injected
 	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
+	gw_error_estimate error;
 	double remaining; /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];

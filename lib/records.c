@@ -195,6 +195,33 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 	return status;
 }
 
+gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
+						 gw_records *records, gw_error *error)
+{
+	*records = (gw_records){ .count = count };
+	const struct {
+		gw_buffer *buffer;
+		const float *values;
+		const char *name;
+	} rows[] = {
+		{ &records->position, position, "probe position" },
+		{ &records->normal, normal, "probe normal" },
+		{ &records->first, NULL, "probe first irradiance" },
+		{ &records->gathered, NULL, "probe gathered irradiance" },
+	};
+	uint64_t bytes = 16 * (uint64_t)count;
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++) {
+		status =
+			texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, bytes, rows[i].name, rows[i].buffer, error);
+		if (status == GW_OK && rows[i].values)
+			status = gw_buffer_upload(gpu, rows[i].buffer, 0, rows[i].values, bytes, error);
+	}
+	if (status != GW_OK)
+		gw_records_destroy(gpu, records);
+	return status;
+}
+
 void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 {
 	gw_buffer *all[] = { &records->position,     &records->normal,      &records->block_first,

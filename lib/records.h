@@ -40,6 +40,15 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
+/*
+ * Puts records where the caller says, to gather there; they are not listed, so that nothing can be
+ * read back from them.
+ *   position   4 * count, grid coordinates and 0
+ *   normal     4 * count, unit normals and 0
+ */
+gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
+						 gw_records *records, gw_error *error);
+
 /* Finds the records each lobe's irradiance is interpolated from. Needs record position w. */
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								 gw_error *error);

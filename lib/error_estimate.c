@@ -1,0 +1,237 @@
+/*
+ * error_estimate.c - see error_estimate.h.
+ */
+#include "error_estimate.h"
+
+#include "bounces.h"
+#include "memory.h"
+#include "transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays, and samples of the emitters, in each of the two gathers of a point. */
+#define HALF_RAYS 64u
+
+static const double reciprocal_pi = 0.31830988618379067;
+
+/* The points that are solved again. */
+typedef struct probes {
+	bool *counts; /* one a surfel: whether its error counts */
+	uint32_t count;
+	uint32_t *surfel; /* count, ascending */
+	gw_records place; /* position and normal of each, and what it gathers */
+	float *half[2];   /* 4 * count, irradiance that the first and the second gather found */
+} probes;
+
+static uint64_t next_random(uint64_t *state)
+{
+	uint64_t z = *state += 0x9e3779b97f4a7c15u;
+	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+	return z ^ z >> 31;
+}
+
+static bool emits(const gw_surfels *surfels, size_t i)
+{
+	const float *e = surfels->emission ? surfels->emission + 3 * i : NULL;
+	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
+}
+
+/* Points whose error counts: emitters outshine theirs, so they do not unless there is nothing else;
+ * and of points that are lit from both sides it is not known which side a gather is to look from.
+ */
+static void choose_points(const gw_surfels *surfels, bool *counts)
+{
+	size_t dark = 0;
+	for (size_t i = 0; i < surfels->count; i++)
+		dark += counts[i] = !surfels->two_sided[i] && !emits(surfels, i);
+	for (size_t i = 0; i < surfels->count && dark == 0; i++)
+		counts[i] = !surfels->two_sided[i];
+}
+
+/* One random surfel in each of task->points equal stretches of the surfels. */
+static gw_status draw(const gw_estimate_task *task, probes *p, gw_error *error)
+{
+	size_t count = task->surfels->count, wanted = task->points < count ? task->points : count;
+	uint64_t state = task->seed;
+	p->counts = gw_allocate_array(count, sizeof *p->counts);
+	p->surfel = gw_allocate_array(wanted, sizeof *p->surfel);
+	if (!p->counts || !p->surfel)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", count);
+	choose_points(task->surfels, p->counts);
+	for (size_t i = 0; i < wanted; i++) {
+		size_t first = i * count / wanted, last = (i + 1) * count / wanted;
+		size_t surfel = first + next_random(&state) % (last - first);
+		if (p->counts[surfel])
+			p->surfel[p->count++] = (uint32_t)surfel;
+	}
+	return GW_OK;
+}
+
+static gw_status place(const gw_estimate_task *task, probes *p, gw_error *error)
+{
+	const gw_surfels *s = task->surfels;
+	float *rows = gw_allocate_zeros(p->count, 8 * sizeof *rows);
+	if (!rows)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", p->count);
+	float *normal = rows + 4 * (size_t)p->count;
+	for (size_t i = 0; i < p->count; i++) {
+		size_t surfel = p->surfel[i];
+		for (size_t k = 0; k < 3; k++)
+			rows[4 * i + k] = (s->position[3 * surfel + k] - task->octree->cube_minimum[k]) /
+							  task->octree->leaf_size;
+		memcpy(normal + 4 * i, s->normal + 3 * surfel, 3 * sizeof *normal);
+	}
+	gw_status status = gw_records_put(task->passes->gpu, rows, normal, p->count, &p->place, error);
+	free(rows);
+	return status;
+}
+
+/* What the lobes send out in the end, their own emission left out. */
+static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
+{
+	gw_gpu *gpu = task->passes->gpu;
+	const gw_records *records = task->records;
+	gw_buffer total = { 0 };
+	gw_status status =
+		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+						 16 * (uint64_t)records->count, "record irradiance", &total, error);
+	const gw_buffer *parts[2] = { &records->first, &records->indirect };
+	for (int i = 0; i < 2 && status == GW_OK; i++) {
+		const gw_binding bindings[] = { gw_window(parts[i], 16), gw_window(&total, 16) };
+		status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
+							   records->count, error);
+	}
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)task->octree->leaf_count, "final lobe radiance",
+								  radiance, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &total, task->lobe_direct,
+								true, radiance, error);
+	gw_buffer_destroy(gpu, &total);
+	return status;
+}
+
+static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint32_t count,
+								gw_error *error)
+{
+	float *values = gw_allocate_array(count, 4 * sizeof *values);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+	gw_status status = gw_buffer_download(gpu, buffer, 0, values, 16 * (uint64_t)count, error);
+	for (size_t i = 0; i < 4 * (size_t)count && status == GW_OK; i++)
+		sum[i] += values[i];
+	free(values);
+	return status;
+}
+
+/* All that reaches the points, into p->half[half]. */
+static gw_status gather_half(const gw_estimate_task *task, int half, const gw_buffer *radiance,
+							 probes *p, gw_error *error)
+{
+	gw_gpu *gpu = task->passes->gpu;
+	gw_ray_gather gather = { 0 };
+	uint32_t seed = task->seed ^ (half ? 0xb5297a4du : 0x68e31da4u);
+	p->half[half] = gw_allocate_zeros(p->count, 4 * sizeof(float));
+	gw_status status = GW_OK;
+	if (!p->half[half])
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", p->count);
+	if (status == GW_OK)
+		status = gw_ray_gather_trace(task->passes, task->octree, &p->place, HALF_RAYS, seed,
+									 &gather, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_first(task->passes, task->octree, &p->place, &gather, task->emitters,
+									 HALF_RAYS, true, task->sky, error);
+	if (status == GW_OK)
+		status = download_added(gpu, &p->place.first, p->half[half], p->count, error);
+	if (status == GW_OK && task->bounces)
+		status = gw_ray_gather_bounce(task->passes, &gather, radiance, &p->place, error);
+	if (status == GW_OK && task->bounces)
+		status = download_added(gpu, &p->place.gathered, p->half[half], p->count, error);
+	gw_ray_gather_destroy(gpu, &gather);
+	return status;
+}
+
+static double luminance(const float *c)
+{
+	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
+/* Radiance that a surfel reflects of an irradiance. */
+static double reflected(const gw_surfels *surfels, size_t surfel, const float irradiance[3])
+{
+	const float *rho = surfels->albedo + 3 * surfel;
+	const float c[3] = { rho[0] * irradiance[0], rho[1] * irradiance[1], rho[2] * irradiance[2] };
+	return reciprocal_pi * luminance(c);
+}
+
+static double mean_radiance(const gw_estimate_task *task, const bool *counts)
+{
+	const gw_surfels *s = task->surfels;
+	double sum = 0.0;
+	size_t used = 0;
+	for (size_t i = 0; i < s->count; i++) {
+		if (!counts[i])
+			continue;
+		sum += reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i);
+		sum += task->direct ? reflected(s, i, task->direct + 4 * i) : 0.0;
+		sum += s->emission ? luminance(s->emission + 3 * i) : 0.0;
+		used++;
+	}
+	return used ? sum / (double)used : 0.0;
+}
+
+static void compare(const gw_estimate_task *task, const probes *p, gw_error_estimate *estimate)
+{
+	double mean = mean_radiance(task, p->counts), n = p->count;
+	double sum = 0.0, square = 0.0, fourth = 0.0;
+	if (!(mean > 0.0) || p->count < 2)
+		return;
+	for (size_t i = 0; i < p->count; i++) {
+		size_t s = p->surfel[i];
+		double a = reflected(task->surfels, s, p->half[0] + 4 * i);
+		double b = reflected(task->surfels, s, p->half[1] + 4 * i);
+		double found = reflected(task->surfels, s, task->first + 4 * s) +
+					   reflected(task->surfels, s, task->indirect + 4 * s);
+		double off = (found - 0.5 * (a + b)) / mean, noise = 0.5 * (a - b) / mean;
+		double excess = off * off - noise * noise;
+		sum += off;
+		square += excess;
+		fourth += excess * excess;
+	}
+	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
+	double rms = sqrt(fmax(square / n, 0.0));
+	estimate->points = p->count;
+	estimate->relative_rms = rms;
+	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
+	estimate->spread = fmin(sqrt(variance) / (2.0 * rms), sqrt(sqrt(variance)));
+	estimate->bias = sum / n;
+}
+
+gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *estimate,
+							gw_error *error)
+{
+	probes p = { 0 };
+	gw_buffer radiance = { 0 };
+	*estimate = (gw_error_estimate){ 0 };
+	gw_status status = draw(task, &p, error);
+	if (status == GW_OK && p.count > 0) {
+		status = place(task, &p, error);
+		if (status == GW_OK && task->bounces)
+			status = shade_all(task, &radiance, error);
+		for (int half = 0; half < 2 && status == GW_OK; half++)
+			status = gather_half(task, half, &radiance, &p, error);
+		if (status == GW_OK)
+			compare(task, &p, estimate);
+	}
+	gw_buffer_destroy(task->passes->gpu, &radiance);
+	gw_records_destroy(task->passes->gpu, &p.place);
+	free(p.half[0]);
+	free(p.half[1]);
+	free(p.surfel);
+	free(p.counts);
+	return status;
+}

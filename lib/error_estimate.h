@@ -1,0 +1,42 @@
+/*
+ * error_estimate.h - how wrong a bake is, found by solving some points again.
+ *
+ * Points drawn at random gather for themselves: many rays and many samples of the emitters, from
+ * the point's own place and normal, with directions that the records did not use. What the bake
+ * says at these points is then compared with what they found. That sees the noise of the records
+ * and what interpolating between them and stopping the bounces cost. It does not see what the
+ * octree's planes leave of the geometry, because these rays meet the same planes.
+ *
+ * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
+ * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
+ * square error.
+ */
+#ifndef ERROR_ESTIMATE_H
+#define ERROR_ESTIMATE_H
+
+#include "gather_rays.h"
+
+typedef struct gw_estimate_task {
+	gw_passes *passes;
+	const gw_octree *octree;
+	const gw_surfels *surfels;
+	const gw_records *records;    /* solved: first and indirect are final */
+	const gw_emitters *emitters;  /* count 0 when nothing emits */
+	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
+	const float *sky;             /* 3, radiance of the environment */
+	bool bounces;                 /* whether light was reflected more than once */
+	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
+	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
+	const float *indirect;        /* 4 a surfel ... and reflected */
+	uint32_t points;              /* to solve again; at most surfels->count are */
+	uint32_t seed;
+} gw_estimate_task;
+
+/*
+ * Estimates the error of the bake's radiance.
+ *   estimate   receives it; all zeros where nothing is lit or no point can be compared
+ */
+gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *estimate,
+							gw_error *error);
+
+#endif
