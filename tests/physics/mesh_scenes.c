@@ -220,7 +220,7 @@ static void make_rooms(builder *b)
 	set_color(b, 200, 120, 80);
 	add_solid(b, (double[3]){ 4.6, 2.2, 0.375 }, (double[3]){ 0.5, 0.35, 0.375 }, 0.5);
 	gw_light *lamp = add_light(b, GW_LIGHT_POINT);
-	set3d(lamp->position, 1.1, 2.9, 2.1);
+	set3d(lamp->position, 1.3, 2.7, 1.7);
 	set3(lamp->intensity, 9.0f, 8.0f, 6.0f);
 }
 
@@ -233,7 +233,7 @@ static void make_corridor(builder *b)
 	add_block(b, 0.0, 4.0, 1.0, 1.3, 0.0, 2.2);
 	add_block(b, 1.0, 5.0, 2.3, 2.6, 0.0, 2.2);
 	gw_light *lamp = add_light(b, GW_LIGHT_POINT);
-	set3d(lamp->position, 2.6, 0.45, 1.8);
+	set3d(lamp->position, 2.6, 0.5, 1.3);
 	set3(lamp->intensity, 4.0f, 3.6f, 3.0f);
 }
 
@@ -248,6 +248,11 @@ static void make_hole(builder *b)
 		set_color(b, 225, 215, 200);
 	}
 	add_ceiling_around(b, 1.2, 1.8, 1.2, 1.8);
+	b->scene->opening = (mesh_opening){ .corner = { 1.2, 1.2, 2.5 },
+										.u = { 0.6, 0, 0 },
+										.v = { 0, 0.6, 0 },
+										.normal = { 0, 0, -1 },
+										.area = 0.36 };
 	set_color(b, 160, 170, 180);
 	add_solid(b, (double[3]){ 2.9, 1.9, 0.45 }, (double[3]){ 0.35, 0.35, 0.45 }, 0.4);
 	gw_light *sun = add_light(b, GW_LIGHT_SUN);

@@ -37,6 +37,12 @@ typedef struct mesh_solid {
 	double cosine, sine;       /* of its turn about the vertical */
 } mesh_solid;
 
+/* A rectangle through which all sky enters; none when its area is 0. */
+typedef struct mesh_opening {
+	double corner[3], u[3], v[3], normal[3]; /* the normal points inwards */
+	double area;
+} mesh_opening;
+
 #define MESH_SOLIDS 16
 #define MESH_LIGHTS 4
 
@@ -45,6 +51,7 @@ typedef struct mesh_scene {
 	size_t count;
 	mesh_solid solid[MESH_SOLIDS];
 	size_t solid_count;
+	mesh_opening opening;
 	double low[3], high[3]; /* surface outside is not sampled */
 	gw_light light[MESH_LIGHTS];
 	size_t light_count;

@@ -2,11 +2,12 @@
  * reference_tracer.h - the light on triangles by path tracing: an answer that shares nothing with
  * the library that it is held against.
  *
- * Rays go through Embree against the triangles themselves; every vertex of a path samples all lamps
- * and one place of the emitters (next-event estimation), emitters that a path meets are weighed by
- * the balance heuristic (Veach 1997), and paths end by Russian roulette, so the estimate has noise
- * but no bias. Directions come from scrambled Sobol points (Burley 2020). A point's samples are
- * split into batches that are independent of each other; their spread is the standard error.
+ * Rays go through Embree against the triangles themselves. Every vertex of a path aims at all
+ * lamps, at one place of the emitters, and at one place of the surface that these light, in
+ * proportion to how much; what is both aimed at and met by chance is weighed by the balance
+ * heuristic (Veach 1997), and paths end by Russian roulette. So the estimate has noise but no bias.
+ * Directions come from scrambled Sobol points (Burley 2020). A point's samples are split into
+ * batches that are independent of each other; their spread is the standard error.
  *
  * Surfaces are seen from the side of their normals; their backs are black.
  */
