@@ -443,7 +443,7 @@ static void add_path(const reference_tracer *t, vertex v, sampler *random, doubl
 		if (depth + 1 < FIRST_ROULETTE)
 			continue;
 		draw_pair(random, pair);
-		double stay = fmin(0.95, largest);
+		double stay = fmin(0.999, largest);
 		if (!(pair[0] < stay))
 			return;
 		for (size_t k = 0; k < 3; k++)
