@@ -43,9 +43,11 @@ SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
 MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
 TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
-TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES),$(wildcard tests/*/*.c tests/*/*.cpp))
+BENCH_TOOLS     := $(wildcard tests/bench/make_*.c)
+TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS),$(wildcard tests/*/*.c tests/*/*.cpp))
 TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
 BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
+TOOL_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(BENCH_TOOLS)))
 SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 
 # Pages of the manual and completions, of which the program itself writes what repeats its options.
@@ -118,7 +120,7 @@ $(BUILD)/libhelpers.a: $(call objects,$(TEST_HELPERS))
 	$(AR) rcs $@ $^
 
 $(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Itests/bench
-$(TEST_PROGRAMS) $(BENCH_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
+$(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -Wl,--disable-new-dtags,-rpath,'$$ORIGIN/../..' -o $@ $^ -lcmocka -lembree3 $(LDLIBS)
 
@@ -147,7 +149,7 @@ test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSa
 lint: $(BUILD)/libglowworm.a  ## style, layers, symbols and the folders' READMEs
 	@tests/suite.sh $(BUILD):lint
 
-bench: all $(BENCH_PROGRAMS)  ## measure speed and error
+bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
 	@set -e; for program in $(BENCH_PROGRAMS); do echo "== $${program##*/}"; $$program; done
 
 # -------------------------------------------------------------------------------------- use

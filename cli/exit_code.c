@@ -14,6 +14,7 @@ int exit_code_of(gw_status status, int signal)
 		[GW_ERROR_NO_INPUT] = EXIT_CODE_NO_INPUT,
 		[GW_ERROR_CREATE] = EXIT_CODE_CREATE,
 		[GW_ERROR_IO] = EXIT_CODE_IO,
+		[GW_ERROR_MISSED] = EXIT_CODE_MISSED,
 	};
 	if (status == GW_ERROR_CANCELLED)
 		return EXIT_CODE_SIGNAL + (signal ? signal : SIGINT);
@@ -27,6 +28,7 @@ int exit_code_describe(int i, const char **meaning)
 		const char *meaning;
 	} table[] = {
 		{ EXIT_CODE_GOOD, "done" },
+		{ EXIT_CODE_MISSED, "done, but the result is not as good as asked" },
 		{ EXIT_CODE_USAGE, "an option or argument that makes no sense" },
 		{ EXIT_CODE_DATA, "an input or scene file whose content is bad" },
 		{ EXIT_CODE_NO_INPUT, "an input that cannot be opened" },

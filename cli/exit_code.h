@@ -8,6 +8,7 @@
 
 typedef enum exit_code {
 	EXIT_CODE_GOOD = 0,
+	EXIT_CODE_MISSED = 1,
 	EXIT_CODE_USAGE = 2,
 	EXIT_CODE_DATA = 65,
 	EXIT_CODE_NO_INPUT = 66,

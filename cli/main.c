@@ -37,6 +37,21 @@ static gw_status find_verb(const char *word, verb *found, gw_error *error)
 				   nearest_name_hint(hint, word, "", name, VERB_COUNT));
 }
 
+static gw_status call_verb(verb v, settings *s, gw_error *error)
+{
+	switch (v) {
+	case VERB_BAKE:
+		return verb_bake(s, error);
+	case VERB_INFO:
+		return verb_info(s, error);
+	case VERB_COMPARE:
+		return verb_compare(s, error);
+	case VERB_COUNT:
+		break;
+	}
+	return GW_ERROR_INTERNAL;
+}
+
 static gw_status run_verb(int count, char **argument, gw_error *error)
 {
 	verb v = VERB_BAKE;
@@ -49,7 +64,7 @@ static gw_status run_verb(int count, char **argument, gw_error *error)
 		option_text_help(v, stdout);
 		status = GW_OK;
 	} else if (status == GW_OK) {
-		status = v == VERB_BAKE ? verb_bake(&s, error) : verb_info(&s, error);
+		status = call_verb(v, &s, error);
 	}
 	settings_clear(&s);
 	return status;

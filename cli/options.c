@@ -66,9 +66,13 @@ static const char *format_name(int i)
 #define AT(member) .offset = offsetof(settings, member)
 #define BAKE .verbs = 1u << VERB_BAKE
 #define INFO .verbs = 1u << VERB_INFO
+#define COMPARE .verbs = 1u << VERB_COMPARE
 #define BOTH .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
+#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE
+#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
+#define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
 #define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
 
 static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int),
@@ -78,7 +82,7 @@ const option options[] = {
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(output), .group = "Output",
 	  .help = "write the lit points there; - is standard output. The name's extension chooses the "
 			  "format" },
-	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(force), .group = "Output",
+	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
 	  .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
@@ -95,6 +99,21 @@ const option options[] = {
 	  AUTOMATIC(NAN), .group = "Output",
 	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
 
+	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(worst), .group = "Output",
+	  .help = "write the points with the largest errors there, the worst first, with the columns "
+			  "scalar_error and scalar_truth_radiance_*" },
+	{ "worst-count", 0, "N", OPTION_COUNT, QUIETLY, COMPARE, AT(worst_count), RANGE(1.0, 4e9),
+	  .group = "Output", .help = "how many those are" },
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(json_file), .group = "Output",
+	  .help = "write the figures as JSON; - prints them instead of the table" },
+
+	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_rel_rmse), LIMIT,
+	  .group = "Limits", .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
+	{ "max-best99", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_best_99), LIMIT,
+	  .group = "Limits", .help = "the same without the hundredth of the points that is worst" },
+	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_bias), LIMIT, .group = "Limits",
+	  .help = "largest difference of the means, to either side, as a share of the truth's" },
+
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, BAKE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, BAKE, .scene = true, .group = "Scene",
@@ -108,7 +127,7 @@ const option options[] = {
 	{ "up", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(up), .choice = up_name,
 	  .group = "Scene",
 	  .help = "which axis points up, for suns with azimuth and elevation; auto asks the format" },
-	{ "format", 0, NULL, OPTION_TEXT, BOTH, AT(format), .choice = format_name, .group = "Scene",
+	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
@@ -174,7 +193,7 @@ const option options[] = {
 	  .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
-	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, BOTH, AT(help), .group = "Messages",
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, READS, AT(help), .group = "Messages",
 	  .help = "print this and stop" },
 	{ .name = NULL },
 };
@@ -212,7 +231,7 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake", "info", NULL };
+	static const char *const name[] = { "bake", "info", "compare", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -220,14 +239,16 @@ const char *verb_name(int v)
 const char *verb_summary(verb v)
 {
 	static const char *const summary[] = { "light a point cloud",
-										   "say what is in a point cloud, or list devices" };
+										   "say what is in a point cloud, or list devices",
+										   "say how far one lighting is from another" };
 	return summary[v];
 }
 
 const char *verb_synopsis(verb v)
 {
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
-											"info FILE... [--json] | info --devices [--json]" };
+											"info FILE... [--json] | info --devices [--json]",
+											"compare RESULT TRUTH [option]..." };
 	return synopsis[v];
 }
 

@@ -8,7 +8,11 @@ settings settings_default(void)
 {
 	return (settings){ .bake = GW_BAKE_OPTIONS_DEFAULT,
 					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
-					   .exposure = NAN };
+					   .exposure = NAN,
+					   .worst_count = 1000,
+					   .max_rel_rmse = NAN,
+					   .max_best_99 = NAN,
+					   .max_bias = NAN };
 }
 
 void settings_clear(settings *s)

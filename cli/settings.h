@@ -10,6 +10,7 @@
 typedef enum verb {
 	VERB_BAKE,
 	VERB_INFO,
+	VERB_COMPARE,
 	VERB_COUNT,
 } verb;
 
@@ -60,6 +61,9 @@ typedef struct settings {
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
+	const char *worst, *json_file;                 /* of compare */
+	uint32_t worst_count;                          /* points that worst holds */
+	float max_rel_rmse, max_best_99, max_bias;     /* limits; NAN: none */
 	uint64_t given; /* 1 << index in options[] for each that the command line has */
 	char *command;  /* owned; the command line, without what cannot change the points */
 	char **text;    /* owned; text_count strings that others point to */

@@ -1,6 +1,7 @@
 #include "verbs.h"
 #include "bake_report.h"
 #include "lit_scan.h"
+#include "output_name.h"
 #include "progress.h"
 #include "scene_file.h"
 #include "signals.h"
@@ -82,19 +83,12 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
-static bool same_file(const char *a, const char *b)
-{
-	struct stat one, other;
-	return stat(a, &one) == 0 && stat(b, &other) == 0 && S_ISREG(one.st_mode) &&
-		   one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-}
-
 static gw_status check_names(const settings *s, gw_error *error)
 {
 	const char *const out[] = { s->output, s->vdb, s->report };
 	for (size_t k = 0; k < 3; k++) {
 		for (size_t i = 0; out[k] && i < s->input_count; i++)
-			if (same_file(out[k], s->input[i].path))
+			if (output_name_same(out[k], s->input[i].path))
 				return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name",
 							   out[k]);
 		for (size_t j = 0; out[k] && j < k; j++)
@@ -102,27 +96,6 @@ static gw_status check_names(const settings *s, gw_error *error)
 				return gw_fail(error, GW_ERROR_USAGE, "two outputs are called %s", out[k]);
 	}
 	return GW_OK;
-}
-
-static gw_status choose_format(bake *b)
-{
-	const char *path = b->settings->output;
-	if (!path)
-		return GW_OK;
-	struct stat info;
-	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
-	b->format = format_by_path(path);
-	if (!b->format && stream)
-		b->format = format_by_name("ply");
-	if (b->format && b->format->write)
-		return GW_OK;
-	char known[256] = "";
-	for (size_t f = 0; formats[f]; f++)
-		if (formats[f]->write)
-			snprintf(known + strlen(known), sizeof known - strlen(known), "%s.%s",
-					 *known ? ", " : "", formats[f]->extensions[0]);
-	return gw_fail(b->error, GW_ERROR_USAGE,
-				   "%s: the name must end in a format that can be written: %s", path, known);
 }
 
 static gw_status check(bake *b)
@@ -141,7 +114,9 @@ static gw_status check(bake *b)
 	gw_status status = check_streams(s, b->error);
 	if (status == GW_OK)
 		status = check_names(s, b->error);
-	return status == GW_OK ? choose_format(b) : status;
+	if (status == GW_OK && s->output)
+		status = output_name_format(s->output, &b->format, b->error);
+	return status;
 }
 
 /* Before hours of work it has to be clear that the results can be put down. */

@@ -13,4 +13,7 @@ gw_status verb_bake(settings *settings, gw_error *error);
 /* Prints what is in files, or lists the devices, to standard output. */
 gw_status verb_info(const settings *settings, gw_error *error);
 
+/* Prints how far one lit cloud is from another. GW_ERROR_MISSED when a limit is exceeded. */
+gw_status verb_compare(const settings *settings, gw_error *error);
+
 #endif

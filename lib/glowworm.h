@@ -49,6 +49,7 @@ typedef enum gw_status {
 	GW_ERROR_NO_INPUT,  /* a file that cannot be opened for reading */
 	GW_ERROR_CREATE,    /* a file that cannot be created */
 	GW_ERROR_IO,        /* reading or writing failed half way: full disk, closed pipe */
+	GW_ERROR_MISSED,    /* all went well, but the result is not as good as asked */
 } gw_status;
 
 #define GW_ERROR_TEXT 1024

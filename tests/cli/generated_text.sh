@@ -2,7 +2,7 @@
 glowworm --generate bash >bash.txt && bash -n bash.txt
 glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)'
 glowworm --generate fish | grep -c -- '-l light-samples'
-for page in man-glowworm man-glowworm-bake man-glowworm-info; do
+for page in man-glowworm man-glowworm-bake man-glowworm-info man-glowworm-compare; do
 	glowworm --generate $page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
 done
 # Completion of an option's values.

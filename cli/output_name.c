@@ -1,0 +1,30 @@
+#include "output_name.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+bool output_name_same(const char *a, const char *b)
+{
+	struct stat one, other;
+	return stat(a, &one) == 0 && stat(b, &other) == 0 && S_ISREG(one.st_mode) &&
+		   one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}
+
+gw_status output_name_format(const char *path, const format **found, gw_error *error)
+{
+	struct stat info;
+	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	*found = format_by_path(path);
+	if (!*found && stream)
+		*found = format_by_name("ply");
+	if (*found && (*found)->write)
+		return GW_OK;
+	char known[256] = "";
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->write)
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s.%s",
+					 *known ? ", " : "", formats[f]->extensions[0]);
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "%s: the name must end in a format that can be written: %s", path, known);
+}
