@@ -21,6 +21,8 @@
 /* Emitters that cover less of the surface than this are sampled; more are light of the voxels. */
 #define SAMPLED_SHARE 0.1
 
+#define PATCH_SEED 0x2c1b3c6du
+
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
@@ -189,6 +191,30 @@ static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, floa
 	return gw_ray_gather_bounce(&b->passes, &b->rays, lobe_radiance, &b->records, error);
 }
 
+/* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
+ */
+static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
+								gw_error *error)
+{
+	bake *b = self;
+	const float black[3] = { 0 };
+	gw_emitters patches;
+	gw_status status = gw_emitters_make(b->gpu, &b->octree, lobe_radiance, &patches, error);
+	if (status == GW_OK && !gw_emitters_are_small(&patches))
+		status = gather_by_rays(b, lobe_radiance, largest, error);
+	else if (status == GW_OK) {
+		const gw_sampled_sources sources = { .emitters = &patches,
+											 .samples = b->options.light_samples,
+											 .use_hits = true,
+											 .sky = black,
+											 .seed = (uint32_t)b->options.seed ^ PATCH_SEED };
+		status = gw_ray_gather_sampled(&b->passes, &b->octree, &b->records, &b->rays, &sources,
+									   &b->records.gathered, error);
+	}
+	gw_emitters_destroy(b->gpu, &patches);
+	return status;
+}
+
 static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
 								 gw_error *error)
 {
@@ -203,8 +229,13 @@ static gw_status first_by_rays(bake *b, gw_error *error)
 	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, b->options.rays,
 										   (uint32_t)b->options.seed, &b->rays, error);
 	if (status == GW_OK)
-		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &b->rays, &b->emitters,
-									 b->options.light_samples, true, b->plan.sky_radiance, error);
+		status = gw_ray_gather_sampled(&b->passes, &b->octree, &b->records, &b->rays,
+									   &(gw_sampled_sources){ .emitters = &b->emitters,
+															  .samples = b->options.light_samples,
+															  .use_hits = true,
+															  .sky = b->plan.sky_radiance,
+															  .seed = (uint32_t)b->options.seed },
+									   &b->records.first, error);
 	return status;
 }
 
@@ -227,8 +258,12 @@ static gw_status first_by_cones(bake *b, gw_error *error)
 	gw_status status = gw_ray_gather_trace(&b->passes, &b->octree, &b->records, NEAREST_RAYS,
 										   (uint32_t)b->options.seed, &nearest, error);
 	if (status == GW_OK)
-		status = gw_ray_gather_first(&b->passes, &b->octree, &b->records, &nearest, &b->emitters,
-									 samples, false, black, error);
+		status = gw_ray_gather_sampled(&b->passes, &b->octree, &b->records, &nearest,
+									   &(gw_sampled_sources){ .emitters = &b->emitters,
+															  .samples = samples,
+															  .sky = black,
+															  .seed = (uint32_t)b->options.seed },
+									   &b->records.first, error);
 	gw_ray_gather_destroy(b->gpu, &nearest);
 	if (status == GW_OK)
 		status = gw_cone_gather_create(b->gpu, &b->octree, b->options.cones,
@@ -252,8 +287,10 @@ static gw_status place_records(bake *b, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)b->octree.leaf_count;
 	gw_status status = texel4(b, slots, "lobe radiance", &b->lobe_radiance, error);
+	b->emitters.radiance = &b->octree.lobe_emission;
 	if (status == GW_OK && b->plan.emitters)
-		status = gw_emitters_make(b->gpu, &b->octree, &b->emitters, error);
+		status =
+			gw_emitters_make(b->gpu, &b->octree, &b->octree.lobe_emission, &b->emitters, error);
 	if (status == GW_OK)
 		status = gw_records_place(&b->passes, &b->octree, b->options.record_spacing,
 								  b->options.seed, &b->records, error);
@@ -273,19 +310,20 @@ static gw_status gather_first(bake *b, gw_error *error)
 
 static gw_status bounce(bake *b, gw_error *error)
 {
+	bool rays = b->options.method == GW_METHOD_RAYS;
 	gw_bounces bounces;
-	gw_bounces_task task = {
-		.passes = &b->passes,
-		.octree = &b->octree,
-		.records = &b->records,
-		.lobe_direct = &b->lobe_direct,
-		.lobe_radiance = &b->lobe_radiance,
-		.step = { b->options.method == GW_METHOD_RAYS ? gather_by_rays : gather_by_cones, b },
-		.limit = b->plan.bounces ? b->plan.limit : 1,
-		.tolerance = b->options.tolerance,
-		.cancelled = cancelled,
-		.user = b
-	};
+	gw_bounces_task task = { .passes = &b->passes,
+							 .octree = &b->octree,
+							 .records = &b->records,
+							 .lobe_direct = &b->lobe_direct,
+							 .lobe_radiance = &b->lobe_radiance,
+							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
+									   .gather_first = rays ? gather_patches : NULL,
+									   .self = b },
+							 .limit = b->plan.bounces ? b->plan.limit : 1,
+							 .tolerance = b->options.tolerance,
+							 .cancelled = cancelled,
+							 .user = b };
 	gw_status status = gw_bounces_run(&task, &bounces, error);
 	b->report->bounce = bounces.bounce;
 	b->report->bounce_count = bounces.bounce_count;

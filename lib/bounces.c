@@ -107,10 +107,13 @@ static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_e
 }
 
 /* Gathers once, adds it to the indirect irradiance and reflects it. */
-static gw_status reflect_once(const gw_bounces_task *task, float largest, gw_error *error)
+static gw_status reflect_once(const gw_bounces_task *task, bool first, float largest,
+							  gw_error *error)
 {
 	gw_records *records = task->records;
-	gw_status status = task->step.gather(task->step.self, task->lobe_radiance, largest, error);
+	const gw_trace_step *step = &task->step;
+	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
+		step->self, task->lobe_radiance, largest, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_window(&records->gathered, 16),
 										gw_window(&records->indirect, 16) };
@@ -149,7 +152,7 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 		if (task->cancelled && task->cancelled(task->user))
 			return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped at bounce %u", n + 1);
 		started = gw_seconds();
-		status = reflect_once(task, largest, error);
+		status = reflect_once(task, n == 1, largest, error);
 		if (status == GW_OK)
 			status = measure(task, sums, &energy, &largest, error);
 		if (status == GW_OK)

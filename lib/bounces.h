@@ -9,9 +9,12 @@
 #include "gather_rays.h"
 
 /* One trace step: fills records->gathered from the lobes' radiance. largest is its largest
- * component. */
+ * component. gather_first, or NULL, takes its place for the first reflection, of light that lamps
+ * and emitters may have thrown on a few small patches. */
 typedef struct gw_trace_step {
 	gw_status (*gather)(void *self, const gw_buffer *lobe_radiance, float largest, gw_error *error);
+	gw_status (*gather_first)(void *self, const gw_buffer *lobe_radiance, float largest,
+							  gw_error *error);
 	void *self;
 } gw_trace_step;
 

@@ -149,7 +149,10 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 		gw_whole(&octree->ray_directory),      gw_whole(&octree->node),
 		gw_whole(&octree->leaf_tile),          gw_whole(&octree->lobe_plane),
 		gw_whole(&octree->lobe_centre),        gw_window(&octree->surfel_position, 16),
-		gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4)
+		gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
+		gw_whole(&octree->leaf_fragment),      gw_whole(&octree->fragment_surfel),
+		gw_whole(&octree->surfel_position),    gw_whole(&octree->surfel_normal),
+		gw_whole(&octree->surfel_disc),        gw_whole(&octree->surfel_clip)
 	};
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }

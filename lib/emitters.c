@@ -42,7 +42,12 @@ static void fill_aliases(emitter_row *rows, double *share, uint32_t *stack, uint
 		rows[stack[rich++]].probability = 1.0f;
 }
 
-static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *centre, size_t slots,
+static double luminance(const float *c)
+{
+	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
+static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *centre, size_t slots,
 							  gw_emitters *emitters, gw_error *error)
 {
 	emitter_row *rows = gw_allocate_zeros(emitters->count, sizeof *rows);
@@ -55,10 +60,8 @@ static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *c
 		uint32_t n = 0;
 		double total = 0.0;
 		for (size_t i = 0; i < slots; i++) {
-			const float *e = &emission[4 * i];
-			double power = (0.2126 * (double)e[0] + 0.7152 * (double)e[1] + 0.0722 * (double)e[2]) *
-						   (double)centre[4 * i + 3];
-			if (power <= 0.0)
+			double power = luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
+			if (!(power > 0.0))
 				continue;
 			rows[n] = (emitter_row){ .lobe = (uint32_t)i, .alias = n };
 			share[n++] = power;
@@ -81,45 +84,47 @@ static gw_status upload_table(gw_gpu *gpu, const float *emission, const float *c
 	return status;
 }
 
-static void count_emitters(const float *emission, const float *centre, size_t slots,
+static void count_emitters(const float *radiance, const float *centre, size_t slots,
 						   gw_emitters *emitters)
 {
-	double emitting = 0.0, whole = 0.0;
+	double emitting = 0.0, whole = 0.0, power = 0.0, square = 0.0;
 	for (size_t i = 0; i < slots; i++) {
-		const float *e = &emission[4 * i];
-		double area = (double)centre[4 * i + 3];
+		double l = luminance(&radiance[4 * i]), area = (double)centre[4 * i + 3];
 		whole += area;
-		if (area > 0.0 && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f)) {
-			emitters->count++;
-			emitting += area;
-		}
+		if (!(l * area > 0.0))
+			continue;
+		emitters->count++;
+		emitting += area;
+		power += l * area;
+		square += l * l * area;
 	}
 	emitters->area_share = whole > 0.0 ? emitting / whole : 0.0;
+	emitters->evenness = square > 0.0 ? power * power / (square * whole) : 0.0;
 }
 
-gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, gw_emitters *emitters,
-						   gw_error *error)
+gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
+						   gw_emitters *emitters, gw_error *error)
 {
-	*emitters = (gw_emitters){ 0 };
+	*emitters = (gw_emitters){ .radiance = radiance };
 	size_t slots = 2 * (size_t)octree->leaf_count;
-	if (octree->lobe_emission.bytes < 16 * slots)
+	if (radiance->bytes < 16 * slots)
 		return GW_OK;
-	float *emission = gw_allocate_array(slots, 4 * sizeof *emission);
+	float *values = gw_allocate_array(slots, 4 * sizeof *values);
 	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
 	gw_status status = GW_OK;
-	if (!emission || !centre)
+	if (!values || !centre)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_emission, 0,
-									emission, 16 * slots, error);
+		status =
+			gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)radiance, 0, values, 16 * slots, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
 									16 * slots, error);
 	if (status == GW_OK)
-		count_emitters(emission, centre, slots, emitters);
+		count_emitters(values, centre, slots, emitters);
 	if (status == GW_OK && emitters->count > 0)
-		status = upload_table(gpu, emission, centre, slots, emitters, error);
-	free(emission);
+		status = upload_table(gpu, values, centre, slots, emitters, error);
+	free(values);
 	free(centre);
 	return status;
 }

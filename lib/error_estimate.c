@@ -128,11 +128,27 @@ static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint
 	return status;
 }
 
-/* All that reaches the points, into p->half[half]. */
-static gw_status gather_half(const gw_estimate_task *task, int half, const gw_buffer *radiance,
+/* Light straight from some emitters, or from what lobes reflect, added to p->half[half]. */
+static gw_status gather_from(const gw_estimate_task *task, int half, const gw_emitters *emitters,
+							 uint32_t samples, const float sky[3], const gw_ray_gather *gather,
 							 probes *p, gw_error *error)
 {
-	gw_gpu *gpu = task->passes->gpu;
+	const gw_sampled_sources sources = {
+		.emitters = emitters, .samples = samples, .use_hits = true, .sky = sky, .seed = gather->seed
+	};
+	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, &p->place, gather,
+											 &sources, &p->place.gathered, error);
+	if (status == GW_OK)
+		status =
+			download_added(task->passes->gpu, &p->place.gathered, p->half[half], p->count, error);
+	return status;
+}
+
+/* All that reaches the points, into p->half[half]. */
+static gw_status gather_half(const gw_estimate_task *task, int half, const gw_emitters *reflectors,
+							 probes *p, gw_error *error)
+{
+	const float black[3] = { 0 };
 	gw_ray_gather gather = { 0 };
 	uint32_t seed = task->seed ^ (half ? 0xb5297a4du : 0x68e31da4u);
 	p->half[half] = gw_allocate_zeros(p->count, 4 * sizeof(float));
@@ -143,15 +159,12 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_bu
 		status = gw_ray_gather_trace(task->passes, task->octree, &p->place, HALF_RAYS, seed,
 									 &gather, error);
 	if (status == GW_OK)
-		status = gw_ray_gather_first(task->passes, task->octree, &p->place, &gather, task->emitters,
-									 HALF_RAYS, true, task->sky, error);
-	if (status == GW_OK)
-		status = download_added(gpu, &p->place.first, p->half[half], p->count, error);
+		status = gather_from(task, half, task->emitters, HALF_RAYS, task->sky, &gather, p, error);
 	if (status == GW_OK && task->bounces)
-		status = gw_ray_gather_bounce(task->passes, &gather, radiance, &p->place, error);
-	if (status == GW_OK && task->bounces)
-		status = download_added(gpu, &p->place.gathered, p->half[half], p->count, error);
-	gw_ray_gather_destroy(gpu, &gather);
+		status =
+			gather_from(task, half, reflectors, gw_emitters_are_small(reflectors) ? HALF_RAYS : 0,
+						black, &gather, p, error);
+	gw_ray_gather_destroy(task->passes->gpu, &gather);
 	return status;
 }
 
@@ -216,17 +229,22 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *est
 {
 	probes p = { 0 };
 	gw_buffer radiance = { 0 };
+	gw_emitters reflectors = { 0 };
 	*estimate = (gw_error_estimate){ 0 };
 	gw_status status = draw(task, &p, error);
 	if (status == GW_OK && p.count > 0) {
 		status = place(task, &p, error);
 		if (status == GW_OK && task->bounces)
 			status = shade_all(task, &radiance, error);
+		if (status == GW_OK && task->bounces)
+			status =
+				gw_emitters_make(task->passes->gpu, task->octree, &radiance, &reflectors, error);
 		for (int half = 0; half < 2 && status == GW_OK; half++)
-			status = gather_half(task, half, &radiance, &p, error);
+			status = gather_half(task, half, &reflectors, &p, error);
 		if (status == GW_OK)
 			compare(task, &p, estimate);
 	}
+	gw_emitters_destroy(task->passes->gpu, &reflectors);
 	gw_buffer_destroy(task->passes->gpu, &radiance);
 	gw_records_destroy(task->passes->gpu, &p.place);
 	free(p.half[0]);

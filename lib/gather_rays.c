@@ -54,7 +54,7 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 	const gw_binding bindings[] = {
 		gw_whole(&octree->ray_directory), gw_whole(&octree->node),
 		gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),   gw_whole(&octree->lobe_emission),
+		gw_whole(&octree->lobe_centre),   gw_whole(emitters->radiance),
 		gw_whole(&emitters->table),       gw_window(&records->position, 16),
 		gw_window(&records->normal, 16),  gw_window(sampled, 16)
 	};
@@ -69,18 +69,19 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 	return status;
 }
 
-gw_status gw_ray_gather_first(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							  const gw_ray_gather *gather, const gw_emitters *emitters,
-							  uint32_t light_samples, bool use_hits, const float sky[3],
-							  gw_error *error)
+gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								const gw_ray_gather *gather, const gw_sampled_sources *sources,
+								gw_buffer *irradiance, gw_error *error)
 {
+	const gw_emitters *emitters = sources->emitters;
+	const float *sky = sources->sky;
 	gw_buffer sampled = { 0 };
 	gw_record_push push = { .rays = gather->rays,
-							.seed = gather->seed,
-							.light_samples = emitters->count > 0 ? light_samples : 0,
+							.seed = sources->seed,
+							.light_samples = emitters->count > 0 ? sources->samples : 0,
 							.emitters = emitters->count,
 							.emitter_power = emitters->power,
-							.use_hits = use_hits && emitters->count > 0,
+							.use_hits = sources->use_hits && emitters->count > 0,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	gw_status status =
 		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
@@ -88,11 +89,13 @@ gw_status gw_ray_gather_first(gw_passes *passes, const gw_octree *octree, gw_rec
 	if (status == GW_OK && push.light_samples > 0)
 		status = sample_emitters(passes, octree, records, emitters, push, &sampled, error);
 	if (status == GW_OK) {
+		/* The directions of the rays are made again, from their seed. */
+		push.seed = gather->seed;
 		const gw_binding bindings[] = {
 			gw_whole(&gather->lobe),         gw_whole(&gather->distance),
-			gw_whole(&octree->lobe_plane),   gw_whole(&octree->lobe_emission),
+			gw_whole(&octree->lobe_plane),   gw_whole(emitters->radiance),
 			gw_window(&sampled, 16),         gw_window(&records->position, 16),
-			gw_window(&records->normal, 16), gw_window(&records->first, 16)
+			gw_window(&records->normal, 16), gw_window(irradiance, 16)
 		};
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);

@@ -21,17 +21,24 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error);
 void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 
+/* What a sampled gather looks for. */
+typedef struct gw_sampled_sources {
+	const gw_emitters *emitters; /* sampled, where they send out light; count may be 0 */
+	uint32_t samples;            /* of them, a record; 0: only hits count */
+	bool use_hits;    /* emitters that the rays hit count as well, combined with the samples by
+						 multiple    importance sampling */
+	const float *sky; /* 3, radiance seen by rays that leave the scene */
+	uint32_t seed;    /* of the samples */
+} gw_sampled_sources;
+
 /*
- * Irradiance that reaches the records unreflected, into records->first; also the distance to the
- * nearest thing each saw, into position w.
- *   emitters   sampled with light_samples points each; those that the rays hit count as well when
- *              use_hits, combined by multiple importance sampling. light_samples 0: only hits count
- *   sky        radiance seen by rays that leave the scene
+ * Irradiance that reaches the records straight from emitters and sky; also finds the distance to
+ * the nearest thing each record saw, into position w, and which lie inside something solid, into
+ * normal w. irradiance   receives it, records->count vec4
  */
-gw_status gw_ray_gather_first(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							  const gw_ray_gather *gather, const gw_emitters *emitters,
-							  uint32_t light_samples, bool use_hits, const float sky[3],
-							  gw_error *error);
+gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								const gw_ray_gather *gather, const gw_sampled_sources *sources,
+								gw_buffer *irradiance, gw_error *error);
 
 /* One bounce: irradiance from what the rays hit, into records->gathered. */
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,

@@ -124,8 +124,6 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_disc,
-		&work->surfel_clip,
 		&work->surfel_albedo,
 		&work->surfel_emission,
 		&work->surfel_offset,
@@ -217,6 +215,8 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 		&octree->fragment_weight,
 		&octree->surfel_position,
 		&octree->surfel_normal,
+		&octree->surfel_disc,
+		&octree->surfel_clip,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);

@@ -108,6 +108,11 @@ typedef struct gw_octree {
 	gw_buffer surfel_position;
 	/* R32G32B32A32_SFLOAT: unit normal, w = 1 if two-sided */
 	gw_buffer surfel_normal;
+	/* R32G32B32A32_SFLOAT: radius and area of the disc, direction of the first clip (see
+	 * gw_surfels; lengths in leaf cells) */
+	gw_buffer surfel_disc;
+	/* R32G32B32A32_SFLOAT: distance of the first clip; direction and distance of the second */
+	gw_buffer surfel_clip;
 } gw_octree;
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */

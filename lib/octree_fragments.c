@@ -110,8 +110,8 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 	} array[] = {
 		{ &octree->surfel_position, "surfel positions" },
 		{ &octree->surfel_normal, "surfel normals" },
-		{ &work->surfel_disc, "surfel discs" },
-		{ &work->surfel_clip, "surfel clips" },
+		{ &octree->surfel_disc, "surfel discs" },
+		{ &octree->surfel_clip, "surfel clips" },
 		{ &work->surfel_albedo, "surfel albedos" },
 		{ &work->surfel_emission, "surfel emission" },
 	};
@@ -150,8 +150,8 @@ void gw_octree_forget_upload(gw_octree_work *work)
 {
 	gw_buffer *buffer[] = { &work->octree->surfel_position,
 		                    &work->octree->surfel_normal,
-		                    &work->surfel_disc,
-		                    &work->surfel_clip,
+		                    &work->octree->surfel_disc,
+		                    &work->octree->surfel_clip,
 		                    &work->surfel_albedo,
 		                    &work->surfel_emission,
 		                    &work->surfel_offset,
@@ -175,8 +175,8 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),
-		GW_WHOLE(&work->surfel_disc),
-		GW_WHOLE(&work->surfel_clip),
+		GW_WHOLE(&octree->surfel_disc),
+		GW_WHOLE(&octree->surfel_clip),
 		GW_WINDOW(&work->surfel_offset, 4),
 		GW_WINDOW(&work->surfel_samples, 4),
 		GW_WHOLE(emit ? &work->keys.low : stand_in),
@@ -230,8 +230,6 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 	GW_TRY(run_fragments(work, true, error));
 	gw_buffer_destroy(work->gpu, &work->surfel_offset);
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);
-	gw_buffer_destroy(work->gpu, &work->surfel_disc);
-	gw_buffer_destroy(work->gpu, &work->surfel_clip);
 	GW_TRY(gw_radix_sort_run(work->gpu, &work->sort, &work->keys, 3 * octree->depth, error));
 	gw_sort_list_trim(work->gpu, &work->keys);
 	GW_TRY(gather(work, error));

@@ -43,8 +43,6 @@ typedef struct gw_octree_work {
 	gw_radix_sort sort;
 
 	/* Of surfels, only while building. */
-	gw_buffer surfel_disc;     /* R32G32B32A32_SFLOAT: radius, area, direction of the first clip */
-	gw_buffer surfel_clip;     /* likewise: distance of the first clip, second clip */
 	gw_buffer surfel_albedo;   /* likewise: rgb, 0 */
 	gw_buffer surfel_emission; /* likewise; one texel when nothing emits */
 	gw_buffer surfel_offset;   /* count or first of its fragments */
@@ -82,7 +80,8 @@ gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes
 
 /*
  * Picks the cube and uploads the surfels: fills depth to directory_level, surfel_position,
- * surfel_normal and discs_clamped of the octree, and the surfel_ buffers of the work.
+ * surfel_normal, surfel_disc, surfel_clip and discs_clamped of the octree, and the surfel_ buffers
+ * of the work.
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
 

@@ -24,13 +24,15 @@ typedef struct pass_row {
 } pass_row;
 
 static const pass_row table[GW_PASS_COUNT] = {
-	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsss", sizeof(gw_light_push), 4096 },
+	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttssstttttt", sizeof(gw_light_push),
+								   4096 },
 	[GW_PASS_SHADOW_MAP_SPLAT] = { "shadow_map_splat", "ttss", sizeof(gw_shadow_push),
 								   (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE },
 	[GW_PASS_SHADOW_MAP_VISIBILITY] = { "shadow_map_visibility", "tsss", sizeof(gw_shadow_push),
 										36 },
 	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push), 0 },
 	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048 },
+	[GW_PASS_RECORD_PLACE] = { "record_place", "tttttsss", sizeof(gw_record_push), 2048 },
 	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttss", sizeof(gw_lookup_push), 16 },
 	[GW_PASS_RECORD_RAYS] = { "record_rays", "tttttttss", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttsss", sizeof(gw_record_push), 4096 },

@@ -73,24 +73,28 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	return status;
 }
 
-/* Uploads position and normal of the chosen lobes. */
-static gw_status upload_places(gw_gpu *gpu, const float *centre, const float *plane,
-							   const uint32_t *chosen, gw_records *records, gw_error *error)
+/* Puts a record on each of the chosen lobes. */
+static gw_status put_on_lobes(gw_passes *passes, const gw_octree *octree, const uint32_t *chosen,
+							  gw_records *records, gw_error *error)
 {
-	float *rows = gw_allocate_array(records->count, 4 * sizeof *rows);
-	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
-	for (size_t i = 0; i < records->count; i++) {
-		memcpy(&rows[4 * i], &centre[4 * (size_t)chosen[i]], 3 * sizeof *rows);
-		rows[4 * i + 3] = 0.0f;
-	}
-	uint64_t bytes = 16 * (uint64_t)records->count;
-	gw_status status = gw_buffer_upload(gpu, &records->position, 0, rows, bytes, error);
-	for (size_t i = 0; i < records->count; i++)
-		memcpy(&rows[4 * i], &plane[4 * (size_t)chosen[i]], 3 * sizeof *rows);
+	gw_gpu *gpu = passes->gpu;
+	gw_buffer lobe = { 0 };
+	uint64_t bytes = 4 * (uint64_t)records->count;
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+										"record lobe", &lobe, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &records->normal, 0, rows, bytes, error);
-	free(rows);
+		status = gw_buffer_upload(gpu, &lobe, 0, chosen, bytes, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = {
+			gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
+			gw_whole(&octree->surfel_position), gw_whole(&octree->lobe_plane),
+			gw_whole(&octree->lobe_centre),     gw_window(&lobe, 4),
+			gw_window(&records->position, 16),  gw_window(&records->normal, 16)
+		};
+		status = gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
+							   records->count, error);
+	}
+	gw_buffer_destroy(gpu, &lobe);
 	return status;
 }
 
@@ -184,7 +188,7 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 	if (status == GW_OK)
 		status = create_buffers(passes->gpu, octree, records, error);
 	if (status == GW_OK && count > 0)
-		status = upload_places(passes->gpu, centre, plane, chosen, records, error);
+		status = put_on_lobes(passes, octree, chosen, records, error);
 	if (status == GW_OK && count > 0)
 		status = list_by_block(passes, octree, records, error);
 	free(centre);
@@ -206,7 +210,6 @@ gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal
 	} rows[] = {
 		{ &records->position, position, "probe position" },
 		{ &records->normal, normal, "probe normal" },
-		{ &records->first, NULL, "probe first irradiance" },
 		{ &records->gathered, NULL, "probe gathered irradiance" },
 	};
 	uint64_t bytes = 16 * (uint64_t)count;

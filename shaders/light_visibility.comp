@@ -27,11 +27,18 @@ layout(binding = 7) buffer Visibility
 {
 	float visibility[];
 };
+layout(binding = 8) uniform usamplerBuffer leaf_fragment;
+layout(binding = 9) uniform usamplerBuffer fragment_surfel;
+layout(binding = 10) uniform samplerBuffer surfel_place;
+layout(binding = 11) uniform samplerBuffer surfel_facing;
+layout(binding = 12) uniform samplerBuffer surfel_disc;
+layout(binding = 13) uniform samplerBuffer surfel_clip;
 layout(push_constant) uniform Push
 {
 	gw_light_push push;
 };
 
+#include "octree_discs.glsl"
 #include "octree_trace.glsl"
 #include "light.glsl"
 

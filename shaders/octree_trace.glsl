@@ -1,6 +1,7 @@
 /*
  * octree_trace.glsl - tracing rays. Uses the texel buffers ray_directory, node, leaf_tile,
- * lobe_plane and lobe_centre (octree.h).
+ * lobe_plane and lobe_centre (octree.h). With octree_discs.glsl before it, a plane counts only
+ * where discs cover it.
  */
 #ifndef OCTREE_TRACE_GLSL
 #define OCTREE_TRACE_GLSL
@@ -58,6 +59,10 @@ bool hit_plane(int slot, bool both_sides, vec3 origin, vec4 tangent_plane, vec3 
 		if (!both_sides)
 			return false;
 	}
+#ifdef TRACE_DISCS
+	if (!is_covered(slot, origin + direction * distance))
+		return false;
+#endif
 	t = distance;
 	return true;
 }

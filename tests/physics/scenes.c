@@ -201,12 +201,13 @@ bool scene_has_stage(const gw_report *report, const char *name)
 	return false;
 }
 
-uint64_t scene_dispatches(const gw_report *report)
+const gw_effect *scene_effect(const gw_report *report, const char *name)
 {
-	uint64_t sum = 0;
-	for (uint32_t i = 0; i < report->stage_count; i++)
-		sum += report->stage[i].dispatches;
-	return sum;
+	for (uint32_t i = 0; i < report->effect_count; i++)
+		if (strcmp(report->effect[i].name, name) == 0)
+			return &report->effect[i];
+	fail_msg("the report has no effect %s", name);
+	return NULL;
 }
 
 gw_light scene_point_light(double x, double y, double z, float intensity)

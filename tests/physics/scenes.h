@@ -71,8 +71,8 @@ double scene_mean(const float *values, size_t count, size_t channel);
 /* The report has a stage of that name. */
 bool scene_has_stage(const gw_report *report, const char *name);
 
-/* Sum of the dispatches of all stages. */
-uint64_t scene_dispatches(const gw_report *report);
+/* The effect of that name; the test fails when the report has none. */
+const gw_effect *scene_effect(const gw_report *report, const char *name);
 
 /* A white point light without extent: intensity in W/sr, the same in all channels. */
 gw_light scene_point_light(double x, double y, double z, float intensity);

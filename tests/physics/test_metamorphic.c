@@ -228,7 +228,10 @@ static void compare_dark_light(gw_method method, const scene *hall, const gw_lig
 		brighten(&more[i], 0.0f);
 	gw_bake_result *result = bake_hall(hall, more, 2 * LIGHTS, method);
 	assert_same_light(result, plain, 1.0f, NULL);
-	assert_int_equal(scene_dispatches(&result->report), scene_dispatches(&plain->report));
+	/* How many dispatches a pass is cut into depends on time; for which lights there are passes
+	 * does not. */
+	assert_string_equal(scene_effect(&result->report, "direct light")->reason,
+						scene_effect(&plain->report, "direct light")->reason);
 	gw_bake_result_destroy(&result);
 }
 

@@ -1,0 +1,53 @@
+/*
+ * octree_discs.glsl - where in its cell a lobe's plane is really covered by surface. Uses the texel
+ * buffers leaf_fragment, fragment_surfel, surfel_place, surfel_facing, surfel_disc and surfel_clip
+ * (octree.h); include it before octree_trace.glsl.
+ *
+ * A plane fills its cell, so alone it would end a surface a cell too far, and a shadow's edge with
+ * it. The discs end where the surface does; inside a surface some eight of them cover each place.
+ * Near an edge each is cut by its own guess of where the edge is, and a third of them decides: half
+ * would end surfaces short, because discs cut off before this cell have no say in it.
+ */
+#ifndef OCTREE_DISCS_GLSL
+#define OCTREE_DISCS_GLSL
+
+#define TRACE_DISCS
+
+#include "sampling.glsl"
+
+/* A ray may pass between two discs that were cut at the same crease. */
+const float DISC_SLACK = 0.02; /* leaf cells */
+
+/* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
+const uint DISC_FRAGMENTS = 256u;
+
+bool is_covered(int slot, vec3 at)
+{
+	uint first = texelFetch(leaf_fragment, slot >> 1).x;
+	uint last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
+	if (last - first > DISC_FRAGMENTS)
+		return true;
+	int votes = 0;
+	for (uint f = first; f < last; f++) {
+		uint word = texelFetch(fragment_surfel, int(f)).x;
+		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
+			continue;
+		int surfel = int(word & 0x3fffffffu);
+		vec4 size = texelFetch(surfel_disc, surfel);
+		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
+		vec3 normal = texelFetch(surfel_facing, surfel).xyz, t, b;
+		off -= normal * dot(normal, off);
+		float radius = size.x + DISC_SLACK;
+		if (dot(off, off) > radius * radius)
+			continue;
+		vec4 clip = texelFetch(surfel_clip, surfel);
+		tangent_frame(normal, t, b);
+		vec2 p = vec2(dot(t, off), dot(b, off));
+		vec2 over = vec2(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w);
+		bool kept = max(over.x, over.y) <= DISC_SLACK;
+		votes += kept ? 2 : -1;
+	}
+	return votes > 0;
+}
+
+#endif
