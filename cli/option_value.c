@@ -197,6 +197,36 @@ static gw_status set_fields(const option *o, settings *s, const char *text, gw_e
 	return GW_OK;
 }
 
+static gw_status set_gain(settings *s, const char *text, gw_error *error)
+{
+	settings_gain gain;
+	const char *equals = strrchr(text, '='), *at = equals ? equals + 1 : text;
+	double value = NAN;
+	int count = 0;
+	while (equals && equals > text && count < 3) {
+		size_t used = number_read(at, strlen(at), &value);
+		if (used == 0 || !(value >= 0.0 && value <= 1e9))
+			break;
+		gain.factor[count++] = (float)value;
+		at += used;
+		if (*at != ',')
+			break;
+		at++;
+	}
+	if ((count != 1 && count != 3) || *at || at[-1] == ',')
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "is '%.80s', but must be NAME=FACTOR or NAME=R,G,B with factors of 0 to 1e9",
+					   text);
+	for (int k = count; k < 3; k++)
+		gain.factor[k] = gain.factor[0];
+	const char *kept = settings_keep(s, text, error);
+	if (!kept)
+		return GW_ERROR_MEMORY;
+	s->text[s->text_count - 1][equals - text] = '\0';
+	gain.name = kept;
+	return settings_add_gain(s, &gain, error);
+}
+
 gw_status option_set(const option *o, settings *s, const char *text, gw_error *error)
 {
 	lamp light;
@@ -224,6 +254,8 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 		if (light_from_text(text, &light, error) != GW_OK)
 			return GW_ERROR_USAGE;
 		return settings_add_light(s, &light, error);
+	case OPTION_GAIN:
+		return set_gain(s, text, error);
 	case OPTION_ALBEDO:
 		return set_albedo(o, s, text, error);
 	case OPTION_FIELDS:

@@ -67,9 +67,11 @@ static const char *format_name(int i)
 #define BAKE .verbs = 1u << VERB_BAKE
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
+#define MIX .verbs = 1u << VERB_MIX
+#define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
 #define BOTH .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
-#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE
-#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE
+#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE | 1u << VERB_MIX
+#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -79,7 +81,7 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, LIGHTS, AT(output), .group = "Output",
 	  .help = "write the lit points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
@@ -92,10 +94,10 @@ const option options[] = {
 	  .help = "write what was done, left out and measured, as JSON" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
 	  .group = "Output", .help = "more columns for the points, with commas between them" },
-	{ "colors", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(colors), .choice = colors_name,
+	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
 	  .group = "Output",
 	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
-	{ "exposure", 0, "EV", OPTION_REAL, BAKE, .scene = true, AT(exposure), RANGE(-100.0, 100.0),
+	{ "exposure", 0, "EV", OPTION_REAL, LIGHTS, .scene = true, AT(exposure), RANGE(-100.0, 100.0),
 	  AUTOMATIC(NAN), .group = "Output",
 	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
 
@@ -113,6 +115,10 @@ const option options[] = {
 	  .group = "Limits", .help = "the same without the hundredth of the points that is worst" },
 	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_bias), LIMIT, .group = "Limits",
 	  .help = "largest difference of the means, to either side, as a share of the truth's" },
+
+	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, MIX, .group = "Lamps",
+	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
+			  "be given many times; the name rest is all light that belongs to no lamp" },
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, BAKE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
@@ -189,7 +195,7 @@ const option options[] = {
 	  .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(quiet), .group = "Messages",
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, LIGHTS, AT(quiet), .group = "Messages",
 	  .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
@@ -231,7 +237,7 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake", "info", "compare", NULL };
+	static const char *const name[] = { "bake", "info", "compare", "mix", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -240,7 +246,8 @@ const char *verb_summary(verb v)
 {
 	static const char *const summary[] = { "light a point cloud",
 										   "say what is in a point cloud, or list devices",
-										   "say how far one lighting is from another" };
+										   "say how far one lighting is from another",
+										   "change the strength of lamps after a bake" };
 	return summary[v];
 }
 
@@ -248,7 +255,8 @@ const char *verb_synopsis(verb v)
 {
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
 											"info FILE... [--json] | info --devices [--json]",
-											"compare RESULT TRUTH [option]..." };
+											"compare RESULT TRUTH [option]...",
+											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]..." };
 	return synopsis[v];
 }
 

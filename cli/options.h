@@ -19,6 +19,7 @@ typedef enum option_type {
 	OPTION_REAL,   /* float */
 	OPTION_LIGHT,  /* added to the lights */
 	OPTION_ALBEDO, /* source of the albedo */
+	OPTION_GAIN,   /* NAME=FACTOR, added to the gains */
 	OPTION_FIELDS, /* uint32_t, 1 << choice, a list with commas */
 } option_type;
 

@@ -23,6 +23,7 @@ void settings_clear(settings *s)
 		free(s->text[i]);
 	free(s->input);
 	free(s->light);
+	free(s->gain);
 	free(s->text);
 	free(s->command);
 	*s = settings_default();
@@ -50,6 +51,16 @@ gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
 	s->light = grown;
 	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+gw_status settings_add_gain(settings *s, const settings_gain *gain, gw_error *error)
+{
+	settings_gain *grown = growing_table_room(s->gain, s->gain_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of gains");
+	s->gain = grown;
+	s->gain[s->gain_count++] = *gain;
 	return GW_OK;
 }
 

@@ -11,6 +11,7 @@ typedef enum verb {
 	VERB_BAKE,
 	VERB_INFO,
 	VERB_COMPARE,
+	VERB_MIX,
 	VERB_COUNT,
 } verb;
 
@@ -48,6 +49,12 @@ typedef enum settings_field {
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
+/* How much stronger one lamp shall be. */
+typedef struct settings_gain {
+	const char *name; /* of the lamp, or "rest" */
+	float factor[3];
+} settings_gain;
+
 typedef struct settings {
 	gw_bake_options bake;
 	scan_points_options points;
@@ -61,9 +68,11 @@ typedef struct settings {
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
-	const char *worst, *json_file;                 /* of compare */
-	uint32_t worst_count;                          /* points that worst holds */
-	float max_rel_rmse, max_best_99, max_bias;     /* limits; NAN: none */
+	const char *worst, *json_file;             /* of compare */
+	uint32_t worst_count;                      /* points that worst holds */
+	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
+	settings_gain *gain;                       /* owned; of mix */
+	size_t gain_count;
 	uint64_t given; /* 1 << index in options[] for each that the command line has */
 	char *command;  /* owned; the command line, without what cannot change the points */
 	char **text;    /* owned; text_count strings that others point to */
@@ -73,9 +82,11 @@ typedef struct settings {
 settings settings_default(void);
 void settings_clear(settings *settings);
 
-/* Adds an input or a light; copies. */
+/* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+gw_status settings_add_gain(settings *settings, const settings_gain *gain, gw_error *error);
 
 /* Keeps a copy of a text until settings_clear; NULL when memory is short. */
 const char *settings_keep(settings *settings, const char *text, gw_error *error);

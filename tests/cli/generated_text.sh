@@ -2,8 +2,8 @@
 glowworm --generate bash >bash.txt && bash -n bash.txt
 glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)'
 glowworm --generate fish | grep -c -- '-l light-samples'
-for page in man-glowworm man-glowworm-bake man-glowworm-info man-glowworm-compare; do
-	glowworm --generate $page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
+for page in glowworm glowworm-bake glowworm-info glowworm-compare glowworm-mix; do
+	glowworm --generate man-$page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
 done
 # Completion of an option's values.
 bash -c '. ./bash.txt; COMP_WORDS=(glowworm bake --shadows t); COMP_CWORD=3; _glowworm
