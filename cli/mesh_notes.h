@@ -1,0 +1,12 @@
+/*
+ * mesh_notes.h - what people should know about a mesh that was read: messages on standard error.
+ */
+#ifndef MESH_NOTES_H
+#define MESH_NOTES_H
+
+#include "mesh.h"
+
+/* Prints the mesh's notes, and what of it was left out. name: of the file. */
+void mesh_notes_print(const mesh *mesh, const char *name);
+
+#endif
