@@ -2,10 +2,13 @@
 
 #include <stdio.h>
 
-void mesh_notes_print(const mesh *m, const char *name)
+void mesh_notes_print(const mesh *m, const char *name, bool albedo_given)
 {
 	for (size_t i = 0; i < m->note_count; i++)
 		fprintf(stderr, "glowworm: note: %s\n", m->note[i]);
+	if (m->bare && !albedo_given)
+		fprintf(stderr, "glowworm: note: %s has neither materials nor colours; its albedo is %g\n",
+				name, (double)GW_ALBEDO_DEFAULT);
 	if (m->faces_flat > 0)
 		fprintf(stderr, "glowworm: note: %s: %zu faces with fewer than 3 corners are left out\n",
 				name, m->faces_flat);

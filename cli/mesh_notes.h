@@ -6,7 +6,9 @@
 
 #include "mesh.h"
 
-/* Prints the mesh's notes, and what of it was left out. name: of the file. */
-void mesh_notes_print(const mesh *mesh, const char *name);
+/* Prints the mesh's notes, and what of it was left out.
+ *   name          of the file
+ *   albedo_given  its albedo comes from elsewhere */
+void mesh_notes_print(const mesh *mesh, const char *name, bool albedo_given);
 
 #endif

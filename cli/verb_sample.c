@@ -82,7 +82,7 @@ static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error
 	if (status == GW_OK)
 		status = add_comment(s, cloud, error);
 	if (status == GW_OK && !s->quiet)
-		mesh_notes_print(m, name);
+		mesh_notes_print(m, name, false);
 	if (status == GW_OK && s->verbose)
 		print_summary(m, name, count);
 	return status;

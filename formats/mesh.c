@@ -11,6 +11,9 @@
 #include <string.h>
 #include <strings.h>
 
+/* Room for a note. */
+#define NOTE 512
+
 static const char *const obj_extensions[] = { "obj", NULL };
 
 const format obj_format = {
@@ -68,16 +71,17 @@ gw_status mesh_read(const char *path, mesh *m, gw_error *error)
 
 gw_status mesh_add_note(mesh *m, gw_error *error, const char *form, ...)
 {
-	char **grown = growing_table_room(m->note, m->note_count, sizeof *grown), *text = NULL;
+	char **grown = growing_table_room(m->note, m->note_count, sizeof *grown), text[NOTE];
 	if (grown)
 		m->note = grown;
 	va_list arguments;
 	va_start(arguments, form);
-	int length = grown ? vasprintf(&text, form, arguments) : -1;
+	vsnprintf(text, sizeof text, form, arguments);
 	va_end(arguments);
-	if (length < 0)
+	char *copy = grown ? strdup(text) : NULL;
+	if (!copy)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a note");
-	m->note[m->note_count++] = text;
+	m->note[m->note_count++] = copy;
 	return GW_OK;
 }
 

@@ -39,6 +39,7 @@ typedef struct mesh {
 	char **note; /* sentences that the user should read */
 	size_t note_count;
 	const format *format; /* in the file */
+	bool bare;            /* neither colours nor materials: GW_ALBEDO_DEFAULT stands in */
 	size_t faces;         /* in the file */
 	size_t faces_flat;    /* of those, left out because they have fewer than 3 corners */
 	size_t faces_crossed; /* of those, concave ones that could only be cut into a fan */

@@ -8,6 +8,7 @@
 #include "mesh_text.h"
 #include "scan_color.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -101,18 +102,15 @@ static gw_status take_normal(reader *r)
 static bool open_beside(const reader *r, mesh_word name, input_file *in)
 {
 	const char *slash = strrchr(r->path, '/');
-	char *path = NULL;
-	if (name.length == 0 || memchr(name.text, '\0', name.length))
+	char path[PATH_MAX];
+	if (name.length == 0 || name.length >= sizeof path || memchr(name.text, '\0', name.length))
 		return false;
 	bool own = *name.text == '/' || !slash;
-	if (asprintf(&path, "%.*s%.*s", own ? 0 : (int)(slash - r->path) + 1, r->path, (int)name.length,
-				 name.text) < 0)
-		return false;
+	int length = snprintf(path, sizeof path, "%.*s%.*s", own ? 0 : (int)(slash - r->path) + 1,
+						  r->path, (int)name.length, name.text);
 	struct stat info;
-	bool open =
-		stat(path, &info) == 0 && S_ISREG(info.st_mode) && input_file_open(in, path, NULL) == GW_OK;
-	free(path);
-	return open;
+	return length > 0 && (size_t)length < sizeof path && stat(path, &info) == 0 &&
+		   S_ISREG(info.st_mode) && input_file_open(in, path, NULL) == GW_OK;
 }
 
 /* One name with blanks in it, else several names. */
@@ -260,10 +258,7 @@ static gw_status finish(reader *r)
 							   "%s: the material '%s' is nowhere defined; its faces get an albedo "
 							   "of %g",
 							   r->in->name, r->undefined_name, (double)GW_ALBEDO_DEFAULT);
-	if (status == GW_OK && m->material_count == 0 && !m->color && r->undefined == 0)
-		status =
-			mesh_add_note(m, r->error, "%s has neither materials nor colours; its albedo is %g",
-						  r->in->name, (double)GW_ALBEDO_DEFAULT);
+	m->bare = m->material_count == 0 && !m->color && r->undefined == 0;
 	return status;
 }
 

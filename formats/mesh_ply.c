@@ -270,9 +270,7 @@ gw_status mesh_ply_read(input_file *in, mesh *m, gw_error *error)
 	scan_clear(&cloud);
 	if (status == GW_OK)
 		status = read_faces(in, m, error);
-	if (status == GW_OK && !m->color)
-		status = mesh_add_note(m, error, "%s: its vertices have no colours; the albedo is %g",
-							   in->name, (double)GW_ALBEDO_DEFAULT);
+	m->bare = !m->color;
 	if (status != GW_OK)
 		mesh_clear(m);
 	return status;

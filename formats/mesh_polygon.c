@@ -83,10 +83,14 @@ static double turn(const double *flat, uint32_t a, uint32_t b, uint32_t c)
  * never does. */
 static bool fan_is_right(const mesh_polygon *p)
 {
-	for (uint32_t i = 1; i + 1 < p->count; i++)
-		if (!(turn(p->flat, 0, i, i + 1) >= 0.0))
+	double area = 0.0;
+	for (uint32_t i = 1; i + 1 < p->count; i++) {
+		double part = turn(p->flat, 0, i, i + 1);
+		area += part;
+		if (!(part >= 0.0))
 			return false;
-	return true;
+	}
+	return area > 0.0;
 }
 
 static bool is_ear(const mesh_polygon *p, const uint32_t *ring, size_t left, size_t at)
@@ -111,11 +115,13 @@ static bool is_ear(const mesh_polygon *p, const uint32_t *ring, size_t left, siz
 }
 
 /* Cuts ears off until a triangle is left. Writes 3 * (count - 2) indices; false when no corner is
- * an ear, as happens when edges cross; the rest is a fan then. */
+ * an ear, as happens when edges cross (the rest is a fan then), or the last triangle is inside out.
+ */
 static bool cut_ears(mesh_polygon *p, uint32_t *out)
 {
 	uint32_t ring[EAR_CORNERS];
 	size_t left = p->count, at = 0, tried = 0;
+	double area = 0.0;
 	bool simple = true;
 	for (uint32_t i = 0; i < left; i++)
 		ring[i] = i;
@@ -126,6 +132,7 @@ static bool cut_ears(mesh_polygon *p, uint32_t *out)
 			simple = simple && ++tried < left;
 			continue;
 		}
+		area += turn(p->flat, ring[(at + left - 1) % left], ring[at], ring[(at + 1) % left]);
 		*out++ = ring[(at + left - 1) % left];
 		*out++ = ring[at];
 		*out++ = ring[(at + 1) % left];
@@ -136,7 +143,8 @@ static bool cut_ears(mesh_polygon *p, uint32_t *out)
 		tried = 0;
 	}
 	memcpy(out, ring, 3 * sizeof *ring);
-	return simple;
+	/* All but the last triangle turn left; it does too, to rounding, unless edges cross. */
+	return simple && turn(p->flat, ring[0], ring[1], ring[2]) >= -1e-9 * area;
 }
 
 static gw_status reserve_scratch(mesh_polygon *p, gw_error *error)
