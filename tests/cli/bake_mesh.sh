@@ -13,7 +13,8 @@ printf 'v 0 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nf 1 2 3 4\n' >square.obj
 cat >scene.json <<'END'
 {"version": 1,
  "inputs": [{"file": "floor.ply", "albedo": 0.5},
-            {"file": "square.obj", "matrix": [3,0,0,0, 0,3,0,0, 0,0,-1,1, 0,0,0,1], "albedo": 0.25}],
+            {"file": "square.obj", "albedo": 0.25,
+             "matrix": [3,0,0,0, 0,3,0,0, 0,0,-1,1, 0,0,0,1]}],
  "lights": [{"type": "point", "position": [1, 1, 3], "intensity": 40}],
  "bake": {"bounces": 1}}
 END
@@ -22,8 +23,8 @@ points() { sed -n 's/.*"points": \([0-9]*\).*/\1/p' report.json; }
 # The scan's median density is that of its inside, 400, as far as the estimate by neighbours goes.
 points | awk 'NR == 3 { print NR, ($1 > 0.9 * 3600 && $1 < 1.1 * 3600) ? "as dense" : $1 }'
 # Mirrored, the square faces up: 40 / 2^2 * 0.25 / pi = 0.79577 below the light, less what a place
-# beside it is off by, at most one spacing of 0.05: (1 + 0.05^2 / 2^2)^-1.5 = 0.999. The floor, under
-# it, is dark.
+# beside it is off by, at most one spacing of 0.05: (1 + 0.05^2 / 2^2)^-1.5 = 0.999. The floor,
+# under it, is dark.
 glowworm info lit.ply | awk '$1 == "scalar_radiance_r" {
 	print $3, ($4 > 0.999 * 0.79577 && $4 < 1.00001 * 0.79577) ? "as the closed form" : $4 }'
 # With a density of its own, and one for all.
