@@ -80,7 +80,7 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, WRITES, AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, MAKES, AT(output), .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
@@ -201,8 +201,8 @@ const option options[] = {
 	  .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, MAKES, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
-	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help), .group = "Messages",
-	  .help = "print this and stop" },
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
+	  .group = "Messages", .help = "print this and stop" },
 	{ .name = NULL },
 };
 
@@ -249,7 +249,6 @@ const char *verb_summary(verb v)
 	static const char *const summary[] = { "light a point cloud",
 										   "say what is in a point cloud, or list devices",
 										   "say how far one lighting is from another",
-
 										   "make a point cloud of a mesh" };
 	return summary[v];
 }
@@ -259,7 +258,6 @@ const char *verb_synopsis(verb v)
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
 											"info FILE... [--json] | info --devices [--json]",
 											"compare RESULT TRUTH [option]...",
-
 											"sample MESH -o POINTS [option]..." };
 	return synopsis[v];
 }
