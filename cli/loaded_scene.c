@@ -167,7 +167,11 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							 scan_points *points, loaded_input *facts, gw_error *error)
 {
 	scan_points_options options = s->points;
-	options.linear_colors = s->gamma == 1;
+	options.linear_colors = s->gamma == 1 && !facts->is_mesh;
+	/* Where the albedo of scans comes from does not concern meshes, whose colours we made, black
+	 * ones included. */
+	if (facts->is_mesh && options.albedo != SCAN_ALBEDO_CONSTANT)
+		options.albedo = SCAN_ALBEDO_COLOR;
 	gw_status status = scan_points_make(cloud, &options, points, error);
 	if (status != GW_OK)
 		return status;
@@ -178,7 +182,8 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	if (from->has_albedo)
 		strcpy(facts->albedo_source, "a constant, as the scene file says");
 	scan_color color;
-	facts->albedo_missing = !from->has_albedo && s->points.albedo == SCAN_ALBEDO_AUTO &&
+	facts->albedo_missing = !from->has_albedo && !facts->is_mesh &&
+							s->points.albedo == SCAN_ALBEDO_AUTO &&
 							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
 							   scan_color_find(cloud, scan_color_names, &color)) ||
 							 color.black);

@@ -54,6 +54,19 @@ echo '{"version": 1, "inputs": [{"file": "mesh.ply", "mesh": true, "emission": 2
 glowworm bake ply.json --count 500 --bounces 0 -f -o lit.ply 2>/dev/null
 glowworm info lit.ply | grep -E '^  (points|scalar_radiance_r)'
 glowworm bake ply.json --print-scene | grep mesh
+# The albedo of a scan may come from its intensity; the mesh, black here, keeps its own.
+printf 'newmtl soot\nKd 0 0 0\nKe 1 1 1\n' >soot.mtl
+{ printf 'mtllib soot.mtl\nusemtl soot\n'; cat square.obj; } >soot.obj
+sed -e 's/property float nz/&\nproperty float intensity/' -e '/^[0-9]/s/$/ 7/' floor.ply >bright.ply
+sed 's/floor.ply", "albedo": 0.5/bright.ply"/; s/square.obj", "albedo": 0.25/soot.obj"/' \
+	scene.json >mixed.json
+glowworm bake mixed.json --albedo intensity --bounces 0 -q -f -o lit.ply
+glowworm info lit.ply | awk '$1 == "albedo_r" || $1 == "scalar_radiance_r" { print $1, $3, $4 }'
+# The sample scenes: inputs with as many points as their areas have shares of 20 m^2 + 2.16 m^2.
+glowworm bake "$SOURCE/samples/cornell.scene.json" --count 2216 --bounces 0 -o - \
+	--report cornell.json >cornell.ply
+sed -n 's/.*"points": \([0-9]*\).*/\1/p' cornell.json | sed -n 2,3p
+glowworm info cornell.ply | awk '$1 == "scalar_radiance_r" { print $3, $4 }'
 # What makes no sense.
 refuse() {
 	glowworm bake bad.json --light 'sky radiance 1' -f -o lit.ply
@@ -67,6 +80,8 @@ refuse() {
 	echo '{"version": 1, "inputs": [{"file": "square.obj", "density": 0}]}' >bad.json
 	refuse
 	sed 's/3,0,0,0, 0,3,0,0/3,6,0,0, 0.1,0.2,0,0/' scene.json >bad.json
+	refuse
+	echo '{"version": 1, "inputs": [{"file": "square.obj", "mesh": false}]}' >bad.json
 	refuse
 	echo '{"version": 1, "inputs": [{"file": "floor.ply", "mesh": true}]}' >bad.json
 	refuse
