@@ -276,9 +276,8 @@ static gw_status find_density(const settings *s, const loaded_scene *scene, cons
 	*density = s->density > 0.0f ? (double)s->density : (double)s->count / area;
 	if (!needed || s->density > 0.0f || !largest)
 		return GW_OK;
-	gw_points points = { .count = largest->cloud.count, .position = largest->points.position };
 	gw_statistics statistics;
-	gw_status status = gw_measure(&points, s->bake.threads, &statistics, error);
+	gw_status status = gw_measure(&largest->points.points, s->bake.threads, &statistics, error);
 	if (status == GW_OK && !(statistics.density > 0.0 && isfinite(statistics.density)))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the clouds have no density that meshes could follow; give --density");
