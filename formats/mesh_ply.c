@@ -166,6 +166,12 @@ static gw_status take_faces(reader *r, const ply_element *element)
 					   "%s: its faces have no list 'vertex_indices', so they lead nowhere",
 					   r->in->name);
 	gw_status status = GW_OK;
+	for (size_t k = 0; k < element->property_count && status == GW_OK && !r->mesh->color; k++)
+		if (strcmp(element->property[k].name, "red") == 0)
+			status = mesh_add_note(r->mesh, r->error,
+								   "%s: its faces have colours, which are not read; only those of "
+								   "vertices are",
+								   r->in->name);
 	for (r->entry = 0; r->entry < element->count && status == GW_OK; r->entry++)
 		for (size_t k = 0; k < element->property_count && status == GW_OK; k++)
 			status = k == own ? take_face(r, &element->property[k])
