@@ -164,7 +164,7 @@ demo: deps  ## make a cave, light it and say what came out
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
 plugin = $(DESTDIR)$(PREFIX)/lib/glowworm
-SAMPLES          = $(wildcard samples/*.scene.json samples/*.sh samples/README.md)
+SAMPLES          = $(wildcard $(addprefix samples/,*.scene.json *.obj *.mtl *.sh README.md))
 
 install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
 	install -D -t $(bin) $(BUILD)/glowworm $(SAMPLE_PROGRAMS)

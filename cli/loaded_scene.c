@@ -167,7 +167,11 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							 scan_points *points, loaded_input *facts, gw_error *error)
 {
 	scan_points_options options = s->points;
-	options.linear_colors = s->gamma == 1;
+	options.linear_colors = s->gamma == 1 && !facts->is_mesh;
+	/* Where the albedo of scans comes from does not concern meshes, whose colours we made, black
+	 * ones included. */
+	if (facts->is_mesh && options.albedo != SCAN_ALBEDO_CONSTANT)
+		options.albedo = SCAN_ALBEDO_COLOR;
 	gw_status status = scan_points_make(cloud, &options, points, error);
 	if (status != GW_OK)
 		return status;
@@ -178,7 +182,8 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	if (from->has_albedo)
 		strcpy(facts->albedo_source, "a constant, as the scene file says");
 	scan_color color;
-	facts->albedo_missing = !from->has_albedo && s->points.albedo == SCAN_ALBEDO_AUTO &&
+	facts->albedo_missing = !from->has_albedo && !facts->is_mesh &&
+							s->points.albedo == SCAN_ALBEDO_AUTO &&
 							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
 							   scan_color_find(cloud, scan_color_names, &color)) ||
 							 color.black);
@@ -187,27 +192,114 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	return keep_albedo(cloud, points->albedo, colors, error);
 }
 
-static gw_status read_one(const settings *s, const settings_input *from, scan *cloud,
-						  scan_points *points, loaded_input *facts, gw_error *error)
+/* One input on its way into the scene. */
+typedef struct part {
+	scan cloud;
+	scan_points points;
+} part;
+
+static gw_status read_cloud(const settings *s, const settings_input *from, scan *cloud,
+							loaded_input *facts, gw_error *error)
 {
-	gw_error reason = { 0 };
 	gw_status status = format_read_found(from->path, s->format, cloud, &facts->format, error);
 	if (status != GW_OK)
 		return status;
-	facts->path = from->path;
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
+	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
+}
+
+/* The matrix comes before the sampling, so that the density is that of the scene. */
+static gw_status read_mesh(const settings_input *from, loaded_input *facts, gw_error *error)
+{
+	gw_status status = mesh_read(from->path, &facts->mesh, error);
+	if (status != GW_OK)
+		return status;
+	facts->format = facts->mesh.format;
 	if (from->has_matrix)
-		status = transform(cloud, from->matrix, error);
-	if (status == GW_OK && from->has_emission)
-		status = set_emission(cloud, from->emission, error);
+		mesh_transform(&facts->mesh, from->matrix);
+	return mesh_measure(&facts->mesh, loaded_scene_input_name(from->path), error);
+}
+
+/* What is the same for clouds and sampled meshes. */
+static gw_status finish_part(const settings *s, const settings_input *from, part *p,
+							 loaded_input *facts, gw_error *error)
+{
+	gw_error reason = { 0 };
+	gw_status status = GW_OK;
+	if (from->has_emission)
+		status = set_emission(&p->cloud, from->emission, error);
 	if (status == GW_OK) {
-		status = make_points(s, from, cloud, points, facts, &reason);
+		status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
 		if (status != GW_OK)
 			gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
 	}
 	return status;
+}
+
+/* ------------------------------------------------------------------------------- meshes */
+
+gw_status loaded_scene_mesh_count(const mesh *m, double density, const char *name, uint64_t *count,
+								  gw_error *error)
+{
+	double exact = round(density * m->area);
+	if (!(exact >= 1.0))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: %.3g m^2 with %.3g points a square metre hold no point; give a larger "
+					   "density",
+					   name, m->area, density);
+	if (!(exact <= 0x1p53))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: %.3g m^2 with %.3g points a square metre are too many points; give a "
+					   "smaller density",
+					   name, m->area, density);
+	*count = (uint64_t)exact;
+	return GW_OK;
+}
+
+/* The density of meshes that say none: the scan's, else what the count comes to. */
+static gw_status find_density(const settings *s, const loaded_scene *scene, const part *parts,
+							  double *density, gw_error *error)
+{
+	const part *largest = NULL;
+	double area = 0.0;
+	bool needed = false;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (scene->input[i].is_mesh && !(s->input[i].density > 0.0f)) {
+			area += scene->input[i].mesh.area;
+			needed = true;
+		}
+		if (!scene->input[i].is_mesh && (!largest || parts[i].cloud.count > largest->cloud.count))
+			largest = &parts[i];
+	}
+	*density = s->density > 0.0f ? (double)s->density : (double)s->count / area;
+	if (!needed || s->density > 0.0f || !largest)
+		return GW_OK;
+	gw_statistics statistics;
+	gw_status status = gw_measure(&largest->points.points, s->bake.threads, &statistics, error);
+	if (status == GW_OK && !(statistics.density > 0.0 && isfinite(statistics.density)))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "the clouds have no density that meshes could follow; give --density");
+	*density = statistics.density;
+	return status;
+}
+
+static gw_status sample_mesh(const settings *s, size_t i, double density, loaded_input *facts,
+							 part *p, gw_error *error)
+{
+	const settings_input *from = &s->input[i];
+	uint64_t count;
+	if (from->density > 0.0f)
+		density = (double)from->density;
+	gw_status status = loaded_scene_mesh_count(&facts->mesh, density,
+											   loaded_scene_input_name(from->path), &count, error);
+	/* Another seed each, so that copies of a mesh do not repeat its points. */
+	if (status == GW_OK)
+		status =
+			mesh_sample(&facts->mesh, count, s->bake.seed + i, s->bake.threads, &p->cloud, error);
+	mesh_clear_shape(&facts->mesh);
+	return status == GW_OK ? finish_part(s, from, p, facts, error) : status;
 }
 
 /* ------------------------------------------------------------------------------- joining */
@@ -277,26 +369,71 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
-static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
+static gw_status stopped(gw_error *error)
 {
-	scene->input = calloc(s->input_count, sizeof *scene->input);
-	if (!scene->input)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
+	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+}
+
+/* Clouds become points; meshes are read, but how densely to sample them is known only when all
+ * clouds are there. */
+static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
-		scan cloud = { 0 };
-		scan_points points = { 0 };
-		status = read_one(s, &s->input[i], &cloud, &points, &scene->input[i], error);
+		const settings_input *from = &s->input[i];
+		loaded_input *facts = &scene->input[i];
+		facts->path = from->path;
+		facts->is_mesh = from->mesh || mesh_is_name(from->path);
 		scene->input_count = i + 1;
+		if (facts->is_mesh)
+			status = read_mesh(from, facts, error);
+		else
+			status = read_cloud(s, from, &parts[i].cloud, facts, error);
+		if (status == GW_OK && !facts->is_mesh)
+			status = finish_part(s, from, &parts[i], facts, error);
 		if (status == GW_OK)
-			status = check_up(s, scene, cloud.up, s->input[i].path, error);
-		if (status == GW_OK)
-			status = join(scene, &cloud, &points, error);
-		scan_clear(&cloud);
-		scan_points_clear(&points);
-		if (status == GW_OK && signals_pending())
-			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+			status = stopped(error);
 	}
+	return status;
+}
+
+static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	double density;
+	gw_status status = find_density(s, scene, parts, &density, error);
+	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+		if (scene->input[i].is_mesh)
+			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
+		/* A mesh does not say which way is up, so it follows the inputs before it. */
+		char up = scene->input[i].is_mesh && scene->up ? scene->up : parts[i].cloud.up;
+		if (status == GW_OK)
+			status = check_up(s, scene, up, s->input[i].path, error);
+		if (status == GW_OK)
+			status = join(scene, &parts[i].cloud, &parts[i].points, error);
+		scan_clear(&parts[i].cloud);
+		scan_points_clear(&parts[i].points);
+		if (status == GW_OK)
+			status = stopped(error);
+	}
+	return status;
+}
+
+static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	part *parts = calloc(s->input_count, sizeof *parts);
+	scene->input = calloc(s->input_count, sizeof *scene->input);
+	gw_status status = GW_OK;
+	if (!parts || !scene->input)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
+	if (status == GW_OK)
+		status = read_parts(s, scene, parts, error);
+	if (status == GW_OK)
+		status = join_parts(s, scene, parts, error);
+	for (size_t i = 0; parts && i < s->input_count; i++) {
+		scan_clear(&parts[i].cloud);
+		scan_points_clear(&parts[i].points);
+	}
+	free(parts);
 	return status;
 }
 
@@ -324,6 +461,8 @@ void loaded_scene_clear(loaded_scene *scene)
 {
 	scan_clear(&scene->cloud);
 	scan_points_clear(&scene->points);
+	for (size_t i = 0; i < scene->input_count; i++)
+		mesh_clear(&scene->input[i].mesh);
 	free(scene->input);
 	*scene = (loaded_scene){ 0 };
 }

@@ -5,7 +5,7 @@
 #ifndef LOADED_SCENE_H
 #define LOADED_SCENE_H
 
-#include "format.h"
+#include "mesh.h"
 #include "settings.h"
 
 /* What one input was. */
@@ -16,6 +16,8 @@ typedef struct loaded_input {
 	char albedo_source[160];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
 	bool lit;            /* glowworm wrote it */
+	bool is_mesh;
+	mesh mesh; /* what it was, without its shape; empty for a cloud */
 } loaded_input;
 
 typedef struct loaded_scene {
@@ -29,13 +31,20 @@ typedef struct loaded_scene {
 
 /*
  * Reads settings->input in order and joins them. Each input's colours are taken by themselves, so
- * that inputs may encode them differently.
+ * that inputs may encode them differently. Meshes are moved, then sampled: at their own density,
+ * else settings->density, else the median density of the largest cloud among the inputs, else so
+ * that all such meshes together get settings->count points.
  *   scene   on success owned by the caller, freed with loaded_scene_clear; zeroed on failure
  *   error   of reading; GW_ERROR_DATA when an input holds no points; GW_ERROR_USAGE when inputs
  *           disagree about which axis is up; GW_ERROR_CANCELLED
  */
 gw_status loaded_scene_read(const settings *settings, loaded_scene *scene, gw_error *error);
 void loaded_scene_clear(loaded_scene *scene);
+
+/* Points for a density. GW_ERROR_DATA when that is none, or more than can be counted.
+ *   name    of the file, for messages */
+gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *name,
+								  uint64_t *count, gw_error *error);
 
 /* True when a point emits light. */
 bool loaded_scene_emits(const loaded_scene *scene);

@@ -69,9 +69,11 @@ static const char *format_name(int i)
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
 #define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
-#define BOTH .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
-#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE | 1u << VERB_MIX
-#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX
+#define MAKES .verbs = 1u << VERB_BAKE | 1u << VERB_MIX | 1u << VERB_SAMPLE
+#define BAKE_INFO .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
+#define THREADED BAKE_INFO | 1u << VERB_SAMPLE
+#define WRITES MAKES | 1u << VERB_COMPARE
+#define READS BAKE_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -81,8 +83,8 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, LIGHTS, AT(output), .group = "Output",
-	  .help = "write the lit points there; - is standard output. The name's extension chooses the "
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, MAKES, AT(output), .group = "Output",
+	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
 	  .help = "overwrite files that exist" },
@@ -136,6 +138,13 @@ const option options[] = {
 	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 
+	{ "density", 0, "X", OPTION_REAL, MAKES, .scene = true, AT(density), RANGE(0.0, 1e12),
+	  .open = true, AUTOMATIC(0.0), .group = "Scene",
+	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
+			  "the inputs, or what --count comes to when there is none" },
+	{ "count", 0, "N", OPTION_COUNT, MAKES, .scene = true, AT(count), RANGE(1.0, 4e9),
+	  .group = "Scene", .help = "points on all meshes together, when nothing says their density" },
+
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
 	{ "shadows", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.shadows),
@@ -166,10 +175,10 @@ const option options[] = {
 	{ "estimate-points", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.estimate_points),
 	  RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, BAKE, .scene = true, AT(bake.seed), .group = "Light",
-	  .help = "of all random directions" },
+	{ "seed", 0, "N", OPTION_SEED, MAKES, .scene = true, AT(bake.seed), .group = "Light",
+	  .help = "of all random numbers" },
 
-	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, BOTH, .scene = true, AT(bake.threads),
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, BAKE, .scene = true, AT(bake.memory),
@@ -195,12 +204,12 @@ const option options[] = {
 	  .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, LIGHTS, AT(quiet), .group = "Messages",
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES, AT(quiet), .group = "Messages",
 	  .help = "print errors only" },
-	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, BAKE, AT(verbose), .group = "Messages",
+	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, MAKES, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
-	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, READS, AT(help), .group = "Messages",
-	  .help = "print this and stop" },
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
+	  .group = "Messages", .help = "print this and stop" },
 	{ .name = NULL },
 };
 
@@ -237,7 +246,7 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake", "info", "compare", "mix", NULL };
+	static const char *const name[] = { "bake", "info", "compare", "mix", "sample", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -247,7 +256,8 @@ const char *verb_summary(verb v)
 	static const char *const summary[] = { "light a point cloud",
 										   "say what is in a point cloud, or list devices",
 										   "say how far one lighting is from another",
-										   "change the strength of lamps after a bake" };
+										   "change the strength of lamps after a bake",
+										   "make a point cloud of a mesh" };
 	return summary[v];
 }
 
@@ -256,7 +266,8 @@ const char *verb_synopsis(verb v)
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
 											"info FILE... [--json] | info --devices [--json]",
 											"compare RESULT TRUTH [option]...",
-											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]..." };
+											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
+											"sample MESH -o POINTS [option]..." };
 	return synopsis[v];
 }
 

@@ -1,6 +1,7 @@
 #include "scene_file.h"
 #include "input_file.h"
 #include "json_place.h"
+#include "mesh.h"
 #include "nearest_name.h"
 #include "number_text.h"
 #include "options.h"
@@ -132,7 +133,12 @@ static gw_status take_matrix(const reader *r, json_t *value, double m[16])
 						 m[2] * (m[4] * m[9] - m[5] * m[8]);
 	if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0)
 		return fail_here(r, "the last row must be 0, 0, 0, 1; rows come one after the other");
-	if (determinant == 0.0 || !isfinite(determinant))
+	/* The volume of its rows, next to that of a box with edges as long: what is left of a matrix
+	 * without an inverse after its numbers were rounded to doubles. */
+	double box = 1.0;
+	for (int row = 0; row < 3; row++)
+		box *= hypot(hypot(m[4 * row], m[4 * row + 1]), m[4 * row + 2]);
+	if (!(fabs(determinant) > 1e-14 * box) || !isfinite(determinant))
 		return fail_here(r, "this matrix has no inverse");
 	return GW_OK;
 }
@@ -155,9 +161,18 @@ static gw_status take_path(const reader *r, json_t *value, char **path)
 	return GW_OK;
 }
 
+static gw_status take_density(const reader *r, json_t *value, float *density)
+{
+	double number = json_number_value(value);
+	*density = (float)number;
+	if (json_is_number(value) && *density > 0.0f && number <= 1e12)
+		return GW_OK;
+	return fail_here(r, "points on a square metre are needed, above 0");
+}
+
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file", "matrix", "emission", "albedo" };
+	static const char *const name[] = { "file", "matrix", "emission", "albedo", "mesh", "density" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -172,6 +187,12 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 		input->has_albedo = true;
 		return take_color(r, value, 1.0, input->albedo);
 	}
+	if (strcmp(key, "mesh") == 0) {
+		input->mesh = json_is_true(value);
+		return json_is_boolean(value) ? GW_OK : fail_here(r, "true or false is needed");
+	}
+	if (strcmp(key, "density") == 0)
+		return take_density(r, value, &input->density);
 	return fail_key(r, name, sizeof name / sizeof *name);
 }
 
@@ -192,6 +213,11 @@ static gw_status take_input(reader *r, json_t *object)
 	}
 	if (status == GW_OK && !input.path)
 		status = fail_here(r, "an input needs 'file'");
+	if (status == GW_OK && json_is_false(json_object_get(object, "mesh")) &&
+		mesh_is_name(input.path))
+		status = fail_here(r, "an OBJ file is always a mesh; it holds no points");
+	if (status == GW_OK && input.density > 0.0f && !input.mesh && !mesh_is_name(input.path))
+		status = fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
 	if (status == GW_OK)
 		status = settings_add_input(r->settings, &input, r->error);
 	free(input.path);

@@ -12,6 +12,7 @@ typedef enum verb {
 	VERB_INFO,
 	VERB_COMPARE,
 	VERB_MIX,
+	VERB_SAMPLE,
 	VERB_COUNT,
 } verb;
 
@@ -24,6 +25,8 @@ typedef struct settings_input {
 	float emission[3];
 	bool has_albedo;
 	float albedo[3]; /* linear */
+	bool mesh;      /* points are sampled on its faces */
+	float density;  /* of a mesh, points/m^2; 0: as settings.density says */
 } settings_input;
 
 typedef enum settings_up {
@@ -65,6 +68,8 @@ typedef struct settings {
 	int units;                       /* 0 radiometric, 1 photometric */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	uint32_t fields;                 /* 1 << settings_field */
+	float density;                   /* of meshes, points/m^2; 0: see settings.count */
+	uint32_t count;                  /* points for all meshes without a density together */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;

@@ -1,6 +1,7 @@
 #include "verbs.h"
 #include "bake_report.h"
 #include "lit_scan.h"
+#include "mesh_notes.h"
 #include "output_name.h"
 #include "progress.h"
 #include "scene_file.h"
@@ -165,6 +166,9 @@ static void note_inputs(const bake *b)
 	for (size_t i = 0; i < b->scene.input_count; i++) {
 		const loaded_input *input = &b->scene.input[i];
 		lit = lit && input->lit;
+		mesh_notes_print(&input->mesh, loaded_scene_input_name(input->path),
+						 b->settings->points.albedo != SCAN_ALBEDO_AUTO ||
+							 b->settings->input[i].has_albedo);
 		if (input->albedo_missing)
 			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
 					loaded_scene_input_name(input->path), input->albedo_source);

@@ -184,6 +184,10 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 {
 	scan cloud = { 0 };
 	facts f = { .name = loaded_scene_input_name(path), .cloud = &cloud };
+	if (mesh_is_name(path))
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"%s is a mesh; `glowworm sample` makes points of it, `bake` takes it as it is", path);
 	gw_status status = format_read_found(path, s->format, &cloud, &f.format, error);
 	if (status == GW_OK)
 		status = describe(s, &f, error);

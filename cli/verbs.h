@@ -10,6 +10,9 @@
 /* Reads, lights, writes. Changes the settings: reads scene files into them. */
 gw_status verb_bake(settings *settings, gw_error *error);
 
+/* Samples points on a mesh and writes them. */
+gw_status verb_sample(const settings *settings, gw_error *error);
+
 /* Prints what is in files, or lists the devices, to standard output. */
 gw_status verb_info(const settings *settings, gw_error *error);
 

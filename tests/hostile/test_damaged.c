@@ -6,6 +6,7 @@
  * to malloc and its kin through this file (--wrap), which counts, and fails them on demand.
  */
 #include "cloud_format.h"
+#include "mesh.h"
 #include "ply_format.h"
 
 #include <malloc.h>
@@ -113,6 +114,7 @@ typedef struct seed {
 	size_t length;
 	size_t header; /* bytes of text with counts in it; 0: a binary count at the start */
 	size_t points;
+	bool open_end; /* a file that is cut short may still be whole */
 } seed;
 
 static void put_text(seed *s, const char *text)
@@ -203,7 +205,103 @@ static void make_cloud(seed *s)
 	}
 }
 
-enum { SEEDS = 5 };
+/* Sampled, if it can be, with as few points as a table of the smallest file may hold. */
+static gw_status sample_seed(gw_status status, mesh *m, scan *cloud, gw_error *error)
+{
+	*cloud = (scan){ 0 };
+	if (status == GW_OK)
+		status = mesh_measure(m, "seed.file", error);
+	if (status == GW_OK)
+		status = mesh_sample(m, 20, 1, 1, cloud, error);
+	mesh_clear(m);
+	return status;
+}
+
+static gw_status read_obj(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m;
+	return sample_seed(mesh_obj_read(in, "-", &m, error), &m, cloud, error);
+}
+
+static gw_status read_mesh_ply(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m;
+	return sample_seed(mesh_ply_read(in, &m, error), &m, cloud, error);
+}
+
+/* The materials on a triangle. */
+static gw_status read_mtl(input_file *in, scan *cloud, gw_error *error)
+{
+	static const char triangle[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+	input_file obj = { .name = "seed.file",
+					   .data = (const uint8_t *)triangle,
+					   .length = sizeof triangle - 1 };
+	mesh m;
+	gw_status status = mesh_obj_read(&obj, "-", &m, error);
+	if (status == GW_OK)
+		status = mesh_mtl_read(in, &m, error);
+	return sample_seed(status, &m, cloud, error);
+}
+
+/* Colours, normals, a concave face, indices of both signs, joined lines. */
+static void make_obj(seed *s)
+{
+	*s = (seed){ .name = "obj", .read = read_obj, .open_end = true };
+	put_text(s, "# seed\nmtllib \nv 2 1 0 0.1 0.2 0.3\nv 1 1 0 1 1 1\nv 1 2 0 1 1 1\n"
+				"v 0 2 0 0 0 0\nv 0 0 0 0 0 1\nv 2 0 0 1e-1 .5 0\nvt 0 0\nvn 0 0 1\n"
+				"vn 0 1e2 1\nusemtl red\nf 1 2 3 4 5 6\nf -1/1/-1 -2//2 \\\n -3/1 4\n"
+				"f 5//1 6//1 4//2\nl 1 2\nusemtl none\nf 1 2 3\n");
+	s->header = s->length;
+}
+
+static void make_mtl(seed *s)
+{
+	*s = (seed){ .name = "mtl", .read = read_mtl, .open_end = true };
+	put_text(s, "newmtl red\nKa 0 0 0\nKd 0.5 .25 1\nKe 10 0 1e2\nKs 0.5\nNs 100\n"
+				"newmtl a b\nPr 0.5\nNs 9\nmap_Kd x.png\nillum 2\n");
+	s->header = s->length;
+}
+
+/* Faces before and behind other lists. */
+static void make_mesh_ply(seed *s, bool ascii)
+{
+	*s = (seed){ .name = ascii ? "ascii mesh" : "binary mesh", .read = read_mesh_ply };
+	put_text(s, ascii ? "ply\nformat ascii 1.0\n" : "ply\nformat binary_big_endian 1.0\n");
+	put_text(s, "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
+				"property list uchar short w\nproperty float nx\nproperty float ny\n"
+				"property float nz\nproperty uchar red\nproperty uchar green\n"
+				"property uchar blue\nelement camera 1\nproperty int id\nelement face 3\n"
+				"property uchar tag\nproperty list uchar int vertex_indices\n"
+				"property list uint float st\nend_header\n");
+	s->header = s->length;
+	for (int i = 0; i < 5; i++) {
+		const float v[7] = { (float)(i % 2), (float)(i / 2), 0, 0, 0, 1, (float)i };
+		char line[80];
+		snprintf(line, sizeof line, "%d %d 0 1 7 0 0 1 %d 20 30\n", i % 2, i / 2, i);
+		if (ascii)
+			put_text(s, line);
+		for (int k = 0; k < 6 && !ascii; k++) {
+			put_float(s, v[k], true);
+			if (k == 2)
+				put_pattern(s, 0x010007, 3, true);
+		}
+		if (!ascii)
+			put_pattern(s, 0x0a141e, 3, true);
+	}
+	if (ascii) {
+		put_text(s, "9\n1 3 0 1 2 0\n1 4 0 1 3 2 2 0.5 0.25\n2 3 2 3 4 0\n");
+		return;
+	}
+	put_pattern(s, 9, 4, true);
+	for (uint64_t f = 0; f < 3; f++) {
+		put_pattern(s, 0x0103, 2, true);
+		for (uint64_t c = 0; c < 3; c++)
+			put_pattern(s, f + c, 4, true);
+		put_pattern(s, 0, 4, true);
+	}
+}
+
+enum { SEEDS = 9 };
 static seed seeds[SEEDS];
 
 static int make_seeds(void **state)
@@ -214,6 +312,10 @@ static int make_seeds(void **state)
 	make_ply(&seeds[2], "big-endian ply", "binary_big_endian");
 	make_plain_ply(&seeds[3]);
 	make_cloud(&seeds[4]);
+	make_obj(&seeds[5]);
+	make_mtl(&seeds[6]);
+	make_mesh_ply(&seeds[7], true);
+	make_mesh_ply(&seeds[8], false);
 	return 0;
 }
 
@@ -290,7 +392,7 @@ static void every_truncation(void **state)
 		for (size_t length = 0; length < s->length; length++) {
 			gw_status status = attempt(s, s->data, length, "cut to", length);
 			/* Nothing reads as a whole scan before its last point is there. */
-			assert_true(status == GW_ERROR_DATA || length > s->length - 40);
+			assert_true(status == GW_ERROR_DATA || length > s->length - 40 || s->open_end);
 		}
 	}
 }

@@ -1,0 +1,278 @@
+/*
+ * OBJ files: vertices, normals, faces and the names of materials. The text is read twice, because
+ * an index may lead to a vertex further down: first vertices and material files, then faces.
+ */
+#include "growing_table.h"
+#include "input_file.h"
+#include "mesh.h"
+#include "mesh_text.h"
+#include "scan_color.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+typedef struct reader {
+	const input_file *in;
+	const char *path;
+	mesh *mesh;
+	mesh_text text;
+	gw_error *error;
+	mesh_polygon polygon;
+	size_t colors;            /* vertices with a colour, up to the first without */
+	size_t vertices, normals; /* above the current line, for negative indices */
+	uint32_t material;
+	size_t undefined; /* usemtl lines whose material is nowhere */
+	char undefined_name[44];
+} reader;
+
+static gw_status fail_line(const reader *r, const char *form, mesh_word word)
+{
+	char sentence[300], shown[44];
+	snprintf(sentence, sizeof sentence, form, mesh_word_show(word, shown));
+	return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: %s", r->in->name, r->text.line,
+				   sentence);
+}
+
+static gw_status fail_memory(const reader *r)
+{
+	return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the vertices of %s", r->in->name);
+}
+
+/* ------------------------------------------------------------------------------- vertices */
+
+/* v x y z, with w or with red green blue (0..1, sRGB-encoded) behind it. */
+static gw_status take_vertex(reader *r)
+{
+	mesh *m = r->mesh;
+	double v[6];
+	size_t count = 0;
+	for (mesh_text peek = r->text; mesh_text_word(&peek).length > 0; peek = r->text, count++) {
+		mesh_text before = r->text;
+		if (count == 6 || !mesh_text_number(&r->text, &v[count]))
+			return fail_line(r, "'%s' where a coordinate was expected", mesh_text_word(&before));
+	}
+	if (count < 3)
+		return fail_line(r, "a vertex needs x, y and z%.0s", (mesh_word){ 0 });
+	double *position = growing_table_room(m->position, m->position_count, 3 * sizeof *position);
+	if (!position)
+		return fail_memory(r);
+	m->position = position;
+	memcpy(position + 3 * m->position_count, v, 3 * sizeof *v);
+	if (count == 6 && r->colors == m->position_count) {
+		float *color = growing_table_room(m->color, r->colors, 3 * sizeof *color);
+		if (!color)
+			return fail_memory(r);
+		m->color = color;
+		for (size_t k = 0; k < 3; k++)
+			color[3 * r->colors + k] = (float)scan_srgb_decode(fmin(fmax(v[3 + k], 0.0), 1.0));
+		r->colors++;
+	}
+	m->position_count++;
+	return GW_OK;
+}
+
+static gw_status take_normal(reader *r)
+{
+	mesh *m = r->mesh;
+	double v[3];
+	for (int k = 0; k < 3; k++) {
+		mesh_text before = r->text;
+		if (!mesh_text_number(&r->text, &v[k]))
+			return fail_line(r, "'%s' where a normal's coordinate was expected",
+							 mesh_text_word(&before));
+	}
+	float *normal = growing_table_room(m->normal, m->normal_count, 3 * sizeof *normal);
+	if (!normal)
+		return fail_memory(r);
+	m->normal = normal;
+	for (size_t k = 0; k < 3; k++)
+		normal[3 * m->normal_count + k] = (float)v[k];
+	m->normal_count++;
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------- material files */
+
+/* Opens a file that the OBJ file names, from its folder. Only regular files: a name out of a file
+ * must not make us wait for a device. */
+static bool open_beside(const reader *r, mesh_word name, input_file *in)
+{
+	const char *slash = strrchr(r->path, '/');
+	char path[PATH_MAX];
+	if (name.length == 0 || name.length >= sizeof path || memchr(name.text, '\0', name.length))
+		return false;
+	bool own = *name.text == '/' || !slash;
+	int length = snprintf(path, sizeof path, "%.*s%.*s", own ? 0 : (int)(slash - r->path) + 1,
+						  r->path, (int)name.length, name.text);
+	struct stat info;
+	return length > 0 && (size_t)length < sizeof path && stat(path, &info) == 0 &&
+		   S_ISREG(info.st_mode) && input_file_open(in, path, NULL) == GW_OK;
+}
+
+/* One name with blanks in it, else several names. */
+static gw_status take_library(reader *r)
+{
+	mesh_word whole = mesh_text_rest(&r->text), word = whole;
+	char shown[44];
+	input_file in;
+	bool one = open_beside(r, whole, &in);
+	gw_status status = GW_OK;
+	while (status == GW_OK && (one || (word = mesh_text_word(&r->text)).length > 0)) {
+		if (one || open_beside(r, word, &in)) {
+			status = mesh_mtl_read(&in, r->mesh, r->error);
+			input_file_close(&in);
+		} else {
+			status = mesh_add_note(r->mesh, r->error, "%s: its materials, '%s', cannot be read",
+								   r->in->name, mesh_word_show(word, shown));
+		}
+		if (one)
+			break;
+	}
+	return status;
+}
+
+/* ---------------------------------------------------------------------------------- faces */
+
+/* An index from 1, or from -1 backwards. */
+static gw_status take_index(const reader *r, mesh_word word, const char **at, size_t above,
+							size_t count, const char *what, uint32_t *index)
+{
+	const char *end = word.text + word.length;
+	bool negative = *at < end && **at == '-';
+	uint64_t value = 0;
+	const char *first = *at += negative;
+	for (; *at < end && **at >= '0' && **at <= '9' && value < UINT32_MAX; ++*at)
+		value = 10 * value + (uint64_t)(**at - '0');
+	if (*at == first || (*at < end && **at != '/'))
+		return fail_line(r, "'%s' where the indices of a corner were expected", word);
+	char form[120];
+	snprintf(form, sizeof form, "'%%s' leads to no %s; there are %zu%s", what,
+			 negative ? above : count, negative ? " above this line" : "");
+	if (value == 0 || value > (negative ? above : count))
+		return fail_line(r, form, word);
+	*index = (uint32_t)(negative ? above - value : value - 1);
+	return GW_OK;
+}
+
+/* v, v/t, v//n or v/t/n. */
+static gw_status take_corner(reader *r, mesh_word word)
+{
+	const char *at = word.text, *end = word.text + word.length;
+	uint32_t corner, normal = MESH_NONE;
+	gw_status status =
+		take_index(r, word, &at, r->vertices, r->mesh->position_count, "vertex", &corner);
+	if (status == GW_OK && at < end) {
+		/* Texture coordinates are not needed, so their index is not looked at. */
+		for (at++; at < end && *at != '/';)
+			at++;
+		if (at < end && ++at < end)
+			status = take_index(r, word, &at, r->normals, r->mesh->normal_count, "normal", &normal);
+	}
+	if (status == GW_OK && at < end)
+		return fail_line(r, "'%s' where the indices of a corner were expected", word);
+	return status == GW_OK ? mesh_polygon_add(&r->polygon, corner, normal, r->error) : status;
+}
+
+static gw_status take_face(reader *r)
+{
+	gw_status status = GW_OK;
+	mesh_word word;
+	r->polygon.count = 0;
+	while (status == GW_OK && (word = mesh_text_word(&r->text)).length > 0)
+		status = take_corner(r, word);
+	return status == GW_OK ? mesh_add_polygon(r->mesh, &r->polygon, r->material, r->error) : status;
+}
+
+static void take_use(reader *r)
+{
+	mesh_word name = mesh_text_rest(&r->text);
+	r->material = mesh_find_material(r->mesh, name.text, name.length);
+	if (r->material == MESH_NONE && r->undefined++ == 0)
+		mesh_word_show(name, r->undefined_name);
+}
+
+/* ------------------------------------------------------------------------------ the whole */
+
+static gw_status first_pass(reader *r)
+{
+	gw_status status = GW_OK;
+	r->text = mesh_text_start(r->in);
+	while (status == GW_OK && mesh_text_next(&r->text)) {
+		mesh_word key = mesh_text_word(&r->text);
+		if (memchr(key.text, '\0', key.length))
+			return fail_line(r, "'%s' is no text; this is no OBJ file", key);
+		if (mesh_word_is(key, "v"))
+			status = take_vertex(r);
+		else if (mesh_word_is(key, "vn"))
+			status = take_normal(r);
+		else if (mesh_word_is(key, "mtllib"))
+			status = take_library(r);
+	}
+	if (status == GW_OK &&
+		(r->mesh->position_count >= MESH_NONE || r->mesh->normal_count >= MESH_NONE))
+		status =
+			gw_fail(r->error, GW_ERROR_DATA, "%s has more than 4294967294 vertices", r->in->name);
+	return status;
+}
+
+static gw_status second_pass(reader *r)
+{
+	gw_status status = GW_OK;
+	r->text = mesh_text_start(r->in);
+	r->material = MESH_NONE;
+	while (status == GW_OK && mesh_text_next(&r->text)) {
+		mesh_word key = mesh_text_word(&r->text);
+		if (mesh_word_is(key, "v"))
+			r->vertices++;
+		else if (mesh_word_is(key, "vn"))
+			r->normals++;
+		else if (mesh_word_is(key, "usemtl"))
+			take_use(r);
+		else if (mesh_word_is(key, "f"))
+			status = take_face(r);
+	}
+	return status;
+}
+
+/* Colours count when every vertex has one. */
+static gw_status finish(reader *r)
+{
+	mesh *m = r->mesh;
+	if (m->triangle_count == 0)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces (%zu vertices)", r->in->name,
+					   m->position_count);
+	gw_status status = GW_OK;
+	if (r->colors > 0 && r->colors < m->position_count) {
+		free(m->color);
+		m->color = NULL;
+		status = mesh_add_note(
+			m, r->error, "%s: vertex %zu has no colour but others have, so colours are left out",
+			r->in->name, r->colors + 1);
+	}
+	if (status == GW_OK && r->undefined > 0)
+		status = mesh_add_note(m, r->error,
+							   "%s: the material '%s' is nowhere defined; its faces get an albedo "
+							   "of %g",
+							   r->in->name, r->undefined_name, (double)GW_ALBEDO_DEFAULT);
+	m->bare = m->material_count == 0 && !m->color && r->undefined == 0;
+	return status;
+}
+
+gw_status mesh_obj_read(const input_file *in, const char *path, mesh *m, gw_error *error)
+{
+	*m = (mesh){ .format = &obj_format };
+	reader r = { .in = in, .path = path, .mesh = m, .error = error };
+	gw_status status = first_pass(&r);
+	if (status == GW_OK)
+		status = second_pass(&r);
+	if (status == GW_OK)
+		status = finish(&r);
+	mesh_polygon_clear(&r.polygon);
+	if (status != GW_OK)
+		mesh_clear(m);
+	return status;
+}
