@@ -1,0 +1,24 @@
+#include "las_format.h"
+
+#include <string.h>
+
+/* The highest two bits of the point format say that the points are compressed. */
+static bool is_las(const uint8_t *head, size_t length, bool compressed)
+{
+	return length > 104 && memcmp(head, "LASF", 4) == 0 && ((head[104] & 0xc0) != 0) == compressed;
+}
+
+static bool probe_las(const uint8_t *head, size_t length)
+{
+	return is_las(head, length, false);
+}
+
+static const char *const las_extensions[] = { "las", NULL };
+
+const format las_format = {
+	.name = "las",
+	.description = "ASPRS laser scan",
+	.extensions = las_extensions,
+	.probe = probe_las,
+	.read = las_read,
+};
