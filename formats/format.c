@@ -10,6 +10,7 @@
 const format *const formats[] = {
 	&ply_format,
 	&las_format,
+	&laz_format,
 	&cloud_format,
 	NULL,
 };

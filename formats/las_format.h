@@ -15,7 +15,7 @@
 #include "input_file.h"
 #include "output_file.h"
 
-extern const format las_format;
+extern const format las_format, laz_format;
 
 /* As format.read, for both. */
 gw_status las_read(input_file *in, scan *cloud, gw_error *error);

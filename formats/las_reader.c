@@ -1,6 +1,7 @@
 #include "las_format.h"
 #include "las_fields.h"
 #include "las_notes.h"
+#include "laz_reader.h"
 #include "little_endian.h"
 #include "parallel.h"
 #include "scan_color.h"
@@ -140,6 +141,20 @@ static gw_status read_plain(reader *r)
 	return status;
 }
 
+static gw_status read_compressed(reader *r)
+{
+	laz_stream *stream;
+	gw_status status = laz_open(&stream, r->in, &r->header, r->error);
+	if (status != GW_OK)
+		return status;
+	r->cloud->count = (size_t)r->header.count;
+	status = add_columns(r);
+	if (status == GW_OK)
+		status = laz_decode(stream, take_points, r, r->error);
+	laz_close(&stream);
+	return status;
+}
+
 /* ------------------------------------------------------------------ what is found afterwards */
 
 static bool all_zero(const scan *cloud, const scan_column *column)
@@ -260,7 +275,7 @@ static gw_status read_all(reader *r)
 	if (status == GW_OK)
 		status = las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error);
 	if (status == GW_OK)
-		status = read_plain(r);
+		status = r->header.compressed ? read_compressed(r) : read_plain(r);
 	if (status == GW_OK)
 		status = check_bounds(r);
 	return status == GW_OK ? settle_columns(r) : status;
