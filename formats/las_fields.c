@@ -29,7 +29,7 @@ scan_type las_field_type(const las_field *field)
 	return field->scaled ? SCAN_FLOAT64 : type[field->kind];
 }
 
-static gw_status add(las_layout *layout, const las_field *field, gw_error *error)
+gw_status las_layout_add(las_layout *layout, const las_field *field, gw_error *error)
 {
 	las_field *grown = growing_table_room(layout->field, layout->count, sizeof *grown);
 	if (!grown)
@@ -48,7 +48,7 @@ static gw_status add_fields(las_layout *layout, const las_field *field, size_t c
 	for (size_t i = 0; i < count && status == GW_OK; i++) {
 		las_field moved = field[i];
 		moved.place += shift;
-		status = add(layout, &moved, error);
+		status = las_layout_add(layout, &moved, error);
 	}
 	return status;
 }
@@ -266,7 +266,7 @@ static gw_status add_value(las_layout *layout, const uint8_t *from, las_kind kin
 		field.offset = load_double(from + 136 + 8 * (index < 3 ? index : 0));
 	field.scaled = field.scale != 1.0 || field.offset != 0.0;
 	name_field(layout, &field, name);
-	return add(layout, &field, error);
+	return las_layout_add(layout, &field, error);
 }
 
 /* Bytes without a type: each is a column, as long as there are few. */

@@ -51,6 +51,9 @@ typedef struct las_layout {
 gw_status las_layout_make(las_layout *layout, unsigned format, const double *scale,
 						  const double *offset, gw_error *error);
 
+/* Adds a field; layout->bytes grows to its end. */
+gw_status las_layout_add(las_layout *layout, const las_field *field, gw_error *error);
+
 /* Adds the extra bytes of a file; notes: what of them is left out. On failure the layout is still
  * to be given back. */
 gw_status las_layout_add_extra(las_layout *layout, const las_header *header, scan *notes,

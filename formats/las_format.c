@@ -27,6 +27,7 @@ const format las_format = {
 	.extensions = las_extensions,
 	.probe = probe_las,
 	.read = las_read,
+	.write = las_write,
 };
 
 const format laz_format = {

@@ -8,7 +8,7 @@
 
 gw_status las_note(scan *cloud, gw_error *error, const char *format, ...)
 {
-	char text[512] = "note: ";
+	char text[512] = SCAN_NOTE;
 	size_t used = strlen(text);
 	va_list arguments;
 	va_start(arguments, format);

@@ -30,7 +30,7 @@ enum las_vlr_id {
 	LAS_VLR_GEO_TEXT = 34737,
 };
 
-/* Adds a comment that begins with "note: ": something about the input that its user should know. */
+/* Adds a comment that begins with SCAN_NOTE. */
 gw_status las_note(scan *cloud, gw_error *error, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 

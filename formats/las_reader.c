@@ -217,7 +217,7 @@ static gw_status settle_colors(reader *r)
 {
 	for (int k = 0; k < 3; k++) {
 		const scan_column *column = scan_find(r->cloud, scan_color_names[k]);
-		if (!column || !all_zero(r->cloud, column))
+		if (!column || r->cloud->count == 0 || !all_zero(r->cloud, column))
 			return GW_OK;
 	}
 	for (int k = 0; k < 3; k++)
