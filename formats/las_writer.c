@@ -146,6 +146,13 @@ static gw_status add_extra(writer *w, const scan_column *column)
 	return las_layout_add(&w->layout, &field, w->error);
 }
 
+/* An angle of the old formats, in degrees, for the new ones; it also stays as it is. */
+static const scan_column *find_rank(const scan *cloud)
+{
+	const scan_column *rank = scan_find(cloud, "scan_angle_rank");
+	return rank && rank->type == SCAN_INT8 ? rank : NULL;
+}
+
 static gw_status assign_columns(writer *w)
 {
 	const double scale[3] = { w->grid[0].scale, w->grid[1].scale, w->grid[2].scale };
@@ -164,6 +171,8 @@ static gw_status assign_columns(writer *w)
 						 ? w->colored
 						 : field->scaled || !column || fits(field, column, w->cloud->count);
 		w->column[f] = taken ? column : NULL;
+		if (strcmp(field->name, "scan_angle") == 0 && !column)
+			w->column[f] = find_rank(w->cloud);
 	}
 	for (size_t c = 0; c < w->cloud->column_count && status == GW_OK; c++)
 		if (!is_written(w, w->cloud->column[c].name))
@@ -194,7 +203,9 @@ static void put_value(const writer *w, size_t f, size_t i, uint8_t *to)
 		store_32(to, (uint32_t)las_grid_place(&w->grid[f], scan_value(column, i)));
 		return;
 	}
-	if (f < w->own && is_color(field->name)) {
+	if (f < w->own && field->kind == LAS_INT16 && column->type == SCAN_INT8) {
+		bits = (uint64_t)lrint(scan_value(column, i) / 0.006);
+	} else if (f < w->own && is_color(field->name)) {
 		bits = color_value(w, column, i);
 	} else if (column->type == SCAN_FLOAT64 && field->kind == LAS_FLOAT64) {
 		memcpy(&bits, (const double *)column->data + i, sizeof bits);
@@ -313,7 +324,8 @@ static gw_status make_comments(const writer *w, vlr *v)
 		return fail_memory(w);
 	for (size_t c = 0; c < w->cloud->comment_count; c++) {
 		const char *text = w->cloud->comment[c];
-		if (strncmp(text, LAS_NOTE, strlen(LAS_NOTE)) != 0 && strncmp(text, SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
+		if (strncmp(text, LAS_NOTE, strlen(LAS_NOTE)) != 0 &&
+			strncmp(text, SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
 			add_line(v, text);
 	}
 	static const char axes[3] = "xyz";

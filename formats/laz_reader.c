@@ -17,7 +17,7 @@
 #define BLOCK_POINTS 256
 
 /* Points a byte that are believed without a trial: real data has less than one. */
-#define BELIEVED 100
+#define BELIEVED 16
 
 typedef enum compressor { POINTWISE = 1, CHUNKED, LAYERED } compressor;
 
