@@ -184,8 +184,6 @@ static gw_status assign_columns(writer *w)
 
 static uint16_t color_value(const writer *w, const scan_column *column, size_t i)
 {
-	if (column->type == SCAN_UINT16)
-		return ((const uint16_t *)column->data)[i];
 	int channel = 0;
 	while (w->color.column[channel] != column && channel < 2)
 		channel++;
@@ -193,44 +191,73 @@ static uint16_t color_value(const writer *w, const scan_column *column, size_t i
 	return value > 0.0 ? (uint16_t)(fmin(value, 1.0) * 65535.0 + 0.5) : 0;
 }
 
-/* Stores the bits of a value that the field is known to hold. */
-static void put_value(const writer *w, size_t f, size_t i, uint8_t *to)
+static void put_bytes(uint8_t *to, uint64_t bits, size_t size)
+{
+	for (size_t b = 0; b < size; b++)
+		to[b] = (uint8_t)(bits >> 8 * b);
+}
+
+/* One field of some records, whose column has the same type: byte for byte. */
+static void copy_field(const las_field *field, const void *from, size_t count, uint8_t *to,
+					   size_t stride)
+{
+	for (size_t i = 0; i < count; i++, to += stride) {
+		switch (las_kind_size(field->kind)) {
+		case 1:
+			*to = ((const uint8_t *)from)[i];
+			break;
+		case 2:
+			store_16(to, ((const uint16_t *)from)[i]);
+			break;
+		case 4:
+			store_32(to, ((const uint32_t *)from)[i]);
+			break;
+		default:
+			store_64(to, ((const uint64_t *)from)[i]);
+			break;
+		}
+	}
+}
+
+/* One field of some records, whose column is of another type, but with values that it holds. */
+static void convert_field(const writer *w, size_t f, size_t first, size_t count, uint8_t *to)
 {
 	const las_field *field = &w->layout.field[f];
 	const scan_column *column = w->column[f];
-	uint64_t bits = 0;
-	if (field->scaled) {
-		store_32(to, (uint32_t)las_grid_place(&w->grid[f], scan_value(column, i)));
-		return;
+	bool color = is_color(field->name), angle = field->kind == LAS_INT16;
+	size_t size = las_kind_size(field->kind), stride = w->layout.bytes;
+	for (size_t i = first; i < first + count; i++, to += stride) {
+		if (field->scaled)
+			store_32(to, (uint32_t)las_grid_place(&w->grid[f], scan_value(column, i)));
+		else if (color)
+			store_16(to, color_value(w, column, i));
+		else if (angle && column->type == SCAN_INT8)
+			store_16(to, (uint16_t)lrint(scan_value(column, i) / 0.006));
+		else if (field->bits)
+			*to = (uint8_t)(*to | (unsigned)scan_value(column, i) << field->shift);
+		else
+			put_bytes(to, (uint64_t)(int64_t)scan_value(column, i), size);
 	}
-	if (f < w->own && field->kind == LAS_INT16 && column->type == SCAN_INT8) {
-		bits = (uint64_t)lrint(scan_value(column, i) / 0.006);
-	} else if (f < w->own && is_color(field->name)) {
-		bits = color_value(w, column, i);
-	} else if (column->type == SCAN_FLOAT64 && field->kind == LAS_FLOAT64) {
-		memcpy(&bits, (const double *)column->data + i, sizeof bits);
-	} else if (column->type == SCAN_FLOAT32 && field->kind == LAS_FLOAT32) {
-		uint32_t single;
-		memcpy(&single, (const float *)column->data + i, sizeof single);
-		bits = single;
-	} else {
-		bits = (uint64_t)(int64_t)scan_value(column, i);
-	}
-	if (field->bits)
-		*to = (uint8_t)(*to | bits << field->shift);
-	else
-		for (size_t b = 0; b < las_kind_size(field->kind); b++)
-			to[b] = (uint8_t)(bits >> 8 * b);
 }
 
 /* A point of which nothing is known of returns is the only one of its pulse. */
-static void put_record(const writer *w, size_t i, uint8_t *record)
+static void put_records(const writer *w, size_t first, size_t count, uint8_t *records)
 {
-	if (!w->returns)
-		record[14] = w->format < 6 ? 1 | 1 << 3 : 1 | 1 << 4;
-	for (size_t f = 0; f < w->layout.count; f++)
-		if (w->column[f])
-			put_value(w, f, i, record + w->layout.field[f].place);
+	size_t stride = w->layout.bytes;
+	for (size_t i = 0; i < count && !w->returns; i++)
+		records[i * stride + 14] = w->format < 6 ? 1 | 1 << 3 : 1 | 1 << 4;
+	for (size_t f = 0; f < w->layout.count; f++) {
+		const las_field *field = &w->layout.field[f];
+		const scan_column *column = w->column[f];
+		uint8_t *to = records + field->place;
+		if (!column)
+			continue;
+		if (field->bits || field->scaled || column->type != las_field_type(field))
+			convert_field(w, f, first, count, to);
+		else
+			copy_field(field, (const char *)column->data + first * scan_type_size(column->type),
+					   count, to, stride);
+	}
 }
 
 static gw_status write_records(writer *w)
@@ -243,8 +270,7 @@ static gw_status write_records(writer *w)
 	for (size_t first = 0; first < w->cloud->count && status == GW_OK; first += rows) {
 		size_t rest = w->cloud->count - first, count = rest < rows ? rest : rows;
 		memset(block, 0, count * record);
-		for (size_t i = 0; i < count; i++)
-			put_record(w, first + i, block + i * record);
+		put_records(w, first, count, block);
 		status = output_file_write(w->out, block, count * record, w->error);
 	}
 	free(block);

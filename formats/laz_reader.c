@@ -168,7 +168,7 @@ static gw_status find_table(const laz_stream *s, size_t *table, gw_error *error)
 }
 
 /* Sizes of all chunks, and their counts when they differ, by differences. */
-static bool decode_table(laz_stream *s, size_t table)
+static gw_status decode_table(laz_stream *s, size_t table, gw_error *error)
 {
 	laz_pool pool = { 0 };
 	laz_decoder d;
@@ -183,9 +183,13 @@ static bool decode_table(laz_stream *s, size_t table)
 		s->chunk[c].count = s->chunk_size == VARIABLE ? (uint32_t)count : s->chunk_size;
 		s->chunk[c].length = (uint32_t)length;
 	}
-	bool good = !d.failed && d.over == 0 && !pool.failed;
+	bool short_of_memory = pool.failed;
 	laz_pool_clear(&pool);
-	return good;
+	if (short_of_memory)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to decompress %s", s->in->name);
+	if (d.failed || d.over > 0)
+		return fail_table(s, table + 8, "a table of chunks that makes no sense", error);
+	return GW_OK;
 }
 
 /* Chunks lie one behind the other between the points' start and the table, and together have as
@@ -249,8 +253,8 @@ static gw_status take_table(laz_stream *s, gw_error *error)
 			"is cut short or damaged",
 			s->in->name, table + 4, count, most);
 	status = allocate_chunks(s, count, error);
-	if (status == GW_OK && count > 0 && !decode_table(s, table))
-		status = fail_table(s, table + 8, "a table of chunks that makes no sense", error);
+	if (status == GW_OK && count > 0)
+		status = decode_table(s, table, error);
 	return status == GW_OK ? place_chunks(s, table, error) : status;
 }
 
