@@ -262,8 +262,6 @@ static gw_status take_table(laz_stream *s, gw_error *error)
 static gw_status take_whole(laz_stream *s, gw_error *error)
 {
 	size_t length = s->in->length - s->header->points;
-	if (s->header->count == 0)
-		return allocate_chunks(s, 0, error);
 	if (length < laz_points_least(&s->items, s->header->count))
 		return fail_table(s, s->header->points, "no room for compressed points", error);
 	gw_status status = allocate_chunks(s, 1, error);
@@ -362,7 +360,9 @@ static gw_status try_counts(laz_stream *s, gw_error *error)
 static gw_status prepare(laz_stream *s, gw_error *error)
 {
 	gw_status status = take_vlr(s, error);
-	if (status == GW_OK)
+	if (status == GW_OK && s->header->count == 0)
+		status = allocate_chunks(s, 0, error);
+	else if (status == GW_OK)
 		status = s->compressor == POINTWISE ? take_whole(s, error) : take_table(s, error);
 	if (status != GW_OK)
 		return status;
