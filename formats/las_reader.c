@@ -3,6 +3,7 @@
 #include "las_notes.h"
 #include "laz_reader.h"
 #include "little_endian.h"
+#include "memory.h"
 #include "parallel.h"
 #include "scan_color.h"
 
@@ -108,8 +109,29 @@ static void take_block(void *user, size_t first, size_t last, uint32_t worker)
 				r->in->data + r->header.points + first * r->header.record);
 }
 
+/* The system would promise more than it has, and then end us. Columns that may stay zero count as
+ * nothing. */
+static gw_status check_memory(const reader *r)
+{
+	uint64_t bytes = 0, wanted, available = gw_available_memory();
+	for (size_t f = 0; f < r->layout.count; f++)
+		if (!r->layout.field[f].optional)
+			bytes += scan_type_size(las_field_type(&r->layout.field[f]));
+	if (__builtin_mul_overflow(bytes, r->cloud->count, &wanted))
+		wanted = UINT64_MAX;
+	if (available && wanted > available)
+		return gw_fail(r->error, GW_ERROR_MEMORY,
+					   "%s: %zu points take %.1f GB, but only %.1f GB of memory are available",
+					   r->in->name, r->cloud->count, (double)wanted * 1e-9,
+					   (double)available * 1e-9);
+	return GW_OK;
+}
+
 static gw_status add_columns(reader *r)
 {
+	gw_status status = check_memory(r);
+	if (status != GW_OK)
+		return status;
 	r->data = calloc(r->layout.count, sizeof *r->data);
 	if (!r->data)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the fields of %s", r->in->name);
