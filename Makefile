@@ -127,8 +127,8 @@ $(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(
 # Only of a sanitized build: see tests/keep_loaded.c.
 $(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
 
-# It counts what readers allocate and makes allocations fail.
-$(BUILD)/tests/hostile/test_damaged: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
+# They count what readers allocate and make allocations fail.
+$(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
 		reallocarray strdup strndup free)
 
 test-programs: all $(TEST_PROGRAMS)

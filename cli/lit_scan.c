@@ -227,7 +227,8 @@ static gw_status make_comments(maker *m)
 	number_print_float(exposure, (float)m->exposure);
 	gw_status status = GW_OK;
 	for (size_t c = 0; c < m->from->comment_count && status == GW_OK; c++)
-		if (strncmp(m->from->comment[c], "glowworm ", 9) != 0)
+		if (strncmp(m->from->comment[c], "glowworm ", 9) != 0 &&
+			strncmp(m->from->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
 			status = comment(m, m->from->comment[c]);
 	if (status == GW_OK)
 		status = comment(m, "glowworm " GW_VERSION);

@@ -173,6 +173,9 @@ static void note_inputs(const bake *b)
 			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
 					loaded_scene_input_name(input->path), input->albedo_source);
 	}
+	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
+		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			fprintf(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
 	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
 		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
 						"luminance\n");

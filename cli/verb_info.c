@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What is known of one column. */
 typedef struct column_range {
@@ -154,6 +155,9 @@ static void print_text(const facts *f)
 		printf("  normals    none; they would be estimated\n");
 	printf("  albedo     mean %.3g %.3g %.3g, from %s\n", f->albedo[0], f->albedo[1], f->albedo[2],
 		   f->points->albedo_source);
+	for (size_t c = 0; c < f->cloud->comment_count; c++)
+		if (strncmp(f->cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			printf("  note       %s\n", f->cloud->comment[c] + strlen(SCAN_NOTE));
 	printf("  bake       depth %" PRIu32 ", about %.2f GB\n", s->depth, (double)s->memory * 1e-9);
 	print_columns(f);
 }

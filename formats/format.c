@@ -1,5 +1,6 @@
 #include "format.h"
 #include "cloud_format.h"
+#include "las_format.h"
 #include "ply_format.h"
 
 #include <string.h>
@@ -8,6 +9,8 @@
 /* In the order in which content is probed. */
 const format *const formats[] = {
 	&ply_format,
+	&las_format,
+	&laz_format,
 	&cloud_format,
 	NULL,
 };

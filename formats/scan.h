@@ -27,6 +27,10 @@ typedef struct scan_column {
 	void *data;     /* owned; count values of the type, native byte order */
 } scan_column;
 
+/* A comment that begins with this is about the input: something that its reader found wrong or took
+ * for granted. Users see it; it does not go into results. */
+#define SCAN_NOTE "note: "
+
 typedef struct scan {
 	size_t count;             /* points */
 	scan_column *column;      /* owned */

@@ -2,14 +2,13 @@
  * Damaged files: every reader gets every truncated length, lies in every count, and some thousands
  * of overwritten windows, each in memory of exactly the file's length, so that a sanitizer sees a
  * byte too many. A reader may accept what it gets or refuse it with a sentence that names the file;
- * it must not crash, leak, or ask for more memory than the file justifies. The linker leads calls
- * to malloc and its kin through this file (--wrap), which counts, and fails them on demand.
+ * it must not crash, leak, or ask for more memory than the file justifies.
  */
 #include "cloud_format.h"
+#include "counted_memory.h"
 #include "mesh.h"
 #include "ply_format.h"
 
-#include <malloc.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,89 +17,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-/* -------------------------------------------------------------------------- counted memory */
-
-void *__real_malloc(size_t size);
-void *__real_realloc(void *memory, size_t size);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-void *__wrap_reallocarray(void *memory, size_t count, size_t size);
-char *__wrap_strdup(const char *text);
-char *__wrap_strndup(const char *text, size_t length);
-void __wrap_free(void *memory);
-
-static size_t live, peak, largest; /* bytes since the last reset */
-static long calls, fail_at = -1;   /* which call shall fail; -1: none */
-
-static bool denied(size_t size)
-{
-	largest = size > largest ? size : largest;
-	return calls++ == fail_at;
-}
-
-static void *counted(void *memory)
-{
-	live += memory ? malloc_usable_size(memory) : 0;
-	peak = live > peak ? live : peak;
-	return memory;
-}
-
-void *__wrap_malloc(size_t size)
-{
-	return denied(size) ? NULL : counted(__real_malloc(size));
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-	size_t bytes;
-	if (__builtin_mul_overflow(count, size, &bytes))
-		bytes = SIZE_MAX;
-	void *memory = bytes == SIZE_MAX ? NULL : __wrap_malloc(bytes);
-	return memory ? memset(memory, 0, bytes) : NULL;
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-	if (denied(size))
-		return NULL;
-	size_t before = memory ? malloc_usable_size(memory) : 0;
-	void *grown = __real_realloc(memory, size);
-	live -= grown ? before : 0;
-	return counted(grown);
-}
-
-void *__wrap_reallocarray(void *memory, size_t count, size_t size)
-{
-	size_t bytes;
-	if (__builtin_mul_overflow(count, size, &bytes))
-		bytes = SIZE_MAX / 2;
-	return __wrap_realloc(memory, bytes);
-}
-
-char *__wrap_strndup(const char *text, size_t length)
-{
-	size_t size = strnlen(text, length);
-	char *copy = __wrap_malloc(size + 1);
-	if (copy) {
-		memcpy(copy, text, size);
-		copy[size] = '\0';
-	}
-	return copy;
-}
-
-char *__wrap_strdup(const char *text)
-{
-	return __wrap_strndup(text, strlen(text));
-}
-
-void __wrap_free(void *memory)
-{
-	live -= memory ? malloc_usable_size(memory) : 0;
-	__real_free(memory);
-}
 
 /* ---------------------------------------------------------------------------------- seeds */
 
@@ -348,15 +264,14 @@ static double sum_of_all(const scan *cloud)
 static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
 						 size_t at)
 {
-	uint8_t *copy = __real_malloc(length + !length);
+	uint8_t *copy = uncounted_malloc(length + !length);
 	memcpy(copy, data, length);
 	input_file in = { .name = "seed.file", .data = copy, .length = length };
 	scan cloud;
 	gw_error error = { 0 };
-	live = peak = largest = 0;
-	calls = 0;
+	counted_memory_reset();
 	gw_status status = s->read(&in, &cloud, &error);
-	__real_free(copy);
+	uncounted_free(copy);
 	if (status == GW_OK) {
 		volatile double sum = sum_of_all(&cloud);
 		(void)sum;
@@ -368,9 +283,10 @@ static gw_status attempt(const seed *s, const void *data, size_t length, const c
 		if (!empty || (status == GW_ERROR_DATA && !strstr(error.text, "seed.file")))
 			fail_msg("%s, %s %zu: bad refusal: '%s'", s->name, what, at, error.text);
 	}
-	if (peak > allowed(length) || largest > allowed(length) || live != 0)
+	const counted_memory *m = &counted;
+	if (m->peak > allowed(length) || m->largest > allowed(length) || m->live != 0)
 		fail_msg("%s, %s %zu: took %zu bytes, asked for %zu at once, left %zu", s->name, what, at,
-				 peak, largest, live);
+				 m->peak, m->largest, m->live);
 	return status;
 }
 
@@ -542,9 +458,9 @@ static void memory_runs_out(void **state)
 		const seed *s = &seeds[i];
 		long failures = 0;
 		for (;; failures++) {
-			fail_at = failures;
+			counted.fail_at = failures;
 			gw_status status = attempt(s, s->data, s->length, "allocation", (size_t)failures);
-			fail_at = -1;
+			counted.fail_at = -1;
 			if (status == GW_OK)
 				break;
 			assert_int_equal(status, GW_ERROR_MEMORY);

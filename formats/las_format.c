@@ -1,0 +1,39 @@
+#include "las_format.h"
+
+#include <string.h>
+
+/* The highest two bits of the point format say that the points are compressed. */
+static bool is_las(const uint8_t *head, size_t length, bool compressed)
+{
+	return length > 104 && memcmp(head, "LASF", 4) == 0 && ((head[104] & 0xc0) != 0) == compressed;
+}
+
+static bool probe_las(const uint8_t *head, size_t length)
+{
+	return is_las(head, length, false);
+}
+
+static bool probe_laz(const uint8_t *head, size_t length)
+{
+	return is_las(head, length, true);
+}
+
+static const char *const las_extensions[] = { "las", NULL };
+static const char *const laz_extensions[] = { "laz", NULL };
+
+const format las_format = {
+	.name = "las",
+	.description = "ASPRS laser scan",
+	.extensions = las_extensions,
+	.probe = probe_las,
+	.read = las_read,
+	.write = las_write,
+};
+
+const format laz_format = {
+	.name = "laz",
+	.description = "compressed LAS, COPC; read only",
+	.extensions = laz_extensions,
+	.probe = probe_laz,
+	.read = las_read,
+};

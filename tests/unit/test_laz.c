@@ -1,0 +1,335 @@
+/*
+ * LAZ: the arithmetic decoder against an encoder written here from Said's report, the running
+ * median against sorting, and whole files that LASzip made against the points that they were made
+ * from.
+ */
+#include "las_format.h"
+#include "laz_points.h"
+#include "laz_samples.h"
+#include "laz_values.h"
+#include "little_endian.h"
+
+#include <math.h>
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+static uint64_t next_random(uint64_t *state)
+{
+	*state ^= *state << 13;
+	*state ^= *state >> 7;
+	*state ^= *state << 17;
+	return *state;
+}
+
+/* ------------------------------------------------------------------------------- an encoder */
+
+/* Counts of an alphabet, the plain way: shares of 2^15 are taken anew for every symbol. */
+typedef struct counts {
+	uint32_t symbols, count[1024], frozen[1024], total, frozen_total, cycle, left;
+} counts;
+
+static void freeze(counts *c)
+{
+	if (c->total > 32768) {
+		c->total = 0;
+		for (uint32_t s = 0; s < c->symbols; s++)
+			c->total += c->count[s] = (c->count[s] + 1) / 2;
+	}
+	memcpy(c->frozen, c->count, sizeof c->frozen);
+	c->frozen_total = c->total;
+}
+
+static void start_counts(counts *c, uint32_t symbols)
+{
+	*c = (counts){ .symbols = symbols, .total = symbols };
+	for (uint32_t s = 0; s < symbols; s++)
+		c->count[s] = 1;
+	freeze(c);
+	c->cycle = c->left = (symbols + 6) / 2;
+}
+
+static void count_symbol(counts *c, uint32_t symbol)
+{
+	c->count[symbol]++;
+	c->total++;
+	if (--c->left > 0)
+		return;
+	freeze(c);
+	uint32_t longest = (c->symbols + 6) * 8;
+	c->cycle = c->cycle * 5 / 4 < longest ? c->cycle * 5 / 4 : longest;
+	c->left = c->cycle;
+}
+
+static uint32_t share(const counts *c, uint32_t symbol)
+{
+	uint32_t sum = 0;
+	for (uint32_t s = 0; s < symbol; s++)
+		sum += c->frozen[s];
+	return (uint32_t)((uint64_t)(0x80000000u / c->frozen_total) * sum >> 16);
+}
+
+/* The interval's base as bytes, to which carries are added, and its length. */
+typedef struct encoder {
+	uint8_t out[1 << 17];
+	size_t used;
+	uint32_t base, length;
+} encoder;
+
+static void add_to_base(encoder *e, uint32_t offset)
+{
+	uint32_t sum = e->base + offset;
+	for (size_t at = e->used; sum < e->base && at > 0 && ++e->out[at - 1] == 0;)
+		at--;
+	e->base = sum;
+}
+
+static void narrow(encoder *e)
+{
+	while (e->length < 1u << 24) {
+		assert_true(e->used < sizeof e->out);
+		e->out[e->used++] = (uint8_t)(e->base >> 24);
+		e->base <<= 8;
+		e->length <<= 8;
+	}
+}
+
+static void encode_symbol(encoder *e, counts *c, uint32_t symbol)
+{
+	uint32_t step = e->length >> 15, low = share(c, symbol) * step;
+	uint32_t high = symbol + 1 < c->symbols ? share(c, symbol + 1) * step : e->length;
+	add_to_base(e, low);
+	e->length = high - low;
+	narrow(e);
+	count_symbol(c, symbol);
+}
+
+static void encode_bits(encoder *e, uint32_t value, uint32_t bits)
+{
+	if (bits > 19) {
+		encode_bits(e, value & 0xffff, 16);
+		encode_bits(e, value >> 16, bits - 16);
+		return;
+	}
+	e->length >>= bits;
+	add_to_base(e, value * e->length);
+	narrow(e);
+}
+
+/* Any number in the interval will do: its base, rounded up where the length allows. */
+static void finish(encoder *e)
+{
+	add_to_base(e, e->length / 2);
+	for (int b = 0; b < 4; b++, e->base <<= 8)
+		e->out[e->used++] = (uint8_t)(e->base >> 24);
+}
+
+static void symbols_come_back(void **state)
+{
+	(void)state;
+	static const uint32_t alphabets[] = { 2, 3, 5, 16, 17, 33, 64, 128, 256, 515, 516 };
+	enum { KINDS = sizeof alphabets / sizeof *alphabets, COUNT = 30000 };
+	static counts c[KINDS];
+	static encoder e;
+	static uint32_t sent[COUNT];
+	for (int skewed = 0; skewed < 2; skewed++) {
+		uint64_t random = 7;
+		e.used = 0, e.base = 0, e.length = UINT32_MAX;
+		for (int k = 0; k < KINDS; k++)
+			start_counts(&c[k], alphabets[k]);
+		for (size_t i = 0; i < COUNT; i++) {
+			uint32_t n = alphabets[i % KINDS], r = (uint32_t)(next_random(&random) >> 20);
+			sent[i] = skewed && r % 50 ? n / 3 : r % n;
+			encode_symbol(&e, &c[i % KINDS], sent[i]);
+			encode_bits(&e, sent[i] * 2654435761u >> (32 - 1 - i % 31), 1 + (uint32_t)(i % 31));
+		}
+		finish(&e);
+		laz_pool pool = { 0 };
+		laz_decoder d;
+		laz_model *model[KINDS] = { 0 };
+		laz_decoder_start(&d, e.out, e.used, &pool);
+		for (size_t i = 0; i < COUNT; i++) {
+			assert_int_equal(laz_symbol(&d, &model[i % KINDS], alphabets[i % KINDS]), sent[i]);
+			assert_int_equal(laz_bits(&d, 1 + (uint32_t)(i % 31)),
+							 sent[i] * 2654435761u >> (32 - 1 - i % 31));
+		}
+		assert_false(d.failed);
+		assert_true(d.over <= 4);
+		laz_pool_clear(&pool);
+	}
+}
+
+/* An end that comes too soon is counted, not read over, and nothing hangs. */
+static void bytes_run_out(void **state)
+{
+	(void)state;
+	laz_pool pool = { 0 };
+	laz_decoder d;
+	laz_model *model = NULL;
+	laz_bit_model bit = { 0 };
+	const uint8_t bytes[6] = { 0xff, 0xff, 0xff, 0xff, 0xff, 0xff };
+	laz_decoder_start(&d, bytes, sizeof bytes, &pool);
+	for (int i = 0; i < 1000; i++) {
+		assert_true(laz_symbol(&d, &model, 256) < 256);
+		assert_true(laz_bit(&d, &bit) < 2);
+		laz_bits(&d, 17);
+	}
+	assert_true(d.over > 1000);
+	laz_pool_clear(&pool);
+}
+
+static int compare(const void *a, const void *b)
+{
+	int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+	return (x > y) - (x < y);
+}
+
+/* Against sorting: out goes the largest while new values lie below the median, and from one that
+ * does not on the smallest, until one does not lie above it. */
+static void median_runs(void **state)
+{
+	(void)state;
+	laz_median median = { 0 };
+	int32_t sorted[5] = { 0 };
+	bool smallest = false;
+	uint64_t random = 99;
+	for (int turn = 0; turn < 5000; turn++) {
+		int32_t value = (int32_t)(next_random(&random) % 41) - 20, middle = sorted[2];
+		sorted[smallest ? 0 : 4] = value;
+		qsort(sorted, 5, sizeof *sorted, compare);
+		smallest = smallest ? value > middle : value >= middle;
+		laz_median_add(&median, value);
+		assert_memory_equal(median.sorted, sorted, sizeof sorted);
+		assert_int_equal(laz_median_value(&median), sorted[2]);
+	}
+}
+
+/* ------------------------------------------------------------------------------ whole files */
+
+static scan read_bytes(const uint8_t *file, size_t length)
+{
+	input_file in = { .name = "sample", .data = file, .length = length };
+	scan cloud;
+	gw_error error = { 0 };
+	if (las_read(&in, &cloud, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	return cloud;
+}
+
+static void same_columns(const scan *a, const scan *b, const char *what)
+{
+	assert_int_equal(a->count, b->count);
+	assert_int_equal(a->column_count, b->column_count);
+	for (size_t c = 0; c < a->column_count; c++) {
+		const scan_column *one = &a->column[c], *other = scan_find(b, one->name);
+		if (!other || one->type != other->type ||
+			memcmp(one->data, other->data, a->count * scan_type_size(one->type)) != 0)
+			fail_msg("%s: column %s differs", what, one->name);
+	}
+}
+
+static void files_of_laszip(void **state)
+{
+	(void)state;
+	static uint8_t packed[LAZ_SAMPLE_BYTES], plain[LAZ_SAMPLE_BYTES];
+	for (int s = 0; s < LAZ_SAMPLES; s++) {
+		const laz_sample *sample = &laz_samples[s];
+		size_t length = laz_sample_packed(sample, packed);
+		scan from_packed = read_bytes(packed, length);
+		size_t plain_length = laz_sample_plain(sample->format, sample->extra, plain);
+		scan from_plain = read_bytes(plain, plain_length);
+		assert_true(length < plain_length);
+		same_columns(&from_packed, &from_plain, sample->name);
+		/* And they are what the formula says, not only alike. */
+		uint8_t record[100];
+		for (unsigned i = 0; i < LAZ_SAMPLE_POINTS; i++) {
+			laz_sample_record(sample->format, sample->extra, i, record);
+			double x = (int32_t)load_32(record) * 0.001 + 400000.0;
+			assert_true(scan_value(scan_find(&from_packed, "x"), i) == x);
+			assert_true(scan_value(scan_find(&from_packed, "intensity"), i) ==
+						load_16(record + 12));
+		}
+		scan_clear(&from_packed);
+		scan_clear(&from_plain);
+	}
+}
+
+/* The same on one processor as on all. */
+static void any_number_of_threads(void **state)
+{
+	(void)state;
+	static uint8_t packed[LAZ_SAMPLE_BYTES];
+	size_t length = laz_sample_packed(&laz_samples[1], packed);
+	scan all = read_bytes(packed, length);
+	cpu_set_t before, one;
+	assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+	CPU_ZERO(&one);
+	for (size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; cpu++)
+		if (CPU_ISSET(cpu, &before))
+			CPU_SET(cpu, &one);
+	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+	scan single = read_bytes(packed, length);
+	sched_setaffinity(0, sizeof before, &before);
+	same_columns(&all, &single, "threads");
+	scan_clear(&all);
+	scan_clear(&single);
+}
+
+/* ---------------------------------------------------------------------------------- refusals */
+
+static void refused(uint8_t *file, size_t length, const char *because)
+{
+	input_file in = { .name = "sample.laz", .data = file, .length = length };
+	scan cloud;
+	gw_error error = { 0 };
+	assert_int_equal(las_read(&in, &cloud, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "sample.laz"));
+	if (!strstr(error.text, because))
+		fail_msg("'%s' does not say '%s'", error.text, because);
+}
+
+/* Sentences say what cannot be read. */
+static void what_is_unsupported(void **state)
+{
+	(void)state;
+	uint8_t file[LAZ_SAMPLE_BYTES];
+	size_t length = laz_sample_packed(&laz_samples[1], file);
+	size_t vlr = 227 + 54;
+	file[vlr] = 4;
+	refused(file, length, "compressor 4");
+	laz_sample_packed(&laz_samples[1], file);
+	file[vlr + 2] = 1;
+	refused(file, length, "coder 1");
+	laz_sample_packed(&laz_samples[1], file);
+	file[vlr + 34 + 4] = 7;
+	refused(file, length, "POINT10 (6) of 20 bytes, version 7");
+	laz_sample_packed(&laz_samples[1], file);
+	store_32(file + vlr + 12, 0);
+	refused(file, length, "0 points");
+	laz_sample_packed(&laz_samples[1], file);
+	store_32(file + 107, 37);
+	refused(file, length, "37 points, but the 3 chunks have 36");
+	laz_sample_packed(&laz_samples[1], file);
+	store_32(file + 107, 31);
+	refused(file, length, "7 points in 124 bytes, ends before its last point");
+	laz_sample_packed(&laz_samples[1], file);
+	store_32(file + 107, 4000000000u);
+	refused(file, length, "4000000000");
+	laz_sample_packed(&laz_samples[1], file);
+	memset(file + 227 + 2, 'x', 16);
+	refused(file, length, "no LASzip record");
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(symbols_come_back),     cmocka_unit_test(bytes_run_out),
+		cmocka_unit_test(median_runs),           cmocka_unit_test(files_of_laszip),
+		cmocka_unit_test(any_number_of_threads), cmocka_unit_test(what_is_unsupported),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
