@@ -191,7 +191,8 @@ static gw_status read_one(const settings *s, const settings_input *from, scan *c
 						  scan_points *points, loaded_input *facts, gw_error *error)
 {
 	gw_error reason = { 0 };
-	gw_status status = format_read_found(from->path, s->format, cloud, &facts->format, error);
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(from->path, &options, cloud, &facts->format, error);
 	if (status != GW_OK)
 		return status;
 	facts->path = from->path;

@@ -46,6 +46,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_info(s, error);
 	case VERB_COMPARE:
 		return verb_compare(s, error);
+	case VERB_CONVERT:
+		return verb_convert(s, error);
 	case VERB_COUNT:
 		break;
 	}

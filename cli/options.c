@@ -67,9 +67,9 @@ static const char *format_name(int i)
 #define BAKE .verbs = 1u << VERB_BAKE
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
-#define BOTH .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
-#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE
-#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE
+#define READS .verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_CONVERT
+#define WRITES .verbs = 1u << VERB_BAKE | 1u << VERB_COMPARE | 1u << VERB_CONVERT
+#define CHOOSES .verbs = 1u << VERB_BAKE | 1u << VERB_CONVERT
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -82,6 +82,9 @@ const option options[] = {
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(output), .group = "Output",
 	  .help = "write the lit points there; - is standard output. The name's extension chooses the "
 			  "format" },
+	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, CHOOSES, AT(output_format),
+	  .choice = format_name, .group = "Output",
+	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
 	  .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
@@ -129,6 +132,9 @@ const option options[] = {
 	  .help = "which axis points up, for suns with azimuth and elevation; auto asks the format" },
 	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
+	{ "columns", 0, "LIST", OPTION_TEXT, READS, AT(columns), .group = "Scene",
+	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
+			  "x, y and z among them; - leaves one out" },
 
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
@@ -163,7 +169,7 @@ const option options[] = {
 	{ "seed", 0, "N", OPTION_SEED, BAKE, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random directions" },
 
-	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, BOTH, .scene = true, AT(bake.threads),
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, READS, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, BAKE, .scene = true, AT(bake.memory),
@@ -231,7 +237,7 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake", "info", "compare", NULL };
+	static const char *const name[] = { "bake", "info", "compare", "convert", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -240,7 +246,8 @@ const char *verb_summary(verb v)
 {
 	static const char *const summary[] = { "light a point cloud",
 										   "say what is in a point cloud, or list devices",
-										   "say how far one lighting is from another" };
+										   "say how far one lighting is from another",
+										   "write a point cloud in another format" };
 	return summary[v];
 }
 
@@ -248,7 +255,8 @@ const char *verb_synopsis(verb v)
 {
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
 											"info FILE... [--json] | info --devices [--json]",
-											"compare RESULT TRUTH [option]..." };
+											"compare RESULT TRUTH [option]...",
+											"convert INPUT OUTPUT [option]..." };
 	return synopsis[v];
 }
 

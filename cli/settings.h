@@ -11,6 +11,7 @@ typedef enum verb {
 	VERB_BAKE,
 	VERB_INFO,
 	VERB_COMPARE,
+	VERB_CONVERT,
 	VERB_COUNT,
 } verb;
 
@@ -59,7 +60,7 @@ typedef struct settings {
 	int up, colors, gamma, progress; /* values of enums and choices */
 	uint32_t fields;                 /* 1 << settings_field */
 	float exposure;                  /* EV; NAN: from the picture */
-	const char *output, *vdb, *report, *format;
+	const char *output, *vdb, *report, *format, *columns, *output_format;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
 	const char *worst, *json_file;                 /* of compare */
 	uint32_t worst_count;                          /* points that worst holds */

@@ -97,6 +97,7 @@ static void print_json(const facts *f)
 	json_put_count(&json, "points", s->points);
 	json_put_count(&json, "finite", s->finite);
 	json_put_count(&json, "duplicates", s->duplicates);
+	json_put_count(&json, "left_out", f->cloud->left_out);
 	json_put_text(&json, "up", (char[]){ f->cloud->up, '\0' });
 	json_put_reals(&json, "minimum", s->minimum, 3);
 	json_put_reals(&json, "maximum", s->maximum, 3);
@@ -142,6 +143,11 @@ static void print_text(const facts *f)
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
+	if (f->cloud->left_out)
+		printf("  left out   %" PRIu64 " rows without a point\n", f->cloud->left_out);
+	if (f->cloud->has_scanner)
+		printf("  scanner    at %.12g %.12g %.12g\n", f->cloud->scanner[0], f->cloud->scanner[1],
+			   f->cloud->scanner[2]);
 	for (int k = 0; k < 3 && s->finite; k++)
 		printf("  %-10s %.12g to %.12g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
 	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],
@@ -184,7 +190,8 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 {
 	scan cloud = { 0 };
 	facts f = { .name = loaded_scene_input_name(path), .cloud = &cloud };
-	gw_status status = format_read_found(path, s->format, &cloud, &f.format, error);
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
 	if (status == GW_OK)
 		status = describe(s, &f, error);
 	scan_clear(&cloud);

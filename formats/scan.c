@@ -113,6 +113,38 @@ double scan_value(const scan_column *column, size_t i)
 	return 0.0;
 }
 
+void scan_store(scan_column *column, size_t i, double value)
+{
+	switch (column->type) {
+	case SCAN_INT8:
+		((int8_t *)column->data)[i] = (int8_t)value;
+		break;
+	case SCAN_UINT8:
+		((uint8_t *)column->data)[i] = (uint8_t)value;
+		break;
+	case SCAN_INT16:
+		((int16_t *)column->data)[i] = (int16_t)value;
+		break;
+	case SCAN_UINT16:
+		((uint16_t *)column->data)[i] = (uint16_t)value;
+		break;
+	case SCAN_INT32:
+		((int32_t *)column->data)[i] = (int32_t)value;
+		break;
+	case SCAN_UINT32:
+		((uint32_t *)column->data)[i] = (uint32_t)value;
+		break;
+	case SCAN_FLOAT32:
+		((float *)column->data)[i] = (float)value;
+		break;
+	case SCAN_FLOAT64:
+		((double *)column->data)[i] = value;
+		break;
+	case SCAN_TYPE_COUNT:
+		break;
+	}
+}
+
 /* ------------------------------------------------------------------------------ appending */
 
 static bool is_float(scan_type type)
@@ -146,39 +178,6 @@ static scan_type widen(scan_type a, scan_type b)
 	return size == 2 ? SCAN_INT16 : size == 4 ? SCAN_INT32 : SCAN_FLOAT64;
 }
 
-/* Stores a value that the type is known to hold. */
-static void store(scan_column *column, size_t i, double value)
-{
-	switch (column->type) {
-	case SCAN_INT8:
-		((int8_t *)column->data)[i] = (int8_t)value;
-		break;
-	case SCAN_UINT8:
-		((uint8_t *)column->data)[i] = (uint8_t)value;
-		break;
-	case SCAN_INT16:
-		((int16_t *)column->data)[i] = (int16_t)value;
-		break;
-	case SCAN_UINT16:
-		((uint16_t *)column->data)[i] = (uint16_t)value;
-		break;
-	case SCAN_INT32:
-		((int32_t *)column->data)[i] = (int32_t)value;
-		break;
-	case SCAN_UINT32:
-		((uint32_t *)column->data)[i] = (uint32_t)value;
-		break;
-	case SCAN_FLOAT32:
-		((float *)column->data)[i] = (float)value;
-		break;
-	case SCAN_FLOAT64:
-		((double *)column->data)[i] = value;
-		break;
-	case SCAN_TYPE_COUNT:
-		break;
-	}
-}
-
 /* Copies the values of one column into another of the same or a wider type, from point `first`. */
 static void copy_values(scan_column *to, size_t first, const scan_column *from, size_t count)
 {
@@ -188,7 +187,7 @@ static void copy_values(scan_column *to, size_t first, const scan_column *from, 
 		return;
 	}
 	for (size_t i = 0; i < count; i++)
-		store(to, first + i, scan_value(from, i));
+		scan_store(to, first + i, scan_value(from, i));
 }
 
 /* Colours of two scans may count to different numbers; joined they must count to one. */
@@ -216,9 +215,9 @@ static void put_colors(scan_column *to, size_t first, const scan_color *color, i
 	for (size_t i = 0; i < count; i++) {
 		double value = scan_color_value(color, k, i);
 		if (to->type == SCAN_FLOAT32)
-			store(to, first + i, value);
+			scan_store(to, first + i, value);
 		else
-			store(to, first + i, value > 0.0 ? fmin(value, 1.0) * 65535.0 + 0.5 : 0.0);
+			scan_store(to, first + i, value > 0.0 ? fmin(value, 1.0) * 65535.0 + 0.5 : 0.0);
 	}
 }
 
@@ -288,6 +287,7 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 	if (__builtin_add_overflow(cloud->count, tail->count, &joined.count))
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
 					   cloud->count, tail->count);
+	joined.left_out = cloud->left_out + tail->left_out;
 	/* One scanner cannot have stood at two places; then nobody knows which points it saw. */
 	bool first = cloud->count == 0;
 	bool same = cloud->has_scanner && tail->has_scanner &&

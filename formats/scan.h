@@ -33,6 +33,7 @@ typedef struct scan {
 	size_t column_count;
 	char **comment;           /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
+	uint64_t left_out;        /* rows without a point: empty cells of a scanner's grid */
 	char up;                  /* 'y' or 'z': which axis the format calls up */
 	bool has_scanner;
 	double scanner[3];        /* where the scanner stood, in the cloud's coordinates */
@@ -56,6 +57,9 @@ void scan_remove_column(scan *scan, const char *name);
 
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
+
+/* Stores a value that the column's type is known to hold as point i. */
+void scan_store(scan_column *column, size_t i, double value);
 
 /* Appends the points of `tail` to `scan`. Columns that both have stay (types widen to hold both;
  * colours that count to different numbers are scaled to count to the same); the others are filled

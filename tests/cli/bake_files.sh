@@ -40,7 +40,7 @@ printf '\106\266\363\175\200\204\036\101' | od -A n -v -t u1 -w8 | sed 's/  */ /
 # Colours that came in can stay, and a name that no format has is refused before the work.
 glowworm bake a.ply -q --light "$lamp" --colors keep -o keep.ply
 columns keep.ply 62 36 3 | head -n 1
-glowworm bake a.ply -q --light "$lamp" -o lit.las
+glowworm bake a.ply -q --light "$lamp" -o lit.obj
 echo "no such format: $?"
 # 4 + 16 * 27 bytes; OpenVDB files begin with " BDV".
 make_cloud | sed 's/^500000/1/; s/ 4000000/ 2/' >near.ply

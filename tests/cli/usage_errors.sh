@@ -23,7 +23,7 @@ run bake a.ply --force=yes
 run bake a.ply --exposure nan
 run bake
 run bake a.ply
-run bake a.ply -o a.xyz
+run bake a.ply -o a.obj
 run bake - - -o out.ply
 run bake a.ply -o - --report -
 run bake a.ply -o out.ply --vdb-half
@@ -31,5 +31,5 @@ echo "{\"version\": 1}" | tee a.json >b.json
 run bake a.json b.json -o out.ply
 run info
 run info --devices a.ply
-run info --format las a.ply
+run info --format obj a.ply
 run --generate nothing
