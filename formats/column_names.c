@@ -45,13 +45,12 @@ const char *column_canonical_name(const char *name)
 const char *column_table_name(const char *name)
 {
 	static const alias list[] = {
-		{ "r", "red" },       { "g", "green" },     { "b", "blue" },
-		{ "a", "alpha" },     { "rf", "red" },      { "gf", "green" },
-		{ "bf", "blue" },     { "i", "intensity" }, { "normalx", "nx" },
-		{ "normaly", "ny" },  { "normalz", "nz" },  { "normal x", "nx" },
-		{ "normal y", "ny" }, { "normal z", "nz" }, { "easting", "x" },
-		{ "northing", "y" },  { "elevation", "z" }, { "reflectance", "intensity" },
-		{ NULL, NULL },
+		{ "i", "intensity" }, { "reflectance", "intensity" },
+		{ "normalx", "nx" },  { "normaly", "ny" },
+		{ "normalz", "nz" },  { "normal x", "nx" },
+		{ "normal y", "ny" }, { "normal z", "nz" },
+		{ "easting", "x" },   { "northing", "y" },
+		{ "elevation", "z" }, { NULL, NULL },
 	};
 	const char *ours = find(list, name);
 	return ours ? ours : column_canonical_name(name);

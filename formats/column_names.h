@@ -8,7 +8,7 @@
  * itself when it is not known. */
 const char *column_canonical_name(const char *name);
 
-/* The same, and short names as tables have them in their first line: r, g, b, i, nx. */
+/* The same, and names as tables have them in their first line: i, Easting, Normal X. */
 const char *column_table_name(const char *name);
 
 #endif

@@ -270,11 +270,39 @@ static size_t print_quickly(char *text, double value, bool single)
 	return 0;
 }
 
+/*
+ * Numbers of 16 or 17 digits, for which whole / 10^decimals is found in integers of 128 bits: with
+ * 17 it always reads back. Returns 0 for what the quick way leaves out by its size.
+ */
+static size_t print_exactly(char *text, double value)
+{
+	double size = fabs(value);
+	if (!(size >= 1e-4 && size < 1e15))
+		return 0;
+	int exponent, decimals = 0;
+	uint64_t mantissa = (uint64_t)ldexp(frexp(size, &exponent), 53);
+	int shift = 53 - exponent; /* value = mantissa / 2^shift, from 3 to 66 */
+	unsigned __int128 power = 1;
+	for (double whole = size; whole < 1e15; whole *= 10.0, decimals++)
+		power *= 10;
+	for (int more = 0; more < 2; more++, decimals++, power *= 10) {
+		unsigned __int128 half = (unsigned __int128)1 << (shift - 1);
+		decimal d = { .exact = true, .exponent = -decimals };
+		double back;
+		d.mantissa = (uint64_t)((mantissa * power + half) >> shift);
+		if (read_exactly(&d, &back) && back == size)
+			return print_fixed(text, value < 0.0, d.mantissa, decimals);
+	}
+	return 0;
+}
+
 static size_t print_with(char *text, double value, bool single)
 {
 	if (isnan(value))
 		return (size_t)snprintf(text, NUMBER_TEXT, "nan");
 	size_t quick = print_quickly(text, value, single);
+	if (!quick && !single)
+		quick = print_exactly(text, value);
 	if (quick)
 		return quick;
 	pthread_once(&c_locale_once, make_c_locale);

@@ -66,10 +66,13 @@ static scan_type column_type(const reader *r, const pcd_field *field)
 /* Name of the column for value `index` of a field: the canonical one unless it is taken. */
 static char *column_name(const reader *r, const pcd_field *field, size_t index)
 {
-	char *name = NULL;
 	const char *known = column_canonical_name(field->name);
+	size_t size = strlen(field->name) + 24;
+	char *name = field->count > 1 ? malloc(size) : NULL;
+	if (name)
+		snprintf(name, size, "%s_%zu", field->name, index);
 	if (field->count > 1)
-		return asprintf(&name, "%s_%zu", field->name, index) < 0 ? NULL : name;
+		return name;
 	return strdup(scan_find(r->cloud, known) ? field->name : known);
 }
 
@@ -173,13 +176,6 @@ static void take_points(void *user, size_t first, size_t last, uint32_t worker)
 
 static gw_status read_binary(reader *r)
 {
-	const pcd_header *h = r->header;
-	size_t left = (size_t)(r->end - r->body);
-	if (h->points > left / h->stride || left - h->points * h->stride >= h->stride)
-		return gw_fail(r->error, GW_ERROR_DATA,
-					   "%s has %zu bytes from byte %zu on, but %llu points of %zu bytes are "
-					   "counted; the file is cut short or its header is wrong",
-					   r->in->name, left, h->body, (unsigned long long)h->points, h->stride);
 	gw_status status = add_columns(r);
 	if (status == GW_OK)
 		gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_points, r);
@@ -258,21 +254,17 @@ static gw_status read_rows(reader *r, text_rows *rows)
 
 static gw_status read_ascii(reader *r)
 {
-	const char *at = (const char *)r->body, *end = (const char *)r->end, *line;
+	const char *line;
 	size_t length;
 	text_rows rows = { .in = r->in,
-					   .begin = at,
-					   .end = end,
+					   .begin = (const char *)r->body,
+					   .end = (const char *)r->end,
 					   .first_line = r->header->lines + 1,
 					   .newline = '\n',
 					   .separator = ' ',
 					   .width = r->header->values };
-	while (text_rows_next_line(&at, end, '\n', &line, &length)) {
-		if (text_rows_is_empty(line, length))
-			continue;
+	if (text_rows_first(&rows, &line, &length))
 		rows.separator = text_rows_separator(line, length);
-		break;
-	}
 	gw_status status = text_rows_count(&rows, r->error);
 	if (status == GW_OK)
 		status = read_rows(r, &rows);
@@ -281,6 +273,16 @@ static gw_status read_ascii(reader *r)
 }
 
 /* ------------------------------------------------------------------------------ the whole */
+
+/* Moves the last columns to stand before the one at `place`. */
+static void move_last(scan *cloud, size_t count, size_t place)
+{
+	scan_column moved[4];
+	size_t first = cloud->column_count - count;
+	memcpy(moved, cloud->column + first, count * sizeof *moved);
+	memmove(cloud->column + place + count, cloud->column + place, (first - place) * sizeof *moved);
+	memcpy(cloud->column + place, moved, count * sizeof *moved);
+}
 
 /* Takes red, green, blue and alpha out of 32 bits. Some programs store them as a float; one that is
  * not a number is what they write for points without a colour. */
@@ -304,13 +306,37 @@ static gw_status unpack_colors(reader *r, const pcd_field *field)
 			((uint8_t *)to->data)[i] = none ? 0 : (uint8_t)(bits[i] >> shift[k]);
 		}
 	}
+	size_t place = (size_t)(scan_find(r->cloud, field->name) - r->cloud->column);
 	scan_remove_column(r->cloud, field->name);
+	move_last(r->cloud, channels, place);
+	return GW_OK;
+}
+
+/* Before anything is allocated: the points counted must fit into the bytes that are there. A value
+ * of text takes two, but for the last. Compressed points are measured when they are unpacked. */
+static gw_status check_size(const reader *r)
+{
+	const pcd_header *h = r->header;
+	size_t left = (size_t)(r->end - r->body), stride = h->stride;
+	bool ascii = h->encoding == PCD_ASCII, wrong = false;
+	if (ascii)
+		wrong = h->points > (left + 1) / (2 * h->values);
+	else if (h->encoding == PCD_BINARY)
+		wrong = h->points > left / stride || left - h->points * stride >= stride;
+	if (wrong)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s has %zu bytes from byte %zu on, but %llu points of %zu %s are counted; "
+					   "the file is cut short or its header is wrong",
+					   r->in->name, left, h->body, (unsigned long long)h->points,
+					   ascii ? h->values : stride, ascii ? "values" : "bytes");
 	return GW_OK;
 }
 
 static gw_status read_body(reader *r)
 {
 	gw_status status = check_position(r);
+	if (status == GW_OK)
+		status = check_size(r);
 	if (status != GW_OK)
 		return status;
 	r->item = calloc(r->header->values, sizeof *r->item);

@@ -67,21 +67,6 @@ static gw_status read_rows(text_rows *rows, const text_names *names, scan *cloud
 	return status;
 }
 
-static bool find_separator(text_rows *rows)
-{
-	const char *at = rows->begin, *line;
-	size_t length;
-	double value;
-	while (text_rows_next_line(&at, rows->end, rows->newline, &line, &length)) {
-		if (text_rows_is_empty(line, length))
-			continue;
-		rows->separator = text_rows_separator(line, length);
-		if (text_rows_numbers(line, length, rows->separator, &value, 1) != 1)
-			return true;
-	}
-	return false;
-}
-
 gw_status pts_read(input_file *in, scan *cloud, gw_error *error)
 {
 	const char *text = (const char *)in->data;
@@ -93,8 +78,12 @@ gw_status pts_read(input_file *in, scan *cloud, gw_error *error)
 	text_names names = { 0 };
 	*cloud = (scan){ .up = 'z' };
 	rows.newline = text_rows_newline(text, in->length < HEAD_BYTES ? in->length : HEAD_BYTES);
-	gw_status status = find_separator(&rows)
-						   ? text_names_guess(&names, &rows, true, error)
+	const char *line;
+	size_t length;
+	bool any = text_rows_first(&rows, &line, &length);
+	if (any)
+		rows.separator = text_rows_separator(line, length);
+	gw_status status = any ? text_names_guess(&names, &rows, true, error)
 						   : gw_fail(error, GW_ERROR_DATA, "%s holds no points", in->name);
 	if (status == GW_OK)
 		status = read_rows(&rows, &names, cloud, error);

@@ -109,16 +109,14 @@ static gw_status skip_cells(reader *r, const grid *g)
 	return GW_OK;
 }
 
-/* Values in the first row that is no hole; 0 when there is none. */
+/* Values in the first row that is no hole; 3 when there is none. */
 static size_t row_width(const text_rows *rows)
 {
-	const char *at = rows->begin, *line;
+	const char *line;
 	double value[16];
 	size_t length;
-	while (text_rows_next_line(&at, rows->end, rows->newline, &line, &length))
-		if (!text_rows_is_empty(line, length))
-			return text_rows_numbers(line, length, ' ', value, 16);
-	return 0;
+	bool any = text_rows_first(rows, &line, &length);
+	return any ? text_rows_numbers(line, length, ' ', value, 16) : 3;
 }
 
 static gw_status take_grid(reader *r)
@@ -137,7 +135,7 @@ static gw_status take_grid(reader *r)
 	if (status != GW_OK)
 		return status;
 	g.rows.end = r->at;
-	g.rows.width = g.size[0] * g.size[1] > 0.0 ? row_width(&g.rows) : 3;
+	g.rows.width = row_width(&g.rows);
 	if (g.rows.width != 3 && g.rows.width != 4 && g.rows.width != 6 && g.rows.width != 7)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s, line %zu: rows of a PTX file have x y z, often an intensity, and often "
@@ -205,8 +203,8 @@ static void aim(const text_names *names, text_column *all, const grid *g, text_c
 		own[c] = (text_column){ .name = name,
 								.type = SCAN_FLOAT64,
 								.data = (double *)all[i].data + g->first,
-								.whole = true,
-								.single = true };
+								.whole = atomic_load(&all[i].whole),
+								.single = atomic_load(&all[i].single) };
 	}
 }
 

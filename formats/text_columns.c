@@ -39,6 +39,25 @@ static bool parts(char c, char separator)
 	return separator == ' ' ? is_blank(c) : c == separator;
 }
 
+/* r, g and b together are colours; one of them alone can be anything. */
+static gw_status name_colors(text_names *names, gw_error *error)
+{
+	static const char *const color[3] = { "red", "green", "blue" };
+	char **place[3] = { NULL, NULL, NULL };
+	for (size_t i = 0; i < names->count; i++)
+		for (size_t k = 0; k < 3; k++)
+			if (strlen(names->name[i]) == 1 && (names->name[i][0] | 32) == color[k][0])
+				place[k] = &names->name[i];
+	for (size_t k = 0; k < 3 && place[0] && place[1] && place[2]; k++) {
+		char *copy = strdup(color[k]);
+		if (!copy)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the names of columns");
+		free(*place[k]);
+		*place[k] = copy;
+	}
+	return GW_OK;
+}
+
 gw_status text_names_split(text_names *names, const char *line, size_t length, gw_error *error)
 {
 	const char *at = line, *end = line + length;
@@ -60,6 +79,8 @@ gw_status text_names_split(text_names *names, const char *line, size_t length, g
 		if (last > first || separator != ' ')
 			status = add_name(names, first, (size_t)(last - first), error);
 	}
+	if (status == GW_OK)
+		status = name_colors(names, error);
 	if (status != GW_OK)
 		text_names_clear(names);
 	return status;
@@ -220,7 +241,10 @@ gw_status text_columns_add(scan *cloud, const text_names *names, text_column **c
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu columns", names->count);
 	for (size_t i = 0; i < names->count; i++) {
 		made[i] = (text_column){
-			.name = names->name[i], .type = SCAN_FLOAT64, .whole = true, .single = true
+			.name = names->name[i],
+			.type = SCAN_FLOAT64,
+			.whole = !is_position(names->name[i]),
+			.single = !is_position(names->name[i]),
 		};
 		if (strcmp(names->name[i], "-") == 0)
 			continue;

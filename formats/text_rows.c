@@ -128,6 +128,15 @@ static line_kind kind_of(const text_rows *rows, const char *line, size_t length)
 	return skipped ? LINE_SKIPPED : LINE_ROW;
 }
 
+bool text_rows_first(const text_rows *rows, const char **line, size_t *length)
+{
+	const char *at = rows->begin;
+	while (text_rows_next_line(&at, rows->end, rows->newline, line, length))
+		if (kind_of(rows, *line, *length) == LINE_ROW)
+			return true;
+	return false;
+}
+
 /* ------------------------------------------------------------------------------- first pass */
 
 typedef struct counting {
@@ -234,15 +243,16 @@ static bool store_integer(const text_column *column, size_t row, double value)
 /* Doubles are kept with how they were written, because their column may become a smaller type. */
 static size_t take_double(text_column *column, size_t row, const char *at, size_t length)
 {
-	number_form form;
-	double value;
-	size_t used = number_read_form(at, length, &value, &form);
-	if (!used)
-		return 0;
-	((double *)column->data)[row] = value;
-	if (!form.whole && atomic_load_explicit(&column->whole, memory_order_relaxed))
+	double *to = (double *)column->data + row;
+	bool whole = atomic_load_explicit(&column->whole, memory_order_relaxed);
+	bool single = atomic_load_explicit(&column->single, memory_order_relaxed);
+	if (!whole && !single)
+		return number_read(at, length, to);
+	number_form form = { 0 };
+	size_t used = number_read_form(at, length, to, &form);
+	if (used && whole && !form.whole)
 		atomic_store_explicit(&column->whole, false, memory_order_relaxed);
-	if (!form.single && atomic_load_explicit(&column->single, memory_order_relaxed))
+	if (used && single && !form.single)
 		atomic_store_explicit(&column->single, false, memory_order_relaxed);
 	return used;
 }

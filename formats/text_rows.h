@@ -83,6 +83,9 @@ char text_rows_separator(const char *line, size_t length);
 bool text_rows_next_line(const char **at, const char *end, char newline, const char **line,
 						 size_t *length);
 
+/* The first line of a text that is a row; false when there is none. */
+bool text_rows_first(const text_rows *rows, const char **line, size_t *length);
+
 /* True when the line is blank or a comment. */
 bool text_rows_is_empty(const char *line, size_t length);
 

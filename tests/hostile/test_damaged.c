@@ -6,7 +6,9 @@
  * to malloc and its kin through this file (--wrap), which counts, and fails them on demand.
  */
 #include "cloud_format.h"
+#include "pcd_format.h"
 #include "ply_format.h"
+#include "text_formats.h"
 
 #include <malloc.h>
 #include <math.h>
@@ -113,6 +115,7 @@ typedef struct seed {
 	size_t length;
 	size_t header; /* bytes of text with counts in it; 0: a binary count at the start */
 	size_t points;
+	bool uncounted; /* nothing in the file says how many points it has */
 } seed;
 
 static void put_text(seed *s, const char *text)
@@ -203,7 +206,61 @@ static void make_cloud(seed *s)
 	}
 }
 
-enum { SEEDS = 5 };
+/* Fields of several sizes, packed colours, padding. */
+static void make_pcd(seed *s, const char *name, const char *encoding)
+{
+	char line[80];
+	*s = (seed){ .name = name, .read = pcd_read, .points = 7 };
+	put_text(s, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+				"FIELDS x y z rgb _ n\nSIZE 4 8 4 4 1 2\nTYPE F F F F U I\nCOUNT 1 1 1 1 3 2\n"
+				"WIDTH 7\nHEIGHT 1\nVIEWPOINT 0 0 1 1 0 0 0\nPOINTS 7\n");
+	snprintf(line, sizeof line, "DATA %s\n", encoding);
+	put_text(s, line);
+	s->header = s->length;
+	if (strcmp(encoding, "binary_compressed") == 0) {
+		/* 189 bytes: the first as it is, 188 like it, in steps back of at most 264. */
+		put_pattern(s, 5, 4, false);
+		put_pattern(s, 7 * 27, 4, false);
+		put_pattern(s, 0x3f00, 2, false);
+		put_pattern(s, 7 << 5 | (188 - 2 - 7) << 8, 3, false);
+		return;
+	}
+	for (int i = 0; i < 7; i++) {
+		if (strcmp(encoding, "ascii") == 0) {
+			snprintf(line, sizeof line, "%d.5 -1.25e2 nan 4.2e6 1 2 3 -32768 7\n", i);
+			put_text(s, line);
+			continue;
+		}
+		put_float(s, (float)i, false);
+		put_pattern(s, 0x40590ccccccccccd, 8, false);
+		put_float(s, -1.0f, false);
+		put_text(s, "bgrxabc1234");
+	}
+}
+
+static void make_tables(seed *pts, seed *ptx, seed *xyz)
+{
+	char line[80];
+	*pts = (seed){ .name = "pts", .read = pts_read, .points = 11 };
+	*xyz = (seed){ .name = "xyz", .read = xyz_read, .points = 11, .uncounted = true };
+	*ptx = (seed){ .name = "ptx", .read = ptx_read, .points = 11 };
+	put_text(pts, "11\n");
+	pts->header = pts->length;
+	put_text(xyz, "# a comment\n# x y z \"a\" red,1\nx;y;z;w;red;green;blue\n");
+	put_text(ptx, "4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+				  "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n0 0 0 0.5\n");
+	ptx->header = ptx->length;
+	for (int i = 0; i < 11; i++) {
+		snprintf(line, sizeof line, "%d.5 1e2 -0.001 -77 %d 2 255\r\n", i, i);
+		put_text(pts, line);
+		put_text(ptx, line);
+		for (char *c = line; *c; c++)
+			*c = *c == ' ' ? ';' : *c;
+		put_text(xyz, line);
+	}
+}
+
+enum { SEEDS = 11 };
 static seed seeds[SEEDS];
 
 static int make_seeds(void **state)
@@ -214,6 +271,10 @@ static int make_seeds(void **state)
 	make_ply(&seeds[2], "big-endian ply", "binary_big_endian");
 	make_plain_ply(&seeds[3]);
 	make_cloud(&seeds[4]);
+	make_pcd(&seeds[5], "ascii pcd", "ascii");
+	make_pcd(&seeds[6], "binary pcd", "binary");
+	make_pcd(&seeds[7], "compressed pcd", "binary_compressed");
+	make_tables(&seeds[8], &seeds[9], &seeds[10]);
 	return 0;
 }
 
@@ -278,7 +339,8 @@ static void seeds_are_good(void **state)
 	for (int i = 0; i < SEEDS; i++) {
 		const seed *s = &seeds[i];
 		assert_true(s->length <= sizeof s->data);
-		assert_int_equal(attempt(s, s->data, s->length, "whole", 0), GW_OK);
+		if (attempt(s, s->data, s->length, "whole", 0) != GW_OK)
+			fail_msg("%s was refused", s->name);
 	}
 }
 
@@ -290,7 +352,7 @@ static void every_truncation(void **state)
 		for (size_t length = 0; length < s->length; length++) {
 			gw_status status = attempt(s, s->data, length, "cut to", length);
 			/* Nothing reads as a whole scan before its last point is there. */
-			assert_true(status == GW_ERROR_DATA || length > s->length - 40);
+			assert_true(status == GW_ERROR_DATA || length > s->length - 40 || s->uncounted);
 		}
 	}
 }
