@@ -110,6 +110,10 @@ static void print_json(const facts *f)
 	json_put_text(&json, "albedo_source", f->points->albedo_source);
 	json_put_count(&json, "depth", s->depth);
 	json_put_count(&json, "memory", s->memory);
+	json_put_open(&json, "scanners", '[');
+	for (size_t i = 0; i < f->cloud->scanner_count; i++)
+		json_put_reals(&json, NULL, f->cloud->scanner + 3 * i, 3);
+	json_put_close(&json, ']');
 	write_fields(&json, f);
 	json_put_open(&json, "comments", '[');
 	for (size_t c = 0; c < f->cloud->comment_count; c++)
@@ -145,9 +149,10 @@ static void print_text(const facts *f)
 		   s->points, s->points - s->finite, s->duplicates);
 	if (f->cloud->left_out)
 		printf("  left out   %" PRIu64 " rows without a point\n", f->cloud->left_out);
-	if (f->cloud->has_scanner)
-		printf("  scanner    at %.12g %.12g %.12g\n", f->cloud->scanner[0], f->cloud->scanner[1],
-			   f->cloud->scanner[2]);
+	for (size_t i = 0; i < f->cloud->scanner_count; i++) {
+		const double *at = f->cloud->scanner + 3 * i;
+		printf("  %-10s at %.12g %.12g %.12g\n", i ? "" : "scanner", at[0], at[1], at[2]);
+	}
 	for (int k = 0; k < 3 && s->finite; k++)
 		printf("  %-10s %.12g to %.12g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
 	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],

@@ -356,13 +356,13 @@ static gw_status read_body(reader *r)
 }
 
 /* The default says nothing; in an organised cloud it is the camera itself. */
-static void take_viewpoint(const pcd_header *h, scan *cloud)
+static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
 {
 	static const double usual[7] = { 0, 0, 0, 1, 0, 0, 0 };
-	cloud->has_scanner = h->height > 1 && h->width > 1;
+	bool known = h->height > 1 && h->width > 1;
 	for (int k = 0; k < 7; k++)
-		cloud->has_scanner = cloud->has_scanner || h->viewpoint[k] != usual[k];
-	memcpy(cloud->scanner, h->viewpoint, sizeof cloud->scanner);
+		known = known || h->viewpoint[k] != usual[k];
+	return known ? scan_add_scanner(cloud, h->viewpoint, 0, cloud->count, error) : GW_OK;
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
@@ -378,7 +378,8 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 					 .cloud = cloud,
 					 .error = error };
 		status = read_body(&r);
-		take_viewpoint(&header, cloud);
+		if (status == GW_OK)
+			status = take_viewpoint(&header, cloud, error);
 		pcd_header_clear(&header);
 	}
 	if (status != GW_OK)

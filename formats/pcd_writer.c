@@ -117,7 +117,7 @@ static gw_status write_viewpoint(output_file *out, const scan *cloud, gw_error *
 	output_file_print(out, NULL, "VIEWPOINT");
 	for (int k = 0; k < 3; k++) {
 		char text[NUMBER_TEXT];
-		number_print(text, cloud->has_scanner ? cloud->scanner[k] : 0.0);
+		number_print(text, cloud->scanner_count == 1 ? cloud->scanner[k] : 0.0);
 		output_file_print(out, NULL, " %s", text);
 	}
 	return output_file_print(out, error, " 1 0 0 0\n");

@@ -280,17 +280,15 @@ static bool is_among(const grid *g, const scan *cloud)
  * The matrix takes the scanner's place, its frame's origin, to the world. Points that never were in
  * a scanner's frame come with a matrix that does nothing and are far from the origin.
  */
-static void take_scanner(const reader *r)
+static gw_status take_scanners(const reader *r)
 {
-	scan *cloud = r->cloud;
-	cloud->has_scanner = true;
-	memcpy(cloud->scanner, &r->grid[0].matrix[12], sizeof cloud->scanner);
-	for (size_t i = 0; i < r->grid_count; i++) {
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
 		const grid *g = &r->grid[i];
-		bool same = memcmp(cloud->scanner, &g->matrix[12], sizeof cloud->scanner) == 0;
-		if (!same || (is_identity(g->matrix) && !is_among(g, cloud)))
-			cloud->has_scanner = false;
+		if (!is_identity(g->matrix) || is_among(g, r->cloud))
+			status = scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error);
 	}
+	return status;
 }
 
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
@@ -315,7 +313,7 @@ gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 	if (status == GW_OK)
 		status = read_points(&r, &names, column);
 	if (status == GW_OK)
-		take_scanner(&r);
+		status = take_scanners(&r);
 	for (size_t i = 0; i < r.grid_count; i++)
 		text_rows_clear(&r.grid[i].rows);
 	free(r.grid);

@@ -27,6 +27,8 @@ void scan_clear(scan *cloud)
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		free(cloud->comment[c]);
 	free(cloud->comment);
+	free(cloud->scanner);
+	free(cloud->scanner_of);
 	memset(cloud, 0, sizeof *cloud);
 }
 
@@ -65,6 +67,53 @@ gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a comment line");
 	}
 	cloud->comment[cloud->comment_count++] = copy;
+	return GW_OK;
+}
+
+/* Index of the scanner at a position, which is added if it is new; SCAN_NO_SCANNER when memory is
+ * short. */
+static uint32_t find_scanner(scan *cloud, const double position[3])
+{
+	for (size_t s = 0; s < cloud->scanner_count; s++)
+		if (memcmp(cloud->scanner + 3 * s, position, 3 * sizeof *position) == 0)
+			return (uint32_t)s;
+	double *grown = growing_table_room(cloud->scanner, cloud->scanner_count, 3 * sizeof *grown);
+	if (!grown || cloud->scanner_count >= SCAN_NO_SCANNER)
+		return SCAN_NO_SCANNER;
+	cloud->scanner = grown;
+	memcpy(grown + 3 * cloud->scanner_count, position, 3 * sizeof *position);
+	return (uint32_t)cloud->scanner_count++;
+}
+
+/* Makes room for which scanner saw each point: the first all of them, or none. */
+static gw_status part_scanners(scan *cloud, gw_error *error)
+{
+	if (cloud->scanner_of)
+		return GW_OK;
+	uint32_t *of = reallocarray(NULL, cloud->count ? cloud->count : 1, sizeof *of);
+	if (!of)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners of %zu points",
+					   cloud->count);
+	for (size_t i = 0; i < cloud->count; i++)
+		of[i] = cloud->scanner_count ? 0 : SCAN_NO_SCANNER;
+	cloud->scanner_of = of;
+	return GW_OK;
+}
+
+gw_status scan_add_scanner(scan *cloud, const double position[3], size_t first, size_t count,
+						   gw_error *error)
+{
+	bool all = count == cloud->count;
+	if (!all) {
+		gw_status status = part_scanners(cloud, error);
+		if (status != GW_OK)
+			return status;
+	}
+	uint32_t scanner = find_scanner(cloud, position);
+	if (scanner == SCAN_NO_SCANNER)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for another scanner");
+	for (size_t i = first; i < first + count && cloud->scanner_of; i++)
+		cloud->scanner_of[i] = scanner;
 	return GW_OK;
 }
 
@@ -281,6 +330,27 @@ static gw_status join_columns(scan *joined, const scan *head, const scan *tail, 
 	return status;
 }
 
+/* Adds a part's scanners to the scan that it is joined to, where its points are from `first` on. */
+static gw_status join_scanners(scan *joined, const scan *part, size_t first, gw_error *error)
+{
+	if (part->scanner_count == 0)
+		return GW_OK;
+	if (!part->scanner_of)
+		return scan_add_scanner(joined, part->scanner, first, part->count, error);
+	uint32_t *index = reallocarray(NULL, part->scanner_count, sizeof *index);
+	gw_status status = part_scanners(joined, error);
+	bool found = index && status == GW_OK;
+	for (size_t s = 0; s < part->scanner_count && found; s++) {
+		index[s] = find_scanner(joined, part->scanner + 3 * s);
+		found = index[s] != SCAN_NO_SCANNER;
+	}
+	for (size_t i = 0; i < part->count && found; i++)
+		if (part->scanner_of[i] < part->scanner_count)
+			joined->scanner_of[first + i] = index[part->scanner_of[i]];
+	free(index);
+	return found ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners");
+}
+
 gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 {
 	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
@@ -288,15 +358,11 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
 					   cloud->count, tail->count);
 	joined.left_out = cloud->left_out + tail->left_out;
-	/* One scanner cannot have stood at two places; then nobody knows which points it saw. */
-	bool first = cloud->count == 0;
-	bool same = cloud->has_scanner && tail->has_scanner &&
-				memcmp(cloud->scanner, tail->scanner, sizeof cloud->scanner) == 0;
-	joined.has_scanner = first ? tail->has_scanner : same;
-	if (joined.has_scanner)
-		memcpy(joined.scanner, tail->scanner, sizeof joined.scanner);
-
 	gw_status status = join_columns(&joined, cloud, tail, error);
+	if (status == GW_OK)
+		status = join_scanners(&joined, cloud, 0, error);
+	if (status == GW_OK)
+		status = join_scanners(&joined, tail, cloud->count, error);
 	if (status != GW_OK) {
 		scan_clear(&joined);
 		return status;

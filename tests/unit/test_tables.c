@@ -279,6 +279,11 @@ static void ptx_of_two_grids(void **state)
 	assert_value(&cloud, "red", 3, 40.0);
 	assert_type(&cloud, "red", SCAN_UINT8);
 	assert_type(&cloud, "intensity", SCAN_FLOAT32);
+	static const double scanners[6] = { 0, 0, 0, 1000, 2000, 3000 };
+	static const uint32_t seen_by[4] = { 0, 0, 1, 1 };
+	assert_int_equal(cloud.scanner_count, 2);
+	assert_memory_equal(cloud.scanner, scanners, sizeof scanners);
+	assert_memory_equal(cloud.scanner_of, seen_by, sizeof seen_by);
 	scan_clear(&cloud);
 }
 
@@ -323,7 +328,7 @@ static void check_pcd(const scan *cloud)
 	assert_value(cloud, "a", 0, -128.0);
 	assert_value(cloud, "b", 1, 65535.0);
 	assert_value(cloud, "h_1", 0, 0.25);
-	assert_true(cloud->has_scanner);
+	assert_int_equal(cloud->scanner_count, 1);
 	assert_true(cloud->scanner[2] == 9.0);
 }
 
