@@ -1,5 +1,6 @@
 #include "format.h"
 #include "cloud_format.h"
+#include "e57_format.h"
 #include "input_file.h"
 #include "pcd_format.h"
 #include "ply_format.h"
@@ -10,8 +11,15 @@
 
 /* In the order in which content is probed. */
 const format *const formats[] = {
-	&ply_format, &pcd_format, &ptx_format,   &pts_format,
-	&xyz_format, &csv_format, &cloud_format, NULL,
+	&ply_format,
+	&pcd_format,
+	&e57_format,
+	&ptx_format,
+	&pts_format,
+	&xyz_format,
+	&csv_format,
+	&cloud_format,
+	NULL,
 };
 
 const format *format_by_name(const char *name)

@@ -13,7 +13,7 @@
 
 /* --------------------------------------------------------------------------------- names */
 
-static gw_status add_name(text_names *names, const char *text, size_t length, gw_error *error)
+gw_status text_names_add(text_names *names, const char *text, size_t length, gw_error *error)
 {
 	char **grown = growing_table_room(names->name, names->count, sizeof *grown);
 	if (grown)
@@ -77,7 +77,7 @@ gw_status text_names_split(text_names *names, const char *line, size_t length, g
 			last--;
 		at += at < end;
 		if (last > first || separator != ' ')
-			status = add_name(names, first, (size_t)(last - first), error);
+			status = text_names_add(names, first, (size_t)(last - first), error);
 	}
 	if (status == GW_OK)
 		status = name_colors(names, error);
@@ -175,7 +175,7 @@ static gw_status add_names(text_names *names, const char *const *name, gw_error 
 {
 	gw_status status = GW_OK;
 	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = add_name(names, name[k], strlen(name[k]), error);
+		status = text_names_add(names, name[k], strlen(name[k]), error);
 	return status;
 }
 
@@ -202,7 +202,7 @@ static gw_status guess(text_names *names, const text_rows *rows, const triple *t
 			snprintf(name, sizeof name, "field_%zu", c + 1);
 			if (c == 3 && (rows->width == 4 || before_color || intensity_first))
 				strcpy(name, "intensity");
-			status = add_name(names, name, strlen(name), error);
+			status = text_names_add(names, name, strlen(name), error);
 		}
 	}
 	return status;

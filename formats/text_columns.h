@@ -14,6 +14,9 @@ typedef struct text_names {
 	size_t count;
 } text_names;
 
+/* Adds a name, known ones as the canonical one. GW_ERROR_MEMORY. */
+gw_status text_names_add(text_names *names, const char *text, size_t length, gw_error *error);
+
 /* Splits a line of names. Known names become the canonical ones; quotes and the marks of a comment
  * are taken off. GW_ERROR_MEMORY.
  *   names   on success to be given back with text_names_clear; empty on failure */
