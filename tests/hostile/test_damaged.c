@@ -6,6 +6,8 @@
  * to malloc and its kin through this file (--wrap), which counts, and fails them on demand.
  */
 #include "cloud_format.h"
+#include "e57_file.h"
+#include "e57_format.h"
 #include "pcd_format.h"
 #include "ply_format.h"
 #include "text_formats.h"
@@ -111,10 +113,11 @@ typedef gw_status (*reader)(input_file *, scan *, gw_error *);
 typedef struct seed {
 	const char *name;
 	reader read;
-	uint8_t data[2048];
+	uint8_t data[4096];
 	size_t length;
 	size_t header; /* bytes of text with counts in it; 0: a binary count at the start */
 	size_t points;
+	size_t xml;     /* of E57, which is put into pages and sealed after it is damaged */
 	bool uncounted; /* nothing in the file says how many points it has */
 } seed;
 
@@ -260,7 +263,14 @@ static void make_tables(seed *pts, seed *ptx, seed *xyz)
 	}
 }
 
-enum { SEEDS = 11 };
+static void make_e57(seed *s)
+{
+	*s = (seed){ .name = "e57", .read = e57_read, .points = 6 };
+	s->length = e57_file_content(s->data, &s->xml);
+	s->header = s->length;
+}
+
+enum { SEEDS = 12 };
 static seed seeds[SEEDS];
 
 static int make_seeds(void **state)
@@ -275,6 +285,7 @@ static int make_seeds(void **state)
 	make_pcd(&seeds[6], "binary pcd", "binary");
 	make_pcd(&seeds[7], "compressed pcd", "binary_compressed");
 	make_tables(&seeds[8], &seeds[9], &seeds[10]);
+	make_e57(&seeds[11]);
 	return 0;
 }
 
@@ -307,8 +318,11 @@ static double sum_of_all(const scan *cloud)
 static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
 						 size_t at)
 {
-	uint8_t *copy = __real_malloc(length + !length);
-	memcpy(copy, data, length);
+	uint8_t *copy = __real_malloc(s->xml ? E57_FILE_PAGES(length) : length + !length);
+	if (s->xml)
+		length = e57_file_pages(data, length, s->xml, copy);
+	else
+		memcpy(copy, data, length);
 	input_file in = { .name = "seed.file", .data = copy, .length = length };
 	scan cloud;
 	gw_error error = { 0 };
@@ -411,7 +425,8 @@ static void every_binary_number_lies(void **state)
 										0x80000000, UINT32_MAX, INT64_MAX,  (uint64_t)1 << 63 };
 	for (int i = 0; i < SEEDS; i++) {
 		const seed *s = &seeds[i];
-		for (size_t at = s->header; at + 8 <= s->length; at++) {
+		size_t first = s->xml ? 0 : s->header, last = s->xml ? s->xml : s->length;
+		for (size_t at = first; at + 8 <= last; at++) {
 			for (size_t n = 0; n < 3 * 2 * sizeof numbers / sizeof *numbers; n++) {
 				seed damaged = *s;
 				damaged.length = at;
