@@ -184,6 +184,7 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							 color.black);
 	facts->lit = is_lit(cloud);
 	facts->points = cloud->count;
+	facts->left_out = cloud->left_out;
 	return keep_albedo(cloud, points->albedo, colors, error);
 }
 

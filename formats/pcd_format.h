@@ -7,7 +7,8 @@
  * counts, not WIDTH and HEIGHT, but the file must hold as many. The viewpoint is where the scanner
  * stood, unless it is the one that programs write when they do not know.
  *
- * Written as binary, with colours of 8 bits packed as rgb.
+ * Written as binary, with colours of 8 bits packed as rgb, and coordinates in single precision when
+ * that holds every one of them: programs that use PCL take doubles for zeros.
  */
 #ifndef PCD_FORMAT_H
 #define PCD_FORMAT_H

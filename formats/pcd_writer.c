@@ -1,6 +1,7 @@
 #include "number_text.h"
 #include "pcd_format.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 /* One field of the file: a column, or colours of 8 bits packed into four bytes. */
 typedef struct field {
 	const scan_column *column;    /* NULL for packed ones */
+	bool single;                  /* doubles that are floats, which PCL itself can read */
 	const scan_column *packed[4]; /* blue green red alpha, as the bytes stand; alpha may be NULL */
 } field;
 
@@ -22,7 +24,7 @@ typedef struct writer {
 
 static size_t field_size(const field *f)
 {
-	return f->column ? scan_type_size(f->column->type) : 4;
+	return f->column && !f->single ? scan_type_size(f->column->type) : 4;
 }
 
 static char field_type(const field *f)
@@ -58,11 +60,41 @@ static bool is_packed(const field *packed, const scan_column *column)
 	return false;
 }
 
+/* True when single precision holds every value. */
+static bool fits_single(const scan_column *column, size_t count)
+{
+	const double *value = column->data;
+	if (column->type != SCAN_FLOAT64)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		if ((double)(float)value[i] != value[i] && !isnan(value[i]))
+			return false;
+	return true;
+}
+
+/* Coordinates are one type, or programs read none of them. */
+static bool has_single_position(const scan *cloud)
+{
+	static const char *const names[3] = { "x", "y", "z" };
+	bool all = true;
+	for (int k = 0; k < 3 && all; k++) {
+		const scan_column *column = scan_find(cloud, names[k]);
+		all = column && fits_single(column, cloud->count);
+	}
+	return all;
+}
+
+static bool is_position(const scan_column *column)
+{
+	return column->name[0] >= 'x' && column->name[0] <= 'z' && !column->name[1];
+}
+
 /* Fields in the columns' order; the packed one stands where its first column does. */
 static gw_status list_fields(writer *w, gw_error *error)
 {
 	field packed;
 	bool pack = find_packed(w->cloud, &packed), done = false;
+	bool single = has_single_position(w->cloud);
 	w->field = calloc(w->cloud->column_count + 1, sizeof *w->field);
 	if (!w->field)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(w->out));
@@ -73,7 +105,7 @@ static gw_status list_fields(writer *w, gw_error *error)
 			continue;
 		done = done || part;
 		field *f = &w->field[w->field_count++];
-		*f = part ? packed : (field){ .column = column };
+		*f = part ? packed : (field){ .column = column, .single = single && is_position(column) };
 		w->stride += field_size(f);
 	}
 	return GW_OK;
@@ -85,7 +117,11 @@ static gw_status write_name(output_file *out, const field *f, gw_error *error)
 {
 	if (!f->column)
 		return output_file_print(out, error, " %s", f->packed[3] ? "rgba" : "rgb");
-	char *name = strdup(f->column->name[0] ? f->column->name : "unnamed");
+	static const char *const normal[3] = { "normal_x", "normal_y", "normal_z" };
+	const char *own = f->column->name;
+	if (own[0] == 'n' && own[1] >= 'x' && own[1] <= 'z' && !own[2])
+		own = normal[own[1] - 'x'];
+	char *name = strdup(own[0] ? own : "unnamed");
 	if (!name)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(out));
 	for (char *c = name; *c; c++)
@@ -164,6 +200,11 @@ static void put_field(const writer *w, const field *f, uint8_t *to, size_t first
 {
 	size_t size = field_size(f);
 	for (size_t i = 0; i < count; i++, to += w->stride) {
+		if (f->single) {
+			float value = (float)((const double *)f->column->data)[first + i];
+			put_value(to, (const uint8_t *)&value, sizeof value);
+			continue;
+		}
 		if (f->column) {
 			put_value(to, (const uint8_t *)f->column->data + (first + i) * size, size);
 			continue;

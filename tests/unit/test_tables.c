@@ -589,6 +589,28 @@ static void every_number_comes_back(void **state)
 	scan_clear(&cloud);
 }
 
+/* PCL reads no doubles: what floats hold is written as floats. */
+static void pcd_has_floats_where_they_do(void **state)
+{
+	(void)state;
+	scan cloud = { .count = 2, .up = 'z' };
+	for (int k = 0; k < 3; k++) {
+		scan_column *to =
+			scan_add_column(&cloud, (const char *[]){ "x", "y", "z" }[k], SCAN_FLOAT64, NULL);
+		memcpy(to->data, (double[]){ 1.5, k == 1 ? NAN : -4e6 }, 16);
+	}
+	scan back = write_and_read(&cloud, "pcd");
+	assert_type(&back, "x", SCAN_FLOAT32);
+	assert_value(&back, "z", 1, -4e6);
+	scan_clear(&back);
+	((double *)scan_find(&cloud, "z")->data)[1] = 0.1;
+	back = write_and_read(&cloud, "pcd");
+	assert_type(&back, "x", SCAN_FLOAT64);
+	assert_value(&back, "z", 1, 0.1);
+	scan_clear(&back);
+	scan_clear(&cloud);
+}
+
 static void no_points_come_back(void **state)
 {
 	(void)state;
@@ -663,6 +685,7 @@ int main(void)
 		cmocka_unit_test(pcd_of_packed_bytes),
 		cmocka_unit_test(lzf_streams),
 		cmocka_unit_test(every_number_comes_back),
+		cmocka_unit_test(pcd_has_floats_where_they_do),
 		cmocka_unit_test(no_points_come_back),
 		cmocka_unit_test(names_cannot_be_injected),
 		cmocka_unit_test(content_tells_the_format),
