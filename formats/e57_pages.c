@@ -39,14 +39,6 @@ static uint32_t checksum(const uint8_t *bytes)
 	return ~sum;
 }
 
-uint64_t e57_load(const uint8_t *bytes, size_t size)
-{
-	uint64_t value = 0;
-	for (size_t b = 0; b < size; b++)
-		value |= (uint64_t)bytes[b] << 8 * b;
-	return value;
-}
-
 typedef struct copying {
 	const input_file *in;
 	e57_pages *pages;

@@ -25,6 +25,12 @@ void e57_pages_clear(e57_pages *pages);
 bool e57_pages_locate(const e57_pages *pages, uint64_t offset, size_t *at);
 
 /* An unsigned number of `size` bytes, lowest first. */
-uint64_t e57_load(const uint8_t *bytes, size_t size);
+static inline uint64_t e57_load(const uint8_t *bytes, size_t size)
+{
+	uint64_t value = 0;
+	for (size_t b = 0; b < size; b++)
+		value |= (uint64_t)bytes[b] << 8 * b;
+	return value;
+}
 
 #endif

@@ -305,7 +305,7 @@ static gw_status name_columns(reader *r)
 				continue;
 			if (r->names.count == TEXT_COLUMNS_MAX)
 				return fail_scan(r, i, "has more than 4096 different fields");
-			status = text_names_add(&r->names, name, strlen(name), r->error);
+			status = text_names_add(&r->names, name, r->error);
 		}
 	}
 	return status;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAD_BYTES ((size_t)1 << 16)
+#define HEAD_BYTES (1 << 16)
 
 /* Adds up the lines of one number. False when one of them is no count. */
 static bool sum_counts(const text_rows *rows, size_t most, double *sum)
@@ -69,15 +69,14 @@ static gw_status read_rows(text_rows *rows, const text_names *names, scan *cloud
 
 gw_status pts_read(input_file *in, scan *cloud, gw_error *error)
 {
-	const char *text = (const char *)in->data;
-	text_rows rows = { .in = in,
-					   .begin = text,
-					   .end = text + in->length,
-					   .first_line = 1,
-					   .skip = TEXT_ROWS_SKIP_SINGLE };
+	const char *text = text_rows_begin(in->data, in->length);
+	const char *end = (const char *)in->data + in->length;
+	text_rows rows = {
+		.in = in, .begin = text, .end = end, .first_line = 1, .skip = TEXT_ROWS_SKIP_SINGLE
+	};
 	text_names names = { 0 };
 	*cloud = (scan){ .up = 'z' };
-	rows.newline = text_rows_newline(text, in->length < HEAD_BYTES ? in->length : HEAD_BYTES);
+	rows.newline = text_rows_newline(text, end);
 	const char *line;
 	size_t length;
 	bool any = text_rows_first(&rows, &line, &length);
@@ -101,7 +100,7 @@ static bool probe(const uint8_t *data, size_t length)
 	size_t line_length;
 	length = length < HEAD_BYTES ? length : HEAD_BYTES;
 	const char *end = at + length;
-	char newline = text_rows_newline(at, length);
+	char newline = text_rows_newline(at, end);
 	if (!text_rows_next_line(&at, end, newline, &line, &line_length) || line_length > 24 ||
 		text_rows_numbers(line, line_length, ' ', value, 16) != 1 || value[0] != trunc(value[0]))
 		return false;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define HEAD_BYTES ((size_t)1 << 16)
+#define HEAD_BYTES (1 << 16)
 #define HEADER_LINES 10
 
 /* One grid. */
@@ -293,13 +293,13 @@ static gw_status take_scanners(const reader *r)
 
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 {
-	const char *text = (const char *)in->data;
+	const char *text = text_rows_begin(in->data, in->length);
+	const char *end = (const char *)in->data + in->length;
 	reader r = { .in = in,
 				 .at = text,
-				 .end = text + in->length,
+				 .end = end,
 				 .line = 1,
-				 .newline =
-					 text_rows_newline(text, in->length < HEAD_BYTES ? in->length : HEAD_BYTES),
+				 .newline = text_rows_newline(text, end),
 				 .cloud = cloud,
 				 .error = error };
 	text_names names = { 0 };
@@ -333,7 +333,7 @@ static bool probe(const uint8_t *data, size_t length)
 	double value[4];
 	length = length < HEAD_BYTES ? length : HEAD_BYTES;
 	const char *end = at + length;
-	char newline = text_rows_newline(at, length);
+	char newline = text_rows_newline(at, end);
 	for (int i = 0; i < HEADER_LINES; i++)
 		if (!text_rows_next_line(&at, end, newline, &line, &line_length) || line_length > 1000 ||
 			text_rows_numbers(line, line_length, ' ', value, 4) != width[i])

@@ -13,20 +13,27 @@
 
 /* --------------------------------------------------------------------------------- names */
 
-gw_status text_names_add(text_names *names, const char *text, size_t length, gw_error *error)
+gw_status text_names_add(text_names *names, const char *text, gw_error *error)
 {
 	char **grown = growing_table_room(names->name, names->count, sizeof *grown);
 	if (grown)
 		names->name = grown;
-	char *own = strndup(text, length);
-	char *copy = own ? strdup(column_table_name(own)) : NULL;
-	free(own);
-	if (!grown || !copy) {
-		free(copy);
+	char *copy = grown ? strdup(text) : NULL;
+	if (!copy)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the names of columns");
-	}
 	names->name[names->count++] = copy;
 	return GW_OK;
+}
+
+/* Adds a word of a line, known ones as the canonical name. */
+static gw_status add_word(text_names *names, const char *text, size_t length, gw_error *error)
+{
+	char *own = strndup(text, length);
+	if (!own)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the names of columns");
+	gw_status status = text_names_add(names, column_table_name(own), error);
+	free(own);
+	return status;
 }
 
 static bool is_blank(char c)
@@ -77,7 +84,7 @@ gw_status text_names_split(text_names *names, const char *line, size_t length, g
 			last--;
 		at += at < end;
 		if (last > first || separator != ' ')
-			status = text_names_add(names, first, (size_t)(last - first), error);
+			status = add_word(names, first, (size_t)(last - first), error);
 	}
 	if (status == GW_OK)
 		status = name_colors(names, error);
@@ -175,7 +182,7 @@ static gw_status add_names(text_names *names, const char *const *name, gw_error 
 {
 	gw_status status = GW_OK;
 	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = text_names_add(names, name[k], strlen(name[k]), error);
+		status = text_names_add(names, name[k], error);
 	return status;
 }
 
@@ -202,7 +209,7 @@ static gw_status guess(text_names *names, const text_rows *rows, const triple *t
 			snprintf(name, sizeof name, "field_%zu", c + 1);
 			if (c == 3 && (rows->width == 4 || before_color || intensity_first))
 				strcpy(name, "intensity");
-			status = text_names_add(names, name, strlen(name), error);
+			status = text_names_add(names, name, error);
 		}
 	}
 	return status;

@@ -14,8 +14,8 @@ typedef struct text_names {
 	size_t count;
 } text_names;
 
-/* Adds a name, known ones as the canonical one. GW_ERROR_MEMORY. */
-gw_status text_names_add(text_names *names, const char *text, size_t length, gw_error *error);
+/* Adds a name as it is. GW_ERROR_MEMORY. */
+gw_status text_names_add(text_names *names, const char *text, gw_error *error);
 
 /* Splits a line of names. Known names become the canonical ones; quotes and the marks of a comment
  * are taken off. GW_ERROR_MEMORY.

@@ -9,6 +9,9 @@
 /* Long enough that threads have something to do, short enough that they end together. */
 #define CHUNK_BYTES ((size_t)1 << 20)
 
+/* Bytes at the start of a text that tell how its lines end. */
+#define HEAD_BYTES (1 << 16)
+
 /* --------------------------------------------------------------------------------- lines */
 
 static bool is_blank(char c)
@@ -23,8 +26,15 @@ static const char *skip_blanks(const char *at, const char *end)
 	return at;
 }
 
-char text_rows_newline(const char *text, size_t length)
+const char *text_rows_begin(const uint8_t *data, size_t length)
 {
+	bool marked = length >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0;
+	return (const char *)data + (marked ? 3 : 0);
+}
+
+char text_rows_newline(const char *text, const char *end)
+{
+	size_t length = end - text < HEAD_BYTES ? (size_t)(end - text) : HEAD_BYTES;
 	const char *first = memchr(text, '\r', length);
 	return first && !memchr(text, '\n', length) ? '\r' : '\n';
 }
@@ -398,6 +408,11 @@ static gw_status explain(const reading *r, gw_error *error)
 	case FAULT_NONE:
 		break;
 	}
+	if (rows->separator == ';' && p.at < end && *p.at == ',')
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"%s, line %zu: '%s' as '%.40s' follows a decimal comma; write points instead",
+			rows->in->name, line, word, column);
 	return gw_fail(error, GW_ERROR_DATA,
 				   "%s, line %zu: '%s' as '%.40s', where a number was expected", rows->in->name,
 				   line, word, column);

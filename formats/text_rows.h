@@ -72,8 +72,11 @@ void text_rows_clear(text_rows *rows);
 
 /* ------------------------------------------------------------------------- what readers share */
 
-/* '\r' for a text that ends its lines with nothing else, '\n' for all others. */
-char text_rows_newline(const char *text, size_t length);
+/* The text of a file; the mark that some programs put before UTF-8 is left out. */
+const char *text_rows_begin(const uint8_t *data, size_t length);
+
+/* '\r' for a text that ends its first lines with nothing else, '\n' for all others. */
+char text_rows_newline(const char *text, const char *end);
 
 /* The separator that a line has: ';' before ',' before blanks. */
 char text_rows_separator(const char *line, size_t length);

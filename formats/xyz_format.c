@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Bytes at the start of a file that are looked at. */
-#define HEAD_BYTES ((size_t)1 << 16)
+#define HEAD_BYTES (1 << 16)
 
 /* The lines before the first row. */
 typedef struct head {
@@ -157,7 +157,7 @@ static gw_status find_names(text_rows *rows, text_names *names, const char **com
 static gw_status take_comments(const text_rows *rows, const char *names, scan *cloud,
 							   gw_error *error)
 {
-	const char *at = (const char *)rows->in->data, *line;
+	const char *at = text_rows_begin(rows->in->data, rows->in->length), *line;
 	size_t length;
 	gw_status status = GW_OK;
 	while (status == GW_OK && at < rows->end &&
@@ -194,11 +194,12 @@ static gw_status read_table(text_rows *rows, const text_names *names, scan *clou
 
 gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 {
-	const char *text = (const char *)in->data;
-	text_rows rows = { .in = in, .begin = text, .end = text + in->length, .first_line = 1 };
+	const char *text = text_rows_begin(in->data, in->length);
+	const char *end = (const char *)in->data + in->length;
+	text_rows rows = { .in = in, .begin = text, .end = end, .first_line = 1 };
 	text_names names = { 0 };
 	*cloud = (scan){ .up = 'z' };
-	rows.newline = text_rows_newline(text, in->length < HEAD_BYTES ? in->length : HEAD_BYTES);
+	rows.newline = text_rows_newline(text, end);
 	const char *comment = NULL;
 	gw_status status = find_names(&rows, &names, &comment, error);
 	if (status == GW_OK)
@@ -216,13 +217,13 @@ gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 /* Text whose first line that is no comment has three numbers or more, or names x, y and z. */
 static bool probe(const uint8_t *data, size_t length)
 {
-	text_rows rows = { .begin = (const char *)data };
+	text_rows rows = { .begin = text_rows_begin(data, length) };
 	text_names names;
 	double value[64];
 	head h;
 	length = length < HEAD_BYTES ? length : HEAD_BYTES;
-	rows.end = rows.begin + length;
-	rows.newline = text_rows_newline(rows.begin, length);
+	rows.end = (const char *)data + length;
+	rows.newline = text_rows_newline(rows.begin, rows.end);
 	if (memchr(data, 0, length) || !find_head(&rows, &h))
 		return false;
 	if (text_rows_numbers(h.line, h.length, text_rows_separator(h.line, h.length), value, 64) >= 3)

@@ -109,6 +109,22 @@ static void assert_refused(const char *word, const char *lie, const char *messag
 		fail_msg("'%s' gives %d, '%s'", lie, status, error.text);
 }
 
+/* Names that mean something in the first line of a table do not here. */
+static void fields_keep_their_names(void **state)
+{
+	(void)state;
+	uint8_t changed[E57_FILE_ROOM];
+	scan cloud;
+	gw_error error = { 0 };
+	memcpy(changed, content, sizeof changed);
+	uint8_t *place = memmem(changed + xml, content_length - xml, "intensity", 9);
+	memcpy(place, "elevation", 9);
+	if (read_content(changed, content_length, &cloud, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	assert_true(value_at(&cloud, "elevation", 0) == 7);
+	scan_clear(&cloud);
+}
+
 static void descriptions_that_lie_are_refused(void **state)
 {
 	(void)state;
@@ -132,6 +148,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(scans_are_joined),
 		cmocka_unit_test(damaged_pages_are_refused),
+		cmocka_unit_test(fields_keep_their_names),
 		cmocka_unit_test(descriptions_that_lie_are_refused),
 	};
 	return cmocka_run_group_tests(tests, make_content, NULL);

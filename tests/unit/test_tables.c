@@ -117,6 +117,7 @@ static void names_come_from_a_line(void **state)
 		{ "//X Y Z R G B Nx Ny Nz\n1 2 3 4 5 6 7 8 9\n", "x y z red green blue nx ny nz" },
 		{ "# scanned by hand\n# z y x\n3 2 1\n", "z y x" },
 		{ "x; y; z\n1; 2; 3\n", "x y z" },
+		{ "\xef\xbb\xbfx,y,z\n1,2,3\n", "x y z" },
 		{ "x\ty\tz\r1\t2\t3\r", "x y z" },
 		{ "label,x,y,z\n1,1,2,3\n", "label x y z" },
 		{ "# one two three\n1 2 3\n", "x y z" },
@@ -192,7 +193,9 @@ static void rows_that_do_not_fit(void **state)
 	assert_refused(xyz_read, "1 2 3\n\n4 5 6 7\n", NULL, "line 3 has more than 3 values");
 	assert_refused(xyz_read, "1 2 3\n4 5 six\n", NULL, "line 2: 'six' as 'z'");
 	assert_refused(xyz_read, "1,2,3\n4,5 6,7\n", NULL, "test.file, line 2");
-	assert_refused(xyz_read, "1,5;2,5;3,5\n", NULL, "test.file");
+	assert_refused(xyz_read, "1,5;2,5;3,5\n", NULL, "--columns");
+	assert_refused(xyz_read, "x;y;z\n1,5;2,5;3,5\n", NULL,
+				   "line 2: ',5' as 'x' follows a decimal comma");
 	assert_refused(xyz_read, "x,y,x\n1,2,3\n", NULL, "line 1 is neither");
 	assert_refused(xyz_read, "x,y,z\n", NULL, "no points");
 	assert_refused(xyz_read, "# nothing\n\n", NULL, "no points");
