@@ -303,7 +303,7 @@ static gw_status unpack_colors(reader *r, const pcd_field *field)
 		for (size_t i = 0; i < count; i++) {
 			bool none = field->type == 'F' && (bits[i] & 0x7fffffff) > 0x7f800000 &&
 						r->header->encoding == PCD_ASCII;
-			((uint8_t *)to->data)[i] = none ? 0 : (uint8_t)(bits[i] >> shift[k]);
+			((uint8_t *)to->data)[i] = (uint8_t)(none ? 0u : bits[i] >> shift[k]);
 		}
 	}
 	size_t place = (size_t)(scan_find(r->cloud, field->name) - r->cloud->column);

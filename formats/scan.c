@@ -70,11 +70,12 @@ gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 	return GW_OK;
 }
 
-/* Index of the scanner at a position, which is added if it is new; SCAN_NO_SCANNER when memory is
- * short. */
+/* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
+ * when memory is short. A file may have a million, so that not all are compared. */
 static uint32_t find_scanner(scan *cloud, const double position[3])
 {
-	for (size_t s = 0; s < cloud->scanner_count; s++)
+	size_t recent = cloud->scanner_count < 64 ? 0 : cloud->scanner_count - 64;
+	for (size_t s = recent; s < cloud->scanner_count; s++)
 		if (memcmp(cloud->scanner + 3 * s, position, 3 * sizeof *position) == 0)
 			return (uint32_t)s;
 	double *grown = growing_table_room(cloud->scanner, cloud->scanner_count, 3 * sizeof *grown);

@@ -56,7 +56,7 @@ gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
 
 /*
  * Says that a scanner at `position` saw the points [first, first + count); the same position said
- * again is the same scanner. GW_ERROR_MEMORY.
+ * soon again is the same scanner. GW_ERROR_MEMORY.
  */
 gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
 						   gw_error *error);

@@ -73,7 +73,7 @@ gw_status text_names_split(text_names *names, const char *line, size_t length, g
 	*names = (text_names){ 0 };
 	while (at < end && (is_blank(*at) || *at == '#' || *at == '/'))
 		at++;
-	while (at < end && status == GW_OK) {
+	while (at < end && status == GW_OK && names->count <= TEXT_COLUMNS_MAX) {
 		while (at < end && is_blank(*at))
 			at++;
 		const char *first = at;

@@ -18,7 +18,7 @@ typedef struct text_names {
 gw_status text_names_add(text_names *names, const char *text, gw_error *error);
 
 /* Splits a line of names. Known names become the canonical ones; quotes and the marks of a comment
- * are taken off. GW_ERROR_MEMORY.
+ * are taken off. Ends behind one name more than TEXT_COLUMNS_MAX. GW_ERROR_MEMORY.
  *   names   on success to be given back with text_names_clear; empty on failure */
 gw_status text_names_split(text_names *names, const char *line, size_t length, gw_error *error);
 
