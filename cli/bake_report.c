@@ -21,6 +21,7 @@ static void write_inputs(json_writer *json, const bake_facts *f)
 		json_put_text(json, "file", input->path);
 		json_put_text(json, "format", input->format->name);
 		json_put_count(json, "points", input->points);
+		json_put_count(json, "left_out", input->left_out);
 		json_put_text(json, "albedo", input->albedo_source);
 		json_put_close(json, '}');
 	}

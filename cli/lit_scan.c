@@ -272,6 +272,12 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 		status = make_light(&m);
 	if (status == GW_OK)
 		status = make_fields(&m);
+	lit->scanner = m.from->scanner;
+	lit->scanner_count = m.from->scanner_count;
+	lit->scanner_of = m.from->scanner_of;
+	m.from->scanner = NULL;
+	m.from->scanner_of = NULL;
+	m.from->scanner_count = 0;
 	scan_clear(&scene->cloud);
 	if (status != GW_OK)
 		scan_clear(lit);

@@ -93,11 +93,11 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
 		shift[row] = matrix[4 * row + 3];
 	}
-	if (cloud->has_scanner) {
-		double s[3];
-		memcpy(s, cloud->scanner, sizeof s);
+	for (size_t i = 0; i < cloud->scanner_count; i++) {
+		double s[3], *to = cloud->scanner + 3 * i;
+		memcpy(s, to, sizeof s);
 		for (int k = 0; k < 3; k++)
-			cloud->scanner[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] +
+			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] +
 								linear[3 * k + 2] * s[2] + shift[k];
 	}
 	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
@@ -189,6 +189,7 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							 color.black);
 	facts->lit = is_lit(cloud);
 	facts->points = cloud->count;
+	facts->left_out = cloud->left_out;
 	return keep_albedo(cloud, points->albedo, colors, error);
 }
 
@@ -201,7 +202,8 @@ typedef struct part {
 static gw_status read_cloud(const settings *s, const settings_input *from, scan *cloud,
 							loaded_input *facts, gw_error *error)
 {
-	gw_status status = format_read_found(from->path, s->format, cloud, &facts->format, error);
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(from->path, &options, cloud, &facts->format, error);
 	if (status != GW_OK)
 		return status;
 	if (cloud->count == 0)
@@ -446,14 +448,14 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 		return status;
 	}
 	scan_points *p = &scene->points;
-	if (scene->cloud.has_scanner)
-		memcpy(p->scanner, scene->cloud.scanner, sizeof p->scanner);
 	p->points = (gw_points){ .count = scene->cloud.count,
 							 .position = p->position,
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
-							 .scanner = scene->cloud.has_scanner ? p->scanner : NULL };
+							 .scanner = scene->cloud.scanner,
+							 .scanner_count = scene->cloud.scanner_count,
+							 .scanner_of = scene->cloud.scanner_of };
 	return GW_OK;
 }
 

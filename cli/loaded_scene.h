@@ -13,6 +13,7 @@ typedef struct loaded_input {
 	const char *path; /* leads into the settings */
 	const format *format;
 	size_t points;
+	uint64_t left_out; /* rows of the file without a point */
 	char albedo_source[160];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
 	bool lit;            /* glowworm wrote it */

@@ -70,10 +70,12 @@ static const char *format_name(int i)
 #define MIX .verbs = 1u << VERB_MIX
 #define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
 #define MAKES .verbs = 1u << VERB_BAKE | 1u << VERB_MIX | 1u << VERB_SAMPLE
-#define BAKE_INFO .verbs = 1u << VERB_BAKE | 1u << VERB_INFO
-#define THREADED BAKE_INFO | 1u << VERB_SAMPLE
-#define WRITES MAKES | 1u << VERB_COMPARE
-#define READS BAKE_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX
+#define WRITES MAKES | 1u << VERB_COMPARE | 1u << VERB_CONVERT
+#define CHOOSES MAKES | 1u << VERB_CONVERT
+#define READS                                                                                      \
+	.verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX |             \
+			 1u << VERB_CONVERT
+#define THREADED READS | 1u << VERB_SAMPLE
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -86,6 +88,9 @@ const option options[] = {
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, MAKES, AT(output), .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
+	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, CHOOSES, AT(output_format),
+	  .choice = format_name, .group = "Output",
+	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
 	  .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
@@ -137,6 +142,9 @@ const option options[] = {
 	  .help = "which axis points up, for suns with azimuth and elevation; auto asks the format" },
 	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
+	{ "columns", 0, "LIST", OPTION_TEXT, READS, AT(columns), .group = "Scene",
+	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
+			  "x, y and z among them; - leaves one out" },
 
 	{ "density", 0, "X", OPTION_REAL, MAKES, .scene = true, AT(density), RANGE(0.0, 1e12),
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
@@ -246,7 +254,9 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake", "info", "compare", "mix", "sample", NULL };
+	static const char *const name[] = {
+		"bake", "info", "compare", "mix", "sample", "convert", NULL
+	};
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -257,7 +267,8 @@ const char *verb_summary(verb v)
 										   "say what is in a point cloud, or list devices",
 										   "say how far one lighting is from another",
 										   "change the strength of lamps after a bake",
-										   "make a point cloud of a mesh" };
+										   "make a point cloud of a mesh",
+										   "write a point cloud in another format" };
 	return summary[v];
 }
 
@@ -267,7 +278,8 @@ const char *verb_synopsis(verb v)
 											"info FILE... [--json] | info --devices [--json]",
 											"compare RESULT TRUTH [option]...",
 											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
-											"sample MESH -o POINTS [option]..." };
+											"sample MESH -o POINTS [option]...",
+											"convert INPUT OUTPUT [option]..." };
 	return synopsis[v];
 }
 

@@ -11,20 +11,25 @@ bool output_name_same(const char *a, const char *b)
 		   one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
-gw_status output_name_format(const char *path, const format **found, gw_error *error)
+gw_status output_name_format(const char *path, const char *name, const format **found,
+							 gw_error *error)
 {
 	struct stat info;
 	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
-	*found = format_by_path(path);
-	if (!*found && stream)
+	*found = name ? format_by_name(name) : format_by_path(path);
+	if (!*found && !name && stream)
 		*found = format_by_name("ply");
 	if (*found && (*found)->write)
 		return GW_OK;
 	char known[256] = "";
 	for (size_t f = 0; formats[f]; f++)
 		if (formats[f]->write)
-			snprintf(known + strlen(known), sizeof known - strlen(known), "%s.%s",
-					 *known ? ", " : "", formats[f]->extensions[0]);
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s%s",
+					 *known ? ", " : "", name ? "" : ".",
+					 name ? formats[f]->name : formats[f]->extensions[0]);
+	if (name)
+		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be written; there are %s",
+					   name, known);
 	return gw_fail(error, GW_ERROR_USAGE,
 				   "%s: the name must end in a format that can be written: %s", path, known);
 }

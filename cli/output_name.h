@@ -7,11 +7,13 @@
 #include "format.h"
 
 /*
- * The format to write by the extension of a name; PLY for standard output and devices.
+ * The format to write: the one called `name`, or when that is NULL the one whose extension the path
+ * has; PLY for standard output and devices.
  *   found   receives it
- *   error   GW_ERROR_USAGE: no format that can be written has this extension
+ *   error   GW_ERROR_USAGE: no format that can be written is called so or has this extension
  */
-gw_status output_name_format(const char *path, const format **found, gw_error *error);
+gw_status output_name_format(const char *path, const char *name, const format **found,
+							 gw_error *error);
 
 /* True when both names lead to the same regular file. */
 bool output_name_same(const char *a, const char *b);

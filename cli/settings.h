@@ -13,6 +13,7 @@ typedef enum verb {
 	VERB_COMPARE,
 	VERB_MIX,
 	VERB_SAMPLE,
+	VERB_CONVERT,
 	VERB_COUNT,
 } verb;
 
@@ -71,7 +72,7 @@ typedef struct settings {
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
 	float exposure;                  /* EV; NAN: from the picture */
-	const char *output, *vdb, *report, *format;
+	const char *output, *vdb, *report, *format, *columns, *output_format;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
 	const char *worst, *json_file;             /* of compare */
 	uint32_t worst_count;                      /* points that worst holds */

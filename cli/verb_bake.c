@@ -110,13 +110,15 @@ static gw_status check(bake *b)
 	if (!s->output && !s->vdb && !s->report)
 		return gw_fail(b->error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
+	if (s->output_format && !s->output)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--output-format needs -o FILE");
 	if (s->vdb_half && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
 	gw_status status = check_streams(s, b->error);
 	if (status == GW_OK)
 		status = check_names(s, b->error);
 	if (status == GW_OK && s->output)
-		status = output_name_format(s->output, &b->format, b->error);
+		status = output_name_format(s->output, s->output_format, &b->format, b->error);
 	return status;
 }
 

@@ -42,7 +42,7 @@ static gw_status check_outputs(comparison *c)
 							   out[k]);
 	if (s->worst && s->json_file && strcmp(s->worst, s->json_file) == 0)
 		return gw_fail(c->error, GW_ERROR_USAGE, "two outputs are called %s", s->worst);
-	return s->worst ? output_name_format(s->worst, &c->format, c->error) : GW_OK;
+	return s->worst ? output_name_format(s->worst, NULL, &c->format, c->error) : GW_OK;
 }
 
 static gw_status check(comparison *c)
@@ -70,9 +70,10 @@ static gw_status open_outputs(comparison *c)
 static gw_status read_clouds(comparison *c)
 {
 	const settings *s = c->settings;
-	gw_status status = format_read(s->input[0].path, s->format, &c->found, c->error);
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(s->input[0].path, &options, &c->found, NULL, c->error);
 	if (status == GW_OK)
-		status = format_read(s->input[1].path, s->format, &c->truth, c->error);
+		status = format_read_with(s->input[1].path, &options, &c->truth, NULL, c->error);
 	return status;
 }
 

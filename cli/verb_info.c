@@ -98,6 +98,7 @@ static void print_json(const facts *f)
 	json_put_count(&json, "points", s->points);
 	json_put_count(&json, "finite", s->finite);
 	json_put_count(&json, "duplicates", s->duplicates);
+	json_put_count(&json, "left_out", f->cloud->left_out);
 	json_put_text(&json, "up", (char[]){ f->cloud->up, '\0' });
 	json_put_reals(&json, "minimum", s->minimum, 3);
 	json_put_reals(&json, "maximum", s->maximum, 3);
@@ -110,6 +111,10 @@ static void print_json(const facts *f)
 	json_put_text(&json, "albedo_source", f->points->albedo_source);
 	json_put_count(&json, "depth", s->depth);
 	json_put_count(&json, "memory", s->memory);
+	json_put_open(&json, "scanners", '[');
+	for (size_t i = 0; i < f->cloud->scanner_count; i++)
+		json_put_reals(&json, NULL, f->cloud->scanner + 3 * i, 3);
+	json_put_close(&json, ']');
 	write_fields(&json, f);
 	json_put_open(&json, "comments", '[');
 	for (size_t c = 0; c < f->cloud->comment_count; c++)
@@ -143,6 +148,12 @@ static void print_text(const facts *f)
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
+	if (f->cloud->left_out)
+		printf("  left out   %" PRIu64 " rows without a point\n", f->cloud->left_out);
+	for (size_t i = 0; i < f->cloud->scanner_count; i++) {
+		const double *at = f->cloud->scanner + 3 * i;
+		printf("  %-10s at %.12g %.12g %.12g\n", i ? "" : "scanner", at[0], at[1], at[2]);
+	}
 	for (int k = 0; k < 3 && s->finite; k++)
 		printf("  %-10s %.12g to %.12g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
 	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],
@@ -192,7 +203,8 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 		return gw_fail(
 			error, GW_ERROR_DATA,
 			"%s is a mesh; `glowworm sample` makes points of it, `bake` takes it as it is", path);
-	gw_status status = format_read_found(path, s->format, &cloud, &f.format, error);
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
 	if (status == GW_OK)
 		status = describe(s, &f, error);
 	scan_clear(&cloud);

@@ -42,7 +42,7 @@ static gw_status check(mixing *m)
 	if (output_name_same(s->output, s->input[0].path))
 		return gw_fail(m->error, GW_ERROR_USAGE, "%s is the input; write to another name",
 					   s->output);
-	return output_name_format(s->output, &m->format, m->error);
+	return output_name_format(s->output, s->output_format, &m->format, m->error);
 }
 
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */

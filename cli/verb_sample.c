@@ -39,7 +39,7 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 					   "name a file with -o");
 	if (output_name_same(s->output, s->input[0].path))
 		return gw_fail(error, GW_ERROR_USAGE, "%s is the input; write to another name", s->output);
-	return output_name_format(s->output, to, error);
+	return output_name_format(s->output, s->output_format, to, error);
 }
 
 /* Points for the density, or as many as were asked for. */

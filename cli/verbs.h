@@ -21,5 +21,7 @@ gw_status verb_compare(const settings *settings, gw_error *error);
 
 /* Makes lamps of a lit cloud stronger or weaker without baking, and writes it. */
 gw_status verb_mix(const settings *settings, gw_error *error);
+/* Reads one file and writes another. */
+gw_status verb_convert(const settings *settings, gw_error *error);
 
 #endif

@@ -1,7 +1,11 @@
 #include "format.h"
 #include "cloud_format.h"
+#include "e57_format.h"
+#include "input_file.h"
 #include "las_format.h"
+#include "pcd_format.h"
 #include "ply_format.h"
+#include "text_formats.h"
 
 #include <string.h>
 #include <strings.h>
@@ -11,6 +15,12 @@ const format *const formats[] = {
 	&ply_format,
 	&las_format,
 	&laz_format,
+	&pcd_format,
+	&e57_format,
+	&ptx_format,
+	&pts_format,
+	&xyz_format,
+	&csv_format,
 	&cloud_format,
 	NULL,
 };
@@ -37,58 +47,80 @@ const format *format_by_path(const char *path)
 }
 
 /* Names of all formats that can be read, for messages. */
-static void list_readable(char *text, size_t size)
+static const char *list_formats(char text[256])
 {
 	text[0] = '\0';
 	for (size_t f = 0; formats[f]; f++) {
 		size_t used = strlen(text);
-		if (!formats[f]->read || used + strlen(formats[f]->name) + 3 > size)
-			continue;
-		strcat(strcat(text, used ? ", " : ""), formats[f]->name);
+		if (formats[f]->read && used + strlen(formats[f]->name) + 3 < 256)
+			strcat(strcat(text, used ? ", " : ""), formats[f]->name);
 	}
+	return text;
+}
+
+static const format *probe(const input_file *in, bool unspecific)
+{
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->read && formats[f]->probe && formats[f]->unspecific == unspecific &&
+			formats[f]->probe(in->data, in->length))
+			return formats[f];
+	return NULL;
 }
 
 /* Content before extension: a wrong name is more common than a wrong first line. */
 static const format *recognise(const char *path, const input_file *in)
 {
-	for (size_t f = 0; formats[f]; f++)
-		if (formats[f]->read && formats[f]->probe && formats[f]->probe(in->data, in->length))
-			return formats[f];
-	const format *found = format_by_path(path);
-	return found && found->read ? found : NULL;
+	const format *found = probe(in, false);
+	if (!found)
+		found = format_by_path(path);
+	return found && found->read ? found : probe(in, true);
 }
 
 gw_status format_read(const char *path, const char *name, scan *cloud, gw_error *error)
 {
-	const format *found;
-	return format_read_found(path, name, cloud, &found, error);
+	return format_read_with(path, &(format_options){ .name = name }, cloud, NULL, error);
 }
 
-gw_status format_read_found(const char *path, const char *name, scan *cloud,
-							const format **recognised, gw_error *error)
+gw_status format_read_found(const char *path, const char *name, scan *cloud, const format **found,
+							gw_error *error)
 {
+	return format_read_with(path, &(format_options){ .name = name }, cloud, found, error);
+}
+
+static gw_status read_as(const format *found, input_file *in, scan *cloud, gw_error *error)
+{
+	char known[256];
+	if (in->length == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s is empty", in->name);
+	if (!found)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s is of no known format, by content or by name; there are %s", in->name,
+					   list_formats(known));
+	return found->read(in, cloud, error);
+}
+
+gw_status format_read_with(const char *path, const format_options *options, scan *cloud,
+						   const format **recognised, gw_error *error)
+{
+	static const format_options none;
+	const format_options *o = options ? options : &none;
 	*cloud = (scan){ 0 };
 	char known[256];
-	list_readable(known, sizeof known);
-	const format *found = name ? format_by_name(name) : NULL;
-	if (name && (!found || !found->read))
+	const format *found = o->name ? format_by_name(o->name) : NULL;
+	if (o->name && (!found || !found->read))
 		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be read; there are %s",
-					   name, known);
+					   o->name, list_formats(known));
 	input_file in;
 	gw_status status = input_file_open(&in, path, error);
 	if (status != GW_OK)
 		return status;
+	in.columns = o->columns;
+	in.threads = o->threads;
 	if (!found)
 		found = recognise(path, &in);
-	if (found)
-		status = found->read(&in, cloud, error);
-	else if (in.length == 0)
-		status = gw_fail(error, GW_ERROR_DATA, "%s is empty", in.name);
-	else
-		status = gw_fail(error, GW_ERROR_DATA,
-						 "%s is of no known format, by content or by name; there are %s", in.name,
-						 known);
+	status = read_as(found, &in, cloud, error);
 	input_file_close(&in);
-	*recognised = found;
+	if (recognised)
+		*recognised = found;
 	return status;
 }

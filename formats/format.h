@@ -11,13 +11,14 @@ struct output_file; /* output_file.h: temporary name, checked writes, renamed wh
 struct input_file;  /* input_file.h: a file or standard input as bytes in memory, with its length */
 
 typedef struct format {
-	const char *name;               /* "ply", as on the command line */
-	const char *description;        /* for --help, a few words */
-	const char *const *extensions;  /* NULL-terminated, lower case without the dot */
+	const char *name;              /* "ply", as on the command line */
+	const char *description;       /* for --help, a few words */
+	const char *const *extensions; /* NULL-terminated, lower case without the dot */
 
 	/* True when the first `length` bytes of a file look like this format, of which at least the
 	 * first 4096 are given if the file has them. NULL: by extension only. */
 	bool (*probe)(const uint8_t *head, size_t length);
+	bool unspecific; /* probe also takes others' files: an extension that is known goes before it */
 
 	/* Reads a whole scan. On failure *scan is empty. NULL when the format cannot be read. Every
 	 * count is checked against the bytes that are there before anything is allocated. */
@@ -33,14 +34,25 @@ extern const format *const formats[]; /* NULL-terminated */
 const format *format_by_name(const char *name);
 const format *format_by_path(const char *path);
 
+/* How to read a file; zeros ask the file itself. */
+typedef struct format_options {
+	const char *name;    /* the format to insist on, or NULL */
+	const char *columns; /* names of the columns of tables without names, as "x,y,z,-,intensity":
+							- leaves one out. Formats that name their columns take no notice */
+	uint32_t threads;    /* 0 means one a processor */
+} format_options;
+
 /*
  * Reads a scan from a file, format found by content, then by extension.
- *   path    "-" is standard input
- *   name    NULL, or the name of the format to insist on
+ *   path     "-" is standard input
+ *   options  NULL: all zeros
+ *   found    receives the format that it was; may be NULL
  */
-gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
+gw_status format_read_with(const char *path, const format_options *options, scan *scan,
+						   const format **found, gw_error *error);
 
-/* The same; *found receives the format that it was. */
+/* The same with nothing but the name of the format to insist on, or NULL. */
+gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
 gw_status format_read_found(const char *path, const char *name, scan *scan, const format **found,
 							gw_error *error);
 

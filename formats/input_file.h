@@ -24,6 +24,8 @@ typedef struct input_file {
 	const uint8_t *data; /* length bytes, read-only; not NULL after input_file_open */
 	size_t length;       /* bytes */
 	input_file_storage storage;
+	const char *columns; /* what the caller says the columns of a table are, with commas; or NULL */
+	uint32_t threads;    /* for reading; 0 means one a processor */
 	char *owned_name; /* NULL when the name belongs to somebody else */
 } input_file;
 

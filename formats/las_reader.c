@@ -159,7 +159,7 @@ static gw_status read_plain(reader *r)
 	r->cloud->count = (size_t)h->count;
 	gw_status status = add_columns(r);
 	if (status == GW_OK)
-		gw_parallel_for(0, r->cloud->count, BLOCK_POINTS, take_block, r);
+		gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_block, r);
 	return status;
 }
 

@@ -366,7 +366,7 @@ static gw_status prepare(laz_stream *s, gw_error *error)
 		status = s->compressor == POINTWISE ? take_whole(s, error) : take_table(s, error);
 	if (status != GW_OK)
 		return status;
-	uint32_t threads = gw_thread_count(0);
+	uint32_t threads = gw_thread_count(s->in->threads);
 	s->worker_count = s->chunk_count < threads ? (uint32_t)s->chunk_count : threads;
 	s->worker_count += s->worker_count == 0;
 	s->worker = calloc(s->worker_count, sizeof *s->worker);

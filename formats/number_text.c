@@ -31,55 +31,61 @@ typedef struct decimal {
 	int64_t exponent;  /* power of ten of the last digit of the mantissa */
 	bool exact;        /* mantissa holds all digits */
 	bool negative;
+	bool whole; /* neither point nor exponent */
 } decimal;
 
-static void take_digits(const char *text, size_t length, size_t *at, bool fraction, size_t *digits,
-						decimal *d)
+/* As many digits as fit into 64 bits whatever they are: 19. */
+static const char *take_digits(const char *at, const char *end, decimal *d)
 {
-	for (; *at < length && is_digit(text[*at]); ++*at, ++*digits) {
-		uint64_t digit = (uint64_t)(text[*at] - '0');
-		if (__builtin_mul_overflow(d->mantissa, 10, &d->mantissa) ||
-			__builtin_add_overflow(d->mantissa, digit, &d->mantissa))
+	for (; at < end && is_digit(*at); at++) {
+		if (d->mantissa < 1000000000000000000u)
+			d->mantissa = d->mantissa * 10 + (uint64_t)(*at - '0');
+		else
 			d->exact = false;
-		if (fraction)
-			d->exponent--;
 	}
+	return at;
 }
 
 /* The exponent is taken only when digits follow its letter. */
-static void take_exponent(const char *text, size_t length, size_t *at, decimal *d)
+static const char *take_exponent(const char *text, const char *end, decimal *d)
 {
-	size_t i = *at;
-	if (i >= length || (text[i] != 'e' && text[i] != 'E'))
-		return;
-	i++;
-	bool negative = i < length && text[i] == '-';
-	if (i < length && (text[i] == '-' || text[i] == '+'))
-		i++;
-	if (i >= length || !is_digit(text[i]))
-		return;
+	const char *at = text;
+	if (at >= end || (*at != 'e' && *at != 'E'))
+		return text;
+	at++;
+	bool negative = at < end && *at == '-';
+	if (at < end && (*at == '-' || *at == '+'))
+		at++;
+	if (at >= end || !is_digit(*at))
+		return text;
 	int64_t exponent = 0;
-	for (; i < length && is_digit(text[i]); i++)
-		exponent = exponent < 1000000 ? exponent * 10 + (text[i] - '0') : exponent;
+	for (; at < end && is_digit(*at); at++)
+		exponent = exponent < 1000000 ? exponent * 10 + (*at - '0') : exponent;
 	d->exponent += negative ? -exponent : exponent;
-	*at = i;
+	d->whole = false;
+	return at;
 }
 
 static decimal take_apart(const char *text, size_t length)
 {
-	decimal d = { .exact = true };
-	size_t at = 0, digits = 0;
-	if (at < length && (text[at] == '-' || text[at] == '+'))
-		d.negative = text[at++] == '-';
-	take_digits(text, length, &at, false, &digits, &d);
-	if (at < length && text[at] == '.') {
-		at++;
-		take_digits(text, length, &at, true, &digits, &d);
+	decimal d = { .exact = true, .whole = true };
+	const char *at = text, *end = text + length;
+	if (at < end && (*at == '-' || *at == '+'))
+		d.negative = *at++ == '-';
+	const char *first = at;
+	at = take_digits(at, end, &d);
+	ptrdiff_t digits = at - first;
+	if (at < end && *at == '.') {
+		first = ++at;
+		at = take_digits(at, end, &d);
+		d.exponent = first - at;
+		digits += at - first;
+		d.whole = false;
 	}
 	if (digits == 0)
 		return (decimal){ 0 };
-	take_exponent(text, length, &at, &d);
-	d.length = at;
+	at = take_exponent(at, end, &d);
+	d.length = (size_t)(at - text);
 	return d;
 }
 
@@ -107,16 +113,38 @@ static size_t read_name(const char *text, size_t length, double *value)
 	return 0;
 }
 
+/*
+ * mantissa / 10^power, rounded once: 62 bits of the quotient or more, of which the lowest says
+ * whether anything is left behind it, are all that rounding to 53 bits can ask for. power <= 19.
+ */
+static double divide_exactly(uint64_t mantissa, int64_t power)
+{
+	uint64_t divisor = 1;
+	for (int64_t p = 0; p < power; p++)
+		divisor *= 10;
+	int up = __builtin_clzll(mantissa), down = __builtin_clzll(divisor);
+	unsigned __int128 dividend = (unsigned __int128)(mantissa << up) << 63;
+	divisor <<= down;
+	uint64_t quotient = (uint64_t)(dividend / divisor);
+	bool rest = (unsigned __int128)quotient * divisor != dividend;
+	return ldexp((double)(quotient | rest), down - up - 63);
+}
+
 /* Both at most 2^53 and 10^22 are doubles without error, so one operation rounds once. */
 static bool read_exactly(const decimal *d, double *value)
 {
 	static const double power[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
 									1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
 									1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
-	if (!d->exact || d->mantissa > (uint64_t)1 << 53 || d->exponent < -22 || d->exponent > 22)
+	if (!d->exact || d->exponent < -22 || d->exponent > 22)
 		return false;
 	double m = (double)d->mantissa;
-	m = d->exponent < 0 ? m / power[-d->exponent] : m * power[d->exponent];
+	if (d->mantissa <= (uint64_t)1 << 53)
+		m = d->exponent < 0 ? m / power[-d->exponent] : m * power[d->exponent];
+	else if (d->exponent < 0 && d->exponent >= -19)
+		m = divide_exactly(d->mantissa, -d->exponent);
+	else if (d->exponent != 0)
+		return false;
 	*value = d->negative ? -m : m;
 	return true;
 }
@@ -137,6 +165,31 @@ static bool read_by_library(const char *text, size_t length, double *value, floa
 	if (copy != local)
 		free(copy);
 	return true;
+}
+
+/* Six digits go through single precision and back unchanged. */
+static bool is_single(const decimal *d, double value)
+{
+	uint64_t m = d->mantissa;
+	while (m >= 1000000 && m % 10 == 0)
+		m /= 10;
+	bool in_range = value == 0.0 || (fabs(value) > 1e-37 && fabs(value) < 1e38);
+	return d->exact && m < 1000000 && in_range;
+}
+
+size_t number_read_form(const char *text, size_t length, double *value, number_form *form)
+{
+	decimal d = take_apart(text, length);
+	bool dressed = d.length > 0 && d.length < length && text[d.length] == '#';
+	if (d.length == 0 || dressed) {
+		*form = (number_form){ .single = true };
+		return read_name(text, length, value);
+	}
+	if (!read_exactly(&d, value) && !read_by_library(text, d.length, value, NULL))
+		return 0;
+	form->whole = d.whole && !(d.negative && d.mantissa == 0);
+	form->single = is_single(&d, *value);
+	return d.length;
 }
 
 size_t number_read(const char *text, size_t length, double *value)
@@ -170,10 +223,88 @@ size_t number_read_float(const char *text, size_t length, float *value)
 
 /* ------------------------------------------------------------------------------ printing */
 
+/* Writes digits * 10^-decimals, with a digit before the point. */
+static size_t print_fixed(char *text, bool negative, uint64_t digits, int decimals)
+{
+	char reversed[NUMBER_TEXT];
+	int count = 0;
+	for (int place = 0; digits > 0 || place <= decimals; digits /= 10, place++) {
+		if (place == decimals && decimals > 0)
+			reversed[count++] = '.';
+		reversed[count++] = (char)('0' + digits % 10);
+	}
+	size_t length = 0;
+	if (negative)
+		text[length++] = '-';
+	while (count > 0)
+		text[length++] = reversed[--count];
+	text[length] = '\0';
+	return length;
+}
+
+/*
+ * The quick way, for numbers of at most 15 digits, or 9 of single precision: whole / 10^decimals is
+ * what reading the text computes, so the first number of decimals that gives the value is the
+ * shortest text. Returns 0 when there is none, or when printf would have taken an exponent.
+ */
+static size_t print_quickly(char *text, double value, bool single)
+{
+	static const double power[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
+									1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19 };
+	double size = fabs(value), limit = single ? 1e9 : 1e15;
+	if (value == 0.0)
+		return print_fixed(text, signbit(value), 0, 0);
+	if (!(size >= 1e-4 && size < (single ? 1e6 : 1e15)))
+		return 0;
+	for (int decimals = 0; decimals < 20; decimals++) {
+		double whole = nearbyint(size * power[decimals]);
+		if (whole >= limit)
+			return 0;
+		double back = whole / power[decimals];
+		uint64_t bits;
+		memcpy(&bits, &back, sizeof bits);
+		bool halfway = single && (bits & 0x1fffffff) == 0x10000000;
+		if (!halfway && (single ? (double)(float)back : back) == size)
+			return print_fixed(text, value < 0.0, (uint64_t)whole, decimals);
+	}
+	return 0;
+}
+
+/*
+ * Numbers of 16 or 17 digits, for which whole / 10^decimals is found in integers of 128 bits: with
+ * 17 it always reads back. Returns 0 for what the quick way leaves out by its size.
+ */
+static size_t print_exactly(char *text, double value)
+{
+	double size = fabs(value);
+	if (!(size >= 1e-4 && size < 1e15))
+		return 0;
+	int exponent, decimals = 0;
+	uint64_t mantissa = (uint64_t)ldexp(frexp(size, &exponent), 53);
+	int shift = 53 - exponent; /* value = mantissa / 2^shift, from 3 to 66 */
+	unsigned __int128 power = 1;
+	for (double whole = size; whole < 1e15; whole *= 10.0, decimals++)
+		power *= 10;
+	for (int more = 0; more < 2; more++, decimals++, power *= 10) {
+		unsigned __int128 half = (unsigned __int128)1 << (shift - 1);
+		decimal d = { .exact = true, .exponent = -decimals };
+		double back;
+		d.mantissa = (uint64_t)((mantissa * power + half) >> shift);
+		if (read_exactly(&d, &back) && back == size)
+			return print_fixed(text, value < 0.0, d.mantissa, decimals);
+	}
+	return 0;
+}
+
 static size_t print_with(char *text, double value, bool single)
 {
 	if (isnan(value))
 		return (size_t)snprintf(text, NUMBER_TEXT, "nan");
+	size_t quick = print_quickly(text, value, single);
+	if (!quick && !single)
+		quick = print_exactly(text, value);
+	if (quick)
+		return quick;
 	pthread_once(&c_locale_once, make_c_locale);
 	locale_t before = c_locale ? uselocale(c_locale) : (locale_t)0;
 	int length = 0;

@@ -25,6 +25,15 @@
  */
 size_t number_read(const char *text, size_t length, double *value);
 
+/* How a number was written. */
+typedef struct number_form {
+	bool whole;  /* an integer without point, exponent or a sign before zero */
+	bool single; /* printed again from single precision it would be the same number */
+} number_form;
+
+/* As number_read, and says how it was written. */
+size_t number_read_form(const char *text, size_t length, double *value, number_form *form);
+
 /* The same, rounded once to single precision (a detour over double would round twice). */
 size_t number_read_float(const char *text, size_t length, float *value);
 

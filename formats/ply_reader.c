@@ -3,13 +3,13 @@
  * Every count is checked against the bytes that are left before anything is allocated.
  */
 #include "ply_format.h"
+#include "column_names.h"
 #include "number_text.h"
 #include "ply_header.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 typedef struct reader {
 	const input_file *in;
@@ -35,24 +35,6 @@ static size_t offset(const reader *r)
 
 /* ------------------------------------------------------------------------------- columns */
 
-/* Names that other programs use, and ours. */
-static const char *canonical_name(const char *name)
-{
-	static const char *const alias[][2] = {
-		{ "diffuse_red", "red" }, { "diffuse_green", "green" }, { "diffuse_blue", "blue" },
-		{ "normal_x", "nx" },     { "normal_y", "ny" },         { "normal_z", "nz" },
-	};
-	static const char *const ours[] = { "x",   "y",     "z",    "nx",    "ny",       "nz",
-										"red", "green", "blue", "alpha", "intensity" };
-	for (size_t i = 0; i < sizeof alias / sizeof *alias; i++)
-		if (strcasecmp(name, alias[i][0]) == 0)
-			return alias[i][1];
-	for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
-		if (strcasecmp(name, ours[i]) == 0)
-			return ours[i];
-	return name;
-}
-
 static bool has_property(const ply_element *element, const char *name)
 {
 	for (size_t i = 0; i < element->property_count; i++)
@@ -64,7 +46,7 @@ static bool has_property(const ply_element *element, const char *name)
 /* Name of the column for a property: the canonical one unless another property has it. */
 static const char *column_name(const reader *r, const ply_property *property)
 {
-	const char *name = canonical_name(property->name);
+	const char *name = column_canonical_name(property->name);
 	if (strcmp(name, property->name) == 0 || has_property(r->vertex, name) ||
 		scan_find(r->scan, name))
 		return property->name;
@@ -78,8 +60,8 @@ static gw_status check_position(const reader *r)
 		bool found = false;
 		for (size_t i = 0; i < r->vertex->property_count; i++) {
 			const ply_property *property = &r->vertex->property[i];
-			found =
-				found || (!property->list && strcmp(canonical_name(property->name), names[k]) == 0);
+			found = found || (!property->list &&
+							  strcmp(column_canonical_name(property->name), names[k]) == 0);
 		}
 		if (!found)
 			return gw_fail(r->error, GW_ERROR_DATA,

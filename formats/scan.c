@@ -27,6 +27,8 @@ void scan_clear(scan *cloud)
 	for (size_t c = 0; c < cloud->comment_count; c++)
 		free(cloud->comment[c]);
 	free(cloud->comment);
+	free(cloud->scanner);
+	free(cloud->scanner_of);
 	memset(cloud, 0, sizeof *cloud);
 }
 
@@ -65,6 +67,54 @@ gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a comment line");
 	}
 	cloud->comment[cloud->comment_count++] = copy;
+	return GW_OK;
+}
+
+/* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
+ * when memory is short. A file may have a million, so that not all are compared. */
+static uint32_t find_scanner(scan *cloud, const double position[3])
+{
+	size_t recent = cloud->scanner_count < 64 ? 0 : cloud->scanner_count - 64;
+	for (size_t s = recent; s < cloud->scanner_count; s++)
+		if (memcmp(cloud->scanner + 3 * s, position, 3 * sizeof *position) == 0)
+			return (uint32_t)s;
+	double *grown = growing_table_room(cloud->scanner, cloud->scanner_count, 3 * sizeof *grown);
+	if (!grown || cloud->scanner_count >= SCAN_NO_SCANNER)
+		return SCAN_NO_SCANNER;
+	cloud->scanner = grown;
+	memcpy(grown + 3 * cloud->scanner_count, position, 3 * sizeof *position);
+	return (uint32_t)cloud->scanner_count++;
+}
+
+/* Makes room for which scanner saw each point: the first all of them, or none. */
+static gw_status part_scanners(scan *cloud, gw_error *error)
+{
+	if (cloud->scanner_of)
+		return GW_OK;
+	uint32_t *of = reallocarray(NULL, cloud->count ? cloud->count : 1, sizeof *of);
+	if (!of)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners of %zu points",
+					   cloud->count);
+	for (size_t i = 0; i < cloud->count; i++)
+		of[i] = cloud->scanner_count ? 0 : SCAN_NO_SCANNER;
+	cloud->scanner_of = of;
+	return GW_OK;
+}
+
+gw_status scan_add_scanner(scan *cloud, const double position[3], size_t first, size_t count,
+						   gw_error *error)
+{
+	bool all = count == cloud->count;
+	if (!all) {
+		gw_status status = part_scanners(cloud, error);
+		if (status != GW_OK)
+			return status;
+	}
+	uint32_t scanner = find_scanner(cloud, position);
+	if (scanner == SCAN_NO_SCANNER)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for another scanner");
+	for (size_t i = first; i < first + count && cloud->scanner_of; i++)
+		cloud->scanner_of[i] = scanner;
 	return GW_OK;
 }
 
@@ -113,6 +163,38 @@ double scan_value(const scan_column *column, size_t i)
 	return 0.0;
 }
 
+void scan_store(scan_column *column, size_t i, double value)
+{
+	switch (column->type) {
+	case SCAN_INT8:
+		((int8_t *)column->data)[i] = (int8_t)value;
+		break;
+	case SCAN_UINT8:
+		((uint8_t *)column->data)[i] = (uint8_t)value;
+		break;
+	case SCAN_INT16:
+		((int16_t *)column->data)[i] = (int16_t)value;
+		break;
+	case SCAN_UINT16:
+		((uint16_t *)column->data)[i] = (uint16_t)value;
+		break;
+	case SCAN_INT32:
+		((int32_t *)column->data)[i] = (int32_t)value;
+		break;
+	case SCAN_UINT32:
+		((uint32_t *)column->data)[i] = (uint32_t)value;
+		break;
+	case SCAN_FLOAT32:
+		((float *)column->data)[i] = (float)value;
+		break;
+	case SCAN_FLOAT64:
+		((double *)column->data)[i] = value;
+		break;
+	case SCAN_TYPE_COUNT:
+		break;
+	}
+}
+
 /* ------------------------------------------------------------------------------ appending */
 
 static bool is_float(scan_type type)
@@ -146,39 +228,6 @@ static scan_type widen(scan_type a, scan_type b)
 	return size == 2 ? SCAN_INT16 : size == 4 ? SCAN_INT32 : SCAN_FLOAT64;
 }
 
-/* Stores a value that the type is known to hold. */
-static void store(scan_column *column, size_t i, double value)
-{
-	switch (column->type) {
-	case SCAN_INT8:
-		((int8_t *)column->data)[i] = (int8_t)value;
-		break;
-	case SCAN_UINT8:
-		((uint8_t *)column->data)[i] = (uint8_t)value;
-		break;
-	case SCAN_INT16:
-		((int16_t *)column->data)[i] = (int16_t)value;
-		break;
-	case SCAN_UINT16:
-		((uint16_t *)column->data)[i] = (uint16_t)value;
-		break;
-	case SCAN_INT32:
-		((int32_t *)column->data)[i] = (int32_t)value;
-		break;
-	case SCAN_UINT32:
-		((uint32_t *)column->data)[i] = (uint32_t)value;
-		break;
-	case SCAN_FLOAT32:
-		((float *)column->data)[i] = (float)value;
-		break;
-	case SCAN_FLOAT64:
-		((double *)column->data)[i] = value;
-		break;
-	case SCAN_TYPE_COUNT:
-		break;
-	}
-}
-
 /* Copies the values of one column into another of the same or a wider type, from point `first`. */
 static void copy_values(scan_column *to, size_t first, const scan_column *from, size_t count)
 {
@@ -188,7 +237,7 @@ static void copy_values(scan_column *to, size_t first, const scan_column *from, 
 		return;
 	}
 	for (size_t i = 0; i < count; i++)
-		store(to, first + i, scan_value(from, i));
+		scan_store(to, first + i, scan_value(from, i));
 }
 
 /* Colours of two scans may count to different numbers; joined they must count to one. */
@@ -216,9 +265,9 @@ static void put_colors(scan_column *to, size_t first, const scan_color *color, i
 	for (size_t i = 0; i < count; i++) {
 		double value = scan_color_value(color, k, i);
 		if (to->type == SCAN_FLOAT32)
-			store(to, first + i, value);
+			scan_store(to, first + i, value);
 		else
-			store(to, first + i, value > 0.0 ? fmin(value, 1.0) * 65535.0 + 0.5 : 0.0);
+			scan_store(to, first + i, value > 0.0 ? fmin(value, 1.0) * 65535.0 + 0.5 : 0.0);
 	}
 }
 
@@ -282,21 +331,39 @@ static gw_status join_columns(scan *joined, const scan *head, const scan *tail, 
 	return status;
 }
 
+/* Adds a part's scanners to the scan that it is joined to, where its points are from `first` on. */
+static gw_status join_scanners(scan *joined, const scan *part, size_t first, gw_error *error)
+{
+	if (part->scanner_count == 0)
+		return GW_OK;
+	if (!part->scanner_of)
+		return scan_add_scanner(joined, part->scanner, first, part->count, error);
+	uint32_t *index = reallocarray(NULL, part->scanner_count, sizeof *index);
+	gw_status status = part_scanners(joined, error);
+	bool found = index && status == GW_OK;
+	for (size_t s = 0; s < part->scanner_count && found; s++) {
+		index[s] = find_scanner(joined, part->scanner + 3 * s);
+		found = index[s] != SCAN_NO_SCANNER;
+	}
+	for (size_t i = 0; i < part->count && found; i++)
+		if (part->scanner_of[i] < part->scanner_count)
+			joined->scanner_of[first + i] = index[part->scanner_of[i]];
+	free(index);
+	return found ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners");
+}
+
 gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 {
 	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
 	if (__builtin_add_overflow(cloud->count, tail->count, &joined.count))
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
 					   cloud->count, tail->count);
-	/* One scanner cannot have stood at two places; then nobody knows which points it saw. */
-	bool first = cloud->count == 0;
-	bool same = cloud->has_scanner && tail->has_scanner &&
-				memcmp(cloud->scanner, tail->scanner, sizeof cloud->scanner) == 0;
-	joined.has_scanner = first ? tail->has_scanner : same;
-	if (joined.has_scanner)
-		memcpy(joined.scanner, tail->scanner, sizeof joined.scanner);
-
+	joined.left_out = cloud->left_out + tail->left_out;
 	gw_status status = join_columns(&joined, cloud, tail, error);
+	if (status == GW_OK)
+		status = join_scanners(&joined, cloud, 0, error);
+	if (status == GW_OK)
+		status = join_scanners(&joined, tail, cloud->count, error);
 	if (status != GW_OK) {
 		scan_clear(&joined);
 		return status;

@@ -30,6 +30,7 @@ typedef struct scan_column {
 /* A comment that begins with this is about the input: something that its reader found wrong or took
  * for granted. Users see it; it does not go into results. */
 #define SCAN_NOTE "note: "
+#define SCAN_NO_SCANNER UINT32_MAX
 
 typedef struct scan {
 	size_t count;             /* points */
@@ -37,9 +38,13 @@ typedef struct scan {
 	size_t column_count;
 	char **comment;           /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
+	uint64_t left_out;        /* rows without a point: empty cells of a scanner's grid */
 	char up;                  /* 'y' or 'z': which axis the format calls up */
-	bool has_scanner;
-	double scanner[3];        /* where the scanner stood, in the cloud's coordinates */
+	double *scanner;          /* owned; 3 * scanner_count: where scanners stood, in the cloud's
+								 coordinates */
+	size_t scanner_count;
+	uint32_t *scanner_of;     /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
+								 NULL when there is none, or the one saw them all */
 } scan;
 
 /* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
@@ -52,6 +57,13 @@ scan_column *scan_add_column(scan *scan, const char *name, scan_type type, gw_er
 /* Adds a comment line; text is copied. */
 gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
 
+/*
+ * Says that a scanner at `position` saw the points [first, first + count); the same position said
+ * soon again is the same scanner. GW_ERROR_MEMORY.
+ */
+gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
+						   gw_error *error);
+
 /* The column of that name, or NULL. */
 scan_column *scan_find(const scan *scan, const char *name);
 
@@ -60,6 +72,9 @@ void scan_remove_column(scan *scan, const char *name);
 
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
+
+/* Stores a value that the column's type is known to hold as point i. */
+void scan_store(scan_column *column, size_t i, double value);
 
 /* Appends the points of `tail` to `scan`. Columns that both have stay (types widen to hold both;
  * colours that count to different numbers are scaled to count to the same); the others are filled
@@ -94,7 +109,7 @@ typedef struct scan_points_options {
 typedef struct scan_points {
 	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
 	char albedo_source[160]; /* a phrase: which albedo was used and why */
-	double *position; float *normal; float *albedo; float *emission; double scanner[3]; /* owned */
+	double *position; float *normal; float *albedo; float *emission; /* owned */
 } scan_points;
 
 /*
@@ -102,7 +117,8 @@ typedef struct scan_points {
  * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). With
  * SCAN_ALBEDO_AUTO, colours that are all black count as none. CloudCompare's prefix scalar_ is
  * understood. A lit file's own albedo_* columns go before its preview colours.
- *   out   on success owned by the caller, freed with scan_points_clear
+ *   out   on success owned by the caller, freed with scan_points_clear; its scanners are those of
+ *         the scan, which has to live as long
  */
 gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,
                            gw_error *error);

@@ -282,14 +282,14 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 		scan_points_clear(out);
 		return status;
 	}
-	if (cloud->has_scanner)
-		memcpy(out->scanner, cloud->scanner, sizeof out->scanner);
 	out->points = (gw_points){ .count = cloud->count,
 							   .position = out->position,
 							   .normal = out->normal,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
-							   .scanner = cloud->has_scanner ? out->scanner : NULL };
+							   .scanner = cloud->scanner,
+							   .scanner_count = cloud->scanner_count,
+							   .scanner_of = cloud->scanner_of };
 	return GW_OK;
 }
 

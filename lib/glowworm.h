@@ -79,7 +79,10 @@ typedef struct gw_points {
 							   (Salm 4.3.1); zero or non-finite ones are estimated */
 	const float *albedo;    /* 3 * count or NULL, linear RGB; clamped to [0, GW_ALBEDO_MAX] */
 	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
-	const double *scanner;  /* 3 or NULL, where the scanner stood: orients estimated normals */
+	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
+	size_t scanner_count;   /* 0: nobody knows */
+	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
+								   scanner has, and for NULL, the nearest one counts */
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */

@@ -32,7 +32,7 @@ enum {
 };
 
 typedef enum orientation {
-	TO_POSITIONS, /* the scanner, or the nearest of several lights */
+	TO_POSITIONS, /* the scanner that saw it, or the nearest of several scanners or lights */
 	AGAINST_SUN,
 	UPWARDS,
 	TO_MIDDLE,
@@ -44,6 +44,7 @@ typedef struct normal_step {
 	orientation orientation;
 	double *target; /* 3 * target_count, local; of TO_POSITIONS and TO_MIDDLE */
 	size_t target_count;
+	uint32_t *target_of; /* count, the one that saw each surfel, or NULL: the nearest */
 	double direction[3]; /* of AGAINST_SUN and UPWARDS */
 	bool guessed;        /* nothing in the scene says where the outside is */
 	uint8_t *state;      /* count, bits as above */
@@ -105,13 +106,43 @@ static bool guess_outside(normal_step *step)
 	return add_target(step, middle);
 }
 
+/* Points that became one surfel may have been seen by several scanners: the first one counts. */
+static bool assign_scanners(normal_step *step, const gw_points *points)
+{
+	const gw_surfels *s = step->surfels;
+	if (!points->scanner_of)
+		return true;
+	step->target_of = gw_allocate_array(s->count, sizeof *step->target_of);
+	if (!step->target_of)
+		return false;
+	memset(step->target_of, 0xff, s->count * sizeof *step->target_of);
+	for (size_t i = 0; i < s->point_count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		if (surfel != UINT32_MAX && points->scanner_of[i] < step->target_of[surfel])
+			step->target_of[surfel] = points->scanner_of[i];
+	}
+	return true;
+}
+
+/* Targets keep their numbers, so that one bad position makes all of them unknown. */
+static bool has_scanners(const gw_points *points)
+{
+	for (size_t k = 0; k < 3 * points->scanner_count; k++)
+		if (!isfinite(points->scanner[k]))
+			return false;
+	return points->scanner_count > 0;
+}
+
 static bool choose_orientation(normal_step *step, const gw_points *points,
 							   const gw_surfels_options *options)
 {
 	step->orientation = TO_POSITIONS;
-	if (points->scanner && isfinite(points->scanner[0]) && isfinite(points->scanner[1]) &&
-		isfinite(points->scanner[2]))
-		return add_target(step, points->scanner);
+	if (has_scanners(points)) {
+		for (size_t i = 0; i < points->scanner_count; i++)
+			if (!add_target(step, points->scanner + 3 * i))
+				return false;
+		return assign_scanners(step, points);
+	}
 	for (size_t i = 0; i < options->light_count; i++)
 		if (is_lamp(options->lights + i) && !add_target(step, options->lights[i].position))
 			return false;
@@ -124,7 +155,9 @@ static void outside_of(const normal_step *step, size_t surfel, double way[3])
 	const float *p = step->surfels->position + 3 * surfel;
 	double best = INFINITY;
 	memcpy(way, step->direction, 3 * sizeof *way);
-	for (size_t i = 0; i < step->target_count; i++) {
+	size_t own = step->target_of ? step->target_of[surfel] : step->target_count;
+	bool known = own < step->target_count;
+	for (size_t i = known ? own : 0; i < (known ? own + 1 : step->target_count); i++) {
 		double d[3], squared = 0;
 		for (size_t k = 0; k < 3; k++) {
 			d[k] = step->target[3 * i + k] - (double)p[k];
@@ -308,5 +341,6 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 	free(step.state);
 	free(step.next);
 	free(step.target);
+	free(step.target_of);
 	return status;
 }

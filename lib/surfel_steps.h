@@ -78,10 +78,11 @@ float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neigh
 
 /*
  * Estimates normals that are 0, 0, 0, orients them and sets two_sided where they cannot be trusted.
- * Orientation, by the first of these that the scene has: to the scanner; to the nearest point or
- * spot light; against the first sun's direction (lights without power count as absent); upwards
- * when the cloud is less than half as high as it is wide, else to the middle of its bounds - and
- * then all estimated normals count as not to be trusted.
+ * Orientation, by the first of these that the scene has: to the scanner that saw it, or the nearest
+ * one when nobody knows; to the nearest point or spot light; against the first sun's direction
+ * (lights without power count as absent); upwards when the cloud is less than half as high as it is
+ * wide, else to the middle of its bounds - and then all
+ * estimated normals count as not to be trusted.
  */
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);

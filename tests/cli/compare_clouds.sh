@@ -63,7 +63,7 @@ sed 's/^0 0 0 2/0 0 0 nan/' d.ply >nan.ply
 run nan.ply d.ply 2>&1
 run result.ply truth.ply --worst result.ply 2>&1
 run result.ply truth.ply --worst worst.ply 2>&1
-run result.ply truth.ply --worst worst.xyz 2>&1
+run result.ply truth.ply --worst worst.obj 2>&1
 run result.ply truth.ply --worst - --json - 2>&1
 run result.ply truth.ply --max-bias 5%% 2>&1
 run result.ply nowhere.ply 2>&1

@@ -40,7 +40,7 @@ run lit.ply --gain lamp=2
 run --gain lamp=2 -o a.ply
 run lit.ply --gain lamp=2 -o lit.ply -f
 run lit.ply --gain lamp=2 -o mixed.ply
-run lit.ply --gain lamp=2 -o a.xyz
+run lit.ply --gain lamp=2 -o a.obj
 sed 's/ 7 7 7 / 7 8 7 /' lit.ply >less.ply
 run less.ply --gain lamp=2 -o a.ply
 grep -v light_torch_g lit.ply | sed 's/ 4 4 2$/ 4 4/; s/ 0.25$//' >hole.ply

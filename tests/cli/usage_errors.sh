@@ -23,7 +23,7 @@ run bake a.ply --force=yes
 run bake a.ply --exposure nan
 run bake
 run bake a.ply
-run bake a.ply -o a.xyz
+run bake a.ply -o a.obj
 run bake - - -o out.ply
 run bake a.ply -o - --report -
 run bake a.ply -o out.ply --vdb-half

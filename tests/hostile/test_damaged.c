@@ -7,7 +7,11 @@
 #include "cloud_format.h"
 #include "counted_memory.h"
 #include "mesh.h"
+#include "e57_file.h"
+#include "e57_format.h"
+#include "pcd_format.h"
 #include "ply_format.h"
+#include "text_formats.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -26,11 +30,12 @@ typedef gw_status (*reader)(input_file *, scan *, gw_error *);
 typedef struct seed {
 	const char *name;
 	reader read;
-	uint8_t data[2048];
+	uint8_t data[4096];
 	size_t length;
 	size_t header; /* bytes of text with counts in it; 0: a binary count at the start */
 	size_t points;
-	bool open_end; /* a file that is cut short may still be whole */
+	size_t xml;    /* of E57, which is put into pages and sealed after it is damaged */
+	bool open_end; /* nothing in the file says how much there is: cut short it may still be whole */
 } seed;
 
 static void put_text(seed *s, const char *text)
@@ -217,7 +222,68 @@ static void make_mesh_ply(seed *s, bool ascii)
 	}
 }
 
-enum { SEEDS = 9 };
+/* Fields of several sizes, packed colours, padding. */
+static void make_pcd(seed *s, const char *name, const char *encoding)
+{
+	char line[80];
+	*s = (seed){ .name = name, .read = pcd_read, .points = 7 };
+	put_text(s, "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+				"FIELDS x y z rgb _ n\nSIZE 4 8 4 4 1 2\nTYPE F F F F U I\nCOUNT 1 1 1 1 3 2\n"
+				"WIDTH 7\nHEIGHT 1\nVIEWPOINT 0 0 1 1 0 0 0\nPOINTS 7\n");
+	snprintf(line, sizeof line, "DATA %s\n", encoding);
+	put_text(s, line);
+	s->header = s->length;
+	if (strcmp(encoding, "binary_compressed") == 0) {
+		/* 189 bytes: the first as it is, 188 like it, in steps back of at most 264. */
+		put_pattern(s, 5, 4, false);
+		put_pattern(s, 7 * 27, 4, false);
+		put_pattern(s, 0x3f00, 2, false);
+		put_pattern(s, 7 << 5 | (188 - 2 - 7) << 8, 3, false);
+		return;
+	}
+	for (int i = 0; i < 7; i++) {
+		if (strcmp(encoding, "ascii") == 0) {
+			snprintf(line, sizeof line, "%d.5 -1.25e2 nan 4.2e6 1 2 3 -32768 7\n", i);
+			put_text(s, line);
+			continue;
+		}
+		put_float(s, (float)i, false);
+		put_pattern(s, 0x40590ccccccccccd, 8, false);
+		put_float(s, -1.0f, false);
+		put_text(s, "bgrxabc1234");
+	}
+}
+
+static void make_tables(seed *pts, seed *ptx, seed *xyz)
+{
+	char line[80];
+	*pts = (seed){ .name = "pts", .read = pts_read, .points = 11 };
+	*xyz = (seed){ .name = "xyz", .read = xyz_read, .points = 11, .open_end = true };
+	*ptx = (seed){ .name = "ptx", .read = ptx_read, .points = 11 };
+	put_text(pts, "11\n");
+	pts->header = pts->length;
+	put_text(xyz, "# a comment\n# x y z \"a\" red,1\nx;y;z;w;red;green;blue\n");
+	put_text(ptx, "4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+				  "0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n0 0 0 0.5\n");
+	ptx->header = ptx->length;
+	for (int i = 0; i < 11; i++) {
+		snprintf(line, sizeof line, "%d.5 1e2 -0.001 -77 %d 2 255\r\n", i, i);
+		put_text(pts, line);
+		put_text(ptx, line);
+		for (char *c = line; *c; c++)
+			*c = *c == ' ' ? ';' : *c;
+		put_text(xyz, line);
+	}
+}
+
+static void make_e57(seed *s)
+{
+	*s = (seed){ .name = "e57", .read = e57_read, .points = 6 };
+	s->length = e57_file_content(s->data, &s->xml);
+	s->header = s->length;
+}
+
+enum { SEEDS = 16 };
 static seed seeds[SEEDS];
 
 static int make_seeds(void **state)
@@ -232,6 +298,11 @@ static int make_seeds(void **state)
 	make_mtl(&seeds[6]);
 	make_mesh_ply(&seeds[7], true);
 	make_mesh_ply(&seeds[8], false);
+	make_pcd(&seeds[9], "ascii pcd", "ascii");
+	make_pcd(&seeds[10], "binary pcd", "binary");
+	make_pcd(&seeds[11], "compressed pcd", "binary_compressed");
+	make_tables(&seeds[12], &seeds[13], &seeds[14]);
+	make_e57(&seeds[15]);
 	return 0;
 }
 
@@ -264,8 +335,11 @@ static double sum_of_all(const scan *cloud)
 static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
 						 size_t at)
 {
-	uint8_t *copy = uncounted_malloc(length + !length);
-	memcpy(copy, data, length);
+	uint8_t *copy = uncounted_malloc(s->xml ? E57_FILE_PAGES(length) : length + !length);
+	if (s->xml)
+		length = e57_file_pages(data, length, s->xml, copy);
+	else
+		memcpy(copy, data, length);
 	input_file in = { .name = "seed.file", .data = copy, .length = length };
 	scan cloud;
 	gw_error error = { 0 };
@@ -296,7 +370,8 @@ static void seeds_are_good(void **state)
 	for (int i = 0; i < SEEDS; i++) {
 		const seed *s = &seeds[i];
 		assert_true(s->length <= sizeof s->data);
-		assert_int_equal(attempt(s, s->data, s->length, "whole", 0), GW_OK);
+		if (attempt(s, s->data, s->length, "whole", 0) != GW_OK)
+			fail_msg("%s was refused", s->name);
 	}
 }
 
@@ -367,7 +442,8 @@ static void every_binary_number_lies(void **state)
 										0x80000000, UINT32_MAX, INT64_MAX,  (uint64_t)1 << 63 };
 	for (int i = 0; i < SEEDS; i++) {
 		const seed *s = &seeds[i];
-		for (size_t at = s->header; at + 8 <= s->length; at++) {
+		size_t first = s->xml ? 0 : s->header, last = s->xml ? s->xml : s->length;
+		for (size_t at = first; at + 8 <= last; at++) {
 			for (size_t n = 0; n < 3 * 2 * sizeof numbers / sizeof *numbers; n++) {
 				seed damaged = *s;
 				damaged.length = at;

@@ -130,7 +130,7 @@ static void joining_keeps_all_columns(void **state)
 {
 	(void)state;
 	const double ones[4] = { 1, 1, 1, 1 };
-	scan head = { .count = 4, .up = 'z', .has_scanner = true, .scanner = { 1, 2, 3 } };
+	scan head = { .count = 4, .up = 'z' };
 	scan tail = { .count = 4, .up = 'z' };
 	add_position(&head);
 	add_position(&tail);
@@ -145,7 +145,6 @@ static void joining_keeps_all_columns(void **state)
 	assert_true(scan_value(scan_find(&head, "yours"), 3) == 0.0);
 	assert_true(scan_value(scan_find(&head, "yours"), 4) == 1.0);
 	assert_string_equal(head.comment[0], "from the tail");
-	assert_false(head.has_scanner);
 	assert_int_equal(tail.count, 4);
 
 	scan empty = { 0 };
@@ -345,12 +344,37 @@ static void albedo_is_scaled_and_blended(void **state)
 	scan_clear(&cloud);
 }
 
+static void scanners_keep_their_points(void **state)
+{
+	(void)state;
+	const double a[3] = { 1, 2, 3 }, b[3] = { 4, 5, 6 };
+	scan one = { .count = 2 }, two = { .count = 3 }, none = { .count = 1 };
+	add_position(&one);
+	add_position(&two);
+	add_position(&none);
+	assert_int_equal(scan_add_scanner(&one, a, 0, 2, NULL), GW_OK);
+	assert_null(one.scanner_of);
+	assert_int_equal(scan_add_scanner(&two, b, 0, 1, NULL), GW_OK);
+	assert_int_equal(scan_add_scanner(&two, a, 2, 1, NULL), GW_OK);
+	assert_int_equal(scan_append(&one, &two, NULL), GW_OK);
+	assert_int_equal(scan_append(&one, &none, NULL), GW_OK);
+	static const uint32_t expected[] = { 0, 0, 1, SCAN_NO_SCANNER, 0, SCAN_NO_SCANNER };
+	assert_int_equal(one.scanner_count, 2);
+	assert_memory_equal(one.scanner, a, sizeof a);
+	assert_memory_equal(one.scanner + 3, b, sizeof b);
+	assert_memory_equal(one.scanner_of, expected, sizeof expected);
+	scan_clear(&one);
+	scan_clear(&two);
+	scan_clear(&none);
+}
+
 static void everything_else_is_handed_on(void **state)
 {
 	(void)state;
 	static const char *const normal[3] = { "scalar_nx", "scalar_Ny", "nz" };
 	const double values[4] = { 1, -2, NAN, 4 };
-	scan cloud = { .count = 4, .has_scanner = true, .scanner = { 5, 6, 7 } };
+	scan cloud = { .count = 4 };
+	assert_int_equal(scan_add_scanner(&cloud, (double[]){ 5, 6, 7 }, 0, 4, NULL), GW_OK);
 	scan_points points;
 	add_position(&cloud);
 	add_triple(&cloud, normal, SCAN_FLOAT32, values);
@@ -360,7 +384,9 @@ static void everything_else_is_handed_on(void **state)
 	assert_true(points.points.position[3] == 1.0 && points.points.position[11] == 3.0);
 	assert_true(points.points.normal[5] == -2.0f && isnan(points.points.normal[6]));
 	assert_true(points.points.emission[3] == 0.0f && points.points.emission[4] == -2.0f);
-	assert_true(points.points.scanner == points.scanner && points.scanner[2] == 7.0);
+	assert_int_equal(points.points.scanner_count, 1);
+	assert_true(points.points.scanner[2] == 7.0);
+	assert_null(points.points.scanner_of);
 	scan_points_clear(&points);
 
 	scan_remove_column(&cloud, "y");
@@ -387,6 +413,7 @@ int main(void)
 		cmocka_unit_test(black_or_missing_colors_give_the_default),
 		cmocka_unit_test(intensity_is_scaled_to_its_percentile),
 		cmocka_unit_test(albedo_is_scaled_and_blended),
+		cmocka_unit_test(scanners_keep_their_points),
 		cmocka_unit_test(everything_else_is_handed_on),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -555,12 +555,28 @@ static void estimated_normals_face_scanner_light_or_sun(void **state)
 	gw_surfels_options with_lights = { .lights = lights, .light_count = 3 };
 
 	points.scanner = centre;
+	points.scanner_count = 1;
 	gw_surfels inside = make_with(&points, &(gw_surfels_options){ .threads = 2 });
 	assert_int_equal(inside.normals_estimated, 4000);
 	assert_true(share_right(&inside, truth, -1) > 0.99);
 	assert_true(inside.normals_untrusted < 40);
 
-	points.scanner = NULL;
+	/* One that is far away saw none of them, though it is nearer to half of them. */
+	const double scanners[6] = { 0, 0, 0, 1.5, 0, 0 };
+	uint32_t *seen_by = calloc(points.count, sizeof *seen_by);
+	points.scanner = scanners;
+	points.scanner_count = 2;
+	points.scanner_of = seen_by;
+	gw_surfels assigned = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+	assert_same_surfels(&inside, &assigned);
+	points.scanner_of = NULL;
+	gw_surfels nearest = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+	assert_true(share_right(&nearest, truth, -1) < 0.95);
+	gw_surfels_clear(&assigned);
+	gw_surfels_clear(&nearest);
+	free(seen_by);
+
+	points.scanner_count = 0;
 	gw_surfels lit = make_with(&points, &with_lights);
 	assert_same_surfels(&inside, &lit);
 
@@ -662,6 +678,7 @@ static void scan_lines_are_one_surface(void **state)
 		const double scanner[3] = { 10, 10, 5 };
 		gw_points points = points_of(&c);
 		points.scanner = scanner;
+		points.scanner_count = 1;
 		gw_surfels s = make_with(&points, &(gw_surfels_options){ .threads = 2 });
 		double gap = ratio[t] / 16, low = 0;
 		assert_near(s.given_area / (600 * 30 * gap / 16), 1, 0.05);
