@@ -46,6 +46,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_info(s, error);
 	case VERB_COMPARE:
 		return verb_compare(s, error);
+	case VERB_RENDER:
+		return verb_render(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -11,6 +11,7 @@ typedef enum verb {
 	VERB_BAKE,
 	VERB_INFO,
 	VERB_COMPARE,
+	VERB_RENDER,
 	VERB_COUNT,
 } verb;
 
@@ -48,6 +49,30 @@ typedef enum settings_field {
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
+/* What a picture shows. */
+typedef enum settings_view {
+	SETTINGS_VIEW_AUTO, /* radiance of a lit cloud, else shaded */
+	SETTINGS_VIEW_RADIANCE,
+	SETTINGS_VIEW_SHADED, /* albedo in the light of a lamp at the camera */
+	SETTINGS_VIEW_ALBEDO,
+	SETTINGS_VIEW_NORMAL,
+	SETTINGS_VIEW_DEPTH,
+	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
+	SETTINGS_VIEW_INDIRECT,
+	SETTINGS_VIEW_ROI,    /* size of the region of influence */
+	SETTINGS_VIEW_NDF,    /* length of the normals */
+	SETTINGS_VIEW_POINTS, /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_COUNT
+} settings_view;
+
+/* Pictures. */
+typedef struct settings_render {
+	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
+	uint32_t orbit, samples;
+	int view, tone; /* settings_view, preview_tone */
+	bool false_color, cull;
+} settings_render;
+
 typedef struct settings {
 	gw_bake_options bake;
 	scan_points_options points;
@@ -60,6 +85,7 @@ typedef struct settings {
 	uint32_t fields;                 /* 1 << settings_field */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format;
+	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
 	const char *worst, *json_file;                 /* of compare */
 	uint32_t worst_count;                          /* points that worst holds */

@@ -16,4 +16,7 @@ gw_status verb_info(const settings *settings, gw_error *error);
 /* Prints how far one lit cloud is from another. GW_ERROR_MISSED when a limit is exceeded. */
 gw_status verb_compare(const settings *settings, gw_error *error);
 
+/* Makes pictures of a cloud. */
+gw_status verb_render(const settings *settings, gw_error *error);
+
 #endif

@@ -1,8 +1,9 @@
 # The generated manual and completions are well formed and know every verb and option.
 glowworm --generate bash >bash.txt && bash -n bash.txt
-glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)'
+glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)' -e '^render)'
 glowworm --generate fish | grep -c -- '-l light-samples'
-for page in man-glowworm man-glowworm-bake man-glowworm-info man-glowworm-compare; do
+for page in man-glowworm man-glowworm-bake man-glowworm-info man-glowworm-compare \
+	man-glowworm-render; do
 	glowworm --generate $page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
 done
 # Completion of an option's values.
