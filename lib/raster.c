@@ -61,6 +61,26 @@ static gw_raster_view make_view(const gw_raster_scene *scene, const gw_camera *c
 	return v;
 }
 
+/* Bytes a pixel: the G-buffer without its channels, and what becomes of it: three floats more, and
+ * bytes of a file. */
+#define PIXEL_BYTES (24u + 12u + 4u)
+
+/* The system promises more memory than it has, and ends the program that takes it at its word. */
+static gw_status check_memory(const gw_raster_view *v, gw_error *error)
+{
+	uint64_t pixels = (uint64_t)v->options->width * v->options->height;
+	uint64_t needed = pixels * (PIXEL_BYTES + 4u * v->scene->channel_count);
+	uint64_t free_bytes = gw_available_memory();
+	if (free_bytes == 0 || needed <= free_bytes)
+		return GW_OK;
+	return gw_fail(
+		error, GW_ERROR_MEMORY,
+		"a picture of %u x %u pixels takes %llu MB, and %llu MB of memory are free; make "
+		"it smaller",
+		v->options->width, v->options->height, (unsigned long long)(needed >> 20),
+		(unsigned long long)(free_bytes >> 20));
+}
+
 static gw_status make_gbuffer(const gw_raster_view *v, gw_gbuffer *g, gw_error *error)
 {
 	size_t pixels = (size_t)v->options->width * v->options->height;
@@ -153,7 +173,9 @@ gw_status gw_raster_draw(const gw_raster_scene *scene, const gw_camera *camera,
 	gw_raster_bins bins = { .drawn = 0 };
 	uint32_t threads = gw_thread_count(options->threads);
 	drawing d = { .view = &view, .bins = &bins, .gbuffer = gbuffer };
-	status = gw_raster_bins_make(&view, &bins, error);
+	status = check_memory(&view, error);
+	if (status == GW_OK)
+		status = gw_raster_bins_make(&view, &bins, error);
 	if (status == GW_OK)
 		status = make_gbuffer(&view, gbuffer, error);
 	if (status == GW_OK) {
