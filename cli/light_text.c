@@ -1,6 +1,6 @@
 #include "light_text.h"
 #include "nearest_name.h"
-#include "number_text.h"
+#include "words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -227,55 +227,6 @@ void light_resolve(lamp *light, char up)
 
 /* -------------------------------------------------------------------------------- words */
 
-#define WORD_MAX 256
-
-/* The words of a text, and where in it they stand. */
-typedef struct words {
-	const char *text, *at;
-	char word[WORD_MAX];
-	size_t place; /* of the word, counted from 1; behind the end: length + 1 */
-	gw_error *error;
-} words;
-
-/* Takes the next word; false at the end. Longer words are cut, which no legal word is. */
-static bool next_word(words *w)
-{
-	w->at += strspn(w->at, " \t\n");
-	size_t length = strcspn(w->at, " \t\n");
-	w->place = (size_t)(w->at - w->text) + 1;
-	snprintf(w->word, sizeof w->word, "%.*s", (int)(length < WORD_MAX ? length : WORD_MAX - 1),
-			 w->at);
-	w->at += length;
-	return length > 0;
-}
-
-static gw_status fail_word(const words *w, const char *sentence)
-{
-	return gw_fail(w->error, GW_ERROR_USAGE, "--light '%.200s', character %zu: %s", w->text,
-				   w->place, sentence);
-}
-
-/* Numbers with commas between them; 0 when the word is something else. */
-static size_t read_numbers(const char *word, double values[3])
-{
-	size_t count = 0, length = strlen(word);
-	while (count < 3) {
-		size_t used = number_read(word, length, &values[count]);
-		if (used == 0)
-			return 0;
-		count++;
-		word += used;
-		length -= used;
-		if (length == 0)
-			return count;
-		if (*word != ',')
-			return 0;
-		word++;
-		length--;
-	}
-	return 0;
-}
-
 static gw_status set_from_word(words *w, lamp *light, light_key_id id, const char *key)
 {
 	static const struct {
@@ -290,19 +241,19 @@ static gw_status set_from_word(words *w, lamp *light, light_key_id id, const cha
 	};
 	light_value value = light_keys[id].value;
 	char sentence[GW_ERROR_TEXT];
-	if (!next_word(w)) {
+	if (!words_next(w)) {
 		snprintf(sentence, sizeof sentence, "'%s' wants %s behind it", key, shape[value].expected);
-		return fail_word(w, sentence);
+		return words_fail(w, sentence);
 	}
 	if (value == LIGHT_VALUE_NAME) {
 		if (strlen(w->word) >= sizeof light->light.name)
-			return fail_word(w, "the name is too long; 63 characters are the most");
+			return words_fail(w, "the name is too long; 63 characters are the most");
 		memcpy(light->light.name, w->word, strlen(w->word) + 1);
 		return GW_OK;
 	}
 	double values[3] = { 0 };
 	gw_error reason = { 0 };
-	size_t count = read_numbers(w->word, values);
+	size_t count = words_numbers(w->word, values);
 	if (!(shape[value].counts & 1u << count) || count == 0)
 		snprintf(sentence, sizeof sentence, "'%.60s', where '%s' wants %s without blanks", w->word,
 				 key, shape[value].expected);
@@ -310,7 +261,7 @@ static gw_status set_from_word(words *w, lamp *light, light_key_id id, const cha
 		snprintf(sentence, sizeof sentence, "%.40s is %.60s: %.700s", key, w->word, reason.text);
 	else
 		return GW_OK;
-	return fail_word(w, sentence);
+	return words_fail(w, sentence);
 }
 
 /* Which key of this type a word names; LIGHT_KEY_COUNT and a message when none. */
@@ -332,7 +283,7 @@ static light_key_id find_key(const words *w, gw_light_type type)
 	nearest_name_hint(hint, w->word, "", name, 2 * LIGHT_KEY_COUNT);
 	snprintf(sentence, sizeof sentence, "a %s light has no '%.60s'; it has %s%s",
 			 gw_light_type_name(type), w->word, known, hint);
-	fail_word(w, sentence);
+	words_fail(w, sentence);
 	return LIGHT_KEY_COUNT;
 }
 
@@ -340,7 +291,7 @@ static gw_status find_type(words *w, gw_light_type *type)
 {
 	char sentence[GW_ERROR_TEXT], known[128], hint[NEAREST_NAME_HINT];
 	const char *name[GW_LIGHT_TYPE_COUNT + 1] = { [GW_LIGHT_TYPE_COUNT] = "sky" };
-	bool any = next_word(w);
+	bool any = words_next(w);
 	*type = light_type_by_name(w->word);
 	if (*type != GW_LIGHT_TYPE_COUNT)
 		return GW_OK;
@@ -353,24 +304,24 @@ static gw_status find_type(words *w, gw_light_type *type)
 				 known, hint);
 	else
 		snprintf(sentence, sizeof sentence, "a light begins with its type: %s", known);
-	return fail_word(w, sentence);
+	return words_fail(w, sentence);
 }
 
 gw_status light_from_text(const char *text, lamp *out, gw_error *error)
 {
-	words w = { .text = text, .at = text, .error = error };
+	words w = words_of("--light", text, error);
 	gw_light_type type;
 	unsigned given = 0;
 	gw_status status = find_type(&w, &type);
 	if (status != GW_OK)
 		return status;
 	*out = light_default(type);
-	while (status == GW_OK && next_word(&w)) {
+	while (status == GW_OK && words_next(&w)) {
 		light_key_id id = find_key(&w, type);
 		if (id == LIGHT_KEY_COUNT)
 			return GW_ERROR_USAGE;
 		if (given & 1u << id)
-			return fail_word(&w, "this has been said before");
+			return words_fail(&w, "this has been said before");
 		given |= 1u << id;
 		char key[WORD_MAX];
 		memcpy(key, w.word, sizeof key);
@@ -378,6 +329,6 @@ gw_status light_from_text(const char *text, lamp *out, gw_error *error)
 	}
 	gw_error reason = { 0 };
 	if (status == GW_OK && light_check(out, given, false, &reason) != GW_OK)
-		return fail_word(&w, reason.text);
+		return words_fail(&w, reason.text);
 	return status;
 }

@@ -252,8 +252,9 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 {
 	static const char *const position[3] = { "x", "y", "z" };
 	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
-	*exposure =
-		isnan(s->exposure) ? preview_exposure(result->radiance, lit->count) : (double)s->exposure;
+	*exposure = isnan(s->exposure)
+					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
+					: (double)s->exposure;
 	maker m = { &scene->cloud, lit, result, s, *exposure, error };
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
 		scan_remove_column(m.from, stale[i]);

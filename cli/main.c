@@ -52,6 +52,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_sample(s, error);
 	case VERB_CONVERT:
 		return verb_convert(s, error);
+	case VERB_RENDER:
+		return verb_render(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -1,6 +1,7 @@
 #include "options.h"
 #include "format.h"
 #include "nearest_name.h"
+#include "preview.h"
 #include "text_quote.h"
 
 #include <assert.h>
@@ -40,6 +41,24 @@ static const char *colors_name(int i)
 	return name[i];
 }
 
+static const char *tone_name(int i)
+{
+	return i < PREVIEW_TONE_COUNT ? preview_tone_name((preview_tone)i) : NULL;
+}
+
+static const char *view_name(int i)
+{
+	static const char *const name[] = {
+		[SETTINGS_VIEW_AUTO] = "auto",     [SETTINGS_VIEW_RADIANCE] = "radiance",
+		[SETTINGS_VIEW_SHADED] = "shaded", [SETTINGS_VIEW_ALBEDO] = "albedo",
+		[SETTINGS_VIEW_NORMAL] = "normal", [SETTINGS_VIEW_DEPTH] = "depth",
+		[SETTINGS_VIEW_DIRECT] = "direct", [SETTINGS_VIEW_INDIRECT] = "indirect",
+		[SETTINGS_VIEW_ROI] = "roi",       [SETTINGS_VIEW_NDF] = "ndf",
+		[SETTINGS_VIEW_POINTS] = "points", [SETTINGS_VIEW_COUNT] = NULL
+	};
+	return name[i];
+}
+
 static const char *progress_name(int i)
 {
 	static const char *const name[] = { "auto", "json", "none", NULL };
@@ -68,13 +87,17 @@ static const char *format_name(int i)
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
+#define RENDER .verbs = 1u << VERB_RENDER
 #define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
-#define MAKES .verbs = 1u << VERB_BAKE | 1u << VERB_MIX | 1u << VERB_SAMPLE
-#define WRITES MAKES | 1u << VERB_COMPARE | 1u << VERB_CONVERT
+#define SHOWS .verbs = 1u << VERB_BAKE | 1u << VERB_RENDER
+#define MESHES .verbs = 1u << VERB_BAKE | 1u << VERB_SAMPLE
+#define TALKS MESHES | 1u << VERB_RENDER
+#define MAKES MESHES | 1u << VERB_MIX
 #define CHOOSES MAKES | 1u << VERB_CONVERT
+#define WRITES CHOOSES | 1u << VERB_COMPARE | 1u << VERB_RENDER
 #define READS                                                                                      \
 	.verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX |             \
-			 1u << VERB_CONVERT
+			 1u << VERB_CONVERT | 1u << VERB_RENDER
 #define THREADED READS | 1u << VERB_SAMPLE
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
@@ -126,31 +149,66 @@ const option options[] = {
 	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, MIX, .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, RENDER, AT(output), .group = "Output",
+	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
+			  "standard output. Several pictures are numbered: FILE-0001.png" },
+	{ "size", 0, "WxH", OPTION_TEXT, RENDER, AT(render.size), .group = "Output",
+	  .help = "width and height of the picture in pixels, 1 to 16384 each" },
+	{ "samples", 0, "N", OPTION_COUNT, RENDER, AT(render.samples), RANGE(1.0, 8.0),
+	  .group = "Output", .help = "take N by N samples in every pixel" },
+	{ "background", 0, "COLOR", OPTION_TEXT, RENDER, AT(render.background), .group = "Output",
+	  .help =
+		  "behind the points: R,G,B or one number, linear, 0 to 1; none leaves it transparent" },
+	{ "exposure", 0, "EV", OPTION_REAL, RENDER, AT(exposure), RANGE(-100.0, 100.0), AUTOMATIC(NAN),
+	  .group = "Output",
+	  .help = "as a camera's exposure value at ISO 100: a larger one is darker; auto meters what "
+			  "is in view" },
+	{ "tone", 0, NULL, OPTION_CHOICE, RENDER, AT(render.tone), .choice = tone_name,
+	  .group = "Output", .help = "how light is fitted into the range of a screen" },
+	{ "false-colour", 0, NULL, OPTION_FLAG, RENDER, AT(render.false_color), .group = "Output",
+	  .help = "show the luminance by colours, with a scale" },
+	{ "camera", 'c', "CAMERA", OPTION_TEXT, RENDER, AT(render.camera), .group = "Camera",
+	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
+			  "angle of view; or auto, inside or outside, which choose a place" },
+	{ "orbit", 0, "N", OPTION_COUNT, RENDER, AT(render.orbit), RANGE(1.0, 10000.0),
+	  .group = "Camera",
+	  .help = "make N pictures all around what the camera looks at; a camera that was placed "
+			  "inside automatically turns on the spot" },
+	{ "path", 0, "FILE", OPTION_TEXT, RENDER, AT(render.path), .group = "Camera",
+	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
+	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
+	  .help = "leave out what is seen from behind, to look into a cave from outside" },
+	{ "view", 0, NULL, OPTION_CHOICE, RENDER, AT(render.view), .choice = view_name,
+	  .group = "Camera",
+	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
+			  "a lamp at the camera" },
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, BAKE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, BAKE, .scene = true, .group = "Scene",
+	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWS, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
 	{ "albedo-scale", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.scale),
 	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
 	{ "albedo-white", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
 	  .group = "Scene", .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(gamma), .choice = gamma_name,
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, SHOWS, .scene = true, AT(gamma), .choice = gamma_name,
 	  .group = "Scene", .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(up), .choice = up_name,
+	{ "up", 0, NULL, OPTION_CHOICE, SHOWS, .scene = true, AT(up), .choice = up_name,
 	  .group = "Scene",
-	  .help = "which axis points up, for suns with azimuth and elevation; auto asks the format" },
+	  .help =
+		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
+		  "the format" },
 	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT, READS, AT(columns), .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, MAKES, .scene = true, AT(density), RANGE(0.0, 1e12),
+	{ "density", 0, "X", OPTION_REAL, MESHES, .scene = true, AT(density), RANGE(0.0, 1e12),
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
-	{ "count", 0, "N", OPTION_COUNT, MAKES, .scene = true, AT(count), RANGE(1.0, 4e9),
+	{ "count", 0, "N", OPTION_COUNT, MESHES, .scene = true, AT(count), RANGE(1.0, 4e9),
 	  .group = "Scene", .help = "points on all meshes together, when nothing says their density" },
 
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
@@ -183,7 +241,7 @@ const option options[] = {
 	{ "estimate-points", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.estimate_points),
 	  RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, MAKES, .scene = true, AT(bake.seed), .group = "Light",
+	{ "seed", 0, "N", OPTION_SEED, MESHES, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random numbers" },
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
@@ -203,7 +261,7 @@ const option options[] = {
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, BAKE, AT(progress), .choice = progress_name,
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWS, AT(progress), .choice = progress_name,
 	  .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
@@ -212,9 +270,9 @@ const option options[] = {
 	  .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES, AT(quiet), .group = "Messages",
-	  .help = "print errors only" },
-	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, MAKES, AT(verbose), .group = "Messages",
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES | 1u << VERB_RENDER, AT(quiet),
+	  .group = "Messages", .help = "print errors only" },
+	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, TALKS, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
 	  .group = "Messages", .help = "print this and stop" },
@@ -254,9 +312,8 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = {
-		"bake", "info", "compare", "mix", "sample", "convert", NULL
-	};
+	static const char *const name[] = { "bake",   "info",    "compare", "mix",
+										"sample", "convert", "render",  NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -268,7 +325,8 @@ const char *verb_summary(verb v)
 										   "say how far one lighting is from another",
 										   "change the strength of lamps after a bake",
 										   "make a point cloud of a mesh",
-										   "write a point cloud in another format" };
+										   "write a point cloud in another format",
+										   "make pictures of a point cloud" };
 	return summary[v];
 }
 
@@ -279,7 +337,8 @@ const char *verb_synopsis(verb v)
 											"compare RESULT TRUTH [option]...",
 											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
 											"sample MESH -o POINTS [option]...",
-											"convert INPUT OUTPUT [option]..." };
+											"convert INPUT OUTPUT [option]...",
+											"render INPUT... -o PICTURE [option]..." };
 	return synopsis[v];
 }
 

@@ -15,18 +15,44 @@
 double preview_luminance(const float rgb[3]);
 
 /*
- * The exposure value at which the geometric mean of the luminances becomes mid grey. Of the
- * luminances only those above 1/10000 of their arithmetic mean count, or traces of light in the
- * dark would decide. 0 when there is no light.
+ * The exposure value that suits a picture: the larger, that is the darker, of two.
+ *
+ *   mid grey     the geometric mean of the luminances becomes mid grey
+ *   highlights   at most one in fifty of them is exposed above 1, what a white surface in full
+ *                light sends out: beyond, a screen has no more room, and colours go white
+ *
+ * The first is right for scenes that are lit all over. Where most is dark, as in a cave with a
+ * lamp, it takes the dark for mid grey and burns out what the lamp shines at; then the second
+ * holds. With mid grey m = 0.18 and the meter's 0.125, L98 the luminance that one in fifty
+ * exceeds: m / (0.125 2^EV) L98 <= 1, so EV >= log2(m L98 / 0.125). L98 is rounded up to the next
+ * 1/32 of a doubling.
+ *
+ * Only luminances above 1/10000 of their arithmetic mean count, or traces of light in the dark
+ * would decide. Light that surfaces make themselves is taken off, or a lamp in the picture would
+ * leave everything else dark; unless there is no other. 0 when there is no light.
  *   radiance  3 * count, linear
+ *   emission  3 * count, of that what they make themselves, or NULL; bad values count as 0
  */
-double preview_exposure(const float *radiance, size_t count);
+double preview_exposure(const float *radiance, const float *emission, size_t count);
 
 /* What radiance is multiplied by before the tone map. */
 double preview_scale(double exposure);
 
 /* Tone-maps an exposed colour in place: Khronos PBR Neutral, result 0..1. */
 void preview_tone_map(double rgb[3]);
+
+/* Ways to fit exposed colours into 0..1. */
+typedef enum preview_tone {
+	PREVIEW_TONE_PBR_NEUTRAL, /* preview_tone_map */
+	PREVIEW_TONE_REINHARD,    /* divided by 1 + luminance */
+	PREVIEW_TONE_NONE,        /* cut off at 1 */
+	PREVIEW_TONE_COUNT
+} preview_tone;
+
+const char *preview_tone_name(preview_tone tone);
+
+/* Tone-maps an exposed colour in place; the result is cut to 0..1. */
+void preview_tone_apply(preview_tone tone, double rgb[3]);
 
 /* The preview of one colour. scale: from preview_scale. */
 void preview_color(const float radiance[3], double scale, uint8_t rgb[3]);

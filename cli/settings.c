@@ -13,7 +13,12 @@ settings settings_default(void)
 					   .worst_count = 1000,
 					   .max_rel_rmse = NAN,
 					   .max_best_99 = NAN,
-					   .max_bias = NAN };
+					   .max_bias = NAN,
+					   .render = { .camera = "auto",
+								   .size = "1600x900",
+								   .background = "0",
+								   .orbit = 1,
+								   .samples = 2 } };
 }
 
 void settings_clear(settings *s)

@@ -14,6 +14,7 @@ typedef enum verb {
 	VERB_MIX,
 	VERB_SAMPLE,
 	VERB_CONVERT,
+	VERB_RENDER,
 	VERB_COUNT,
 } verb;
 
@@ -58,6 +59,29 @@ typedef struct settings_gain {
 	const char *name; /* of the lamp, or "rest" */
 	float factor[3];
 } settings_gain;
+/* What a picture shows. */
+typedef enum settings_view {
+	SETTINGS_VIEW_AUTO, /* radiance of a lit cloud, else shaded */
+	SETTINGS_VIEW_RADIANCE,
+	SETTINGS_VIEW_SHADED, /* albedo in the light of a lamp at the camera */
+	SETTINGS_VIEW_ALBEDO,
+	SETTINGS_VIEW_NORMAL,
+	SETTINGS_VIEW_DEPTH,
+	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
+	SETTINGS_VIEW_INDIRECT,
+	SETTINGS_VIEW_ROI,    /* size of the region of influence */
+	SETTINGS_VIEW_NDF,    /* length of the normals */
+	SETTINGS_VIEW_POINTS, /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_COUNT
+} settings_view;
+
+/* Pictures. */
+typedef struct settings_render {
+	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
+	uint32_t orbit, samples;
+	int view, tone; /* settings_view, preview_tone */
+	bool false_color, cull;
+} settings_render;
 
 typedef struct settings {
 	gw_bake_options bake;
@@ -73,6 +97,7 @@ typedef struct settings {
 	uint32_t count;                  /* points for all meshes without a density together */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format, *columns, *output_format;
+	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
 	const char *worst, *json_file;             /* of compare */
 	uint32_t worst_count;                      /* points that worst holds */

@@ -68,8 +68,8 @@ static uint8_t *find_color(mixing *m, const char *name)
 static gw_status make_preview(mixing *m)
 {
 	const settings *s = m->settings;
-	double exposure =
-		isnan(s->exposure) ? preview_exposure(m->radiance, m->cloud.count) : (double)s->exposure;
+	double exposure = isnan(s->exposure) ? preview_exposure(m->radiance, NULL, m->cloud.count)
+										 : (double)s->exposure;
 	double scale = preview_scale(exposure);
 	uint8_t *data[3];
 	for (int k = 0; k < 3; k++) {

@@ -23,5 +23,7 @@ gw_status verb_compare(const settings *settings, gw_error *error);
 gw_status verb_mix(const settings *settings, gw_error *error);
 /* Reads one file and writes another. */
 gw_status verb_convert(const settings *settings, gw_error *error);
+/* Makes pictures of a cloud. */
+gw_status verb_render(const settings *settings, gw_error *error);
 
 #endif

@@ -1,9 +1,9 @@
 # The generated manual and completions are well formed and know every verb and option.
 glowworm --generate bash >bash.txt && bash -n bash.txt
-glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)'
+glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)' -e '^render)'
 glowworm --generate fish | grep -c -- '-l light-samples'
-for page in glowworm glowworm-bake glowworm-info glowworm-compare glowworm-mix; do
-	glowworm --generate man-$page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
+for page in '' -bake -info -compare -mix -sample -convert -render; do
+	glowworm --generate man-glowworm$page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
 done
 # Completion of an option's values.
 bash -c '. ./bash.txt; COMP_WORDS=(glowworm bake --shadows t); COMP_CWORD=3; _glowworm

@@ -42,7 +42,7 @@ static void test_exposure_is_log_average(void **state)
 {
 	(void)state;
 	const float radiance[6] = { 1, 1, 1, 4, 4, 4 };
-	double exposure = preview_exposure(radiance, 2);
+	double exposure = preview_exposure(radiance, NULL, 2);
 	assert_near(exposure, 4.0, ROUNDING);
 	assert_near(2.0 * preview_scale(exposure), 0.18, ROUNDING);
 }
@@ -53,8 +53,53 @@ static void test_exposure_ignores_darkness(void **state)
 	(void)state;
 	const float radiance[12] = { 2, 2, 2, 0, 0, 0, 1e-9f, 1e-9f, 1e-9f, 2, 2, 2 };
 	const float dark[6] = { 0 };
-	assert_near(preview_exposure(radiance, 4), 4.0, ROUNDING);
-	assert_near(preview_exposure(dark, 2), 0.0, 0.0);
+	assert_near(preview_exposure(radiance, NULL, 4), 4.0, ROUNDING);
+	assert_near(preview_exposure(dark, NULL, 2), 0.0, 0.0);
+}
+
+/* 90 dark points and 10 bright ones: mid grey of all would expose the bright ones at 16, so the
+ * highlights decide: they come out at 1, or up to a bin of 1/32 doubling below. */
+static void test_exposure_keeps_highlights(void **state)
+{
+	(void)state;
+	float radiance[300];
+	for (int i = 0; i < 300; i++)
+		radiance[i] = i < 270 ? 0.01f : 8.0f;
+	double lit = 8.0 * preview_scale(preview_exposure(radiance, NULL, 100));
+	if (!(lit <= 1.0 + ROUNDING && lit >= exp2(-1.0 / 32.0)))
+		fail_msg("exposed at %g", lit);
+	/* One in fifty may be brighter than that: then the next ones decide. */
+	for (int i = 270; i < 300; i++)
+		radiance[i] = i < 294 ? 8.0f : 1000.0f;
+	assert_near(8.0 * preview_scale(preview_exposure(radiance, NULL, 100)), lit, ROUNDING);
+	for (int i = 270; i < 300; i++)
+		radiance[i] = i < 291 ? 8.0f : 1000.0f;
+	double burnt = 1000.0 * preview_scale(preview_exposure(radiance, NULL, 100));
+	if (!(burnt <= 1.0 + ROUNDING))
+		fail_msg("three in a hundred are exposed at %g", burnt);
+}
+
+/* A lamp in the picture does not count, unless there is nothing else. */
+static void test_exposure_ignores_emission(void **state)
+{
+	(void)state;
+	const float radiance[9] = { 1, 1, 1, 4, 4, 4, 500, 500, 500 };
+	const float lamp[9] = { 0, NAN, 0, 0, -1, 0, 500, 500, 500 };
+	assert_near(preview_exposure(radiance, lamp, 3), 4.0, ROUNDING);
+	assert_near(preview_exposure(radiance, radiance, 2), 4.0, ROUNDING);
+}
+
+/* Reinhard: luminance over one more than it; none: cut at 1. */
+static void test_other_tones(void **state)
+{
+	(void)state;
+	double c[3] = { 3.0, 3.0, 3.0 }, d[3] = { 3.0, 0.5, -1.0 };
+	preview_tone_apply(PREVIEW_TONE_REINHARD, c);
+	assert_near(c[1], 0.75, ROUNDING);
+	preview_tone_apply(PREVIEW_TONE_NONE, d);
+	assert_near(d[0], 1.0, 0.0);
+	assert_near(d[1], 0.5, 0.0);
+	assert_near(d[2], 0.0, 0.0);
 }
 
 /* The specification: up to 0.08 it is 6.25 x^2, from there to 0.8 it takes 0.04 off. */
@@ -117,6 +162,9 @@ int main(void)
 		cmocka_unit_test(test_luminance),
 		cmocka_unit_test(test_exposure_is_log_average),
 		cmocka_unit_test(test_exposure_ignores_darkness),
+		cmocka_unit_test(test_exposure_keeps_highlights),
+		cmocka_unit_test(test_exposure_ignores_emission),
+		cmocka_unit_test(test_other_tones),
 		cmocka_unit_test(test_tone_map_of_grey),
 		cmocka_unit_test(test_tone_map_compresses),
 		cmocka_unit_test(test_tone_map_of_red),

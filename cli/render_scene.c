@@ -1,0 +1,179 @@
+#include "render_scene.h"
+#include "loaded_scene.h"
+#include "preview.h"
+#include "scan_color.h"
+#include "signals.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Columns of a channel that a bake writes. */
+static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
+	[RENDER_RADIANCE] = { "radiance_r", "radiance_g", "radiance_b" },
+	[RENDER_DIRECT] = { "direct_r", "direct_g", "direct_b" },
+	[RENDER_INDIRECT] = { "indirect_r", "indirect_g", "indirect_b" },
+};
+
+uint32_t render_channel_width(render_channel channel)
+{
+	return channel == RENDER_NDF || channel == RENDER_ROI ? 1 : 3;
+}
+
+const char *render_channel_name(render_channel channel)
+{
+	static const char *const name[] = { "albedo",   "radiance", "direct", "indirect",
+										"emission", "ndf",      "roi" };
+	return name[channel];
+}
+
+static bool is_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static bool find_columns(const scan *cloud, render_channel channel, const scan_column *column[3])
+{
+	return column_name[channel][0] && scan_find_triple(cloud, column_name[channel], column);
+}
+
+/* Which channels there are, and where they stand. */
+static void lay_out(render_scene *scene, const scan *cloud, uint32_t wanted)
+{
+	const scan_column *column[3];
+	for (int c = 0; c < RENDER_CHANNEL_COUNT; c++) {
+		bool there = c == RENDER_EMISSION
+						 ? scene->surfels.emission != NULL
+						 : !column_name[c][0] || find_columns(cloud, (render_channel)c, column);
+		scene->offset[c] = -1;
+		if (!there || !(wanted & 1u << c))
+			continue;
+		scene->offset[c] = (int)scene->raster.channel_count;
+		scene->raster.channel_count += render_channel_width((render_channel)c);
+	}
+}
+
+/* The mean of three columns over the points that each surfel stands for; bad values count as 0. */
+static void average_columns(const gw_surfels *s, const scan_column *column[3],
+							const uint32_t *points, float *to, size_t stride)
+{
+	for (size_t i = 0; i < s->point_count; i++) {
+		size_t surfel = s->surfel_of_point[i];
+		if (surfel == UINT32_MAX)
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			double value = scan_value(column[k], i);
+			if (isfinite((float)value) && value > 0.0)
+				to[surfel * stride + k] += (float)value / (float)points[surfel];
+		}
+	}
+}
+
+/* The others are the surfels' own. */
+static void copy_own(render_scene *scene)
+{
+	const gw_surfels *s = &scene->surfels;
+	uint32_t stride = scene->raster.channel_count;
+	for (size_t i = 0; i < s->count; i++) {
+		float *to = scene->channel + i * stride;
+		for (int k = 0; k < 3 && scene->offset[RENDER_ALBEDO] >= 0; k++)
+			to[scene->offset[RENDER_ALBEDO] + k] = s->albedo[3 * i + (size_t)k];
+		for (int k = 0; k < 3 && scene->offset[RENDER_EMISSION] >= 0; k++)
+			to[scene->offset[RENDER_EMISSION] + k] = s->emission[3 * i + (size_t)k];
+		if (scene->offset[RENDER_NDF] >= 0)
+			to[scene->offset[RENDER_NDF]] = s->normal_length[i];
+		if (scene->offset[RENDER_ROI] >= 0)
+			to[scene->offset[RENDER_ROI]] = isfinite(s->nearest[i]) ? s->nearest[i] : 0.0f;
+	}
+}
+
+static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error *error)
+{
+	const gw_surfels *s = &scene->surfels;
+	const scan_column *column[3];
+	uint32_t *points = calloc(s->count, sizeof *points);
+	uint32_t stride = scene->raster.channel_count;
+	bool lit = find_columns(cloud, RENDER_RADIANCE, column);
+	float *radiance = lit ? calloc(s->count, 3 * sizeof *radiance) : NULL;
+	scene->channel = calloc(s->count, (stride ? stride : 1) * sizeof *scene->channel);
+	scene->luminance = lit ? calloc(s->count, sizeof *scene->luminance) : NULL;
+	bool good = points && scene->channel && (!lit || (radiance && scene->luminance));
+	for (size_t i = 0; i < s->point_count && good; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX)
+			points[s->surfel_of_point[i]]++;
+	if (good && lit)
+		average_columns(s, column, points, radiance, 3);
+	for (size_t i = 0; i < s->count && good && lit; i++)
+		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
+	for (int c = 0; c < RENDER_CHANNEL_COUNT && good; c++)
+		if (scene->offset[c] >= 0 && find_columns(cloud, (render_channel)c, column))
+			average_columns(s, column, points, scene->channel + scene->offset[c], stride);
+	if (good)
+		copy_own(scene);
+	free(points);
+	free(radiance);
+	return good
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", s->count);
+}
+
+static bool is_photometric(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], "glowworm units:", 15) == 0 &&
+			strstr(cloud->comment[c], "cd/m^2"))
+			return true;
+	return false;
+}
+
+static void point_to_surfels(render_scene *scene)
+{
+	const gw_surfels *s = &scene->surfels;
+	memcpy(scene->raster.origin, s->origin, sizeof s->origin);
+	scene->raster.discs = (gw_raster_discs){ .count = s->count,
+											 .position = s->position,
+											 .normal = s->normal,
+											 .radius = s->radius,
+											 .clip = s->clip,
+											 .two_sided = s->two_sided,
+											 .channel = scene->channel };
+}
+
+static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wanted,
+					  render_scene *scene, gw_error *error)
+{
+	gw_surfels_options options = { .threads = s->bake.threads, .cancelled = is_cancelled };
+	scene->up = loaded->up;
+	scene->photometric = is_photometric(&loaded->cloud);
+	gw_status status = gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error);
+	if (status != GW_OK)
+		return status;
+	lay_out(scene, &loaded->cloud, wanted);
+	status = fill_channels(scene, &loaded->cloud, error);
+	if (status == GW_OK)
+		point_to_surfels(scene);
+	return status;
+}
+
+gw_status render_scene_read(const settings *s, uint32_t wanted, render_scene *scene,
+							gw_error *error)
+{
+	loaded_scene loaded;
+	*scene = (render_scene){ .channel = NULL };
+	gw_status status = loaded_scene_read(s, &loaded, error);
+	if (status == GW_OK)
+		status = make(s, &loaded, wanted, scene, error);
+	loaded_scene_clear(&loaded);
+	if (status != GW_OK)
+		render_scene_clear(scene);
+	return status;
+}
+
+void render_scene_clear(render_scene *scene)
+{
+	gw_surfels_clear(&scene->surfels);
+	free(scene->channel);
+	free(scene->luminance);
+	*scene = (render_scene){ .channel = NULL };
+}

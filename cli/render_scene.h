@@ -1,0 +1,48 @@
+/*
+ * render_scene.h - a cloud, lit or not, as surfels with what can be seen of them.
+ */
+#ifndef RENDER_SCENE_H
+#define RENDER_SCENE_H
+
+#include "raster.h"
+#include "settings.h"
+#include "surfels.h"
+
+/* What a surfel can carry into a picture. */
+typedef enum render_channel {
+	RENDER_ALBEDO,   /* 3 */
+	RENDER_RADIANCE, /* 3, of a lit cloud */
+	RENDER_DIRECT,   /* 3, irradiance; when the bake was asked for it */
+	RENDER_INDIRECT, /* 3 */
+	RENDER_EMISSION, /* 3; when something emits */
+	RENDER_NDF,      /* 1, length of the normal */
+	RENDER_ROI,      /* 1, metres: side of the region of influence */
+	RENDER_CHANNEL_COUNT
+} render_channel;
+
+/* How many floats one takes, and its name as a layer of an EXR file. */
+uint32_t render_channel_width(render_channel channel);
+const char *render_channel_name(render_channel channel);
+
+typedef struct render_scene {
+	gw_surfels surfels;
+	float *channel;                   /* owned; what raster.discs.channel is */
+	int offset[RENDER_CHANNEL_COUNT]; /* within a surfel's channels; -1: not there */
+	float *luminance;                 /* owned; of each surfel, or NULL when not lit */
+	gw_raster_scene raster;           /* leads into the above */
+	char up;                          /* 'y' or 'z' */
+	bool photometric;                 /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */
+} render_scene;
+
+/*
+ * Reads the inputs and finds the surface that they stand for.
+ *   wanted  1 << render_channel for each that is wanted, if the cloud has it; a luminance is there
+ *           whenever the cloud is lit
+ *   scene   on success owned by the caller, freed with render_scene_clear; zeroed on failure
+ * Fails as loaded_scene_read and gw_surfels_make; GW_ERROR_CANCELLED.
+ */
+gw_status render_scene_read(const settings *settings, uint32_t wanted, render_scene *scene,
+							gw_error *error);
+void render_scene_clear(render_scene *scene);
+
+#endif

@@ -1,0 +1,187 @@
+/* The camera and the automatic viewpoint against their definitions. */
+#include "camera.h"
+#include "viewpoint.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const double z_up[3] = { 0, 0, 1 };
+
+/* A dozen operations in double on numbers up to 10. */
+#define ROUNDING 1e-13
+
+static void assert_near(double a, double b, double tolerance)
+{
+	if (!(fabs(a - b) <= tolerance))
+		fail_msg("%.17g is not %.17g", a, b);
+}
+
+/* Looking along y with z up, x is to the right. */
+static void test_axes(void **state)
+{
+	(void)state;
+	const double at[3] = { 1, 2, 3 }, to[3] = { 1, 7, 3 };
+	gw_camera c;
+	assert_int_equal(gw_camera_look(&c, at, to, z_up, 90, NULL), GW_OK);
+	assert_near(c.right[0], 1, ROUNDING);
+	assert_near(c.up[2], 1, ROUNDING);
+	assert_near(c.forward[1], 1, ROUNDING);
+	assert_near(c.tangent, 1, ROUNDING);
+	const double world[3] = { 4, 5, 6 };
+	double view[3];
+	gw_camera_turn(&c, world, view);
+	assert_near(view[0], 4, ROUNDING);
+	assert_near(view[1], 6, ROUNDING);
+	assert_near(view[2], 5, ROUNDING);
+}
+
+/* A quarter turn about z takes a camera south of the centre to the east of it. */
+static void test_orbit(void **state)
+{
+	(void)state;
+	const double at[3] = { 10, 5, 1 }, to[3] = { 10, 10, 1 };
+	gw_camera c;
+	assert_int_equal(gw_camera_look(&c, at, to, z_up, 40, NULL), GW_OK);
+	gw_camera_orbit(&c, to, z_up, acos(-1.0) / 2);
+	assert_near(c.position[0], 15, 1e-12);
+	assert_near(c.position[1], 10, 1e-12);
+	assert_near(c.forward[0], -1, ROUNDING);
+	assert_near(c.up[2], 1, ROUNDING);
+}
+
+static void expect_refused(const double at[3], const double to[3], const double up[3], double angle,
+						   const char *word)
+{
+	gw_camera c;
+	gw_error error = { 0 };
+	assert_int_equal(gw_camera_look(&c, at, to, up, angle, &error), GW_ERROR_USAGE);
+	if (!strstr(error.text, word))
+		fail_msg("'%s' does not say '%s'", error.text, word);
+}
+
+static void test_bad_cameras(void **state)
+{
+	(void)state;
+	const double at[3] = { 500000, 4000000, 10 }, to[3] = { 500001, 4000000, 10 };
+	const double above[3] = { 500000, 4000000, 20 }, bad[3] = { 0, NAN, 0 }, none[3] = { 0 };
+	expect_refused(at, to, z_up, 0, "angle");
+	expect_refused(at, to, z_up, -5, "angle");
+	expect_refused(at, to, z_up, 180, "angle");
+	expect_refused(at, to, z_up, NAN, "angle");
+	expect_refused(at, at, z_up, 40, "where it looks");
+	expect_refused(at, above, z_up, 40, "straight along");
+	expect_refused(at, to, none, 40, "straight along");
+	expect_refused(bad, to, z_up, 40, "finite");
+}
+
+/* ---------------------------------------------------------------------------- viewpoints */
+
+/* A cube of side 2 around (100, 200, 5), 20 x 20 points a face, normals outwards or inwards. */
+static void make_cube(double inwards, gw_surfels *surfels)
+{
+	const double centre[3] = { 100, 200, 5 };
+	size_t count = 6 * 400, n = 0;
+	double *position = malloc(3 * count * sizeof *position);
+	float *normal = calloc(3 * count, sizeof *normal);
+	for (int face = 0; face < 6; face++)
+		for (int i = 0; i < 400; i++, n++) {
+			size_t axis = (size_t)face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+			double side = face % 2 ? 1 : -1;
+			position[3 * n + axis] = centre[axis] + side;
+			position[3 * n + u] = centre[u] - 0.95 + 0.1 * (i % 20);
+			position[3 * n + v] = centre[v] - 0.95 + 0.1 * (i / 20);
+			normal[3 * n + axis] = (float)(-inwards * side);
+		}
+	gw_points points = { .count = count, .position = position, .normal = normal };
+	gw_surfels_options options = { .threads = 1 };
+	assert_int_equal(gw_surfels_make(&points, &options, surfels, NULL), GW_OK);
+	free(position);
+	free(normal);
+}
+
+/* By the divergence theorem: exactly 1 and -1, as all terms have one sign. */
+static void test_enclosure(void **state)
+{
+	(void)state;
+	gw_surfels s;
+	make_cube(1, &s);
+	assert_near(gw_viewpoint_enclosure(&s), 1, 1e-6);
+	gw_surfels_clear(&s);
+	make_cube(-1, &s);
+	assert_near(gw_viewpoint_enclosure(&s), -1, 1e-6);
+	gw_surfels_clear(&s);
+}
+
+/* A room is seen from inside it, a box from outside, and all of that in the picture. */
+static void test_inside_and_outside(void **state)
+{
+	(void)state;
+	gw_surfels s;
+	gw_viewpoint v;
+	make_cube(1, &s);
+	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_AUTO, 0, 1.5, &v, NULL), GW_OK);
+	assert_true(v.inside);
+	assert_true(fabs(v.at[0] - 100) < 1 && fabs(v.at[1] - 200) < 1 && fabs(v.at[2] - 5) < 1);
+	gw_surfels_clear(&s);
+
+	make_cube(-1, &s);
+	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_AUTO, 0, 1.5, &v, NULL), GW_OK);
+	assert_false(v.inside);
+	gw_camera c;
+	assert_int_equal(gw_camera_look(&c, v.at, v.to, z_up, v.angle, NULL), GW_OK);
+	double widest = 0;
+	for (size_t i = 0; i < s.count; i++) {
+		double world[3], view[3];
+		for (size_t k = 0; k < 3; k++)
+			world[k] = s.origin[k] + (double)s.position[3 * i + k] - v.at[k];
+		gw_camera_turn(&c, world, view);
+		assert_true(view[2] > 0);
+		widest = fmax(widest, fabs(view[0]) / view[2] / (1.5 * c.tangent));
+		widest = fmax(widest, fabs(view[1]) / view[2] / c.tangent);
+	}
+	/* Within the margin of 5 %, and of the discs' radius of a tenth of the cube. */
+	if (!(widest < 1 && widest > 0.75))
+		fail_msg("the cube reaches to %g of the picture", widest);
+	gw_surfels_clear(&s);
+}
+
+/* Nothing encloses a lone plane, so it is looked at from outside even when inside was asked for. */
+static void test_plane(void **state)
+{
+	(void)state;
+	double position[300];
+	float normal[300] = { 0 };
+	for (size_t i = 0; i < 100; i++) {
+		position[3 * i] = (double)(i % 10);
+		position[3 * i + 1] = (double)(i / 10);
+		position[3 * i + 2] = 0;
+		normal[3 * i + 2] = 1;
+	}
+	gw_points points = { .count = 100, .position = position, .normal = normal };
+	gw_surfels_options options = { .threads = 1 };
+	gw_surfels s;
+	gw_viewpoint v;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
+	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_INSIDE, 0, 1, &v, NULL), GW_OK);
+	assert_false(v.inside);
+	assert_true(v.at[2] > 0);
+	gw_surfels_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_axes),
+		cmocka_unit_test(test_orbit),
+		cmocka_unit_test(test_bad_cameras),
+		cmocka_unit_test(test_enclosure),
+		cmocka_unit_test(test_inside_and_outside),
+		cmocka_unit_test(test_plane),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

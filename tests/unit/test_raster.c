@@ -1,0 +1,464 @@
+/* The rasteriser against closed forms: areas, depths, order, holes, and bytes of several threads.
+ */
+#include "raster.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* A scene of discs with one channel, in a frame far from 0. */
+typedef struct discs {
+	float *position, *normal, *radius, *channel;
+	gw_raster_scene scene;
+} discs;
+
+static discs make_discs(size_t count)
+{
+	discs d = { calloc(3 * count, sizeof(float)),
+				calloc(3 * count, sizeof(float)),
+				calloc(count, sizeof(float)),
+				calloc(count, sizeof(float)),
+				{ .origin = { 0 } } };
+	d.scene = (gw_raster_scene){ .origin = { 500000, 4000000, 100 },
+								 .discs = { .count = count,
+											.position = d.position,
+											.normal = d.normal,
+											.radius = d.radius,
+											.channel = d.channel },
+								 .channel_count = 1 };
+	return d;
+}
+
+static void free_discs(discs *d)
+{
+	free(d->position);
+	free(d->normal);
+	free(d->radius);
+	free(d->channel);
+}
+
+static void set_disc(discs *d, size_t i, float x, float y, float z, float radius, float value)
+{
+	d->position[3 * i] = x;
+	d->position[3 * i + 1] = y;
+	d->position[3 * i + 2] = z;
+	d->normal[3 * i + 1] = -1; /* towards the camera, which looks along y */
+	d->radius[i] = radius;
+	d->channel[i] = value;
+}
+
+/* Stands at the frame's origin and looks along y; 90 degrees, so that the picture's half height is
+ * 1 at distance 1. */
+static gw_camera look_along_y(void)
+{
+	const double at[3] = { 500000, 4000000, 100 }, to[3] = { 500000, 4000001, 100 };
+	const double up[3] = { 0, 0, 1 };
+	gw_camera c;
+	assert_int_equal(gw_camera_look(&c, at, to, up, 90, NULL), GW_OK);
+	c.near = 1e-3;
+	return c;
+}
+
+static gw_gbuffer draw(const gw_raster_scene *scene, uint32_t side, uint32_t samples,
+					   uint32_t threads, bool cull)
+{
+	gw_camera camera = look_along_y();
+	gw_raster_options options = { .width = side,
+								  .height = side,
+								  .samples = samples,
+								  .radius_scale = 1,
+								  .cull = cull,
+								  .threads = threads };
+	gw_gbuffer g;
+	gw_error error = { 0 };
+	if (gw_raster_draw(scene, &camera, &options, &g, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	return g;
+}
+
+static double covered_area(const gw_gbuffer *g)
+{
+	double sum = 0;
+	for (size_t i = 0; i < (size_t)g->width * g->height; i++)
+		sum += (double)g->coverage[i];
+	return sum;
+}
+
+/* A disc of radius 0.5 at distance 2 has a radius of 50 of 200 / 2 pixels * 0.25. The error of
+ * counting the points of a grid in a circle is below 2 sqrt(2) pi r (Gauss), in units of a sample's
+ * area; for 3 x 3 samples the circle is 3 times as large and a sample 1/9. */
+static void test_area_of_disc(void **state)
+{
+	(void)state;
+	for (uint32_t samples = 1; samples <= 3; samples += 2) {
+		discs d = make_discs(1);
+		set_disc(&d, 0, 0.013f, 2, 0.007f, 0.5f, 3);
+		gw_gbuffer g = draw(&d.scene, 400, samples, 1, false);
+		double r = 50 * samples, bound = 2 * sqrt(2.0) * pi * r / (samples * samples);
+		double area = covered_area(&g);
+		if (!(fabs(area - pi * 50 * 50) <= bound))
+			fail_msg("%g pixels, not %g +- %g", area, pi * 50 * 50, bound);
+		size_t middle = 200 * 400 + 200;
+		assert_true(fabs((double)g.depth[middle] - 2) < 1e-6);
+		assert_true(fabs((double)g.channel[middle] - 3) < 1e-5);
+		assert_true(fabs((double)g.normal[3 * middle + 1] + 1) < 1e-6);
+		assert_int_equal(g.id[middle], 0);
+		assert_int_equal(g.id[0], GW_RASTER_NOTHING);
+		assert_true(isinf(g.depth[0]));
+		gw_gbuffer_clear(&g);
+		free_discs(&d);
+	}
+}
+
+/* Turned by 60 degrees about the vertical it covers about half as much: the outline of a small disc
+ * is an ellipse of area pi r^2 cos 60, but for perspective, which is of second order in r / z. */
+static void test_area_of_tilted_disc(void **state)
+{
+	(void)state;
+	discs d = make_discs(1);
+	set_disc(&d, 0, 0, 4, 0, 0.4f, 1);
+	d.normal[0] = sinf((float)pi / 3);
+	d.normal[1] = -0.5f;
+	gw_gbuffer g = draw(&d.scene, 1000, 1, 1, false);
+	double r = 0.4 / 4 * 500, expected = 0.5 * pi * r * r;
+	double bound = 2 * sqrt(2.0) * pi * r + expected * 0.1 * 0.1 * 3;
+	if (!(fabs(covered_area(&g) - expected) <= bound))
+		fail_msg("%g pixels, not %g +- %g", covered_area(&g), expected, bound);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* The nearer one is seen, in whichever order they come; what is beside it is seen behind it. */
+static void test_depth_order(void **state)
+{
+	(void)state;
+	for (size_t near = 0; near < 2; near++) {
+		discs d = make_discs(2);
+		set_disc(&d, near, 0, 2, 0, 0.2f, 7);
+		set_disc(&d, 1 - near, 0, 3, 0, 1, 5);
+		gw_gbuffer g = draw(&d.scene, 100, 2, 1, false);
+		assert_int_equal(g.id[50 * 100 + 50], near);
+		assert_true(fabs((double)g.channel[50 * 100 + 50] - 7) < 1e-4);
+		assert_int_equal(g.id[50 * 100 + 62], 1 - near);
+		assert_true(fabs((double)g.channel[50 * 100 + 62] - 5) < 1e-4);
+		gw_gbuffer_clear(&g);
+		free_discs(&d);
+	}
+}
+
+/* A plane of 101 x 101 discs, 0.05 apart, each with the radius of a spacing, which the outermost
+ * ones reach over the picture's edge; and one channel that is constant. */
+static discs make_plane(float distance, float jitter)
+{
+	discs d = make_discs(101 * 101);
+	uint32_t random = 1;
+	for (size_t i = 0; i < 101 * 101; i++) {
+		random = random * 1664525u + 1013904223u;
+		float shift = ((float)(random >> 8) / 16777216.0f - 0.5f) * jitter;
+		set_disc(&d, i, ((float)(i % 101) - 50) * 0.05f, distance + shift,
+				 ((float)(i / 101) - 50) * 0.05f, 0.05f, 2);
+	}
+	return d;
+}
+
+/* No holes, and no seams in what is constant: weights cancel to some rounding. */
+static void test_plane_has_no_holes(void **state)
+{
+	(void)state;
+	discs d = make_plane(2, 0);
+	gw_gbuffer g = draw(&d.scene, 300, 2, 2, false);
+	for (size_t i = 0; i < 300 * 300; i++) {
+		if (!(g.coverage[i] == 1.0f && fabsf(g.channel[i] - 2) < 1e-5f &&
+			  fabsf(g.depth[i] - 2) < 1e-5f))
+			fail_msg("pixel %zu: coverage %g, channel %g, depth %g", i, (double)g.coverage[i],
+					 (double)g.channel[i], (double)g.depth[i]);
+	}
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* Of half a spacing's noise nothing is seen through either. */
+static void test_noisy_plane_has_no_holes(void **state)
+{
+	(void)state;
+	discs d = make_plane(2, 0.025f);
+	gw_gbuffer g = draw(&d.scene, 300, 1, 1, false);
+	assert_true(covered_area(&g) == 300.0 * 300.0);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* Discs that are cut where the surface goes on leave holes, which are filled from beyond the cut;
+ * but with nothing on the other side the cut is the surface's edge. */
+static void test_holes_are_filled(void **state)
+{
+	(void)state;
+	discs d = make_plane(2, 0);
+	float *clip = calloc(6 * 101 * 101, sizeof *clip);
+	for (size_t i = 0; i < 101 * 101; i++)
+		if (i % 101 >= 48 && i % 101 <= 52 && i / 101 >= 48 && i / 101 <= 52) {
+			clip[6 * i] = 1;
+			clip[6 * i + 2] = -0.04f;
+		}
+	d.scene.discs.clip = clip;
+	gw_gbuffer g = draw(&d.scene, 300, 1, 1, false);
+	assert_true(covered_area(&g) == 300.0 * 300.0);
+	gw_gbuffer_clear(&g);
+	/* Without the others, nothing is seen to the right of what is left of the 25. */
+	for (size_t i = 0; i < 101 * 101; i++)
+		if (clip[6 * i] == 0.0f)
+			d.position[3 * i + 1] = -2;
+	g = draw(&d.scene, 300, 1, 1, false);
+	double area = covered_area(&g);
+	assert_true(area > 0 && area < 0.5 * 25 * pi * 3.75 * 3.75);
+	gw_gbuffer_clear(&g);
+	free(clip);
+	free_discs(&d);
+}
+
+/* Nearer than the near plane, behind the camera, and through the near plane: a floor 0.1 below the
+ * camera, one disc of radius 50 around it, fills the lower half of the picture and no more. */
+static void test_near_plane(void **state)
+{
+	(void)state;
+	discs d = make_discs(3);
+	set_disc(&d, 0, 0, 0, -0.1f, 50, 1);
+	d.normal[1] = 0;
+	d.normal[2] = 1;
+	set_disc(&d, 1, 0, -2, 0, 0.5f, 9);
+	set_disc(&d, 2, 0, 0.0005f, 0, 0.0001f, 9);
+	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
+	/* The horizon of the disc is 0.1 / 50 below the middle, a fifth of a pixel. */
+	for (size_t y = 0; y < 200; y++)
+		for (size_t x = 0; x < 200; x++) {
+			bool floor = y >= 100;
+			assert_true((g.coverage[y * 200 + x] == 1.0f) == floor);
+			assert_true(g.id[y * 200 + x] == (floor ? 0 : GW_RASTER_NOTHING));
+			if (floor) {
+				double depth = 0.1 / (((double)y + 0.5 - 100) / 100);
+				assert_true(fabs((double)g.depth[y * 200 + x] / depth - 1) < 1e-4);
+			}
+		}
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* Discs a hundredth of a pixel large do not vanish: each covers at least one sample, and at most
+ * the four that a circle of the widened radius can hold. */
+static void test_small_discs_stay(void **state)
+{
+	(void)state;
+	discs d = make_discs(100);
+	for (size_t i = 0; i < 100; i++)
+		set_disc(&d, i, ((float)(i % 10) - 4.37f) * 0.17f, 1, ((float)(i / 10) - 4.61f) * 0.173f,
+				 0.0001f, 1);
+	gw_gbuffer g = draw(&d.scene, 200, 2, 1, false);
+	double area = covered_area(&g);
+	if (!(area >= 100 * 0.25 && area <= 100))
+		fail_msg("100 small discs cover %g pixels", area);
+	assert_int_equal(g.drawn, 100);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* Of two small discs in one sample each counts by its area: 1 to 9. */
+static void test_small_discs_are_weighted(void **state)
+{
+	(void)state;
+	discs d = make_discs(2);
+	set_disc(&d, 0, 0.005f, 1, 0.005f, 0.0001f, 0);
+	set_disc(&d, 1, 0.005f, 1, 0.005f, 0.0003f, 1);
+	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
+	size_t pixel = 99 * 200 + 100;
+	if (!(fabsf(g.channel[pixel] - 0.9f) < 1e-4f))
+		fail_msg("mean %g, coverage %g", (double)g.channel[pixel], (double)g.coverage[pixel]);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* The rim of a lone disc gives way to a solid surface behind it, but not to nothing. */
+static void test_thin_rims(void **state)
+{
+	(void)state;
+	discs d = make_plane(3, 0);
+	set_disc(&d, 0, 0, 2, 0, 0.5f, 9);
+	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
+	assert_true(fabsf(g.channel[100 * 200 + 100] - 9) < 1e-3f);
+	assert_true(fabsf(g.channel[100 * 200 + 124] - 2) < 1e-3f); /* 0.97 of the radius of 25 */
+	gw_gbuffer_clear(&g);
+	d.scene.discs.count = 1;
+	g = draw(&d.scene, 200, 1, 1, false);
+	assert_true(fabsf(g.channel[100 * 200 + 124] - 9) < 1e-3f);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* A half-plane clips a disc to half of its area. */
+static void test_clip(void **state)
+{
+	(void)state;
+	discs d = make_discs(1);
+	float clip[6] = { 1, 0, 0, 0, 0, 0 };
+	set_disc(&d, 0, 0, 2, 0, 0.5f, 3);
+	d.scene.discs.clip = clip;
+	gw_gbuffer g = draw(&d.scene, 400, 1, 1, false);
+	double expected = 0.5 * pi * 50 * 50;
+	if (!(fabs(covered_area(&g) - expected) <= 2 * sqrt(2.0) * pi * 50))
+		fail_msg("%g pixels, not %g", covered_area(&g), expected);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* Seen from behind it is left out on request, unless its two sides are the same. */
+static void test_cull(void **state)
+{
+	(void)state;
+	discs d = make_discs(1);
+	const uint8_t both[1] = { 1 };
+	set_disc(&d, 0, 0, 2, 0, 0.5f, 3);
+	d.normal[1] = 1;
+	gw_gbuffer g = draw(&d.scene, 50, 1, 1, false);
+	assert_int_equal(g.id[25 * 50 + 25], 0);
+	assert_true(g.normal[3 * (25 * 50 + 25) + 1] > 0.999f);
+	gw_gbuffer_clear(&g);
+	g = draw(&d.scene, 50, 1, 1, true);
+	assert_int_equal(g.drawn, 0);
+	gw_gbuffer_clear(&g);
+	d.scene.discs.two_sided = both;
+	g = draw(&d.scene, 50, 1, 1, true);
+	assert_true(g.normal[3 * (25 * 50 + 25) + 1] < -0.999f);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* A square of two triangles at distance 2, from -1 to 1, with a linear channel: area exactly that
+ * of the samples inside, channel linear in space although the square is tilted, no seam. */
+static void test_triangles(void **state)
+{
+	(void)state;
+	const float position[12] = { -1, 2, -1, 1, 4, -1, 1, 4, 1, -1, 2, 1 };
+	const float channel[4] = { -1, 1, 1, -1 };
+	const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+	gw_raster_scene scene = { .origin = { 500000, 4000000, 100 },
+							  .triangles = { .count = 2,
+											 .vertex_count = 4,
+											 .index = index,
+											 .position = position,
+											 .channel = channel },
+							  .channel_count = 1 };
+	gw_gbuffer g = draw(&scene, 200, 1, 2, false);
+	for (size_t y = 0; y < 200; y++)
+		for (size_t x = 0; x < 200; x++) {
+			/* The ray (s, 1, t) meets y = 3 + x at depth 3 / (1 - s), x = s depth. */
+			double s = ((double)x + 0.5 - 100) / 100, t = (100 - (double)y - 0.5) / 100;
+			double depth = 3 / (1 - s), at_x = s * depth, at_z = t * depth;
+			size_t i = y * 200 + x;
+			double edge = fmax(fabs(at_x), fabs(at_z));
+			/* Nobody knows on which side of an edge rounding puts a sample that lies on it. */
+			if (fabs(edge - 1) < 1e-5)
+				continue;
+			assert_true((g.coverage[i] > 0) == (edge < 1));
+			if (edge < 1) {
+				assert_true(fabs((double)g.channel[i] - at_x) < 1e-5);
+				assert_true(fabs((double)g.depth[i] - depth) < 1e-5);
+				/* The front is where corners run counterclockwise: towards the camera. */
+				assert_true(g.normal[3 * i + 1] < 0);
+			}
+		}
+	gw_gbuffer_clear(&g);
+	g = draw(&scene, 200, 1, 1, true);
+	assert_int_equal(g.drawn, 2);
+	gw_gbuffer_clear(&g);
+}
+
+/* A triangle hides a disc behind it, and is hidden by one before it. */
+static void test_triangle_and_discs(void **state)
+{
+	(void)state;
+	discs d = make_discs(2);
+	set_disc(&d, 0, -0.5f, 2, 0, 0.1f, 1);
+	set_disc(&d, 1, 0.5f, 4, 0, 0.1f, 2);
+	const float position[9] = { -9, 3, -9, 9, 3, -9, 0, 3, 9 }, channel[3] = { 5, 5, 5 };
+	const uint32_t index[3] = { 0, 1, 2 };
+	d.scene.triangles = (gw_raster_triangles){ 1, 3, index, position, NULL, channel };
+	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
+	assert_int_equal(g.id[100 * 200 + 75], 0);
+	assert_int_equal(g.id[100 * 200 + 112], 2);
+	assert_true(g.channel[100 * 200 + 112] == 5.0f);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
+/* The same bytes for one thread, two and five. */
+static void test_threads(void **state)
+{
+	(void)state;
+	discs d = make_plane(2, 0.2f);
+	gw_gbuffer one = draw(&d.scene, 233, 2, 1, false);
+	for (uint32_t threads = 2; threads <= 5; threads += 3) {
+		gw_gbuffer g = draw(&d.scene, 233, 2, threads, false);
+		size_t pixels = 233 * 233;
+		assert_memory_equal(g.coverage, one.coverage, pixels * sizeof(float));
+		assert_memory_equal(g.depth, one.depth, pixels * sizeof(float));
+		assert_memory_equal(g.normal, one.normal, pixels * 3 * sizeof(float));
+		assert_memory_equal(g.channel, one.channel, pixels * sizeof(float));
+		assert_memory_equal(g.id, one.id, pixels * sizeof(uint32_t));
+		gw_gbuffer_clear(&g);
+	}
+	gw_gbuffer_clear(&one);
+	free_discs(&d);
+}
+
+static void expect_refused(const gw_raster_scene *scene, uint32_t width, uint32_t samples)
+{
+	gw_camera camera = look_along_y();
+	gw_raster_options options = {
+		.width = width, .height = 10, .samples = samples, .radius_scale = 1, .threads = 1
+	};
+	gw_gbuffer g;
+	assert_int_equal(gw_raster_draw(scene, &camera, &options, &g, NULL), GW_ERROR_USAGE);
+	assert_null(g.depth);
+}
+
+/* Sizes outside of the limits are refused; a scene of nothing is an empty picture. */
+static void test_limits(void **state)
+{
+	(void)state;
+	gw_raster_scene nothing = { .channel_count = 0 };
+	expect_refused(&nothing, 0, 1);
+	expect_refused(&nothing, GW_RASTER_SIZE_MAX + 1, 1);
+	expect_refused(&nothing, 10, 0);
+	expect_refused(&nothing, 10, GW_RASTER_SAMPLES_MAX + 1);
+	gw_gbuffer g = draw(&nothing, 10, GW_RASTER_SAMPLES_MAX, 1, false);
+	assert_true(covered_area(&g) == 0.0);
+	gw_gbuffer_clear(&g);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_area_of_disc),
+		cmocka_unit_test(test_area_of_tilted_disc),
+		cmocka_unit_test(test_depth_order),
+		cmocka_unit_test(test_plane_has_no_holes),
+		cmocka_unit_test(test_noisy_plane_has_no_holes),
+		cmocka_unit_test(test_holes_are_filled),
+		cmocka_unit_test(test_near_plane),
+		cmocka_unit_test(test_small_discs_stay),
+		cmocka_unit_test(test_small_discs_are_weighted),
+		cmocka_unit_test(test_thin_rims),
+		cmocka_unit_test(test_clip),
+		cmocka_unit_test(test_cull),
+		cmocka_unit_test(test_triangles),
+		cmocka_unit_test(test_triangle_and_discs),
+		cmocka_unit_test(test_threads),
+		cmocka_unit_test(test_limits),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
