@@ -54,7 +54,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps demo test test-sanitize test-programs bench lint install uninstall help clean FORCE
+.PHONY: all deps demo gallery test test-sanitize test-programs bench lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -160,6 +160,11 @@ deps:  ## install the Debian packages that are missing
 demo: deps  ## make a cave, light it and say what came out
 	@$(build_quietly) all
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave samples/demo.sh $(BUILD)/demo
+
+gallery: deps  ## pictures of the three sample scenes, with and without each effect
+	@$(build_quietly) all
+	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
+		samples/gallery.sh $(BUILD)/gallery
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What `make demo` shows: makes the cave, lights it with the lamps of cave.scene.json at depth 8
-# and its own glowing patches, and prints how long that took and where the results are.
+# and its own glowing patches, makes a picture of it, and prints how long that took and where the
+# results are.
 #
 #   demo.sh FOLDER
 set -eu
@@ -31,8 +32,13 @@ measure "$GLOWWORM" bake "$folder/cave.scene.json" --depth 8 --report "$folder/r
 	-o "$folder/cave_lit.ply"
 bake_seconds=$seconds
 
+rm -f "$folder/cave.png"
+measure "$GLOWWORM" render "$folder/cave_lit.ply" -o "$folder/cave.png"
+render_seconds=$seconds
+
 row 'make cave' "$make_seconds" "$folder/cave.ply"
 row bake "$bake_seconds" "$folder/cave_lit.ply"
+row picture "$render_seconds" "$folder/cave.png"
 echo
 "$GLOWWORM" info "$folder/cave_lit.ply"
 echo
