@@ -447,7 +447,7 @@ static void coordinate_systems(void **state)
 	enum { TEXT = 1900 };
 	char text[TEXT + 1];
 	for (int i = 0; i < TEXT; i++)
-		text[i] = i % 100 == 99 || i % 801 == 800 ? ' ' : (char)('A' + i % 26);
+		text[i] = (char)(i % 100 == 99 || i % 801 == 800 ? ' ' : 'A' + i % 26);
 	text[TEXT] = '\0';
 	memcpy(add_vlr(&f, "LASF_Projection", 2112, TEXT + 1), text, TEXT);
 	uint8_t *keys = add_vlr(&f, "LASF_Projection", 34735, 16);
