@@ -22,12 +22,12 @@ typedef struct gw_emitters {
  *   radiance   texel buffer, vec4 a lobe slot; smaller than that: nothing emits */
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
 						   gw_emitters *emitters, gw_error *error);
-/* Whether gather rays would rather miss them: 64 rays find a twentieth of the surface with an error
- * of about 50 %, and less of it with more. Samples of more than that are spent better on rays,
+/* Whether gather rays would rather miss them: 64 rays find a tenth of the surface with an error of
+ * about 40 %, and less of it with more. Samples of more than that are spent better on rays,
  * because much of such light is out of sight. */
 static inline bool gw_emitters_are_small(const gw_emitters *emitters)
 {
-	return emitters->count > 0 && emitters->evenness < 0.05;
+	return emitters->count > 0 && emitters->evenness < 0.09;
 }
 
 void gw_emitters_destroy(gw_gpu *gpu, gw_emitters *emitters);
