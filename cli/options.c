@@ -279,7 +279,8 @@ const option options[] = {
 	{ .name = NULL },
 };
 
-static_assert(sizeof options / sizeof *options <= 64, "settings.given has 64 bits");
+static_assert(sizeof options / sizeof *options <= SETTINGS_OPTIONS,
+			  "settings.given has room for every option");
 
 const option *option_find(verb v, const char *name, size_t length)
 {
@@ -355,7 +356,7 @@ typedef struct parser {
 
 static gw_status fail_unknown(const parser *p, const char *word, size_t length)
 {
-	const char *name[64] = { NULL };
+	const char *name[SETTINGS_OPTIONS] = { NULL };
 	char hint[NEAREST_NAME_HINT], plain[64], shown[64];
 	size_t count = 0;
 	for (const option *o = options; o->name; o++)
@@ -385,7 +386,7 @@ static void quote(const parser *p, const option *o, const char *value)
 static gw_status apply(const parser *p, const option *o, const char *value)
 {
 	gw_error reason = { 0 };
-	p->settings->given |= 1ull << (o - options);
+	p->settings->given[o - options] = SETTINGS_BY_COMMAND;
 	quote(p, o, o->type == OPTION_FLAG ? NULL : value);
 	gw_status status = option_set(o, p->settings, value, &reason);
 	if (status == GW_OK)

@@ -318,8 +318,8 @@ static gw_status take_light(reader *r, json_t *object)
 
 static gw_status fail_bake_key(const reader *r)
 {
-	char key[64][64];
-	const char *name[64];
+	char key[SETTINGS_OPTIONS][64];
+	const char *name[SETTINGS_OPTIONS];
 	size_t count = 0;
 	for (const option *o = options; o->name; o++)
 		if (o->scene) {
@@ -352,10 +352,12 @@ static gw_status take_bake_key(const reader *r, const char *key, json_t *value)
 	if (!value_text(value, text))
 		return fail_here(r, "a number or a short text is needed");
 	settings unused = settings_default();
-	bool given = r->settings->given & 1ull << (o - options);
+	bool given = r->settings->given[o - options] == SETTINGS_BY_COMMAND;
 	gw_error reason = { 0 };
 	gw_status status = option_set(o, given ? &unused : r->settings, text, &reason);
 	settings_clear(&unused);
+	if (!given)
+		r->settings->given[o - options] = SETTINGS_BY_SCENE;
 	return status == GW_OK ? GW_OK : fail_here(r, "it %.600s", reason.text);
 }
 

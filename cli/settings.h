@@ -83,6 +83,16 @@ typedef struct settings_render {
 	bool false_color, cull;
 } settings_render;
 
+/* Who said what an option is to be; who stands lower down wins. */
+typedef enum settings_source {
+	SETTINGS_BY_DEFAULT,
+	SETTINGS_BY_SCENE,
+	SETTINGS_BY_COMMAND,
+} settings_source;
+
+/* Room for options, at least as many as options[] has. */
+#define SETTINGS_OPTIONS 128
+
 typedef struct settings {
 	gw_bake_options bake;
 	scan_points_options points;
@@ -104,7 +114,7 @@ typedef struct settings {
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	settings_gain *gain;                       /* owned; of mix */
 	size_t gain_count;
-	uint64_t given; /* 1 << index in options[] for each that the command line has */
+	uint8_t given[SETTINGS_OPTIONS]; /* by index in options[]: a settings_source */
 	char *command;  /* owned; the command line, without what cannot change the points */
 	char **text;    /* owned; text_count strings that others point to */
 	size_t text_count;
