@@ -23,6 +23,11 @@ static const char *shadows_name(int i)
 	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
 }
 
+static const char *quality_name(int i)
+{
+	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
+}
+
 static const char *gamma_name(int i)
 {
 	static const char *const name[] = { "srgb", "linear", NULL };
@@ -213,11 +218,27 @@ const option options[] = {
 
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
+	{ "quality", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(quality),
+	  .choice = quality_name, .group = "Light",
+	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
+			  "that go together; those that are given by themselves win" },
+	{ "max-error", 'e', "X", OPTION_REAL, BAKE, .scene = true, AT(bake.max_error), RANGE(0.0, 1.0),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine the settings until the estimated error is at most this, 0.05 being 5 % of "
+			  "the mean radiance; starts from --quality, which then is draft unless given" },
+	{ "time", 't', "S", OPTION_REAL, BAKE, .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine the settings as long as reading and baking are done in so many seconds; the "
+			  "result then depends on the machine" },
 	{ "shadows", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
 	{ "depth", 'd', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
+	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.leaf_spacing),
+	  RANGE(0.25, 64.0), .group = "Light",
+	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
+			  "ones see finer shapes and need more memory" },
 	{ "bounces", 'b', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.bounces), RANGE(0.0, 10000.0),
 	  AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "

@@ -105,6 +105,7 @@ typedef struct settings {
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
+	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	settings_render render;

@@ -4,10 +4,12 @@
 #include "mesh_notes.h"
 #include "output_name.h"
 #include "progress.h"
+#include "quality_preset.h"
 #include "scene_file.h"
 #include "signals.h"
 #include "vdb_grids.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -211,6 +213,9 @@ static gw_status light_points(bake *b)
 	double start = now();
 	gw_bake_options options = b->settings->bake;
 	options.voxels = b->settings->vdb != NULL;
+	/* What reading took is gone; a limit of 0 would be none. */
+	if (options.time_limit > 0.0f)
+		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
 	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
 	gw_status status = gw_bake(&b->scene.points.points, b->light, b->settings->light_count,
 							   &options, &callbacks, &b->result, b->error);
@@ -288,6 +293,7 @@ static gw_status print_scene(bake *b)
 static gw_status run(bake *b)
 {
 	gw_status status = read_scenes(b->settings, b->error);
+	quality_preset_apply(b->settings);
 	if (status == GW_OK)
 		status = check(b);
 	if (status == GW_OK && b->settings->print_scene)
@@ -321,6 +327,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 		bake_report_explain(&b.result->report);
 	if (status == GW_OK && b.result && s->profile)
 		bake_report_profile(&b.result->report);
+	if (status == GW_OK && b.result)
+		status = bake_report_goal(&b.facts, error);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
 	gw_bake_result_destroy(&b.result);
