@@ -498,3 +498,26 @@ gw_status scene_read(const char *path, size_t index, settings *s, gw_error *erro
 	s->input_count--;
 	return GW_OK;
 }
+
+gw_status scene_read_all(settings *s, gw_error *error)
+{
+	bool any = false;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (!scene_is_file(s->input[i].path))
+			continue;
+		if (any)
+			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
+						   s->input[i].path);
+		any = true;
+		char *path = strdup(s->input[i].path);
+		if (!path)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
+		size_t before = s->input_count;
+		gw_status status = scene_read(path, i, s, error);
+		free(path);
+		if (status != GW_OK)
+			return status;
+		i += s->input_count - before;
+	}
+	return GW_OK;
+}

@@ -39,29 +39,6 @@ static double now(void)
 
 /* ------------------------------------------------------------------------- before reading */
 
-static gw_status read_scenes(settings *s, gw_error *error)
-{
-	bool any = false;
-	for (size_t i = 0; i < s->input_count; i++) {
-		if (!scene_is_file(s->input[i].path))
-			continue;
-		if (any)
-			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
-						   s->input[i].path);
-		any = true;
-		char *path = strdup(s->input[i].path);
-		if (!path)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
-		size_t before = s->input_count;
-		gw_status status = scene_read(path, i, s, error);
-		free(path);
-		if (status != GW_OK)
-			return status;
-		i += s->input_count - before;
-	}
-	return GW_OK;
-}
-
 /* Input from a pipe can be read once, and standard output can be written once. */
 static gw_status check_streams(const settings *s, gw_error *error)
 {
@@ -146,23 +123,6 @@ static gw_status open_outputs(bake *b)
 }
 
 /* ------------------------------------------------------------------------------- the bake */
-
-static gw_status resolve_lights(bake *b)
-{
-	settings *s = b->settings;
-	b->light = calloc(s->light_count ? s->light_count : 1, sizeof *b->light);
-	if (!b->light)
-		return gw_fail(b->error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
-	for (size_t i = 0; i < s->light_count; i++) {
-		light_resolve(&s->light[i], b->scene.up);
-		b->light[i] = s->light[i].light;
-	}
-	if (s->light_count == 0 && s->bake.bounces != 0 && !loaded_scene_emits(&b->scene))
-		return gw_fail(b->error, GW_ERROR_USAGE,
-					   "nothing here gives light: there is no --light, and no point has emission; "
-					   "try --light 'sky radiance 1'");
-	return GW_OK;
-}
 
 static void note_inputs(const bake *b)
 {
@@ -292,7 +252,7 @@ static gw_status print_scene(bake *b)
 
 static gw_status run(bake *b)
 {
-	gw_status status = read_scenes(b->settings, b->error);
+	gw_status status = scene_read_all(b->settings, b->error);
 	quality_preset_apply(b->settings);
 	if (status == GW_OK)
 		status = check(b);
@@ -303,7 +263,7 @@ static gw_status run(bake *b)
 	if (status == GW_OK)
 		status = read_inputs(b);
 	if (status == GW_OK)
-		status = resolve_lights(b);
+		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
 	if (status == GW_OK)
 		status = light_points(b);
 	if (status == GW_OK)

@@ -9,8 +9,8 @@
 /* Records nearer to each other than this many leaf cells share the same few lobes. */
 #define SPACING_LEAST 1.5f
 
-/* Leaves narrower than this hold less than one point each, and the planes get noisy. */
-#define LEAF_LEAST 0.45f
+/* On rough surfaces narrower leaves than this get holes, which the estimate does not see. */
+#define LEAF_LEAST 1.0f
 
 /* Noise, or the rest, is attacked when it is more than this share of the mean square error. */
 #define SHARE_LEAST 0.3
