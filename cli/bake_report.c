@@ -93,6 +93,32 @@ static void write_bounces(json_writer *json, const gw_report *r)
 	json_put_real(json, "relative_rms", r->error.relative_rms);
 	json_put_real(json, "spread", r->error.spread);
 	json_put_real(json, "bias", r->error.bias);
+	json_put_real(json, "noise", r->error.noise);
+	json_put_close(json, '}');
+}
+
+static void write_rounds(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "rounds", '[');
+	for (uint32_t i = 0; i < r->round_count; i++) {
+		const gw_round *round = &r->round[i];
+		json_put_open_flat(json, NULL, '{');
+		json_put_single(json, "record_spacing", round->record_spacing);
+		json_put_single(json, "leaf_spacing", round->leaf_spacing);
+		json_put_count(json, "rays", round->rays);
+		json_put_count(json, "light_samples", round->light_samples);
+		json_put_count(json, "cones", round->cones);
+		json_put_real(json, "relative_rms", round->error.relative_rms);
+		json_put_real(json, "spread", round->error.spread);
+		json_put_real(json, "noise", round->error.noise);
+		json_put_real(json, "seconds", round->seconds);
+		json_put_text(json, "why", round->why);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_open_flat(json, "goal", '{');
+	json_put_text(json, "end", gw_goal_name(r->goal));
+	json_put_bool(json, "missed", r->missed);
 	json_put_close(json, '}');
 }
 
@@ -160,6 +186,8 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	write_octree(&json, r);
 	write_stages(&json, f);
 	write_bounces(&json, r);
+	if (r->goal != GW_GOAL_NONE)
+		write_rounds(&json, r);
 	write_luminance(&json, f);
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
@@ -244,6 +272,37 @@ void bake_report_notes(const bake_facts *f)
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
 				"clamped\n",
 				f->vdb_clamped);
+}
+
+/* "3.1 % +- 0.4 %", or that nothing is known. */
+static void error_text(const gw_report *r, char text[64])
+{
+	if (r->error.points)
+		snprintf(text, 64, "%.2g %% +- %.2g %%", 100.0 * r->error.relative_rms,
+				 100.0 * r->error.spread);
+	else
+		snprintf(text, 64, "not known");
+}
+
+gw_status bake_report_goal(const bake_facts *f, gw_error *error)
+{
+	static const char *const end[GW_GOAL_COUNT] = {
+		[GW_GOAL_REACHED] = "that is as small as asked",
+		[GW_GOAL_TIME] = "another round would not be done in time",
+		[GW_GOAL_EXHAUSTED] = "nothing is left that can be refined",
+		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
+	};
+	const gw_report *r = &f->result->report;
+	char text[64];
+	error_text(r, text);
+	if (r->missed)
+		return gw_fail(error, GW_ERROR_MISSED,
+					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s", text,
+					   r->round_count, 100.0 * (double)f->settings->bake.max_error, end[r->goal]);
+	if (r->goal != GW_GOAL_NONE && !f->settings->quiet)
+		fprintf(stderr, "glowworm: note: the estimated error is %s after %" PRIu32 " rounds: %s\n",
+				text, r->round_count, end[r->goal]);
+	return GW_OK;
 }
 
 void bake_report_summary(const bake_facts *f)

@@ -477,3 +477,20 @@ bool loaded_scene_emits(const loaded_scene *scene)
 			return true;
 	return false;
 }
+
+gw_status loaded_scene_lights(const loaded_scene *scene, settings *s, gw_light **lights,
+							  gw_error *error)
+{
+	*lights = calloc(s->light_count ? s->light_count : 1, sizeof **lights);
+	if (!*lights)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	for (size_t i = 0; i < s->light_count; i++) {
+		light_resolve(&s->light[i], scene->up);
+		(*lights)[i] = s->light[i].light;
+	}
+	if (s->light_count == 0 && s->bake.bounces != 0 && !loaded_scene_emits(scene))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "nothing here gives light: there is no --light, and no point has emission; "
+					   "try --light 'sky radiance 1'");
+	return GW_OK;
+}

@@ -50,6 +50,11 @@ gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *
 /* True when a point emits light. */
 bool loaded_scene_emits(const loaded_scene *scene);
 
+/* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
+ * to free. GW_ERROR_USAGE when nothing in the scene gives light. */
+gw_status loaded_scene_lights(const loaded_scene *scene, settings *settings, gw_light **lights,
+							  gw_error *error);
+
 /* The name for messages: the path, or "standard input". */
 const char *loaded_scene_input_name(const char *path);
 

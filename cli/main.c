@@ -54,6 +54,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_convert(s, error);
 	case VERB_RENDER:
 		return verb_render(s, error);
+	case VERB_TRADEOFF:
+		return verb_tradeoff(s, error);
 	case VERB_COUNT:
 		break;
 	}

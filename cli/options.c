@@ -23,6 +23,11 @@ static const char *shadows_name(int i)
 	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
 }
 
+static const char *quality_name(int i)
+{
+	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
+}
+
 static const char *gamma_name(int i)
 {
 	static const char *const name[] = { "srgb", "linear", NULL };
@@ -84,6 +89,8 @@ static const char *format_name(int i)
 
 #define AT(member) .offset = offsetof(settings, member)
 #define BAKE .verbs = 1u << VERB_BAKE
+#define TRADEOFF .verbs = 1u << VERB_TRADEOFF
+#define SCENE .verbs = 1u << VERB_BAKE | 1u << VERB_TRADEOFF
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
@@ -91,13 +98,15 @@ static const char *format_name(int i)
 #define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
 #define SHOWS .verbs = 1u << VERB_BAKE | 1u << VERB_RENDER
 #define MESHES .verbs = 1u << VERB_BAKE | 1u << VERB_SAMPLE
+#define SWEPT MESHES | 1u << VERB_TRADEOFF
+#define SHOWN SHOWS | 1u << VERB_TRADEOFF
 #define TALKS MESHES | 1u << VERB_RENDER
 #define MAKES MESHES | 1u << VERB_MIX
 #define CHOOSES MAKES | 1u << VERB_CONVERT
-#define WRITES CHOOSES | 1u << VERB_COMPARE | 1u << VERB_RENDER
+#define WRITES CHOOSES | 1u << VERB_COMPARE | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
 #define READS                                                                                      \
 	.verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX |             \
-			 1u << VERB_CONVERT | 1u << VERB_RENDER
+			 1u << VERB_CONVERT | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
 #define THREADED READS | 1u << VERB_SAMPLE
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
@@ -138,6 +147,11 @@ const option options[] = {
 	  .group = "Output", .help = "how many those are" },
 	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(json_file), .group = "Output",
 	  .help = "write the figures as JSON; - prints them instead of the table" },
+
+	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(csv), .group = "Output",
+	  .help = "write the table as comma-separated values; - prints them instead of the table" },
+	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(svg), .group = "Output",
+	  .help = "draw error against seconds and against memory" },
 
 	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_rel_rmse), LIMIT,
 	  .group = "Limits", .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
@@ -183,17 +197,17 @@ const option options[] = {
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, BAKE, .group = "Scene",
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, SCENE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWS, .scene = true, .group = "Scene",
+	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
-	{ "albedo-scale", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.scale),
+	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),
 	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
-	{ "albedo-white", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
+	{ "albedo-white", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
 	  .group = "Scene", .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, SHOWS, .scene = true, AT(gamma), .choice = gamma_name,
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(gamma), .choice = gamma_name,
 	  .group = "Scene", .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, SHOWS, .scene = true, AT(up), .choice = up_name,
+	{ "up", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(up), .choice = up_name,
 	  .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
@@ -204,25 +218,41 @@ const option options[] = {
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, MESHES, .scene = true, AT(density), RANGE(0.0, 1e12),
+	{ "density", 0, "X", OPTION_REAL, SWEPT, .scene = true, AT(density), RANGE(0.0, 1e12),
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
-	{ "count", 0, "N", OPTION_COUNT, MESHES, .scene = true, AT(count), RANGE(1.0, 4e9),
+	{ "count", 0, "N", OPTION_COUNT, SWEPT, .scene = true, AT(count), RANGE(1.0, 4e9),
 	  .group = "Scene", .help = "points on all meshes together, when nothing says their density" },
 
 	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.shadows),
+	{ "quality", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(quality), .choice = quality_name,
+	  .group = "Light",
+	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
+			  "that go together; those that are given by themselves win" },
+	{ "max-error", 'e', "X", OPTION_REAL, SCENE, .scene = true, AT(bake.max_error), RANGE(0.0, 1.0),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine the settings until the estimated error is at most this, 0.05 being 5 % of "
+			  "the mean radiance; starts from --quality, which then is draft unless given" },
+	{ "time", 't', "S", OPTION_REAL, BAKE, .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine the settings as long as reading and baking are done in so many seconds; the "
+			  "result then depends on the machine" },
+	{ "shadows", 0, NULL, OPTION_CHOICE, SCENE, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
-	{ "depth", 'd', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.depth),
+	{ "depth", 'd', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "bounces", 'b', "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.bounces), RANGE(0.0, 10000.0),
-	  AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.leaf_spacing),
+	  RANGE(0.25, 64.0), .group = "Light",
+	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
+			  "ones see finer shapes and need more memory" },
+	{ "bounces", 'b', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.bounces),
+	  RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
 			  "goes on until the rest is below the tolerance" },
-	{ "tolerance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0),
+	{ "tolerance", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0),
 	  .open = true, .group = "Light",
 	  .help = "share of the light that --bounces auto may leave out" },
 	{ "rays", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
@@ -235,33 +265,33 @@ const option options[] = {
 	{ "record-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.record_spacing),
 	  RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
-	{ "shadow-map-size", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.shadow_map_size),
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.shadow_map_size),
 	  RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },
-	{ "estimate-points", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.estimate_points),
+	{ "estimate-points", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.estimate_points),
 	  RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, MESHES, .scene = true, AT(bake.seed), .group = "Light",
+	{ "seed", 0, "N", OPTION_SEED, SWEPT, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random numbers" },
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, BAKE, .scene = true, AT(bake.memory),
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, SCENE, .scene = true, AT(bake.memory),
 	  AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, BAKE, .scene = true, AT(bake.device), .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT, SCENE, .scene = true, AT(bake.device), .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
-	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(bake.validate), .group = "Machine",
+	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Machine",
 	  .help = "run under Vulkan's validation layer; any message is an error" },
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWS, AT(progress), .choice = progress_name,
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWN, AT(progress), .choice = progress_name,
 	  .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
@@ -270,8 +300,8 @@ const option options[] = {
 	  .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES | 1u << VERB_RENDER, AT(quiet),
-	  .group = "Messages", .help = "print errors only" },
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES | 1u << VERB_RENDER | 1u << VERB_TRADEOFF,
+	  AT(quiet), .group = "Messages", .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, TALKS, AT(verbose), .group = "Messages",
 	  .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
@@ -279,7 +309,8 @@ const option options[] = {
 	{ .name = NULL },
 };
 
-static_assert(sizeof options / sizeof *options <= 64, "settings.given has 64 bits");
+static_assert(sizeof options / sizeof *options <= SETTINGS_OPTIONS,
+			  "settings.given has room for every option");
 
 const option *option_find(verb v, const char *name, size_t length)
 {
@@ -312,8 +343,8 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",   "info",    "compare", "mix",
-										"sample", "convert", "render",  NULL };
+	static const char *const name[] = { "bake",    "info",   "compare",  "mix", "sample",
+										"convert", "render", "tradeoff", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -326,7 +357,8 @@ const char *verb_summary(verb v)
 										   "change the strength of lamps after a bake",
 										   "make a point cloud of a mesh",
 										   "write a point cloud in another format",
-										   "make pictures of a point cloud" };
+										   "make pictures of a point cloud",
+										   "show what error costs in seconds and memory" };
 	return summary[v];
 }
 
@@ -338,7 +370,8 @@ const char *verb_synopsis(verb v)
 											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
 											"sample MESH -o POINTS [option]...",
 											"convert INPUT OUTPUT [option]...",
-											"render INPUT... -o PICTURE [option]..." };
+											"render INPUT... -o PICTURE [option]...",
+											"tradeoff INPUT... --light LIGHT... [option]..." };
 	return synopsis[v];
 }
 
@@ -355,7 +388,7 @@ typedef struct parser {
 
 static gw_status fail_unknown(const parser *p, const char *word, size_t length)
 {
-	const char *name[64] = { NULL };
+	const char *name[SETTINGS_OPTIONS] = { NULL };
 	char hint[NEAREST_NAME_HINT], plain[64], shown[64];
 	size_t count = 0;
 	for (const option *o = options; o->name; o++)
@@ -385,7 +418,7 @@ static void quote(const parser *p, const option *o, const char *value)
 static gw_status apply(const parser *p, const option *o, const char *value)
 {
 	gw_error reason = { 0 };
-	p->settings->given |= 1ull << (o - options);
+	p->settings->given[o - options] = SETTINGS_BY_COMMAND;
 	quote(p, o, o->type == OPTION_FLAG ? NULL : value);
 	gw_status status = option_set(o, p->settings, value, &reason);
 	if (status == GW_OK)

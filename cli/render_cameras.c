@@ -13,7 +13,7 @@ gw_status camera_plan_read(const settings *s, camera_plan *plan, gw_error *error
 	*plan = (camera_plan){ .orbit = s->render.orbit };
 	if (s->render.path) {
 		const option *camera = option_find(VERB_RENDER, "camera", 6);
-		if (s->given & 1ull << (camera - options))
+		if (s->given[camera - options] == SETTINGS_BY_COMMAND)
 			return gw_fail(error, GW_ERROR_USAGE,
 						   "the cameras come from --path or from --camera, not from both");
 		return camera_text_read_file(s->render.path, &plan->text, &plan->text_count, error);

@@ -318,8 +318,8 @@ static gw_status take_light(reader *r, json_t *object)
 
 static gw_status fail_bake_key(const reader *r)
 {
-	char key[64][64];
-	const char *name[64];
+	char key[SETTINGS_OPTIONS][64];
+	const char *name[SETTINGS_OPTIONS];
 	size_t count = 0;
 	for (const option *o = options; o->name; o++)
 		if (o->scene) {
@@ -352,10 +352,12 @@ static gw_status take_bake_key(const reader *r, const char *key, json_t *value)
 	if (!value_text(value, text))
 		return fail_here(r, "a number or a short text is needed");
 	settings unused = settings_default();
-	bool given = r->settings->given & 1ull << (o - options);
+	bool given = r->settings->given[o - options] == SETTINGS_BY_COMMAND;
 	gw_error reason = { 0 };
 	gw_status status = option_set(o, given ? &unused : r->settings, text, &reason);
 	settings_clear(&unused);
+	if (!given)
+		r->settings->given[o - options] = SETTINGS_BY_SCENE;
 	return status == GW_OK ? GW_OK : fail_here(r, "it %.600s", reason.text);
 }
 
@@ -494,5 +496,28 @@ gw_status scene_read(const char *path, size_t index, settings *s, gw_error *erro
 	memmove(&s->input[index], &s->input[index + 1],
 			(s->input_count - index - 1) * sizeof *s->input);
 	s->input_count--;
+	return GW_OK;
+}
+
+gw_status scene_read_all(settings *s, gw_error *error)
+{
+	bool any = false;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (!scene_is_file(s->input[i].path))
+			continue;
+		if (any)
+			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
+						   s->input[i].path);
+		any = true;
+		char *path = strdup(s->input[i].path);
+		if (!path)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
+		size_t before = s->input_count;
+		gw_status status = scene_read(path, i, s, error);
+		free(path);
+		if (status != GW_OK)
+			return status;
+		i += s->input_count - before;
+	}
 	return GW_OK;
 }

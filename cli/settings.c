@@ -8,6 +8,7 @@ settings settings_default(void)
 {
 	return (settings){ .bake = GW_BAKE_OPTIONS_DEFAULT,
 					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+					   .quality = GW_QUALITY_NORMAL,
 					   .count = 1000000,
 					   .exposure = NAN,
 					   .worst_count = 1000,

@@ -15,6 +15,7 @@ typedef enum verb {
 	VERB_SAMPLE,
 	VERB_CONVERT,
 	VERB_RENDER,
+	VERB_TRADEOFF,
 	VERB_COUNT,
 } verb;
 
@@ -27,8 +28,8 @@ typedef struct settings_input {
 	float emission[3];
 	bool has_albedo;
 	float albedo[3]; /* linear */
-	bool mesh;      /* points are sampled on its faces */
-	float density;  /* of a mesh, points/m^2; 0: as settings.density says */
+	bool mesh;       /* points are sampled on its faces */
+	float density;   /* of a mesh, points/m^2; 0: as settings.density says */
 } settings_input;
 
 typedef enum settings_up {
@@ -83,6 +84,16 @@ typedef struct settings_render {
 	bool false_color, cull;
 } settings_render;
 
+/* Who said what an option is to be; who stands lower down wins. */
+typedef enum settings_source {
+	SETTINGS_BY_DEFAULT,
+	SETTINGS_BY_SCENE,
+	SETTINGS_BY_COMMAND,
+} settings_source;
+
+/* Room for options, at least as many as options[] has. */
+#define SETTINGS_OPTIONS 128
+
 typedef struct settings {
 	gw_bake_options bake;
 	scan_points_options points;
@@ -95,18 +106,20 @@ typedef struct settings {
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
+	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
+	const char *csv, *svg;                     /* of tradeoff */
 	const char *worst, *json_file;             /* of compare */
 	uint32_t worst_count;                      /* points that worst holds */
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	settings_gain *gain;                       /* owned; of mix */
 	size_t gain_count;
-	uint64_t given; /* 1 << index in options[] for each that the command line has */
-	char *command;  /* owned; the command line, without what cannot change the points */
-	char **text;    /* owned; text_count strings that others point to */
+	uint8_t given[SETTINGS_OPTIONS]; /* by index in options[]: a settings_source */
+	char *command; /* owned; the command line, without what cannot change the points */
+	char **text;   /* owned; text_count strings that others point to */
 	size_t text_count;
 } settings;
 

@@ -4,10 +4,12 @@
 #include "mesh_notes.h"
 #include "output_name.h"
 #include "progress.h"
+#include "quality_preset.h"
 #include "scene_file.h"
 #include "signals.h"
 #include "vdb_grids.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -36,29 +38,6 @@ static double now(void)
 }
 
 /* ------------------------------------------------------------------------- before reading */
-
-static gw_status read_scenes(settings *s, gw_error *error)
-{
-	bool any = false;
-	for (size_t i = 0; i < s->input_count; i++) {
-		if (!scene_is_file(s->input[i].path))
-			continue;
-		if (any)
-			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
-						   s->input[i].path);
-		any = true;
-		char *path = strdup(s->input[i].path);
-		if (!path)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
-		size_t before = s->input_count;
-		gw_status status = scene_read(path, i, s, error);
-		free(path);
-		if (status != GW_OK)
-			return status;
-		i += s->input_count - before;
-	}
-	return GW_OK;
-}
 
 /* Input from a pipe can be read once, and standard output can be written once. */
 static gw_status check_streams(const settings *s, gw_error *error)
@@ -145,23 +124,6 @@ static gw_status open_outputs(bake *b)
 
 /* ------------------------------------------------------------------------------- the bake */
 
-static gw_status resolve_lights(bake *b)
-{
-	settings *s = b->settings;
-	b->light = calloc(s->light_count ? s->light_count : 1, sizeof *b->light);
-	if (!b->light)
-		return gw_fail(b->error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
-	for (size_t i = 0; i < s->light_count; i++) {
-		light_resolve(&s->light[i], b->scene.up);
-		b->light[i] = s->light[i].light;
-	}
-	if (s->light_count == 0 && s->bake.bounces != 0 && !loaded_scene_emits(&b->scene))
-		return gw_fail(b->error, GW_ERROR_USAGE,
-					   "nothing here gives light: there is no --light, and no point has emission; "
-					   "try --light 'sky radiance 1'");
-	return GW_OK;
-}
-
 static void note_inputs(const bake *b)
 {
 	bool lit = true;
@@ -211,6 +173,9 @@ static gw_status light_points(bake *b)
 	double start = now();
 	gw_bake_options options = b->settings->bake;
 	options.voxels = b->settings->vdb != NULL;
+	/* What reading took is gone; a limit of 0 would be none. */
+	if (options.time_limit > 0.0f)
+		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
 	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
 	gw_status status = gw_bake(&b->scene.points.points, b->light, b->settings->light_count,
 							   &options, &callbacks, &b->result, b->error);
@@ -287,7 +252,8 @@ static gw_status print_scene(bake *b)
 
 static gw_status run(bake *b)
 {
-	gw_status status = read_scenes(b->settings, b->error);
+	gw_status status = scene_read_all(b->settings, b->error);
+	quality_preset_apply(b->settings);
 	if (status == GW_OK)
 		status = check(b);
 	if (status == GW_OK && b->settings->print_scene)
@@ -297,7 +263,7 @@ static gw_status run(bake *b)
 	if (status == GW_OK)
 		status = read_inputs(b);
 	if (status == GW_OK)
-		status = resolve_lights(b);
+		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
 	if (status == GW_OK)
 		status = light_points(b);
 	if (status == GW_OK)
@@ -321,6 +287,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 		bake_report_explain(&b.result->report);
 	if (status == GW_OK && b.result && s->profile)
 		bake_report_profile(&b.result->report);
+	if (status == GW_OK && b.result)
+		status = bake_report_goal(&b.facts, error);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
 	gw_bake_result_destroy(&b.result);

@@ -15,7 +15,7 @@
 static bool is_given(const settings *s, const char *name)
 {
 	const option *o = option_find(VERB_SAMPLE, name, strlen(name));
-	return s->given & 1ull << (o - options);
+	return s->given[o - options] == SETTINGS_BY_COMMAND;
 }
 
 static gw_status check(const settings *s, const format **to, gw_error *error)

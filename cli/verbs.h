@@ -19,6 +19,10 @@ gw_status verb_info(const settings *settings, gw_error *error);
 /* Prints how far one lit cloud is from another. GW_ERROR_MISSED when a limit is exceeded. */
 gw_status verb_compare(const settings *settings, gw_error *error);
 
+/* Bakes a scene at many settings and prints what each costs and how far it is from the finest one.
+ * Changes the settings as verb_bake does. GW_ERROR_MISSED when none is as good as asked. */
+gw_status verb_tradeoff(settings *settings, gw_error *error);
+
 /* Makes lamps of a lit cloud stronger or weaker without baking, and writes it. */
 gw_status verb_mix(const settings *settings, gw_error *error);
 /* Reads one file and writes another. */

@@ -2,11 +2,13 @@
  * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h.
  */
 #include "bounces.h"
+#include "clock.h"
 #include "direct_light.h"
 #include "error_estimate.h"
 #include "memory.h"
 #include "parallel.h"
 #include "plan.h"
+#include "refine.h"
 #include "report.h"
 #include "voxels.h"
 
@@ -32,6 +34,11 @@ typedef struct bake {
 	gw_bake_callbacks callbacks;
 	gw_bake_result *result;
 	gw_report *report;
+	double start;        /* of the call */
+	double round_start;  /* of the round under way */
+	double octree_start; /* of the octree in use, and what it and the direct light took */
+	double octree_seconds;
+	bool refining;       /* the first round is over */
 
 	gw_gpu *gpu;
 	gw_surfels surfels;
@@ -52,10 +59,12 @@ static bool cancelled(void *user)
 	return b->callbacks.cancelled != NULL && b->callbacks.cancelled(b->callbacks.user);
 }
 
-/* Begins a stage: books it, tells the caller, asks whether to stop. */
+/* Begins a stage: books it, tells the caller, asks whether to stop. All rounds after the first are
+ * booked as one. */
 static gw_status stage(bake *b, const char *name, double done, gw_error *error)
 {
-	gw_report_stage(b->report, b->gpu, name);
+	if (!b->refining)
+		gw_report_stage(b->report, b->gpu, name);
 	if (b->callbacks.progress)
 		b->callbacks.progress(b->callbacks.user, name, done);
 	if (cancelled(b))
@@ -73,6 +82,11 @@ static gw_status check_number(const char *option, double value, double low, doub
 	return GW_OK;
 }
 
+static bool refines(const gw_bake_options *o)
+{
+	return o->max_error > 0.0f || o->time_limit > 0.0f;
+}
+
 static gw_status check_options(const bake *b, gw_error *error)
 {
 	const gw_bake_options *o = &b->options;
@@ -81,12 +95,15 @@ static gw_status check_options(const bake *b, gw_error *error)
 		double value, low, high;
 	} rows[] = {
 		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
+		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
 		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
 		{ "rays", o->rays, 1, 4096 },
 		{ "light samples", o->light_samples, 1, 4096 },
 		{ "cones", o->cones, 1, 256 },
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
+		{ "largest error", (double)o->max_error, 0, 1 },
+		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
 	};
@@ -96,6 +113,10 @@ static gw_status check_options(const bake *b, gw_error *error)
 	if (status == GW_OK && b->points->count == 0)
 		status = gw_fail(error, GW_ERROR_DATA,
 						 "the cloud holds no points, so there is nothing to light");
+	if (status == GW_OK && refines(o) && o->estimate_points == 0)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "an error or a time to aim at needs an estimate of the error; let it have "
+						 "at least one point");
 	return status == GW_OK ? gw_lights_check(b->lights, b->light_count, error) : status;
 }
 
@@ -147,7 +168,12 @@ static gw_status open_device(bake *b, gw_error *error)
 
 static gw_status build_octree(bake *b, gw_error *error)
 {
-	gw_status status = gw_octree_build(b->gpu, &b->surfels, b->options.depth, &b->octree, error);
+	const gw_bake_options *o = &b->options;
+	b->octree_start = gw_seconds();
+	gw_status status =
+		o->depth == GW_DEPTH_AUTO
+			? gw_octree_build_spaced(b->gpu, &b->surfels, o->leaf_spacing, &b->octree, error)
+			: gw_octree_build(b->gpu, &b->surfels, o->depth, &b->octree, error);
 	if (status != GW_OK)
 		return status;
 	gw_passes_init(&b->passes, b->gpu, &b->octree);
@@ -178,6 +204,7 @@ static gw_status light_directly(bake *b, gw_error *error)
 	if (status == GW_OK && b->plan.lamps)
 		status = gw_direct_light(&b->passes, &b->octree, &b->surfels, b->lights, b->light_count,
 								 &b->options, &b->surfel_direct, &b->lobe_direct, error);
+	b->octree_seconds = gw_seconds() - b->octree_start;
 	return status;
 }
 
@@ -287,6 +314,7 @@ static gw_status place_records(bake *b, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)b->octree.leaf_count;
 	gw_status status = texel4(b, slots, "lobe radiance", &b->lobe_radiance, error);
+	b->round_start = gw_seconds();
 	b->emitters.radiance = &b->octree.lobe_emission;
 	if (status == GW_OK && b->plan.emitters)
 		status =
@@ -347,6 +375,11 @@ static gw_status read_back(bake *b, gw_error *error)
 
 static gw_status download(bake *b, gw_buffer *buffer, float **values, gw_error *error);
 
+static uint32_t samples_of(const gw_bake_options *o)
+{
+	return o->method == GW_METHOD_RAYS ? o->rays : o->light_samples;
+}
+
 static gw_status estimate(bake *b, gw_error *error)
 {
 	float *direct = NULL, *first = NULL, *indirect = NULL;
@@ -367,6 +400,8 @@ static gw_status estimate(bake *b, gw_error *error)
 										.direct = direct,
 										.first = first,
 										.indirect = indirect,
+										.rays = samples_of(&b->options),
+										.light_samples = b->options.light_samples,
 										.points = b->options.estimate_points,
 										.seed = (uint32_t)b->options.seed };
 		status = gw_estimate_error(&task, &b->report->error, error);
@@ -528,6 +563,136 @@ static const step steps[] = {
 	{ "points", 0.02, collect, always },
 };
 
+/* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
+enum { OCTREE_STEP = 3, RECORDS_STEP = 5, AFTER_ROUND = 10, STEP_COUNT = 12 };
+
+/* Runs the steps first to last - 1. */
+static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
+{
+	double done = 0.0;
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < last && status == GW_OK; i++) {
+		if (i >= first && steps[i].wanted(b)) {
+			status = stage(b, steps[i].name, b->refining ? fmax(done, 0.9) : done, error);
+			if (status == GW_OK)
+				status = steps[i].run(b, error);
+		}
+		done += steps[i].share;
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ rounds */
+
+static void drop_records(bake *b)
+{
+	gw_buffer_destroy(b->gpu, &b->surfel_first);
+	gw_buffer_destroy(b->gpu, &b->surfel_indirect);
+	gw_buffer_destroy(b->gpu, &b->lobe_radiance);
+	gw_cone_gather_destroy(b->gpu, &b->cones);
+	gw_ray_gather_destroy(b->gpu, &b->rays);
+	gw_records_destroy(b->gpu, &b->records);
+	gw_emitters_destroy(b->gpu, &b->emitters);
+	memset(b->passes.device_seconds, 0, sizeof b->passes.device_seconds);
+}
+
+static void drop_octree(bake *b)
+{
+	drop_records(b);
+	gw_buffer_destroy(b->gpu, &b->surfel_direct);
+	gw_buffer_destroy(b->gpu, &b->lobe_direct);
+	if (b->passes.gpu)
+		gw_passes_destroy(&b->passes);
+	gw_octree_destroy(b->gpu, &b->octree);
+}
+
+static void book_round(bake *b, double seconds, const char *why)
+{
+	const gw_bake_options *o = &b->options;
+	gw_round *round = &b->report->round[b->report->round_count++];
+	*round = (gw_round){ .record_spacing = o->record_spacing,
+						 .leaf_spacing = o->leaf_spacing,
+						 .rays = o->rays,
+						 .light_samples = o->light_samples,
+						 .cones = o->cones,
+						 .error = b->report->error,
+						 .seconds = seconds };
+	snprintf(round->why, sizeof round->why, "%s", why);
+}
+
+/* Solves again; surfels stay, and the octree when its leaves do. */
+static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
+{
+	bool keep = next->leaf_spacing == b->options.leaf_spacing;
+	double start = gw_seconds();
+	b->options = *next;
+	free(b->report->bounce);
+	b->report->bounce = NULL;
+	b->report->bounce_count = 0;
+	if (keep)
+		drop_records(b);
+	else
+		drop_octree(b);
+	gw_status status = run_steps(b, keep ? RECORDS_STEP : OCTREE_STEP, AFTER_ROUND, error);
+	if (status == GW_OK)
+		book_round(b, gw_seconds() - start, why);
+	return status;
+}
+
+/* Where finer settings found no memory, the result is that of the settings before. */
+static gw_status refine_once(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
+{
+	gw_bake_options last = b->options;
+	gw_status status = run_round(b, next, why, error);
+	if (status != GW_ERROR_MEMORY)
+		return status;
+	b->report->goal = GW_GOAL_MEMORY;
+	b->options.leaf_spacing = 0.0f; /* whatever octree there is goes */
+	return run_round(b, &last, "finer settings found no memory", error);
+}
+
+static gw_refine_answer choose_next(bake *b, gw_bake_options *next, char why[96])
+{
+	double now = gw_seconds(), limit = (double)b->options.time_limit;
+	const gw_refine_state state = { .options = &b->options,
+									.error = b->report->error,
+									.round_seconds = now - b->round_start,
+									.octree_seconds = b->octree_seconds,
+									.seconds_left =
+										limit > 0.0 ? b->start + limit - now : INFINITY };
+	return gw_refine_next(&state, next, why);
+}
+
+/* Goes on until the target is reached, the time is up, or nothing is left to refine. */
+static gw_status refine(bake *b, gw_error *error)
+{
+	gw_report *r = b->report;
+	gw_status status = GW_OK;
+	book_round(b, gw_seconds() - b->start, "the settings that were given");
+	gw_report_stage(r, b->gpu, "refining");
+	b->refining = true;
+	while (status == GW_OK && r->goal == GW_GOAL_NONE) {
+		char why[96];
+		gw_bake_options next;
+		gw_refine_answer answer = GW_REFINE_EXHAUSTED;
+		/* One place is kept for going back. */
+		if (r->error.points > 0 && r->round_count < GW_REPORT_ROUNDS - 1)
+			answer = choose_next(b, &next, why);
+		if (!b->plan.records || gw_refine_reached(&b->options, &r->error))
+			r->goal = GW_GOAL_REACHED;
+		else if (answer == GW_REFINE_NO_TIME)
+			r->goal = GW_GOAL_TIME;
+		else if (answer == GW_REFINE_EXHAUSTED)
+			r->goal = GW_GOAL_EXHAUSTED;
+		else
+			status = refine_once(b, &next, why, error);
+	}
+	r->missed = b->options.max_error > 0.0f && b->plan.records &&
+				!gw_refine_reached(&b->options, &r->error);
+	b->refining = false;
+	return status;
+}
+
 static gw_status check_validation(const bake *b, gw_error *error)
 {
 	const char *first;
@@ -549,18 +714,15 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
 }
 
-static gw_status run_steps(bake *b, gw_error *error)
+static gw_status run(bake *b, gw_error *error)
 {
-	double done = 0.0;
 	gw_status status = check_options(b, error);
-	for (size_t i = 0; i < sizeof steps / sizeof *steps && status == GW_OK; i++) {
-		if (!steps[i].wanted(b))
-			continue;
-		status = stage(b, steps[i].name, done, error);
-		if (status == GW_OK)
-			status = steps[i].run(b, error);
-		done += steps[i].share;
-	}
+	if (status == GW_OK)
+		status = run_steps(b, 0, AFTER_ROUND, error);
+	if (status == GW_OK && refines(&b->options))
+		status = refine(b, error);
+	if (status == GW_OK)
+		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);
 	gw_report_stage(b->report, b->gpu, NULL);
 	report_profile(&b->passes, b->report);
 	if (b->gpu)
@@ -575,17 +737,7 @@ static void release(bake *b)
 	gw_surfels_clear(&b->surfels);
 	if (b->gpu == NULL)
 		return;
-	gw_buffer *buffers[] = { &b->surfel_direct, &b->surfel_first, &b->surfel_indirect,
-							 &b->lobe_direct, &b->lobe_radiance };
-	for (size_t i = 0; i < sizeof buffers / sizeof *buffers; i++)
-		gw_buffer_destroy(b->gpu, buffers[i]);
-	gw_cone_gather_destroy(b->gpu, &b->cones);
-	gw_ray_gather_destroy(b->gpu, &b->rays);
-	gw_records_destroy(b->gpu, &b->records);
-	gw_emitters_destroy(b->gpu, &b->emitters);
-	if (b->passes.gpu)
-		gw_passes_destroy(&b->passes);
-	gw_octree_destroy(b->gpu, &b->octree);
+	drop_octree(b);
 	gw_gpu_destroy(&b->gpu);
 }
 
@@ -603,7 +755,8 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	b.report = &b.result->report;
-	gw_status status = run_steps(&b, error);
+	b.start = gw_seconds();
+	gw_status status = run(&b, error);
 	release(&b);
 	if (status == GW_OK)
 		*result = b.result;

@@ -37,6 +37,18 @@ const char *gw_shadows_name(gw_shadows shadows)
 	return name[shadows];
 }
 
+const char *gw_goal_name(gw_goal goal)
+{
+	static const char *const name[] = { [GW_GOAL_NONE] = "none",
+										[GW_GOAL_REACHED] = "reached",
+										[GW_GOAL_TIME] = "time",
+										[GW_GOAL_EXHAUSTED] = "exhausted",
+										[GW_GOAL_MEMORY] = "memory" };
+	static_assert(sizeof name / sizeof *name == GW_GOAL_COUNT, "every goal has a name");
+	assert((unsigned)goal < GW_GOAL_COUNT);
+	return name[goal];
+}
+
 const char *gw_light_type_name(gw_light_type type)
 {
 	static const char *const name[] = { [GW_LIGHT_POINT] = "point",

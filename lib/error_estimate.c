@@ -14,6 +14,9 @@
 /* Rays, and samples of the emitters, in each of the two gathers of a point. */
 #define HALF_RAYS 64u
 
+/* Records that light a point, by their weights: 1 / sum w^2. */
+#define RECORDS_A_POINT 3.0
+
 static const double reciprocal_pi = 0.31830988618379067;
 
 /* The points that are solved again. */
@@ -200,7 +203,7 @@ static double mean_radiance(const gw_estimate_task *task, const bool *counts)
 static void compare(const gw_estimate_task *task, const probes *p, gw_error_estimate *estimate)
 {
 	double mean = mean_radiance(task, p->counts), n = p->count;
-	double sum = 0.0, square = 0.0, fourth = 0.0;
+	double sum = 0.0, square = 0.0, fourth = 0.0, half = 0.0;
 	if (!(mean > 0.0) || p->count < 2)
 		return;
 	for (size_t i = 0; i < p->count; i++) {
@@ -214,6 +217,7 @@ static void compare(const gw_estimate_task *task, const probes *p, gw_error_esti
 		sum += off;
 		square += excess;
 		fourth += excess * excess;
+		half += 2.0 * noise * noise;
 	}
 	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
 	double rms = sqrt(fmax(square / n, 0.0));
@@ -222,6 +226,9 @@ static void compare(const gw_estimate_task *task, const probes *p, gw_error_esti
 	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
 	estimate->spread = fmin(sqrt(variance) / (2.0 * rms), sqrt(sqrt(variance)));
 	estimate->bias = sum / n;
+	/* A point's light is a mean over records, each of which gathers like a half does. */
+	double samples = fmin(task->rays, task->light_samples);
+	estimate->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
 }
 
 gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *estimate,

@@ -28,6 +28,7 @@ typedef struct gw_estimate_task {
 	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
+	uint32_t rays, light_samples; /* of a record, above 0 */
 	uint32_t points;              /* to solve again; at most surfels->count are */
 	uint32_t seed;
 } gw_estimate_task;

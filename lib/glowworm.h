@@ -134,6 +134,7 @@ typedef enum gw_shadows {
 
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
+#define GW_LEAF_SPACING 1.25f
 #define GW_BOUNCES_AUTO UINT32_MAX
 
 /* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
@@ -141,7 +142,9 @@ typedef struct gw_bake_options {
 	gw_method method;
 	gw_shadows shadows;
 	uint32_t depth;         /* of the octree: 2^depth leaf cells a side; GW_DEPTH_AUTO derives it
-							   from the point spacing */
+							   from leaf_spacing */
+	float leaf_spacing;     /* width of a leaf in spacings of the points, 0.25..64, when depth is
+							   GW_DEPTH_AUTO; wider where memory is short */
 	uint32_t bounces;       /* how often light is reflected; 0 leaves only emission, 1 is direct
 							   light; GW_BOUNCES_AUTO stops when the bound on what the bounces left
 							   out would add is under tolerance */
@@ -152,6 +155,11 @@ typedef struct gw_bake_options {
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
 	uint32_t estimate_points; /* points solved again to estimate the error; 0 makes no estimate */
+	float max_error;          /* above 0: refines until the estimated relative_rms and its spread
+								 together are at most this; below 1. The settings above are where it
+								 starts */
+	float time_limit;         /* above 0: refines as long as the next round will end within so many
+								 seconds of the call; the first round is made in any case */
 	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
 	uint32_t threads;         /* of the host; 0 means one a core */
 	uint64_t seed;            /* of all random directions */
@@ -166,6 +174,7 @@ typedef struct gw_bake_options {
 	((gw_bake_options){ .method = GW_METHOD_RAYS,                                                  \
 						.shadows = GW_SHADOWS_TRACED,                                              \
 						.depth = GW_DEPTH_AUTO,                                                    \
+						.leaf_spacing = GW_LEAF_SPACING,                                           \
 						.bounces = GW_BOUNCES_AUTO,                                                \
 						.tolerance = 0.001f,                                                       \
 						.rays = 64,                                                                \
@@ -174,6 +183,18 @@ typedef struct gw_bake_options {
 						.record_spacing = 2.5f,                                                    \
 						.estimate_points = 1000,                                                   \
 						.shadow_map_size = 1024 })
+
+/* How good a bake is to be, as settings that go together. */
+typedef enum gw_quality {
+	GW_QUALITY_DRAFT,
+	GW_QUALITY_NORMAL, /* what GW_BAKE_OPTIONS_DEFAULT has */
+	GW_QUALITY_HIGH,
+	GW_QUALITY_REFERENCE,
+	GW_QUALITY_COUNT
+} gw_quality;
+
+/* Sets record_spacing, rays, light_samples, cones and leaf_spacing; the rest stays. */
+void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
 
 /* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
 typedef struct gw_bake_callbacks {
@@ -217,7 +238,27 @@ typedef struct gw_error_estimate {
 	double relative_rms; /* root mean square error */
 	double spread;       /* its standard error: 2.3 % +- 0.3 % */
 	double bias;         /* mean error: above 0, the bake is too bright */
+	double noise;        /* part of relative_rms that more rays would lessen, estimated */
 } gw_error_estimate;
+
+/* One round of a bake that refines: with which settings it solved, and how well. */
+typedef struct gw_round {
+	float record_spacing, leaf_spacing;
+	uint32_t rays, light_samples, cones;
+	gw_error_estimate error;
+	double seconds;
+	char why[96]; /* what led to these settings, a phrase */
+} gw_round;
+
+/* How a bake that refines came to its end. */
+typedef enum gw_goal {
+	GW_GOAL_NONE,      /* it was not to refine */
+	GW_GOAL_REACHED,   /* the error is as small as asked */
+	GW_GOAL_TIME,      /* the next round would not have ended in time */
+	GW_GOAL_EXHAUSTED, /* nothing is left that can be refined */
+	GW_GOAL_MEMORY,    /* finer settings do not fit into memory */
+	GW_GOAL_COUNT
+} gw_goal;
 
 /* A number that a user should know about: points repaired, left out, clamped... */
 typedef struct gw_count {
@@ -229,6 +270,7 @@ typedef struct gw_count {
 #define GW_REPORT_STAGES 24
 #define GW_REPORT_EFFECTS 12
 #define GW_REPORT_COUNTS 24
+#define GW_REPORT_ROUNDS 16
 
 /* Everything a bake says about itself. The fixed capacities count our own stages, effects and
  * counters, not the user's data. bounces is allocated and freed with the result. */
@@ -245,6 +287,10 @@ typedef struct gw_report {
 	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
+	uint32_t round_count;
+	gw_goal goal;
+	bool missed;      /* max_error was given and not reached */
 	double remaining; /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];
@@ -350,6 +396,8 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
  */
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
+const char *gw_quality_name(gw_quality quality);
+const char *gw_goal_name(gw_goal goal);
 const char *gw_light_type_name(gw_light_type type);
 
 #ifdef __cplusplus

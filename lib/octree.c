@@ -6,9 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Leaf cells' width in spacings. */
-#define CELL_SPACINGS 1.25
-
 /* Iterations of the passes' loops, see their shaders: a disc of 16 cells is looked at in 35 x 35
  * columns of 4 rows. Searches take 32 steps, for at most 7 neighbours. */
 #define DISC_LOOPS (35u * 35u * 5u + 27u)
@@ -73,7 +70,7 @@ static uint32_t depth_of(double cells)
 
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
 {
-	return depth_of(extent_of(surfels) / (CELL_SPACINGS * (double)surfels->spacing));
+	return depth_of(extent_of(surfels) / ((double)GW_LEAF_SPACING * (double)surfels->spacing));
 }
 
 /* Bytes of the list of fragments that has to be bound as a whole. */
@@ -164,11 +161,19 @@ static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, uint32_t dep
 	return status;
 }
 
-/* Leaves of the wished size, or as much larger as the device's memory and limits ask for. */
-static gw_status build_auto(gw_gpu *gpu, const gw_surfels *surfels, gw_octree *octree,
-							gw_error *error)
+static gw_status fail_count(const gw_surfels *surfels, gw_error *error)
 {
-	double leaf_size = CELL_SPACINGS * (double)surfels->spacing;
+	return gw_fail(error, GW_ERROR_DATA, "an octree of %zu points: it can hold 1 to %u",
+				   surfels->count, GW_FRAGMENT_SURFEL);
+}
+
+gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error)
+{
+	double leaf_size = (double)leaf_spacing * (double)surfels->spacing;
+	memset(octree, 0, sizeof *octree);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
 	for (;;) {
 		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
 		gw_status status = build_once(gpu, surfels, depth, leaf_size, octree, error);
@@ -185,11 +190,10 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 	if (depth > GW_DEPTH_MAX)
 		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
 					   GW_DEPTH_MAX);
-	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
-		return gw_fail(error, GW_ERROR_DATA, "an octree of %zu points: it can hold 1 to %u",
-					   surfels->count, GW_FRAGMENT_SURFEL);
 	if (depth == GW_DEPTH_AUTO)
-		return build_auto(gpu, surfels, octree, error);
+		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, octree, error);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
 	return build_once(gpu, surfels, depth, 0, octree, error);
 }
 

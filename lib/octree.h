@@ -120,14 +120,21 @@ uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 
 /*
  * Builds the octree of a cloud.
- *   depth   1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: leaves are
- *           1.25 spacings wide (measured best for planes in leaves), or as much wider as memory and
- *           the device's limits ask for
+ *   depth   1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: as
+ *           gw_octree_build_spaced with GW_LEAF_SPACING
  *   octree  on success to be freed with gw_octree_destroy; zeroed on failure
  * Fails with GW_ERROR_MEMORY, with the bytes needed and a depth that would fit.
  */
 gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
 						  gw_error *error);
+
+/*
+ * Builds the octree of a cloud with leaves of a width, or as much wider as memory and the device's
+ * limits ask for.
+ *   leaf_spacing  the width, in surfels->spacing
+ */
+gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
 /* Morton key of a cell and back; coordinates below 2^21. */

@@ -1,0 +1,145 @@
+/*
+ * refine.c - see refine.h.
+ */
+#include "refine.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Records nearer to each other than this many leaf cells share the same few lobes. */
+#define SPACING_LEAST 1.5f
+
+/* On rough surfaces narrower leaves than this get holes, which the estimate does not see. */
+#define LEAF_LEAST 1.0f
+
+/* Noise, or the rest, is attacked when it is more than this share of the mean square error. */
+#define SHARE_LEAST 0.3
+
+/* A round asks at most for so many times the work of the last one; below SMALLEST it is not worth
+ * its fixed costs. */
+#define WORK_MOST 16.0
+#define WORK_LEAST 1.3
+
+/* By how much the parts of the settings are to grow; 1 leaves them alone. */
+typedef struct growth {
+	double rays, density; /* rays a record; records and leaves along a metre */
+} growth;
+
+bool gw_refine_reached(const gw_bake_options *options, const gw_error_estimate *error)
+{
+	return options->max_error > 0.0f && error->points > 0 &&
+		   error->relative_rms + error->spread <= (double)options->max_error;
+}
+
+static uint32_t *rays_of(gw_bake_options *options)
+{
+	return options->method == GW_METHOD_RAYS ? &options->rays : &options->cones;
+}
+
+static uint32_t scaled(uint32_t count, double factor, uint32_t most)
+{
+	double wanted = ceil((double)count * factor);
+	return wanted < (double)most ? (uint32_t)wanted : most;
+}
+
+static void grow_rays(gw_bake_options *next, double factor)
+{
+	uint32_t most = next->method == GW_METHOD_RAYS ? 4096 : 256;
+	uint32_t *rays = rays_of(next);
+	*rays = scaled(*rays, factor, most);
+	next->light_samples = scaled(next->light_samples, factor, 4096);
+}
+
+/* First the records move together, then the leaves get narrower; what there is no room for in the
+ * one is left to the next round. */
+static void grow_density(gw_bake_options *next, double factor)
+{
+	if (next->record_spacing > SPACING_LEAST)
+		next->record_spacing = fmaxf(next->record_spacing / (float)factor, SPACING_LEAST);
+	else if (next->depth == GW_DEPTH_AUTO && next->leaf_spacing > LEAF_LEAST)
+		next->leaf_spacing = fmaxf(next->leaf_spacing / (float)factor, LEAF_LEAST);
+}
+
+static bool differs(const gw_bake_options *a, const gw_bake_options *b)
+{
+	return a->rays != b->rays || a->cones != b->cones || a->light_samples != b->light_samples ||
+		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
+}
+
+/* How much larger the error is than what is wanted; twice, where nothing is said. */
+static double excess(const gw_refine_state *state)
+{
+	double wanted = (double)state->options->max_error;
+	double found = state->error.relative_rms + state->error.spread;
+	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
+}
+
+/* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
+static growth wanted_growth(const gw_refine_state *state, char why[96])
+{
+	const gw_error_estimate *e = &state->error;
+	double square = fmax(e->relative_rms * e->relative_rms, 1e-12);
+	double noise = fmin(e->noise * e->noise / square, 1.0), factor = excess(state);
+	bool rays = noise > SHARE_LEAST, density = 1.0 - noise > SHARE_LEAST;
+	snprintf(why, 96, "%.0f %% of the square error is noise of the rays", 100.0 * noise);
+	return (growth){ .rays = rays ? fmin(fmax(factor * factor, 2.0), 8.0) : 1.0,
+					 .density = density ? fmin(fmax(factor, 1.4142135623730951), 2.0) : 1.0 };
+}
+
+static gw_bake_options grown(const gw_refine_state *state, growth by)
+{
+	gw_bake_options next = *state->options;
+	if (by.rays > 1.0)
+		grow_rays(&next, by.rays);
+	if (by.density > 1.0)
+		grow_density(&next, by.density);
+	return next;
+}
+
+/* Where one setting is at its limit, the other one has to do. */
+static growth possible_growth(const gw_refine_state *state, growth by)
+{
+	gw_bake_options next = grown(state, by);
+	if (!differs(&next, state->options))
+		by = (growth){ 2.0, 1.4142135623730951 };
+	return by;
+}
+
+static double work_of(const gw_bake_options *next, const gw_bake_options *last)
+{
+	bool rays = next->method == GW_METHOD_RAYS;
+	double samples = (double)(rays ? next->rays : next->cones) + next->light_samples;
+	double before = (double)(rays ? last->rays : last->cones) + last->light_samples;
+	double leaves = (double)last->leaf_spacing / (double)next->leaf_spacing;
+	double spacing = last->record_spacing > 0.0f
+						 ? (double)last->record_spacing / (double)next->record_spacing
+						 : 1.0;
+	return samples / before * spacing * spacing * leaves * leaves;
+}
+
+/* As if all of the last round had been work that grows: too long rather than too short. */
+static double seconds_of(const gw_refine_state *state, const gw_bake_options *next)
+{
+	double leaves = (double)state->options->leaf_spacing / (double)next->leaf_spacing;
+	double octree = leaves > 1.0 ? state->octree_seconds * leaves * leaves : 0.0;
+	return state->round_seconds * work_of(next, state->options) + octree;
+}
+
+gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *next, char why[96])
+{
+	growth full = possible_growth(state, wanted_growth(state, why));
+	gw_bake_options option = grown(state, full);
+	if (!differs(&option, state->options))
+		return GW_REFINE_EXHAUSTED;
+	for (double part = 1.0; part > 0.1; part *= 0.75) {
+		option = grown(state, (growth){ pow(full.rays, part), pow(full.density, part) });
+		double work = work_of(&option, state->options);
+		if (!differs(&option, state->options) || (part < 1.0 && work < WORK_LEAST))
+			break;
+		if (work > WORK_MOST || seconds_of(state, &option) > state->seconds_left)
+			continue;
+		*next = option;
+		return GW_REFINE_ROUND;
+	}
+	return GW_REFINE_NO_TIME;
+}

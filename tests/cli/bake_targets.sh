@@ -1,0 +1,43 @@
+# Settings that follow from a quality, an error or a time: what wins over what, what the report
+# says, and that a target that is missed is said, with the points written.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+make_box --scene corner --points 2000 -o box.ply
+echo '{"version": 1, "inputs": [{"file": "box.ply"}],
+	"bake": {"quality": "draft", "rays": 100}}' >a.json
+show() {
+	glowworm bake "$@" --print-scene | grep -E '"(quality|rays|light_samples|leaf_spacing)":'
+}
+echo "the scene's own rays stay, the command line's quality wins over them:"
+show a.json
+show a.json --quality high
+show a.json --quality high --rays 7
+echo "a target starts from a draft:"
+show box.ply --max-error 0.1
+show box.ply --max-error 0.1 --quality normal
+bake() {
+	glowworm bake box.ply -q -f "$@"
+	echo "status $?"
+}
+# Held against what the report says.
+figures() {
+	awk -F'[:,}]' '/"relative_rms"/ { for (i = 1; i < NF; i++) {
+		if ($i ~ /"relative_rms"/) e = $(i + 1); if ($i ~ /"spread"/) s = $(i + 1) } }
+		/^ "goal"/ { print (e + s <= limit ? "under" : "over"), $0 }' limit="$1" report.json
+}
+bake --max-error 0.2 -o lit.ply --report report.json
+figures 0.2
+# Finer than what an octree, records and rays at their limits of this small scene can give.
+bake --max-error 0.00001 --quality draft --depth 3 --estimate-points 50 -o missed.ply \
+	--report report.json 2>err
+sed 's/error is .* rounds/error is E % after N rounds/' err
+figures 0.00001
+[ "$(grep -c '"record_spacing": .*"why"' report.json)" -gt 2 ] && echo "several rounds"
+glowworm info missed.ply | grep -c radiance_r
+# No time for a second round; without an error to reach that is no failure.
+bake --time 0.001 -o timed.ply --report report.json
+grep '^ "goal"' report.json
+bake --time 0.001 --max-error 0.00001 -o timed.ply 2>err
+sed 's/error is .* rounds/error is E % after N rounds/' err
+bake --max-error 0.1 --estimate-points 0 -o none.ply
+bake --max-error 5 -o none.ply
+ls
