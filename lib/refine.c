@@ -10,7 +10,7 @@
 #define SPACING_LEAST 1.5f
 
 /* On rough surfaces narrower leaves than this get holes, which the estimate does not see. */
-#define LEAF_LEAST 1.0f
+#define LEAF_LEAST 1.1f
 
 /* Noise, or the rest, is attacked when it is more than this share of the mean square error. */
 #define SHARE_LEAST 0.3
