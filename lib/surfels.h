@@ -3,8 +3,8 @@
  *
  * Steps, in the order of the data's way: frame (local origin, canonical order, duplicates merged),
  * neighbours (FLANN), normals (PCL where missing, oriented), the surface behind noise, region of
- * influence, and for each point the disc of surface it stands for. Everything downstream works on this struct's order, not
- * on the input's; `input` and `surfel_of_point` map between the two.
+ * influence, and for each point the disc of surface it stands for. Everything downstream works on
+ * this struct's order, not on the input's; `input` and `surfel_of_point` map between the two.
  */
 #ifndef SURFELS_H
 #define SURFELS_H
