@@ -4,16 +4,20 @@
  */
 #include "direct_light.h"
 
+#include "memory.h"
 #include "shadow_map.h"
 #include "transport_layout.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define DEGREES (3.14159265358979323846 / 180.0)
 
 /* Shadow rays to a light that has an extent. */
 #define PENUMBRA_RAYS 16u
+
+#define UPLOAD_SURFELS 65536u /* at a time */
 
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
 						   const char *remedy, gw_error *error)
@@ -141,37 +145,66 @@ static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
 	return push;
 }
 
-static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
-								  const gw_light_push *push, uint64_t count, gw_buffer *visibility,
-								  gw_error *error)
+/* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface. */
+static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, gw_buffer *normal,
+								gw_error *error)
 {
-	const gw_binding bindings[] = {
-		gw_whole(&octree->ray_directory),      gw_whole(&octree->node),
-		gw_whole(&octree->leaf_tile),          gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),        gw_window(&octree->surfel_position, 16),
-		gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
-		gw_whole(&octree->leaf_fragment),      gw_whole(&octree->fragment_surfel),
-		gw_whole(&octree->surfel_position),    gw_whole(&octree->surfel_normal),
-		gw_whole(&octree->surfel_disc),        gw_whole(&octree->surfel_clip)
-	};
+	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	if (!chunk)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
+					   surfels->count);
+	gw_status status =
+		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
+						 "given normals", normal, error);
+	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
+		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
+		for (size_t i = 0; i < count; i++) {
+			memcpy(chunk + 4 * i, surfels->given_normal + 3 * (first + i), 3 * sizeof *chunk);
+			chunk[4 * i + 3] = surfels->two_sided[first + i] ? 1.0f : 0.0f;
+		}
+		status =
+			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);
+	}
+	free(chunk);
+	return status;
+}
+
+static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
+								  const gw_light_push *push, uint64_t count,
+								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
+									gw_whole(&octree->node),
+									gw_whole(&octree->leaf_tile),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(&octree->lobe_centre),
+									gw_window(&octree->surfel_position, 16),
+									gw_window(normal, 16),
+									gw_window(visibility, 4),
+									gw_whole(&octree->leaf_fragment),
+									gw_whole(&octree->fragment_surfel),
+									gw_whole(&octree->surfel_position),
+									gw_whole(&octree->surfel_normal),
+									gw_whole(&octree->surfel_disc),
+									gw_whole(&octree->surfel_clip) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }
 
 static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						   const gw_light_push *push, const gw_bake_options *options,
-						   gw_buffer *visibility, gw_buffer *surfel_irradiance, gw_error *error)
+						   const gw_buffer *normal, gw_buffer *visibility,
+						   gw_buffer *surfel_irradiance, gw_error *error)
 {
 	gw_status status = GW_OK;
 	if (options->shadows == GW_SHADOWS_MAPS)
 		status = gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
 										  visibility, error);
 	else if (options->shadows == GW_SHADOWS_TRACED)
-		status = trace_visibility(passes, octree, push, surfels->count, visibility, error);
+		status = trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
 	if (status != GW_OK)
 		return status;
-	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16),
-									gw_window(&octree->surfel_normal, 16), gw_window(visibility, 4),
-									gw_window(surfel_irradiance, 16) };
+	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
+									gw_window(visibility, 4), gw_window(surfel_irradiance, 16) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, surfels->count, error);
 }
 
@@ -192,19 +225,23 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
 						  gw_buffer *lobe_direct, gw_error *error)
 {
-	gw_buffer visibility = { 0 };
+	gw_buffer visibility = { 0 }, own_normal = { 0 };
+	const gw_buffer *normal = surfels->given_normal ? &own_normal : &octree->surfel_normal;
 	gw_status status =
 		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 						 4 * (uint64_t)surfels->count, "visibility", &visibility, error);
+	if (status == GW_OK && surfels->given_normal)
+		status = upload_normals(passes->gpu, surfels, &own_normal, error);
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))
 			continue;
 		gw_light_push push = light_push(&lights[i], octree, surfels, options);
-		status = add_light(passes, octree, surfels, &push, options, &visibility, surfel_irradiance,
-						   error);
+		status = add_light(passes, octree, surfels, &push, options, normal, &visibility,
+						   surfel_irradiance, error);
 	}
 	if (status == GW_OK)
 		status = average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
+	gw_buffer_destroy(passes->gpu, &own_normal);
 	gw_buffer_destroy(passes->gpu, &visibility);
 	return status;
 }

@@ -75,6 +75,7 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	bool measure_noise;
 } disc_step;
 
 /* Neighbours with a normal like the surfel's; unoriented normals may be opposite. */
@@ -352,7 +353,7 @@ static double cell_area(const flat_point *kept, uint32_t count, double radius,
 static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
 {
 	gw_surfels *s = step->surfels;
-	float radius = list->count ? 0.5f * list->distance[0] : LONE_RADIUS;
+	float radius = list->count ? fmaxf(0.5f * list->distance[0], FLT_MIN) : LONE_RADIUS;
 	s->radius[surfel] = radius;
 	s->area[surfel] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
 	step->isolated[surfel] = 1;
@@ -364,7 +365,8 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	gw_surfels *s = step->surfels;
 	flat_point flat[GW_NEIGHBOURS];
 	double tilt[2];
-	s->nearest[surfel] = gw_neighbours_nearest(step->search, surfel, list);
+	/* Smoothing may bring points together. */
+	s->nearest[surfel] = fmaxf(gw_neighbours_nearest(step->search, surfel, list), FLT_MIN);
 	if (step->gap)
 		step->gap[surfel] = list->count ? list->distance[0] : INFINITY;
 
@@ -373,7 +375,8 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	double noise = measure_noise(flat, count, reach, tilt);
 	double slab = fmin(SLAB * reach + 2 * noise, SLAB_MAX * reach);
 	uint32_t kept = keep_surface(flat, count, slab, tilt);
-	s->noise[surfel] = (float)noise;
+	if (step->measure_noise)
+		s->noise[surfel] = (float)noise;
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, list);
 		return;
@@ -431,7 +434,9 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, 
 	surfels->radius = gw_allocate_array(n, sizeof(float));
 	surfels->area = gw_allocate_array(n, sizeof(float));
 	surfels->clip = gw_allocate_zeros(n, 6 * sizeof(float));
-	surfels->noise = gw_allocate_array(n, sizeof(float));
+	step.measure_noise = !surfels->noise;
+	if (step.measure_noise)
+		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||

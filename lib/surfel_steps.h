@@ -4,6 +4,7 @@
  *   frame       gw_frame_make        local coordinates, canonical order, duplicates merged
  *   neighbours  gw_neighbours_open   a search structure; gw_neighbours_visit goes over all surfels
  *   normals     gw_normals_complete  estimates and orients the normals that are missing
+ *   smooth      gw_surfels_smooth    moves noisy points to the surface that they scatter around
  *   disc        gw_discs_make        area, radius, clip planes, noise and region of influence
  *
  * Every step fills its arrays of gw_surfels; gw_surfels_make frees them when a step fails.
@@ -88,8 +89,19 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);
 
 /*
- * Fills nearest, radius, area, clip, noise, spacing and given_area, and sets two_sided of surfels
- * that have fewer than three neighbours on their surface.
+ * Finds the noise of the points. Where it is significant, replaces position and normal by those of
+ * the surface that the points scatter around, keeps the normals from before in given_normal, and
+ * fills noise. Clean clouds stay as they are; in those partly clean, what lies in clean parts.
+ *   search     must have the surfels as they are; when they change it is of no more use
+ *   smoothed   receives whether anything was replaced
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
+							gw_error *error);
+
+/*
+ * Fills nearest, radius, area, clip, spacing and given_area, noise unless it is there, and sets
+ * two_sided of surfels that have fewer than three neighbours on their surface.
  *   gap   NULL or count floats that receive the Euclidean distance to the nearest other surfel
  */
 gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, gw_error *error);

@@ -49,16 +49,24 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	gw_status status = gw_frame_make(points, options, surfels, error);
 	if (status != GW_OK)
 		return status;
-	bool estimate = surfels->normals_given < surfels->count;
 	if (gap) {
 		*gap = gw_allocate_array(surfels->count, sizeof **gap);
 		if (!*gap)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
-	status = gw_neighbours_open(surfels, options, estimate, &search, error);
+	/* Lists are visited more than once when normals are missing or the points are noisy. */
+	status = gw_neighbours_open(surfels, options, true, &search, error);
 	if (status != GW_OK)
 		return status;
+	bool smoothed = false;
 	status = gw_normals_complete(points, options, search, surfels, error);
+	if (status == GW_OK)
+		status = gw_surfels_smooth(search, surfels, &smoothed, error);
+	if (smoothed) {
+		gw_neighbours_close(search);
+		search = NULL;
+		status = gw_neighbours_open(surfels, options, false, &search, error);
+	}
 	if (status == GW_OK)
 		status = gw_discs_make(search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
@@ -92,6 +100,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 {
 	free(surfels->position);
 	free(surfels->normal);
+	free(surfels->given_normal);
 	free(surfels->normal_length);
 	free(surfels->albedo);
 	free(surfels->emission);

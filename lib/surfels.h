@@ -2,9 +2,9 @@
  * surfels.h - from bare points to pieces of surface (surfels), on the host.
  *
  * Steps, in the order of the data's way: frame (local origin, canonical order, duplicates merged),
- * neighbours (FLANN), normals (PCL where missing, oriented), region of influence, and for each
- * point the disc of surface it stands for. Everything downstream works on this struct's order, not
- * on the input's; `input` and `surfel_of_point` map between the two.
+ * neighbours (FLANN), normals (PCL where missing, oriented), the surface behind noise, region of
+ * influence, and for each point the disc of surface it stands for. Everything downstream works on
+ * this struct's order, not on the input's; `input` and `surfel_of_point` map between the two.
  */
 #ifndef SURFELS_H
 #define SURFELS_H
@@ -25,8 +25,11 @@ typedef struct gw_surfels {
 	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
 						 under a metre), chosen from the bounds */
 	float minimum[3], maximum[3]; /* bounds in the local frame */
-	float *position;              /* 3 * count, metres in the local frame */
-	float *normal;                /* 3 * count, unit */
+	float *position;              /* 3 * count, metres in the local frame; of noisy points their
+									 place on the surface that they scatter around */
+	float *normal;                /* 3 * count, unit; of noisy points that of this surface */
+	float *given_normal;  /* NULL when no point is noisy, else 3 * count, unit, the points' own,
+							 which lamps shine on */
 	float *normal_length; /* count, length of the given normal in (0, 1]: spread of the NDF */
 	float *albedo;        /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
 	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */
@@ -39,7 +42,8 @@ typedef struct gw_surfels {
 					  direction x, y in the disc's tangent frame (gw_tangent_frame) and the
 					  distance beyond which nothing of it lies; (0, 0, 0): none */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
-	float *noise;       /* count, metres, RMS distance of the neighbours to the fitted plane */
+	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
+						   fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out */
 	size_t point_count;
 	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */

@@ -53,7 +53,9 @@ void main()
 	float distance;
 	vec3 towards;
 	if (light_cosine(g, normal, light_irradiance(g, towards, distance), towards) > 0.0) {
-		vec3 facing = dot(normal.xyz, towards) < 0.0 ? -normal.xyz : normal.xyz;
+		/* The ray leaves the surface behind the noise; the normal is the point's own. */
+		vec3 facing = texelFetch(surfel_facing, int(push.first + i)).xyz;
+		facing = dot(normal.xyz, towards) < 0.0 ? -facing : facing;
 		float turn = unit_float(hash2(push.first + i, push.seed));
 		vec3 t, b;
 		tangent_frame(towards, t, b);

@@ -703,6 +703,56 @@ static void areas_add_up_with_sensor_noise(void **state)
 	assert_total_area(make_box(12000, true, 0.5, 15), 6, 3);
 }
 
+/* Random points on the unit square, which faces up. */
+static cloud make_square(size_t count, double noise, double degrees)
+{
+	cloud c = make_cloud(count, true);
+	const double up[3] = { 0, 0, 1 };
+	for (size_t i = 0; i < count; i++) {
+		double x = uniform(), p[3] = { x, uniform(), 0 };
+		set_noisy(&c, i, p, up, noise / sqrt((double)count), degrees);
+	}
+	return c;
+}
+
+/* The mean of 17 points is 1 / sqrt(17) = 0.24 of their noise from the plane, and a second mean
+ * brings it nearer. Of normals it is as much, and each tilt has two axes. */
+static void noisy_points_move_to_their_surface(void **state)
+{
+	(void)state;
+	const double noise[2] = { 0.3, 0.5 };
+	for (int t = 0; t < 2; t++) {
+		cloud c = make_square(9000, noise[t], 5);
+		gw_surfels s = make(&c);
+		double squared = 0, tilt = 0;
+		for (size_t i = 0; i < s.count; i++) {
+			double z = (double)s.position[3 * i + 2] + s.origin[2];
+			squared += z * z;
+			tilt += 1 - (double)s.normal[3 * i + 2] * (double)s.normal[3 * i + 2];
+		}
+		double spacing = 1 / sqrt((double)s.count), axis = 5 * PI / 180;
+		assert_true(sqrt(squared / (double)s.count) < 0.25 * noise[t] * spacing);
+		assert_true(sqrt(tilt / (double)s.count) < 0.3 * sqrt(2.0) * axis);
+		assert_non_null(s.given_normal);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+}
+
+/* What is clean, curved or flat, with edges or without, counts as clean and is not replaced. */
+static void clean_points_stay(void **state)
+{
+	(void)state;
+	cloud clouds[] = { make_square(9000, 0, 0), make_box(9000, true, 0, 0),
+					   make_sphere(9000, true, 0, 0) };
+	for (size_t t = 0; t < sizeof clouds / sizeof *clouds; t++) {
+		gw_surfels s = make(&clouds[t]);
+		assert_null(s.given_normal);
+		gw_surfels_clear(&s);
+		clear_cloud(&clouds[t]);
+	}
+}
+
 /* RMS over the surfels: Gaussian noise within a cut of two or more of its standard deviations. */
 static void noise_is_measured(void **state)
 {
@@ -987,6 +1037,8 @@ int main(void)
 		cmocka_unit_test(scan_lines_are_one_surface),
 		cmocka_unit_test(areas_add_up_with_sensor_noise),
 		cmocka_unit_test(noise_is_measured),
+		cmocka_unit_test(noisy_points_move_to_their_surface),
+		cmocka_unit_test(clean_points_stay),
 		cmocka_unit_test(discs_end_at_edges),
 		cmocka_unit_test(discs_end_at_creases),
 		cmocka_unit_test(thin_walls_are_two_surfaces),
