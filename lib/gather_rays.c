@@ -26,11 +26,14 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 								  "hit distance", &gather->distance, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
-			gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-			gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
-			gw_whole(&octree->lobe_centre),   gw_whole(&records->position),
-			gw_whole(&records->normal),       gw_window(&gather->lobe, 4),
-			gw_window(&gather->distance, 4)
+			gw_whole(&octree->ray_directory),   gw_whole(&octree->node),
+			gw_whole(&octree->leaf_tile),       gw_whole(&octree->lobe_plane),
+			gw_whole(&octree->lobe_centre),     gw_whole(&records->position),
+			gw_whole(&records->normal),         gw_window(&gather->lobe, 4),
+			gw_window(&gather->distance, 4),    gw_whole(&octree->leaf_fragment),
+			gw_whole(&octree->fragment_surfel), gw_whole(&octree->surfel_position),
+			gw_whole(&octree->surfel_normal),   gw_whole(&octree->surfel_disc),
+			gw_whole(&octree->surfel_clip)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);

@@ -54,7 +54,8 @@ struct gw_neighbours {
 	const gw_surfels *surfels;
 	const gw_surfels_options *options;
 	gw_neighbour_index *index;
-	float *scaled;         /* 3 * count, positions times a power of two: about unit size */
+	double scale;          /* a power of two */
+	float *scaled;         /* 3 * count, positions times scale: about unit size */
 	uint32_t per_surfel;   /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
 	uint32_t *stored;      /* NULL or per_surfel * count, lists found by the first visit */
 	bool is_stored;        /* whether the first visit has filled it */
@@ -96,9 +97,9 @@ static void scale_positions(gw_neighbours *search)
 	float extent = 0;
 	for (int k = 0; k < 3; k++)
 		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
-	double scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
+	search->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
 	for (size_t i = 0; i < 3 * s->count; i++)
-		search->scaled[i] = (float)((double)s->position[i] * scale);
+		search->scaled[i] = (float)((double)s->position[i] * search->scale);
 }
 
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
@@ -407,4 +408,24 @@ float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neigh
 		}
 	}
 	return (float)nearest;
+}
+
+void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour_list *list)
+{
+	float query[3];
+	int found[GW_NEIGHBOURS_AT];
+	float squared[GW_NEIGHBOURS_AT];
+	size_t count = search->surfels->count;
+	size_t k = count < GW_NEIGHBOURS_AT ? count : GW_NEIGHBOURS_AT;
+	for (size_t axis = 0; axis < 3; axis++)
+		query[axis] = (float)(place[axis] * search->scale);
+	list->count = list->complete = 0;
+	if (!gw_neighbour_index_search(search->index, query, 1, k, found, squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return;
+	}
+	for (size_t j = 0; j < k; j++)
+		insert_neighbour(list, (uint32_t)found[j],
+						 (float)(sqrt((double)squared[j]) / search->scale));
+	list->complete = list->count;
 }

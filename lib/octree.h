@@ -62,7 +62,8 @@ typedef struct gw_octree {
 	/* R32_UINT, 8 * leaf_tile_count, as tile_neighbour */
 	gw_buffer leaf_tile_neighbour;
 	/* R32G32_UINT, leaf_tile_count: x = index of its first leaf, y = bit field: bits 0-7 leaf
-	 * exists, bits 8-15 it has a first lobe, 16-23 a second one */
+	 * exists, bits 8-15 it has a first lobe, 16-23 a second one, 24-31 its lobes' surface fills
+	 * it */
 	gw_buffer leaf_tile;
 	/* R32G32B32A32_UINT, leaf_count: cell x, y, z and leaf tile */
 	gw_buffer leaf_cell;

@@ -16,11 +16,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DIRECTIONS 16     /* in which the neighbours' extent is looked at */
-#define DISC_RANK 8       /* the disc reaches to this neighbour on the surface */
-#define SAME_SURFACE 0.6  /* least cosine between normals */
-#define SLAB 0.35         /* half thickness of the plane, in distances of the furthest neighbour */
-#define SLAB_MAX 0.8      /* the same with noise */
+#define DIRECTIONS 16    /* in which the neighbours' extent is looked at */
+#define DISC_RANK 8      /* the disc reaches to this neighbour on the surface */
+#define SAME_SURFACE 0.6 /* least cosine between normals */
+#define SLAB 0.35        /* half thickness of the plane, in distances of the furthest neighbour */
+#define SLAB_MAX 0.8     /* the same with noise */
+#define VOID_STEP 0.75   /* how far behind an edge the surface is looked for, of the reach */
+#define VOID_WIDTH 1.8   /* most width of a void, of the reach */
+#define VOID_SLOPE 0.7
 #define FIT_SLAB 0.6      /* half thickness within which noise is measured */
 #define CREASE_VOTES 3    /* neighbours that have to agree on a crease */
 #define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
@@ -260,29 +263,109 @@ static uint32_t take_creases(crease_lines *creases, double reach, half_plane edg
 	return found;
 }
 
+/* The surfels nearest to a place in the surfel's plane. */
+static void look_at(const disc_step *step, size_t surfel, double x, double y,
+					gw_neighbour_list *list)
+{
+	const gw_surfels *s = step->surfels;
+	double place[3];
+	float t[3], b[3];
+	gw_tangent_frame(s->normal + 3 * surfel, t, b);
+	for (size_t k = 0; k < 3; k++)
+		place[k] = (double)s->position[3 * surfel + k] + x * (double)t[k] + y * (double)b[k];
+	gw_neighbours_at(step->search, place, list);
+}
+
+/* Do the surface's points lie all around a place in the surfel's plane? */
+static bool is_surrounded(const disc_step *step, size_t surfel, double x, double y)
+{
+	gw_neighbour_list list;
+	flat_point flat[GW_NEIGHBOURS];
+	look_at(step, surfel, x, y, &list);
+	uint32_t count = flatten(step->surfels, surfel, &list, flat), seen = 0;
+	for (uint32_t j = 0; j < count; j++)
+		for (int d = 0; d < DIRECTIONS; d++)
+			if (direction_x[d] * (flat[j].x - x) + direction_y[d] * (flat[j].y - y) > 0)
+				seen |= 1u << d;
+	return seen == (1u << DIRECTIONS) - 1;
+}
+
+/*
+ * Where points are spread at random they leave voids some three of their spacings wide; to the
+ * points around one it looks as if the surface ended there. Is there more of it on the other side?
+ *   list   what lies around the void
+ */
+static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_list *list,
+					const half_plane *edge, double reach)
+{
+	flat_point flat[GW_NEIGHBOURS];
+	uint32_t count = flatten(step->surfels, surfel, list, flat);
+	for (uint32_t j = 0; j < count; j++) {
+		double ahead = along(edge, flat[j].x, flat[j].y);
+		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
+		if (ahead > edge->offset && ahead <= VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
+			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
+	}
+	return false;
+}
+
+/* Does the surface end where it meets another one behind such a void? Then that is its edge. */
+static bool meets_crease(const disc_step *step, size_t surfel, const gw_neighbour_list *list,
+						 half_plane *edge, double reach)
+{
+	crease_lines creases;
+	half_plane line;
+	find_creases(step->surfels, surfel, list, VOID_WIDTH * reach, &creases);
+	while (creases.count > 0)
+		if (merge_lines(&creases, reach, &line) >= CREASE_VOTES &&
+			along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
+			*edge = line;
+			return true;
+		}
+	return false;
+}
+
+/* Finds the direction in which the surface's points reach least far; false when they reach far
+ * enough everywhere. `extent` is theirs in all directions. */
+static bool find_open_side(const double *extent, double least, const half_plane *edge,
+						   uint32_t found, half_plane *side)
+{
+	int best = -1;
+	for (int d = 0; d < DIRECTIONS; d++) {
+		if (found == 1 && along(edge, direction_x[d], direction_y[d]) > COS_60)
+			continue;
+		if (best < 0 || extent[d] < extent[best])
+			best = d;
+	}
+	*side = (half_plane){ direction_x[best], direction_y[best], extent[best] };
+	return extent[best] < least;
+}
+
 /* Adds half-planes beyond which the surface has no points, up to two with those already found, from
  * which they are turned by 60 degrees or more. */
-static uint32_t find_edges(const flat_point *kept, uint32_t count, half_plane edge[2],
-						   uint32_t found)
+static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_point *kept,
+						   uint32_t count, half_plane edge[2], uint32_t found)
 {
 	double reach = kept[count - 1].distance, extent[DIRECTIONS];
+	half_plane side;
 	for (int d = 0; d < DIRECTIONS; d++) {
 		extent[d] = 0;
 		for (uint32_t j = 0; j < count; j++)
 			extent[d] = fmax(extent[d], direction_x[d] * kept[j].x + direction_y[d] * kept[j].y);
 	}
-	for (; found < 2; found++) {
-		int best = -1;
-		for (int d = 0; d < DIRECTIONS; d++) {
-			if (found == 1 && along(edge, direction_x[d], direction_y[d]) > COS_60)
-				continue;
-			if (best < 0 || extent[d] < extent[best])
-				best = d;
+	while (found < 2 && find_open_side(extent, open_extent[count] * reach, edge, found, &side)) {
+		gw_neighbour_list behind;
+		look_at(step, surfel, VOID_STEP * reach * side.x, VOID_STEP * reach * side.y, &behind);
+		if (goes_on(step, surfel, &behind, &side, reach)) {
+			for (int d = 0; d < DIRECTIONS; d++)
+				if (direction_x[d] == side.x && direction_y[d] == side.y)
+					extent[d] = reach;
+			continue;
 		}
-		if (!(extent[best] < open_extent[count] * reach))
-			break;
-		edge[found] = (half_plane){ direction_x[best], direction_y[best],
-									extent[best] + edge_margin(kept, reach) };
+		edge[found] = side;
+		if (!meets_crease(step, surfel, &behind, edge + found, reach))
+			edge[found].offset += edge_margin(kept, reach);
+		found++;
 	}
 	return found;
 }
@@ -388,7 +471,8 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
 	crease_lines creases;
 	find_creases(s, surfel, list, reach, &creases);
-	uint32_t edges = find_edges(flat, kept, edge, take_creases(&creases, reach, edge));
+	uint32_t edges =
+		find_edges(step, surfel, flat, kept, edge, take_creases(&creases, reach, edge));
 	double area = cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);

@@ -78,6 +78,15 @@ gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visi
 float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list);
 
 /*
+ * The GW_NEIGHBOURS_AT surfels, or all when there are fewer, that are nearest to a place.
+ *   place   metres, like surfels->position
+ *   list    receives them, with their distances from the place
+ * Thread-safety and lack of memory are as for gw_neighbours_nearest.
+ */
+#define GW_NEIGHBOURS_AT 12u
+void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour_list *list);
+
+/*
  * Estimates normals that are 0, 0, 0, orients them and sets two_sided where they cannot be trusted.
  * Orientation, by the first of these that the scene has: to the scanner that saw it, or the nearest
  * one when nobody knows; to the nearest point or spot light; against the first sun's direction

@@ -1,6 +1,6 @@
 /*
  * octree_finish.comp - the last step: turns the sums of each lobe into means, and says in the
- * leaf's tile, and in its cell of the directory, that there are lobes.
+ * leaf's tile, and in its cell of the directory, that there are lobes and whether they fill it.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -23,8 +23,28 @@ layout(binding = 10) buffer Marks { uint mark[]; }; /* of the cells of the direc
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
-/* `first`: a fragment of the lobe, for lobes without area or whose normals cancel. */
-void finish_lobe(uint slot, uvec3 cell, uint first)
+/* A lobe with less area than this share of its plane's in the cell has an edge there, or a gap. */
+const float FILLED = 0.85;
+
+/* Area of the plane n . (g - centre) = c within a unit cell: the derivative by c of the volume
+ * below it, which is a sum over the corners. Directions nearly along an axis, where rounding would
+ * take over, are turned off it by SLANT. */
+float area_in_cell(vec3 n, float c)
+{
+	const float SLANT = 0.02;
+	n = normalize(max(abs(n), vec3(SLANT)));
+	float sum = 0.0;
+	for (int i = 0; i < 8; i++) {
+		vec3 corner = vec3(i & 1, i >> 1 & 1, i >> 2) - 0.5;
+		float above = max(c - dot(n, corner), 0.0);
+		sum += (bitCount(i) & 1) == 0 ? above * above : -above * above;
+	}
+	return sum / (2.0 * n.x * n.y * n.z);
+}
+
+/* Returns whether the lobe fills its cell. `first`: a fragment of the lobe, for lobes without area
+ * or whose normals cancel. */
+bool finish_lobe(uint slot, uvec3 cell, uint first)
 {
 	int surfel = int(texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL);
 	vec3 sum = lobe_plane[slot].xyz;
@@ -41,6 +61,7 @@ void finish_lobe(uint slot, uvec3 cell, uint first)
 	lobe_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0 : 0.0);
 	if (push.emissive != 0u)
 		lobe_emission[slot] = vec4(lobe_emission[slot].xyz * scale, 0.0);
+	return area >= FILLED * area_in_cell(normal, offset);
 }
 
 void main()
@@ -54,11 +75,14 @@ void main()
 	if (start.x == 0u)
 		return;
 	uint bits = 1u << (8u + octant);
-	finish_lobe(2u * local, cell.xyz, start.x - 1u);
+	bool filled = finish_lobe(2u * local, cell.xyz, start.x - 1u);
 	if (start.z != 0u) {
 		bits |= 1u << (16u + octant);
-		finish_lobe(2u * local + 1u, cell.xyz, start.z - 1u);
+		if (!finish_lobe(2u * local + 1u, cell.xyz, start.z - 1u))
+			filled = false;
 	}
+	if (filled)
+		bits |= 1u << (24u + octant);
 	atomicOr(leaf_tile[cell.w].y, bits);
 	uint t = push.directory_level;
 	uvec3 c = cell.xyz >> (push.depth - t);

@@ -1,7 +1,7 @@
 /*
  * octree_trace.glsl - tracing rays. Uses the texel buffers ray_directory, node, leaf_tile,
- * lobe_plane and lobe_centre (octree.h). With octree_discs.glsl before it, a plane counts only
- * where discs cover it.
+ * lobe_plane and lobe_centre (octree.h). With octree_discs.glsl before it, a plane that does not
+ * fill its cell counts only where discs cover it.
  */
 #ifndef OCTREE_TRACE_GLSL
 #define OCTREE_TRACE_GLSL
@@ -34,8 +34,8 @@ vec4 tangent_plane_at(vec3 g, vec3 normal)
  * planes that stick out of their cells' surface. So within NEAR cells a plane counts only if its
  * lobe's centre lies above the tangent plane of that surface, and only its front side.
  */
-bool hit_plane(int slot, bool both_sides, vec3 origin, vec4 tangent_plane, vec3 direction,
-			   vec3 centre, inout float t, inout bool behind)
+bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent_plane,
+			   vec3 direction, vec3 centre, inout float t, inout bool behind)
 {
 	vec4 plane = texelFetch(lobe_plane, slot);
 	float approach = dot(plane.xyz, direction);
@@ -60,7 +60,7 @@ bool hit_plane(int slot, bool both_sides, vec3 origin, vec4 tangent_plane, vec3 
 			return false;
 	}
 #ifdef TRACE_DISCS
-	if (!is_covered(slot, origin + direction * distance))
+	if (!filled && !is_covered(slot, origin + direction * distance))
 		return false;
 #endif
 	t = distance;
@@ -124,12 +124,13 @@ bool trace(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool bo
 					uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 					vec3 centre = vec3(cell) + 0.5;
 					int slot = int(2u * leaf);
-					if (hit_plane(slot, both_sides, origin, tangent_plane, direction, centre, t_hit,
-								  behind))
+					bool filled = ((tile.y >> (24u + octant)) & 1u) != 0u;
+					if (hit_plane(slot, filled, both_sides, origin, tangent_plane, direction,
+								  centre, t_hit, behind))
 						lobe = uint(slot);
 					if (((tile.y >> (16u + octant)) & 1u) != 0u &&
-						hit_plane(slot + 1, both_sides, origin, tangent_plane, direction, centre,
-								  t_hit, behind))
+						hit_plane(slot + 1, filled, both_sides, origin, tangent_plane, direction,
+								  centre, t_hit, behind))
 						lobe = uint(slot + 1);
 					if (lobe != GW_NONE)
 						return true;

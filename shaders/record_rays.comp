@@ -24,11 +24,18 @@ layout(binding = 8) writeonly buffer Distance
 {
 	float hit_distance[];
 };
+layout(binding = 9) uniform usamplerBuffer leaf_fragment;
+layout(binding = 10) uniform usamplerBuffer fragment_surfel;
+layout(binding = 11) uniform samplerBuffer surfel_place;
+layout(binding = 12) uniform samplerBuffer surfel_facing;
+layout(binding = 13) uniform samplerBuffer surfel_disc;
+layout(binding = 14) uniform samplerBuffer surfel_clip;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
 };
 
+#include "octree_discs.glsl"
 #include "octree_trace.glsl"
 #include "record_ray.glsl"
 
