@@ -470,7 +470,7 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 			out->indirect_irradiance[3 * i + c] = indirect;
 			out->albedo[3 * i + c] = albedo;
 			out->normal[3 * i + c] =
-				(surfels->given_normal ? surfels->given_normal : surfels->normal)[3 * s + c];
+				(surfels->lamp_normal ? surfels->lamp_normal : surfels->normal)[3 * s + c];
 			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
 		}
 	}

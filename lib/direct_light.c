@@ -155,11 +155,11 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, gw_buffe
 					   surfels->count);
 	gw_status status =
 		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
-						 "given normals", normal, error);
+						 "normals for lamps", normal, error);
 	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
-			memcpy(chunk + 4 * i, surfels->given_normal + 3 * (first + i), 3 * sizeof *chunk);
+			memcpy(chunk + 4 * i, surfels->lamp_normal + 3 * (first + i), 3 * sizeof *chunk);
 			chunk[4 * i + 3] = surfels->two_sided[first + i] ? 1.0f : 0.0f;
 		}
 		status =
@@ -226,11 +226,11 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 						  gw_buffer *lobe_direct, gw_error *error)
 {
 	gw_buffer visibility = { 0 }, own_normal = { 0 };
-	const gw_buffer *normal = surfels->given_normal ? &own_normal : &octree->surfel_normal;
+	const gw_buffer *normal = surfels->lamp_normal ? &own_normal : &octree->surfel_normal;
 	gw_status status =
 		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 						 4 * (uint64_t)surfels->count, "visibility", &visibility, error);
-	if (status == GW_OK && surfels->given_normal)
+	if (status == GW_OK && surfels->lamp_normal)
 		status = upload_normals(passes->gpu, surfels, &own_normal, error);
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))

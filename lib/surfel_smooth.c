@@ -6,6 +6,9 @@
  * along that to the mean height of the points around it. Heights are taken along the mean of both
  * points' normals; they are 0 between any two points of a circle, so that curved surfaces neither
  * shrink nor count as noise.
+ *
+ * What lamps shine on is finer than that surface: there only so much of each normal's difference to
+ * the mean around it is given up as is noise.
  */
 #include "surfel_steps.h"
 
@@ -147,6 +150,92 @@ static bool find_levels(const float *noise, size_t count, float *level)
 	return noisy;
 }
 
+/* ----------------------------------------------------------------------------- lamps' normals */
+
+typedef struct normal_step {
+	const gw_surfels *surfels; /* with the normals that were given */
+	const float *smooth;       /* 3 * count, the mean normals */
+	float *noise;              /* count, variance of the given normals by noise, rad^2; any sign */
+	float *spread;             /* count, squared difference of given to mean */
+} normal_step;
+
+/*
+ * Squared differences between a normal and those around it, by distance: what is left of them at no
+ * distance is noise, twice. A line through them finds it; where normals turn steadily, as they do
+ * on curved surfaces, that is too little rather than too much.
+ */
+static void compare_normals(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const normal_step *step = user;
+	const gw_surfels *s = step->surfels;
+	const float *n = s->normal + 3 * surfel, *mean = step->smooth + 3 * surfel;
+	double count = 0, x = 0, y = 0, xx = 0, xy = 0, spread = 0;
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		const float *m = s->normal + 3 * other;
+		double cosine = 0, distance = (double)list->distance[j] / reach_of(list);
+		for (size_t k = 0; k < 3; k++)
+			cosine += (double)n[k] * (double)m[k];
+		if (s->two_sided[surfel] || s->two_sided[other])
+			cosine = fabs(cosine);
+		if (!(cosine > SAME_SURFACE))
+			continue;
+		double difference = 2 - 2 * cosine;
+		count += 1;
+		x += distance;
+		y += difference;
+		xx += distance * distance;
+		xy += distance * difference;
+	}
+	for (size_t k = 0; k < 3; k++)
+		spread += ((double)n[k] - (double)mean[k]) * ((double)n[k] - (double)mean[k]);
+	double determinant = count * xx - x * x;
+	bool known = count == GW_NEIGHBOURS && determinant > 0;
+	step->noise[surfel] = known ? (float)(0.5 * (y * xx - x * xy) / determinant) : 0;
+	step->spread[surfel] = known ? (float)spread : 0;
+}
+
+/* The share of given normals' difference to the mean of 17 that is not noise, by the region's sums:
+ * this weight makes the expected squared error least. */
+static double share_of_detail(const float *noise, const float *spread, size_t count)
+{
+	double noises = 0, spreads = 0;
+	for (size_t i = 0; i < count; i++) {
+		noises += (double)noise[i];
+		spreads += (double)spread[i];
+	}
+	const double share = GW_NEIGHBOURS / (GW_NEIGHBOURS + 1.0);
+	return spreads > 0 ? fmin(fmax(1 - share * noises / spreads, 0), 1) : 1;
+}
+
+/*
+ * Takes noise out of the given normals.
+ *   smooth   the mean normals
+ *   work     2 * count floats to work in
+ */
+static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const float *smooth,
+							   float *work, gw_error *error)
+{
+	normal_step step = { s, smooth, work, work + s->count };
+	gw_status status = gw_neighbours_visit(search, compare_normals, &step, error);
+	for (size_t first = 0; first < s->count && status == GW_OK; first += REGION) {
+		size_t length = s->count - first < REGION ? s->count - first : REGION;
+		double detail = share_of_detail(step.noise + first, step.spread + first, length);
+		for (size_t i = first; i < first + length; i++) {
+			double n[3];
+			for (size_t k = 0; k < 3; k++)
+				n[k] = detail * (double)s->normal[3 * i + k] +
+					   (1 - detail) * (double)smooth[3 * i + k];
+			double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+			for (size_t k = 0; k < 3 && size > 0; k++)
+				s->normal[3 * i + k] = (float)(n[k] / size);
+		}
+	}
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- all of it */
+
 /* `a` and `b` are 3 * count floats to work in; both stay the caller's. */
 static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, float **b,
 						float *normal, gw_error *error)
@@ -186,10 +275,12 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 		status = spare && normal && surfels->noise
 					 ? smooth(search, &step, &position, &spare, normal, error)
 					 : gw_fail(error, GW_ERROR_MEMORY, "no memory to smooth %zu points", n);
+		if (status == GW_OK)
+			status = clean_normals(search, surfels, normal, spare, error);
 		*smoothed = status == GW_OK;
 	}
 	if (*smoothed) {
-		surfels->given_normal = surfels->normal;
+		surfels->lamp_normal = surfels->normal;
 		surfels->normal = normal;
 		normal = surfels->position;
 		surfels->position = position;

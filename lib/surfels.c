@@ -100,7 +100,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 {
 	free(surfels->position);
 	free(surfels->normal);
-	free(surfels->given_normal);
+	free(surfels->lamp_normal);
 	free(surfels->normal_length);
 	free(surfels->albedo);
 	free(surfels->emission);

@@ -28,8 +28,8 @@ typedef struct gw_surfels {
 	float *position;              /* 3 * count, metres in the local frame; of noisy points their
 									 place on the surface that they scatter around */
 	float *normal;                /* 3 * count, unit; of noisy points that of this surface */
-	float *given_normal;  /* NULL when no point is noisy, else 3 * count, unit, the points' own,
-							 which lamps shine on */
+	float *lamp_normal;   /* NULL when no point is noisy, else 3 * count, unit, the points' own
+							 without what of them is noise: lamps shine on these */
 	float *normal_length; /* count, length of the given normal in (0, 1]: spread of the NDF */
 	float *albedo;        /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
 	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */
