@@ -261,7 +261,7 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 		gw_gbuffer_clear(g);
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
 	}
-	render_view_values(&r->scene, &camera, g, r->look.view, *values);
+	render_view_values(&r->scene, g, r->look.view, *values);
 	return GW_OK;
 }
 
