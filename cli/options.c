@@ -190,6 +190,9 @@ const option options[] = {
 			  "inside automatically turns on the spot" },
 	{ "path", 0, "FILE", OPTION_TEXT, RENDER, AT(render.path), .group = "Camera",
 	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
+	{ "mesh", 0, "FILE", OPTION_TEXT, RENDER, AT(render.mesh), .group = "Scene",
+	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
+			  "points on them, and not these points" },
 	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
 	{ "view", 0, NULL, OPTION_CHOICE, RENDER, AT(render.view), .choice = view_name,

@@ -2,6 +2,7 @@
 #include "clock.h"
 #include "loaded_scene.h"
 #include "preview.h"
+#include "render_mesh.h"
 #include "scan_color.h"
 #include "signals.h"
 
@@ -202,6 +203,8 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	status = fill_channels(scene, &loaded->cloud, error);
 	if (status == GW_OK)
 		point_to_surfels(scene);
+	if (status == GW_OK)
+		status = render_mesh_add(s, scene, error);
 	scene->surface_seconds = gw_seconds() - start - scene->choose_seconds;
 	return status;
 }
@@ -228,5 +231,7 @@ void render_scene_clear(render_scene *scene)
 	gw_surfels_clear(&scene->surfels);
 	free(scene->channel);
 	free(scene->luminance);
+	gw_mesh_pieces_clear(&scene->pieces);
+	free(scene->index);
 	*scene = (render_scene){ .channel = NULL };
 }

@@ -4,6 +4,7 @@
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H
 
+#include "mesh_light.h"
 #include "raster.h"
 #include "settings.h"
 #include "surfels.h"
@@ -30,6 +31,8 @@ typedef struct render_scene {
 	int offset[RENDER_CHANNEL_COUNT]; /* within a surfel's channels; -1: not there */
 	float *luminance;                 /* owned; while choosing: of each surfel, or NULL when not
 										 lit */
+	gw_mesh_pieces pieces;            /* owned; of --mesh */
+	uint32_t *index;                  /* owned; 0, 1, 2... for the pieces' corners */
 	gw_raster_scene raster;           /* leads into the above */
 	char up;                          /* 'y' or 'z' */
 	bool photometric;                 /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */

@@ -44,7 +44,7 @@ typedef struct gw_raster_discs {
 	size_t count;
 	const float *position;    /* 3 * count, metres in the local frame */
 	const float *normal;      /* 3 * count, unit */
-	const float *radius;      /* count, metres, above 0 */
+	const float *radius;      /* count, metres; 0: not drawn */
 	const float *clip;        /* 6 * count or NULL: half-planes as in gw_surfels.clip */
 	const uint8_t *two_sided; /* count or NULL: 1 where the normal's sign means nothing */
 	const float *channel;     /* channel_count * count, what is blended */

@@ -176,7 +176,7 @@ static bool make_disc(const gw_raster_view *view, size_t disc, gw_raster_shape *
 	bounds b;
 	place_in_view(view, discs->position + 3 * disc, s->middle);
 	const float *p = s->middle;
-	if (!(p[2] + radius >= view->near))
+	if (!(radius > 0.0f) || !(p[2] + radius >= view->near))
 		return false;
 	to_view(view, discs->normal + 3 * disc, s->normal);
 	s->offset = dot(s->normal, p);
