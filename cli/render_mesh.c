@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LONGEST 1.5 /* edge of a piece, in spacings of the points */
-#define PIECES 8e6  /* at most, about; else they are larger */
+#define LONGEST 1.5f    /* edge of a piece, in spacings of the points */
+#define PIECES 8000000u /* when there are so many, larger ones are made */
 
 /* A triangle's corners and normals in the surfels' frame. */
 static void place_triangle(const mesh *m, size_t triangle, const double origin[3], float corner[9],
@@ -55,19 +55,6 @@ static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pi
 	return status;
 }
 
-/* About how many pieces a mesh is cut into: by area, and along the edges of thin triangles. */
-static double count_pieces(const mesh *m, double longest)
-{
-	double count = 4.0 * m->area / (longest * longest) + (double)m->triangle_count;
-	for (size_t i = 0; i < m->triangle_count; i++)
-		for (size_t e = 0; e < 3; e++) {
-			const double *a = m->position + 3 * (size_t)m->corner[3 * i + e];
-			const double *b = m->position + 3 * (size_t)m->corner[3 * i + (e + 1) % 3];
-			count += hypot(hypot(b[0] - a[0], b[1] - a[1]), b[2] - a[2]) / longest;
-		}
-	return count;
-}
-
 static gw_status read_meshes(const settings *list, mesh *meshes, gw_error *error)
 {
 	gw_status status = GW_OK;
@@ -90,20 +77,34 @@ static gw_status read_meshes(const settings *list, mesh *meshes, gw_error *error
 	return status;
 }
 
+/* Bounds of the points, and some more, for pieces that are half inside. */
+static void find_bounds(const gw_surfels *s, gw_mesh_pieces *pieces)
+{
+	for (size_t k = 0; k < 3; k++) {
+		pieces->minimum[k] = INFINITY;
+		pieces->maximum[k] = -INFINITY;
+		for (size_t i = 0; i < s->count; i++) {
+			float radius = s->radius[i], at = s->position[3 * i + k];
+			pieces->minimum[k] = fminf(pieces->minimum[k], at - radius);
+			pieces->maximum[k] = fmaxf(pieces->maximum[k], at + radius);
+		}
+	}
+}
+
 static gw_status cut_meshes(const mesh *meshes, size_t count, render_scene *scene, gw_error *error)
 {
 	gw_mesh_pieces *pieces = &scene->pieces;
-	double longest = LONGEST * (double)scene->surfels.spacing, needed;
-	do {
-		needed = 0.0;
-		for (size_t i = 0; i < count; i++)
-			needed += meshes[i].triangle_count ? count_pieces(meshes + i, longest) : 0.0;
-		pieces->longest = (float)longest;
-		longest *= 2.0;
-	} while (needed > PIECES && longest < 1e30);
 	gw_status status = GW_OK;
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = add_triangles(meshes + i, scene->surfels.origin, pieces, error);
+	find_bounds(&scene->surfels, pieces);
+	pieces->most = PIECES;
+	pieces->longest = LONGEST * scene->surfels.spacing;
+	do {
+		pieces->count = 0;
+		for (size_t i = 0; i < count && status == GW_OK; i++)
+			status = add_triangles(meshes + i, scene->surfels.origin, pieces, error);
+		pieces->longest *= 2.0f;
+	} while (status == GW_OK && pieces->count == pieces->most && pieces->longest < 1e30f);
+	pieces->longest *= 0.5f;
 	return status;
 }
 

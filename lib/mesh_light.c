@@ -17,7 +17,7 @@
 #define SAME_PLANE 0.7f /* least |cosine| between their normals */
 #define SAME_SIDE 0.6f  /* least cosine between the normals of a corner and of its points */
 #define FURTHEST 4.0f   /* longest edges from a corner to the point that lights it */
-#define DEEPEST 256     /* halves on the stack: one for each halving of some edge */
+#define DEEPEST 1024    /* halves on the stack: one for each halving of some edge */
 
 /* ----------------------------------------------------------------------------- cutting */
 
@@ -26,11 +26,22 @@ typedef struct cut_triangle {
 	float corner[3][6];
 } cut_triangle;
 
-static float squared_edge(const cut_triangle *t, int from)
+static double squared_edge(const cut_triangle *t, int from)
 {
 	const float *a = t->corner[from], *b = t->corner[(from + 1) % 3];
-	float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+	double x = (double)b[0] - (double)a[0], y = (double)b[1] - (double)a[1];
+	double z = (double)b[2] - (double)a[2];
 	return x * x + y * y + z * z;
+}
+
+static bool is_outside(const gw_mesh_pieces *pieces, const cut_triangle *t)
+{
+	const float *a = t->corner[0], *b = t->corner[1], *c = t->corner[2];
+	for (int k = 0; k < 3; k++)
+		if (fmaxf(fmaxf(a[k], b[k]), c[k]) < pieces->minimum[k] ||
+			fminf(fminf(a[k], b[k]), c[k]) > pieces->maximum[k])
+			return true;
+	return false;
 }
 
 /* Halves the edge that begins at corner `from`: one half stays, the other is given out. */
@@ -39,7 +50,7 @@ static void halve(cut_triangle *t, int from, cut_triangle *other)
 	int to = (from + 1) % 3;
 	float middle[6], length = 0.0f;
 	for (int k = 0; k < 6; k++)
-		middle[k] = 0.5f * (t->corner[from][k] + t->corner[to][k]);
+		middle[k] = 0.5f * t->corner[from][k] + 0.5f * t->corner[to][k];
 	for (int k = 3; k < 6; k++)
 		length += middle[k] * middle[k];
 	for (int k = 3; k < 6; k++)
@@ -78,12 +89,17 @@ gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], cons
 		memcpy(stack[0].corner[i], corner + 3 * i, 3 * sizeof(float));
 		memcpy(stack[0].corner[i] + 3, normal + 3 * i, 3 * sizeof(float));
 	}
-	while (depth > 0) {
+	double longest = (double)pieces->longest;
+	while (depth > 0 && pieces->count < pieces->most) {
 		cut_triangle *t = &stack[depth - 1];
+		if (is_outside(pieces, t)) {
+			depth--;
+			continue;
+		}
 		int edge = 0;
 		for (int i = 1; i < 3; i++)
 			edge = squared_edge(t, i) > squared_edge(t, edge) ? i : edge;
-		if (depth < DEEPEST && squared_edge(t, edge) > pieces->longest * pieces->longest) {
+		if (depth < DEEPEST && squared_edge(t, edge) > longest * longest) {
 			halve(t, edge, &stack[depth]);
 			depth++;
 			continue;

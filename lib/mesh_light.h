@@ -16,7 +16,10 @@ typedef struct gw_mesh_pieces {
 	float *normal;   /* owned; 9 * count, unit */
 	float *channel;  /* owned; 3 * channel_count * count, from gw_mesh_light; NULL before */
 	size_t count, capacity;
-	float longest; /* metres, of an edge; set before the first triangle is added */
+	/* Set before the first triangle is added: */
+	float longest;                /* metres, of an edge */
+	float minimum[3], maximum[3]; /* bounds; pieces that are wholly outside are left out */
+	size_t most;                  /* no more pieces than this are added */
 } gw_mesh_pieces;
 
 /*

@@ -11,6 +11,14 @@
 
 static const float up[9] = { 0, 0, 1, 0, 0, 1, 0, 0, 1 };
 
+/* None yet, of that size, within 10 m of the middle. */
+static gw_mesh_pieces make_pieces(float longest)
+{
+	return (gw_mesh_pieces){
+		.longest = longest, .minimum = { -10, -10, -10 }, .maximum = { 10, 10, 10 }, .most = 100000
+	};
+}
+
 static float length_of_edge(const gw_mesh_pieces *p, size_t piece, size_t edge)
 {
 	const float *a = p->position + 9 * piece + 3 * edge;
@@ -39,7 +47,7 @@ static void add(gw_mesh_pieces *p, float ax, float ay, float bx, float by, float
 static void pieces_are_small_and_whole(void **state)
 {
 	(void)state;
-	gw_mesh_pieces p = { .longest = 0.1f };
+	gw_mesh_pieces p = make_pieces(0.1f);
 	add(&p, 0, 0, 2, 0, 0, 1);
 	add(&p, 0, 0, 3, 0, 0, 1e-4f); /* a sliver costs its length, not its square */
 	assert_true(fabs(area_of(&p) - 1 - 1.5e-4) < 1e-5);
@@ -48,11 +56,28 @@ static void pieces_are_small_and_whole(void **state)
 			assert_true(length_of_edge(&p, i, e) <= 0.1f);
 	size_t all = p.count;
 	gw_mesh_pieces_clear(&p);
-	p.longest = 0.1f;
+	p = make_pieces(0.1f);
 	add(&p, 0, 0, 3, 0, 0, 1e-4f);
 
 	assert_true(p.count <= 2 * 4 * 32 &&
 				all > p.count); /* 3 / 32 < 0.1; four a part of each side */
+	gw_mesh_pieces_clear(&p);
+}
+
+/* Of a triangle that is larger than the world only what is within the bounds is cut: a square of 20
+ * m and pieces that stick out of it, none of which costs more than its halvings. And never more
+ * than the most. */
+static void far_pieces_cost_nothing(void **state)
+{
+	(void)state;
+	gw_mesh_pieces p = make_pieces(1);
+	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
+	assert_true(p.count > 400 && p.count < 8 * 400);
+	gw_mesh_pieces_clear(&p);
+	p = make_pieces(1);
+	p.most = 100;
+	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
+	assert_int_equal(p.count, 100);
 	gw_mesh_pieces_clear(&p);
 }
 
@@ -72,7 +97,7 @@ static uint64_t on_diagonal(const gw_mesh_pieces *p)
 static void neighbours_share_corners(void **state)
 {
 	(void)state;
-	gw_mesh_pieces a = { .longest = 0.15f }, b = { .longest = 0.15f };
+	gw_mesh_pieces a = make_pieces(0.15f), b = make_pieces(0.15f);
 	add(&a, 0, 0, 1, 0, 1, 1);
 	add(&b, 0, 0, 1, 1, -3, 2);
 	assert_true(on_diagonal(&a) == on_diagonal(&b));
@@ -122,7 +147,7 @@ static void corners_take_the_light_of_their_side(void **state)
 	(void)state;
 	plate *p = make_plate();
 	for (uint32_t threads = 1; threads <= 2; threads++) {
-		gw_mesh_pieces m = { .longest = 1.5f / SIDE };
+		gw_mesh_pieces m = make_pieces(1.5f / SIDE);
 		add(&m, 0, 0, 1, 0, 1, 1);
 		add(&m, 0, 0, 1, 1, 0, 1);
 		size_t count = m.count;
@@ -145,7 +170,7 @@ static void nothing_is_lit_by_nothing(void **state)
 {
 	(void)state;
 	plate *p = make_plate();
-	gw_mesh_pieces m = { .longest = 0.1f };
+	gw_mesh_pieces m = make_pieces(0.1f);
 	memset(p->on_mesh, 1, sizeof p->on_mesh);
 	assert_int_equal(gw_mesh_light(&m, &p->surfels, p->channel, 1, 1, p->on_mesh, NULL), GW_OK);
 	assert_int_equal(p->on_mesh[0], 0);
@@ -160,6 +185,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pieces_are_small_and_whole),
+		cmocka_unit_test(far_pieces_cost_nothing),
 		cmocka_unit_test(neighbours_share_corners),
 		cmocka_unit_test(corners_take_the_light_of_their_side),
 		cmocka_unit_test(nothing_is_lit_by_nothing),
