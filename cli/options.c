@@ -190,6 +190,9 @@ const option options[] = {
 			  "inside automatically turns on the spot" },
 	{ "path", 0, "FILE", OPTION_TEXT, RENDER, AT(render.path), .group = "Camera",
 	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
+	{ "mesh", 0, "FILE", OPTION_TEXT, RENDER, AT(render.mesh), .group = "Scene",
+	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
+			  "points on them, and not these points" },
 	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
 	{ "view", 0, NULL, OPTION_CHOICE, RENDER, AT(render.view), .choice = view_name,
@@ -296,7 +299,7 @@ const option options[] = {
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
 	  .help = "say which effects the scene called for, and why" },
-	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(profile), .group = "Messages",
+	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, SHOWS, AT(profile), .group = "Messages",
 	  .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },

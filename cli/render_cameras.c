@@ -1,12 +1,17 @@
 #include "render_cameras.h"
 #include "options.h"
 
+#include "parallel.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Nearest distance that is seen, in spacings of the points: nothing closer has any detail. */
 #define NEAR 0.05
+
+#define LOOKED_THROUGH 64 /* pictures; of more, nearly everything is in some */
+#define SURROUNDINGS 4.0f /* radii around a picture that belong to it */
 
 gw_status camera_plan_read(const settings *s, camera_plan *plan, gw_error *error)
 {
@@ -40,10 +45,11 @@ size_t camera_plan_count(const camera_plan *plan)
 	return plan->text_count * plan->orbit;
 }
 
-gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, double aspect,
-							gw_error *error)
+gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const gw_surfels *surfels,
+							double aspect, gw_error *error)
 {
 	gw_status status = GW_OK;
+	plan->up = scene->up;
 	plan->view = calloc(plan->text_count, sizeof *plan->view);
 	if (!plan->view)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cameras", plan->text_count);
@@ -55,24 +61,64 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, double
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
 		} else {
-			status = gw_viewpoint_find(&scene->surfels, scene->luminance, scene->up, text->kind,
-									   text->angle, aspect, view, error);
+			status = gw_viewpoint_find(surfels, scene->luminance, plan->up, text->kind, text->angle,
+									   aspect, view, error);
 		}
 	}
 	return status;
 }
 
-gw_status camera_plan_camera(const camera_plan *plan, const render_scene *scene, size_t picture,
+/* What is in one picture. */
+typedef struct choice {
+	const gw_surfels *surfels;
+	gw_camera camera;
+	double aspect;
+	uint8_t *chosen;
+} choice;
+
+static void choose_range(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	const choice *c = user;
+	const gw_surfels *s = c->surfels;
+	for (size_t i = first; i < last; i++) {
+		double centre[3];
+		for (size_t k = 0; k < 3; k++)
+			centre[k] = s->origin[k] + (double)s->position[3 * i + k];
+		c->chosen[i] |=
+			gw_camera_sees(&c->camera, c->aspect, centre, (double)(SURROUNDINGS * s->radius[i]));
+	}
+}
+
+gw_status camera_plan_choose(const camera_plan *plan, const gw_surfels *surfels, double aspect,
+							 uint8_t *chosen, gw_error *error)
+{
+	choice c = { .surfels = surfels, .aspect = aspect, .chosen = chosen };
+	size_t pictures = camera_plan_count(plan);
+	if (pictures > LOOKED_THROUGH) {
+		memset(chosen, 1, surfels->count);
+		return GW_OK;
+	}
+	for (size_t i = 0; i < pictures; i++) {
+		gw_status status = camera_plan_camera(plan, 0.0, i, &c.camera, error);
+		if (status != GW_OK)
+			return status;
+		gw_parallel_for(0, surfels->count, 65536, choose_range, &c);
+	}
+	return GW_OK;
+}
+
+gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t picture,
 							 gw_camera *camera, gw_error *error)
 {
 	const double turn = 2.0 * acos(-1.0);
 	const gw_viewpoint *view = plan->view + picture / plan->orbit;
-	const double up[3] = { 0.0, scene->up == 'y', scene->up != 'y' };
+	const double up[3] = { 0.0, plan->up == 'y', plan->up != 'y' };
 	gw_status status = gw_camera_look(camera, view->at, view->to, up, view->angle, error);
 	if (status != GW_OK)
 		return status;
 	double radians = turn * (double)(picture % plan->orbit) / (double)plan->orbit;
 	gw_camera_orbit(camera, view->inside ? view->at : view->to, up, radians);
-	camera->near = NEAR * (double)scene->surfels.spacing;
+	camera->near = NEAR * spacing;
 	return GW_OK;
 }

@@ -49,17 +49,9 @@ static bool is_number(settings_view view)
 /* ------------------------------------------------------------------------------ shading */
 
 /* Brightness of a surface in the light of a lamp at the camera. */
-static float lamp_at_camera(const gw_camera *camera, const gw_gbuffer *g, size_t pixel)
+static float lamp_at_camera(const gw_gbuffer *g, size_t pixel)
 {
-	double step = 2.0 * camera->tangent / (double)g->height, ray[3], along = 0.0, length = 0.0;
-	double x = ((double)(pixel % g->width) + 0.5 - 0.5 * (double)g->width) * step;
-	double y = (0.5 * (double)g->height - (double)(pixel / g->width) - 0.5) * step;
-	for (size_t k = 0; k < 3; k++) {
-		ray[k] = x * camera->right[k] + y * camera->up[k] + camera->forward[k];
-		along += ray[k] * (double)g->normal[3 * pixel + k];
-		length += ray[k] * ray[k];
-	}
-	return AMBIENT + (1.0f - AMBIENT) * (float)(fabs(along) / sqrt(length));
+	return AMBIENT + (1.0f - AMBIENT) * g->facing[pixel];
 }
 
 /* Where a view's numbers stand within the channels of a pixel; -1: somewhere else. */
@@ -71,8 +63,8 @@ static int offset_of(const render_scene *scene, settings_view view)
 	return -1;
 }
 
-void render_view_values(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
-						settings_view view, float *values)
+void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings_view view,
+						float *values)
 {
 	size_t pixels = (size_t)g->width * g->height;
 	int offset = offset_of(scene, view);
@@ -91,7 +83,7 @@ void render_view_values(const render_scene *scene, const gw_camera *camera, cons
 				v[k] = channel[offset + (one ? 0 : k)];
 		}
 		if (view == SETTINGS_VIEW_SHADED && g->coverage[i] > 0.0f) {
-			float bright = lamp_at_camera(camera, g, i);
+			float bright = lamp_at_camera(g, i);
 			for (int k = 0; k < 3; k++)
 				v[k] *= bright;
 		}

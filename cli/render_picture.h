@@ -32,8 +32,8 @@ bool render_view_is_light(settings_view view);
  * The values of a view: 3 a pixel, linear. Views that are one number have it three times.
  *   values  3 * width * height
  */
-void render_view_values(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
-						settings_view view, float *values);
+void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings_view view,
+						float *values);
 
 /*
  * Writes a picture for the screen.

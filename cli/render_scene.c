@@ -1,6 +1,8 @@
 #include "render_scene.h"
+#include "clock.h"
 #include "loaded_scene.h"
 #include "preview.h"
+#include "render_mesh.h"
 #include "scan_color.h"
 #include "signals.h"
 
@@ -88,29 +90,50 @@ static void copy_own(render_scene *scene)
 	}
 }
 
+/* How many points each surfel stands for; NULL when memory is short. For free(). */
+static uint32_t *count_points(const gw_surfels *s)
+{
+	uint32_t *points = calloc(s->count, sizeof *points);
+	for (size_t i = 0; points && i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX)
+			points[s->surfel_of_point[i]]++;
+	return points;
+}
+
 static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;
 	const scan_column *column[3];
-	uint32_t *points = calloc(s->count, sizeof *points);
+	uint32_t *points = count_points(s);
 	uint32_t stride = scene->raster.channel_count;
-	bool lit = find_columns(cloud, RENDER_RADIANCE, column);
-	float *radiance = lit ? calloc(s->count, 3 * sizeof *radiance) : NULL;
 	scene->channel = calloc(s->count, (stride ? stride : 1) * sizeof *scene->channel);
-	scene->luminance = lit ? calloc(s->count, sizeof *scene->luminance) : NULL;
-	bool good = points && scene->channel && (!lit || (radiance && scene->luminance));
-	for (size_t i = 0; i < s->point_count && good; i++)
-		if (s->surfel_of_point[i] != UINT32_MAX)
-			points[s->surfel_of_point[i]]++;
-	if (good && lit)
-		average_columns(s, column, points, radiance, 3);
-	for (size_t i = 0; i < s->count && good && lit; i++)
-		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
+	bool good = points && scene->channel;
 	for (int c = 0; c < RENDER_CHANNEL_COUNT && good; c++)
 		if (scene->offset[c] >= 0 && find_columns(cloud, (render_channel)c, column))
 			average_columns(s, column, points, scene->channel + scene->offset[c], stride);
 	if (good)
 		copy_own(scene);
+	free(points);
+	return good
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", s->count);
+}
+
+/* The luminance of each surfel, while it is needed. */
+static gw_status fill_luminance(render_scene *scene, const scan *cloud, const gw_surfels *s,
+								gw_error *error)
+{
+	const scan_column *column[3];
+	if (!find_columns(cloud, RENDER_RADIANCE, column))
+		return GW_OK;
+	uint32_t *points = count_points(s);
+	float *radiance = calloc(s->count, 3 * sizeof *radiance);
+	scene->luminance = calloc(s->count, sizeof *scene->luminance);
+	bool good = points && radiance && scene->luminance;
+	if (good)
+		average_columns(s, column, points, radiance, 3);
+	for (size_t i = 0; i < s->count && good; i++)
+		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
 	free(points);
 	free(radiance);
 	return good
@@ -140,12 +163,39 @@ static void point_to_surfels(render_scene *scene)
 											 .channel = scene->channel };
 }
 
-static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wanted,
-					  render_scene *scene, gw_error *error)
+/* Who chooses the surfels, and what that takes. */
+typedef struct choosing {
+	render_scene *scene;
+	const scan *cloud;
+	render_scene_chooser *choose;
+	void *user;
+} choosing;
+
+static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, gw_error *error)
 {
-	gw_surfels_options options = { .threads = s->bake.threads, .cancelled = is_cancelled };
+	choosing *c = user;
+	double start = gw_seconds();
+	gw_status status = fill_luminance(c->scene, c->cloud, surfels, error);
+	if (status == GW_OK)
+		status = c->choose(c->user, c->scene, surfels, chosen, error);
+	free(c->scene->luminance);
+	c->scene->luminance = NULL;
+	c->scene->choose_seconds = gw_seconds() - start;
+	return status;
+}
+
+static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wanted, choosing *c,
+					  gw_error *error)
+{
+	render_scene *scene = c->scene;
+	gw_surfels_options options = { .threads = s->bake.threads,
+								   .choose = choose,
+								   .chooser = c,
+								   .rough_area = true,
+								   .cancelled = is_cancelled };
 	scene->up = loaded->up;
 	scene->photometric = is_photometric(&loaded->cloud);
+	double start = gw_seconds();
 	gw_status status = gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error);
 	if (status != GW_OK)
 		return status;
@@ -153,17 +203,23 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	status = fill_channels(scene, &loaded->cloud, error);
 	if (status == GW_OK)
 		point_to_surfels(scene);
+	if (status == GW_OK)
+		status = render_mesh_add(s, scene, error);
+	scene->surface_seconds = gw_seconds() - start - scene->choose_seconds;
 	return status;
 }
 
-gw_status render_scene_read(const settings *s, uint32_t wanted, render_scene *scene,
-							gw_error *error)
+gw_status render_scene_read(const settings *s, uint32_t wanted, render_scene_chooser *choose_them,
+							void *user, render_scene *scene, gw_error *error)
 {
 	loaded_scene loaded;
+	choosing c = { scene, &loaded.cloud, choose_them, user };
 	*scene = (render_scene){ .channel = NULL };
+	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
+	scene->read_seconds = gw_seconds() - start;
 	if (status == GW_OK)
-		status = make(s, &loaded, wanted, scene, error);
+		status = make(s, &loaded, wanted, &c, error);
 	loaded_scene_clear(&loaded);
 	if (status != GW_OK)
 		render_scene_clear(scene);
@@ -175,5 +231,7 @@ void render_scene_clear(render_scene *scene)
 	gw_surfels_clear(&scene->surfels);
 	free(scene->channel);
 	free(scene->luminance);
+	gw_mesh_pieces_clear(&scene->pieces);
+	free(scene->index);
 	*scene = (render_scene){ .channel = NULL };
 }

@@ -4,6 +4,7 @@
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H
 
+#include "mesh_light.h"
 #include "raster.h"
 #include "settings.h"
 #include "surfels.h"
@@ -28,21 +29,35 @@ typedef struct render_scene {
 	gw_surfels surfels;
 	float *channel;                   /* owned; what raster.discs.channel is */
 	int offset[RENDER_CHANNEL_COUNT]; /* within a surfel's channels; -1: not there */
-	float *luminance;                 /* owned; of each surfel, or NULL when not lit */
+	float *luminance;                 /* owned; while choosing: of each surfel, or NULL when not
+										 lit */
+	gw_mesh_pieces pieces;            /* owned; of --mesh */
+	uint32_t *index;                  /* owned; 0, 1, 2... for the pieces' corners */
 	gw_raster_scene raster;           /* leads into the above */
 	char up;                          /* 'y' or 'z' */
 	bool photometric;                 /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */
+	/* What making it took, seconds. */
+	double read_seconds, choose_seconds, surface_seconds;
 } render_scene;
+
+/*
+ * Called when the places of the points are known, to choose which of them the pictures need.
+ *   scene    with luminance, up and photometric
+ *   surfels  of it, as gw_surfels_chooser has them
+ */
+typedef gw_status render_scene_chooser(void *user, const render_scene *scene,
+									   const gw_surfels *surfels, uint8_t *chosen, gw_error *error);
 
 /*
  * Reads the inputs and finds the surface that they stand for.
  *   wanted  1 << render_channel for each that is wanted, if the cloud has it; a luminance is there
  *           whenever the cloud is lit
+ *   choose  what the pictures need; called with `user`
  *   scene   on success owned by the caller, freed with render_scene_clear; zeroed on failure
  * Fails as loaded_scene_read and gw_surfels_make; GW_ERROR_CANCELLED.
  */
-gw_status render_scene_read(const settings *settings, uint32_t wanted, render_scene *scene,
-							gw_error *error);
+gw_status render_scene_read(const settings *settings, uint32_t wanted, render_scene_chooser *choose,
+							void *user, render_scene *scene, gw_error *error);
 void render_scene_clear(render_scene *scene);
 
 #endif

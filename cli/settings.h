@@ -79,6 +79,7 @@ typedef enum settings_view {
 /* Pictures. */
 typedef struct settings_render {
 	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
+	const char *mesh;                              /* as given, NULL: none */
 	uint32_t orbit, samples;
 	int view, tone; /* settings_view, preview_tone */
 	bool false_color, cull;

@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "clock.h"
 #include "number_text.h"
 #include "options.h"
 #include "preview.h"
@@ -14,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #define POINTS_RADIUS 0.2f  /* of --view points: discs that do not meet */
@@ -33,16 +34,9 @@ typedef struct render {
 	render_scene scene;
 	double exposure; /* EV; NAN: not exposed */
 	progress progress;
-	double read_seconds, draw_seconds;
+	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
 	gw_error *error;
 } render;
-
-static double now(void)
-{
-	struct timespec time;
-	clock_gettime(CLOCK_MONOTONIC, &time);
-	return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
 
 static bool on_cancelled(void *user)
 {
@@ -219,17 +213,25 @@ static gw_status choose_view(render *r)
 	return GW_OK;
 }
 
+/* Only what is in some picture needs a surface. */
+static gw_status choose_points(void *user, const render_scene *scene, const gw_surfels *surfels,
+							   uint8_t *chosen, gw_error *error)
+{
+	render *r = user;
+	double aspect = (double)r->width / (double)r->height;
+	gw_status status = camera_plan_place(&r->plan, scene, surfels, aspect, error);
+	return status == GW_OK ? camera_plan_choose(&r->plan, surfels, aspect, chosen, error) : status;
+}
+
 static gw_status read_scene(render *r)
 {
-	double start = now();
+	double start = gw_seconds();
 	progress_show(&r->progress, "read", 0.0);
-	gw_status status = render_scene_read(r->settings, wanted_channels(r), &r->scene, r->error);
+	gw_status status =
+		render_scene_read(r->settings, wanted_channels(r), choose_points, r, &r->scene, r->error);
 	if (status == GW_OK)
 		status = choose_view(r);
-	if (status == GW_OK)
-		status =
-			camera_plan_place(&r->plan, &r->scene, (double)r->width / (double)r->height, r->error);
-	r->read_seconds = now() - start;
+	r->read_seconds = gw_seconds() - start;
 	return status;
 }
 
@@ -248,7 +250,8 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 								 .cancelled = on_cancelled };
 	*values = NULL;
 	*g = (gw_gbuffer){ .width = 0 };
-	gw_status status = camera_plan_camera(&r->plan, &r->scene, picture, &camera, r->error);
+	gw_status status =
+		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error);
 	if (status == GW_OK)
 		status = gw_raster_draw(&r->scene.raster, &camera, &raster, g, r->error);
 	if (status != GW_OK)
@@ -258,7 +261,7 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 		gw_gbuffer_clear(g);
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
 	}
-	render_view_values(&r->scene, &camera, g, r->look.view, *values);
+	render_view_values(&r->scene, g, r->look.view, *values);
 	return GW_OK;
 }
 
@@ -340,7 +343,7 @@ static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer
 	return status;
 }
 
-static gw_status make_picture(const render *r, size_t picture)
+static gw_status make_picture(render *r, size_t picture)
 {
 	gw_gbuffer g;
 	float *values;
@@ -351,8 +354,10 @@ static gw_status make_picture(const render *r, size_t picture)
 						 "no point is in view; --camera auto finds a camera that sees some");
 	if (status == GW_OK && g.drawn == 0 && !r->settings->quiet)
 		fprintf(stderr, "glowworm: note: no point is in view of picture %zu\n", picture + 1);
+	double start = gw_seconds();
 	if (status == GW_OK)
 		status = write_picture(r, picture, &g, values);
+	r->write_seconds += gw_seconds() - start;
 	free(values);
 	gw_gbuffer_clear(&g);
 	return status;
@@ -363,15 +368,16 @@ static gw_status run(render *r)
 	gw_status status = check(r);
 	if (status == GW_OK)
 		status = read_scene(r);
-	double start = now();
+	double start = gw_seconds();
 	if (status == GW_OK)
 		status = choose_exposure(r);
+	r->meter_seconds = gw_seconds() - start;
 	size_t pictures = camera_plan_count(&r->plan);
 	for (size_t i = 0; i < pictures && status == GW_OK; i++) {
 		progress_show(&r->progress, "draw", (double)(i + 1) / (double)(pictures + 1));
 		status = make_picture(r, i);
 	}
-	r->draw_seconds = now() - start;
+	r->draw_seconds = gw_seconds() - start;
 	return status;
 }
 
@@ -388,6 +394,31 @@ static void summarize(const render *r)
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
 }
 
+static void show_stage(const char *name, double seconds)
+{
+	fprintf(stderr, "%-18s %9.1f\n", name, seconds * 1e3);
+}
+
+/* What --profile says. */
+static void show_profile(const render *r)
+{
+	const render_scene *scene = &r->scene;
+	double pictures = r->draw_seconds - r->meter_seconds - r->write_seconds;
+	struct rusage usage;
+	fprintf(stderr, "%-18s %9s\n", "stage", "ms");
+	show_stage("read", scene->read_seconds);
+	show_stage("camera", scene->choose_seconds);
+	show_stage("surface", scene->surface_seconds);
+	show_stage("exposure", r->meter_seconds);
+	show_stage("draw", pictures);
+	show_stage("write", r->write_seconds);
+	show_stage("net", r->read_seconds + r->draw_seconds);
+	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
+	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
+	if (getrusage(RUSAGE_SELF, &usage) == 0)
+		fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)usage.ru_maxrss / 1024.0);
+}
+
 gw_status verb_render(const settings *s, gw_error *error)
 {
 	render r = { .settings = s,
@@ -400,6 +431,8 @@ gw_status verb_render(const settings *s, gw_error *error)
 	progress_end(&r.progress);
 	if (status == GW_OK && s->verbose)
 		summarize(&r);
+	if (status == GW_OK && s->profile)
+		show_profile(&r);
 	camera_plan_clear(&r.plan);
 	render_scene_clear(&r.scene);
 	return status;

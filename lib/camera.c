@@ -78,6 +78,21 @@ void gw_camera_turn(const gw_camera *camera, const double world[3], double view[
 		view[k] = v[k];
 }
 
+/* The sides of the picture are planes x = t z and y = t z; a ball's distance from one is
+ * (x - t z) / sqrt(1 + t^2). */
+bool gw_camera_sees(const gw_camera *camera, double aspect, const double centre[3], double radius)
+{
+	double way[3], view[3];
+	for (int k = 0; k < 3; k++)
+		way[k] = centre[k] - camera->position[k];
+	gw_camera_turn(camera, way, view);
+	double tangent[2] = { camera->tangent * aspect, camera->tangent };
+	for (int k = 0; k < 2; k++)
+		if (fabs(view[k]) - tangent[k] * view[2] > radius * sqrt(1 + tangent[k] * tangent[k]))
+			return false;
+	return view[2] + radius >= camera->near;
+}
+
 /* Rodrigues' formula. */
 static void rotate(double v[3], const double axis[3], double radians)
 {

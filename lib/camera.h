@@ -36,6 +36,14 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 void gw_camera_turn(const gw_camera *camera, const double world[3], double view[3]);
 
 /*
+ * Whether something of a ball may be in the picture; also true for some that are just outside.
+ *   aspect   width of the picture by its height
+ *   centre   metres
+ *   radius   metres, 0 or more
+ */
+bool gw_camera_sees(const gw_camera *camera, double aspect, const double centre[3], double radius);
+
+/*
  * Turns a camera by an angle around an axis through a point, counterclockwise as seen from the
  * tip of the axis.
  *   centre   metres

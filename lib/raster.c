@@ -14,6 +14,7 @@ typedef struct drawing {
 	const gw_raster_view *view;
 	const gw_raster_bins *bins;
 	gw_raster_scratch *scratch; /* one a thread */
+	gw_raster_cover *cover;     /* width * height */
 	gw_gbuffer *gbuffer;
 	atomic_bool cancelled;
 } drawing;
@@ -61,9 +62,9 @@ static gw_raster_view make_view(const gw_raster_scene *scene, const gw_camera *c
 	return v;
 }
 
-/* Bytes a pixel: the G-buffer without its channels, and what becomes of it: three floats more, and
- * bytes of a file. */
-#define PIXEL_BYTES (24u + 12u + 4u)
+/* Bytes a pixel: the G-buffer without its channels, what is known of its cover, and what becomes of
+ * it: three floats more, and bytes of a file. */
+#define PIXEL_BYTES (28u + 3u + 12u + 4u)
 
 /* The system promises more memory than it has, and ends the program that takes it at its word. */
 static gw_status check_memory(const gw_raster_view *v, gw_error *error)
@@ -90,10 +91,11 @@ static gw_status make_gbuffer(const gw_raster_view *v, gw_gbuffer *g, gw_error *
 					  .channel_count = v->scene->channel_count,
 					  .coverage = gw_allocate_array(pixels, sizeof(float)),
 					  .depth = gw_allocate_array(pixels, sizeof(float)),
+					  .facing = gw_allocate_array(pixels, sizeof(float)),
 					  .normal = gw_allocate_array(pixels, 3 * sizeof(float)),
 					  .channel = gw_allocate_array(pixels, v->scene->channel_count * sizeof(float)),
 					  .id = gw_allocate_array(pixels, sizeof(uint32_t)) };
-	if (g->coverage && g->depth && g->normal && g->channel && g->id)
+	if (g->coverage && g->depth && g->facing && g->normal && g->channel && g->id)
 		return GW_OK;
 	gw_gbuffer_clear(g);
 	return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture of %u x %u pixels",
@@ -110,7 +112,6 @@ static void free_scratch(gw_raster_scratch *scratch, uint32_t threads)
 			free(scratch[t].layer[l].sum);
 		}
 		free(scratch[t].floor);
-		free(scratch[t].shown);
 		free(scratch[t].far);
 		free(scratch[t].entry);
 		free(scratch[t].order);
@@ -138,11 +139,10 @@ static gw_raster_scratch *make_scratch(const gw_raster_view *v, size_t longest, 
 		for (int l = 0; l < 2 && good; l++)
 			good = make_layer(s->layer + l, samples, 4u + v->scene->channel_count);
 		s->floor = gw_allocate_array(samples, sizeof *s->floor);
-		s->shown = gw_allocate_array(samples, sizeof *s->shown);
 		s->far = gw_allocate_array(blocks, sizeof *s->far);
 		s->entry = gw_allocate_array(longest, sizeof *s->entry);
 		s->order = gw_allocate_array(longest, sizeof *s->order);
-		good = good && s->floor && s->shown && s->far && s->entry && s->order;
+		good = good && s->floor && s->far && s->entry && s->order;
 	}
 	if (good)
 		return scratch;
@@ -158,7 +158,7 @@ static void draw_tiles(void *user, size_t first, size_t last, uint32_t worker)
 		/* Only the caller's own thread may be asked. */
 		if (worker == 0 && o->cancelled && o->cancelled(o->user))
 			atomic_store(&d->cancelled, true);
-		gw_raster_tile_draw(d->view, d->bins, tile, d->scratch + worker, d->gbuffer);
+		gw_raster_tile_draw(d->view, d->bins, tile, d->scratch + worker, d->cover, d->gbuffer);
 	}
 }
 
@@ -180,7 +180,8 @@ gw_status gw_raster_draw(const gw_raster_scene *scene, const gw_camera *camera,
 		status = make_gbuffer(&view, gbuffer, error);
 	if (status == GW_OK) {
 		d.scratch = make_scratch(&view, bins.longest, threads);
-		if (!d.scratch)
+		d.cover = gw_allocate_array((size_t)options->width * options->height, sizeof *d.cover);
+		if (!d.scratch || !d.cover)
 			status = gw_fail(error, GW_ERROR_MEMORY, "no memory to draw with %u threads", threads);
 	}
 	if (status == GW_OK) {
@@ -189,6 +190,9 @@ gw_status gw_raster_draw(const gw_raster_scene *scene, const gw_camera *camera,
 			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while drawing");
 		gbuffer->drawn = bins.drawn;
 	}
+	if (status == GW_OK)
+		status = gw_raster_holes_close(&view, d.cover, gbuffer, error);
+	free(d.cover);
 	free_scratch(d.scratch, threads);
 	gw_raster_bins_clear(&bins);
 	if (status != GW_OK)
@@ -200,6 +204,7 @@ void gw_gbuffer_clear(gw_gbuffer *gbuffer)
 {
 	free(gbuffer->coverage);
 	free(gbuffer->depth);
+	free(gbuffer->facing);
 	free(gbuffer->normal);
 	free(gbuffer->channel);
 	free(gbuffer->id);

@@ -11,6 +11,9 @@
  *   2. the weighted mean over all fragments that belong to the surface there: not much further
  *      than the nearest, and facing the same way.
  *
+ * The back of a disc gives way to a front within half a radius, so that of a sheet with two sides,
+ * or a box on a floor, the side is seen that looks at the camera.
+ *
  * Where the nearest surface is thin, which is the rim of a disc or two that stick out over an edge,
  * both passes are repeated behind it, and solid surface found there is shown instead. Where nothing
  * is, they are repeated without the half-planes at which discs are cut, and what that brings is
@@ -41,7 +44,7 @@ typedef struct gw_raster_discs {
 	size_t count;
 	const float *position;    /* 3 * count, metres in the local frame */
 	const float *normal;      /* 3 * count, unit */
-	const float *radius;      /* count, metres, above 0 */
+	const float *radius;      /* count, metres; 0: not drawn */
 	const float *clip;        /* 6 * count or NULL: half-planes as in gw_surfels.clip */
 	const uint8_t *two_sided; /* count or NULL: 1 where the normal's sign means nothing */
 	const float *channel;     /* channel_count * count, what is blended */
@@ -80,12 +83,14 @@ typedef struct gw_gbuffer {
 	float *coverage; /* width * height, share of the pixel that something covers, 0..1 */
 	float *depth;    /* width * height, metres along the camera's forward axis, of the nearest
 						sample; infinity where there is nothing */
-	float *normal;   /* 3 * width * height, unit, in the world's axes; 0, 0, 0 for nothing */
-	float *channel;  /* channel_count * width * height, mean over what is covered (not multiplied
-						by the coverage); 0 for nothing */
-	uint32_t *id;    /* width * height, of the nearest primitive: a disc's index, or the number of
-						discs plus a triangle's index; GW_RASTER_NOTHING */
-	uint64_t drawn;  /* primitives that reach into the picture */
+	float *facing;  /* width * height, mean of the covered samples' |cosine| between normal and ray:
+					   more than the mean normal tells where surfaces meet; 0 for nothing */
+	float *normal;  /* 3 * width * height, unit, in the world's axes; 0, 0, 0 for nothing */
+	float *channel; /* channel_count * width * height, mean over what is covered (not multiplied
+					   by the coverage); 0 for nothing */
+	uint32_t *id;   /* width * height, of the nearest primitive: a disc's index, or the number of
+					   discs plus a triangle's index; GW_RASTER_NOTHING */
+	uint64_t drawn; /* primitives that reach into the picture */
 } gw_gbuffer;
 
 /*

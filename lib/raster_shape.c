@@ -164,6 +164,11 @@ static void make_cuts(const gw_raster_view *view, size_t disc, gw_raster_shape *
 	}
 }
 
+float gw_raster_tolerance(const gw_raster_view *view, size_t disc)
+{
+	return SAME_SURFACE * (view->scene->discs.radius[disc] * view->options->radius_scale);
+}
+
 static bool make_disc(const gw_raster_view *view, size_t disc, gw_raster_shape *s)
 {
 	const gw_raster_discs *discs = &view->scene->discs;
@@ -171,7 +176,7 @@ static bool make_disc(const gw_raster_view *view, size_t disc, gw_raster_shape *
 	bounds b;
 	place_in_view(view, discs->position + 3 * disc, s->middle);
 	const float *p = s->middle;
-	if (!(p[2] + radius >= view->near))
+	if (!(radius > 0.0f) || !(p[2] + radius >= view->near))
 		return false;
 	to_view(view, discs->normal + 3 * disc, s->normal);
 	s->offset = dot(s->normal, p);
@@ -179,7 +184,8 @@ static bool make_disc(const gw_raster_view *view, size_t disc, gw_raster_shape *
 	if (s->offset > 0.0f && view->options->cull && !two_sided)
 		return false;
 	s->inverse = 1.0f / (radius * radius);
-	s->tolerance = SAME_SURFACE * radius;
+	s->tolerance = gw_raster_tolerance(view, disc);
+	s->behind = s->offset > 0.0f && !two_sided ? s->tolerance : 0.0f;
 	s->weight = 1.0f;
 	if (p[2] - radius > view->near) {
 		bound_outline(p, s->normal, radius, 0, &b.x0, &b.x1);
@@ -271,7 +277,7 @@ void gw_raster_reach(const gw_raster_view *view, size_t primitive, float *near, 
 		float radius = discs->radius[primitive] * view->options->radius_scale;
 		place_in_view(view, discs->position + 3 * primitive, point);
 		*near = point[2] - radius;
-		*tolerance = SAME_SURFACE * radius;
+		*tolerance = gw_raster_tolerance(view, primitive);
 		return;
 	}
 	for (size_t i = 0; i < 3; i++) {
@@ -327,7 +333,7 @@ static void meet_disc(const gw_raster_view *view, const gw_raster_shape *s, gw_l
 	}
 	f->hit = inside & ~beyond;
 	f->beyond = inside & beyond;
-	f->depth = z;
+	f->depth = z + s->behind;
 	f->weight = s->weight * kernel(squared);
 }
 

@@ -4,6 +4,7 @@
  *   shape   gw_raster_shape_make   one primitive as seen by the camera, and which samples it meets
  *   bins    gw_raster_bins_make    which primitives reach into which tile
  *   tile    gw_raster_tile_draw    the two passes over one tile, and its pixels
+ *   holes   gw_raster_holes_close  which pixels that only edges hide are shown
  *
  * Samples are counted from 0 at the left and the top; the middle of sample (i, j) is at
  * (i + 1/2, j + 1/2). A ray through it has the direction (x, y, 1) in the camera's frame.
@@ -46,6 +47,8 @@ typedef struct gw_raster_shape {
 	int32_t x0, x1, y0, y1;  /* samples it may meet, both ends included */
 	float normal[3], offset; /* of its plane: normal * q = offset */
 	float tolerance;         /* metres from the plane within which others are the same surface */
+	float behind;            /* metres that its depth counts as further than it is, when it is the
+								back of a surface: where a front lies as near, that is seen */
 	/* A disc. */
 	float middle[3];
 	float inverse;            /* 1 / radius^2 */
@@ -67,8 +70,8 @@ typedef int32_t gw_lane_mask __attribute__((vector_size(16)));
 /* One primitive at four samples. */
 typedef struct gw_raster_fragments {
 	gw_lane_mask hit;
-	gw_lane_mask beyond; /* would hit, had a half-plane not cut the disc there */
-	gw_lanes depth, weight;
+	gw_lane_mask beyond;     /* would hit, had a half-plane not cut the disc there */
+	gw_lanes depth, weight;  /* depth with gw_raster_shape.behind */
 	gw_lanes barycentric[3]; /* of a triangle */
 } gw_raster_fragments;
 
@@ -78,6 +81,9 @@ void gw_raster_normal(const gw_raster_view *view, size_t primitive, float normal
 /* A distance along the camera's axis that nothing of a primitive falls below, and what will be its
  * shape's tolerance. */
 void gw_raster_reach(const gw_raster_view *view, size_t primitive, float *near, float *tolerance);
+
+/* The tolerance of a disc's shape. */
+float gw_raster_tolerance(const gw_raster_view *view, size_t disc);
 
 /* False when the primitive is not in the picture. */
 bool gw_raster_shape_make(const gw_raster_view *view, size_t primitive, gw_raster_shape *shape);
@@ -136,14 +142,28 @@ typedef struct gw_raster_layer {
 typedef struct gw_raster_scratch {
 	gw_raster_layer layer[2]; /* the nearest surface, and what is behind where that is thin */
 	float *floor;             /* only what is behind this may be in the second layer */
-	uint8_t *shown;         /* which layer is shown at each sample, and what is found out for it */
-	float *far;             /* of each block, the furthest of its depths, or further */
-	gw_raster_entry *entry; /* of the tile, then of the tile from near to far */
+	float *far;               /* of each block, the furthest of its depths, or further */
+	gw_raster_entry *entry;   /* of the tile, then of the tile from near to far */
 	gw_raster_entry *order;
 } gw_raster_scratch;
 
-/* Draws one tile into the pixels of the G-buffer that it covers. */
+/* How many samples of a pixel are covered for sure, and how many more by what lies beyond edges at
+ * which discs are cut. */
+typedef struct gw_raster_cover {
+	uint8_t sure, beyond;
+} gw_raster_cover;
+
+/* Draws one tile into the pixels of the G-buffer that it covers, all but their coverage.
+ *   cover   of the whole picture, width * height */
 void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins, size_t tile,
-						 gw_raster_scratch *scratch, gw_gbuffer *gbuffer);
+						 gw_raster_scratch *scratch, gw_raster_cover *cover, gw_gbuffer *gbuffer);
+
+/*
+ * Once all tiles are there: decides which holes are closed, fills the coverage, and empties pixels
+ * of which nothing is left.
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cover *cover,
+								gw_gbuffer *gbuffer, gw_error *error);
 
 #endif

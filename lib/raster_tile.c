@@ -24,6 +24,7 @@
 typedef struct tile_job {
 	const gw_raster_view *view;
 	gw_raster_scratch *scratch;
+	gw_raster_cover *cover;
 	const gw_raster_layer *layer; /* that is being drawn */
 	int32_t x0, x1, y0, y1;       /* samples, both ends included */
 } tile_job;
@@ -200,86 +201,59 @@ static void draw_attributes(const tile_job *job, const gw_raster_shape *s, uint3
 
 typedef struct pixel_sum {
 	uint32_t covered;
-	float depth, normal[3], channel[GW_RASTER_CHANNELS_MAX];
+	float depth, facing, normal[3], channel[GW_RASTER_CHANNELS_MAX];
 	uint32_t id;
 } pixel_sum;
 
-/* What gw_raster_scratch.shown holds: a layer, or one of these. */
-#define SHOWN_NOTHING 2
-#define SHOWN_BEYOND 3 /* the second layer, if it turns out to be a hole */
-#define SHOWN_LEFT 8   /* bits: solid surface begins on that side */
-#define SHOWN_RIGHT 16
-#define SHOWN_ABOVE 32
-#define SHOWN_BELOW 64
-#define SHOWN_LAYER 3 /* the bits of the layer */
+/* The layer that is shown at a sample. The second one is sure when the first is thin; where that is
+ * empty, it is what lies beyond an edge. */
+typedef enum shown_layer { SHOWN_FIRST, SHOWN_SECOND, SHOWN_BEYOND, SHOWN_NOTHING } shown_layer;
 
 /* What is behind counts where it is solid and the front is not. */
-static uint8_t choose_layer(const tile_job *job, size_t slot)
+static shown_layer choose_layer(const tile_job *job, size_t slot)
 {
 	const gw_raster_layer *layer = job->scratch->layer;
 	size_t stride = FIXED + job->view->scene->channel_count;
 	float front = layer[0].sum[slot * stride], back = layer[1].sum[slot * stride];
 	if (front > 0.0f)
-		return front < SOLID && back >= SOLID;
+		return front < SOLID && back >= SOLID ? SHOWN_SECOND : SHOWN_FIRST;
 	return back > 0.0f ? SHOWN_BEYOND : SHOWN_NOTHING;
 }
 
-/* Goes along a row or column of samples and notes on which of them a solid surface was met last. */
-static void sweep(uint8_t *shown, size_t count, ptrdiff_t step, uint8_t bit)
+/* The depth of what is nearest, without what the back of a surface was put behind. */
+static float depth_of(const tile_job *job, const gw_raster_layer *layer, size_t slot,
+					  const float ray[3])
 {
-	bool solid = true; /* nobody knows what is in the next tile */
-	for (size_t i = 0; i < count; i++, shown += step) {
-		uint8_t layer = *shown & SHOWN_LAYER;
-		solid = layer < SHOWN_NOTHING || (layer == SHOWN_BEYOND && solid);
-		*shown |= solid ? bit : 0;
-	}
+	const gw_raster_discs *discs = &job->view->scene->discs;
+	const float *n = layer->normal + 3 * slot;
+	uint32_t id = layer->id[slot];
+	bool back = n[0] * ray[0] + n[1] * ray[1] + n[2] > 0.0f && id < discs->count;
+	float behind = back ? gw_raster_tolerance(job->view, id) : 0.0f;
+	return layer->depth[slot] - behind;
 }
 
-/*
- * Discs are cut where a surface seems to end, and now and then that is wrong and leaves a hole.
- * What lies beyond a disc's edge is shown when there is solid surface on both sides of it, left and
- * right or above and below.
- */
-static void choose_layers(const tile_job *job)
+static void add_sample(const tile_job *job, int32_t x, int32_t y, const gw_raster_layer *layer,
+					   pixel_sum *pixel)
 {
-	size_t side = job->view->tile;
-	uint8_t *shown = job->scratch->shown;
-	bool any = false;
-	for (size_t i = 0; i < side * side; i++) {
-		shown[i] = choose_layer(job, i);
-		any |= shown[i] == SHOWN_BEYOND;
-	}
-	for (size_t i = 0; i < side && any; i++) {
-		sweep(shown + i * side, side, 1, SHOWN_LEFT);
-		sweep(shown + i * side + side - 1, side, -1, SHOWN_RIGHT);
-		sweep(shown + i, side, (ptrdiff_t)side, SHOWN_ABOVE);
-		sweep(shown + (side - 1) * side + i, side, -(ptrdiff_t)side, SHOWN_BELOW);
-	}
-	for (size_t i = 0; i < side * side && any; i++) {
-		bool across = (shown[i] & SHOWN_LEFT) && (shown[i] & SHOWN_RIGHT);
-		bool along = (shown[i] & SHOWN_ABOVE) && (shown[i] & SHOWN_BELOW);
-		shown[i] &= SHOWN_LAYER;
-		if (shown[i] == SHOWN_BEYOND)
-			shown[i] = across || along ? 1 : SHOWN_NOTHING;
-	}
-}
-
-static void add_sample(const tile_job *job, size_t slot, pixel_sum *pixel)
-{
-	uint8_t shown = job->scratch->shown[slot];
 	uint32_t channels = job->view->scene->channel_count;
-	if (shown == SHOWN_NOTHING)
-		return;
-	const gw_raster_layer *layer = job->scratch->layer + shown;
+	size_t slot = slot_of(job, x, y);
 	const float *sum = layer->sum + slot * (FIXED + channels);
-	float scale = 1.0f / sum[0];
+	const float ray[3] = { gw_raster_ray_x(job->view, x), gw_raster_ray_y(job->view, y), 1.0f };
+	float scale = 1.0f / sum[0], along = 0.0f, lengths = 0.0f, depth;
+	for (int k = 0; k < 3; k++) {
+		along += ray[k] * sum[1 + k];
+		lengths += sum[1 + k] * sum[1 + k];
+	}
+	lengths *= ray[0] * ray[0] + ray[1] * ray[1] + 1.0f;
+	pixel->facing += lengths > 0.0f ? fabsf(along) / sqrtf(lengths) : 0.0f;
 	pixel->covered++;
 	for (int k = 0; k < 3; k++)
 		pixel->normal[k] += scale * sum[1 + k];
 	for (uint32_t c = 0; c < channels; c++)
 		pixel->channel[c] += scale * sum[FIXED + c];
-	if (layer->depth[slot] < pixel->depth) {
-		pixel->depth = layer->depth[slot];
+	depth = depth_of(job, layer, slot, ray);
+	if (depth < pixel->depth) {
+		pixel->depth = depth;
 		pixel->id = layer->id[slot];
 	}
 }
@@ -287,13 +261,13 @@ static void add_sample(const tile_job *job, size_t slot, pixel_sum *pixel)
 static void store_pixel(const gw_raster_view *view, const pixel_sum *pixel, gw_gbuffer *g,
 						size_t at)
 {
-	uint32_t samples = view->options->samples, channels = g->channel_count;
+	uint32_t channels = g->channel_count;
 	const gw_camera *camera = view->camera;
 	const float *n = pixel->normal;
 	float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 	float share = pixel->covered ? 1.0f / (float)pixel->covered : 0.0f;
-	g->coverage[at] = (float)pixel->covered / (float)(samples * samples);
 	g->depth[at] = pixel->depth;
+	g->facing[at] = share * pixel->facing;
 	g->id[at] = pixel->id;
 	for (size_t k = 0; k < 3; k++) {
 		double world = (double)n[0] * camera->right[k] + (double)n[1] * camera->up[k] +
@@ -304,19 +278,32 @@ static void store_pixel(const gw_raster_view *view, const pixel_sum *pixel, gw_g
 		g->channel[channels * at + c] = share * pixel->channel[c];
 }
 
+/* What lies beyond edges is the pixel's only when there is nothing else. */
+static void resolve_pixel(const tile_job *job, int32_t x, int32_t y, gw_gbuffer *g)
+{
+	const pixel_sum nothing = { .depth = INFINITY, .id = GW_RASTER_NOTHING };
+	pixel_sum sure = nothing, beyond = nothing;
+	int32_t samples = (int32_t)job->view->options->samples;
+	const gw_raster_layer *layer = job->scratch->layer;
+	for (int32_t j = 0; j < samples; j++)
+		for (int32_t i = 0; i < samples; i++) {
+			size_t slot = slot_of(job, x + i, y + j);
+			shown_layer shown = choose_layer(job, slot);
+			if (shown != SHOWN_NOTHING)
+				add_sample(job, x + i, y + j, layer + (shown != SHOWN_FIRST),
+						   shown == SHOWN_BEYOND ? &beyond : &sure);
+		}
+	size_t at = (size_t)(y / samples) * g->width + (size_t)(x / samples);
+	job->cover[at] = (gw_raster_cover){ (uint8_t)sure.covered, (uint8_t)beyond.covered };
+	store_pixel(job->view, sure.covered ? &sure : &beyond, g, at);
+}
+
 static void resolve(const tile_job *job, gw_gbuffer *g)
 {
 	int32_t samples = (int32_t)job->view->options->samples;
-	choose_layers(job);
 	for (int32_t y = job->y0; y <= job->y1; y += samples)
-		for (int32_t x = job->x0; x <= job->x1; x += samples) {
-			pixel_sum pixel = { .depth = INFINITY, .id = GW_RASTER_NOTHING };
-			for (int32_t j = 0; j < samples; j++)
-				for (int32_t i = 0; i < samples; i++)
-					add_sample(job, slot_of(job, x + i, y + j), &pixel);
-			store_pixel(job->view, &pixel, g,
-						(size_t)(y / samples) * g->width + (size_t)(x / samples));
-		}
+		for (int32_t x = job->x0; x <= job->x1; x += samples)
+			resolve_pixel(job, x, y, g);
 }
 
 /* Sorts the tile's primitives from near to far, roughly: what is drawn late is mostly hidden. */
@@ -428,7 +415,7 @@ static bool clear_second(const tile_job *job)
 }
 
 void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins, size_t tile,
-						 gw_raster_scratch *scratch, gw_gbuffer *gbuffer)
+						 gw_raster_scratch *scratch, gw_raster_cover *cover, gw_gbuffer *gbuffer)
 {
 	uint32_t left = (uint32_t)(tile % view->tiles_x) * view->tile;
 	uint32_t top = (uint32_t)(tile / view->tiles_x) * view->tile;
@@ -437,6 +424,7 @@ void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins,
 	bottom = bottom < view->rows ? bottom : view->rows;
 	tile_job job = { .view = view,
 					 .scratch = scratch,
+					 .cover = cover,
 					 .x0 = (int32_t)left,
 					 .x1 = (int32_t)right - 1,
 					 .y0 = (int32_t)top,

@@ -78,7 +78,7 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
-	bool measure_noise;
+	bool measure_noise, rough_area;
 } disc_step;
 
 /* Neighbours with a normal like the surfel's; unoriented normals may be opposite. */
@@ -346,13 +346,15 @@ static bool find_open_side(const double *extent, double least, const half_plane 
 static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_point *kept,
 						   uint32_t count, half_plane edge[2], uint32_t found)
 {
-	double reach = kept[count - 1].distance, extent[DIRECTIONS];
+	double reach = kept[count - 1].distance, extent[DIRECTIONS] = { 0 };
 	half_plane side;
-	for (int d = 0; d < DIRECTIONS; d++) {
-		extent[d] = 0;
-		for (uint32_t j = 0; j < count; j++)
-			extent[d] = fmax(extent[d], direction_x[d] * kept[j].x + direction_y[d] * kept[j].y);
-	}
+	for (uint32_t j = 0; j < count; j++)
+		for (int d = 0; d < DIRECTIONS / 2; d++) {
+			double way = direction_x[d] * kept[j].x + direction_y[d] * kept[j].y;
+			double *back = extent + DIRECTIONS / 2; /* the opposite directions */
+			extent[d] = way > extent[d] ? way : extent[d];
+			back[d] = -way > back[d] ? -way : back[d];
+		}
 	while (found < 2 && find_open_side(extent, open_extent[count] * reach, edge, found, &side)) {
 		gw_neighbour_list behind;
 		look_at(step, surfel, VOID_STEP * reach * side.x, VOID_STEP * reach * side.y, &behind);
@@ -398,8 +400,10 @@ static int cut_polygon(double (*corner)[2], int count, const half_plane *h)
 static double polygon_radius(double (*corner)[2], int count)
 {
 	double squared = 0;
-	for (int i = 0; i < count; i++)
-		squared = fmax(squared, corner[i][0] * corner[i][0] + corner[i][1] * corner[i][1]);
+	for (int i = 0; i < count; i++) {
+		double own = corner[i][0] * corner[i][0] + corner[i][1] * corner[i][1];
+		squared = own > squared ? own : squared;
+	}
 	return sqrt(squared);
 }
 
@@ -473,7 +477,8 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	find_creases(s, surfel, list, reach, &creases);
 	uint32_t edges =
 		find_edges(step, surfel, flat, kept, edge, take_creases(&creases, reach, edge));
-	double area = cell_area(flat, kept, radius, edge, edges);
+	double area = step->rough_area ? pi * radius * radius / DISC_RANK
+								   : cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
 	for (uint32_t e = 0; e < edges; e++) {
@@ -510,9 +515,10 @@ static gw_status finish(disc_step *step, gw_error *error)
 	return GW_OK;
 }
 
-gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, gw_error *error)
+gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
+						gw_error *error)
 {
-	disc_step step = { .search = search, .surfels = surfels, .gap = gap };
+	disc_step step = { .search = search, .surfels = surfels, .gap = gap, .rough_area = rough_area };
 	size_t n = surfels->count;
 	surfels->nearest = gw_allocate_array(n, sizeof(float));
 	surfels->radius = gw_allocate_array(n, sizeof(float));

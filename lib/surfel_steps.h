@@ -2,6 +2,7 @@
  * surfel_steps.h - the steps from points to surfels, one after the other. Internal to lib/.
  *
  *   frame       gw_frame_make        local coordinates, canonical order, duplicates merged
+ *   choice      gw_surfels_choose    leaves those that are asked for
  *   neighbours  gw_neighbours_open   a search structure; gw_neighbours_visit goes over all surfels
  *   normals     gw_normals_complete  estimates and orients the normals that are missing
  *   smooth      gw_surfels_smooth    moves noisy points to the surface that they scatter around
@@ -35,6 +36,21 @@ double gw_normal_length(const float normal[3]);
  */
 gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
 						gw_surfels *surfels, gw_error *error);
+
+/*
+ * Fills area, radius and spacing roughly, from how many points share a coarse cell of space, and
+ * minds no surface: for those who choose.
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_surfels_estimate(gw_surfels *surfels, gw_error *error);
+
+/*
+ * Asks options->choose and takes all other surfels off the arrays that gw_frame_make filled. Bounds
+ * and origin stay. All have to have normals, which count as given from then on.
+ * Fails as options->choose does, and with GW_ERROR_MEMORY.
+ */
+gw_status gw_surfels_choose(const gw_surfels_options *options, gw_surfels *surfels,
+							gw_error *error);
 
 /* Search structure for the nearest neighbours of surfels. */
 typedef struct gw_neighbours gw_neighbours;
@@ -111,9 +127,11 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 /*
  * Fills nearest, radius, area, clip, spacing and given_area, noise unless it is there, and sets
  * two_sided of surfels that have fewer than three neighbours on their surface.
- *   gap   NULL or count floats that receive the Euclidean distance to the nearest other surfel
+ *   rough_area  as in gw_surfels_options
+ *   gap         NULL or count floats that receive the Euclidean distance to the nearest other one
  */
-gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, float *gap, gw_error *error);
+gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
+						gw_error *error);
 
 /* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,

@@ -42,11 +42,28 @@ float gw_rank_float(const float *values, size_t count, size_t rank)
 	return value;
 }
 
+/* Who chooses wants to see normals. Those that are missing need neighbours, all of them. */
+static gw_status choose(const gw_points *points, const gw_surfels_options *options,
+						gw_surfels *surfels, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = GW_OK;
+	if (surfels->normals_given < surfels->count) {
+		status = gw_neighbours_open(surfels, options, true, &search, error);
+		if (status == GW_OK)
+			status = gw_normals_complete(points, options, search, surfels, error);
+		gw_neighbours_close(search);
+	}
+	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
+}
+
 static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
 							gw_surfels *surfels, float **gap, gw_error *error)
 {
 	gw_neighbours *search = NULL;
 	gw_status status = gw_frame_make(points, options, surfels, error);
+	if (status == GW_OK && options->choose)
+		status = choose(points, options, surfels, error);
 	if (status != GW_OK)
 		return status;
 	if (gap) {
@@ -68,7 +85,7 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 		status = gw_neighbours_open(surfels, options, false, &search, error);
 	}
 	if (status == GW_OK)
-		status = gw_discs_make(search, surfels, gap ? *gap : NULL, error);
+		status = gw_discs_make(search, surfels, options->rough_area, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
 	return status;
 }

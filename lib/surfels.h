@@ -44,7 +44,8 @@ typedef struct gw_surfels {
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */
-	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out */
+	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
+								  chosen */
 	size_t point_count;
 	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
 	double given_area; /* m^2, sum of area */
@@ -53,11 +54,26 @@ typedef struct gw_surfels {
 		normals_estimated, normals_untrusted, albedo_defaulted;
 } gw_surfels;
 
+/*
+ * Chooses surfels before their neighbours are looked for: those that nobody asks for cost nothing.
+ *   surfels   all of them, with their frame, positions, normals, albedo, emission, two_sided and
+ *             surfel_of_point; area, radius and spacing are rough, the rest is NULL
+ *   chosen    surfels->count, all 0; receives 1 for those to keep
+ */
+typedef gw_status gw_surfels_chooser(void *user, const gw_surfels *surfels, uint8_t *chosen,
+									 gw_error *error);
+
 typedef struct gw_surfels_options {
 	uint32_t threads;       /* 0: one a core */
 	const gw_light *lights; /* light_count; orient estimated normals when there is no scanner */
 	size_t light_count;
 	uint64_t memory; /* bytes the step may use beyond its result; chunks follow from it */
+	gw_surfels_chooser *choose; /* NULL: all. What surrounds the chosen ones is to be chosen too,
+								   about twice as far as their neighbours are. At least some
+								   GW_NEIGHBOURS are kept, so that there is something to make */
+	void *chooser;              /* for choose */
+	bool rough_area;            /* area is the disc's, shared among the points that it reaches to;
+								   a picture needs no better */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_surfels_options;

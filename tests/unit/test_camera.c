@@ -40,6 +40,29 @@ static void test_axes(void **state)
 	assert_near(view[2], 5, ROUNDING);
 }
 
+/* Of a picture twice as wide as high, 90 degrees high, the sides are planes at 45 degrees above and
+ * below, and at an angle of tangent 2 to the left and right. A ball 1 beside such a plane is in
+ * view from radius 1 on, and one behind the camera never. */
+static void test_balls_in_view(void **state)
+{
+	(void)state;
+	const double at[3] = { 1, 2, 3 }, to[3] = { 1, 7, 3 };
+	gw_camera c;
+	assert_int_equal(gw_camera_look(&c, at, to, z_up, 90, NULL), GW_OK);
+	c.near = 0.5;
+	for (int side = -1; side <= 1; side += 2) {
+		double above[3] = { 1, 12, 3 + side * (10 + sqrt(2.0)) };
+		double beside[3] = { 1 + side * (20 + sqrt(5.0)), 12, 3 };
+		assert_true(gw_camera_sees(&c, 2, above, 1.001));
+		assert_false(gw_camera_sees(&c, 2, above, 0.999));
+		assert_true(gw_camera_sees(&c, 2, beside, 1.001));
+		assert_false(gw_camera_sees(&c, 2, beside, 0.999));
+	}
+	const double ahead[3] = { 1, 9, 3 }, behind[3] = { 1, 1, 3 };
+	assert_true(gw_camera_sees(&c, 2, ahead, 0));
+	assert_false(gw_camera_sees(&c, 2, behind, 1.4));
+}
+
 /* A quarter turn about z takes a camera south of the centre to the east of it. */
 static void test_orbit(void **state)
 {
@@ -176,11 +199,9 @@ static void test_plane(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_axes),
-		cmocka_unit_test(test_orbit),
-		cmocka_unit_test(test_bad_cameras),
-		cmocka_unit_test(test_enclosure),
-		cmocka_unit_test(test_inside_and_outside),
+		cmocka_unit_test(test_axes),        cmocka_unit_test(test_orbit),
+		cmocka_unit_test(test_bad_cameras), cmocka_unit_test(test_balls_in_view),
+		cmocka_unit_test(test_enclosure),   cmocka_unit_test(test_inside_and_outside),
 		cmocka_unit_test(test_plane),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* The rasteriser against closed forms: areas, depths, order, holes, and bytes of several threads.
  */
 #include "raster.h"
+#include "surfels.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -220,6 +221,97 @@ static void test_holes_are_filled(void **state)
 	gw_gbuffer_clear(&g);
 	free(clip);
 	free_discs(&d);
+}
+
+/* Where a surface ends and nothing follows, what discs reach beyond their cuts stays out, wherever
+ * the picture's tiles begin: the cut is at pixel 188.25, the discs end at 193.5, and a tile at 192.
+ * Only pixels whose middle is inside are covered. */
+static void test_edges_end_within_tiles(void **state)
+{
+	(void)state;
+	discs d = make_plane(2, 0);
+	float *clip = calloc(6 * 101 * 101, sizeof *clip);
+	for (size_t i = 0; i < 101 * 101; i++) {
+		d.radius[i] = 0.08f;
+		float tangent[3], bitangent[3], x = ((float)(i % 101) - 50) * 0.05f;
+		gw_tangent_frame(d.normal + 3 * i, tangent, bitangent);
+		clip[6 * i] = tangent[0];
+		clip[6 * i + 1] = bitangent[0];
+		clip[6 * i + 2] = 0.51f - x;
+		if (x > 0.51f)
+			d.position[3 * i + 1] = -2;
+	}
+	d.scene.discs.clip = clip;
+	gw_gbuffer g = draw(&d.scene, 300, 1, 1, false);
+	for (size_t i = 0; i < 300 * 300; i++) {
+		bool inside = i % 300 < 188;
+		if ((g.coverage[i] > 0.0f) != inside)
+			fail_msg("pixel %zu, %zu has coverage %g", i % 300, i / 300, (double)g.coverage[i]);
+		assert_true((g.id[i] == GW_RASTER_NOTHING) != inside);
+	}
+	gw_gbuffer_clear(&g);
+	free(clip);
+	free_discs(&d);
+}
+
+/* Of a box that stands on a floor, the floor is seen and not the box's bottom, though they lie at
+ * the same place but for noise of a fifth of a radius; seen from behind, a surface keeps its depth.
+ */
+static void test_fronts_hide_backs(void **state)
+{
+	(void)state;
+	discs d = make_discs(2 * 101 * 101), floor = make_plane(2, 0.01f),
+		  bottom = make_plane(2, 0.02f);
+	for (size_t i = 0; i < 101 * 101; i++) {
+		for (size_t k = 0; k < 3; k++) {
+			d.position[6 * i + k] = floor.position[3 * i + k];
+			d.position[6 * i + 3 + k] = bottom.position[3 * i + k];
+		}
+		d.normal[6 * i + 1] = -1;
+		d.normal[6 * i + 4] = 1;
+		d.radius[2 * i] = d.radius[2 * i + 1] = 0.05f;
+		d.channel[2 * i] = 2;
+		d.channel[2 * i + 1] = 9;
+	}
+	gw_gbuffer g = draw(&d.scene, 300, 1, 1, false);
+	for (size_t i = 0; i < 300 * 300; i++)
+		if (!(fabsf(g.channel[i] - 2) < 1e-5f))
+			fail_msg("pixel %zu shows %g", i, (double)g.channel[i]);
+	gw_gbuffer_clear(&g);
+	for (size_t i = 0; i < 101 * 101; i++)
+		floor.normal[3 * i + 1] = 1;
+	g = draw(&floor.scene, 300, 1, 1, false);
+	for (size_t i = 0; i < 300 * 300; i++)
+		assert_true(fabsf(g.depth[i] - 2) <= 0.0051f);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+	free_discs(&floor);
+	free_discs(&bottom);
+}
+
+/* A ridge towards the camera, whose sides are turned by 60 degrees: both are seen at a cosine of
+ * 1/2, and so is the pixel in which they meet, where the mean normal looks straight at the camera.
+ * Rays are up to half a pixel, 1 / 201, beside the axis, which changes a cosine by at most that. */
+static void test_facing_of_a_ridge(void **state)
+{
+	(void)state;
+	const float t = sqrtf(3);
+	const float position[18] = { 0, 2, -1, 0, 2, 1, -1, 2 + t, 0, 0, 2, -1, 1, 2 + t, 0, 0, 2, 1 };
+	const float channel[6] = { 1, 1, 1, 1, 1, 1 };
+	const uint32_t index[6] = { 0, 1, 2, 3, 4, 5 };
+	gw_raster_scene scene = { .origin = { 500000, 4000000, 100 },
+							  .triangles = { .count = 2,
+											 .vertex_count = 6,
+											 .index = index,
+											 .position = position,
+											 .channel = channel },
+							  .channel_count = 1 };
+	gw_gbuffer g = draw(&scene, 201, 2, 1, false);
+	size_t middle = 100 * 201 + 100;
+	assert_true(g.coverage[middle] == 1.0f);
+	assert_true(g.normal[3 * middle + 1] < -0.99f);
+	assert_true(fabs((double)g.facing[middle] - 0.5) < 1.0 / 201);
+	gw_gbuffer_clear(&g);
 }
 
 /* Nearer than the near plane, behind the camera, and through the near plane: a floor 0.1 below the
@@ -449,6 +541,9 @@ int main(void)
 		cmocka_unit_test(test_plane_has_no_holes),
 		cmocka_unit_test(test_noisy_plane_has_no_holes),
 		cmocka_unit_test(test_holes_are_filled),
+		cmocka_unit_test(test_edges_end_within_tiles),
+		cmocka_unit_test(test_fronts_hide_backs),
+		cmocka_unit_test(test_facing_of_a_ridge),
 		cmocka_unit_test(test_near_plane),
 		cmocka_unit_test(test_small_discs_stay),
 		cmocka_unit_test(test_small_discs_are_weighted),

@@ -1091,6 +1091,89 @@ static void ranks_are_those_of_sorted_values(void **state)
 	assert_true(isinf(gw_rank_float(values, 1000, 999)));
 }
 
+/* Of a box from 0 to 1, what lies beyond x = 0.3. */
+static gw_status choose_half(void *user, const gw_surfels *s, uint8_t *chosen, gw_error *error)
+{
+	(void)error;
+	double *area = user;
+	for (size_t i = 0; i < s->count; i++) {
+		chosen[i] = s->position[3 * i] + (float)s->origin[0] >= 0.3f;
+		*area += (double)s->area[i];
+		assert_true(s->radius[i] > 0 && gw_normal_length(s->normal + 3 * i) > 0.99);
+	}
+	return GW_OK;
+}
+
+/* What is chosen is the same as it would be among all where the cut is further away than 0.2, which
+ * is some ten times the reach of 16 neighbours. Areas to choose by are right within a factor of
+ * three: a plane cuts at most sqrt(3) of the square of a cube's side, and may cut little. */
+static void chosen_surfels_are_the_same(void **state)
+{
+	(void)state;
+	for (int normals = 0; normals < 2; normals++) {
+		cloud c = make_box(20000, normals, 0, 0);
+		gw_points points = points_of(&c);
+		double area = 0;
+		gw_surfels_options options = { .threads = 2, .choose = choose_half, .chooser = &area };
+		gw_surfels all = make(&c), half = make_with(&points, &options);
+		assert_true(half.count > GW_NEIGHBOURS && half.count < all.count);
+		assert_true(area > all.given_area / 3 && area < all.given_area * 3);
+		size_t compared = 0;
+		for (size_t i = 0; i < c.count; i++) {
+			size_t a = all.surfel_of_point[i], b = half.surfel_of_point[i];
+			if (b == UINT32_MAX || c.position[3 * i] < 0.5)
+				continue;
+			assert_memory_equal(all.position + 3 * a, half.position + 3 * b, 3 * sizeof(float));
+			assert_memory_equal(all.normal + 3 * a, half.normal + 3 * b, 3 * sizeof(float));
+			assert_memory_equal(all.clip + 6 * a, half.clip + 6 * b, 6 * sizeof(float));
+			assert_true(all.radius[a] == half.radius[b] && all.area[a] == half.area[b]);
+			compared++;
+		}
+		assert_true(compared > 1000);
+		gw_surfels_clear(&all);
+		gw_surfels_clear(&half);
+		clear_cloud(&c);
+	}
+}
+
+/* Nobody is left with nothing. */
+static gw_status choose_none(void *user, const gw_surfels *s, uint8_t *chosen, gw_error *error)
+{
+	(void)user;
+	(void)s;
+	(void)chosen;
+	(void)error;
+	return GW_OK;
+}
+
+static gw_status choose_to_fail(void *user, const gw_surfels *s, uint8_t *chosen, gw_error *error)
+{
+	(void)user;
+	(void)s;
+	(void)chosen;
+	return gw_fail(error, GW_ERROR_USAGE, "nobody likes them");
+}
+
+static void a_few_surfels_are_always_chosen(void **state)
+{
+	(void)state;
+	cloud c = make_box(500, true, 0, 0);
+	gw_points points = points_of(&c);
+	gw_surfels_options options = { .threads = 1, .choose = choose_none };
+	gw_surfels s = make_with(&points, &options);
+	assert_int_equal(s.count, GW_NEIGHBOURS + 1);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	points.count = 1;
+	s = make_with(&points, &options);
+	assert_int_equal(s.count, 1);
+	gw_surfels_clear(&s);
+	options.choose = choose_to_fail;
+	gw_error error;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_ERROR_USAGE);
+	clear_cloud(&c);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -1122,6 +1205,8 @@ int main(void)
 		cmocka_unit_test(uneven_density_works),
 		cmocka_unit_test(stopping_and_small_memory_leave_nothing),
 		cmocka_unit_test(ranks_are_those_of_sorted_values),
+		cmocka_unit_test(chosen_surfels_are_the_same),
+		cmocka_unit_test(a_few_surfels_are_always_chosen),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
