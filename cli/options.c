@@ -64,6 +64,24 @@ static const char *view_name(int i)
 	return name[i];
 }
 
+static const char *glossy_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_GLOSSY_OFF] = "off",
+										[SETTINGS_GLOSSY_RAYS] = "rays",
+										[SETTINGS_GLOSSY_CONES] = "cones",
+										[SETTINGS_GLOSSY_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *radiance_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_RADIANCE_POINTS] = "points",
+										[SETTINGS_RADIANCE_TRILINEAR] = "trilinear",
+										[SETTINGS_RADIANCE_TRICUBIC] = "tricubic",
+										[SETTINGS_RADIANCE_COUNT] = NULL };
+	return name[i];
+}
+
 static const char *progress_name(int i)
 {
 	static const char *const name[] = { "auto", "json", "none", NULL };
@@ -91,6 +109,7 @@ static const char *format_name(int i)
 #define BAKE .verbs = 1u << VERB_BAKE
 #define TRADEOFF .verbs = 1u << VERB_TRADEOFF
 #define SCENE .verbs = 1u << VERB_BAKE | 1u << VERB_TRADEOFF
+#define PICTURED SCENE | 1u << VERB_RENDER
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
@@ -197,7 +216,19 @@ const option options[] = {
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, SCENE, .group = "Scene",
+	{ "glossy", 0, NULL, OPTION_CHOICE, RENDER, AT(render.glossy), .choice = glossy_name,
+	  .group = "Light",
+	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
+			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
+	{ "glossy-rays", 0, "N", OPTION_COUNT, RENDER, AT(render.glossy_rays), RANGE(1.0, 1024.0),
+	  .group = "Light",
+	  .help = "rays a pixel that shows a rough glossy point; a mirror takes one" },
+	{ "radiance", 0, NULL, OPTION_CHOICE, RENDER, AT(render.radiance), .choice = radiance_name,
+	  .group = "Light",
+	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
+			  "sampling" },
+
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, PICTURED, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
@@ -241,11 +272,11 @@ const option options[] = {
 			  "result then depends on the machine" },
 	{ "shadows", 0, NULL, OPTION_CHOICE, SCENE, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
-	{ "depth", 'd', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.depth),
+	{ "depth", 'd', "N", OPTION_COUNT, PICTURED, .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.leaf_spacing),
-	  RANGE(0.25, 64.0), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
 	{ "bounces", 'b', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.bounces),
@@ -277,11 +308,12 @@ const option options[] = {
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, SCENE, .scene = true, AT(bake.memory),
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED, .scene = true, AT(bake.memory),
 	  AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, SCENE, .scene = true, AT(bake.device), .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT, PICTURED, .scene = true, AT(bake.device),
+	  .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Machine",

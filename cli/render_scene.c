@@ -13,17 +13,25 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 	[RENDER_RADIANCE] = { "radiance_r", "radiance_g", "radiance_b" },
 	[RENDER_DIRECT] = { "direct_r", "direct_g", "direct_b" },
 	[RENDER_INDIRECT] = { "indirect_r", "indirect_g", "indirect_b" },
+	[RENDER_SPECULAR] = { "specular" },
+	[RENDER_ROUGHNESS] = { "roughness" },
+	[RENDER_ERROR] = { "error" },
 };
 
 uint32_t render_channel_width(render_channel channel)
 {
-	return channel == RENDER_NDF || channel == RENDER_ROI ? 1 : 3;
+	static const bool is_number[RENDER_CHANNEL_COUNT] = { [RENDER_NDF] = true,
+														  [RENDER_ROI] = true,
+														  [RENDER_SPECULAR] = true,
+														  [RENDER_ROUGHNESS] = true,
+														  [RENDER_ERROR] = true };
+	return is_number[channel] ? 1 : 3;
 }
 
 const char *render_channel_name(render_channel channel)
 {
-	static const char *const name[] = { "albedo",   "radiance", "direct", "indirect",
-										"emission", "ndf",      "roi" };
+	static const char *const name[] = { "albedo", "radiance", "direct",   "indirect",  "emission",
+										"ndf",    "roi",      "specular", "roughness", "error" };
 	return name[channel];
 }
 
@@ -35,7 +43,11 @@ static bool is_cancelled(void *user)
 
 static bool find_columns(const scan *cloud, render_channel channel, const scan_column *column[3])
 {
-	return column_name[channel][0] && scan_find_triple(cloud, column_name[channel], column);
+	uint32_t width = column_name[channel][0] ? render_channel_width(channel) : 0;
+	bool all = width > 0;
+	for (uint32_t k = 0; k < width && all; k++)
+		all = (column[k] = scan_find_scalar(cloud, column_name[channel][k])) != NULL;
+	return all;
 }
 
 /* Which channels there are, and where they stand. */
@@ -54,15 +66,15 @@ static void lay_out(render_scene *scene, const scan *cloud, uint32_t wanted)
 	}
 }
 
-/* The mean of three columns over the points that each surfel stands for; bad values count as 0. */
-static void average_columns(const gw_surfels *s, const scan_column *column[3],
+/* The mean of columns over the points that each surfel stands for; bad values count as 0. */
+static void average_columns(const gw_surfels *s, const scan_column *column[3], uint32_t width,
 							const uint32_t *points, float *to, size_t stride)
 {
 	for (size_t i = 0; i < s->point_count; i++) {
 		size_t surfel = s->surfel_of_point[i];
 		if (surfel == UINT32_MAX)
 			continue;
-		for (size_t k = 0; k < 3; k++) {
+		for (size_t k = 0; k < width; k++) {
 			double value = scan_value(column[k], i);
 			if (isfinite((float)value) && value > 0.0)
 				to[surfel * stride + k] += (float)value / (float)points[surfel];
@@ -103,12 +115,13 @@ static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error 
 		if (s->surfel_of_point[i] != UINT32_MAX)
 			points[s->surfel_of_point[i]]++;
 	if (good && lit)
-		average_columns(s, column, points, radiance, 3);
+		average_columns(s, column, 3, points, radiance, 3);
 	for (size_t i = 0; i < s->count && good && lit; i++)
 		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
 	for (int c = 0; c < RENDER_CHANNEL_COUNT && good; c++)
 		if (scene->offset[c] >= 0 && find_columns(cloud, (render_channel)c, column))
-			average_columns(s, column, points, scene->channel + scene->offset[c], stride);
+			average_columns(s, column, render_channel_width((render_channel)c), points,
+							scene->channel + scene->offset[c], stride);
 	if (good)
 		copy_own(scene);
 	free(points);

@@ -10,13 +10,16 @@
 
 /* What a surfel can carry into a picture. */
 typedef enum render_channel {
-	RENDER_ALBEDO,   /* 3 */
-	RENDER_RADIANCE, /* 3, of a lit cloud */
-	RENDER_DIRECT,   /* 3, irradiance; when the bake was asked for it */
-	RENDER_INDIRECT, /* 3 */
-	RENDER_EMISSION, /* 3; when something emits */
-	RENDER_NDF,      /* 1, length of the normal */
-	RENDER_ROI,      /* 1, metres: side of the region of influence */
+	RENDER_ALBEDO,    /* 3 */
+	RENDER_RADIANCE,  /* 3, of a lit cloud */
+	RENDER_DIRECT,    /* 3, irradiance; when the bake was asked for it */
+	RENDER_INDIRECT,  /* 3 */
+	RENDER_EMISSION,  /* 3; when something emits */
+	RENDER_NDF,       /* 1, length of the normal */
+	RENDER_ROI,       /* 1, metres: side of the region of influence */
+	RENDER_SPECULAR,  /* 1, reflectance at normal incidence; when a point is glossy */
+	RENDER_ROUGHNESS, /* 1, 0..1; with it */
+	RENDER_ERROR,     /* 1, of a cloud that compare wrote */
 	RENDER_CHANNEL_COUNT
 } render_channel;
 

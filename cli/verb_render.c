@@ -1,10 +1,12 @@
 #include "verbs.h"
 #include "number_text.h"
+#include "octree_picture.h"
 #include "options.h"
 #include "preview.h"
 #include "progress.h"
 #include "render_cameras.h"
 #include "render_picture.h"
+#include "scene_file.h"
 #include "signals.h"
 #include "words.h"
 
@@ -24,13 +26,14 @@
 
 /* All that lives as long as one run. */
 typedef struct render {
-	const settings *settings;
+	settings *settings;
 	camera_plan plan;
 	render_look look;
 	bool exr;
 	bool points; /* --view points */
 	uint32_t width, height;
 	render_scene scene;
+	octree_picture octree;
 	double exposure; /* EV; NAN: not exposed */
 	progress progress;
 	double read_seconds, draw_seconds;
@@ -194,9 +197,10 @@ static uint32_t wanted_channels(const render *r)
 	if (r->exr)
 		return (1u << RENDER_CHANNEL_COUNT) - 1u;
 	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
-		return 1u << RENDER_ALBEDO | 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION;
+		return 1u << RENDER_ALBEDO | 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION |
+			   octree_picture_channels(r->settings);
 	if (view == SETTINGS_VIEW_RADIANCE)
-		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION;
+		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION | octree_picture_channels(r->settings);
 	return render_view_channels(view);
 }
 
@@ -208,6 +212,8 @@ static gw_status choose_view(render *r)
 	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
 		view = lit ? SETTINGS_VIEW_RADIANCE : SETTINGS_VIEW_SHADED;
 	r->look.view = view;
+	if (r->settings->render.radiance != SETTINGS_RADIANCE_POINTS && !lit)
+		view = SETTINGS_VIEW_RADIANCE; /* which is missing */
 	for (int c = 0; c < RENDER_CHANNEL_COUNT; c++)
 		if (render_view_channels(view) & 1u << c && r->scene.offset[c] < 0)
 			return gw_fail(r->error, GW_ERROR_DATA,
@@ -229,13 +235,15 @@ static gw_status read_scene(render *r)
 	if (status == GW_OK)
 		status =
 			camera_plan_place(&r->plan, &r->scene, (double)r->width / (double)r->height, r->error);
+	if (status == GW_OK && r->look.view == SETTINGS_VIEW_RADIANCE)
+		status = octree_picture_open(r->settings, &r->scene, &r->octree, r->error);
 	r->read_seconds = now() - start;
 	return status;
 }
 
 /* -------------------------------------------------------------------------------- drawing */
 
-static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t height,
+static gw_status draw(render *r, size_t picture, uint32_t width, uint32_t height,
 					  uint32_t samples, gw_gbuffer *g, float **values)
 {
 	gw_camera camera;
@@ -259,7 +267,9 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
 	}
 	render_view_values(&r->scene, &camera, g, r->look.view, *values);
-	return GW_OK;
+	if (r->octree.octree)
+		status = octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error);
+	return status;
 }
 
 /* What is seen in some pictures, pixel by pixel. */
@@ -340,7 +350,7 @@ static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer
 	return status;
 }
 
-static gw_status make_picture(const render *r, size_t picture)
+static gw_status make_picture(render *r, size_t picture)
 {
 	gw_gbuffer g;
 	float *values;
@@ -360,7 +370,9 @@ static gw_status make_picture(const render *r, size_t picture)
 
 static gw_status run(render *r)
 {
-	gw_status status = check(r);
+	gw_status status = scene_read_all(r->settings, r->error);
+	if (status == GW_OK)
+		status = check(r);
 	if (status == GW_OK)
 		status = read_scene(r);
 	double start = now();
@@ -386,9 +398,14 @@ static void summarize(const render *r)
 	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);
 	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
+	if (!r->octree.octree)
+		return;
+	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",
+			r->octree.build_seconds, r->octree.seconds);
+	fprintf(stderr, "glossy    %llu pixels\n", (unsigned long long)r->octree.pixels);
 }
 
-gw_status verb_render(const settings *s, gw_error *error)
+gw_status verb_render(settings *s, gw_error *error)
 {
 	render r = { .settings = s,
 				 .look = { .tone = s->render.tone,
@@ -400,6 +417,7 @@ gw_status verb_render(const settings *s, gw_error *error)
 	progress_end(&r.progress);
 	if (status == GW_OK && s->verbose)
 		summarize(&r);
+	octree_picture_clear(&r.octree);
 	camera_plan_clear(&r.plan);
 	render_scene_clear(&r.scene);
 	return status;
