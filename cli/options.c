@@ -53,14 +53,25 @@ static const char *tone_name(int i)
 
 static const char *view_name(int i)
 {
-	static const char *const name[] = {
-		[SETTINGS_VIEW_AUTO] = "auto",     [SETTINGS_VIEW_RADIANCE] = "radiance",
-		[SETTINGS_VIEW_SHADED] = "shaded", [SETTINGS_VIEW_ALBEDO] = "albedo",
-		[SETTINGS_VIEW_NORMAL] = "normal", [SETTINGS_VIEW_DEPTH] = "depth",
-		[SETTINGS_VIEW_DIRECT] = "direct", [SETTINGS_VIEW_INDIRECT] = "indirect",
-		[SETTINGS_VIEW_ROI] = "roi",       [SETTINGS_VIEW_NDF] = "ndf",
-		[SETTINGS_VIEW_POINTS] = "points", [SETTINGS_VIEW_COUNT] = NULL
-	};
+	static const char *const name[] = { [SETTINGS_VIEW_AUTO] = "auto",
+										[SETTINGS_VIEW_RADIANCE] = "radiance",
+										[SETTINGS_VIEW_SHADED] = "shaded",
+										[SETTINGS_VIEW_ALBEDO] = "albedo",
+										[SETTINGS_VIEW_NORMAL] = "normal",
+										[SETTINGS_VIEW_DEPTH] = "depth",
+										[SETTINGS_VIEW_DIRECT] = "direct",
+										[SETTINGS_VIEW_INDIRECT] = "indirect",
+										[SETTINGS_VIEW_ROI] = "roi",
+										[SETTINGS_VIEW_NDF] = "ndf",
+										[SETTINGS_VIEW_POINTS] = "points",
+										[SETTINGS_VIEW_CELLS] = "cells:LEVEL",
+										[SETTINGS_VIEW_BORDER] = "border:LEVEL",
+										[SETTINGS_VIEW_OPACITY] = "opacity:LEVEL:SIDE",
+										[SETTINGS_VIEW_VOXELS] = "radiance:LEVEL:SIDE",
+										[SETTINGS_VIEW_SHADOW] = "shadow:LAMP",
+										[SETTINGS_VIEW_RECORDS] = "records",
+										[SETTINGS_VIEW_ERROR] = "error",
+										[SETTINGS_VIEW_COUNT] = NULL };
 	return name[i];
 }
 
@@ -211,7 +222,7 @@ const option options[] = {
 	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
 	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
-	{ "view", 0, NULL, OPTION_CHOICE, RENDER, AT(render.view), .choice = view_name,
+	{ "view", 0, "VIEW", OPTION_VIEW, RENDER, AT(render.view), .choice = view_name,
 	  .group = "Camera",
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
@@ -270,7 +281,7 @@ const option options[] = {
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine the settings as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, SCENE, .scene = true, AT(bake.shadows),
+	{ "shadows", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
 	{ "depth", 'd', "N", OPTION_COUNT, PICTURED, .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
@@ -293,8 +304,8 @@ const option options[] = {
 	  .help = "samples of the points that emit light, a record" },
 	{ "cones", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
 	  .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "record-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.record_spacing),
-	  RANGE(0.0, 64.0), .group = "Light",
+	{ "record-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.shadow_map_size),
 	  RANGE(16.0, 8192.0), .group = "Light",

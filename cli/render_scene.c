@@ -20,18 +20,18 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 
 uint32_t render_channel_width(render_channel channel)
 {
-	static const bool is_number[RENDER_CHANNEL_COUNT] = { [RENDER_NDF] = true,
-														  [RENDER_ROI] = true,
-														  [RENDER_SPECULAR] = true,
-														  [RENDER_ROUGHNESS] = true,
-														  [RENDER_ERROR] = true };
+	static const bool is_number[RENDER_CHANNEL_COUNT] = {
+		[RENDER_NDF] = true,       [RENDER_ROI] = true,   [RENDER_SPECULAR] = true,
+		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true, [RENDER_SHADOW] = true
+	};
 	return is_number[channel] ? 1 : 3;
 }
 
 const char *render_channel_name(render_channel channel)
 {
-	static const char *const name[] = { "albedo", "radiance", "direct",   "indirect",  "emission",
-										"ndf",    "roi",      "specular", "roughness", "error" };
+	static const char *const name[] = { "albedo",    "radiance", "direct", "indirect",
+										"emission",  "ndf",      "roi",    "specular",
+										"roughness", "error",    "shadow" };
 	return name[channel];
 }
 
@@ -66,16 +66,20 @@ static void lay_out(render_scene *scene, const scan *cloud, uint32_t wanted)
 	}
 }
 
-/* The mean of columns over the points that each surfel stands for; bad values count as 0. */
-static void average_columns(const gw_surfels *s, const scan_column *column[3], uint32_t width,
-							const uint32_t *points, float *to, size_t stride)
+/* The mean of columns over the points that each surfel stands for; bad values count as 0, and
+ * errors by their size. */
+static void average_columns(const gw_surfels *s, const scan_column *column[3],
+							render_channel channel, const uint32_t *points, float *to,
+							size_t stride)
 {
+	uint32_t width = render_channel_width(channel);
 	for (size_t i = 0; i < s->point_count; i++) {
 		size_t surfel = s->surfel_of_point[i];
 		if (surfel == UINT32_MAX)
 			continue;
 		for (size_t k = 0; k < width; k++) {
 			double value = scan_value(column[k], i);
+			value = channel == RENDER_ERROR ? fabs(value) : value;
 			if (isfinite((float)value) && value > 0.0)
 				to[surfel * stride + k] += (float)value / (float)points[surfel];
 		}
@@ -115,13 +119,13 @@ static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error 
 		if (s->surfel_of_point[i] != UINT32_MAX)
 			points[s->surfel_of_point[i]]++;
 	if (good && lit)
-		average_columns(s, column, 3, points, radiance, 3);
+		average_columns(s, column, RENDER_RADIANCE, points, radiance, 3);
 	for (size_t i = 0; i < s->count && good && lit; i++)
 		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
 	for (int c = 0; c < RENDER_CHANNEL_COUNT && good; c++)
 		if (scene->offset[c] >= 0 && find_columns(cloud, (render_channel)c, column))
-			average_columns(s, column, render_channel_width((render_channel)c), points,
-							scene->channel + scene->offset[c], stride);
+			average_columns(s, column, (render_channel)c, points, scene->channel + scene->offset[c],
+							stride);
 	if (good)
 		copy_own(scene);
 	free(points);

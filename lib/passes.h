@@ -29,6 +29,7 @@ typedef enum gw_pass_id {
 	GW_PASS_PIXEL_RAYS,
 	GW_PASS_PIXEL_CONE,
 	GW_PASS_PIXEL_BRICKS,
+	GW_PASS_CELL_BRICKS,
 	GW_PASS_COUNT
 } gw_pass_id;
 

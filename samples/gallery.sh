@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Pictures of the three scenes of Salm's thesis, and what each effect adds: direct light alone, two
 # reflections, all of them, albedo blended a third of the way to white (his section 5.1), light of
-# the voxels gathered by cones instead of rays, and where light leaks or fails to arrive: faint and in
-# false colours, and read from the voxels as he does. A glossy ball and cube come with their
+# the voxels gathered by cones instead of rays, and where light leaks or fails to arrive: faint and
+# in false colours, and read from the voxels as he does. A glossy ball and cube come with their
 # reflections by rays, by cones and without.
 #
 #   gallery.sh FOLDER [POINTS]     POINTS of each box, 400000 unless said
