@@ -1,6 +1,7 @@
 #include "octree_picture.h"
 #include "clock.h"
 #include "glossy_points.h"
+#include "signals.h"
 
 #include <stdlib.h>
 
@@ -17,6 +18,12 @@ uint32_t octree_picture_channels(const settings *s)
 		return 0;
 	return 1u << RENDER_SPECULAR | 1u << RENDER_ROUGHNESS | 1u << RENDER_ALBEDO |
 		   1u << RENDER_EMISSION;
+}
+
+static bool is_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
 }
 
 static bool is_glossy(const render_scene *scene)
@@ -61,9 +68,11 @@ static gw_status build(octree_picture *p, const settings *s, const render_scene 
 gw_status octree_picture_open(const settings *s, const render_scene *scene, octree_picture *p,
 							  gw_error *error)
 {
-	*p = (octree_picture){ .voxels = s->render.radiance != SETTINGS_RADIANCE_POINTS,
+	*p = (octree_picture){ .octree = NULL,
+						   .voxels = s->render.radiance != SETTINGS_RADIANCE_POINTS,
 						   .cubic = s->render.radiance == SETTINGS_RADIANCE_TRICUBIC,
 						   .reflection = { .rays = s->render.glossy_rays,
+										   .cancelled = is_cancelled,
 										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
 	p->glossy = s->render.glossy != SETTINGS_GLOSSY_OFF && is_glossy(scene);
 	p->reflection.cone = p->reflection.cone && p->glossy;

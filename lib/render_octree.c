@@ -195,11 +195,11 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 {
 	const gw_reflection *r = how;
 	const gw_octree *t = &o->octree;
-	const gw_pixel_push push = { .rays = r->rays,
-								 .seed = r->seed,
-								 .pixel_first = (uint32_t)first,
-								 .eye = eye_of(o, pixels, 0.0f),
-								 .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
+	gw_pixel_push push = { .rays = r->rays,
+						   .seed = r->seed,
+						   .pixel_first = (uint32_t)first,
+						   .eye = eye_of(o, pixels, 0.0f),
+						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
 	const gw_binding bindings[] = { gw_whole(&t->ray_directory),   gw_whole(&t->node),
 									gw_whole(&t->leaf_tile),       gw_whole(&t->lobe_plane),
 									gw_whole(&t->lobe_centre),     gw_whole(&t->leaf_fragment),
@@ -208,7 +208,13 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 									gw_whole(&t->surfel_clip),     gw_whole(&o->surfel_radiance),
 									gw_window(&b->position, 16),   gw_window(&b->normal, 16),
 									gw_window(&b->result, 16) };
-	return gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);
+	gw_status status = GW_OK;
+	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
+		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);
+		if (status == GW_OK && r->cancelled && r->cancelled(r->user))
+			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
+	}
+	return status;
 }
 
 static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass,

@@ -3,8 +3,10 @@
  * picture: what they see reflected, and what the bricks hold where they are (Salm 4.6).
  *
  * The glossy bounce is traced by rays against the planes in the leaves. The thesis's one cone a
- * pixel is there, too: it is free of noise and several times as quick where surfaces are rough, but
- * sees through walls and around corners, and in a mirror nothing finer than two leaves.
+ * pixel is there, too: free of noise and some five times as quick as 32 rays, but it does not come
+ * nearer to the truth with more work. Against 1024 rays a pixel, in a Cornell box with a metal ball
+ * and a painted cube, the RMS error in a picture's 255 steps is 5.0 with 32 rays and 2.6 with 128,
+ * and 8.5 with the cone, most of it where the lamp's reflection ends.
  */
 #ifndef RENDER_OCTREE_H
 #define RENDER_OCTREE_H
@@ -39,11 +41,12 @@ typedef struct gw_pixels {
 } gw_pixels;
 
 typedef struct gw_reflection {
-	uint32_t rays; /* at least 1, of a pixel whose roughness is 0.5 or more; fewer where it is
-					  smoother, and one of a mirror */
+	uint32_t rays; /* a pixel whose surface is rough, at least 1; a mirror takes one */
 	bool cone;     /* one cone instead; needs bricks */
 	float sky[3];  /* radiance of what meets nothing */
 	uint32_t seed;
+	bool (*cancelled)(void *user); /* NULL or asked between rays */
+	void *user;
 } gw_reflection;
 
 /*

@@ -36,10 +36,14 @@ vec3 visible_facet(vec3 eye, float alpha, vec2 u)
 	return normalize(vec3(alpha * h.xy, max(h.z, 1e-6)));
 }
 
+/* Normals that turn away from the eye by up to the arc sine of this are those of a rim, rough in
+ * the blended normals; by more, those of a surface seen from behind. */
+const float RIM = 0.4;
+
 /* The surface's normal on the eye's side, and not quite edge-on. */
 vec3 face_eye(vec3 normal, vec3 to_eye)
 {
-	vec3 n = dot(normal, to_eye) < 0.0 ? -normal : normal;
+	vec3 n = dot(normal, to_eye) < -RIM ? -normal : normal;
 	float cosine = dot(n, to_eye);
 	return cosine < GRAZING ? normalize(n + to_eye * (GRAZING - cosine)) : n;
 }

@@ -2,7 +2,8 @@
  * pixel_rays.comp - the glossy bounce by rays: one invocation a pixel. Rays go against the planes
  * in the leaves; where one meets a plane, the radiance is that of the discs there, blended as in
  * the picture itself, so that a mirror shows the surface as sharp as the eye sees it. rgb is the
- * light reflected, w the share of all light that is.
+ * light reflected, w the share of all light that is. One run adds one ray, because all loops of an
+ * invocation count together towards what the software driver allows.
  */
 #version 460
 
@@ -30,7 +31,7 @@ layout(binding = 13) readonly buffer Normal
 {
 	vec4 pixel_normal[]; /* unit, reflectance */
 };
-layout(binding = 14) writeonly buffer Reflected
+layout(binding = 14) buffer Reflected
 {
 	vec4 pixel_reflected[];
 };
@@ -80,21 +81,17 @@ void main()
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
 	uint own = hash2(push.pixel_first + push.first + i, push.seed);
 	vec2 turn = vec2(unit_float(own), unit_float(hash(own)));
-	/* Narrow lobes vary less over their width. */
-	uint rays = roughness * roughness < MIRROR_ALPHA
-					? 1u
-					: uint(ceil(float(push.rays) * min(1.0, 2.0 * roughness)));
-	vec4 sum = vec4(0.0);
-	for (uint k = 0u; k < rays; k++) {
-		/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
-		vec2 u = fract(turn + float(k) * vec2(0.7548776662, 0.5698402910));
-		float share, t;
-		vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
-		uint lobe;
-		bool behind;
-		bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
-		vec3 seen = hit ? radiance_at(lobe, g + direction * t) : push.sky.xyz;
-		sum += share * vec4(seen, 1.0);
-	}
-	pixel_reflected[i] = sum / float(rays);
+	bool mirror = roughness * roughness < MIRROR_ALPHA;
+	if (mirror && push.ray > 0u)
+		return;
+	/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
+	vec2 u = fract(turn + float(push.ray) * vec2(0.7548776662, 0.5698402910));
+	float share, t;
+	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
+	uint lobe;
+	bool behind;
+	bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
+	vec3 seen = hit ? radiance_at(lobe, g + direction * t) : push.sky.xyz;
+	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
+	pixel_reflected[i] = before + share * vec4(seen, 1.0) / (mirror ? 1.0 : float(push.rays));
 }

@@ -100,10 +100,10 @@ SHARED_OFFSET(gw_cone_push, eye, 80);
 SHARED_STRUCT(gw_pixel_push)
 {
 	uint first, count;
-	uint rays; /* of a pixel whose roughness is 0.5 or more; of others fewer */
+	uint rays; /* a pixel whose surface is rough; a mirror takes one */
 	uint seed;
 	uint pixel_first; /* number of the first pixel of this batch */
-	uint unused;
+	uint ray;         /* that this run adds */
 	vec4 eye;         /* grid coordinates */
 	vec4 sky;         /* radiance of what rays see that meet nothing */
 };
