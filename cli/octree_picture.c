@@ -3,7 +3,9 @@
 #include "glossy_points.h"
 #include "signals.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Pixels of a picture that are asked about. */
 typedef struct asked {
@@ -81,6 +83,9 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 		return GW_OK;
 	double start = gw_seconds();
 	gw_status status = build(p, s, scene, error);
+	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
+		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
+				 "; --glossy off needs none");
 	p->build_seconds = gw_seconds() - start;
 	return status;
 }

@@ -14,6 +14,14 @@ END
 run 0 bake box.scene.json -o lit.ply -q --estimate-points 0 --bounces 2
 sed -n '/^property float \(specular\|roughness\)$/p; /^end_header$/q' lit.ply
 
+# For what bounces, a black mirror is as good as white.
+for surface in '"albedo": 0, "specular": 1' '"albedo": 1'; do
+	echo "{\"version\": 1, \"inputs\": [{\"file\": \"box.ply\", $surface}]}" >some.scene.json
+	run 0 bake some.scene.json -o some.ply -q --estimate-points 0 --bounces 2 --force
+	[ -f first.ply ] || mv some.ply first.ply
+done
+run 0 compare first.ply some.ply --max-relrmse 0 >figures.txt
+
 small='--size 160x120 --exposure 0 --samples 1'
 # shellcheck disable=SC2086
 for how in off rays cones; do
