@@ -122,6 +122,28 @@ static gw_status set_emission(scan *cloud, const float emission[3], gw_error *er
 	return GW_OK;
 }
 
+static gw_status set_number(scan *cloud, const char *name, float value, gw_error *error)
+{
+	scan_remove_column(cloud, name);
+	scan_column *column = scan_add_column(cloud, name, SCAN_FLOAT32, error);
+	for (size_t i = 0; column && i < cloud->count; i++)
+		((float *)column->data)[i] = value;
+	return column ? GW_OK : GW_ERROR_MEMORY;
+}
+
+/* A glossy surface of which nobody says how rough it is is as matt as can be. */
+static gw_status set_gloss(const settings_input *from, scan *cloud, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (from->has_specular)
+		status = set_number(cloud, "specular", from->specular, error);
+	if (status == GW_OK && from->has_roughness)
+		return set_number(cloud, "roughness", from->roughness, error);
+	if (status == GW_OK && from->has_specular && !scan_find(cloud, "roughness"))
+		status = set_number(cloud, "roughness", 1.0f, error);
+	return status;
+}
+
 static uint8_t to_byte(double value)
 {
 	return value > 0.0 ? (uint8_t)(fmin(value, 1.0) * 255.0 + 0.5) : 0;
@@ -232,6 +254,8 @@ static gw_status finish_part(const settings *s, const settings_input *from, part
 	gw_status status = GW_OK;
 	if (from->has_emission)
 		status = set_emission(&p->cloud, from->emission, error);
+	if (status == GW_OK)
+		status = set_gloss(from, &p->cloud, error);
 	if (status == GW_OK) {
 		status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
 		if (status != GW_OK)

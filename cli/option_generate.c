@@ -43,7 +43,7 @@ static void write_manual_option(FILE *out, const option *o, const settings *defa
 	write_roff(out, o->help);
 	fputs(".\n", out);
 	option_legal(o, text);
-	if (*text && !o->choice) {
+	if (*text && (!o->choice || o->type == OPTION_VIEW)) {
 		fputs("Legal: ", out);
 		write_roff(out, text);
 		fputs(".\n", out);
@@ -134,7 +134,7 @@ static void write_manual_program(FILE *out)
 static bool write_choices(FILE *out, const option *o)
 {
 	for (int i = 0; o->choice && o->choice(i); i++)
-		fprintf(out, "%s%s", i ? " " : "", o->choice(i));
+		fprintf(out, "%s%.*s", i ? " " : "", (int)(strcspn(o->choice(i), ":") + 1), o->choice(i));
 	if (o->type == OPTION_ALBEDO)
 		fputs("auto rgb intensity constant: property:", out);
 	return o->choice || o->type == OPTION_ALBEDO;

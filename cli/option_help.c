@@ -54,7 +54,8 @@ static void write_option(FILE *out, const option *o, const settings *defaults)
 	column = INDENT;
 	write_words(out, o->help, &column);
 	option_legal(o, text);
-	if (*text && (o->type == OPTION_COUNT || o->type == OPTION_REAL || o->type == OPTION_FIELDS)) {
+	if (*text && (o->type == OPTION_COUNT || o->type == OPTION_REAL || o->type == OPTION_FIELDS ||
+				  o->type == OPTION_VIEW)) {
 		snprintf(note, sizeof note, "(%s)", text);
 		write_words(out, note, &column);
 	}

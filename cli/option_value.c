@@ -30,7 +30,8 @@ static const char *(*choices_of(const option *o))(int)
 void option_argument(const option *o, char text[OPTION_VALUE])
 {
 	text[0] = '\0';
-	const char *(*choice)(int) = o->type == OPTION_FIELDS ? NULL : choices_of(o);
+	bool list = o->type == OPTION_FIELDS || o->type == OPTION_VIEW;
+	const char *(*choice)(int) = list ? NULL : choices_of(o);
 	for (int i = 0; choice && choice(i); i++)
 		snprintf(text + strlen(text), OPTION_VALUE - strlen(text), "%s%s", i ? "|" : "", choice(i));
 	if (!choice && o->argument)
@@ -70,10 +71,10 @@ static void *place_of(const option *o, settings *s)
 static gw_status fail_value(const option *o, const char *text, gw_error *error)
 {
 	char legal[OPTION_VALUE], hint[NEAREST_NAME_HINT] = "";
-	const char *name[16] = { NULL };
+	const char *name[32] = { NULL };
 	const char *(*choice)(int) = choices_of(o);
 	size_t count = 0;
-	for (; choice && count < 15 && choice((int)count); count++)
+	for (; choice && count < 31 && choice((int)count); count++)
 		name[count] = choice((int)count);
 	name[count] = o->automatic;
 	option_legal(o, legal);
@@ -94,6 +95,22 @@ static gw_status set_choice(const option *o, settings *s, const char *text, gw_e
 			*(int *)place_of(o, s) = i;
 			return GW_OK;
 		}
+	return fail_value(o, text, error);
+}
+
+/* "cells:LEVEL" among the choices is cells, a colon, and anything. */
+static gw_status set_view(const option *o, settings *s, const char *text, gw_error *error)
+{
+	size_t length = strcspn(text, ":");
+	for (int i = 0; o->choice(i); i++) {
+		const char *name = o->choice(i);
+		if (strcspn(name, ":") != length || strncmp(name, text, length) != 0 ||
+			(name[length] == ':') != (text[length] == ':'))
+			continue;
+		s->render.detail = text[length] ? settings_keep(s, text + length + 1, error) : NULL;
+		*(int *)place_of(o, s) = i;
+		return text[length] && !s->render.detail ? GW_ERROR_MEMORY : GW_OK;
+	}
 	return fail_value(o, text, error);
 }
 
@@ -243,6 +260,8 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 		return kept ? GW_OK : GW_ERROR_MEMORY;
 	case OPTION_CHOICE:
 		return set_choice(o, s, text, error);
+	case OPTION_VIEW:
+		return set_view(o, s, text, error);
 	case OPTION_COUNT:
 	case OPTION_REAL:
 		return set_number(o, s, text, error);
@@ -311,7 +330,7 @@ bool option_print(const option *o, const settings *s, char text[OPTION_VALUE])
 		snprintf(text, OPTION_VALUE, "%s", *(const bool *)place ? "true" : "false");
 	else if (o->type == OPTION_TEXT && *(const char *const *)place)
 		snprintf(text, OPTION_VALUE, "%s", *(const char *const *)place);
-	else if (o->type == OPTION_CHOICE)
+	else if (o->type == OPTION_CHOICE || o->type == OPTION_VIEW)
 		snprintf(text, OPTION_VALUE, "%s", o->choice(*(const int *)place));
 	else if (o->type == OPTION_SEED)
 		snprintf(text, OPTION_VALUE, "%" PRIu64, *(const uint64_t *)place);

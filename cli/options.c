@@ -53,14 +53,43 @@ static const char *tone_name(int i)
 
 static const char *view_name(int i)
 {
-	static const char *const name[] = {
-		[SETTINGS_VIEW_AUTO] = "auto",     [SETTINGS_VIEW_RADIANCE] = "radiance",
-		[SETTINGS_VIEW_SHADED] = "shaded", [SETTINGS_VIEW_ALBEDO] = "albedo",
-		[SETTINGS_VIEW_NORMAL] = "normal", [SETTINGS_VIEW_DEPTH] = "depth",
-		[SETTINGS_VIEW_DIRECT] = "direct", [SETTINGS_VIEW_INDIRECT] = "indirect",
-		[SETTINGS_VIEW_ROI] = "roi",       [SETTINGS_VIEW_NDF] = "ndf",
-		[SETTINGS_VIEW_POINTS] = "points", [SETTINGS_VIEW_COUNT] = NULL
-	};
+	static const char *const name[] = { [SETTINGS_VIEW_AUTO] = "auto",
+										[SETTINGS_VIEW_RADIANCE] = "radiance",
+										[SETTINGS_VIEW_SHADED] = "shaded",
+										[SETTINGS_VIEW_ALBEDO] = "albedo",
+										[SETTINGS_VIEW_NORMAL] = "normal",
+										[SETTINGS_VIEW_DEPTH] = "depth",
+										[SETTINGS_VIEW_DIRECT] = "direct",
+										[SETTINGS_VIEW_INDIRECT] = "indirect",
+										[SETTINGS_VIEW_ROI] = "roi",
+										[SETTINGS_VIEW_NDF] = "ndf",
+										[SETTINGS_VIEW_POINTS] = "points",
+										[SETTINGS_VIEW_CELLS] = "cells:LEVEL",
+										[SETTINGS_VIEW_BORDER] = "border:LEVEL",
+										[SETTINGS_VIEW_OPACITY] = "opacity:LEVEL:SIDE",
+										[SETTINGS_VIEW_VOXELS] = "radiance:LEVEL:SIDE",
+										[SETTINGS_VIEW_SHADOW] = "shadow:LAMP",
+										[SETTINGS_VIEW_RECORDS] = "records",
+										[SETTINGS_VIEW_ERROR] = "error",
+										[SETTINGS_VIEW_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *glossy_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_GLOSSY_OFF] = "off",
+										[SETTINGS_GLOSSY_RAYS] = "rays",
+										[SETTINGS_GLOSSY_CONES] = "cones",
+										[SETTINGS_GLOSSY_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *radiance_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_RADIANCE_POINTS] = "points",
+										[SETTINGS_RADIANCE_TRILINEAR] = "trilinear",
+										[SETTINGS_RADIANCE_TRICUBIC] = "tricubic",
+										[SETTINGS_RADIANCE_COUNT] = NULL };
 	return name[i];
 }
 
@@ -91,6 +120,7 @@ static const char *format_name(int i)
 #define BAKE .verbs = 1u << VERB_BAKE
 #define TRADEOFF .verbs = 1u << VERB_TRADEOFF
 #define SCENE .verbs = 1u << VERB_BAKE | 1u << VERB_TRADEOFF
+#define PICTURED SCENE | 1u << VERB_RENDER
 #define INFO .verbs = 1u << VERB_INFO
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
@@ -195,12 +225,24 @@ const option options[] = {
 			  "points on them, and not these points" },
 	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
-	{ "view", 0, NULL, OPTION_CHOICE, RENDER, AT(render.view), .choice = view_name,
+	{ "view", 0, "VIEW", OPTION_VIEW, RENDER, AT(render.view), .choice = view_name,
 	  .group = "Camera",
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, SCENE, .group = "Scene",
+	{ "glossy", 0, NULL, OPTION_CHOICE, RENDER, AT(render.glossy), .choice = glossy_name,
+	  .group = "Light",
+	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
+			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
+	{ "glossy-rays", 0, "N", OPTION_COUNT, RENDER, AT(render.glossy_rays), RANGE(1.0, 1024.0),
+	  .group = "Light",
+	  .help = "rays a pixel that shows a rough glossy point; a mirror takes one" },
+	{ "radiance", 0, NULL, OPTION_CHOICE, RENDER, AT(render.radiance), .choice = radiance_name,
+	  .group = "Light",
+	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
+			  "sampling" },
+
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, PICTURED, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
@@ -242,13 +284,13 @@ const option options[] = {
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine the settings as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, SCENE, .scene = true, AT(bake.shadows),
+	{ "shadows", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
-	{ "depth", 'd', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.depth),
+	{ "depth", 'd', "N", OPTION_COUNT, PICTURED, .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.leaf_spacing),
-	  RANGE(0.25, 64.0), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
 	{ "bounces", 'b', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.bounces),
@@ -265,8 +307,8 @@ const option options[] = {
 	  .help = "samples of the points that emit light, a record" },
 	{ "cones", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
 	  .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "record-spacing", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.record_spacing),
-	  RANGE(0.0, 64.0), .group = "Light",
+	{ "record-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.shadow_map_size),
 	  RANGE(16.0, 8192.0), .group = "Light",
@@ -280,11 +322,12 @@ const option options[] = {
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, SCENE, .scene = true, AT(bake.memory),
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED, .scene = true, AT(bake.memory),
 	  AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, SCENE, .scene = true, AT(bake.device), .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT, PICTURED, .scene = true, AT(bake.device),
+	  .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Machine",

@@ -13,6 +13,7 @@ typedef enum option_type {
 	OPTION_FLAG,   /* bool */
 	OPTION_TEXT,   /* const char * */
 	OPTION_CHOICE, /* int, one of option.choice */
+	OPTION_VIEW,   /* int, as CHOICE; what stands behind a colon is settings_render.detail */
 	OPTION_COUNT,  /* uint32_t */
 	OPTION_SEED,   /* uint64_t */
 	OPTION_SIZE,   /* uint64_t, bytes; K, M, G, T behind it */

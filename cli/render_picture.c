@@ -30,6 +30,12 @@ uint32_t render_view_channels(settings_view view)
 		return 1u << RENDER_ROI;
 	case SETTINGS_VIEW_NDF:
 		return 1u << RENDER_NDF;
+	case SETTINGS_VIEW_ERROR:
+		return 1u << RENDER_ERROR;
+	case SETTINGS_VIEW_SHADOW:
+		return 1u << RENDER_SHADOW;
+	case SETTINGS_VIEW_RECORDS:
+		return 1u << RENDER_ALBEDO;
 	default:
 		return 0;
 	}
@@ -38,12 +44,20 @@ uint32_t render_view_channels(settings_view view)
 bool render_view_is_light(settings_view view)
 {
 	return view == SETTINGS_VIEW_RADIANCE || view == SETTINGS_VIEW_DIRECT ||
-		   view == SETTINGS_VIEW_INDIRECT;
+		   view == SETTINGS_VIEW_INDIRECT || view == SETTINGS_VIEW_VOXELS;
+}
+
+/* A number from 0 to 1. */
+static bool is_share(settings_view view)
+{
+	return view == SETTINGS_VIEW_NDF || view == SETTINGS_VIEW_OPACITY ||
+		   view == SETTINGS_VIEW_SHADOW;
 }
 
 static bool is_number(settings_view view)
 {
-	return view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI || view == SETTINGS_VIEW_NDF;
+	return view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI ||
+		   view == SETTINGS_VIEW_ERROR || is_share(view);
 }
 
 /* ------------------------------------------------------------------------------ shading */
@@ -82,7 +96,8 @@ void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings
 			else
 				v[k] = channel[offset + (one ? 0 : k)];
 		}
-		if (view == SETTINGS_VIEW_SHADED && g->coverage[i] > 0.0f) {
+		bool shaded = view == SETTINGS_VIEW_SHADED || view == SETTINGS_VIEW_RECORDS;
+		if (shaded && g->coverage[i] > 0.0f) {
 			float bright = lamp_at_camera(g, i);
 			for (int k = 0; k < 3; k++)
 				v[k] *= bright;
@@ -103,14 +118,14 @@ static gw_status fit_range(const render_scene *scene, settings_view view, const 
 	for (size_t i = 0; i < pixels; i++)
 		if (g->coverage[i] > 0.0f)
 			seen[used++] = (float)preview_luminance(values + 3 * i);
-	bool logarithmic = view != SETTINGS_VIEW_DEPTH && view != SETTINGS_VIEW_NDF;
+	bool logarithmic = view != SETTINGS_VIEW_DEPTH && !is_share(view);
 	*range = false_color_fit(seen, used, logarithmic);
 	free(seen);
-	if (view == SETTINGS_VIEW_NDF)
+	if (is_share(view))
 		*range = (false_color_range){ 0.0, 1.0, false, "" };
 	if (view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI)
 		range->unit = "m";
-	else if (view == SETTINGS_VIEW_RADIANCE)
+	else if (view == SETTINGS_VIEW_RADIANCE || view == SETTINGS_VIEW_VOXELS)
 		range->unit = scene->photometric ? "cd/m^2" : "W/(sr m^2)";
 	else if (view == SETTINGS_VIEW_DIRECT || view == SETTINGS_VIEW_INDIRECT)
 		range->unit = scene->photometric ? "lx" : "W/m^2";

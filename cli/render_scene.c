@@ -15,17 +15,25 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 	[RENDER_RADIANCE] = { "radiance_r", "radiance_g", "radiance_b" },
 	[RENDER_DIRECT] = { "direct_r", "direct_g", "direct_b" },
 	[RENDER_INDIRECT] = { "indirect_r", "indirect_g", "indirect_b" },
+	[RENDER_SPECULAR] = { "specular" },
+	[RENDER_ROUGHNESS] = { "roughness" },
+	[RENDER_ERROR] = { "error" },
 };
 
 uint32_t render_channel_width(render_channel channel)
 {
-	return channel == RENDER_NDF || channel == RENDER_ROI ? 1 : 3;
+	static const bool is_number[RENDER_CHANNEL_COUNT] = {
+		[RENDER_NDF] = true,       [RENDER_ROI] = true,   [RENDER_SPECULAR] = true,
+		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true, [RENDER_SHADOW] = true
+	};
+	return is_number[channel] ? 1 : 3;
 }
 
 const char *render_channel_name(render_channel channel)
 {
-	static const char *const name[] = { "albedo",   "radiance", "direct", "indirect",
-										"emission", "ndf",      "roi" };
+	static const char *const name[] = { "albedo",    "radiance", "direct", "indirect",
+										"emission",  "ndf",      "roi",    "specular",
+										"roughness", "error",    "shadow" };
 	return name[channel];
 }
 
@@ -37,7 +45,11 @@ static bool is_cancelled(void *user)
 
 static bool find_columns(const scan *cloud, render_channel channel, const scan_column *column[3])
 {
-	return column_name[channel][0] && scan_find_triple(cloud, column_name[channel], column);
+	uint32_t width = column_name[channel][0] ? render_channel_width(channel) : 0;
+	bool all = width > 0;
+	for (uint32_t k = 0; k < width && all; k++)
+		all = (column[k] = scan_find_scalar(cloud, column_name[channel][k])) != NULL;
+	return all;
 }
 
 /* Which channels there are, and where they stand. */
@@ -56,16 +68,20 @@ static void lay_out(render_scene *scene, const scan *cloud, uint32_t wanted)
 	}
 }
 
-/* The mean of three columns over the points that each surfel stands for; bad values count as 0. */
+/* The mean of columns over the points that each surfel stands for; bad values count as 0, and
+ * errors by their size. */
 static void average_columns(const gw_surfels *s, const scan_column *column[3],
-							const uint32_t *points, float *to, size_t stride)
+							render_channel channel, const uint32_t *points, float *to,
+							size_t stride)
 {
+	uint32_t width = render_channel_width(channel);
 	for (size_t i = 0; i < s->point_count; i++) {
 		size_t surfel = s->surfel_of_point[i];
 		if (surfel == UINT32_MAX)
 			continue;
-		for (size_t k = 0; k < 3; k++) {
+		for (size_t k = 0; k < width; k++) {
 			double value = scan_value(column[k], i);
+			value = channel == RENDER_ERROR ? fabs(value) : value;
 			if (isfinite((float)value) && value > 0.0)
 				to[surfel * stride + k] += (float)value / (float)points[surfel];
 		}
@@ -110,7 +126,8 @@ static gw_status fill_channels(render_scene *scene, const scan *cloud, gw_error 
 	bool good = points && scene->channel;
 	for (int c = 0; c < RENDER_CHANNEL_COUNT && good; c++)
 		if (scene->offset[c] >= 0 && find_columns(cloud, (render_channel)c, column))
-			average_columns(s, column, points, scene->channel + scene->offset[c], stride);
+			average_columns(s, column, (render_channel)c, points, scene->channel + scene->offset[c],
+							stride);
 	if (good)
 		copy_own(scene);
 	free(points);
@@ -131,7 +148,7 @@ static gw_status fill_luminance(render_scene *scene, const scan *cloud, const gw
 	scene->luminance = calloc(s->count, sizeof *scene->luminance);
 	bool good = points && radiance && scene->luminance;
 	if (good)
-		average_columns(s, column, points, radiance, 3);
+		average_columns(s, column, RENDER_RADIANCE, points, radiance, 3);
 	for (size_t i = 0; i < s->count && good; i++)
 		scene->luminance[i] = (float)preview_luminance(radiance + 3 * i);
 	free(points);
@@ -168,6 +185,7 @@ typedef struct choosing {
 	render_scene *scene;
 	const scan *cloud;
 	render_scene_chooser *choose;
+	bool all; /* whatever it says */
 	void *user;
 } choosing;
 
@@ -178,6 +196,8 @@ static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, 
 	gw_status status = fill_luminance(c->scene, c->cloud, surfels, error);
 	if (status == GW_OK)
 		status = c->choose(c->user, c->scene, surfels, chosen, error);
+	if (c->all)
+		memset(chosen, 1, surfels->count);
 	free(c->scene->luminance);
 	c->scene->luminance = NULL;
 	c->scene->choose_seconds = gw_seconds() - start;
@@ -191,7 +211,7 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	gw_surfels_options options = { .threads = s->bake.threads,
 								   .choose = choose,
 								   .chooser = c,
-								   .rough_area = true,
+								   .rough_area = !c->all,
 								   .cancelled = is_cancelled };
 	scene->up = loaded->up;
 	scene->photometric = is_photometric(&loaded->cloud);
@@ -209,17 +229,21 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	return status;
 }
 
-gw_status render_scene_read(const settings *s, uint32_t wanted, render_scene_chooser *choose_them,
-							void *user, render_scene *scene, gw_error *error)
+gw_status render_scene_read(const settings *s, uint32_t wanted, render_octree octree,
+							render_scene_chooser *choose_them, void *user, render_scene *scene,
+							gw_error *error)
 {
 	loaded_scene loaded;
-	choosing c = { scene, &loaded.cloud, choose_them, user };
+	choosing c = { scene, &loaded.cloud, choose_them, false, user };
 	*scene = (render_scene){ .channel = NULL };
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	scene->read_seconds = gw_seconds() - start;
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		bool glossy = scan_find_scalar(&loaded.cloud, column_name[RENDER_SPECULAR][0]) != NULL;
+		c.all = octree == RENDER_OCTREE_YES || (octree == RENDER_OCTREE_GLOSSY && glossy);
 		status = make(s, &loaded, wanted, &c, error);
+	}
 	loaded_scene_clear(&loaded);
 	if (status != GW_OK)
 		render_scene_clear(scene);

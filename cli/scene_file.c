@@ -170,9 +170,20 @@ static gw_status take_density(const reader *r, json_t *value, float *density)
 	return fail_here(r, "points on a square metre are needed, above 0");
 }
 
+static gw_status take_share(const reader *r, json_t *value, bool *given, float *share)
+{
+	double number = json_number_value(value);
+	*given = true;
+	*share = (float)number;
+	if (json_is_number(value) && number >= 0.0 && number <= 1.0)
+		return GW_OK;
+	return fail_here(r, "a number from 0 to 1 is needed");
+}
+
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file", "matrix", "emission", "albedo", "mesh", "density" };
+	static const char *const name[] = { "file", "matrix",  "emission", "albedo",
+										"mesh", "density", "specular", "roughness" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -193,6 +204,10 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 	}
 	if (strcmp(key, "density") == 0)
 		return take_density(r, value, &input->density);
+	if (strcmp(key, "specular") == 0)
+		return take_share(r, value, &input->has_specular, &input->specular);
+	if (strcmp(key, "roughness") == 0)
+		return take_share(r, value, &input->has_roughness, &input->roughness);
 	return fail_key(r, name, sizeof name / sizeof *name);
 }
 

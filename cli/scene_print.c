@@ -107,6 +107,10 @@ void scene_write(FILE *out, const settings *s)
 			json_put_singles(&json, "emission", input->emission, 3);
 		if (input->has_albedo)
 			json_put_singles(&json, "albedo", input->albedo, 3);
+		if (input->has_specular)
+			json_put_single(&json, "specular", input->specular);
+		if (input->has_roughness)
+			json_put_single(&json, "roughness", input->roughness);
 		if (input->mesh)
 			json_put_bool(&json, "mesh", true);
 		if (input->density > 0.0f)

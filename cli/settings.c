@@ -19,6 +19,8 @@ settings settings_default(void)
 								   .size = "1600x900",
 								   .background = "0",
 								   .orbit = 1,
+								   .glossy = SETTINGS_GLOSSY_RAYS,
+								   .glossy_rays = 32,
 								   .samples = 2 } };
 }
 

@@ -28,8 +28,10 @@ typedef struct settings_input {
 	float emission[3];
 	bool has_albedo;
 	float albedo[3]; /* linear */
-	bool mesh;       /* points are sampled on its faces */
-	float density;   /* of a mesh, points/m^2; 0: as settings.density says */
+	bool has_specular, has_roughness;
+	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
+	bool mesh;                 /* points are sampled on its faces */
+	float density;             /* of a mesh, points/m^2; 0: as settings.density says */
 } settings_input;
 
 typedef enum settings_up {
@@ -70,18 +72,45 @@ typedef enum settings_view {
 	SETTINGS_VIEW_DEPTH,
 	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
 	SETTINGS_VIEW_INDIRECT,
-	SETTINGS_VIEW_ROI,    /* size of the region of influence */
-	SETTINGS_VIEW_NDF,    /* length of the normals */
-	SETTINGS_VIEW_POINTS, /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_ROI,     /* size of the region of influence */
+	SETTINGS_VIEW_NDF,     /* length of the normals */
+	SETTINGS_VIEW_POINTS,  /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_CELLS,   /* of the octree; settings_render.detail says the level */
+	SETTINGS_VIEW_BORDER,  /* its border tiles, likewise */
+	SETTINGS_VIEW_OPACITY, /* of voxels to one side; detail is LEVEL:SIDE */
+	SETTINGS_VIEW_VOXELS,  /* their radiance, likewise */
+	SETTINGS_VIEW_SHADOW,  /* what a lamp sees; detail is its name or number */
+	SETTINGS_VIEW_RECORDS, /* where a bake gathers light */
+	SETTINGS_VIEW_ERROR,   /* of a cloud that compare wrote */
 	SETTINGS_VIEW_COUNT
 } settings_view;
+
+/* How the glossy bounce is found. */
+typedef enum settings_glossy {
+	SETTINGS_GLOSSY_OFF,
+	SETTINGS_GLOSSY_RAYS,
+	SETTINGS_GLOSSY_CONES,
+	SETTINGS_GLOSSY_COUNT
+} settings_glossy;
+
+/* Where the radiance of a picture is read. */
+typedef enum settings_radiance {
+	SETTINGS_RADIANCE_POINTS,
+	SETTINGS_RADIANCE_TRILINEAR, /* in the octree's bricks */
+	SETTINGS_RADIANCE_TRICUBIC,
+	SETTINGS_RADIANCE_COUNT
+} settings_radiance;
 
 /* Pictures. */
 typedef struct settings_render {
 	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
 	const char *mesh;                              /* as given, NULL: none */
 	uint32_t orbit, samples;
-	int view, tone; /* settings_view, preview_tone */
+	int view, tone;     /* settings_view, preview_tone */
+	const char *detail; /* what stands behind the view's name and colon, or NULL */
+	int glossy;         /* settings_glossy */
+	int radiance;       /* settings_radiance */
+	uint32_t glossy_rays;
 	bool false_color, cull;
 } settings_render;
 

@@ -1,5 +1,6 @@
 #include "verbs.h"
 #include "bake_report.h"
+#include "glossy_points.h"
 #include "lit_scan.h"
 #include "mesh_notes.h"
 #include "output_name.h"
@@ -150,6 +151,8 @@ static gw_status read_inputs(bake *b)
 	double start = now();
 	progress_show(&b->progress, "read", 0.0);
 	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
+	if (status == GW_OK)
+		glossy_points_apply(&b->scene);
 	progress_clear(&b->progress);
 	if (status == GW_OK && !b->settings->quiet)
 		note_inputs(b);

@@ -1,11 +1,14 @@
 #include "verbs.h"
 #include "clock.h"
 #include "number_text.h"
+#include "octree_picture.h"
+#include "octree_view.h"
 #include "options.h"
 #include "preview.h"
 #include "progress.h"
 #include "render_cameras.h"
 #include "render_picture.h"
+#include "scene_file.h"
 #include "signals.h"
 #include "words.h"
 
@@ -25,14 +28,16 @@
 
 /* All that lives as long as one run. */
 typedef struct render {
-	const settings *settings;
+	settings *settings;
 	camera_plan plan;
 	render_look look;
 	bool exr;
 	bool points; /* --view points */
 	uint32_t width, height;
 	render_scene scene;
-	double exposure; /* EV; NAN: not exposed */
+	octree_picture octree;
+	octree_view inner; /* --view cells and others that show what lies behind the light */
+	double exposure;   /* EV; NAN: not exposed */
 	progress progress;
 	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
 	gw_error *error;
@@ -174,24 +179,48 @@ static gw_status check(render *r)
 	if (status == GW_OK)
 		status = camera_plan_read(r->settings, &r->plan, r->error);
 	if (status == GW_OK)
+		status = octree_view_check(r->settings, &r->inner, r->error);
+	if (status == GW_OK)
 		status = check_output(r);
 	return status == GW_OK ? probe_outputs(r) : status;
 }
 
 /* -------------------------------------------------------------------------------- reading */
 
+/* What a view cannot do without. */
+static uint32_t needed_channels(settings_view view)
+{
+	return view == SETTINGS_VIEW_VOXELS ? 1u << RENDER_RADIANCE : render_view_channels(view);
+}
+
+static gw_status fail_channel(const render *r, render_channel channel)
+{
+	if (channel == RENDER_RADIANCE)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no baked light in the input; light it with glowworm bake");
+	if (channel == RENDER_ERROR)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no column error in the input; glowworm compare writes clouds that "
+					   "have one with --worst");
+	return gw_fail(r->error, GW_ERROR_DATA,
+				   "there is no %s light in the input; bake it with --fields direct,indirect",
+				   render_channel_name(channel));
+}
+
 /* What a view needs, or everything for an EXR. Which of the two an automatic one will be is not
  * known yet. */
 static uint32_t wanted_channels(const render *r)
 {
 	settings_view view = (settings_view)r->settings->render.view;
+	uint32_t shadow = view == SETTINGS_VIEW_SHADOW ? 0u : 1u << RENDER_SHADOW;
 	if (r->exr)
-		return (1u << RENDER_CHANNEL_COUNT) - 1u;
+		return ((1u << RENDER_CHANNEL_COUNT) - 1u) & ~shadow;
 	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
-		return 1u << RENDER_ALBEDO | 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION;
+		return 1u << RENDER_ALBEDO | 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION |
+			   octree_picture_channels(r->settings);
 	if (view == SETTINGS_VIEW_RADIANCE)
-		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION;
-	return render_view_channels(view);
+		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION | octree_picture_channels(r->settings);
+	return needed_channels(view);
 }
 
 static gw_status choose_view(render *r)
@@ -202,15 +231,20 @@ static gw_status choose_view(render *r)
 	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
 		view = lit ? SETTINGS_VIEW_RADIANCE : SETTINGS_VIEW_SHADED;
 	r->look.view = view;
+	if (r->settings->render.radiance != SETTINGS_RADIANCE_POINTS && !lit)
+		view = SETTINGS_VIEW_RADIANCE; /* which is missing */
 	for (int c = 0; c < RENDER_CHANNEL_COUNT; c++)
-		if (render_view_channels(view) & 1u << c && r->scene.offset[c] < 0)
-			return gw_fail(r->error, GW_ERROR_DATA,
-						   c == RENDER_RADIANCE
-							   ? "there is no %s light in the input; light it with glowworm bake"
-							   : "there is no %s light in the input; bake it with --fields "
-								 "direct,indirect",
-						   c == RENDER_RADIANCE ? "baked" : render_channel_name((render_channel)c));
+		if (needed_channels(view) & 1u << c && r->scene.offset[c] < 0)
+			return fail_channel(r, (render_channel)c);
 	return GW_OK;
+}
+
+static render_octree needs_octree(const render *r)
+{
+	settings_view view = (settings_view)r->settings->render.view;
+	if (octree_view_needs_octree(view) || r->settings->render.radiance != SETTINGS_RADIANCE_POINTS)
+		return RENDER_OCTREE_YES;
+	return octree_picture_channels(r->settings) ? RENDER_OCTREE_GLOSSY : RENDER_OCTREE_NO;
 }
 
 /* Only what is in some picture needs a surface. */
@@ -227,18 +261,34 @@ static gw_status read_scene(render *r)
 {
 	double start = gw_seconds();
 	progress_show(&r->progress, "read", 0.0);
-	gw_status status =
-		render_scene_read(r->settings, wanted_channels(r), choose_points, r, &r->scene, r->error);
+	gw_status status = render_scene_read(r->settings, wanted_channels(r), needs_octree(r),
+										 choose_points, r, &r->scene, r->error);
 	if (status == GW_OK)
 		status = choose_view(r);
+	if (status == GW_OK && r->look.view == SETTINGS_VIEW_RADIANCE)
+		status = octree_picture_open(r->settings, &r->scene, &r->octree, r->error);
+	if (status == GW_OK)
+		status = octree_view_open(r->settings, &r->scene, &r->inner, r->error);
 	r->read_seconds = gw_seconds() - start;
 	return status;
 }
 
 /* -------------------------------------------------------------------------------- drawing */
 
-static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t height,
-					  uint32_t samples, gw_gbuffer *g, float **values)
+/* Boxes over the points. */
+static gw_status lay_over(const render *r, const gw_camera *camera, const gw_raster_options *raster,
+						  const gw_gbuffer *points, float *values)
+{
+	gw_gbuffer boxes;
+	gw_status status = gw_raster_draw(&r->inner.raster, camera, raster, &boxes, r->error);
+	if (status == GW_OK)
+		octree_view_lay_over(&r->inner, camera, &boxes, points, values);
+	gw_gbuffer_clear(&boxes);
+	return status;
+}
+
+static gw_status draw(render *r, size_t picture, uint32_t width, uint32_t height, uint32_t samples,
+					  gw_gbuffer *g, float **values)
 {
 	gw_camera camera;
 	gw_raster_options raster = { .width = width,
@@ -248,12 +298,15 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 								 .cull = r->settings->render.cull,
 								 .threads = r->settings->bake.threads,
 								 .cancelled = on_cancelled };
+	bool boxes = octree_view_is_boxes(r->look.view);
 	*values = NULL;
 	*g = (gw_gbuffer){ .width = 0 };
 	gw_status status =
 		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error);
+	const gw_raster_scene *shown = boxes ? &r->inner.raster : &r->scene.raster;
+	raster.cull = raster.cull && !boxes;
 	if (status == GW_OK)
-		status = gw_raster_draw(&r->scene.raster, &camera, &raster, g, r->error);
+		status = gw_raster_draw(shown, &camera, &raster, g, r->error);
 	if (status != GW_OK)
 		return status;
 	*values = reallocarray(NULL, (size_t)width * height, 3 * sizeof **values);
@@ -261,8 +314,15 @@ static gw_status draw(const render *r, size_t picture, uint32_t width, uint32_t 
 		gw_gbuffer_clear(g);
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
 	}
-	render_view_values(&r->scene, g, r->look.view, *values);
-	return GW_OK;
+	if (boxes)
+		octree_view_values(&r->inner, &camera, g, *values);
+	else
+		render_view_values(&r->scene, g, r->look.view, *values);
+	if (r->octree.octree)
+		status = octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error);
+	if (status == GW_OK && octree_view_is_overlay(r->look.view))
+		status = lay_over(r, &camera, &raster, g, *values);
+	return status;
 }
 
 /* What is seen in some pictures, pixel by pixel. */
@@ -333,8 +393,11 @@ static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer
 	if (!name)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
 	gw_status status = output_file_create(&out, name, r->settings->force, r->error);
+	render_scene scene = r->scene;
+	for (int c = 0; octree_view_is_boxes(r->look.view) && c < RENDER_CHANNEL_COUNT; c++)
+		scene.offset[c] = -1; /* boxes have no such layers */
 	if (status == GW_OK)
-		status = (r->exr ? render_write_exr : render_write_png)(out, &r->scene, &r->look, g, values,
+		status = (r->exr ? render_write_exr : render_write_png)(out, &scene, &r->look, g, values,
 																r->exposure, r->error);
 	if (status == GW_OK)
 		status = output_file_commit(&out, r->error);
@@ -365,7 +428,9 @@ static gw_status make_picture(render *r, size_t picture)
 
 static gw_status run(render *r)
 {
-	gw_status status = check(r);
+	gw_status status = scene_read_all(r->settings, r->error);
+	if (status == GW_OK)
+		status = check(r);
 	if (status == GW_OK)
 		status = read_scene(r);
 	double start = gw_seconds();
@@ -392,6 +457,13 @@ static void summarize(const render *r)
 	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);
 	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
+	if (r->inner.shown)
+		fprintf(stderr, "shown     %zu, %.4g m wide\n", r->inner.shown, (double)r->inner.size);
+	if (!r->octree.octree)
+		return;
+	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",
+			r->octree.build_seconds, r->octree.seconds);
+	fprintf(stderr, "glossy    %llu pixels\n", (unsigned long long)r->octree.pixels);
 }
 
 static void show_stage(const char *name, double seconds)
@@ -419,7 +491,7 @@ static void show_profile(const render *r)
 		fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)usage.ru_maxrss / 1024.0);
 }
 
-gw_status verb_render(const settings *s, gw_error *error)
+gw_status verb_render(settings *s, gw_error *error)
 {
 	render r = { .settings = s,
 				 .look = { .tone = s->render.tone,
@@ -433,6 +505,8 @@ gw_status verb_render(const settings *s, gw_error *error)
 		summarize(&r);
 	if (status == GW_OK && s->profile)
 		show_profile(&r);
+	octree_picture_clear(&r.octree);
+	octree_view_clear(&r.inner);
 	camera_plan_clear(&r.plan);
 	render_scene_clear(&r.scene);
 	return status;

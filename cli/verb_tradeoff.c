@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "glossy_points.h"
 #include "output_file.h"
 #include "scene_file.h"
 #include "tradeoff_plot.h"
@@ -170,6 +171,8 @@ static gw_status run(sweep *w)
 		status = check(w);
 	if (status == GW_OK)
 		status = loaded_scene_read(s, &w->scene, w->error);
+	if (status == GW_OK)
+		glossy_points_apply(&w->scene);
 	if (status == GW_OK)
 		status = loaded_scene_lights(&w->scene, s, &w->light, w->error);
 	if (status != GW_OK)

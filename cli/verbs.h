@@ -27,7 +27,7 @@ gw_status verb_tradeoff(settings *settings, gw_error *error);
 gw_status verb_mix(const settings *settings, gw_error *error);
 /* Reads one file and writes another. */
 gw_status verb_convert(const settings *settings, gw_error *error);
-/* Makes pictures of a cloud. */
-gw_status verb_render(const settings *settings, gw_error *error);
+/* Makes pictures of a cloud. Changes the settings as verb_bake does. */
+gw_status verb_render(settings *settings, gw_error *error);
 
 #endif

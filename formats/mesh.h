@@ -19,7 +19,7 @@ typedef struct mesh_material {
 	float albedo[3];    /* linear: Kd as it stands, GW_ALBEDO_DEFAULT without */
 	float emission[3];  /* radiance: Ke */
 	float specular;     /* luminance of Ks */
-	float roughness;    /* Pr, else sqrt(2 / (Ns + 2)), else 1 */
+	float roughness;    /* Pr, else (2 / (Ns + 2))^(1/4), else 1 */
 	bool has_roughness; /* the file says Pr */
 } mesh_material;
 

@@ -99,10 +99,11 @@ static gw_status take_property(reader *r, mesh_word key)
 		return status;
 	}
 	if (mesh_word_is(key, "Ns")) {
-		/* The width of the microfacets whose highlight is as wide as Phong's (Walter 2007). */
+		/* Microfacets of width alpha = sqrt(2 / (Ns + 2)) have a highlight as wide as Phong's
+		 * (Walter 2007); alpha is the square of the roughness. */
 		gw_status status = take_number(r, "Ns", 1e30, &value);
 		if (status == GW_OK && !m->has_roughness)
-			m->roughness = (float)sqrt(2.0 / (value + 2.0));
+			m->roughness = (float)sqrt(sqrt(2.0 / (value + 2.0)));
 		return status;
 	}
 	r->textures += key.length > 4 && memcmp(key.text, "map_", 4) == 0;

@@ -190,17 +190,26 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }
 
+static gw_status find_visibility(gw_passes *passes, const gw_octree *octree,
+								 const gw_surfels *surfels, const gw_light_push *push,
+								 const gw_bake_options *options, const gw_buffer *normal,
+								 gw_buffer *visibility, gw_error *error)
+{
+	if (options->shadows == GW_SHADOWS_MAPS)
+		return gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
+										visibility, error);
+	if (options->shadows == GW_SHADOWS_TRACED)
+		return trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
+	return GW_OK;
+}
+
 static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						   const gw_light_push *push, const gw_bake_options *options,
 						   const gw_buffer *normal, gw_buffer *visibility,
 						   gw_buffer *surfel_irradiance, gw_error *error)
 {
-	gw_status status = GW_OK;
-	if (options->shadows == GW_SHADOWS_MAPS)
-		status = gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
-										  visibility, error);
-	else if (options->shadows == GW_SHADOWS_TRACED)
-		status = trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
+	gw_status status =
+		find_visibility(passes, octree, surfels, push, options, normal, visibility, error);
 	if (status != GW_OK)
 		return status;
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
@@ -242,6 +251,29 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 	if (status == GW_OK)
 		status = average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
 	gw_buffer_destroy(passes->gpu, &own_normal);
+	gw_buffer_destroy(passes->gpu, &visibility);
+	return status;
+}
+
+gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 const gw_light *light, const gw_bake_options *options, float *share,
+						 gw_error *error)
+{
+	gw_buffer visibility = { 0 };
+	const gw_light_push push = light_push(light, octree, surfels, options);
+	uint64_t bytes = 4 * (uint64_t)surfels->count;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+										"visibility", &visibility, error);
+	const float one = 1.0f;
+	uint32_t seen;
+	memcpy(&seen, &one, sizeof seen);
+	if (status == GW_OK)
+		status = gw_buffer_fill(passes->gpu, &visibility, seen, error);
+	if (status == GW_OK)
+		status = find_visibility(passes, octree, surfels, &push, options, &octree->surfel_normal,
+								 &visibility, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(passes->gpu, &visibility, 0, share, bytes, error);
 	gw_buffer_destroy(passes->gpu, &visibility);
 	return status;
 }

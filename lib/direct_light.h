@@ -26,4 +26,12 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
 						  gw_buffer *lobe_direct, gw_error *error);
 
+/*
+ * The share of one light that each surfel sees, whichever way it faces.
+ *   share   surfel count, 0..1, on the host
+ */
+gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 const gw_light *light, const gw_bake_options *options, float *share,
+						 gw_error *error);
+
 #endif

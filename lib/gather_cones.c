@@ -3,8 +3,6 @@
  */
 #include "gather_cones.h"
 
-#include "transport_layout.h"
-
 #include <math.h>
 
 /* A leaf's faces are taken this much larger than its points' area: with 1, a ray through a wall of
@@ -66,7 +64,7 @@ void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather)
 	gw_image_destroy(gpu, &gather->mip_pool);
 }
 
-static gw_cone_push cone_push(const gw_cone_gather *gather, float scale, const float sky[3])
+gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, const float sky[3])
 {
 	return (gw_cone_push){ .cones = gather->cones,
 						   .seed = gather->seed,
@@ -103,13 +101,25 @@ static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_con
 	return status;
 }
 
+gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
+							  const gw_cone_gather *gather, const gw_buffer *lobe_radiance,
+							  float largest, float *scale, gw_error *error)
+{
+	const float black[3] = { 0 };
+	*scale = largest > 0.0f ? STORED_LARGEST / largest : 1.0f;
+	return inject(passes, octree, gather, lobe_radiance,
+				  gw_cone_gather_push(gather, *scale, black), error);
+}
+
 gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
 								const gw_records *records, const gw_buffer *lobe_radiance,
 								float largest, const float sky[3], gw_buffer *gathered,
 								gw_error *error)
 {
-	gw_cone_push push = cone_push(gather, largest > 0.0f ? STORED_LARGEST / largest : 1.0f, sky);
-	gw_status status = inject(passes, octree, gather, lobe_radiance, push, error);
+	float scale;
+	gw_status status =
+		gw_cone_gather_fill(passes, octree, gather, lobe_radiance, largest, &scale, error);
+	const gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
 										gw_whole(&octree->node),

@@ -10,6 +10,7 @@
 #define GATHER_CONES_H
 
 #include "records.h"
+#include "transport_layout.h"
 
 typedef struct gw_cone_gather {
 	uint32_t cones; /* a record */
@@ -35,5 +36,16 @@ gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_c
 								const gw_records *records, const gw_buffer *lobe_radiance,
 								float largest, const float sky[3], gw_buffer *gathered,
 								gw_error *error);
+
+/*
+ * The first half of a bounce by itself: fills the bricks with the radiance of the lobes.
+ *   scale   receives what radiance was multiplied by
+ */
+gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
+							  const gw_cone_gather *gather, const gw_buffer *lobe_radiance,
+							  float largest, float *scale, gw_error *error);
+
+/* What a pass that reads the bricks is pushed. */
+gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, const float sky[3]);
 
 #endif

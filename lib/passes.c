@@ -45,6 +45,10 @@ static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48 },
 	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096 },
 	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttssss", sizeof(gw_lookup_push), 4096 },
+	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttsss", sizeof(gw_pixel_push), 4096 },
+	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmsss", sizeof(gw_cone_push), 256 },
+	[GW_PASS_CELL_BRICKS] = { "cell_bricks", "ttmmss", sizeof(gw_cone_push), 0 },
+	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64 },
 };
 
 void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Pictures of the three scenes of Salm's thesis, and what each effect adds: direct light alone, two
 # reflections, all of them, albedo blended a third of the way to white (his section 5.1), light of
-# the voxels gathered by cones instead of rays, and where light leaks or fails to arrive.
+# the voxels gathered by cones instead of rays, and where light leaks or fails to arrive: faint and
+# in false colours, and read from the voxels as he does. A glossy ball and cube come with their
+# reflections by rays, by cones and without.
 #
 #   gallery.sh FOLDER [POINTS]     POINTS of each box, 400000 unless said
 #
@@ -52,7 +54,22 @@ show() { # scene camera option...
 	picture "$scene" faint "$camera" "$(awk -v e="$exposure" 'BEGIN { print e - 5 }')"
 	cp "$folder/$scene-all.ply" "$folder/$scene-luminance.ply"
 	picture "$scene" luminance "$camera" "$exposure" --false-colour
-	rm "$folder/$scene-faint.ply" "$folder/$scene-luminance.ply"
+	cp "$folder/$scene-all.ply" "$folder/$scene-voxels.ply"
+	picture "$scene" voxels "$camera" "$exposure" --radiance trilinear
+	rm "$folder/$scene-faint.ply" "$folder/$scene-luminance.ply" "$folder/$scene-voxels.ply"
+}
+
+# The one glossy bounce of Salm's section 4.6: with and without.
+show_gloss() { # scene camera option...
+	local scene=$1 camera=$2 exposure variant
+	shift 2
+	bake "$scene" rays "$@"
+	exposure=$(exposure_of "$folder/$scene-rays.ply")
+	for variant in rays cones off; do
+		[ "$variant" = rays ] || ln -f "$folder/$scene-rays.ply" "$folder/$scene-$variant.ply"
+		picture "$scene" "$variant" "$camera" "$exposure" --glossy "$variant"
+	done
+	rm "$folder/$scene-cones.ply" "$folder/$scene-off.ply"
 }
 
 mkdir -p "$folder"
@@ -60,4 +77,5 @@ cp "$here"/*.scene.json "$here"/*.obj "$here"/*.mtl "$folder"
 [ -f "$folder/cave.ply" ] || "$MAKE_CAVE" -o "$folder/cave.ply"
 show cornell 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
 show spot_box 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
+show_gloss glossy_box 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
 show cave inside --depth 9

@@ -89,9 +89,26 @@ SHARED_STRUCT(gw_cone_push)
 	float gain;  /* over-coverage of a leaf's faces */
 	float start; /* leaf cells along the normal where a cone starts */
 	vec4 sky;
+	vec4 eye; /* pixels: where it is, grid coordinates; w: 1 to sample tricubically */
 };
-SHARED_SIZE(gw_cone_push, 80);
+SHARED_SIZE(gw_cone_push, 96);
 SHARED_OFFSET(gw_cone_push, scale, 28);
 SHARED_OFFSET(gw_cone_push, sky, 64);
+SHARED_OFFSET(gw_cone_push, eye, 80);
+
+/* What pixels see reflected. */
+SHARED_STRUCT(gw_pixel_push)
+{
+	uint first, count;
+	uint rays; /* a pixel whose surface is rough; a mirror takes one */
+	uint seed;
+	uint pixel_first; /* number of the first pixel of this batch */
+	uint ray;         /* that this run adds */
+	vec4 eye;         /* grid coordinates */
+	vec4 sky;         /* radiance of what rays see that meet nothing */
+};
+SHARED_SIZE(gw_pixel_push, 64);
+SHARED_OFFSET(gw_pixel_push, eye, 32);
+SHARED_OFFSET(gw_pixel_push, sky, 48);
 
 #endif

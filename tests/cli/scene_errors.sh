@@ -17,6 +17,8 @@ run '{"version": 1,
 run '{"version": 1, "inputs": [{}]}'
 run '{"version": 1, "inputs": [{"file": ""}]}'
 run '{"version": 1, "inputs": [{"file": "a.ply", "albedo": 1.5}]}'
+run '{"version": 1, "inputs": [{"file": "a.ply", "specular": 1.5}]}'
+run '{"version": 1, "inputs": [{"file": "a.ply", "roughness": "smooth"}]}'
 run '{"version": 1, "inputs": [{"file": "a.ply", "matrix": [1, 2, 3]}]}'
 run '{"version": 1, "inputs": [{"file": "a.ply", "matrix": [1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1]}]}'
 run '{"version": 1, "inputs": [{"file": "a.ply", "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,0,0,1]}]}'

@@ -318,7 +318,7 @@ static void matrices_move_meshes(void **state)
 static void materials_become_columns(void **state)
 {
 	(void)state;
-	static const char text[] = "newmtl shiny # one\nKd 0.25\nKs 0.5 0.5 0.5\nNs 6\n"
+	static const char text[] = "newmtl shiny # one\nKd 0.25\nKs 0.5 0.5 0.5\nNs 30\n"
 							   "newmtl hot #25\nKd 0 1 0\nKe 3 2 1\nmap_Kd bricks.png\n";
 	input_file in = { .name = "seed.mtl", .data = (const uint8_t *)text, .length = strlen(text) };
 	gw_error error;

@@ -1,0 +1,216 @@
+#include "octree_picture.h"
+#include "clock.h"
+#include "gloss_filter.h"
+#include "glossy_points.h"
+#include "signals.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Pixels of a picture that are asked about. */
+typedef struct asked {
+	gw_pixels pixels;
+	float *position, *normal, *answer; /* 4 a pixel */
+	size_t *place;                     /* of each in the picture */
+} asked;
+
+uint32_t octree_picture_channels(const settings *s)
+{
+	if (s->render.glossy == SETTINGS_GLOSSY_OFF)
+		return 0;
+	return 1u << RENDER_SPECULAR | 1u << RENDER_ROUGHNESS | 1u << RENDER_ALBEDO |
+		   1u << RENDER_EMISSION;
+}
+
+static bool is_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static bool is_glossy(const render_scene *scene)
+{
+	int offset = scene->offset[RENDER_SPECULAR];
+	size_t stride = scene->raster.channel_count;
+	for (size_t i = 0; i < scene->surfels.count && offset >= 0; i++)
+		if (scene->channel[stride * i + (size_t)offset] > 0.0f)
+			return true;
+	return false;
+}
+
+/* The sky that the lights speak of, for rays that meet nothing. */
+static void find_sky(const settings *s, float sky[3])
+{
+	for (size_t i = 0; i < s->light_count; i++)
+		for (int k = 0; k < 3 && s->light[i].light.type == GW_LIGHT_ENVIRONMENT; k++)
+			sky[k] += s->light[i].light.radiance[k];
+}
+
+static gw_status build(octree_picture *p, const settings *s, const render_scene *scene,
+					   gw_error *error)
+{
+	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
+	float *radiance = reallocarray(NULL, count, 3 * sizeof *radiance);
+	if (!radiance)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", count);
+	for (size_t i = 0; i < 3 * count; i++)
+		radiance[i] =
+			scene->channel[i / 3 * stride + (size_t)scene->offset[RENDER_RADIANCE] + i % 3];
+	const gw_render_octree_options options = { .device = s->bake.device,
+											   .memory = s->bake.memory,
+											   .depth = s->bake.depth,
+											   .leaf_spacing = s->bake.leaf_spacing,
+											   .bricks = p->voxels || p->reflection.cone };
+	gw_status status =
+		gw_render_octree_create(&scene->surfels, radiance, &options, &p->octree, error);
+	free(radiance);
+	return status;
+}
+
+gw_status octree_picture_open(const settings *s, const render_scene *scene, octree_picture *p,
+							  gw_error *error)
+{
+	*p = (octree_picture){ .octree = NULL,
+						   .voxels = s->render.radiance != SETTINGS_RADIANCE_POINTS,
+						   .cubic = s->render.radiance == SETTINGS_RADIANCE_TRICUBIC,
+						   .reflection = { .rays = s->render.glossy_rays,
+										   .cancelled = is_cancelled,
+										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
+	p->glossy = s->render.glossy != SETTINGS_GLOSSY_OFF && is_glossy(scene);
+	p->reflection.cone = p->reflection.cone && p->glossy;
+	find_sky(s, p->reflection.sky);
+	if (!p->glossy && !p->voxels)
+		return GW_OK;
+	double start = gw_seconds();
+	gw_status status = build(p, s, scene, error);
+	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
+		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
+				 "; --glossy off needs none");
+	p->build_seconds = gw_seconds() - start;
+	return status;
+}
+
+void octree_picture_clear(octree_picture *p)
+{
+	gw_render_octree_destroy(&p->octree);
+	*p = (octree_picture){ .octree = NULL };
+}
+
+/* -------------------------------------------------------------------------------- pixels */
+
+static void asked_clear(asked *a)
+{
+	free(a->position);
+	free(a->normal);
+	free(a->answer);
+	free(a->place);
+}
+
+static float channel_of(const render_scene *scene, const gw_gbuffer *g, size_t pixel,
+						render_channel channel, size_t k, float otherwise)
+{
+	int offset = scene->offset[channel];
+	return offset < 0 ? otherwise : g->channel[pixel * g->channel_count + (size_t)offset + k];
+}
+
+/* Where the middle of a pixel lies on the surface that it shows, in the surfels' frame. */
+static void place_of(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
+					 size_t pixel, float place[3])
+{
+	double step = 2.0 * camera->tangent / (double)g->height, depth = (double)g->depth[pixel];
+	double x = ((double)(pixel % g->width) + 0.5 - 0.5 * (double)g->width) * step;
+	double y = (0.5 * (double)g->height - (double)(pixel / g->width) - 0.5) * step;
+	for (int k = 0; k < 3; k++) {
+		double ray = x * camera->right[k] + y * camera->up[k] + camera->forward[k];
+		place[k] = (float)(camera->position[k] + depth * ray - scene->surfels.origin[k]);
+	}
+}
+
+/* Lists the pixels that show something, or only those that are glossy. */
+static gw_status ask(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
+					 bool glossy, asked *a, gw_error *error)
+{
+	size_t pixels = (size_t)g->width * g->height, count = 0;
+	*a = (asked){ .place = NULL };
+	a->place = reallocarray(NULL, pixels, sizeof *a->place);
+	for (size_t i = 0; a->place && i < pixels; i++)
+		if (g->coverage[i] > 0.0f &&
+			(!glossy || channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f) > 0.0f))
+			a->place[count++] = i;
+	a->position = calloc(count + 1, 4 * sizeof *a->position);
+	a->normal = calloc(count + 1, 4 * sizeof *a->normal);
+	a->answer = calloc(count + 1, 4 * sizeof *a->answer);
+	if (!a->place || !a->position || !a->normal || !a->answer)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
+	for (size_t j = 0; j < count; j++) {
+		size_t i = a->place[j];
+		place_of(scene, camera, g, i, a->position + 4 * j);
+		for (size_t k = 0; k < 3; k++)
+			a->normal[4 * j + k] = g->normal[3 * i + k];
+		a->position[4 * j + 3] =
+			glossy_points_share((double)channel_of(scene, g, i, RENDER_ROUGHNESS, 0, 1.0f), 1.0f);
+		a->normal[4 * j + 3] =
+			glossy_points_share((double)channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f), 0.0f);
+	}
+	a->pixels = (gw_pixels){ .count = count, .position = a->position, .normal = a->normal };
+	for (int k = 0; k < 3; k++)
+		a->pixels.eye[k] = (float)(camera->position[k] - scene->surfels.origin[k]);
+	return GW_OK;
+}
+
+static gw_status read_voxels(octree_picture *p, const render_scene *scene, const gw_camera *camera,
+							 const gw_gbuffer *g, float *values, gw_error *error)
+{
+	asked a;
+	gw_status status = ask(scene, camera, g, false, &a, error);
+	if (status == GW_OK)
+		status = gw_render_octree_read(p->octree, &a.pixels, p->cubic, a.answer, error);
+	/* Where the voxels hold nothing, the points' light stays. */
+	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++)
+		for (size_t k = 0; k < 3 && a.answer[4 * j + 3] > 0.0f; k++)
+			values[3 * a.place[j] + k] = a.answer[4 * j + k];
+	asked_clear(&a);
+	return status;
+}
+
+/* Baked light is what the albedo of all reflected light makes of it; the diffuse surface's is less,
+ * and less again by what the gloss takes on the way to this eye. */
+static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_camera *camera,
+						 const gw_gbuffer *g, float *values, gw_error *error)
+{
+	asked a;
+	gw_status status = ask(scene, camera, g, true, &a, error);
+	if (status == GW_OK)
+		status = gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection, a.answer, error);
+	if (status == GW_OK && !p->reflection.cone)
+		status = gloss_filter_apply(&a.pixels, a.place, g->width, g->height, p->reflection.rays,
+									a.answer, error);
+	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++) {
+		size_t i = a.place[j];
+		float specular = a.normal[4 * j + 3], left = 1.0f - a.answer[4 * j + 3];
+		for (size_t k = 0; k < 3; k++) {
+			float albedo = channel_of(scene, g, i, RENDER_ALBEDO, k, GW_ALBEDO_DEFAULT);
+			float own = channel_of(scene, g, i, RENDER_EMISSION, k, 0.0f);
+			float all = glossy_points_albedo(albedo, specular);
+			float diffuse = all > 0.0f ? (values[3 * i + k] - own) * albedo / all : 0.0f;
+			values[3 * i + k] =
+				own + left * (diffuse > 0.0f ? diffuse : 0.0f) + a.answer[4 * j + k];
+		}
+	}
+	p->pixels += a.pixels.count;
+	asked_clear(&a);
+	return status;
+}
+
+gw_status octree_picture_shade(octree_picture *p, const render_scene *scene,
+							   const gw_camera *camera, const gw_gbuffer *g, float *values,
+							   gw_error *error)
+{
+	double start = gw_seconds();
+	gw_status status = p->voxels ? read_voxels(p, scene, camera, g, values, error) : GW_OK;
+	if (status == GW_OK && p->glossy)
+		status = reflect(p, scene, camera, g, values, error);
+	p->seconds += gw_seconds() - start;
+	return status;
+}

@@ -1,0 +1,79 @@
+# Glossy points: from a scene to columns to a picture; what the gloss takes is missing from nothing,
+# so a room of one radiance looks the same with and without; light read from voxels; bad wishes.
+run() { # status arguments...
+	expected=$1
+	shift
+	glowworm "$@" 2>&1
+	status=$?
+	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
+}
+make_box --scene cornell --points 6000 -o box.ply
+cat >box.scene.json <<'END'
+{"version": 1, "inputs": [{"file": "box.ply", "specular": 0.5, "roughness": 0.25}]}
+END
+run 0 bake box.scene.json -o lit.ply -q --estimate-points 0 --bounces 2
+sed -n '/^property float \(specular\|roughness\)$/p; /^end_header$/q' lit.ply
+
+# For what bounces, a black mirror is as good as white.
+for surface in '"albedo": 0, "specular": 1' '"albedo": 1'; do
+	echo "{\"version\": 1, \"inputs\": [{\"file\": \"box.ply\", $surface}]}" >some.scene.json
+	run 0 bake some.scene.json -o some.ply -q --estimate-points 0 --bounces 2 --force
+	[ -f first.ply ] || mv some.ply first.ply
+done
+run 0 compare first.ply some.ply --max-relrmse 0 >figures.txt
+
+small='--size 160x120 --exposure 0 --samples 1'
+# shellcheck disable=SC2086
+for how in off rays cones; do
+	run 0 render lit.ply -o $how.png $small --glossy $how
+done
+data() { # the pixels of a PNG, without what it says of itself
+	tail -c +"$(($(grep -abo IDAT "$1" | head -n 1 | cut -d: -f1) + 1))" "$1" >"$1.data"
+}
+run 0 render lit.ply -o again.png $small --glossy rays -j 1
+cmp rays.png again.png || echo "not the same picture again"
+for how in off rays cones; do
+	data $how.png
+done
+cmp -s off.png.data rays.png.data && echo "no gloss to be seen"
+cmp -s rays.png.data cones.png.data && echo "no cones to be seen"
+for how in trilinear tricubic; do
+	run 0 render lit.ply -o $how.png $small --glossy off --radiance $how
+	data $how.png
+	cmp -s off.png.data $how.png.data && echo "no voxels to be seen"
+done
+
+# A cube of radiance 0.5, white, two of its sides glossy; what rays see that slip out of it is 0.5,
+# too.
+awk 'BEGIN {
+	print "ply\nformat ascii 1.0\nelement vertex 9600"
+	n = split("x y z nx ny nz red green blue specular roughness scalar_radiance_r " \
+		"scalar_radiance_g scalar_radiance_b", name, " ")
+	for (i = 1; i <= n; i++) print "property float " name[i]
+	print "end_header"
+	for (i = 0; i < 9600; i++) {
+		k = i % 3; s = int(i / 3) % 2 ? 1 : -1; j = int(i / 6)
+		p[k] = s; p[(k + 1) % 3] = (j % 40 + 0.5) / 20 - 1
+		p[(k + 2) % 3] = (int(j / 40) + 0.5) / 20 - 1
+		m[k] = -s; m[(k + 1) % 3] = 0; m[(k + 2) % 3] = 0
+		print p[0], p[1], p[2], m[0], m[1], m[2], 1, 1, 1, (k == 2) * 0.5, 0.3, 0.5, 0.5, 0.5
+	}
+}' >furnace.ply
+view="--size 96x64 --samples 1 --exposure 0 --tone none"
+camera='at 0.5,0.2,0.1 to -1,-0.3,-1 fov 90'
+# shellcheck disable=SC2086
+for how in off rays; do
+	run 0 render furnace.ply -o furnace-$how.png $view --camera "$camera" --glossy $how \
+		--light "sky radiance 0.5"
+	data furnace-$how.png
+done
+cmp furnace-off.png.data furnace-rays.png.data && echo "the furnace is white"
+
+echo == bad wishes
+run 2 render lit.ply -o x.png --glossy maybe
+run 2 render lit.ply -o x.png --glossy-rays 0
+run 2 render lit.ply -o x.png --radiance linear
+run 69 render lit.ply -o x.png --device nothing-like-it 2>&1 | sed "s/; there are.*//"
+run 65 render box.ply -o x.png --radiance tricubic
+ls x.* 2>/dev/null
+true

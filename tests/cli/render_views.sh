@@ -1,0 +1,53 @@
+# Views of what lies behind the light: cells, border tiles, voxels, shadows, records, errors. Each
+# differs from the others, and every bad wish is one sentence with its status.
+make_box --scene cornell --points 4000 -o box.ply
+run() { # status arguments...
+	expected=$1
+	shift
+	glowworm "$@" 2>&1
+	status=$?
+	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
+}
+lamp='point at 0.5,0.4,0.7 intensity 1 name lamp'
+run 0 bake box.ply -o lit.ply -q --light "$lamp" --estimate-points 0 --bounces 1
+run 0 bake box.ply -o other.ply -q --light "$lamp" --estimate-points 0 --bounces 2
+run 0 compare lit.ply other.ply --worst worst.ply --worst-count 4000 >figures.txt
+camera='at 0.5,-1.6,0.5 to 0.5,0.5,0.5 fov 40'
+for view in cells:3 cells:5 border:4 opacity:4:+x opacity:4:-x radiance:4:+x radiance:4:-z \
+	records shaded; do
+	run 0 render lit.ply -o "$view.png" --size 120x90 --camera "$camera" --view "$view"
+done
+for shadows in traced maps none; do
+	run 0 render lit.ply -o $shadows.png --size 120x90 --camera "$camera" --view shadow:lamp \
+		--light "$lamp" --shadows $shadows
+done
+run 0 render lit.ply -o number.png --size 120x90 --camera "$camera" --view shadow:1 --light "$lamp"
+run 0 render worst.ply -o error.png --size 120x90 --camera "$camera" --view error
+run 0 render lit.ply -o cells.exr --size 64x48 --camera "$camera" --view cells:4
+for file in *.png; do # the pixels, without what a picture says of itself
+	tail -c +"$(($(grep -abo IDAT "$file" | head -n 1 | cut -d: -f1) + 1))" "$file" | cksum
+done | sort | uniq -d | wc -l # a lamp by number is the lamp by name
+
+echo == bad wishes
+bad() {
+	run "$1" render "$2" -o x.png --view "$3"
+}
+bad 2 lit.ply cells
+bad 2 lit.ply cells:
+bad 2 lit.ply cells:0
+bad 2 lit.ply cells:17
+bad 2 lit.ply cells:16
+bad 2 lit.ply cells:3:+x
+bad 2 lit.ply border:-1
+bad 2 lit.ply opacity:3
+bad 2 lit.ply opacity:3:up
+bad 2 lit.ply radiance:99999999999999999999:+x
+bad 2 lit.ply records:3
+bad 2 lit.ply shadow:lamp
+run 2 render lit.ply -o x.png --view shadow:lmap --light "$lamp"
+run 2 render lit.ply -o x.png --view shadow:2 --light "$lamp"
+run 2 render lit.ply -o x.png --view shadow:1 --light 'sky radiance 1'
+bad 65 box.ply radiance:3:+x
+bad 65 lit.ply error
+ls x.* 2>/dev/null
+true
