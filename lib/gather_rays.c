@@ -104,6 +104,15 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 	return status;
 }
 
+gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, gw_error *error)
+{
+	const float black[3] = { 0 };
+	const gw_emitters none = { .radiance = &octree->lobe_emission };
+	const gw_sampled_sources nothing = { .emitters = &none, .sky = black };
+	return gw_ray_gather_sampled(passes, octree, records, gather, &nothing, &records->first, error);
+}
+
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
 {

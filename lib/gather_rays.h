@@ -40,6 +40,10 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
 								gw_buffer *irradiance, gw_error *error);
 
+/* Finds these two alone; leaves records->first dark. */
+gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, gw_error *error);
+
 /* One bounce: irradiance from what the rays hit, into records->gathered. */
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records,

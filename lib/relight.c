@@ -1,0 +1,270 @@
+/*
+ * relight.c - see relight.h.
+ */
+#include "relight.h"
+
+#include "bounces.h"
+#include "direct_light.h"
+#include "error_estimate.h"
+#include "result.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Emitters that cover less of the surface than this are sampled; more are light of the voxels. */
+#define SAMPLED_SHARE 0.1
+
+#define PATCH_SEED 0x2c1b3c6du
+
+void gw_relight_plan(gw_relight *relight)
+{
+	gw_solver *solver = relight->solver;
+	gw_plan_make(&solver->surfels, relight->lights, relight->light_count, &solver->options,
+				 &relight->plan, solver->report);
+}
+
+/* A buffer of `count` dark vec4, made when there is none yet. */
+static gw_status darken(gw_relight *relight, gw_buffer_kind kind, uint64_t count, const char *name,
+						gw_buffer *buffer, gw_error *error)
+{
+	gw_gpu *gpu = relight->solver->gpu;
+	if (buffer->handle != VK_NULL_HANDLE)
+		return gw_buffer_fill(gpu, buffer, 0, error);
+	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
+	return gw_buffer_create(gpu, kind, format, 16 * count, name, buffer, error);
+}
+
+gw_status gw_relight_direct(gw_relight *relight, gw_error *error)
+{
+	gw_solver *solver = relight->solver;
+	uint64_t slots = 2 * (uint64_t)solver->octree.leaf_count;
+	gw_status status = darken(relight, GW_BUFFER_TEXEL, solver->surfels.count, "direct irradiance",
+							  &relight->surfel_direct, error);
+	if (status == GW_OK)
+		status = darken(relight, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
+						&relight->lobe_direct, error);
+	if (status == GW_OK && relight->plan.lamps)
+		status = gw_direct_light(&solver->passes, &solver->octree, &solver->surfels,
+								 relight->lights, relight->light_count, &solver->options,
+								 &relight->surfel_direct, &relight->lobe_direct, error);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ first gather */
+
+static gw_status first_by_rays(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+										 .samples = s->options.light_samples,
+										 .use_hits = true,
+										 .sky = relight->plan.sky_radiance,
+										 .seed = (uint32_t)s->options.seed };
+	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+								 &s->records.first, error);
+}
+
+static float largest_emission(const gw_surfels *surfels)
+{
+	float largest = 0.0f;
+	for (size_t i = 0; i < 3 * surfels->count; i++)
+		largest = fmaxf(largest, surfels->emission[i]);
+	return largest;
+}
+
+static gw_status add_gathered(gw_solver *s, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_window(&s->records.gathered, 16),
+									gw_window(&s->records.first, 16) };
+	return gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 },
+						 s->records.count, error);
+}
+
+/* Cones see the sky and large emitters; small emitters are sampled. */
+static gw_status first_by_cones(gw_relight *relight, gw_error *error)
+{
+	const float black[3] = { 0 };
+	gw_solver *s = relight->solver;
+	const gw_plan *plan = &relight->plan;
+	bool in_voxels = plan->emitters && relight->emitters.area_share >= SAMPLED_SHARE;
+	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+										 .samples = in_voxels ? 0 : s->options.light_samples,
+										 .sky = black,
+										 .seed = (uint32_t)s->options.seed };
+	gw_status status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
+											 &sources, &s->records.first, error);
+	if (status != GW_OK || (!in_voxels && !plan->sky))
+		return status;
+	status = gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
+								   in_voxels ? &s->octree.lobe_emission : &relight->lobe_radiance,
+								   in_voxels ? largest_emission(&s->surfels) : 1.0f,
+								   plan->sky_radiance, &s->records.gathered, error);
+	return status == GW_OK ? add_gathered(s, error) : status;
+}
+
+gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	gw_status status =
+		darken(relight, GW_BUFFER_TEXEL, slots, "lobe radiance", &relight->lobe_radiance, error);
+	gw_emitters_destroy(s->gpu, &relight->emitters);
+	relight->emitters.radiance = &s->octree.lobe_emission;
+	if (status == GW_OK && relight->plan.emitters)
+		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, &relight->emitters,
+								  error);
+	if (status == GW_OK)
+		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(relight, error)
+													 : first_by_cones(relight, error);
+	return status;
+}
+
+/* ----------------------------------------------------------------------------------- bounces */
+
+static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
+								gw_error *error)
+{
+	gw_solver *s = ((gw_relight *)self)->solver;
+	(void)largest;
+	return gw_ray_gather_bounce(&s->passes, &s->rays, lobe_radiance, &s->records, error);
+}
+
+/* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
+ */
+static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
+								gw_error *error)
+{
+	gw_solver *s = ((gw_relight *)self)->solver;
+	const float black[3] = { 0 };
+	gw_emitters patches;
+	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, &patches, error);
+	if (status == GW_OK && !gw_emitters_are_small(&patches))
+		status = gather_by_rays(self, lobe_radiance, largest, error);
+	else if (status == GW_OK) {
+		const gw_sampled_sources sources = { .emitters = &patches,
+											 .samples = s->options.light_samples,
+											 .use_hits = true,
+											 .sky = black,
+											 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
+		status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+									   &s->records.gathered, error);
+	}
+	gw_emitters_destroy(s->gpu, &patches);
+	return status;
+}
+
+static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
+								 gw_error *error)
+{
+	gw_solver *s = ((gw_relight *)self)->solver;
+	const float black[3] = { 0 };
+	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, lobe_radiance,
+								 largest, black, &s->records.gathered, error);
+}
+
+gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	gw_report *report = s->report;
+	bool rays = s->options.method == GW_METHOD_RAYS;
+	gw_bounces bounces;
+	gw_bounces_task task = { .passes = &s->passes,
+							 .octree = &s->octree,
+							 .records = &s->records,
+							 .lobe_direct = &relight->lobe_direct,
+							 .lobe_radiance = &relight->lobe_radiance,
+							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
+									   .gather_first = rays ? gather_patches : NULL,
+									   .self = relight },
+							 .limit = relight->plan.bounces ? relight->plan.limit : 1,
+							 .tolerance = s->options.tolerance,
+							 .cancelled = s->cancelled,
+							 .user = s->user };
+	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
+	if (status == GW_OK)
+		status = gw_bounces_run(&task, &bounces, error);
+	if (status != GW_OK)
+		return status;
+	free(report->bounce);
+	report->bounce = bounces.bounce;
+	report->bounce_count = bounces.bounce_count;
+	report->remaining = bounces.remaining;
+	return GW_OK;
+}
+
+/* --------------------------------------------------------------------------------- read back */
+
+gw_status gw_relight_read_back(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	uint64_t count = s->surfels.count;
+	gw_status status = darken(relight, GW_BUFFER_STORAGE, count, "surfel first irradiance",
+							  &relight->surfel_first, error);
+	if (status == GW_OK)
+		status = darken(relight, GW_BUFFER_STORAGE, count, "surfel indirect irradiance",
+						&relight->surfel_indirect, error);
+	if (status == GW_OK)
+		status = gw_records_read_back(&s->passes, &s->octree, &s->records, count,
+									  &relight->surfel_first, &relight->surfel_indirect, error);
+	return status;
+}
+
+gw_status gw_relight_run(gw_relight *relight, gw_error *error)
+{
+	gw_relight_plan(relight);
+	gw_status status = gw_relight_direct(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_gather_first(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_bounce(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_read_back(relight, error);
+	return status;
+}
+
+gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_bake_options *o = &s->options;
+	gw_surfel_light light;
+	gw_status status = gw_surfel_light_download(relight, &light, error);
+	if (status == GW_OK) {
+		const gw_estimate_task task = { .passes = &s->passes,
+										.octree = &s->octree,
+										.surfels = &s->surfels,
+										.records = &s->records,
+										.emitters = &relight->emitters,
+										.lobe_direct = &relight->lobe_direct,
+										.sky = relight->plan.sky_radiance,
+										.bounces = relight->plan.bounces,
+										.direct = light.direct,
+										.first = light.first,
+										.indirect = light.indirect,
+										.rays = o->method == GW_METHOD_RAYS ? o->rays
+																			: o->light_samples,
+										.light_samples = o->light_samples,
+										.points = o->estimate_points,
+										.seed = (uint32_t)o->seed };
+		status = gw_estimate_error(&task, &s->report->error, error);
+	}
+	gw_surfel_light_clear(&light);
+	return status;
+}
+
+void gw_relight_drop_gathered(gw_relight *relight)
+{
+	gw_gpu *gpu = relight->solver->gpu;
+	gw_buffer_destroy(gpu, &relight->surfel_first);
+	gw_buffer_destroy(gpu, &relight->surfel_indirect);
+	gw_buffer_destroy(gpu, &relight->lobe_radiance);
+	gw_emitters_destroy(gpu, &relight->emitters);
+}
+
+void gw_relight_clear(gw_relight *relight)
+{
+	if (relight->solver == NULL || relight->solver->gpu == NULL)
+		return;
+	gw_relight_drop_gathered(relight);
+	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_direct);
+	gw_buffer_destroy(relight->solver->gpu, &relight->lobe_direct);
+}

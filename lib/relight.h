@@ -1,0 +1,53 @@
+/*
+ * relight.h - one lighting of a solver: what depends on lamps, emission and sky.
+ *
+ * The steps, in this order:
+ *
+ *   plan -> direct light -> first gather -> bounces -> read back
+ *
+ * They may be run again on the same solver with other lights: each step begins with dark buffers.
+ * Steps after the direct light need the solver's records and are to be left out unless
+ * plan.records.
+ */
+#ifndef RELIGHT_H
+#define RELIGHT_H
+
+#include "plan.h"
+#include "solver.h"
+
+typedef struct gw_relight {
+	gw_solver *solver;      /* not owned */
+	const gw_light *lights; /* light_count, not owned */
+	size_t light_count;
+	gw_plan plan;
+	gw_emitters emitters;                                   /* the lobes that emit */
+	gw_buffer surfel_direct, surfel_first, surfel_indirect; /* vec4 a surfel: irradiance */
+	gw_buffer lobe_direct, lobe_radiance;                   /* vec4 a lobe */
+} gw_relight;
+
+/* Decides which effects these lights call for, and writes it into the solver's report. */
+void gw_relight_plan(gw_relight *relight);
+
+/* Light of lamps at every surfel and lobe. */
+gw_status gw_relight_direct(gw_relight *relight, gw_error *error);
+
+/* Light that reaches the records straight from emitters and sky. */
+gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error);
+
+/* What is reflected, until it does not matter; fills the report's bounces. */
+gw_status gw_relight_bounce(gw_relight *relight, gw_error *error);
+
+/* The records' light at every surfel. */
+gw_status gw_relight_read_back(gw_relight *relight, gw_error *error);
+
+/* All of these steps. */
+gw_status gw_relight_run(gw_relight *relight, gw_error *error);
+
+/* How wrong the light is, into the report. */
+gw_status gw_relight_estimate(gw_relight *relight, gw_error *error);
+
+/* Forget what was gathered; all light. Before the solver drops the records, or the octree. */
+void gw_relight_drop_gathered(gw_relight *relight);
+void gw_relight_clear(gw_relight *relight);
+
+#endif

@@ -1,0 +1,134 @@
+/*
+ * result.c - see result.h. L = Le + rho / pi * E.
+ */
+#include "result.h"
+
+#include "memory.h"
+#include "parallel.h"
+#include "report.h"
+#include "voxels.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Downloads a vec4 buffer; NULL in *values when the buffer was never made. */
+static gw_status download(const gw_solver *solver, const gw_buffer *buffer, float **values,
+						  gw_error *error)
+{
+	size_t count = solver->surfels.count;
+	if (buffer->handle == VK_NULL_HANDLE)
+		return GW_OK;
+	*values = gw_allocate_array(count, 4 * sizeof **values);
+	if (!*values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+					   count);
+	return gw_buffer_download(solver->gpu, (gw_buffer *)(uintptr_t)buffer, 0, *values,
+							  16 * (uint64_t)count, error);
+}
+
+gw_status gw_surfel_light_download(const gw_relight *relight, gw_surfel_light *light,
+								   gw_error *error)
+{
+	*light = (gw_surfel_light){ 0 };
+	gw_status status = download(relight->solver, &relight->surfel_direct, &light->direct, error);
+	if (status == GW_OK)
+		status = download(relight->solver, &relight->surfel_first, &light->first, error);
+	if (status == GW_OK)
+		status = download(relight->solver, &relight->surfel_indirect, &light->indirect, error);
+	if (status != GW_OK)
+		gw_surfel_light_clear(light);
+	return status;
+}
+
+void gw_surfel_light_clear(gw_surfel_light *light)
+{
+	free(light->direct);
+	free(light->first);
+	free(light->indirect);
+	*light = (gw_surfel_light){ 0 };
+}
+
+static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
+{
+	result->count = count;
+	float **vectors[] = { &result->radiance, &result->direct_irradiance,
+						  &result->indirect_irradiance, &result->normal, &result->albedo };
+	bool complete = (result->roi = gw_allocate_zeros(count, sizeof(float))) != NULL;
+	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
+	if (!complete)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points", count);
+	return GW_OK;
+}
+
+typedef struct scatter {
+	const gw_solver *solver;
+	const gw_surfel_light *light;
+	gw_bake_result *result;
+} scatter;
+
+static float component(const float *values, size_t surfel, size_t c)
+{
+	return values ? values[4 * surfel + c] : 0.0f;
+}
+
+/* Light of the points first..last-1. */
+static void scatter_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const scatter *job = user;
+	const gw_surfels *surfels = &job->solver->surfels;
+	const gw_surfel_light *light = job->light;
+	gw_bake_result *out = job->result;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t s = surfels->surfel_of_point[i];
+		if (s == UINT32_MAX)
+			continue;
+		out->roi[i] = fminf(1.0f, surfels->nearest[s] / job->solver->octree.leaf_size);
+		for (size_t c = 0; c < 3; c++) {
+			float direct = component(light->direct, s, c) + component(light->first, s, c);
+			float indirect = component(light->indirect, s, c);
+			float albedo = surfels->albedo[3 * s + c];
+			float emission = surfels->emission ? surfels->emission[3 * s + c] : 0.0f;
+			out->direct_irradiance[3 * i + c] = direct;
+			out->indirect_irradiance[3 * i + c] = indirect;
+			out->albedo[3 * i + c] = albedo;
+			out->normal[3 * i + c] =
+				(surfels->given_normal ? surfels->given_normal : surfels->normal)[3 * s + c];
+			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
+		}
+	}
+}
+
+gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, gw_error *error)
+{
+	const gw_solver *solver = relight->solver;
+	size_t points = solver->surfels.point_count;
+	gw_surfel_light light = { 0 };
+	gw_status status = allocate_result(points, result, error);
+	if (status == GW_OK)
+		status = gw_surfel_light_download(relight, &light, error);
+	if (status == GW_OK) {
+		uint64_t lost = 0;
+		for (size_t i = 0; light.first != NULL && i < solver->surfels.count; i++)
+			lost += !(light.first[4 * i + 3] > 0.0f);
+		gw_report_count(solver->report, "without_record", lost,
+						"points with no record near: no gathered light");
+		scatter job = { solver, &light, result };
+		gw_parallel_for(gw_thread_count(solver->options.threads), points, 65536, scatter_points,
+						&job);
+	}
+	gw_surfel_light_clear(&light);
+	return status;
+}
+
+gw_status gw_result_collect_voxels(gw_relight *relight, gw_bake_result *result, gw_error *error)
+{
+	gw_solver *solver = relight->solver;
+	gw_voxels_task task = { .passes = &solver->passes,
+							.octree = &solver->octree,
+							.surfels = &solver->surfels,
+							.records = relight->plan.records ? &solver->records : NULL,
+							.lobe_direct = &relight->lobe_direct };
+	return gw_voxels_collect(&task, &result->voxels, error);
+}
