@@ -44,7 +44,7 @@ static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_BRICK_INJECT] = { "brick_inject", "ttttti", sizeof(gw_cone_push), 8 },
 	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48 },
 	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096 },
-	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttssss", sizeof(gw_lookup_push), 4096 },
+	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttss", sizeof(gw_lookup_push), 4096 },
 };
 
 void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)

@@ -263,17 +263,15 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-							   gw_buffer *indirect, gw_error *error)
+gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
+								   const gw_records *records, uint64_t first, uint64_t count,
+								   gw_buffer *record, gw_buffer *weight, gw_error *error)
 {
-	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-									gw_whole(&records->first),
-									gw_whole(&records->indirect),
-									gw_window(&octree->surfel_position, 16),
-									gw_window(&octree->surfel_normal, 16),
-									gw_window(first, 16),
-									gw_window(indirect, 16) };
+	const gw_binding bindings[] = { LOOKUP_BINDINGS, gw_whole(&octree->surfel_position),
+									gw_whole(&octree->surfel_normal),
+									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
+									gw_window(weight, 4 * GW_SURFEL_WEIGHTS) };
 	gw_lookup_push push = lookup(records);
-	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, surfel_count, error);
+	push.surfel_first = (uint32_t)first;
+	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
 }

@@ -54,12 +54,13 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 								 gw_error *error);
 
 /*
- * Reads the records' irradiance back at every surfel.
- *   first, indirect   storage buffers of surfel count vec4 that receive it; w of first is 0 where
- * no record was near
+ * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.
+ * read_back.h does so for all of them.
+ *   record, weight   storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
+ *                    read_back.comp
  */
-gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-							   gw_buffer *indirect, gw_error *error);
+gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
+								   const gw_records *records, uint64_t first, uint64_t count,
+								   gw_buffer *record, gw_buffer *weight, gw_error *error);
 
 #endif

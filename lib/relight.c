@@ -6,7 +6,7 @@
 #include "bounces.h"
 #include "direct_light.h"
 #include "error_estimate.h"
-#include "result.h"
+#include "memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -194,18 +194,35 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 
 /* --------------------------------------------------------------------------------- read back */
 
+/* Interpolates an irradiance of the records at every surfel. */
+static gw_status read_back(const gw_solver *s, const gw_buffer *irradiance, float *records,
+						   float **surfels, gw_error *error)
+{
+	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)irradiance, 0, records,
+										  16 * (uint64_t)s->records.count, error);
+	if (status != GW_OK)
+		return status;
+	if (!*surfels)
+		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
+	if (!*surfels)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+					   s->surfels.count);
+	gw_read_back_apply(&s->read_back, records, s->options.threads, *surfels);
+	return GW_OK;
+}
+
 gw_status gw_relight_read_back(gw_relight *relight, gw_error *error)
 {
-	gw_solver *s = relight->solver;
-	uint64_t count = s->surfels.count;
-	gw_status status = darken(relight, GW_BUFFER_STORAGE, count, "surfel first irradiance",
-							  &relight->surfel_first, error);
+	const gw_solver *s = relight->solver;
+	float *records = gw_allocate_array(s->records.count, 4 * sizeof *records);
+	gw_status status = records ? GW_OK
+							   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records",
+										 s->records.count);
 	if (status == GW_OK)
-		status = darken(relight, GW_BUFFER_STORAGE, count, "surfel indirect irradiance",
-						&relight->surfel_indirect, error);
+		status = read_back(s, &s->records.first, records, &relight->surfel_first, error);
 	if (status == GW_OK)
-		status = gw_records_read_back(&s->passes, &s->octree, &s->records, count,
-									  &relight->surfel_first, &relight->surfel_indirect, error);
+		status = read_back(s, &s->records.indirect, records, &relight->surfel_indirect, error);
+	free(records);
 	return status;
 }
 
@@ -222,12 +239,28 @@ gw_status gw_relight_run(gw_relight *relight, gw_error *error)
 	return status;
 }
 
+gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error)
+{
+	const gw_solver *s = relight->solver;
+	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
+	if (!*direct)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+					   s->surfels.count);
+	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)&relight->surfel_direct,
+										  0, *direct, 16 * (uint64_t)s->surfels.count, error);
+	if (status != GW_OK) {
+		free(*direct);
+		*direct = NULL;
+	}
+	return status;
+}
+
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
 	const gw_bake_options *o = &s->options;
-	gw_surfel_light light;
-	gw_status status = gw_surfel_light_download(relight, &light, error);
+	float *direct = NULL;
+	gw_status status = gw_relight_download_direct(relight, &direct, error);
 	if (status == GW_OK) {
 		const gw_estimate_task task = { .passes = &s->passes,
 										.octree = &s->octree,
@@ -237,9 +270,9 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.lobe_direct = &relight->lobe_direct,
 										.sky = relight->plan.sky_radiance,
 										.bounces = relight->plan.bounces,
-										.direct = light.direct,
-										.first = light.first,
-										.indirect = light.indirect,
+										.direct = direct,
+										.first = relight->surfel_first,
+										.indirect = relight->surfel_indirect,
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
 																			: o->light_samples,
 										.light_samples = o->light_samples,
@@ -247,15 +280,16 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.seed = (uint32_t)o->seed };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
-	gw_surfel_light_clear(&light);
+	free(direct);
 	return status;
 }
 
 void gw_relight_drop_gathered(gw_relight *relight)
 {
 	gw_gpu *gpu = relight->solver->gpu;
-	gw_buffer_destroy(gpu, &relight->surfel_first);
-	gw_buffer_destroy(gpu, &relight->surfel_indirect);
+	free(relight->surfel_first);
+	free(relight->surfel_indirect);
+	relight->surfel_first = relight->surfel_indirect = NULL;
 	gw_buffer_destroy(gpu, &relight->lobe_radiance);
 	gw_emitters_destroy(gpu, &relight->emitters);
 }

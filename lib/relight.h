@@ -20,9 +20,10 @@ typedef struct gw_relight {
 	const gw_light *lights; /* light_count, not owned */
 	size_t light_count;
 	gw_plan plan;
-	gw_emitters emitters;                                   /* the lobes that emit */
-	gw_buffer surfel_direct, surfel_first, surfel_indirect; /* vec4 a surfel: irradiance */
-	gw_buffer lobe_direct, lobe_radiance;                   /* vec4 a lobe */
+	gw_emitters emitters;                  /* the lobes that emit */
+	gw_buffer surfel_direct;               /* vec4 a surfel: irradiance from lamps */
+	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
+	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */
 } gw_relight;
 
 /* Decides which effects these lights call for, and writes it into the solver's report. */
@@ -37,7 +38,7 @@ gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error);
 /* What is reflected, until it does not matter; fills the report's bounces. */
 gw_status gw_relight_bounce(gw_relight *relight, gw_error *error);
 
-/* The records' light at every surfel. */
+/* The records' light at every surfel: surfel_first and surfel_indirect. */
 gw_status gw_relight_read_back(gw_relight *relight, gw_error *error);
 
 /* All of these steps. */
@@ -45,6 +46,9 @@ gw_status gw_relight_run(gw_relight *relight, gw_error *error);
 
 /* How wrong the light is, into the report. */
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error);
+
+/* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel. */
+gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error);
 
 /* Forget what was gathered; all light. Before the solver drops the records, or the octree. */
 void gw_relight_drop_gathered(gw_relight *relight);

@@ -11,43 +11,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Downloads a vec4 buffer; NULL in *values when the buffer was never made. */
-static gw_status download(const gw_solver *solver, const gw_buffer *buffer, float **values,
-						  gw_error *error)
-{
-	size_t count = solver->surfels.count;
-	if (buffer->handle == VK_NULL_HANDLE)
-		return GW_OK;
-	*values = gw_allocate_array(count, 4 * sizeof **values);
-	if (!*values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
-					   count);
-	return gw_buffer_download(solver->gpu, (gw_buffer *)(uintptr_t)buffer, 0, *values,
-							  16 * (uint64_t)count, error);
-}
-
-gw_status gw_surfel_light_download(const gw_relight *relight, gw_surfel_light *light,
-								   gw_error *error)
-{
-	*light = (gw_surfel_light){ 0 };
-	gw_status status = download(relight->solver, &relight->surfel_direct, &light->direct, error);
-	if (status == GW_OK)
-		status = download(relight->solver, &relight->surfel_first, &light->first, error);
-	if (status == GW_OK)
-		status = download(relight->solver, &relight->surfel_indirect, &light->indirect, error);
-	if (status != GW_OK)
-		gw_surfel_light_clear(light);
-	return status;
-}
-
-void gw_surfel_light_clear(gw_surfel_light *light)
-{
-	free(light->direct);
-	free(light->first);
-	free(light->indirect);
-	*light = (gw_surfel_light){ 0 };
-}
-
 static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
 {
 	result->count = count;
@@ -62,8 +25,8 @@ static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error 
 }
 
 typedef struct scatter {
-	const gw_solver *solver;
-	const gw_surfel_light *light;
+	const gw_relight *relight;
+	const float *direct; /* 4 a surfel, from lamps */
 	gw_bake_result *result;
 } scatter;
 
@@ -76,18 +39,18 @@ static float component(const float *values, size_t surfel, size_t c)
 static void scatter_points(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const scatter *job = user;
-	const gw_surfels *surfels = &job->solver->surfels;
-	const gw_surfel_light *light = job->light;
+	const gw_relight *light = job->relight;
+	const gw_surfels *surfels = &light->solver->surfels;
 	gw_bake_result *out = job->result;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint32_t s = surfels->surfel_of_point[i];
 		if (s == UINT32_MAX)
 			continue;
-		out->roi[i] = fminf(1.0f, surfels->nearest[s] / job->solver->octree.leaf_size);
+		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->solver->octree.leaf_size);
 		for (size_t c = 0; c < 3; c++) {
-			float direct = component(light->direct, s, c) + component(light->first, s, c);
-			float indirect = component(light->indirect, s, c);
+			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
+			float indirect = component(light->surfel_indirect, s, c);
 			float albedo = surfels->albedo[3 * s + c];
 			float emission = surfels->emission ? surfels->emission[3 * s + c] : 0.0f;
 			out->direct_irradiance[3 * i + c] = direct;
@@ -104,21 +67,22 @@ gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, g
 {
 	const gw_solver *solver = relight->solver;
 	size_t points = solver->surfels.point_count;
-	gw_surfel_light light = { 0 };
+	float *direct = NULL;
 	gw_status status = allocate_result(points, result, error);
 	if (status == GW_OK)
-		status = gw_surfel_light_download(relight, &light, error);
+		status = gw_relight_download_direct(relight, &direct, error);
 	if (status == GW_OK) {
+		const uint32_t *row = solver->read_back.first;
 		uint64_t lost = 0;
-		for (size_t i = 0; light.first != NULL && i < solver->surfels.count; i++)
-			lost += !(light.first[4 * i + 3] > 0.0f);
+		for (size_t i = 0; relight->surfel_first && i < solver->surfels.count; i++)
+			lost += row[i] == row[i + 1];
 		gw_report_count(solver->report, "without_record", lost,
 						"points with no record near: no gathered light");
-		scatter job = { solver, &light, result };
+		scatter job = { relight, direct, result };
 		gw_parallel_for(gw_thread_count(solver->options.threads), points, 65536, scatter_points,
 						&job);
 	}
-	gw_surfel_light_clear(&light);
+	free(direct);
 	return status;
 }
 

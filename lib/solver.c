@@ -112,6 +112,9 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 		solver->cones.leaf_pool.allocated + solver->cones.mip_pool.allocated;
 	if (status == GW_OK)
 		status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records, error);
+	if (status == GW_OK)
+		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
+								   solver->surfels.count, &solver->read_back, error);
 	return status;
 }
 
@@ -120,6 +123,7 @@ void gw_solver_drop_records(gw_solver *solver)
 	gw_cone_gather_destroy(solver->gpu, &solver->cones);
 	gw_ray_gather_destroy(solver->gpu, &solver->rays);
 	gw_records_destroy(solver->gpu, &solver->records);
+	gw_read_back_clear(&solver->read_back);
 	memset(solver->passes.device_seconds, 0, sizeof solver->passes.device_seconds);
 }
 

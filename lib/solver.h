@@ -5,7 +5,7 @@
  * The steps, in this order; each needs the ones before:
  *
  *   open device -> surfels -> octree -> records, with what their rays hit and the weights by which
- *   lobes interpolate between them
+ *   lobes and surfels interpolate between them
  *
  * A solver's light lies in a gw_relight; gathering also uses work space of the records here.
  * Thread-safety: one thread at a time.
@@ -15,6 +15,7 @@
 
 #include "gather_cones.h"
 #include "gather_rays.h"
+#include "read_back.h"
 
 typedef struct gw_solver {
 	gw_bake_options options;
@@ -29,6 +30,7 @@ typedef struct gw_solver {
 	gw_records records;
 	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where cones gather */
 	gw_cone_gather cones; /* empty for GW_METHOD_RAYS */
+	gw_read_back read_back;
 } gw_solver;
 
 /* Opens the device that the options name. */
@@ -43,7 +45,7 @@ gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, con
 
 gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
 
-/* Places the records, finds what they see, and which of them light each lobe. */
+/* Places the records, finds what they see, and which of them light each lobe and each surfel. */
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
