@@ -131,6 +131,9 @@ const option options[] = {
 	  .help = "store 16-bit floats in the grids" },
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
+	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(save_transport),
+	  .group = "Output",
+	  .help = "write what does not depend on the light, for --transport" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
 	  .group = "Output", .help = "more columns for the points, with commas between them" },
 	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
@@ -199,6 +202,9 @@ const option options[] = {
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, SCENE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(transport), .group = "Scene",
+	  .help = "begin with what --save-transport kept of an earlier bake of the same points; lights, "
+			  "emission, shadows and bounces may be others" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
 	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),

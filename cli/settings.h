@@ -108,6 +108,7 @@ typedef struct settings {
 	uint32_t count;                  /* points for all meshes without a density together */
 	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
+	const char *transport, *save_transport;
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;

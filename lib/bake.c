@@ -8,6 +8,7 @@
 #include "refine.h"
 #include "report.h"
 #include "result.h"
+#include "transport.h"
 #include "voxels.h"
 
 #include <math.h>
@@ -94,6 +95,10 @@ static gw_status check_options(const bake *b, gw_error *error)
 		status = gw_fail(error, GW_ERROR_USAGE,
 						 "an error or a time to aim at needs an estimate of the error; let it have "
 						 "at least one point");
+	if (status == GW_OK && refines(o) && o->transport)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "a bake that refines its settings cannot begin with a transport nor make "
+						 "one; leave out the error or time to aim at");
 	return status == GW_OK ? gw_lights_check(b->light.lights, b->light.light_count, error) : status;
 }
 
@@ -102,6 +107,16 @@ static gw_status check_options(const bake *b, gw_error *error)
 static gw_status open_device(bake *b, gw_error *error)
 {
 	return gw_solver_open_device(&b->solver, error);
+}
+
+static gw_status load_transport(bake *b, gw_error *error)
+{
+	return gw_transport_load(&b->solver, b->points, b->solver.options.transport, error);
+}
+
+static gw_status save_transport(bake *b, gw_error *error)
+{
+	return gw_transport_save(&b->solver, b->points, b->solver.options.transport, error);
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
@@ -179,9 +194,32 @@ static bool always(const bake *b)
 	return true;
 }
 
+static bool has_transport(const bake *b)
+{
+	const gw_transport *transport = b->solver.options.transport;
+	return transport && transport->data;
+}
+
+static bool keeps_transport(const bake *b)
+{
+	const gw_transport *transport = b->solver.options.transport;
+	return transport && transport->write;
+}
+
+static bool needs_surface(const bake *b)
+{
+	return !has_transport(b);
+}
+
 static bool needs_records(const bake *b)
 {
 	return b->light.plan.records;
+}
+
+/* A transport has records, whatever this light calls for. */
+static bool needs_places(const bake *b)
+{
+	return !has_transport(b) && (b->light.plan.records || keeps_transport(b));
 }
 
 static bool needs_estimate(const bake *b)
@@ -196,21 +234,25 @@ static bool needs_voxels(const bake *b)
 
 static const step steps[] = {
 	{ "device", 0.01, open_device, always },
-	{ "surfels", 0.35, make_surfels, always },
+	{ "transport", 0.0, load_transport, has_transport },
+	{ "surfels", 0.35, make_surfels, needs_surface },
 	{ "plan", 0.0, make_plan, always },
-	{ "octree", 0.25, build_octree, always },
+	{ "octree", 0.25, build_octree, needs_surface },
 	{ "direct light", 0.1, light_directly, always },
-	{ "records", 0.1, place_records, needs_records },
+	{ "records", 0.18, place_records, needs_places },
+	{ "save transport", 0.0, save_transport, keeps_transport },
 	{ "first gather", 0.04, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
-	{ "read back", 0.08, read_back, needs_records },
+	{ "read back", 0.0, read_back, needs_records },
 	{ "estimate", 0.02, estimate, needs_estimate },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 3, RECORDS_STEP = 5, AFTER_ROUND = 10, STEP_COUNT = 12 };
+enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 12, STEP_COUNT = 14 };
+
+_Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
 /* Runs the steps first to last - 1. */
 static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)

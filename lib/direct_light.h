@@ -26,4 +26,12 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
 						  gw_buffer *lobe_direct, gw_error *error);
 
+/*
+ * Area-weighted means over the lobes.
+ *   surfels   texel buffer R32G32B32A32_SFLOAT, surfel count
+ *   lobes     2 * leaf_count vec4, receives them; w is 0
+ */
+gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+						   gw_buffer *lobes, gw_error *error);
+
 #endif

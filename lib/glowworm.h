@@ -137,6 +137,24 @@ typedef enum gw_shadows {
 #define GW_LEAF_SPACING 1.25f
 #define GW_BOUNCES_AUTO UINT32_MAX
 
+/*
+ * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
+ * octree, and what the places where light is gathered see. A second bake of the same points begins
+ * with it and only lights them. The bytes are for the same version of the library.
+ *
+ * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
+ * positions, normals, albedo, scanners and the other settings of light have to be the same. Where
+ * normals were estimated and no scanner is known, the first bake's lights have oriented them.
+ */
+typedef struct gw_transport {
+	const char *name; /* for messages, such as a file's name */
+	const void *data; /* NULL, or what another bake wrote; any bytes are checked before use */
+	size_t length;    /* of data */
+	/* NULL, or called with the bytes in order. What it fails with is what gw_bake fails with. */
+	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
+	void *user;
+} gw_transport;
+
 /* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
 typedef struct gw_bake_options {
 	gw_method method;
@@ -168,6 +186,8 @@ typedef struct gw_bake_options {
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
 	bool validate;            /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;              /* fill gw_bake_result.voxels */
+	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's; not
+									  together with max_error or time_limit */
 } gw_bake_options;
 
 #define GW_BAKE_OPTIONS_DEFAULT                                                                    \

@@ -46,6 +46,18 @@ static void choose_blocks(const gw_octree *octree, gw_records *records)
 	}
 }
 
+gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	gw_buffer *const buffer[] = { &records->first, &records->indirect, &records->gathered };
+	const char *const name[] = { "record first irradiance", "record indirect irradiance",
+								 "record gathered irradiance" };
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < 3 && status == GW_OK; i++)
+		status = texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count, name[i],
+					   buffer[i], error);
+	return status;
+}
+
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {
@@ -59,9 +71,6 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	} rows[] = {
 		{ &records->position, f4, 16 * n, "record position" },
 		{ &records->normal, f4, 16 * n, "record normal" },
-		{ &records->first, f4, 16 * n, "record first irradiance" },
-		{ &records->indirect, f4, 16 * n, "record indirect irradiance" },
-		{ &records->gathered, f4, 16 * n, "record gathered irradiance" },
 		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
 		{ &records->block_record, u1, 4 * n, "block record" },
 		{ &records->lobe_record, u1, 4 * GW_WEIGHTS * slots, "lobe record" },
@@ -70,6 +79,8 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
 		status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
+	if (status == GW_OK)
+		status = gw_records_make_room(gpu, records, error);
 	return status;
 }
 

@@ -40,6 +40,9 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
+/* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
+gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
+
 /*
  * Puts records where the caller says, to gather there; they are not listed, so that nothing can be
  * read back from them.

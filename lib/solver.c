@@ -60,18 +60,9 @@ gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, con
 	return status;
 }
 
-gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
+static void report_octree(const gw_solver *solver)
 {
-	const gw_bake_options *o = &solver->options;
 	const gw_octree *octree = &solver->octree;
-	gw_status status =
-		o->depth == GW_DEPTH_AUTO
-			? gw_octree_build_spaced(solver->gpu, &solver->surfels, o->leaf_spacing,
-									 &solver->octree, error)
-			: gw_octree_build(solver->gpu, &solver->surfels, o->depth, &solver->octree, error);
-	if (status != GW_OK)
-		return status;
-	gw_passes_init(&solver->passes, solver->gpu, octree);
 	gw_report *r = solver->report;
 	r->depth = octree->depth;
 	r->leaf_size = (double)octree->leaf_size;
@@ -80,23 +71,45 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 	r->leaf_tiles = octree->leaf_tile_count;
 	r->border_tiles = octree->border_tile_count;
 	r->octree_bytes = gw_gpu_read_account(solver->gpu).bytes;
-	return GW_OK;
 }
 
+gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	gw_status status =
+		o->depth == GW_DEPTH_AUTO
+			? gw_octree_build_spaced(solver->gpu, &solver->surfels, o->leaf_spacing,
+									 &solver->octree, error)
+			: gw_octree_build(solver->gpu, &solver->surfels, o->depth, &solver->octree, error);
+	if (status != GW_OK)
+		return status;
+	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	report_octree(solver);
+	return GW_OK;
+}
 /* What the records see; for cones, how near their surroundings are. */
 static gw_status trace_records(gw_solver *solver, gw_error *error)
 {
 	const gw_bake_options *o = &solver->options;
-	bool rays = o->method == GW_METHOD_RAYS;
-	gw_status status =
-		gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records,
-							rays ? o->rays : NEAREST_RAYS, (uint32_t)o->seed, &solver->rays, error);
+	uint32_t rays = o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
+	gw_status status = gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records, rays,
+										   (uint32_t)o->seed, &solver->rays, error);
 	if (status == GW_OK)
 		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
 									&solver->rays, error);
-	if (status == GW_OK && !rays)
-		status = gw_cone_gather_create(solver->gpu, &solver->octree, o->cones, (uint32_t)o->seed,
-									   &solver->cones, error);
+	return status;
+}
+
+/* Work space of cones. */
+static gw_status make_pools(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	if (o->method != GW_METHOD_CONES)
+		return GW_OK;
+	gw_status status = gw_cone_gather_create(solver->gpu, &solver->octree, o->cones,
+											 (uint32_t)o->seed, &solver->cones, error);
+	solver->report->brick_bytes =
+		solver->cones.leaf_pool.allocated + solver->cones.mip_pool.allocated;
 	return status;
 }
 
@@ -108,14 +121,23 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 	solver->report->records = solver->records.count;
 	if (status == GW_OK)
 		status = trace_records(solver, error);
-	solver->report->brick_bytes =
-		solver->cones.leaf_pool.allocated + solver->cones.mip_pool.allocated;
+	if (status == GW_OK)
+		status = make_pools(solver, error);
 	if (status == GW_OK)
 		status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records, error);
 	if (status == GW_OK)
 		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
 								   solver->surfels.count, &solver->read_back, error);
 	return status;
+}
+
+gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
+{
+	report_surfels(&solver->surfels, solver->report);
+	report_octree(solver);
+	solver->report->records = solver->records.count;
+	gw_status status = gw_records_make_room(solver->gpu, &solver->records, error);
+	return status == GW_OK ? make_pools(solver, error) : status;
 }
 
 void gw_solver_drop_records(gw_solver *solver)

@@ -48,6 +48,9 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
 /* Places the records, finds what they see, and which of them light each lobe and each surfel. */
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
 
+/* Makes the work space, and reports, where all of these came from a transport (transport.h). */
+gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
+
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
 void gw_solver_drop_records(gw_solver *solver);
 void gw_solver_drop_octree(gw_solver *solver);
