@@ -240,17 +240,17 @@ static const step steps[] = {
 	{ "octree", 0.25, build_octree, needs_surface },
 	{ "direct light", 0.1, light_directly, always },
 	{ "records", 0.18, place_records, needs_places },
-	{ "save transport", 0.0, save_transport, keeps_transport },
 	{ "first gather", 0.04, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
 	{ "read back", 0.0, read_back, needs_records },
 	{ "estimate", 0.02, estimate, needs_estimate },
+	{ "save transport", 0.0, save_transport, keeps_transport },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 12, STEP_COUNT = 14 };
+enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 14 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 

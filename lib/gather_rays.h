@@ -29,6 +29,8 @@ typedef struct gw_sampled_sources {
 						 multiple    importance sampling */
 	const float *sky; /* 3, radiance seen by rays that leave the scene */
 	uint32_t seed;    /* of the samples */
+	gw_buffer *kept;  /* NULL, or where what the samples brought is left for another time: vec4 a
+						 record. A buffer that exists is taken in place of samples */
 } gw_sampled_sources;
 
 /*

@@ -58,6 +58,12 @@ gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error
 	return status;
 }
 
+gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	return texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count,
+				 "record gathered irradiance", &records->gathered, error);
+}
+
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {
@@ -73,8 +79,9 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 		{ &records->normal, f4, 16 * n, "record normal" },
 		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
 		{ &records->block_record, u1, 4 * n, "block record" },
-		{ &records->lobe_record, u1, 4 * GW_WEIGHTS * slots, "lobe record" },
-		{ &records->lobe_weight, VK_FORMAT_R32_SFLOAT, 4 * GW_WEIGHTS * slots, "lobe weight" },
+		{ &records->lobe_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
+		  "lobe record" },
+		{ &records->lobe_weight, f4, 4 * GW_WEIGHTS * slots, "lobe weight" },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)

@@ -27,8 +27,9 @@ typedef struct gw_records {
 		first; /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
 	gw_buffer indirect;    /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
 	gw_buffer gathered;    /* R32G32B32A32_SFLOAT, of the latest bounce */
-	gw_buffer lobe_record; /* R32_UINT, GW_WEIGHTS * 2 * leaf_count: see lobe_weights.comp */
-	gw_buffer lobe_weight; /* R32_SFLOAT, likewise */
+	gw_buffer lobe_record; /* R32G32B32A32_UINT, GW_WEIGHTS * 2 * leaf_count words: see
+							  lobe_weights.comp */
+	gw_buffer lobe_weight; /* R32G32B32A32_SFLOAT, likewise */
 } gw_records;
 
 /*
@@ -42,6 +43,9 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
 /* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
 gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
+
+/* Room for gathered alone. */
+gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error);
 
 /*
  * Puts records where the caller says, to gather there; they are not listed, so that nothing can be

@@ -59,7 +59,8 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .samples = s->options.light_samples,
 										 .use_hits = true,
 										 .sky = relight->plan.sky_radiance,
-										 .seed = (uint32_t)s->options.seed };
+										 .seed = (uint32_t)s->options.seed,
+										 .kept = relight->plan.emitters ? &s->sampled : NULL };
 	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
 								 &s->records.first, error);
 }
@@ -265,6 +266,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 		const gw_estimate_task task = { .passes = &s->passes,
 										.octree = &s->octree,
 										.surfels = &s->surfels,
+										.probes = &s->probes,
 										.records = &s->records,
 										.emitters = &relight->emitters,
 										.lobe_direct = &relight->lobe_direct,
@@ -275,9 +277,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.indirect = relight->surfel_indirect,
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
 																			: o->light_samples,
-										.light_samples = o->light_samples,
-										.points = o->estimate_points,
-										.seed = (uint32_t)o->seed };
+										.light_samples = o->light_samples };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
 	free(direct);

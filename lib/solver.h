@@ -13,6 +13,7 @@
 #ifndef SOLVER_H
 #define SOLVER_H
 
+#include "error_estimate.h"
 #include "gather_cones.h"
 #include "gather_rays.h"
 #include "read_back.h"
@@ -31,6 +32,10 @@ typedef struct gw_solver {
 	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where cones gather */
 	gw_cone_gather cones; /* empty for GW_METHOD_RAYS */
 	gw_read_back read_back;
+	gw_probes probes; /* empty when no estimate is asked for */
+	/* What samples of the points that emit brought to the records, once it is known: it depends on
+	 * their emission, but not on lamps. */
+	gw_buffer sampled;
 } gw_solver;
 
 /* Opens the device that the options name. */
@@ -50,6 +55,9 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
+
+/* To be called when the emission of surfels changes. */
+void gw_solver_forget_samples(gw_solver *solver);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
 void gw_solver_drop_records(gw_solver *solver);

@@ -255,6 +255,7 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 							 gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
+	gw_transport_numbers_restore(&h->numbers, solver);
 	size_t count = gw_transport_list(solver, &h->numbers, blocks);
 	uint64_t hash = 0, kept;
 	if (h->length != length_of(blocks, count) || t->length != h->length)
@@ -262,7 +263,6 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 					   t->length < h->length ? "this transport ends too early"
 											 : "this transport has another length than it says",
 					   error);
-	gw_transport_numbers_restore(&h->numbers, solver);
 	const unsigned char *at = (const unsigned char *)t->data + sizeof *h;
 	for (size_t i = 0; i < count; i++) {
 		hash = gw_hash(hash, at, blocks[i].bytes);
@@ -346,6 +346,7 @@ static gw_status replace_emission(gw_solver *solver, const gw_points *points, gw
 	gw_surfels *s = &solver->surfels;
 	bool emits = false;
 	gw_status status = GW_OK;
+	gw_solver_forget_samples(solver);
 	free(s->emission);
 	s->emission = NULL;
 	s->emission_repaired = 0;
@@ -378,6 +379,8 @@ gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
 	if (status != GW_OK)
 		return status;
 	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	if (h.numbers.light_samples != solver->options.light_samples)
+		gw_buffer_destroy(solver->gpu, &solver->sampled);
 	if (own.emission != h.identity.emission)
 		status = replace_emission(solver, points, error);
 	return status == GW_OK ? gw_solver_complete(solver, error) : status;

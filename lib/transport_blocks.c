@@ -38,6 +38,11 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.rays = solver->rays.rays;
 	n.ray_seed = solver->rays.seed;
 	n.entries = solver->read_back.first[s->count];
+	n.light_samples = solver->sampled.handle ? solver->options.light_samples : 0;
+	n.probes = solver->probes.count;
+	n.probe_points = solver->probes.points;
+	n.probe_seed = solver->probes.seed;
+	n.probes_sampled = solver->probes.sampled[0].handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.noisy = s->given_normal != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -59,6 +64,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	return n->surfels > 0 && n->surfels <= n->points && n->points <= POINTS_MAX && n->depth >= 1 &&
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
+		   n->probes <= n->surfels && n->probes <= n->probe_points && n->probes_sampled <= 1 &&
 		   n->noisy <= 1 && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
 		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
@@ -87,6 +93,12 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 									.block_count = n->block_count,
 									.block_tile_first = n->block_tile_first };
 	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+	solver->probes = (gw_probes){ .points = n->probe_points,
+								  .seed = n->probe_seed,
+								  .count = n->probes,
+								  .place = { .count = n->probes } };
+	for (int half = 0; half < 2; half++)
+		solver->probes.rays[half] = gw_probes_rays(n->probe_seed, half);
 	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -200,8 +212,9 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
-	words(l, "lobe record", &r->lobe_record, 4 * GW_WEIGHTS * slots, n->records);
-	scalars(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
+	index_below(device(l, "lobe record", &r->lobe_record, 4 * GW_WEIGHTS * slots),
+				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
+	device(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
 	words(l, "hit lobe", &solver->rays.lobe, 4 * hits, slots);
 	scalars(l, "hit distance", &solver->rays.distance, 4 * hits);
 	index_below(host(l, "rows of surfels", &solver->read_back.first, 4 * (n->surfels + 1)), 0,
@@ -209,6 +222,27 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	index_below(host(l, "records of surfels", &solver->read_back.record, 4 * (uint64_t)n->entries),
 				0, n->records, UINT32_MAX, 1);
 	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
+}
+
+static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
+{
+	gw_probes *p = &solver->probes;
+	uint64_t rows = 16 * (uint64_t)n->probes;
+	if (n->light_samples)
+		device(l, "samples of emitters", &solver->sampled, 16 * (uint64_t)n->records);
+	if (n->probes == 0)
+		return;
+	index_below(host(l, "probes", &p->surfel, 4 * (uint64_t)n->probes), 0, n->surfels, UINT32_MAX,
+				1);
+	device(l, "probe position", &p->place.position, rows);
+	device(l, "probe normal", &p->place.normal, rows);
+	for (int half = 0; half < 2; half++) {
+		uint64_t hits = (uint64_t)p->rays[half].rays * n->probes;
+		words(l, "probe hit", &p->rays[half].lobe, 4 * hits, 2 * (uint64_t)n->leaves);
+		scalars(l, "probe distance", &p->rays[half].distance, 4 * hits);
+		if (n->probes_sampled)
+			device(l, "probe samples", &p->sampled[half], rows);
+	}
 }
 
 size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
@@ -219,5 +253,6 @@ size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 	list_tree(&l, &solver->octree, numbers);
 	list_leaves(&l, &solver->octree, numbers);
 	list_records(&l, solver, numbers);
+	list_probes(&l, solver, numbers);
 	return l.count;
 }
