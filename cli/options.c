@@ -76,6 +76,10 @@ static const char *field_name(int i)
 										[SETTINGS_FIELD_INDIRECT] = "indirect",
 										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
 										[SETTINGS_FIELD_ROI] = "roi",
+										[SETTINGS_FIELD_AO] = "ao",
+										[SETTINGS_FIELD_NORMALS] = "normals",
+										[SETTINGS_FIELD_ERROR] = "error",
+										[SETTINGS_FIELD_LIGHTS] = "lights",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
 }
@@ -136,6 +140,10 @@ const option options[] = {
 	  .help = "write what does not depend on the light, for --transport" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
 	  .group = "Output", .help = "more columns for the points, with commas between them" },
+	{ "ao-distance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.occlusion_distance),
+	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true,
+	  .group = "Output",
+	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
 	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
 	  .group = "Output",
 	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },

@@ -186,6 +186,9 @@ static gw_status light_points(bake *b)
 	double start = now();
 	gw_bake_options options = b->settings->bake;
 	options.voxels = b->settings->vdb != NULL;
+	options.occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
+	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);

@@ -5,6 +5,7 @@
 #include "clock.h"
 #include "direct_light.h"
 #include "memory.h"
+#include "record_fields.h"
 #include "refine.h"
 #include "report.h"
 #include "result.h"
@@ -81,6 +82,7 @@ static gw_status check_options(const bake *b, gw_error *error)
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
 		{ "largest error", (double)o->max_error, 0, 1 },
+		{ "occlusion distance", (double)o->occlusion_distance, 0, 1e9 },
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
@@ -176,6 +178,16 @@ static gw_status collect_voxels(bake *b, gw_error *error)
 	return gw_result_collect_voxels(&b->light, b->result, error);
 }
 
+static gw_status collect_lamps(bake *b, gw_error *error)
+{
+	return gw_result_collect_lamps(&b->light, b->result, error);
+}
+
+static gw_status collect_record_fields(bake *b, gw_error *error)
+{
+	return gw_record_fields_collect(&b->light, b->result, error);
+}
+
 static gw_status collect(bake *b, gw_error *error)
 {
 	return gw_result_collect(&b->light, b->result, error);
@@ -219,12 +231,23 @@ static bool needs_records(const bake *b)
 /* A transport has records, whatever this light calls for. */
 static bool needs_places(const bake *b)
 {
-	return !has_transport(b) && (b->light.plan.records || keeps_transport(b));
+	return !has_transport(b) &&
+		   (b->light.plan.records || keeps_transport(b) || b->solver.options.occlusion);
 }
 
 static bool needs_estimate(const bake *b)
 {
 	return b->light.plan.records && b->solver.options.estimate_points > 0;
+}
+
+static bool needs_lamps(const bake *b)
+{
+	return b->solver.options.lamps;
+}
+
+static bool needs_record_fields(const bake *b)
+{
+	return b->solver.options.occlusion || b->solver.options.errors;
 }
 
 static bool needs_voxels(const bake *b)
@@ -245,12 +268,14 @@ static const step steps[] = {
 	{ "read back", 0.0, read_back, needs_records },
 	{ "estimate", 0.02, estimate, needs_estimate },
 	{ "save transport", 0.0, save_transport, keeps_transport },
+	{ "fields", 0.0, collect_record_fields, needs_record_fields },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
+	{ "lamps", 0.0, collect_lamps, needs_lamps },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 14 };
+enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 16 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -421,7 +446,9 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 	b.report = &b.result->report;
 	b.solver =
 		(gw_solver){ .options = *options, .report = b.report, .cancelled = cancelled, .user = &b };
-	b.light = (gw_relight){ .solver = &b.solver, .lights = lights, .light_count = light_count };
+	b.light = (gw_relight){
+		.solver = &b.solver, .lights = lights, .light_count = light_count, .kept = options->lamps
+	};
 	b.start = gw_seconds();
 	gw_status status = run(&b, error);
 	gw_relight_clear(&b.light);
@@ -443,6 +470,12 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->indirect_irradiance);
 	free(r->normal);
 	free(r->albedo);
+	for (size_t i = 0; r->lamp && i < r->lamp_count; i++)
+		free(r->lamp[i]);
+	free(r->lamp);
+	free(r->rest);
+	free(r->openness);
+	free(r->error);
 	free(r->roi);
 	gw_voxels_clear(&r->voxels);
 	free(r->report.bounce);

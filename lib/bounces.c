@@ -137,7 +137,7 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 		status = measure(task, sums, &energy, &largest, error);
 	if (status == GW_OK)
 		status = append(bounces, energy, gw_seconds() - started, error);
-	if (status == GW_OK && task->limit > 1)
+	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
 	double q = bounces->contraction;
 	uint32_t limit = task->limit == GW_BOUNCES_AUTO ? BOUNCE_CEILING : task->limit;

@@ -48,16 +48,21 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 
 /* Adds samples of the emitters, in batches, to `sampled`. */
 static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 const gw_emitters *emitters, gw_record_push push,
+								 const gw_sampled_sources *sources, gw_record_push push,
 								 gw_buffer *sampled, gw_error *error)
 {
-	const gw_binding bindings[] = {
-		gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-		gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),   gw_whole(emitters->radiance),
-		gw_whole(&emitters->table),       gw_window(&records->position, 16),
-		gw_window(&records->normal, 16),  gw_window(sampled, 16)
-	};
+	const gw_emitters *emitters = sources->emitters;
+	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
+									gw_whole(&octree->node),
+									gw_whole(&octree->leaf_tile),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(&octree->lobe_centre),
+									gw_whole(emitters->radiance),
+									gw_whole(&emitters->table),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16),
+									gw_whole(sources->part ? sources->part : emitters->radiance) };
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;
@@ -90,16 +95,20 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 			gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 							 16 * (uint64_t)records->count, "sampled irradiance", sampled, error);
 	if (status == GW_OK && !done && push.light_samples > 0)
-		status = sample_emitters(passes, octree, records, emitters, push, sampled, error);
+		status = sample_emitters(passes, octree, records, sources, push, sampled, error);
 	if (status == GW_OK) {
 		/* The directions of the rays are made again, from their seed. */
 		push.seed = gather->seed;
-		const gw_binding bindings[] = {
-			gw_whole(&gather->lobe),         gw_whole(&gather->distance),
-			gw_whole(&octree->lobe_plane),   gw_whole(emitters->radiance),
-			gw_window(sampled, 16),          gw_window(&records->position, 16),
-			gw_window(&records->normal, 16), gw_window(irradiance, 16)
-		};
+		const gw_binding bindings[] = { gw_whole(&gather->lobe),
+										gw_whole(&gather->distance),
+										gw_whole(&octree->lobe_plane),
+										gw_whole(emitters->radiance),
+										gw_window(sampled, 16),
+										gw_window(&records->position, 16),
+										gw_window(&records->normal, 16),
+										gw_window(irradiance, 16),
+										gw_whole(sources->part ? sources->part
+															   : emitters->radiance) };
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
 	}

@@ -24,6 +24,8 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 /* What a sampled gather looks for. */
 typedef struct gw_sampled_sources {
 	const gw_emitters *emitters; /* sampled, where they send out light; count may be 0 */
+	const gw_buffer *part;       /* NULL, or what is gathered in place of emitters->radiance, by the
+									same samples: of a part of the light, at most as large */
 	uint32_t samples;            /* of them, a record; 0: only hits count */
 	bool use_hits;    /* emitters that the rays hit count as well, combined with the samples by
 						 multiple    importance sampling */

@@ -23,6 +23,24 @@ void gw_relight_plan(gw_relight *relight)
 				 &relight->plan, solver->report);
 }
 
+void gw_relight_plan_part(gw_relight *part, bool emission)
+{
+	const gw_plan *whole = &part->whole->plan;
+	gw_plan *plan = &part->plan;
+	*plan =
+		(gw_plan){ .emitters = whole->emitters && emission,
+				   .bounces = whole->bounces,
+				   .records = whole->records,
+				   .limit = whole->bounces ? part->solver->report->bounce_count : whole->limit };
+	for (size_t i = 0; i < part->light_count; i++) {
+		plan->lamps |= whole->lamps && gw_light_shines(&part->lights[i]);
+		for (int c = 0; c < 3 && part->lights[i].type == GW_LIGHT_ENVIRONMENT; c++)
+			plan->sky_radiance[c] += part->lights[i].radiance[c];
+	}
+	plan->sky = whole->sky && (plan->sky_radiance[0] > 0.0f || plan->sky_radiance[1] > 0.0f ||
+							   plan->sky_radiance[2] > 0.0f);
+}
+
 /* A buffer of `count` dark vec4, made when there is none yet. */
 static gw_status darken(gw_relight *relight, gw_buffer_kind kind, uint64_t count, const char *name,
 						gw_buffer *buffer, gw_error *error)
@@ -130,27 +148,60 @@ static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, floa
 	return gw_ray_gather_bounce(&s->passes, &s->rays, lobe_radiance, &s->records, error);
 }
 
+/* Parts are sampled by the radiance of the whole, so it is copied. */
+static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radiance, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	gw_status status = darken(relight, GW_BUFFER_TEXEL, slots, "radiance of patches",
+							  &relight->patch_radiance, error);
+	const gw_binding bindings[] = { gw_window(lobe_radiance, 16),
+									gw_window(&relight->patch_radiance, 16) };
+	if (status == GW_OK)
+		status = gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 }, slots,
+							   error);
+	relight->patches.radiance = &relight->patch_radiance;
+	return status;
+}
+
+/* Samples lit lobes; part is NULL, or what is gathered of their radiance. */
+static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const gw_buffer *part,
+								gw_error *error)
+{
+	const float black[3] = { 0 };
+	const gw_sampled_sources sources = { .emitters = patches,
+										 .part = part,
+										 .samples = s->options.light_samples,
+										 .use_hits = true,
+										 .sky = black,
+										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
+	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+								 &s->records.gathered, error);
+}
+
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
  */
 static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
 								gw_error *error)
 {
-	gw_solver *s = ((gw_relight *)self)->solver;
-	const float black[3] = { 0 };
-	gw_emitters patches;
-	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, &patches, error);
-	if (status == GW_OK && !gw_emitters_are_small(&patches))
-		status = gather_by_rays(self, lobe_radiance, largest, error);
-	else if (status == GW_OK) {
-		const gw_sampled_sources sources = { .emitters = &patches,
-											 .samples = s->options.light_samples,
-											 .use_hits = true,
-											 .sky = black,
-											 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
-		status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
-									   &s->records.gathered, error);
-	}
-	gw_emitters_destroy(s->gpu, &patches);
+	gw_relight *relight = self;
+	gw_solver *s = relight->solver;
+	if (relight->whole)
+		return relight->whole->patches_sampled
+				   ? sample_patches(s, &relight->whole->patches, lobe_radiance, error)
+				   : gather_by_rays(self, lobe_radiance, largest, error);
+	gw_emitters *patches = &relight->patches;
+	gw_emitters_destroy(s->gpu, patches);
+	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, patches, error);
+	if (status != GW_OK)
+		return status;
+	relight->patches_sampled = gw_emitters_are_small(patches);
+	status = relight->patches_sampled ? sample_patches(s, patches, NULL, error)
+									  : gather_by_rays(self, lobe_radiance, largest, error);
+	if (status == GW_OK && relight->kept && relight->patches_sampled)
+		status = keep_patches(relight, lobe_radiance, error);
+	else
+		gw_emitters_destroy(s->gpu, patches);
 	return status;
 }
 
@@ -179,6 +230,7 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 									   .self = relight },
 							 .limit = relight->plan.bounces ? relight->plan.limit : 1,
 							 .tolerance = s->options.tolerance,
+							 .no_bound = relight->whole != NULL,
 							 .cancelled = s->cancelled,
 							 .user = s->user };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
@@ -186,6 +238,10 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 		status = gw_bounces_run(&task, &bounces, error);
 	if (status != GW_OK)
 		return status;
+	if (relight->whole) {
+		free(bounces.bounce);
+		return GW_OK;
+	}
 	free(report->bounce);
 	report->bounce = bounces.bounce;
 	report->bounce_count = bounces.bounce_count;
@@ -229,7 +285,6 @@ gw_status gw_relight_read_back(gw_relight *relight, gw_error *error)
 
 gw_status gw_relight_run(gw_relight *relight, gw_error *error)
 {
-	gw_relight_plan(relight);
 	gw_status status = gw_relight_direct(relight, error);
 	if (status == GW_OK && relight->plan.records)
 		status = gw_relight_gather_first(relight, error);
@@ -291,6 +346,8 @@ void gw_relight_drop_gathered(gw_relight *relight)
 	free(relight->surfel_indirect);
 	relight->surfel_first = relight->surfel_indirect = NULL;
 	gw_buffer_destroy(gpu, &relight->lobe_radiance);
+	gw_buffer_destroy(gpu, &relight->patch_radiance);
+	gw_emitters_destroy(gpu, &relight->patches);
 	gw_emitters_destroy(gpu, &relight->emitters);
 }
 

@@ -20,6 +20,13 @@ typedef struct gw_relight {
 	const gw_light *lights; /* light_count, not owned */
 	size_t light_count;
 	gw_plan plan;
+	/* NULL, or this is a part of that lighting: all that depends on how much light there is, is
+	 * done as there, so that the parts add up to the whole but for roundings. */
+	const struct gw_relight *whole;
+	bool kept;                             /* parts will follow: keep what they need */
+	gw_emitters patches;                   /* of the kept: the lit lobes, and */
+	gw_buffer patch_radiance;              /* what they reflect first */
+	bool patches_sampled;                  /* whether they were sampled */
 	gw_emitters emitters;                  /* the lobes that emit */
 	gw_buffer surfel_direct;               /* vec4 a surfel: irradiance from lamps */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
@@ -28,6 +35,9 @@ typedef struct gw_relight {
 
 /* Decides which effects these lights call for, and writes it into the solver's report. */
 void gw_relight_plan(gw_relight *relight);
+
+/* Decides the same as the whole for a part: for these lights, and the emission of points or not. */
+void gw_relight_plan_part(gw_relight *part, bool emission);
 
 /* Light of lamps at every surfel and lobe. */
 gw_status gw_relight_direct(gw_relight *relight, gw_error *error);
@@ -41,7 +51,7 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error);
 /* The records' light at every surfel: surfel_first and surfel_indirect. */
 gw_status gw_relight_read_back(gw_relight *relight, gw_error *error);
 
-/* All of these steps. */
+/* All of these steps after the plan. */
 gw_status gw_relight_run(gw_relight *relight, gw_error *error);
 
 /* How wrong the light is, into the report. */
