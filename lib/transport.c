@@ -166,18 +166,18 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 							  const gw_points *points, gw_error *error)
 {
 	const identity *kept = &h->identity;
-	const char *what = h->numbers.points != points->count ? "number of points"
-					   : kept->position != own->position  ? "positions"
-					   : kept->normal != own->normal      ? "normals"
-					   : kept->albedo != own->albedo      ? "albedo"
-					   : kept->scanner != own->scanner    ? "places of scanners"
+	const char *what = h->numbers.points != points->count ? "another number of points"
+					   : kept->position != own->position  ? "other positions"
+					   : kept->normal != own->normal      ? "other normals"
+					   : kept->albedo != own->albedo      ? "other albedo"
+					   : kept->scanner != own->scanner    ? "other places of scanners"
 														  : NULL;
 	if (what == NULL)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_DATA,
-				   "%s: this transport belongs to a cloud with other %s%s; make one for this cloud "
-				   "with --save-transport",
-				   t->name, what, strcmp(what, "number of points") == 0 ? " of its own" : "");
+				   "%s: this transport belongs to a cloud with %s; make one for this cloud with "
+				   "--save-transport",
+				   t->name, what);
 }
 
 static gw_status check_settings(const gw_transport *t, const head *h, const gw_bake_options *o,
@@ -215,6 +215,15 @@ static bool indices_fit(const gw_transport_block *block, const unsigned char *by
 		if ((word & block->mask) >= block->limit && word != GW_NONE)
 			return false;
 	}
+	return true;
+}
+
+/* Blocks are filled up with zeros. */
+static bool padding_fits(const gw_transport_block *block, const unsigned char *bytes)
+{
+	for (uint64_t at = block->bytes; at < padded(block->bytes); at++)
+		if (bytes[at] != 0)
+			return false;
 	return true;
 }
 
@@ -266,7 +275,7 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 	const unsigned char *at = (const unsigned char *)t->data + sizeof *h;
 	for (size_t i = 0; i < count; i++) {
 		hash = gw_hash(hash, at, blocks[i].bytes);
-		gw_status status = indices_fit(&blocks[i], at)
+		gw_status status = indices_fit(&blocks[i], at) && padding_fits(&blocks[i], at)
 							   ? place_block(solver, &blocks[i], at, error)
 							   : damaged(t, "this transport is damaged", error);
 		if (status != GW_OK)
