@@ -211,8 +211,8 @@ const option options[] = {
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, SCENE, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(transport), .group = "Scene",
-	  .help = "begin with what --save-transport kept of an earlier bake of the same points; lights, "
-			  "emission, shadows and bounces may be others" },
+	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
+			  "lights, emission, shadows and bounces may be others" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
 	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),

@@ -189,11 +189,12 @@ typedef struct gw_bake_options {
 	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool occlusion;           /* fill gw_bake_result.openness */
 	float occlusion_distance; /* metres; 0: surfaces at any distance count */
-	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which records around a
-					point disagree, as a standard error of their mean. It knows the noise of gathered
-					light and how fast that changes, but not the error of shadows and of geometry */
-	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's; not
-									  together with max_error or time_limit */
+	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
+					around a point disagree, as a standard error of their mean. It knows the noise
+					of gathered light and how fast that changes, but not the error of shadows and of
+					geometry */
+	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
+									  not together with max_error or time_limit */
 } gw_bake_options;
 
 #define GW_BAKE_OPTIONS_DEFAULT                                                                    \

@@ -75,7 +75,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint random)
 	float density = luminance(emission) / push.emitter_power * squared / cosine_emitter;
 	float by_samples = float(push.light_samples) * density;
 	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / PI : 0.0;
-	return texelFetch(lobe_part, lobe).xyz * (cosine / density) * (by_samples / (by_samples + by_rays));
+	return texelFetch(lobe_part, lobe).xyz * (cosine / density) *
+		   (by_samples / (by_samples + by_rays));
 }
 
 void main()

@@ -8,6 +8,10 @@ bake() {
 	glowworm bake box.ply -q "$@" 2>&1
 	echo "status $?"
 }
+columns() {
+	glowworm info "$1" --json | tr '{' '\n' |
+		sed -n 's/.*"name": "\(scalar_[^"]*\)".*/\1/p' | xargs
+}
 bake --light "$lamp" --light "$sky" --save-transport t.gwt -o first.ply
 bake --light "$lamp" --light "$sky" --transport t.gwt -o again.ply
 cmp first.ply again.ply
@@ -24,7 +28,7 @@ echo "lamps:"
 bake --light "$lamp" --light "$sky" --light 'point at 0.4,0.4,0.5 intensity 0.1' \
 	--light 'point name a/lamp at 0.4,0.4,0.5 intensity 0.1' \
 	--fields lights,ao,error,normals --transport t.gwt -o parts.ply
-glowworm info parts.ply --json | tr '{' '\n' | sed -n 's/.*"name": "\(scalar_[^"]*\)".*/\1/p' | xargs
+columns parts.ply
 glowworm mix parts.ply --gain lamp=2 -q -o mixed.ply
 bake --light "${lamp%2}4" --light "$sky" --light 'point at 0.4,0.4,0.5 intensity 0.1' \
 	--light 'point name a/lamp at 0.4,0.4,0.5 intensity 0.1' --transport t.gwt -o doubled.ply
@@ -33,7 +37,7 @@ glowworm compare mixed.ply doubled.ply --max-relrmse 0.002 >/dev/null
 echo "status $?"
 echo "lit once more, columns of the earlier bake are gone:"
 glowworm bake parts.ply --light "$sky" -q -o once-more.ply
-glowworm info once-more.ply --json | tr '{' '\n' | sed -n 's/.*"name": "\(scalar_[^"]*\)".*/\1/p' | xargs
+columns once-more.ply
 
 echo "refused:"
 head -c 5000 t.gwt >short.gwt
