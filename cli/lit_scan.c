@@ -1,4 +1,5 @@
 #include "lit_scan.h"
+#include "lamp_columns.h"
 #include "number_text.h"
 #include "preview.h"
 #include "scan_color.h"
@@ -24,6 +25,11 @@ static const char *const stale[] = {
 	"scalar_irradiance_g",
 	"scalar_irradiance_b",
 	"scalar_roi",
+	"scalar_ao",
+	"scalar_error",
+	"scalar_normal_x",
+	"scalar_normal_y",
+	"scalar_normal_z",
 };
 
 /* What the work on one table needs. */
@@ -171,6 +177,15 @@ static gw_status make_irradiance(maker *m)
 	return status;
 }
 
+static gw_status make_used_normals(maker *m)
+{
+	static const char *const name[3] = { "scalar_normal_x", "scalar_normal_y", "scalar_normal_z" };
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++)
+		status = add_floats(m, name[k], m->result->normal + k, 3);
+	return status;
+}
+
 static gw_status make_fields(maker *m)
 {
 	uint32_t fields = m->settings->fields;
@@ -183,6 +198,14 @@ static gw_status make_fields(maker *m)
 		status = make_irradiance(m);
 	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ROI)
 		status = add_floats(m, "scalar_roi", m->result->roi, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_AO)
+		status = add_floats(m, "scalar_ao", m->result->openness, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_NORMALS)
+		status = make_used_normals(m);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ERROR)
+		status = add_floats(m, "scalar_error", m->result->error, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_LIGHTS)
+		status = lamp_columns_add(m->lit, m->result, m->settings, m->error);
 	return status;
 }
 
@@ -258,6 +281,7 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	maker m = { &scene->cloud, lit, result, s, *exposure, error };
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
 		scan_remove_column(m.from, stale[i]);
+	lamp_columns_remove(m.from);
 	gw_status status = make_comments(&m);
 	if (status == GW_OK)
 		status = move_triple(&m, position);

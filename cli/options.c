@@ -105,6 +105,10 @@ static const char *field_name(int i)
 										[SETTINGS_FIELD_INDIRECT] = "indirect",
 										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
 										[SETTINGS_FIELD_ROI] = "roi",
+										[SETTINGS_FIELD_AO] = "ao",
+										[SETTINGS_FIELD_NORMALS] = "normals",
+										[SETTINGS_FIELD_ERROR] = "error",
+										[SETTINGS_FIELD_LIGHTS] = "lights",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
 }
@@ -161,8 +165,15 @@ const option options[] = {
 	  .help = "store 16-bit floats in the grids" },
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
+	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(save_transport),
+	  .group = "Output",
+	  .help = "write what does not depend on the light, for --transport" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
 	  .group = "Output", .help = "more columns for the points, with commas between them" },
+	{ "ao-distance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.occlusion_distance),
+	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true,
+	  .group = "Output",
+	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
 	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
 	  .group = "Output",
 	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
@@ -244,6 +255,9 @@ const option options[] = {
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, PICTURED, .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(transport), .group = "Scene",
+	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
+			  "lights, emission, shadows and bounces may be others" },
 	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
 	  .help = "where the diffuse reflectance comes from" },
 	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),

@@ -54,6 +54,10 @@ typedef enum settings_field {
 	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
 	SETTINGS_FIELD_IRRADIANCE, /* both together */
 	SETTINGS_FIELD_ROI,        /* side of the region of influence */
+	SETTINGS_FIELD_AO,         /* openness: ambient light, 0..1 */
+	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
+	SETTINGS_FIELD_ERROR,      /* how far records disagree */
+	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
@@ -138,6 +142,7 @@ typedef struct settings {
 	uint32_t count;                  /* points for all meshes without a density together */
 	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
+	const char *transport, *save_transport;
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;

@@ -1,6 +1,7 @@
 #include "verbs.h"
 #include "bake_report.h"
 #include "glossy_points.h"
+#include "input_file.h"
 #include "lit_scan.h"
 #include "mesh_notes.h"
 #include "output_name.h"
@@ -21,7 +22,8 @@
 typedef struct bake {
 	settings *settings;
 	const format *format; /* of the output */
-	output_file *output, *report;
+	output_file *output, *report, *transport;
+	input_file reused; /* a transport */
 	loaded_scene scene;
 	gw_light *light;
 	gw_bake_result *result;
@@ -46,17 +48,19 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	int from = 0, to = 0;
 	for (size_t i = 0; i < s->input_count; i++)
 		from += strcmp(s->input[i].path, "-") == 0;
-	const char *const out[] = { s->output, s->vdb, s->report };
-	for (size_t i = 0; i < 3; i++)
+	const char *const out[] = { s->output, s->vdb, s->report, s->save_transport };
+	from += s->transport && strcmp(s->transport, "-") == 0;
+	for (size_t i = 0; i < 4; i++)
 		to += out[i] && strcmp(out[i], "-") == 0;
 	if (from > 1)
 		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
 					   from);
 	if (to > 1)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output, --vdb and --report, not %d", to);
-	bool binary =
-		(s->output && strcmp(s->output, "-") == 0) || (s->vdb && strcmp(s->vdb, "-") == 0);
+					   "standard output can hold one of --output, --vdb, --report and "
+					   "--save-transport, not %d",
+					   to);
+	bool binary = to > 0 && !(s->report && strcmp(s->report, "-") == 0);
 	if (binary && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
@@ -66,8 +70,10 @@ static gw_status check_streams(const settings *s, gw_error *error)
 
 static gw_status check_names(const settings *s, gw_error *error)
 {
-	const char *const out[] = { s->output, s->vdb, s->report };
-	for (size_t k = 0; k < 3; k++) {
+	const char *const out[] = { s->output, s->vdb, s->report, s->save_transport };
+	for (size_t k = 0; k < 4; k++) {
+		if (out[k] && s->transport && output_name_same(out[k], s->transport))
+			return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name", out[k]);
 		for (size_t i = 0; out[k] && i < s->input_count; i++)
 			if (output_name_same(out[k], s->input[i].path))
 				return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name",
@@ -87,7 +93,7 @@ static gw_status check(bake *b)
 					   "what to light? Name an input, or - for standard input");
 	if (s->print_scene)
 		return GW_OK;
-	if (!s->output && !s->vdb && !s->report)
+	if (!s->output && !s->vdb && !s->report && !s->save_transport)
 		return gw_fail(b->error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
 	if (s->output_format && !s->output)
@@ -111,6 +117,8 @@ static gw_status open_outputs(bake *b)
 		status = output_file_create(&b->output, s->output, s->force, b->error);
 	if (status == GW_OK && s->report)
 		status = output_file_create(&b->report, s->report, s->force, b->error);
+	if (status == GW_OK && s->save_transport)
+		status = output_file_create(&b->transport, s->save_transport, s->force, b->error);
 	struct stat info;
 	bool stream = s->vdb && (strcmp(s->vdb, "-") == 0 ||
 							 (stat(s->vdb, &info) == 0 && !S_ISREG(info.st_mode)));
@@ -171,14 +179,29 @@ static bool on_cancelled(void *user)
 	return signals_pending() != 0;
 }
 
+static gw_status write_transport(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	return output_file_write(((bake *)user)->transport, bytes, length, error);
+}
+
 static gw_status light_points(bake *b)
 {
 	double start = now();
 	gw_bake_options options = b->settings->bake;
 	options.voxels = b->settings->vdb != NULL;
+	options.occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
+	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
+	const gw_transport transport = { .name = b->reused.name,
+									 .data = b->reused.data,
+									 .length = b->reused.length,
+									 .write = b->transport ? write_transport : NULL,
+									 .user = b };
+	if (transport.data || transport.write)
+		options.transport = &transport;
 	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
 	gw_status status = gw_bake(&b->scene.points.points, b->light, b->settings->light_count,
 							   &options, &callbacks, &b->result, b->error);
@@ -225,6 +248,8 @@ static gw_status write_results(bake *b)
 		status = stopped(b);
 	if (status == GW_OK && b->output)
 		status = output_file_commit(&b->output, b->error);
+	if (status == GW_OK && b->transport)
+		status = output_file_commit(&b->transport, b->error);
 	b->facts.write_seconds = now() - start;
 	if (status == GW_OK && b->report)
 		status = bake_report_write(&b->facts, b->report, b->error);
@@ -265,6 +290,8 @@ static gw_status run(bake *b)
 		status = open_outputs(b);
 	if (status == GW_OK)
 		status = read_inputs(b);
+	if (status == GW_OK && b->settings->transport)
+		status = input_file_open(&b->reused, b->settings->transport, b->error);
 	if (status == GW_OK)
 		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
 	if (status == GW_OK)
@@ -294,6 +321,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 		status = bake_report_goal(&b.facts, error);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
+	output_file_abandon(&b.transport);
+	input_file_close(&b.reused);
 	gw_bake_result_destroy(&b.result);
 	loaded_scene_clear(&b.scene);
 	scan_clear(&b.lit);

@@ -23,12 +23,11 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 bool use_direct, gw_buffer *lobe_radiance, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_window(&octree->lobe_albedo, 16),
-									gw_window(lobe_direct, 16),
-									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
-									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
-									gw_whole(records_irradiance),
-									gw_window(lobe_radiance, 16) };
+	const gw_binding bindings[] = {
+		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
+		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
+		gw_whole(records_irradiance),        gw_window(lobe_radiance, 16)
+	};
 	return gw_passes_run(passes, GW_PASS_LOBE_SHADE, bindings,
 						 &(gw_record_push){ .use_direct = use_direct },
 						 2 * (uint64_t)octree->leaf_count, error);
@@ -138,7 +137,7 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 		status = measure(task, sums, &energy, &largest, error);
 	if (status == GW_OK)
 		status = append(bounces, energy, gw_seconds() - started, error);
-	if (status == GW_OK && task->limit > 1)
+	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
 	double q = bounces->contraction;
 	uint32_t limit = task->limit == GW_BOUNCES_AUTO ? BOUNCE_CEILING : task->limit;

@@ -35,6 +35,7 @@ typedef struct gw_bounces_task {
 	gw_trace_step step;
 	uint32_t limit; /* reflections, GW_BOUNCES_AUTO: until tolerance */
 	float tolerance;
+	bool no_bound; /* what is left out is not to be bounded: no contraction */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_bounces_task;

@@ -217,14 +217,13 @@ static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, surfels->count, error);
 }
 
-static gw_status average_lobes(gw_passes *passes, const gw_octree *octree,
-							   gw_buffer *surfel_irradiance, gw_buffer *lobe_direct,
-							   gw_error *error)
+gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+						   gw_buffer *lobes, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
-									gw_whole(&octree->fragment_weight), gw_whole(surfel_irradiance),
-									gw_window(lobe_direct, 16) };
+									gw_whole(&octree->fragment_weight), gw_whole(surfels),
+									gw_window(lobes, 16) };
 	return gw_passes_run(passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 },
 						 2 * (uint64_t)octree->leaf_count, error);
 }
@@ -249,7 +248,7 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 						   surfel_irradiance, error);
 	}
 	if (status == GW_OK)
-		status = average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
+		status = gw_average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
 	gw_buffer_destroy(passes->gpu, &own_normal);
 	gw_buffer_destroy(passes->gpu, &visibility);
 	return status;

@@ -34,4 +34,12 @@ gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_su
 						 const gw_light *light, const gw_bake_options *options, float *share,
 						 gw_error *error);
 
+/*
+ * Area-weighted means over the lobes.
+ *   surfels   texel buffer R32G32B32A32_SFLOAT, surfel count
+ *   lobes     2 * leaf_count vec4, receives them; w is 0
+ */
+gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+						   gw_buffer *lobes, gw_error *error);
+
 #endif

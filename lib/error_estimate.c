@@ -19,14 +19,11 @@
 
 static const double reciprocal_pi = 0.31830988618379067;
 
-/* The points that are solved again. */
-typedef struct probes {
-	bool *counts; /* one a surfel: whether its error counts */
-	uint32_t count;
-	uint32_t *surfel; /* count, ascending */
-	gw_records place; /* position and normal of each, and what it gathers */
-	float *half[2];   /* 4 * count, irradiance that the first and the second gather found */
-} probes;
+/* What the estimate of one lighting needs. */
+typedef struct estimate {
+	bool *counts;   /* one a surfel: whether its error counts */
+	float *half[2]; /* 4 a probe, irradiance that the first and the second gather found */
+} estimate;
 
 static uint64_t next_random(uint64_t *state)
 {
@@ -54,28 +51,27 @@ static void choose_points(const gw_surfels *surfels, bool *counts)
 		counts[i] = !surfels->two_sided[i];
 }
 
-/* One random surfel in each of task->points equal stretches of the surfels. */
-static gw_status draw(const gw_estimate_task *task, probes *p, gw_error *error)
+/* One random surfel in each of `points` equal stretches of the surfels. */
+static gw_status draw(const gw_surfels *surfels, uint32_t points, uint32_t seed, gw_probes *p,
+					  gw_error *error)
 {
-	size_t count = task->surfels->count, wanted = task->points < count ? task->points : count;
-	uint64_t state = task->seed;
-	p->counts = gw_allocate_array(count, sizeof *p->counts);
+	size_t count = surfels->count, wanted = points < count ? points : count;
+	uint64_t state = seed;
 	p->surfel = gw_allocate_array(wanted, sizeof *p->surfel);
-	if (!p->counts || !p->surfel)
+	if (!p->surfel)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", count);
-	choose_points(task->surfels, p->counts);
 	for (size_t i = 0; i < wanted; i++) {
 		size_t first = i * count / wanted, last = (i + 1) * count / wanted;
 		size_t surfel = first + next_random(&state) % (last - first);
-		if (p->counts[surfel])
+		if (!surfels->two_sided[surfel])
 			p->surfel[p->count++] = (uint32_t)surfel;
 	}
 	return GW_OK;
 }
 
-static gw_status place(const gw_estimate_task *task, probes *p, gw_error *error)
+static gw_status place(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *s, gw_probes *p,
+					   gw_error *error)
 {
-	const gw_surfels *s = task->surfels;
 	float *rows = gw_allocate_zeros(p->count, 8 * sizeof *rows);
 	if (!rows)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", p->count);
@@ -83,13 +79,45 @@ static gw_status place(const gw_estimate_task *task, probes *p, gw_error *error)
 	for (size_t i = 0; i < p->count; i++) {
 		size_t surfel = p->surfel[i];
 		for (size_t k = 0; k < 3; k++)
-			rows[4 * i + k] = (s->position[3 * surfel + k] - task->octree->cube_minimum[k]) /
-							  task->octree->leaf_size;
+			rows[4 * i + k] =
+				(s->position[3 * surfel + k] - octree->cube_minimum[k]) / octree->leaf_size;
 		memcpy(normal + 4 * i, s->normal + 3 * surfel, 3 * sizeof *normal);
 	}
-	gw_status status = gw_records_put(task->passes->gpu, rows, normal, p->count, &p->place, error);
+	gw_status status = gw_records_put(gpu, rows, normal, p->count, &p->place, error);
 	free(rows);
 	return status;
+}
+
+gw_ray_gather gw_probes_rays(uint32_t seed, int half)
+{
+	return (gw_ray_gather){ .rays = HALF_RAYS, .seed = seed ^ (half ? 0xb5297a4du : 0x68e31da4u) };
+}
+
+gw_status gw_probes_make(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 uint32_t points, uint32_t seed, gw_probes *probes, gw_error *error)
+{
+	*probes = (gw_probes){ .points = points, .seed = seed };
+	gw_status status = draw(surfels, points, seed, probes, error);
+	if (status == GW_OK && probes->count > 0)
+		status = place(passes->gpu, octree, surfels, probes, error);
+	for (int half = 0; half < 2 && status == GW_OK && probes->count > 0; half++)
+		status = gw_ray_gather_trace(passes, octree, &probes->place, HALF_RAYS,
+									 seed ^ (half ? 0xb5297a4du : 0x68e31da4u), &probes->rays[half],
+									 error);
+	if (status != GW_OK)
+		gw_probes_destroy(passes->gpu, probes);
+	return status;
+}
+
+void gw_probes_destroy(gw_gpu *gpu, gw_probes *probes)
+{
+	for (int half = 0; half < 2; half++) {
+		gw_ray_gather_destroy(gpu, &probes->rays[half]);
+		gw_buffer_destroy(gpu, &probes->sampled[half]);
+	}
+	gw_records_destroy(gpu, &probes->place);
+	free(probes->surfel);
+	*probes = (gw_probes){ 0 };
 }
 
 /* What the lobes send out in the end, their own emission left out. */
@@ -131,43 +159,45 @@ static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint
 	return status;
 }
 
-/* Light straight from some emitters, or from what lobes reflect, added to p->half[half]. */
-static gw_status gather_from(const gw_estimate_task *task, int half, const gw_emitters *emitters,
-							 uint32_t samples, const float sky[3], const gw_ray_gather *gather,
-							 probes *p, gw_error *error)
+/* Light straight from some emitters, or from what lobes reflect, added to e->half[half]. */
+static gw_status gather_from(const gw_estimate_task *task, int half,
+							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
 {
-	const gw_sampled_sources sources = {
-		.emitters = emitters, .samples = samples, .use_hits = true, .sky = sky, .seed = gather->seed
-	};
-	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, &p->place, gather,
-											 &sources, &p->place.gathered, error);
+	gw_probes *p = task->probes;
+	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, &p->place, &p->rays[half],
+											 sources, &p->place.gathered, error);
 	if (status == GW_OK)
 		status =
-			download_added(task->passes->gpu, &p->place.gathered, p->half[half], p->count, error);
+			download_added(task->passes->gpu, &p->place.gathered, e->half[half], p->count, error);
 	return status;
 }
 
-/* All that reaches the points, into p->half[half]. */
+/* All that reaches the points, into e->half[half]. */
 static gw_status gather_half(const gw_estimate_task *task, int half, const gw_emitters *reflectors,
-							 probes *p, gw_error *error)
+							 estimate *e, gw_error *error)
 {
 	const float black[3] = { 0 };
-	gw_ray_gather gather = { 0 };
-	uint32_t seed = task->seed ^ (half ? 0xb5297a4du : 0x68e31da4u);
-	p->half[half] = gw_allocate_zeros(p->count, 4 * sizeof(float));
-	gw_status status = GW_OK;
-	if (!p->half[half])
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", p->count);
-	if (status == GW_OK)
-		status = gw_ray_gather_trace(task->passes, task->octree, &p->place, HALF_RAYS, seed,
-									 &gather, error);
-	if (status == GW_OK)
-		status = gather_from(task, half, task->emitters, HALF_RAYS, task->sky, &gather, p, error);
+	uint32_t seed = task->probes->rays[half].seed;
+	const gw_sampled_sources emitters = { .emitters = task->emitters,
+										  .samples = HALF_RAYS,
+										  .use_hits = true,
+										  .sky = task->sky,
+										  .seed = seed,
+										  .kept = task->emitters->count > 0
+													  ? &task->probes->sampled[half]
+													  : NULL };
+	const gw_sampled_sources reflected = { .emitters = reflectors,
+										   .samples =
+											   gw_emitters_are_small(reflectors) ? HALF_RAYS : 0,
+										   .use_hits = true,
+										   .sky = black,
+										   .seed = seed };
+	e->half[half] = gw_allocate_zeros(task->probes->count, 4 * sizeof(float));
+	if (!e->half[half])
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", task->probes->count);
+	gw_status status = gather_from(task, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)
-		status =
-			gather_from(task, half, reflectors, gw_emitters_are_small(reflectors) ? HALF_RAYS : 0,
-						black, &gather, p, error);
-	gw_ray_gather_destroy(task->passes->gpu, &gather);
+		status = gather_from(task, half, &reflected, e, error);
 	return status;
 }
 
@@ -200,16 +230,17 @@ static double mean_radiance(const gw_estimate_task *task, const bool *counts)
 	return used ? sum / (double)used : 0.0;
 }
 
-static void compare(const gw_estimate_task *task, const probes *p, gw_error_estimate *estimate)
+static void compare(const gw_estimate_task *task, const estimate *e, gw_error_estimate *result)
 {
-	double mean = mean_radiance(task, p->counts), n = p->count;
+	const gw_probes *p = task->probes;
+	double mean = mean_radiance(task, e->counts), n = 0.0;
 	double sum = 0.0, square = 0.0, fourth = 0.0, half = 0.0;
-	if (!(mean > 0.0) || p->count < 2)
-		return;
-	for (size_t i = 0; i < p->count; i++) {
+	for (size_t i = 0; i < p->count && mean > 0.0; i++) {
 		size_t s = p->surfel[i];
-		double a = reflected(task->surfels, s, p->half[0] + 4 * i);
-		double b = reflected(task->surfels, s, p->half[1] + 4 * i);
+		if (!e->counts[s])
+			continue;
+		double a = reflected(task->surfels, s, e->half[0] + 4 * i);
+		double b = reflected(task->surfels, s, e->half[1] + 4 * i);
 		double found = reflected(task->surfels, s, task->first + 4 * s) +
 					   reflected(task->surfels, s, task->indirect + 4 * s);
 		double off = (found - 0.5 * (a + b)) / mean, noise = 0.5 * (a - b) / mean;
@@ -218,45 +249,49 @@ static void compare(const gw_estimate_task *task, const probes *p, gw_error_esti
 		square += excess;
 		fourth += excess * excess;
 		half += 2.0 * noise * noise;
+		n += 1.0;
 	}
+	if (n < 2.0)
+		return;
 	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
 	double rms = sqrt(fmax(square / n, 0.0));
-	estimate->points = p->count;
-	estimate->relative_rms = rms;
+	result->points = (uint32_t)n;
+	result->relative_rms = rms;
 	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
-	estimate->spread = fmin(sqrt(variance) / (2.0 * rms), sqrt(sqrt(variance)));
-	estimate->bias = sum / n;
+	result->spread = fmin(sqrt(variance) / (2.0 * rms), sqrt(sqrt(variance)));
+	result->bias = sum / n;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples);
-	estimate->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
+	result->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
 }
 
-gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *estimate,
+gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *result,
 							gw_error *error)
 {
-	probes p = { 0 };
+	estimate e = { 0 };
 	gw_buffer radiance = { 0 };
 	gw_emitters reflectors = { 0 };
-	*estimate = (gw_error_estimate){ 0 };
-	gw_status status = draw(task, &p, error);
-	if (status == GW_OK && p.count > 0) {
-		status = place(task, &p, error);
-		if (status == GW_OK && task->bounces)
-			status = shade_all(task, &radiance, error);
-		if (status == GW_OK && task->bounces)
-			status =
-				gw_emitters_make(task->passes->gpu, task->octree, &radiance, &reflectors, error);
-		for (int half = 0; half < 2 && status == GW_OK; half++)
-			status = gather_half(task, half, &reflectors, &p, error);
-		if (status == GW_OK)
-			compare(task, &p, estimate);
-	}
+	gw_status status = GW_OK;
+	*result = (gw_error_estimate){ 0 };
+	if (task->probes->count == 0)
+		return GW_OK;
+	e.counts = gw_allocate_array(task->surfels->count, sizeof *e.counts);
+	if (!e.counts)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
+					   task->surfels->count);
+	choose_points(task->surfels, e.counts);
+	if (task->bounces)
+		status = shade_all(task, &radiance, error);
+	if (status == GW_OK && task->bounces)
+		status = gw_emitters_make(task->passes->gpu, task->octree, &radiance, &reflectors, error);
+	for (int half = 0; half < 2 && status == GW_OK; half++)
+		status = gather_half(task, half, &reflectors, &e, error);
+	if (status == GW_OK)
+		compare(task, &e, result);
 	gw_emitters_destroy(task->passes->gpu, &reflectors);
 	gw_buffer_destroy(task->passes->gpu, &radiance);
-	gw_records_destroy(task->passes->gpu, &p.place);
-	free(p.half[0]);
-	free(p.half[1]);
-	free(p.surfel);
-	free(p.counts);
+	free(e.half[0]);
+	free(e.half[1]);
+	free(e.counts);
 	return status;
 }

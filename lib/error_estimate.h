@@ -16,8 +16,26 @@
 
 #include "gather_rays.h"
 
+/* The points that are solved again: what they see depends on the geometry alone. */
+typedef struct gw_probes {
+	uint32_t points, seed; /* as asked for */
+	uint32_t count;        /* those that can be compared */
+	uint32_t *surfel;      /* count, ascending */
+	gw_records place;      /* position and normal of each, and what it gathers */
+	gw_ray_gather rays[2]; /* of each of the two gathers */
+	gw_buffer sampled[2];  /* what samples of the points that emit brought, once it is known */
+} gw_probes;
+
+/* Draws and traces `points` probes. On success to be freed with gw_probes_destroy. */
+gw_status gw_probes_make(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 uint32_t points, uint32_t seed, gw_probes *probes, gw_error *error);
+/* How the probes of a seed gather, without their hits. */
+gw_ray_gather gw_probes_rays(uint32_t seed, int half);
+void gw_probes_destroy(gw_gpu *gpu, gw_probes *probes);
+
 typedef struct gw_estimate_task {
 	gw_passes *passes;
+	gw_probes *probes;
 	const gw_octree *octree;
 	const gw_surfels *surfels;
 	const gw_records *records;    /* solved: first and indirect are final */
@@ -29,8 +47,6 @@ typedef struct gw_estimate_task {
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */
-	uint32_t points;              /* to solve again; at most surfels->count are */
-	uint32_t seed;
 } gw_estimate_task;
 
 /*

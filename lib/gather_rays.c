@@ -51,16 +51,21 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 
 /* Adds samples of the emitters, in batches, to `sampled`. */
 static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 const gw_emitters *emitters, gw_record_push push,
+								 const gw_sampled_sources *sources, gw_record_push push,
 								 gw_buffer *sampled, gw_error *error)
 {
-	const gw_binding bindings[] = {
-		gw_whole(&octree->ray_directory), gw_whole(&octree->node),
-		gw_whole(&octree->leaf_tile),     gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),   gw_whole(emitters->radiance),
-		gw_whole(&emitters->table),       gw_window(&records->position, 16),
-		gw_window(&records->normal, 16),  gw_window(sampled, 16)
-	};
+	const gw_emitters *emitters = sources->emitters;
+	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
+									gw_whole(&octree->node),
+									gw_whole(&octree->leaf_tile),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(&octree->lobe_centre),
+									gw_whole(emitters->radiance),
+									gw_whole(&emitters->table),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16),
+									gw_whole(sources->part ? sources->part : emitters->radiance) };
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;
@@ -78,7 +83,8 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 {
 	const gw_emitters *emitters = sources->emitters;
 	const float *sky = sources->sky;
-	gw_buffer sampled = { 0 };
+	gw_buffer own = { 0 }, *sampled = sources->kept ? sources->kept : &own;
+	bool done = sampled->handle != VK_NULL_HANDLE;
 	gw_record_push push = { .rays = gather->rays,
 							.seed = sources->seed,
 							.light_samples = emitters->count > 0 ? sources->samples : 0,
@@ -86,25 +92,40 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 							.emitter_power = emitters->power,
 							.use_hits = sources->use_hits && emitters->count > 0,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
-	gw_status status =
-		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
-	if (status == GW_OK && push.light_samples > 0)
-		status = sample_emitters(passes, octree, records, emitters, push, &sampled, error);
+	gw_status status = GW_OK;
+	if (!done)
+		status =
+			gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+							 16 * (uint64_t)records->count, "sampled irradiance", sampled, error);
+	if (status == GW_OK && !done && push.light_samples > 0)
+		status = sample_emitters(passes, octree, records, sources, push, sampled, error);
 	if (status == GW_OK) {
 		/* The directions of the rays are made again, from their seed. */
 		push.seed = gather->seed;
-		const gw_binding bindings[] = {
-			gw_whole(&gather->lobe),         gw_whole(&gather->distance),
-			gw_whole(&octree->lobe_plane),   gw_whole(emitters->radiance),
-			gw_window(&sampled, 16),         gw_window(&records->position, 16),
-			gw_window(&records->normal, 16), gw_window(irradiance, 16)
-		};
+		const gw_binding bindings[] = { gw_whole(&gather->lobe),
+										gw_whole(&gather->distance),
+										gw_whole(&octree->lobe_plane),
+										gw_whole(emitters->radiance),
+										gw_window(sampled, 16),
+										gw_window(&records->position, 16),
+										gw_window(&records->normal, 16),
+										gw_window(irradiance, 16),
+										gw_whole(sources->part ? sources->part
+															   : emitters->radiance) };
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
 	}
-	gw_buffer_destroy(passes->gpu, &sampled);
+	gw_buffer_destroy(passes->gpu, &own);
 	return status;
+}
+
+gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, gw_error *error)
+{
+	const float black[3] = { 0 };
+	const gw_emitters none = { .radiance = &octree->lobe_emission };
+	const gw_sampled_sources nothing = { .emitters = &none, .sky = black };
+	return gw_ray_gather_sampled(passes, octree, records, gather, &nothing, &records->first, error);
 }
 
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,

@@ -24,11 +24,15 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 /* What a sampled gather looks for. */
 typedef struct gw_sampled_sources {
 	const gw_emitters *emitters; /* sampled, where they send out light; count may be 0 */
+	const gw_buffer *part;       /* NULL, or what is gathered in place of emitters->radiance, by the
+									same samples: of a part of the light, at most as large */
 	uint32_t samples;            /* of them, a record; 0: only hits count */
 	bool use_hits;    /* emitters that the rays hit count as well, combined with the samples by
 						 multiple    importance sampling */
 	const float *sky; /* 3, radiance seen by rays that leave the scene */
 	uint32_t seed;    /* of the samples */
+	gw_buffer *kept;  /* NULL, or where what the samples brought is left for another time: vec4 a
+						 record. A buffer that exists is taken in place of samples */
 } gw_sampled_sources;
 
 /*
@@ -39,6 +43,10 @@ typedef struct gw_sampled_sources {
 gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
 								gw_buffer *irradiance, gw_error *error);
+
+/* Finds these two alone; leaves records->first dark. */
+gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, gw_error *error);
 
 /* One bounce: irradiance from what the rays hit, into records->gathered. */
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,

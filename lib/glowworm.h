@@ -137,6 +137,24 @@ typedef enum gw_shadows {
 #define GW_LEAF_SPACING 1.25f
 #define GW_BOUNCES_AUTO UINT32_MAX
 
+/*
+ * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
+ * octree, and what the places where light is gathered see. A second bake of the same points begins
+ * with it and only lights them. The bytes are for the same version of the library.
+ *
+ * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
+ * positions, normals, albedo, scanners and the other settings of light have to be the same. Where
+ * normals were estimated and no scanner is known, the first bake's lights have oriented them.
+ */
+typedef struct gw_transport {
+	const char *name; /* for messages, such as a file's name */
+	const void *data; /* NULL, or what another bake wrote; any bytes are checked before use */
+	size_t length;    /* of data */
+	/* NULL, or called with the bytes in order. What it fails with is what gw_bake fails with. */
+	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
+	void *user;
+} gw_transport;
+
 /* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
 typedef struct gw_bake_options {
 	gw_method method;
@@ -168,6 +186,15 @@ typedef struct gw_bake_options {
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
 	bool validate;            /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;              /* fill gw_bake_result.voxels */
+	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
+	bool occlusion;           /* fill gw_bake_result.openness */
+	float occlusion_distance; /* metres; 0: surfaces at any distance count */
+	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
+					around a point disagree, as a standard error of their mean. It knows the noise
+					of gathered light and how fast that changes, but not the error of shadows and of
+					geometry */
+	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
+									  not together with max_error or time_limit */
 } gw_bake_options;
 
 #define GW_BAKE_OPTIONS_DEFAULT                                                                    \
@@ -328,6 +355,15 @@ typedef struct gw_bake_result {
 	float *indirect_irradiance; /* 3 * count, E that was reflected at least once */
 	float *normal;              /* 3 * count, the unit normals that were used */
 	float *albedo;              /* 3 * count, the albedo that was used, linear */
+	float **lamp;               /* lamp_count arrays of 3 * count, what each light adds to L, in the
+								   order of the lights; NULL unless gw_bake_options.lamps. With
+								   rest they add up to radiance but for roundings, which for
+								   GW_METHOD_CONES are of 16-bit numbers */
+	size_t lamp_count;
+	float *rest;                /* 3 * count, what points that emit add to L; NULL when none does */
+	float *openness;            /* count, 0..1: cosine-weighted share of the hemisphere in which
+								   nothing is nearer than occlusion_distance; NULL unless asked */
+	float *error;               /* count, see gw_bake_options.errors; NULL unless asked */
 	float *roi;                 /* count, side of the region of influence in leaf cells */
 	gw_voxels voxels;           /* empty unless gw_bake_options.voxels */
 	gw_report report;

@@ -46,6 +46,24 @@ static void choose_blocks(const gw_octree *octree, gw_records *records)
 	}
 }
 
+gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	gw_buffer *const buffer[] = { &records->first, &records->indirect, &records->gathered };
+	const char *const name[] = { "record first irradiance", "record indirect irradiance",
+								 "record gathered irradiance" };
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < 3 && status == GW_OK; i++)
+		status = texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count, name[i],
+					   buffer[i], error);
+	return status;
+}
+
+gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	return texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count,
+				 "record gathered irradiance", &records->gathered, error);
+}
+
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {
@@ -59,17 +77,17 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	} rows[] = {
 		{ &records->position, f4, 16 * n, "record position" },
 		{ &records->normal, f4, 16 * n, "record normal" },
-		{ &records->first, f4, 16 * n, "record first irradiance" },
-		{ &records->indirect, f4, 16 * n, "record indirect irradiance" },
-		{ &records->gathered, f4, 16 * n, "record gathered irradiance" },
 		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
 		{ &records->block_record, u1, 4 * n, "block record" },
-		{ &records->lobe_record, u1, 4 * GW_WEIGHTS * slots, "lobe record" },
-		{ &records->lobe_weight, VK_FORMAT_R32_SFLOAT, 4 * GW_WEIGHTS * slots, "lobe weight" },
+		{ &records->lobe_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
+		  "lobe record" },
+		{ &records->lobe_weight, f4, 4 * GW_WEIGHTS * slots, "lobe weight" },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
 		status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
+	if (status == GW_OK)
+		status = gw_records_make_room(gpu, records, error);
 	return status;
 }
 
@@ -263,17 +281,15 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-							   gw_buffer *indirect, gw_error *error)
+gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
+								   const gw_records *records, uint64_t first, uint64_t count,
+								   gw_buffer *record, gw_buffer *weight, gw_error *error)
 {
-	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-									gw_whole(&records->first),
-									gw_whole(&records->indirect),
-									gw_window(&octree->surfel_position, 16),
-									gw_window(&octree->surfel_normal, 16),
-									gw_window(first, 16),
-									gw_window(indirect, 16) };
+	const gw_binding bindings[] = { LOOKUP_BINDINGS, gw_whole(&octree->surfel_position),
+									gw_whole(&octree->surfel_normal),
+									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
+									gw_window(weight, 4 * GW_SURFEL_WEIGHTS) };
 	gw_lookup_push push = lookup(records);
-	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, surfel_count, error);
+	push.surfel_first = (uint32_t)first;
+	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
 }

@@ -27,8 +27,9 @@ typedef struct gw_records {
 		first; /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
 	gw_buffer indirect;    /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
 	gw_buffer gathered;    /* R32G32B32A32_SFLOAT, of the latest bounce */
-	gw_buffer lobe_record; /* R32_UINT, GW_WEIGHTS * 2 * leaf_count: see lobe_weights.comp */
-	gw_buffer lobe_weight; /* R32_SFLOAT, likewise */
+	gw_buffer lobe_record; /* R32G32B32A32_UINT, GW_WEIGHTS * 2 * leaf_count words: see
+							  lobe_weights.comp */
+	gw_buffer lobe_weight; /* R32G32B32A32_SFLOAT, likewise */
 } gw_records;
 
 /*
@@ -39,6 +40,12 @@ typedef struct gw_records {
 gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
 						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
+
+/* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
+gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
+
+/* Room for gathered alone. */
+gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error);
 
 /*
  * Puts records where the caller says, to gather there; they are not listed, so that nothing can be
@@ -54,12 +61,13 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 								 gw_error *error);
 
 /*
- * Reads the records' irradiance back at every surfel.
- *   first, indirect   storage buffers of surfel count vec4 that receive it; w of first is 0 where
- * no record was near
+ * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.
+ * read_back.h does so for all of them.
+ *   record, weight   storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
+ *                    read_back.comp
  */
-gw_status gw_records_read_back(gw_passes *passes, const gw_octree *octree,
-							   const gw_records *records, uint64_t surfel_count, gw_buffer *first,
-							   gw_buffer *indirect, gw_error *error);
+gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
+								   const gw_records *records, uint64_t first, uint64_t count,
+								   gw_buffer *record, gw_buffer *weight, gw_error *error);
 
 #endif

@@ -16,14 +16,8 @@ layout(binding = 1) readonly buffer Direct
 {
 	vec4 lobe_direct[];
 };
-layout(binding = 2) readonly buffer Record
-{
-	uint lobe_record[];
-};
-layout(binding = 3) readonly buffer Weight
-{
-	float lobe_weight[];
-};
+layout(binding = 2) uniform usamplerBuffer lobe_record; /* four a texel, GW_WEIGHTS a lobe */
+layout(binding = 3) uniform samplerBuffer lobe_weight;
 layout(binding = 4) uniform samplerBuffer record_irradiance;
 layout(binding = 5) writeonly buffer Radiance
 {
@@ -40,11 +34,14 @@ void main()
 	if (i >= push.count)
 		return;
 	vec3 e = push.use_direct != 0u ? lobe_direct[i].xyz : vec3(0.0);
-	for (uint w = 0u; w < GW_WEIGHTS; w++) {
-		uint record = lobe_record[i * GW_WEIGHTS + w];
-		if (record == GW_NONE)
+	int row = int(push.first + i) * int(GW_WEIGHTS / 4u);
+	for (int t = row; t < row + int(GW_WEIGHTS / 4u); t++) {
+		uvec4 record = texelFetch(lobe_record, t);
+		if (record.x == GW_NONE)
 			break;
-		e += lobe_weight[i * GW_WEIGHTS + w] * texelFetch(record_irradiance, int(record)).xyz;
+		vec4 weight = texelFetch(lobe_weight, t);
+		for (int k = 0; k < 4 && record[k] != GW_NONE; k++)
+			e += weight[k] * texelFetch(record_irradiance, int(record[k])).xyz;
 	}
 	lobe_radiance[i] = vec4(lobe_albedo[i].xyz * e / 3.14159265358979, 0.0);
 }

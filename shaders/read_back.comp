@@ -1,6 +1,6 @@
 /*
- * read_back.comp - irradiance at each surfel, interpolated from the records: what reached them
- * unreflected and what was reflected before. w of the first is 0 where no record was found.
+ * read_back.comp - the records each surfel's light is interpolated from, once for all lights:
+ * GW_SURFEL_WEIGHTS at most, the heaviest, with weights that sum to 1. A row ends at GW_NONE.
  */
 #version 460
 
@@ -17,35 +17,37 @@ layout(binding = 6) uniform samplerBuffer record_position;
 layout(binding = 7) uniform samplerBuffer record_normal;
 layout(binding = 8) uniform usamplerBuffer block_first;
 layout(binding = 9) uniform usamplerBuffer block_record;
-layout(binding = 10) uniform samplerBuffer record_first;
-layout(binding = 11) uniform samplerBuffer record_indirect;
-layout(binding = 12) readonly buffer Position
+layout(binding = 10) uniform samplerBuffer surfel_position;
+layout(binding = 11) uniform samplerBuffer surfel_normal;
+layout(binding = 12) buffer Record
 {
-	vec4 surfel_position[];
+	uint row_record[];
 };
-layout(binding = 13) readonly buffer Normal
+layout(binding = 13) buffer Weight
 {
-	vec4 surfel_normal[];
-};
-layout(binding = 14) writeonly buffer First
-{
-	vec4 surfel_first[];
-};
-layout(binding = 15) writeonly buffer Indirect
-{
-	vec4 surfel_indirect[];
+	float row_weight[];
 };
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
 };
 
-vec3 first_sum = vec3(0.0), indirect_sum = vec3(0.0);
+uint row, used;
 
 void use_record(uint record, float weight)
 {
-	first_sum += weight * texelFetch(record_first, int(record)).xyz;
-	indirect_sum += weight * texelFetch(record_indirect, int(record)).xyz;
+	uint at = row + used;
+	if (used < GW_SURFEL_WEIGHTS) {
+		used++;
+	} else {
+		at = row;
+		for (uint w = row; w < row + GW_SURFEL_WEIGHTS; w++)
+			at = row_weight[w] < row_weight[at] ? w : at;
+		if (row_weight[at] >= weight)
+			return;
+	}
+	row_record[at] = record;
+	row_weight[at] = weight;
 }
 
 #include "octree_tiles.glsl"
@@ -57,9 +59,16 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec4 normal = surfel_normal[i];
-	float sum = find_records(surfel_position[i].xyz, normal.xyz, normal.w > 0.5);
-	float scale = sum > 0.0 ? 1.0 / sum : 0.0;
-	surfel_first[i] = vec4(first_sum * scale, sum);
-	surfel_indirect[i] = vec4(indirect_sum * scale, 0.0);
+	row = i * GW_SURFEL_WEIGHTS;
+	used = 0u;
+	int surfel = int(push.surfel_first + push.first + i);
+	vec4 normal = texelFetch(surfel_normal, surfel);
+	find_records(texelFetch(surfel_position, surfel).xyz, normal.xyz, normal.w > 0.5);
+	float sum = 0.0;
+	for (uint w = 0u; w < used; w++)
+		sum += row_weight[row + w];
+	for (uint w = 0u; w < used; w++)
+		row_weight[row + w] /= sum;
+	if (used < GW_SURFEL_WEIGHTS)
+		row_record[row + used] = GW_NONE;
 }

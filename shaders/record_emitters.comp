@@ -30,6 +30,7 @@ layout(binding = 9) buffer Sum
 {
 	vec4 record_sampled[];
 };
+layout(binding = 10) uniform samplerBuffer lobe_part; /* of lobe_emission: what is gathered */
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -74,7 +75,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint random)
 	float density = luminance(emission) / push.emitter_power * squared / cosine_emitter;
 	float by_samples = float(push.light_samples) * density;
 	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / PI : 0.0;
-	return emission * (cosine / density) * (by_samples / (by_samples + by_rays));
+	return texelFetch(lobe_part, lobe).xyz * (cosine / density) *
+		   (by_samples / (by_samples + by_rays));
 }
 
 void main()

@@ -29,6 +29,7 @@ layout(binding = 7) writeonly buffer First
 {
 	vec4 record_first[];
 };
+layout(binding = 8) uniform samplerBuffer lobe_part; /* of lobe_emission: what is gathered */
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -73,7 +74,8 @@ void main()
 		if (luminance(emission) > 0.0) {
 			float cosine;
 			vec3 direction = record_ray(record_normal[i].xyz, record, k, cosine);
-			sum += emission * hit_weight(direction, cosine, lobe, t, emission);
+			sum += texelFetch(lobe_part, int(lobe)).xyz *
+				   hit_weight(direction, cosine, lobe, t, emission);
 		}
 	}
 	/* A record that sees mostly the backs of surfaces lies inside something solid. */

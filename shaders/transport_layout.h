@@ -15,6 +15,10 @@
 /* Records that a lobe's irradiance is interpolated from, at most. */
 #define GW_WEIGHTS 8u
 
+/* Records that a surfel's light is interpolated from, at most: records stand a spacing apart and
+ * reach 1.6 spacings, so that about 7 speak for a place on a surface. */
+#define GW_SURFEL_WEIGHTS 32u
+
 /* Values of gw_light_push.type: as gw_light_type. */
 #define GW_PUSH_POINT 0u
 #define GW_PUSH_SPOT 1u
@@ -68,7 +72,7 @@ SHARED_STRUCT(gw_lookup_push)
 	float lift;       /* both ends of a visibility test are lifted this far off the surface */
 	uint visibility;  /* 1: test it where a record's surroundings are nearer than the point */
 	uint tile_first;  /* first tile whose parent cells are of block_level */
-	uint unused;
+	uint surfel_first; /* of the surfels looked at in this run */
 };
 SHARED_SIZE(gw_lookup_push, 32);
 

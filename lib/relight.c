@@ -1,0 +1,361 @@
+/*
+ * relight.c - see relight.h.
+ */
+#include "relight.h"
+
+#include "bounces.h"
+#include "direct_light.h"
+#include "error_estimate.h"
+#include "memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Emitters that cover less of the surface than this are sampled; more are light of the voxels. */
+#define SAMPLED_SHARE 0.1
+
+#define PATCH_SEED 0x2c1b3c6du
+
+void gw_relight_plan(gw_relight *relight)
+{
+	gw_solver *solver = relight->solver;
+	gw_plan_make(&solver->surfels, relight->lights, relight->light_count, &solver->options,
+				 &relight->plan, solver->report);
+}
+
+void gw_relight_plan_part(gw_relight *part, bool emission)
+{
+	const gw_plan *whole = &part->whole->plan;
+	gw_plan *plan = &part->plan;
+	*plan =
+		(gw_plan){ .emitters = whole->emitters && emission,
+				   .bounces = whole->bounces,
+				   .records = whole->records,
+				   .limit = whole->bounces ? part->solver->report->bounce_count : whole->limit };
+	for (size_t i = 0; i < part->light_count; i++) {
+		plan->lamps |= whole->lamps && gw_light_shines(&part->lights[i]);
+		for (int c = 0; c < 3 && part->lights[i].type == GW_LIGHT_ENVIRONMENT; c++)
+			plan->sky_radiance[c] += part->lights[i].radiance[c];
+	}
+	plan->sky = whole->sky && (plan->sky_radiance[0] > 0.0f || plan->sky_radiance[1] > 0.0f ||
+							   plan->sky_radiance[2] > 0.0f);
+}
+
+/* A buffer of `count` dark vec4, made when there is none yet. */
+static gw_status darken(gw_relight *relight, gw_buffer_kind kind, uint64_t count, const char *name,
+						gw_buffer *buffer, gw_error *error)
+{
+	gw_gpu *gpu = relight->solver->gpu;
+	if (buffer->handle != VK_NULL_HANDLE)
+		return gw_buffer_fill(gpu, buffer, 0, error);
+	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
+	return gw_buffer_create(gpu, kind, format, 16 * count, name, buffer, error);
+}
+
+gw_status gw_relight_direct(gw_relight *relight, gw_error *error)
+{
+	gw_solver *solver = relight->solver;
+	uint64_t slots = 2 * (uint64_t)solver->octree.leaf_count;
+	gw_status status = darken(relight, GW_BUFFER_TEXEL, solver->surfels.count, "direct irradiance",
+							  &relight->surfel_direct, error);
+	if (status == GW_OK)
+		status = darken(relight, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
+						&relight->lobe_direct, error);
+	if (status == GW_OK && relight->plan.lamps)
+		status = gw_direct_light(&solver->passes, &solver->octree, &solver->surfels,
+								 relight->lights, relight->light_count, &solver->options,
+								 &relight->surfel_direct, &relight->lobe_direct, error);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ first gather */
+
+static gw_status first_by_rays(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+										 .samples = s->options.light_samples,
+										 .use_hits = true,
+										 .sky = relight->plan.sky_radiance,
+										 .seed = (uint32_t)s->options.seed,
+										 .kept = relight->plan.emitters ? &s->sampled : NULL };
+	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+								 &s->records.first, error);
+}
+
+static float largest_emission(const gw_surfels *surfels)
+{
+	float largest = 0.0f;
+	for (size_t i = 0; i < 3 * surfels->count; i++)
+		largest = fmaxf(largest, surfels->emission[i]);
+	return largest;
+}
+
+static gw_status add_gathered(gw_solver *s, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_window(&s->records.gathered, 16),
+									gw_window(&s->records.first, 16) };
+	return gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 },
+						 s->records.count, error);
+}
+
+/* Cones see the sky and large emitters; small emitters are sampled. */
+static gw_status first_by_cones(gw_relight *relight, gw_error *error)
+{
+	const float black[3] = { 0 };
+	gw_solver *s = relight->solver;
+	const gw_plan *plan = &relight->plan;
+	bool in_voxels = plan->emitters && relight->emitters.area_share >= SAMPLED_SHARE;
+	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+										 .samples = in_voxels ? 0 : s->options.light_samples,
+										 .sky = black,
+										 .seed = (uint32_t)s->options.seed };
+	gw_status status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
+											 &sources, &s->records.first, error);
+	if (status != GW_OK || (!in_voxels && !plan->sky))
+		return status;
+	status = gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
+								   in_voxels ? &s->octree.lobe_emission : &relight->lobe_radiance,
+								   in_voxels ? largest_emission(&s->surfels) : 1.0f,
+								   plan->sky_radiance, &s->records.gathered, error);
+	return status == GW_OK ? add_gathered(s, error) : status;
+}
+
+gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	gw_status status =
+		darken(relight, GW_BUFFER_TEXEL, slots, "lobe radiance", &relight->lobe_radiance, error);
+	gw_emitters_destroy(s->gpu, &relight->emitters);
+	relight->emitters.radiance = &s->octree.lobe_emission;
+	if (status == GW_OK && relight->plan.emitters)
+		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, &relight->emitters,
+								  error);
+	if (status == GW_OK)
+		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(relight, error)
+													 : first_by_cones(relight, error);
+	return status;
+}
+
+/* ----------------------------------------------------------------------------------- bounces */
+
+static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
+								gw_error *error)
+{
+	gw_solver *s = ((gw_relight *)self)->solver;
+	(void)largest;
+	return gw_ray_gather_bounce(&s->passes, &s->rays, lobe_radiance, &s->records, error);
+}
+
+/* Parts are sampled by the radiance of the whole, so it is copied. */
+static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radiance, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
+	gw_status status = darken(relight, GW_BUFFER_TEXEL, slots, "radiance of patches",
+							  &relight->patch_radiance, error);
+	const gw_binding bindings[] = { gw_window(lobe_radiance, 16),
+									gw_window(&relight->patch_radiance, 16) };
+	if (status == GW_OK)
+		status = gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 }, slots,
+							   error);
+	relight->patches.radiance = &relight->patch_radiance;
+	return status;
+}
+
+/* Samples lit lobes; part is NULL, or what is gathered of their radiance. */
+static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const gw_buffer *part,
+								gw_error *error)
+{
+	const float black[3] = { 0 };
+	const gw_sampled_sources sources = { .emitters = patches,
+										 .part = part,
+										 .samples = s->options.light_samples,
+										 .use_hits = true,
+										 .sky = black,
+										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
+	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+								 &s->records.gathered, error);
+}
+
+/* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
+ */
+static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
+								gw_error *error)
+{
+	gw_relight *relight = self;
+	gw_solver *s = relight->solver;
+	if (relight->whole)
+		return relight->whole->patches_sampled
+				   ? sample_patches(s, &relight->whole->patches, lobe_radiance, error)
+				   : gather_by_rays(self, lobe_radiance, largest, error);
+	gw_emitters *patches = &relight->patches;
+	gw_emitters_destroy(s->gpu, patches);
+	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, patches, error);
+	if (status != GW_OK)
+		return status;
+	relight->patches_sampled = gw_emitters_are_small(patches);
+	status = relight->patches_sampled ? sample_patches(s, patches, NULL, error)
+									  : gather_by_rays(self, lobe_radiance, largest, error);
+	if (status == GW_OK && relight->kept && relight->patches_sampled)
+		status = keep_patches(relight, lobe_radiance, error);
+	else
+		gw_emitters_destroy(s->gpu, patches);
+	return status;
+}
+
+static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
+								 gw_error *error)
+{
+	gw_solver *s = ((gw_relight *)self)->solver;
+	const float black[3] = { 0 };
+	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, lobe_radiance,
+								 largest, black, &s->records.gathered, error);
+}
+
+gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	gw_report *report = s->report;
+	bool rays = s->options.method == GW_METHOD_RAYS;
+	gw_bounces bounces;
+	gw_bounces_task task = { .passes = &s->passes,
+							 .octree = &s->octree,
+							 .records = &s->records,
+							 .lobe_direct = &relight->lobe_direct,
+							 .lobe_radiance = &relight->lobe_radiance,
+							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
+									   .gather_first = rays ? gather_patches : NULL,
+									   .self = relight },
+							 .limit = relight->plan.bounces ? relight->plan.limit : 1,
+							 .tolerance = s->options.tolerance,
+							 .no_bound = relight->whole != NULL,
+							 .cancelled = s->cancelled,
+							 .user = s->user };
+	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
+	if (status == GW_OK)
+		status = gw_bounces_run(&task, &bounces, error);
+	if (status != GW_OK)
+		return status;
+	if (relight->whole) {
+		free(bounces.bounce);
+		return GW_OK;
+	}
+	free(report->bounce);
+	report->bounce = bounces.bounce;
+	report->bounce_count = bounces.bounce_count;
+	report->remaining = bounces.remaining;
+	return GW_OK;
+}
+
+/* --------------------------------------------------------------------------------- read back */
+
+/* Interpolates an irradiance of the records at every surfel. */
+static gw_status read_back(const gw_solver *s, const gw_buffer *irradiance, float *records,
+						   float **surfels, gw_error *error)
+{
+	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)irradiance, 0, records,
+										  16 * (uint64_t)s->records.count, error);
+	if (status != GW_OK)
+		return status;
+	if (!*surfels)
+		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
+	if (!*surfels)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+					   s->surfels.count);
+	gw_read_back_apply(&s->read_back, records, s->options.threads, *surfels);
+	return GW_OK;
+}
+
+gw_status gw_relight_read_back(gw_relight *relight, gw_error *error)
+{
+	const gw_solver *s = relight->solver;
+	float *records = gw_allocate_array(s->records.count, 4 * sizeof *records);
+	gw_status status = records ? GW_OK
+							   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records",
+										 s->records.count);
+	if (status == GW_OK)
+		status = read_back(s, &s->records.first, records, &relight->surfel_first, error);
+	if (status == GW_OK)
+		status = read_back(s, &s->records.indirect, records, &relight->surfel_indirect, error);
+	free(records);
+	return status;
+}
+
+gw_status gw_relight_run(gw_relight *relight, gw_error *error)
+{
+	gw_status status = gw_relight_direct(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_gather_first(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_bounce(relight, error);
+	if (status == GW_OK && relight->plan.records)
+		status = gw_relight_read_back(relight, error);
+	return status;
+}
+
+gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error)
+{
+	const gw_solver *s = relight->solver;
+	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
+	if (!*direct)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+					   s->surfels.count);
+	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)&relight->surfel_direct,
+										  0, *direct, 16 * (uint64_t)s->surfels.count, error);
+	if (status != GW_OK) {
+		free(*direct);
+		*direct = NULL;
+	}
+	return status;
+}
+
+gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_bake_options *o = &s->options;
+	float *direct = NULL;
+	gw_status status = gw_relight_download_direct(relight, &direct, error);
+	if (status == GW_OK) {
+		const gw_estimate_task task = { .passes = &s->passes,
+										.octree = &s->octree,
+										.surfels = &s->surfels,
+										.probes = &s->probes,
+										.records = &s->records,
+										.emitters = &relight->emitters,
+										.lobe_direct = &relight->lobe_direct,
+										.sky = relight->plan.sky_radiance,
+										.bounces = relight->plan.bounces,
+										.direct = direct,
+										.first = relight->surfel_first,
+										.indirect = relight->surfel_indirect,
+										.rays = o->method == GW_METHOD_RAYS ? o->rays
+																			: o->light_samples,
+										.light_samples = o->light_samples };
+		status = gw_estimate_error(&task, &s->report->error, error);
+	}
+	free(direct);
+	return status;
+}
+
+void gw_relight_drop_gathered(gw_relight *relight)
+{
+	gw_gpu *gpu = relight->solver->gpu;
+	free(relight->surfel_first);
+	free(relight->surfel_indirect);
+	relight->surfel_first = relight->surfel_indirect = NULL;
+	gw_buffer_destroy(gpu, &relight->lobe_radiance);
+	gw_buffer_destroy(gpu, &relight->patch_radiance);
+	gw_emitters_destroy(gpu, &relight->patches);
+	gw_emitters_destroy(gpu, &relight->emitters);
+}
+
+void gw_relight_clear(gw_relight *relight)
+{
+	if (relight->solver == NULL || relight->solver->gpu == NULL)
+		return;
+	gw_relight_drop_gathered(relight);
+	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_direct);
+	gw_buffer_destroy(relight->solver->gpu, &relight->lobe_direct);
+}

@@ -1,0 +1,194 @@
+/*
+ * solver.c - see solver.h.
+ */
+#include "solver.h"
+
+#include "report.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Rays a record that only look for the nearest surface, when cones gather. */
+#define NEAREST_RAYS 16u
+
+gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
+{
+	gw_gpu_options options = { .device = solver->options.device,
+							   .memory = solver->options.memory,
+							   .validate = solver->options.validate };
+	gw_status status = gw_gpu_create(&options, &solver->gpu, error);
+	if (status == GW_OK) {
+		const gw_device_info *device = gw_gpu_device(solver->gpu);
+		snprintf(solver->report->device, sizeof solver->report->device, "%s", device->name);
+		snprintf(solver->report->driver, sizeof solver->report->driver, "%s", device->driver);
+	}
+	return status;
+}
+
+static void report_surfels(const gw_surfels *s, gw_report *r)
+{
+	gw_report_count(r, "left_out_non_finite", s->non_finite,
+					"points without finite coordinates: left out, written as dark");
+	gw_report_count(r, "duplicates_merged", s->duplicates,
+					"points at the place of another: they share its light");
+	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
+					"points whose albedo was outside 0 to 0.98");
+	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
+					"points whose albedo was not a number: 0.5 was taken");
+	gw_report_count(r, "emission_repaired", s->emission_repaired,
+					"points with negative or non-finite emission: taken as 0");
+	gw_report_count(r, "normals_estimated", s->normals_estimated,
+					"points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
+					"points whose normal cannot be trusted: lit from both sides");
+	memcpy(r->origin, s->origin, sizeof r->origin);
+	r->spacing = (double)s->spacing;
+}
+
+gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, const gw_light *lights,
+								 size_t light_count, gw_error *error)
+{
+	gw_surfels_options options = { .threads = solver->options.threads,
+								   .lights = lights,
+								   .light_count = light_count,
+								   .memory = solver->options.memory,
+								   .cancelled = solver->cancelled,
+								   .user = solver->user };
+	gw_status status = gw_surfels_make(points, &options, &solver->surfels, error);
+	if (status == GW_OK)
+		report_surfels(&solver->surfels, solver->report);
+	return status;
+}
+
+static void report_octree(const gw_solver *solver)
+{
+	const gw_octree *octree = &solver->octree;
+	gw_report *r = solver->report;
+	r->depth = octree->depth;
+	r->leaf_size = (double)octree->leaf_size;
+	r->leaves = octree->leaf_count;
+	r->tiles = octree->tile_count;
+	r->leaf_tiles = octree->leaf_tile_count;
+	r->border_tiles = octree->border_tile_count;
+	r->octree_bytes = gw_gpu_read_account(solver->gpu).bytes;
+}
+
+gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	gw_status status =
+		o->depth == GW_DEPTH_AUTO
+			? gw_octree_build_spaced(solver->gpu, &solver->surfels, o->leaf_spacing,
+									 &solver->octree, error)
+			: gw_octree_build(solver->gpu, &solver->surfels, o->depth, &solver->octree, error);
+	if (status != GW_OK)
+		return status;
+	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	report_octree(solver);
+	return GW_OK;
+}
+/* What the records see; for cones, how near their surroundings are. */
+static gw_status trace_records(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	uint32_t rays = o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
+	gw_status status = gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records, rays,
+										   (uint32_t)o->seed, &solver->rays, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
+									&solver->rays, error);
+	return status;
+}
+
+/* Work space of cones. */
+static gw_status make_pools(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	if (o->method != GW_METHOD_CONES)
+		return GW_OK;
+	gw_status status = gw_cone_gather_create(solver->gpu, &solver->octree, o->cones,
+											 (uint32_t)o->seed, &solver->cones, error);
+	solver->report->brick_bytes =
+		solver->cones.leaf_pool.allocated + solver->cones.mip_pool.allocated;
+	return status;
+}
+
+/* The probes of the estimate, unless they are there. */
+static gw_status make_probes(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	const gw_probes *p = &solver->probes;
+	if (o->estimate_points == 0 ||
+		(p->points == o->estimate_points && p->seed == (uint32_t)o->seed))
+		return GW_OK;
+	gw_probes_destroy(solver->gpu, &solver->probes);
+	return gw_probes_make(&solver->passes, &solver->octree, &solver->surfels, o->estimate_points,
+						  (uint32_t)o->seed, &solver->probes, error);
+}
+
+/* What samples of emitters brought is not so any more. */
+void gw_solver_forget_samples(gw_solver *solver)
+{
+	gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[0]);
+	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[1]);
+}
+
+gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	gw_status status = gw_records_place(&solver->passes, &solver->octree, o->record_spacing,
+										o->seed, &solver->records, error);
+	solver->report->records = solver->records.count;
+	if (status == GW_OK)
+		status = trace_records(solver, error);
+	if (status == GW_OK)
+		status = make_pools(solver, error);
+	if (status == GW_OK)
+		status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records, error);
+	if (status == GW_OK)
+		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
+								   solver->surfels.count, &solver->read_back, error);
+	return status == GW_OK ? make_probes(solver, error) : status;
+}
+
+gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
+{
+	report_surfels(&solver->surfels, solver->report);
+	report_octree(solver);
+	solver->report->records = solver->records.count;
+	gw_status status = gw_records_make_room(solver->gpu, &solver->records, error);
+	if (status == GW_OK)
+		status = make_pools(solver, error);
+	if (status == GW_OK)
+		status = gw_records_make_gathered(solver->gpu, &solver->probes.place, error);
+	return status == GW_OK ? make_probes(solver, error) : status;
+}
+
+void gw_solver_drop_records(gw_solver *solver)
+{
+	gw_cone_gather_destroy(solver->gpu, &solver->cones);
+	gw_ray_gather_destroy(solver->gpu, &solver->rays);
+	gw_records_destroy(solver->gpu, &solver->records);
+	gw_read_back_clear(&solver->read_back);
+	gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_probes_destroy(solver->gpu, &solver->probes);
+	memset(solver->passes.device_seconds, 0, sizeof solver->passes.device_seconds);
+}
+
+void gw_solver_drop_octree(gw_solver *solver)
+{
+	gw_solver_drop_records(solver);
+	if (solver->passes.gpu)
+		gw_passes_destroy(&solver->passes);
+	gw_octree_destroy(solver->gpu, &solver->octree);
+}
+
+void gw_solver_close(gw_solver *solver)
+{
+	gw_surfels_clear(&solver->surfels);
+	if (solver->gpu == NULL)
+		return;
+	gw_solver_drop_octree(solver);
+	gw_gpu_destroy(&solver->gpu);
+}

@@ -1,0 +1,67 @@
+/*
+ * solver.h - what of a bake depends on the geometry alone, so that one solver can be lit many times
+ * (relight.h).
+ *
+ * The steps, in this order; each needs the ones before:
+ *
+ *   open device -> surfels -> octree -> records, with what their rays hit and the weights by which
+ *   lobes and surfels interpolate between them
+ *
+ * A solver's light lies in a gw_relight; gathering also uses work space of the records here.
+ * Thread-safety: one thread at a time.
+ */
+#ifndef SOLVER_H
+#define SOLVER_H
+
+#include "error_estimate.h"
+#include "gather_cones.h"
+#include "gather_rays.h"
+#include "read_back.h"
+
+typedef struct gw_solver {
+	gw_bake_options options;
+	gw_report *report;             /* receives what the steps find out; not owned */
+	bool (*cancelled)(void *user); /* NULL or asked between steps */
+	void *user;
+
+	gw_gpu *gpu;
+	gw_surfels surfels;
+	gw_octree octree;
+	gw_passes passes;
+	gw_records records;
+	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where cones gather */
+	gw_cone_gather cones; /* empty for GW_METHOD_RAYS */
+	gw_read_back read_back;
+	gw_probes probes; /* empty when no estimate is asked for */
+	/* What samples of the points that emit brought to the records, once it is known: it depends on
+	 * their emission, but not on lamps. */
+	gw_buffer sampled;
+} gw_solver;
+
+/* Opens the device that the options name. */
+gw_status gw_solver_open_device(gw_solver *solver, gw_error *error);
+
+/*
+ * Makes the surfels of the points.
+ *   lights   light_count; they orient estimated normals when nobody knows where the scanner stood
+ */
+gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, const gw_light *lights,
+								 size_t light_count, gw_error *error);
+
+gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
+
+/* Places the records, finds what they see, and which of them light each lobe and each surfel. */
+gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
+
+/* Makes the work space, and reports, where all of these came from a transport (transport.h). */
+gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
+
+/* To be called when the emission of surfels changes. */
+void gw_solver_forget_samples(gw_solver *solver);
+
+/* Forget the records; the octree and the records; everything. Options and callbacks stay. */
+void gw_solver_drop_records(gw_solver *solver);
+void gw_solver_drop_octree(gw_solver *solver);
+void gw_solver_close(gw_solver *solver);
+
+#endif

@@ -1,0 +1,56 @@
+# One scene lit again: from a transport, and by mixing what each lamp gave. The same lamps give the
+# same bytes; what does not fit is refused, and no output is touched.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+make_box --scene corner --points 3000 -o box.ply
+lamp='point name lamp at 0.5,0.5,0.8 intensity 2'
+sky='sky radiance 0.3'
+bake() {
+	glowworm bake box.ply -q "$@" 2>&1
+	echo "status $?"
+}
+columns() {
+	glowworm info "$1" --json | tr '{' '\n' |
+		sed -n 's/.*"name": "\(scalar_[^"]*\)".*/\1/p' | xargs
+}
+bake --light "$lamp" --light "$sky" --save-transport t.gwt -o first.ply
+bake --light "$lamp" --light "$sky" --transport t.gwt -o again.ply
+cmp first.ply again.ply
+bake --light "$sky" -o fresh.ply
+bake --light "$sky" --transport t.gwt -o other.ply
+cmp fresh.ply other.ply
+echo "a transport alone, through a pipe:"
+glowworm bake box.ply -q --save-transport - | cat >piped.gwt
+cmp t.gwt piped.gwt
+bake --light "$sky" --transport - -o from-pipe.ply <t.gwt
+cmp fresh.ply from-pipe.ply
+
+echo "lamps:"
+bake --light "$lamp" --light "$sky" --light 'point at 0.4,0.4,0.5 intensity 0.1' \
+	--light 'point name a/lamp at 0.4,0.4,0.5 intensity 0.1' \
+	--fields lights,ao,error,normals --transport t.gwt -o parts.ply
+columns parts.ply
+glowworm mix parts.ply --gain lamp=2 -q -o mixed.ply
+bake --light "${lamp%2}4" --light "$sky" --light 'point at 0.4,0.4,0.5 intensity 0.1' \
+	--light 'point name a/lamp at 0.4,0.4,0.5 intensity 0.1' --transport t.gwt -o doubled.ply
+# The bounces that are left out are the tolerance, 0.1 %.
+glowworm compare mixed.ply doubled.ply --max-relrmse 0.002 >/dev/null
+echo "status $?"
+echo "lit once more, columns of the earlier bake are gone:"
+glowworm bake parts.ply --light "$sky" -q -o once-more.ply
+columns once-more.ply
+
+echo "refused:"
+head -c 5000 t.gwt >short.gwt
+bake --light "$sky" --transport short.gwt -o none.ply
+bake --light "$sky" --transport box.ply -o none.ply
+bake --light "$sky" --transport missing.gwt -o none.ply
+bake --light "$sky" --transport t.gwt --rays 32 -o none.ply
+bake --light "$sky" --transport t.gwt --albedo-scale 0.5 -o none.ply
+bake --light "$sky" --transport t.gwt --max-error 0.1 -o none.ply
+bake --light "$sky" --save-transport t.gwt -o none.ply
+bake --light "$sky" --transport t.gwt --save-transport t.gwt -f -o none.ply
+bake --save-transport new.gwt --albedo property:missing
+ls none.ply new.gwt 2>/dev/null
+make_box --scene corner --points 3001 -o box.ply
+bake --light "$sky" --transport t.gwt -o none.ply
+ls

@@ -1,0 +1,469 @@
+/* One scene lit many times: by the parts of its light, and from what an earlier bake kept; and what
+ * its records say besides light. */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define LIGHTS 3u
+
+static void make_lights(gw_light lights[LIGHTS])
+{
+	lights[0] = scene_point_light(1.0, 1.0, 1.2, 2.0f);
+	lights[1] = (gw_light){ .type = GW_LIGHT_SUN,
+							.direction = { 0.2, 1.0, -0.4 },
+							.irradiance = { 3.0f, 2.5f, 2.0f } };
+	lights[2] = (gw_light){ .type = GW_LIGHT_ENVIRONMENT, .radiance = { 0.2f, 0.3f, 0.5f } };
+}
+
+static gw_bake_options options_of(gw_method method)
+{
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	options.method = method;
+	options.estimate_points = 100;
+	return options;
+}
+
+/* ------------------------------------------------------------------------------------- parts */
+
+/* RMS of the sum of all parts less the whole, relative to the whole's. */
+static double difference_of_sum(const gw_bake_result *r)
+{
+	double squares = 0.0, own = 0.0;
+	for (size_t i = 0; i < 3 * r->count; i++) {
+		double sum = r->rest ? (double)r->rest[i] : 0.0;
+		for (size_t l = 0; l < r->lamp_count; l++)
+			sum += (double)r->lamp[l][i];
+		squares += (sum - (double)r->radiance[i]) * (sum - (double)r->radiance[i]);
+		own += (double)r->radiance[i] * (double)r->radiance[i];
+	}
+	return sqrt(squares / own);
+}
+
+static void check_parts(gw_method method, double tolerance)
+{
+	scene hall = { 0 };
+	gw_light lights[LIGHTS];
+	make_lights(lights);
+	scene_make_hall(&hall);
+	const gw_points points = scene_points(&hall);
+	gw_bake_options options = options_of(method);
+	gw_bake_result *plain = scene_bake(&points, lights, LIGHTS, &options);
+	options.lamps = true;
+	gw_bake_result *r = scene_bake(&points, lights, LIGHTS, &options);
+	assert_memory_equal(plain->radiance, r->radiance, 3 * r->count * sizeof(float));
+	assert_int_equal(r->lamp_count, LIGHTS);
+	assert_non_null(r->rest);
+	for (size_t l = 0; l < LIGHTS; l++)
+		assert_true(scene_mean(r->lamp[l], r->count, 0) > 0.0);
+	double off = difference_of_sum(r);
+	if (!(off <= tolerance))
+		fail_msg("the parts differ from the whole by %g of it", off);
+	gw_bake_result_destroy(&plain);
+	gw_bake_result_destroy(&r);
+	scene_clear(&hall);
+}
+
+/* Numbers of 24 bits: each is rounded by 2^-25 of itself some dozens of times on its way, by chance
+ * up and down, so 2^-25 * sqrt(100) and as much for the whole; 16 times as much cannot be that. */
+static void parts_make_the_whole(void **state)
+{
+	(void)state;
+	check_parts(GW_METHOD_RAYS, 1e-5);
+}
+
+/* Cones read numbers of 11 bits: each part is rounded by 2^-12 of itself at each voxel, and means
+ * over many voxels are better than that. */
+static void parts_by_cones(void **state)
+{
+	(void)state;
+	check_parts(GW_METHOD_CONES, 0x1p-12);
+}
+
+/* A small patch is lit so brightly that it is sampled: parts must be by the samples of the whole.
+ */
+static void parts_of_a_patch(void **state)
+{
+	(void)state;
+	scene hall = { 0 };
+	gw_light lights[2] = { scene_point_light(1.0, 1.0, 0.02, 1.0f),
+						   scene_point_light(3.0, 1.5, 0.02, 2.0f) };
+	scene_make_hall(&hall);
+	gw_points points = scene_points(&hall);
+	points.emission = NULL;
+	gw_bake_options options = options_of(GW_METHOD_RAYS);
+	options.lamps = true;
+	gw_bake_result *r = scene_bake(&points, lights, 2, &options);
+	assert_null(r->rest);
+	double off = difference_of_sum(r);
+	if (!(off <= 1e-5))
+		fail_msg("the parts differ from the whole by %g of it", off);
+	gw_bake_result_destroy(&r);
+	scene_clear(&hall);
+}
+
+/* -------------------------------------------------------------------------------- transports */
+
+typedef struct kept_bytes {
+	unsigned char *data;
+	size_t length, limit; /* writing past the limit fails */
+} kept_bytes;
+
+static gw_status keep(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	kept_bytes *kept = user;
+	if (kept->length + length > kept->limit)
+		return gw_fail(error, GW_ERROR_IO, "the disk of this test is full");
+	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
+	assert_non_null(grown);
+	memcpy(grown + kept->length, bytes, length);
+	kept->data = grown;
+	kept->length += length;
+	return GW_OK;
+}
+
+/* The hall and its transport. */
+typedef struct fixture {
+	scene hall;
+	gw_points points;
+	gw_light lights[LIGHTS];
+	gw_bake_options options;
+	kept_bytes kept;
+	gw_bake_result *first;
+} fixture;
+
+static void set_up(fixture *f, gw_method method)
+{
+	*f = (fixture){ .options = options_of(method), .kept = { .limit = SIZE_MAX } };
+	make_lights(f->lights);
+	scene_make_hall(&f->hall);
+	f->points = scene_points(&f->hall);
+	gw_bake_options options = f->options;
+	const gw_transport transport = { .name = "kept", .write = keep, .user = &f->kept };
+	options.transport = &transport;
+	f->first = scene_bake(&f->points, f->lights, LIGHTS, &options);
+}
+
+static void tear_down(fixture *f)
+{
+	gw_bake_result_destroy(&f->first);
+	free(f->kept.data);
+	scene_clear(&f->hall);
+}
+
+static gw_bake_result *relight(const fixture *f, const gw_points *points)
+{
+	gw_bake_options options = f->options;
+	const gw_transport transport = { .name = "kept",
+									 .data = f->kept.data,
+									 .length = f->kept.length };
+	options.transport = &transport;
+	gw_bake_result *r = scene_bake(points, f->lights, LIGHTS, &options);
+	assert_false(scene_has_stage(&r->report, "octree"));
+	return r;
+}
+
+static void assert_same_bytes(const gw_bake_result *a, const gw_bake_result *b)
+{
+	size_t bytes = 3 * a->count * sizeof(float);
+	assert_int_equal(a->count, b->count);
+	assert_memory_equal(a->radiance, b->radiance, bytes);
+	assert_memory_equal(a->direct_irradiance, b->direct_irradiance, bytes);
+	assert_memory_equal(a->indirect_irradiance, b->indirect_irradiance, bytes);
+	assert_memory_equal(a->normal, b->normal, bytes);
+	assert_memory_equal(a->roi, b->roi, a->count * sizeof(float));
+	assert_memory_equal(&a->report.error, &b->report.error, sizeof a->report.error);
+}
+
+static void same_and_other_lights(gw_method method)
+{
+	fixture f;
+	set_up(&f, method);
+	gw_bake_result *again = relight(&f, &f.points);
+	assert_same_bytes(f.first, again);
+	gw_bake_result_destroy(&again);
+	/* Lamps moved: as a bake from the start. */
+	f.lights[0].position[0] += 1.0;
+	f.lights[2].radiance[0] = 2.0f;
+	f.options.bounces = 4;
+	gw_bake_result *fresh = scene_bake(&f.points, f.lights, LIGHTS, &f.options);
+	again = relight(&f, &f.points);
+	assert_same_bytes(fresh, again);
+	gw_bake_result_destroy(&again);
+	gw_bake_result_destroy(&fresh);
+	tear_down(&f);
+}
+
+static void lit_again_by_rays(void **state)
+{
+	(void)state;
+	same_and_other_lights(GW_METHOD_RAYS);
+}
+
+static void lit_again_by_cones(void **state)
+{
+	(void)state;
+	same_and_other_lights(GW_METHOD_CONES);
+}
+
+/* Means over lobes are taken in another order than the octree's: 24 bits each, some hundred terms;
+ * samples follow shares of power, which a rounding can turn from one lobe to its neighbour. */
+static void other_emission(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f, GW_METHOD_RAYS);
+	float *emission = calloc(f.points.count, 3 * sizeof *emission);
+	assert_non_null(emission);
+	for (size_t i = 0; i < 3 * f.points.count; i++)
+		emission[i] = 3.0f * f.points.emission[i];
+	gw_points other = f.points;
+	other.emission = emission;
+	gw_bake_result *fresh = scene_bake(&other, f.lights, LIGHTS, &f.options);
+	gw_bake_result *again = relight(&f, &other);
+	for (size_t k = 0; k < 3; k++) {
+		double a = scene_mean(fresh->radiance, fresh->count, k);
+		double b = scene_mean(again->radiance, again->count, k);
+		if (!(fabs(a - b) <= 1e-3 * a))
+			fail_msg("means %g and %g", a, b);
+	}
+	gw_bake_result_destroy(&fresh);
+	gw_bake_result_destroy(&again);
+	/* None at all. */
+	other.emission = NULL;
+	fresh = scene_bake(&other, f.lights, LIGHTS, &f.options);
+	again = relight(&f, &other);
+	assert_same_bytes(fresh, again);
+	gw_bake_result_destroy(&fresh);
+	gw_bake_result_destroy(&again);
+	free(emission);
+	tear_down(&f);
+}
+
+/* A bake that must fail: its class, with a sentence that names the transport. */
+static void refuse(const fixture *f, const gw_points *points, const gw_bake_options *options,
+				   const void *data, size_t length, gw_status expected)
+{
+	gw_bake_options own = *options;
+	const gw_transport transport = { .name = "kept", .data = data, .length = length };
+	gw_bake_result *result = NULL;
+	gw_error error = { 0 };
+	own.transport = &transport;
+	gw_status status = gw_bake(points, f->lights, LIGHTS, &own, NULL, &result, &error);
+	if (status != expected || result != NULL || strstr(error.text, "kept") == NULL)
+		fail_msg("status %d: %s", (int)status, error.text);
+}
+
+static void damaged_ones_are_refused(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f, GW_METHOD_RAYS);
+	unsigned char *copy = malloc(f.kept.length + 8);
+	assert_non_null(copy);
+	/* Cut short, in memory of that length, and with bytes too many. */
+	for (size_t k = 0; k < 24; k++) {
+		size_t length = k < 12 ? k * 97 : f.kept.length / 12 * (k - 12) + (k & 7u);
+		unsigned char *cut = malloc(length ? length : 1);
+		assert_non_null(cut);
+		memcpy(cut, f.kept.data, length);
+		refuse(&f, &f.points, &f.options, cut, length, GW_ERROR_DATA);
+		free(cut);
+	}
+	memcpy(copy, f.kept.data, f.kept.length);
+	memset(copy + f.kept.length, 0, 8);
+	refuse(&f, &f.points, &f.options, copy, f.kept.length + 8, GW_ERROR_DATA);
+	/* One bit turned, in the head and anywhere. */
+	for (size_t k = 0; k < 60; k++) {
+		size_t at = k < 20 ? 24 + 17 * k : (size_t)(scene_random(&f.hall) * (double)f.kept.length);
+		copy[at] ^= (unsigned char)(1u << k % 8);
+		refuse(&f, &f.points, &f.options, copy, f.kept.length, GW_ERROR_DATA);
+		copy[at] = f.kept.data[at];
+	}
+	free(copy);
+	tear_down(&f);
+}
+
+static void others_are_refused(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f, GW_METHOD_RAYS);
+	gw_points other = f.points;
+	double old = f.hall.position[7];
+	other.count--;
+	refuse(&f, &other, &f.options, f.kept.data, f.kept.length, GW_ERROR_DATA);
+	f.hall.position[7] += 0x1p-20;
+	refuse(&f, &f.points, &f.options, f.kept.data, f.kept.length, GW_ERROR_DATA);
+	f.hall.position[7] = old;
+	other = f.points;
+	other.normal = NULL;
+	refuse(&f, &other, &f.options, f.kept.data, f.kept.length, GW_ERROR_DATA);
+	other = f.points;
+	other.albedo = NULL;
+	refuse(&f, &other, &f.options, f.kept.data, f.kept.length, GW_ERROR_DATA);
+	gw_bake_options options[5];
+	for (size_t i = 0; i < 5; i++)
+		options[i] = f.options;
+	options[0].rays = 63;
+	options[1].record_spacing = 2.0f;
+	options[2].seed = 1;
+	options[3].depth = 5;
+	options[4].method = GW_METHOD_CONES;
+	for (size_t i = 0; i < 5; i++)
+		refuse(&f, &f.points, &options[i], f.kept.data, f.kept.length, GW_ERROR_USAGE);
+	tear_down(&f);
+}
+
+static void writes_may_fail(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f, GW_METHOD_RAYS);
+	const size_t limits[] = { 0, 100, f.kept.length / 2, f.kept.length - 1 };
+	for (size_t i = 0; i < 4; i++) {
+		kept_bytes full = { .limit = limits[i] };
+		const gw_transport transport = { .name = "kept", .write = keep, .user = &full };
+		gw_bake_options options = f.options;
+		gw_bake_result *result = NULL;
+		gw_error error = { 0 };
+		options.transport = &transport;
+		assert_int_equal(gw_bake(&f.points, f.lights, LIGHTS, &options, NULL, &result, &error),
+						 GW_ERROR_IO);
+		assert_string_equal(error.text, "the disk of this test is full");
+		assert_null(result);
+		free(full.data);
+	}
+	tear_down(&f);
+}
+
+/* ------------------------------------------------------------------------- what records know */
+
+/* Form factor from a small floor to a wall of width 2 * half that begins at it and is `height`
+ * high, at a distance before its middle: twice that of a rectangle at right angles. */
+static double wall_share(double distance, double half, double height)
+{
+	double x = height / half, y = distance / half, r = sqrt(x * x + y * y);
+	return (atan(1.0 / y) - y / r * atan(1.0 / r)) / SCENE_PI;
+}
+
+static void make_wall(scene *s)
+{
+	*s = (scene){ .state = 11 };
+	scene_add_patch(s, (double[]){ 0, -2, 0 }, (double[]){ 2, 0, 0 }, (double[]){ 0, 4, 0 }, 100,
+					200, 0.5f);
+	scene_add_patch(s, (double[]){ 0, -2, 0 }, (double[]){ 0, 4, 0 }, (double[]){ 0, 0, 1 }, 200,
+					50, 0.5f);
+}
+
+static gw_bake_result *bake_openness(const scene *s, float distance)
+{
+	const gw_points points = scene_points(s);
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	options.occlusion = true;
+	options.occlusion_distance = distance;
+	return scene_bake(&points, NULL, 0, &options);
+}
+
+/* 64 rays a record, at most half of them at the wall, and at least 3 records a point: the standard
+ * error is sqrt(0.5 * 0.5 / 64 / 3) = 0.036 if directions were drawn at random; they are spread
+ * evenly, which is better. Points of the floor in the middle third, where the wall's ends are far.
+ */
+static void openness_beside_a_wall(void **state)
+{
+	(void)state;
+	scene s;
+	make_wall(&s);
+	gw_bake_result *r = bake_openness(&s, 0.0f);
+	double squares = 0.0, sum = 0.0, n = 0.0;
+	for (size_t i = 0; i < s.count; i++) {
+		const double *p = s.position + 3 * i;
+		assert_true(r->openness[i] >= 0.0f && r->openness[i] <= 1.00001f);
+		if (p[2] > 0.0 || p[0] < 0.05 || fabs(p[1]) > 0.02)
+			continue;
+		double off = (double)r->openness[i] - (1.0 - wall_share(p[0], 2.0, 1.0));
+		squares += off * off;
+		sum += off;
+		n += 1.0;
+	}
+	assert_true(n > 100.0);
+	if (!(sqrt(squares / n) <= 0.036 && fabs(sum / n) <= 0.018))
+		fail_msg("RMS %g, mean %g over %g points", sqrt(squares / n), sum / n, n);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* Farther away than the distance and the reach of interpolation, the wall is not there. */
+static void openness_within_a_distance(void **state)
+{
+	(void)state;
+	scene s;
+	make_wall(&s);
+	gw_bake_result *r = bake_openness(&s, 0.25f);
+	double reach = 0.25 + 4.0 * r->report.leaf_size, near = 0.0, n = 0.0;
+	for (size_t i = 0; i < s.count; i++) {
+		const double *p = s.position + 3 * i;
+		if (p[2] == 0.0 && p[0] > reach)
+			assert_true(r->openness[i] > 0.9999f);
+		if (p[2] == 0.0 && p[0] < 0.1) {
+			near += (double)r->openness[i];
+			n += 1.0;
+		}
+	}
+	assert_true(near / n < 0.9);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* Sixteen times the rays are a quarter of the noise. What light changes within the reach of a
+ * record stays, and in this coarse scene it is most: noise that is 15 % of the first figure is
+ * enough. */
+static void errors_fall_with_rays(void **state)
+{
+	(void)state;
+	scene hall = { 0 };
+	gw_light lights[LIGHTS];
+	make_lights(lights);
+	scene_make_hall(&hall);
+	const gw_points points = scene_points(&hall);
+	double mean[2];
+	for (int i = 0; i < 2; i++) {
+		gw_bake_options options = options_of(GW_METHOD_RAYS);
+		options.errors = true;
+		options.rays = options.light_samples = i ? 256 : 16;
+		gw_bake_result *r = scene_bake(&points, lights, LIGHTS, &options);
+		mean[i] = 0.0;
+		for (size_t p = 0; p < r->count; p++) {
+			assert_true(isfinite(r->error[p]) && r->error[p] >= 0.0f);
+			mean[i] += (double)r->error[p] / (double)r->count;
+		}
+		gw_bake_result_destroy(&r);
+	}
+	if (!(mean[1] > 0.0 && mean[1] < 0.9 * mean[0]))
+		fail_msg("%g with few rays, %g with many", mean[0], mean[1]);
+	scene_clear(&hall);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(parts_make_the_whole),
+		cmocka_unit_test(parts_by_cones),
+		cmocka_unit_test(parts_of_a_patch),
+		cmocka_unit_test(lit_again_by_rays),
+		cmocka_unit_test(lit_again_by_cones),
+		cmocka_unit_test(other_emission),
+		cmocka_unit_test(damaged_ones_are_refused),
+		cmocka_unit_test(others_are_refused),
+		cmocka_unit_test(writes_may_fail),
+		cmocka_unit_test(openness_beside_a_wall),
+		cmocka_unit_test(openness_within_a_distance),
+		cmocka_unit_test(errors_fall_with_rays),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
