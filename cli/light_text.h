@@ -17,6 +17,7 @@ typedef struct lamp {
 	double elevation; /* degrees above the horizon */
 	bool aimed;       /* its direction leads from its position to the target */
 	double target[3];
+	size_t motion; /* 0: it stands still; else its path, settings.path[motion - 1] */
 } lamp;
 
 /* What stands behind a key. */

@@ -333,6 +333,16 @@ const option options[] = {
 	{ "seed", 0, "N", OPTION_SEED, SWEPT, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random numbers" },
 
+	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, BAKE, AT(frames), .group = "Frames",
+	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
+			  "gets a file of its own: FILE-0007.ply, or the number where FILE has %04d. Without "
+			  "this, frame 0 is baked" },
+	{ "independent", 0, NULL, OPTION_FLAG, BAKE, AT(independent), .group = "Frames",
+	  .help = "let no frame begin with the light of the one before: slower, but the same bytes "
+			  "whichever frames are asked for" },
+	{ "rebuild", 0, NULL, OPTION_FLAG, BAKE, AT(rebuild), .group = "Frames",
+	  .help = "bake every frame from scratch, to check and to compare" },
+
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
 	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },

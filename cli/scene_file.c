@@ -143,6 +143,176 @@ static gw_status take_matrix(const reader *r, json_t *value, double m[16])
 	return GW_OK;
 }
 
+/* ---------------------------------------------------------------------------------- motion */
+
+static gw_status take_frame(const reader *r, json_t *value, uint32_t *frame)
+{
+	json_int_t number = json_integer_value(value);
+	if (!json_is_integer(value) || number < 0 || number >= SETTINGS_FRAMES_MAX)
+		return fail_here(r, "the number of a frame is needed, 0 or above");
+	*frame = (uint32_t)number;
+	return GW_OK;
+}
+
+static gw_status take_input_value(const reader *r, const char *key, json_t *value, motion_key *to)
+{
+	static const char *const name[MOTION_VALUES + 1] = { "move", "rotate", "scale", "frame" };
+	int which = 0;
+	size_t count;
+	while (which < MOTION_VALUES && strcmp(key, name[which]) != 0)
+		which++;
+	if (which == MOTION_VALUES)
+		return fail_key(r, name, MOTION_VALUES + 1);
+	to->given |= 1u << which;
+	gw_status status = take_numbers(r, value, to->value[which], which == MOTION_SCALE ? 1 : 3,
+									which == MOTION_SCALE, &count);
+	if (status == GW_OK && which == MOTION_SCALE && !(to->value[which][0] > 0.0))
+		return fail_here(r, "it must be above 0");
+	return status;
+}
+
+static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
+								unsigned *given);
+
+/* The light's own keys, checked as there. */
+static gw_status take_light_value(const reader *r, const char *key, json_t *value,
+								  const lamp *light, motion_key *to)
+{
+	lamp trial = *light;
+	unsigned given = 0;
+	if (strcmp(key, "name") == 0)
+		return fail_here(r, "a light's name stays the same");
+	gw_status status = take_light_key(r, key, value, &trial, &given);
+	int which = 0;
+	while (status == GW_OK && !(given & 1u << which))
+		which++;
+	size_t count, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	if (status == GW_OK)
+		status = take_numbers(r, value, to->value[which], most, true, &count);
+	for (size_t k = count; k < most && status == GW_OK; k++)
+		to->value[which][k] = to->value[which][0];
+	to->given |= given;
+	return status;
+}
+
+/* light: NULL for an input's keyframe. */
+static gw_status take_keyframe(reader *r, json_t *object, const lamp *light, motion_path *path)
+{
+	motion_key *to = &path->key[path->key_count];
+	gw_status status = GW_OK;
+	const char *key;
+	json_t *value;
+	if (!json_is_object(object) || !json_object_get(object, "frame"))
+		return fail_here(r, "a keyframe is an object with \"frame\"");
+	json_object_foreach(object, key, value)
+	{
+		enter_key(r, key);
+		if (status == GW_OK && strcmp(key, "frame") == 0)
+			status = take_frame(r, value, &to->frame);
+		else if (status == GW_OK && light)
+			status = take_light_value(r, key, value, light, to);
+		else if (status == GW_OK)
+			status = take_input_value(r, key, value, to);
+		leave(r);
+	}
+	if (status == GW_OK && !to->given)
+		status = fail_here(r, "this keyframe says nothing but its frame");
+	if (status == GW_OK && path->key_count > 0 && to->frame <= to[-1].frame)
+		status = fail_here(r, "keyframes must be in ascending order, each in a frame of its own");
+	path->key_count++;
+	return status;
+}
+
+static gw_status take_path_keys(reader *r, json_t *list, const lamp *light, motion_path *path)
+{
+	size_t count = json_array_size(list);
+	gw_status status = GW_OK;
+	if (!json_is_array(list) || count == 0)
+		return fail_here(r, "an array of keyframes is needed, at least one");
+	path->key = calloc(count, sizeof *path->key);
+	if (!path->key)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu keyframes", count);
+	for (size_t i = 0; i < count && status == GW_OK; i++) {
+		enter_index(r, i);
+		status = take_keyframe(r, json_array_get(list, i), light, path);
+		leave(r);
+	}
+	return status;
+}
+
+static gw_status take_matrices(reader *r, json_t *list, motion_path *path)
+{
+	size_t count = json_array_size(list);
+	gw_status status = GW_OK;
+	if (!json_is_array(list) || count == 0)
+		return fail_here(r, "an array of matrices is needed, one for each frame");
+	path->matrix = reallocarray(NULL, count, 16 * sizeof *path->matrix);
+	if (!path->matrix)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu matrices", count);
+	for (size_t i = 0; i < count && status == GW_OK; i++) {
+		enter_index(r, i);
+		status = take_matrix(r, json_array_get(list, i), path->matrix + 16 * i);
+		leave(r);
+	}
+	path->matrix_count = count;
+	return status;
+}
+
+/* The keys that tell how an input or a light moves; *known is false for any other. */
+static gw_status take_motion_key(reader *r, const char *key, json_t *value, const lamp *light,
+								 motion_path *path, bool *known)
+{
+	const char *word = json_string_value(value);
+	size_t count;
+	*known = true;
+	if (strcmp(key, "path") == 0)
+		return take_path_keys(r, value, light, path);
+	if (strcmp(key, "interpolation") == 0) {
+		path->smooth = word && strcmp(word, "smooth") == 0;
+		return path->smooth || (word && strcmp(word, "linear") == 0)
+				   ? GW_OK
+				   : fail_here(r, "it must be \"linear\" or \"smooth\"");
+	}
+	if (!light && strcmp(key, "matrices") == 0)
+		return take_matrices(r, value, path);
+	if (!light && strcmp(key, "pivot") == 0) {
+		path->has_pivot = true;
+		return take_numbers(r, value, path->pivot, 3, false, &count);
+	}
+	*known = false;
+	return GW_OK;
+}
+
+/* Keys that only make sense together. */
+static gw_status check_motion(const reader *r, json_t *object, const motion_path *path)
+{
+	if (path->key_count > 0 && path->matrix_count > 0)
+		return fail_here(r, "it moves by 'path' or by 'matrices', not by both");
+	if (path->matrix_count > 0 && json_object_get(object, "matrix"))
+		return fail_here(r, "'matrices' take the place of 'matrix'; give one of them");
+	if (path->key_count == 0 &&
+		(path->has_pivot || json_object_get(object, "interpolation")))
+		return fail_here(r, "'pivot' and 'interpolation' belong to a 'path', which is missing");
+	return GW_OK;
+}
+
+/* What a path needs to know of the input, and the path itself, go to the settings. */
+static gw_status finish_motion(reader *r, json_t *object, motion_path *path, settings_input *input,
+							   size_t *number)
+{
+	static const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+	gw_status status = check_motion(r, object, path);
+	if (status != GW_OK || (path->key_count == 0 && path->matrix_count == 0))
+		return status;
+	if (input && !input->has_matrix)
+		memcpy(input->matrix, path->matrix_count > 0 ? path->matrix : identity, sizeof identity);
+	if (input)
+		input->has_matrix = true;
+	return settings_add_path(r->settings, path, number, r->error);
+}
+
+/* ---------------------------------------------------------------------------- inputs' keys */
+
 /* A path counts from the scene file's folder; "-" is standard input. */
 static gw_status take_path(const reader *r, json_t *value, char **path)
 {
@@ -182,8 +352,9 @@ static gw_status take_share(const reader *r, json_t *value, bool *given, float *
 
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file", "matrix",  "emission", "albedo",
-										"mesh", "density", "specular", "roughness" };
+	static const char *const name[] = { "file",      "matrix",   "emission",     "albedo",
+										"mesh",      "density",  "specular",     "roughness",
+										"path",      "matrices", "pivot",        "interpolation" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -214,6 +385,8 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 static gw_status take_input(reader *r, json_t *object)
 {
 	settings_input input = { 0 };
+	motion_path path = { 0 };
+	bool known;
 	gw_status status = GW_OK;
 	const char *key;
 	json_t *value;
@@ -223,6 +396,8 @@ static gw_status take_input(reader *r, json_t *object)
 	{
 		enter_key(r, key);
 		if (status == GW_OK)
+			status = take_motion_key(r, key, value, NULL, &path, &known);
+		if (status == GW_OK && !known)
 			status = take_input_key(r, key, value, &input);
 		leave(r);
 	}
@@ -234,7 +409,10 @@ static gw_status take_input(reader *r, json_t *object)
 	if (status == GW_OK && input.density > 0.0f && !input.mesh && !mesh_is_name(input.path))
 		status = fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
 	if (status == GW_OK)
+		status = finish_motion(r, object, &path, &input, &input.motion);
+	if (status == GW_OK)
 		status = settings_add_input(r->settings, &input, r->error);
+	motion_path_clear(&path);
 	free(input.path);
 	return status;
 }
@@ -311,13 +489,17 @@ static gw_status take_light(reader *r, json_t *object)
 	if (status != GW_OK)
 		return status;
 	lamp light = light_default(type);
+	motion_path path = { 0 };
 	unsigned given = 0;
+	bool known;
 	const char *key;
 	json_t *value;
 	json_object_foreach(object, key, value)
 	{
 		enter_key(r, key);
-		if (status == GW_OK && strcmp(key, "type") != 0)
+		if (status == GW_OK)
+			status = take_motion_key(r, key, value, &light, &path, &known);
+		if (status == GW_OK && !known && strcmp(key, "type") != 0)
 			status = take_light_key(r, key, value, &light, &given);
 		leave(r);
 	}
@@ -325,7 +507,10 @@ static gw_status take_light(reader *r, json_t *object)
 	if (status == GW_OK && light_check(&light, given, true, &reason) != GW_OK)
 		status = fail_here(r, "%.600s", reason.text);
 	if (status == GW_OK)
+		status = finish_motion(r, object, &path, NULL, &light.motion);
+	if (status == GW_OK)
 		status = settings_add_light(r->settings, &light, r->error);
+	motion_path_clear(&path);
 	return status;
 }
 
@@ -420,9 +605,37 @@ static gw_status take_list(reader *r, json_t *list, gw_status (*take)(reader *, 
 	return status;
 }
 
+static gw_status take_frame_count(const reader *r, json_t *value)
+{
+	json_int_t count = json_integer_value(value);
+	if (!json_is_integer(value) || count < 1 || count > SETTINGS_FRAMES_MAX)
+		return fail_here(r, "the number of frames is needed, 1 to %d", SETTINGS_FRAMES_MAX);
+	r->settings->frame_count = (uint32_t)count;
+	return GW_OK;
+}
+
+/* Paths must fit the frames, which may stand behind them. */
+static gw_status check_frames(const reader *r)
+{
+	const settings *s = r->settings;
+	if (s->path_count > 0 && s->frame_count == 0)
+		return fail_here(r, "something moves, but not in how many frames; add \"frames\": N");
+	for (size_t i = 0; i < s->path_count; i++) {
+		const motion_path *path = &s->path[i];
+		if (path->matrix_count > 0 && path->matrix_count != s->frame_count)
+			return fail_here(r, "there are %zu matrices for %u frames; each frame needs one",
+							 path->matrix_count, s->frame_count);
+		if (path->key_count > 0 && path->key[path->key_count - 1].frame >= s->frame_count)
+			return fail_here(r, "there is a keyframe %u, but the last frame is %u",
+							 path->key[path->key_count - 1].frame, s->frame_count - 1);
+	}
+	return GW_OK;
+}
+
 static gw_status take_member(reader *r, const char *key, json_t *value)
 {
-	static const char *const name[] = { "version", "units", "inputs", "lights", "bake" };
+	static const char *const name[] = { "version", "units",  "inputs",
+										"lights",  "frames", "bake" };
 	if (strcmp(key, "version") == 0)
 		return json_integer_value(value) == 1 ? GW_OK
 											  : fail_here(r, "this program reads version 1 only");
@@ -432,6 +645,8 @@ static gw_status take_member(reader *r, const char *key, json_t *value)
 		return take_list(r, value, take_input);
 	if (strcmp(key, "lights") == 0)
 		return take_list(r, value, take_light);
+	if (strcmp(key, "frames") == 0)
+		return take_frame_count(r, value);
 	if (strcmp(key, "bake") == 0)
 		return take_bake(r, value);
 	return fail_key(r, name, sizeof name / sizeof *name);
@@ -469,6 +684,8 @@ static gw_status parse(reader *r)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %d, column %d: %s", r->path, problem.line,
 					   problem.column, problem.text);
 	gw_status status = take_scene(r, root);
+	if (status == GW_OK)
+		status = check_frames(r);
 	json_decref(root);
 	return status;
 }

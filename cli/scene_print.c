@@ -49,6 +49,43 @@ static void write_key(json_writer *json, const gw_light *l, light_key_id id)
 	}
 }
 
+/* A value of an input's keyframe, or of a light's. */
+static void write_value(json_writer *json, const motion_key *key, int which, bool of_light)
+{
+	static const char *const name[MOTION_VALUES] = { "move", "rotate", "scale" };
+	bool one = of_light ? light_keys[which].value == LIGHT_VALUE_NUMBER : which == MOTION_SCALE;
+	const char *own = of_light ? light_keys[which].name : name[which];
+	if (one)
+		json_put_real(json, own, key->value[which][0]);
+	else
+		json_put_reals(json, own, key->value[which], 3);
+}
+
+static void write_path(json_writer *json, const motion_path *path, bool of_light)
+{
+	if (path->matrix_count > 0) {
+		json_put_open_flat(json, "matrices", '[');
+		for (size_t i = 0; i < path->matrix_count; i++)
+			json_put_reals(json, NULL, path->matrix + 16 * i, 16);
+		json_put_close(json, ']');
+		return;
+	}
+	if (path->smooth)
+		json_put_text(json, "interpolation", "smooth");
+	if (path->has_pivot)
+		json_put_reals(json, "pivot", path->pivot, 3);
+	json_put_open_flat(json, "path", '[');
+	for (size_t i = 0; i < path->key_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_count(json, "frame", path->key[i].frame);
+		for (int which = 0; which < LIGHT_KEY_COUNT; which++)
+			if (path->key[i].given & 1u << which)
+				write_value(json, &path->key[i], which, of_light);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
 static void write_lights(json_writer *json, const settings *s)
 {
 	json_put_open(json, "lights", '[');
@@ -59,6 +96,8 @@ static void write_lights(json_writer *json, const settings *s)
 		for (int k = 0; k < LIGHT_KEY_COUNT; k++)
 			if (light_keys[k].types & 1u << l->type)
 				write_key(json, l, (light_key_id)k);
+		if (s->light[i].motion > 0)
+			write_path(json, &s->path[s->light[i].motion - 1], true);
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');
@@ -83,6 +122,8 @@ static void write_option(json_writer *json, const option *o, const settings *s)
 void scene_write_members(json_writer *json, const settings *s)
 {
 	json_put_text(json, "units", s->units ? "photometric" : "radiometric");
+	if (s->frame_count > 0)
+		json_put_count(json, "frames", s->frame_count);
 	write_lights(json, s);
 	json_put_open(json, "bake", '{');
 	for (const option *o = options; o->name; o++)
@@ -101,7 +142,10 @@ void scene_write(FILE *out, const settings *s)
 		const settings_input *input = &s->input[i];
 		json_put_open_flat(&json, NULL, '{');
 		json_put_text(&json, "file", input->path);
-		if (input->has_matrix)
+		const motion_path *path = input->motion > 0 ? &s->path[input->motion - 1] : NULL;
+		if (path)
+			write_path(&json, path, false);
+		if (input->has_matrix && !(path && path->matrix_count > 0))
 			json_put_reals(&json, "matrix", input->matrix, 16);
 		if (input->has_emission)
 			json_put_singles(&json, "emission", input->emission, 3);

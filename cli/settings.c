@@ -30,6 +30,9 @@ void settings_clear(settings *s)
 		free(s->input[i].path);
 	for (size_t i = 0; i < s->text_count; i++)
 		free(s->text[i]);
+	for (size_t i = 0; i < s->path_count; i++)
+		motion_path_clear(&s->path[i]);
+	free(s->path);
 	free(s->input);
 	free(s->light);
 	free(s->gain);
@@ -60,6 +63,18 @@ gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
 	s->light = grown;
 	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+gw_status settings_add_path(settings *s, motion_path *path, size_t *number, gw_error *error)
+{
+	motion_path *grown = growing_table_room(s->path, s->path_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of paths");
+	s->path = grown;
+	s->path[s->path_count++] = *path;
+	*path = (motion_path){ 0 };
+	*number = s->path_count;
 	return GW_OK;
 }
 

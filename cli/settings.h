@@ -4,7 +4,7 @@
 #ifndef SETTINGS_H
 #define SETTINGS_H
 
-#include "light_text.h"
+#include "motion_path.h"
 #include "scan.h"
 
 typedef enum verb {
@@ -32,7 +32,12 @@ typedef struct settings_input {
 	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
 	bool mesh;                 /* points are sampled on its faces */
 	float density;             /* of a mesh, points/m^2; 0: as settings.density says */
+	size_t motion;             /* 0: it stands still; else has_matrix, and its path is
+								  settings.path[motion - 1] */
 } settings_input;
+
+/* Frames that a scene can have. */
+#define SETTINGS_FRAMES_MAX 1000000
 
 typedef enum settings_up {
 	SETTINGS_UP_AUTO,
@@ -135,6 +140,11 @@ typedef struct settings {
 	size_t input_count;
 	lamp *light; /* owned; light_count */
 	size_t light_count;
+	motion_path *path; /* owned; path_count */
+	size_t path_count;
+	uint32_t frame_count; /* 0: the scene says nothing of frames */
+	const char *frames;   /* which of them to bake, as given; NULL: none */
+	bool rebuild, independent;
 	int units;                       /* 0 radiometric, 1 photometric */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	uint32_t fields;                 /* 1 << settings_field */
@@ -164,6 +174,10 @@ void settings_clear(settings *settings);
 /* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
+gw_status settings_add_path(settings *settings, motion_path *path, size_t *number,
+							gw_error *error);
 
 gw_status settings_add_gain(settings *settings, const settings_gain *gain, gw_error *error);
 

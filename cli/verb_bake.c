@@ -1,5 +1,6 @@
 #include "verbs.h"
 #include "bake_report.h"
+#include "frame_bake.h"
 #include "glossy_points.h"
 #include "input_file.h"
 #include "lit_scan.h"
@@ -103,6 +104,8 @@ static gw_status check(bake *b)
 	gw_status status = check_streams(s, b->error);
 	if (status == GW_OK)
 		status = check_names(s, b->error);
+	if (status == GW_OK)
+		status = frame_bake_check(s, b->error);
 	if (status == GW_OK && s->output)
 		status = output_name_format(s->output, s->output_format, &b->format, b->error);
 	return status;
@@ -113,7 +116,7 @@ static gw_status open_outputs(bake *b)
 {
 	const settings *s = b->settings;
 	gw_status status = GW_OK;
-	if (s->output)
+	if (s->output && !s->frames)
 		status = output_file_create(&b->output, s->output, s->force, b->error);
 	if (status == GW_OK && s->report)
 		status = output_file_create(&b->report, s->report, s->force, b->error);
@@ -203,8 +206,11 @@ static gw_status light_points(bake *b)
 	if (transport.data || transport.write)
 		options.transport = &transport;
 	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
-	gw_status status = gw_bake(&b->scene.points.points, b->light, b->settings->light_count,
-							   &options, &callbacks, &b->result, b->error);
+	gw_status status =
+		b->settings->frame_count > 0
+			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
+			: gw_bake(&b->scene.points.points, b->light, b->settings->light_count, &options,
+					  &callbacks, &b->result, b->error);
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;
@@ -259,6 +265,16 @@ static gw_status write_results(bake *b)
 	return status;
 }
 
+static gw_status light_frames(bake *b)
+{
+	gw_status status = frame_bake_all(&b->facts, b->settings, &b->scene, b->format, b->report,
+									  &b->progress, b->error);
+	if (status == GW_OK && b->report)
+		status = output_file_commit(&b->report, b->error);
+	progress_end(&b->progress);
+	return status;
+}
+
 static gw_status print_scene(bake *b)
 {
 	settings *s = b->settings;
@@ -294,6 +310,8 @@ static gw_status run(bake *b)
 		status = input_file_open(&b->reused, b->settings->transport, b->error);
 	if (status == GW_OK)
 		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
+	if (status == GW_OK && b->settings->frames)
+		return light_frames(b);
 	if (status == GW_OK)
 		status = light_points(b);
 	if (status == GW_OK)

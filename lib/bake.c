@@ -52,58 +52,6 @@ static gw_status stage(bake *b, const char *name, double done, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status check_number(const char *option, double value, double low, double high,
-							  gw_error *error)
-{
-	if (!(value >= low && value <= high))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
-					   value, low, high);
-	return GW_OK;
-}
-
-static bool refines(const gw_bake_options *o)
-{
-	return o->max_error > 0.0f || o->time_limit > 0.0f;
-}
-
-static gw_status check_options(const bake *b, gw_error *error)
-{
-	const gw_bake_options *o = &b->solver.options;
-	const struct {
-		const char *name;
-		double value, low, high;
-	} rows[] = {
-		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
-		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
-		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
-		{ "rays", o->rays, 1, 4096 },
-		{ "light samples", o->light_samples, 1, 4096 },
-		{ "cones", o->cones, 1, 256 },
-		{ "record spacing", (double)o->record_spacing, 0, 64 },
-		{ "shadow map size", o->shadow_map_size, 16, 8192 },
-		{ "largest error", (double)o->max_error, 0, 1 },
-		{ "occlusion distance", (double)o->occlusion_distance, 0, 1e9 },
-		{ "time limit", (double)o->time_limit, 0, 1e9 },
-		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
-		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
-	};
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
-		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
-	if (status == GW_OK && b->points->count == 0)
-		status = gw_fail(error, GW_ERROR_DATA,
-						 "the cloud holds no points, so there is nothing to light");
-	if (status == GW_OK && refines(o) && o->estimate_points == 0)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "an error or a time to aim at needs an estimate of the error; let it have "
-						 "at least one point");
-	if (status == GW_OK && refines(o) && o->transport)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "a bake that refines its settings cannot begin with a transport nor make "
-						 "one; leave out the error or time to aim at");
-	return status == GW_OK ? gw_lights_check(b->light.lights, b->light.light_count, error) : status;
-}
-
 /* -------------------------------------------------------------------------------------- steps */
 
 static gw_status open_device(bake *b, gw_error *error)
@@ -416,10 +364,11 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 
 static gw_status run(bake *b, gw_error *error)
 {
-	gw_status status = check_options(b, error);
+	gw_status status = gw_options_check(&b->solver.options, b->points->count, b->light.lights,
+										b->light.light_count, error);
 	if (status == GW_OK)
 		status = run_steps(b, 0, AFTER_ROUND, error);
-	if (status == GW_OK && refines(&b->solver.options))
+	if (status == GW_OK && gw_options_refine(&b->solver.options))
 		status = refine(b, error);
 	if (status == GW_OK)
 		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);

@@ -6,6 +6,12 @@
  * record sees, so gathering the albedo itself gives q, the largest row sum, and what is left after
  * a bounce of energy e is at most e q / (1 - q). q < 1 because albedo is clamped below 1: bounces
  * always converge.
+ *
+ * Bounces may begin with a guess c at the lobes' irradiance of all reflected light (Salm 4.5: what
+ * a frame leaves to the next). If W interpolates at the lobes and G gathers what they reflect, the
+ * records' irradiance is y = b + G W y with b of the first reflection. One step from the guess
+ * gives y = b + G c, what is missing is G (W y - c) and all that it becomes by further bounces:
+ * small where the guess was good, of both signs, and under the same bound.
  */
 #include "bounces.h"
 
@@ -21,7 +27,7 @@
 
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						 bool use_direct, gw_buffer *lobe_radiance, gw_error *error)
+						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
 {
 	const gw_binding bindings[] = {
 		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
@@ -29,7 +35,7 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 		gw_whole(records_irradiance),        gw_window(lobe_radiance, 16)
 	};
 	return gw_passes_run(passes, GW_PASS_LOBE_SHADE, bindings,
-						 &(gw_record_push){ .use_direct = use_direct },
+						 &(gw_record_push){ .direct_share = direct_share },
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
@@ -51,7 +57,7 @@ static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_er
 							  0, sums->centre, 16 * sums->slots, error);
 }
 
-/* Energy that the lobes reflect, pi * area * luminance(L), and the largest component. */
+/* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
 static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {
@@ -63,7 +69,7 @@ static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *e
 		const float *l = &sums->radiance[4 * i];
 		*largest = fmaxf(*largest, fmaxf(l[0], fmaxf(l[1], l[2])));
 		sum += (double)sums->centre[4 * i + 3] *
-			   (0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+			   fabs(0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
 	}
 	double cell = (double)task->octree->leaf_size;
 	*energy = sum * 3.14159265358979323846 * cell * cell;
@@ -105,23 +111,53 @@ static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_e
 	return GW_OK;
 }
 
-/* Gathers once, adds it to the indirect irradiance and reflects it. */
-static gw_status reflect_once(const gw_bounces_task *task, bool first, float largest,
-							  gw_error *error)
+/* Gathers once and adds it to the indirect irradiance. */
+static gw_status gather_once(const gw_bounces_task *task, bool first, float largest,
+							 gw_error *error)
 {
 	gw_records *records = task->records;
 	const gw_trace_step *step = &task->step;
+	const gw_binding bindings[] = { gw_window(&records->gathered, 16),
+									gw_window(&records->indirect, 16) };
 	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
 		step->self, task->lobe_radiance, largest, error);
-	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_window(&records->gathered, 16),
-										gw_window(&records->indirect, 16) };
-		status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-							   records->count, error);
-	}
+	if (status != GW_OK)
+		return status;
+	return gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
+						 records->count, error);
+}
+
+/* Gathers, and reflects what was gathered. */
+static gw_status reflect_once(const gw_bounces_task *task, bool first, float largest,
+							  gw_error *error)
+{
+	gw_status status = gather_once(task, first, largest, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, task->records,
+								&task->records->gathered, task->lobe_direct, 0.0f,
+								task->lobe_radiance, error);
+	return status;
+}
+
+/* The first gather, a step from the guess, and the radiance of what is missing. *guessed receives
+ * the energy that the guess reflects. */
+static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, float largest,
+							   double *guessed, gw_error *error)
+{
+	gw_records *records = task->records;
+	gw_status status = gather_once(task, true, largest, error);
+	if (status == GW_OK)
+		status = gw_buffer_fill(task->passes->gpu, &records->gathered, 0, error);
 	if (status == GW_OK)
 		status = gw_lobes_shade(task->passes, task->octree, records, &records->gathered,
-								task->lobe_direct, false, task->lobe_radiance, error);
+								task->carried, 1.0f, task->lobe_radiance, error);
+	if (status == GW_OK)
+		status = measure(task, sums, guessed, &largest, error);
+	if (status == GW_OK)
+		status = gather_once(task, false, largest, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
+								task->carried, -1.0f, task->lobe_radiance, error);
 	return status;
 }
 
@@ -132,7 +168,7 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 	float largest;
 	gw_status status =
 		gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
-					   task->lobe_direct, true, task->lobe_radiance, error);
+					   task->lobe_direct, 1.0f, task->lobe_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, sums, &energy, &largest, error);
 	if (status == GW_OK)
@@ -151,7 +187,12 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 		if (task->cancelled && task->cancelled(task->user))
 			return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped at bounce %u", n + 1);
 		started = gw_seconds();
-		status = reflect_once(task, n == 1, largest, error);
+		double guessed = 0.0;
+		if (n == 1 && task->carried && task->limit == GW_BOUNCES_AUTO)
+			status = begin_carried(task, sums, largest, &guessed, error);
+		else
+			status = reflect_once(task, n == 1, largest, error);
+		total += guessed;
 		if (status == GW_OK)
 			status = measure(task, sums, &energy, &largest, error);
 		if (status == GW_OK)

@@ -33,6 +33,9 @@ typedef struct gw_bounces_task {
 	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
 	gw_buffer *lobe_radiance;     /* texel buffer, 2 * leaf_count vec4: work space */
 	gw_trace_step step;
+	const gw_buffer *carried; /* NULL, or a guess at the lobes' reflected irradiance, with which
+								 bounces that follow the tolerance begin. For trace steps that bear
+								 radiance below 0 */
 	uint32_t limit; /* reflections, GW_BOUNCES_AUTO: until tolerance */
 	float tolerance;
 	bool no_bound; /* what is left out is not to be bounded: no contraction */
@@ -47,10 +50,10 @@ typedef struct gw_bounces_task {
  */
 gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error);
 
-/* Radiance that the lobes reflect of irradiance `records_irradiance` (and of lobe_direct when
- * use_direct). */
+/* Radiance that the lobes reflect of irradiance `records_irradiance` and of direct_share times
+ * lobe_direct. */
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						 bool use_direct, gw_buffer *lobe_radiance, gw_error *error);
+						 float direct_share, gw_buffer *lobe_radiance, gw_error *error);
 
 #endif

@@ -141,7 +141,7 @@ static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw
 								  radiance, error);
 	if (status == GW_OK)
 		status = gw_lobes_shade(task->passes, task->octree, records, &total, task->lobe_direct,
-								true, radiance, error);
+								1.0f, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }

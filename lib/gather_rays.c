@@ -8,8 +8,8 @@
 /* Samples of emitters that one invocation takes: bounds its loops. */
 #define LIGHT_BATCH 16u
 
-gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error)
+gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t rays, uint32_t seed,
+							   gw_ray_gather *gather, gw_error *error)
 {
 	*gather = (gw_ray_gather){ .rays = rays, .seed = seed };
 	uint64_t count = (uint64_t)rays * records->count;
@@ -19,11 +19,21 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 			"%u records with %u rays each are more than 2^32 rays; use fewer --rays or a "
 			"larger --record-spacing",
 			records->count, rays);
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
 										"hit lobe", &gather->lobe, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
 								  "hit distance", &gather->distance, error);
+	if (status != GW_OK)
+		gw_ray_gather_destroy(gpu, gather);
+	return status;
+}
+
+gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error)
+{
+	uint64_t count = (uint64_t)rays * records->count;
+	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			gw_whole(&octree->ray_directory),   gw_whole(&octree->node),

@@ -16,6 +16,10 @@ typedef struct gw_ray_gather {
 	gw_buffer distance; /* R32_SFLOAT, likewise, leaf cells */
 } gw_ray_gather;
 
+/* Makes room for the hits of `rays` rays from every record. */
+gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t rays, uint32_t seed,
+							   gw_ray_gather *gather, gw_error *error);
+
 /* Traces `rays` rays from every record. */
 gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error);

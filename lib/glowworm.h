@@ -326,6 +326,7 @@ typedef struct gw_report {
 	double origin[3]; /* of the local frame, metres */
 	double spacing;   /* metres between neighbouring points, median */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
+	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
 	uint64_t octree_bytes; /* tiles, keys, neighbour pointers, leaves, planes */
 	uint64_t brick_bytes;  /* 3D images */
 	uint64_t peak_bytes;   /* device memory at its highest */
@@ -389,6 +390,64 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
+
+/* ------------------------------------------------------------------------------------- frames */
+
+/* Points that move as one: first .. first + count - 1. */
+typedef struct gw_mover {
+	size_t first, count;
+} gw_mover;
+
+/* What moves, over all frames. */
+typedef struct gw_motion {
+	const gw_mover *mover; /* mover_count, ascending, without points in common */
+	size_t mover_count;    /* may be 0: lamps alone move */
+	size_t frame_count;    /* at least 1 */
+	const double *matrix;  /* 16 * mover_count * frame_count, row-major, all movers of frame 0
+							  first: from where gw_points has a mover to where the frame has it. It
+							  may turn, mirror, move and scale evenly */
+} gw_motion;
+
+/* How frames are baked. */
+typedef struct gw_frames_options {
+	bool rebuild;     /* every frame from scratch, to check and to compare */
+	bool independent; /* no frame begins with the light of the one before */
+} gw_frames_options;
+
+/* A bake of many frames; what stands still is prepared once (Salm 4.5). */
+typedef struct gw_frames gw_frames;
+
+/*
+ * Begins. Every mover is a surface of its own: what touches it or passes by alters neither its
+ * discs nor the other's. The octree's cube and leaves are the same in all frames.
+ *   points   whose movers are where the motion's matrices begin; points, motion with its arrays,
+ *            and lights must outlive the frames
+ *   lights   light_count; they orient estimated normals when there is no scanner
+ *   options  as of gw_bake, without max_error, time_limit and transport; an error is estimated for
+ *            the first frame that is baked
+ *   frames   on success to be closed with gw_frames_close; NULL on failure
+ * Fails as gw_bake; GW_ERROR_DATA when a matrix does more than it may.
+ */
+gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const gw_light *lights,
+						 size_t light_count, const gw_bake_options *options,
+						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
+						 gw_frames **frames, gw_error *error);
+
+/*
+ * Bakes one frame, in any order. The result is that of the same frame from scratch: the same to the
+ * last bit but for rays that graze the edge of a cell, and unless `independent` for the tolerance
+ * of the bounces, which begin with the light of the frame baked before.
+ *   frame    below motion->frame_count
+ *   lights   light_count, of this frame
+ *   result   as of gw_bake
+ * After a failure other than a bad argument the frames can only be closed.
+ */
+gw_status gw_frames_bake(gw_frames *frames, size_t frame, const gw_light *lights,
+						 size_t light_count, gw_bake_result **result, gw_error *error);
+
+/* Seconds that went into what all frames share, so far. */
+double gw_frames_shared_seconds(const gw_frames *frames);
+void gw_frames_close(gw_frames **frames); /* sets *frames to NULL; NULL is fine */
 
 /* --------------------------------------------------------------------------------- statistics */
 

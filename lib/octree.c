@@ -3,7 +3,10 @@
  */
 #include "octree_steps.h"
 
+#include "memory.h"
+
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Iterations of the passes' loops, see their shaders: a disc of 16 cells is looked at in 35 x 35
@@ -30,7 +33,7 @@ static const struct {
 	[GW_OCTREE_LOBES] = { "octree_lobes", "TTTTTTTTSSSSSS", sizeof(gw_leaves_push),
 						  3 * GW_REDUCE_RUN },
 	[GW_OCTREE_FINISH] = { "octree_finish", "TTTTSSSSSSS", sizeof(gw_leaves_push), 0 },
-	[GW_OCTREE_DISTANCE] = { "octree_distance", "TTS", sizeof(gw_distance_push), 128 },
+	[GW_OCTREE_DISTANCE] = { "octree_distance", "TTS", sizeof(gw_distance_push), 0 },
 };
 
 gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
@@ -103,16 +106,50 @@ static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_err
 				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 }
 
-static gw_status build(gw_octree_work *work, uint32_t depth, gw_error *error)
+/* Fragments of work's some surfels. */
+static gw_status make_fragments(gw_octree_work *work, gw_error *error)
 {
 	uint64_t fragments;
-	GW_TRY(gw_radix_sort_create(work->gpu, &work->sort, error));
-	GW_TRY(gw_octree_upload(work, depth, error));
 	GW_TRY(gw_octree_count_fragments(work, &fragments, error));
 	if (!fragments_fit(work, fragments))
 		return fail_fragments(work, fragments, error);
 	work->octree->fragment_count = (uint32_t)fragments;
-	GW_TRY(gw_octree_write_fragments(work, error));
+	return gw_octree_write_fragments(work, error);
+}
+
+/* The fragments of surfels that stay are made once; those of the others now. */
+static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octree_kept *kept,
+                                     gw_error *error)
+{
+	gw_fragment_list moving = { 0 };
+	gw_status status = GW_OK;
+	if (kept->still.count == 0 && still > 0) {
+		work->some = still;
+		GW_TRY(make_fragments(work, error));
+		GW_TRY(gw_octree_fetch_fragments(work, &kept->still, error));
+	}
+	work->from = still;
+	work->some = work->surfels->count - still;
+	if (work->some > 0)
+		status = make_fragments(work, error);
+	if (status == GW_OK && work->some > 0)
+		status = gw_octree_fetch_fragments(work, &moving, error);
+	if (status == GW_OK)
+		status = gw_octree_merge_fragments(work, &kept->still, &moving, error);
+	gw_fragment_list_clear(&moving);
+	return status;
+}
+
+static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_octree_kept *kept,
+                       gw_error *error)
+{
+	if (work->sort.count == NULL)
+		GW_TRY(gw_radix_sort_create(work->gpu, &work->sort, error));
+	GW_TRY(gw_octree_upload(work, depth, error));
+	if (kept != NULL)
+		GW_TRY(make_kept_fragments(work, still, kept, error));
+	else
+		GW_TRY(make_fragments(work, error));
 	GW_TRY(gw_octree_make_tiles(work, error));
 	return gw_octree_reduce_leaves(work, error);
 }
@@ -148,13 +185,32 @@ static void destroy_work(gw_octree_work *work)
 		gw_pass_destroy(gpu, &work->pass[i]);
 }
 
-static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth,
-							double leaf_size, gw_octree *octree, gw_error *error)
+/* Passes that are kept are lent to a build. */
+static void borrow(gw_octree_work *work, gw_octree_kept *kept)
 {
-	gw_octree_work work = {
-		.gpu = gpu, .surfels = surfels, .octree = octree, .leaf_size = leaf_size
-	};
-	gw_status status = build(&work, depth, error);
+	memcpy(work->pass, kept->pass, sizeof work->pass);
+	work->sort = kept->sort;
+}
+
+static void give_back(gw_octree_work *work, gw_octree_kept *kept)
+{
+	memcpy(kept->pass, work->pass, sizeof work->pass);
+	kept->sort = work->sort;
+	memset(work->pass, 0, sizeof work->pass);
+	work->sort = (gw_radix_sort){ 0 };
+}
+
+static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, size_t still,
+                            gw_octree_kept *kept, uint32_t depth, double leaf_size,
+                            gw_octree *octree, gw_error *error)
+{
+	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree,
+		                    .leaf_size = leaf_size, .some = surfels->count };
+	if (kept != NULL)
+		borrow(&work, kept);
+	gw_status status = build(&work, depth, still, kept, error);
+	if (kept != NULL)
+		give_back(&work, kept);
 	destroy_work(&work);
 	if (status != GW_OK)
 		gw_octree_destroy(gpu, octree);
@@ -176,7 +232,7 @@ gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float l
 		return fail_count(surfels, error);
 	for (;;) {
 		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
-		gw_status status = build_once(gpu, surfels, depth, leaf_size, octree, error);
+		gw_status status = build_once(gpu, surfels, 0, NULL, depth, leaf_size, octree, error);
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
 		leaf_size *= 1.4142135623730951;
@@ -194,7 +250,56 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, octree, error);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
-	return build_once(gpu, surfels, depth, 0, octree, error);
+	return build_once(gpu, surfels, 0, NULL, depth, 0, octree, error);
+}
+
+static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+                             float leaf_spacing, gw_octree_kept *kept, gw_octree *octree,
+                             gw_error *error)
+{
+	bool given = depth != GW_DEPTH_AUTO;
+	kept->leaf_size = given ? 0 : (double)leaf_spacing * (double)surfels->spacing;
+	for (;;) {
+		kept->depth = given ? depth : depth_of(extent_of(surfels) / kept->leaf_size);
+		gw_status status = build_once(gpu, surfels, still, kept, kept->depth, kept->leaf_size,
+		                              octree, error);
+		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
+			return status;
+		gw_fragment_list_clear(&kept->still);
+		kept->leaf_size *= 1.4142135623730951;
+	}
+}
+
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+                               float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
+                               gw_error *error)
+{
+	memset(octree, 0, sizeof *octree);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
+	if (*kept != NULL)
+		return build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
+		                  error);
+	*kept = gw_allocate_zeros(1, sizeof **kept);
+	if (*kept == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
+	gw_status status =
+		build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error);
+	if (status != GW_OK)
+		gw_octree_kept_destroy(gpu, kept);
+	return status;
+}
+
+void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept)
+{
+	if (*kept == NULL)
+		return;
+	gw_fragment_list_clear(&(*kept)->still);
+	gw_radix_sort_destroy(gpu, &(*kept)->sort);
+	for (uint32_t i = 0; i < GW_OCTREE_PASSES; i++)
+		gw_pass_destroy(gpu, &(*kept)->pass[i]);
+	free(*kept);
+	*kept = NULL;
 }
 
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)

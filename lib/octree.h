@@ -138,6 +138,24 @@ gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float l
 								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
+/* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
+typedef struct gw_octree_kept gw_octree_kept;
+
+/*
+ * Builds the same octree as the functions above, to the last bit, quicker when it is built again
+ * with surfels of which only those at and after `still` have moved (Salm 4.5).
+ *   surfels       the first `still` of them, bounds and spacing must be the same in every call, or,
+ *                 in the first one, may be all there are
+ *   depth         as of gw_octree_build
+ *   leaf_spacing  as of gw_octree_build_spaced, for GW_DEPTH_AUTO
+ *   kept          *kept is NULL in the first call, which chooses depth and width of the leaves; to
+ *                 be destroyed with gw_octree_kept_destroy
+ */
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
+							   gw_error *error);
+void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept); /* sets *kept to NULL */
+
 /* Morton key of a cell and back; coordinates below 2^21. */
 uint64_t gw_morton_encode(uint32_t x, uint32_t y, uint32_t z);
 void gw_morton_decode(uint64_t key, uint32_t cell[3]);

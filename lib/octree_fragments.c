@@ -123,10 +123,7 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 		if (there)
 			GW_TRY(upload_array(work, i, array[i].buffer, chunk, error));
 	}
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)work->surfels->count,
-	                        "fragments of surfels", &work->surfel_offset, error));
-	return gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)work->surfels->count,
-	                        "samples of discs", &work->surfel_samples, error);
+	return GW_OK;
 }
 
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error)
@@ -160,7 +157,7 @@ void gw_octree_forget_upload(gw_octree_work *work)
 		gw_buffer_destroy(work->gpu, buffer[i]);
 }
 
-static bool is_wide(const gw_octree_work *work)
+bool gw_octree_is_wide(const gw_octree_work *work)
 {
 	return 3 * work->octree->depth > 32;
 }
@@ -170,8 +167,11 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	gw_buffer *stand_in = &work->surfel_offset;
-	gw_buffer *high = is_wide(work) ? &work->keys.high : &work->keys.low;
-	gw_fragments_push push = { .side = 1u << octree->depth, .emit = emit, .wide = is_wide(work) };
+	gw_buffer *high = gw_octree_is_wide(work) ? &work->keys.high : &work->keys.low;
+	gw_fragments_push push = { .side = 1u << octree->depth,
+		                       .emit = emit,
+		                       .wide = gw_octree_is_wide(work),
+		                       .base = (uint32_t)work->from };
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),
@@ -185,14 +185,19 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 		GW_WHOLE(emit ? &work->unsorted_weight : stand_in),
 		GW_WHOLE(emit ? &work->unsorted_centroid : stand_in),
 	};
-	return gw_octree_run(work, GW_OCTREE_FRAGMENTS, bindings, &push, work->surfels->count, error);
+	return gw_octree_run(work, GW_OCTREE_FRAGMENTS, bindings, &push, work->some, error);
 }
 
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error)
 {
+	uint64_t bytes = 4 * (uint64_t)work->some;
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "fragments of surfels",
+	                        &work->surfel_offset, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
+	                        &work->surfel_samples, error));
 	GW_TRY(run_fragments(work, false, error));
-	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->surfel_offset,
-	                         work->surfels->count, total, error);
+	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->surfel_offset, work->some, total,
+	                         error);
 }
 
 static gw_status gather(gw_octree_work *work, gw_error *error)
@@ -219,8 +224,8 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
-	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, is_wide(work), &work->keys,
-	                           error));
+	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
+	                           &work->keys, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
 	                        &work->unsorted_surfel, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments, unsorted",

@@ -7,6 +7,7 @@
 #include "memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* Fragments of the leaf that has most. */
 static gw_status find_longest(gw_octree_work *work, uint32_t *longest, gw_error *error)
@@ -105,19 +106,82 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 	return gw_octree_run(work, GW_OCTREE_FINISH, bindings, &push, octree->leaf_count, error);
 }
 
+/* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and
+ * 1 for those that come behind. */
+static unsigned least_before(const uint8_t *cell, ptrdiff_t row, ptrdiff_t layer, ptrdiff_t step)
+{
+	unsigned least = cell[step];
+	for (ptrdiff_t x = -1; x <= 1; x++) {
+		unsigned in_layer = cell[step * row + x];
+		least = in_layer < least ? in_layer : least;
+		for (ptrdiff_t y = -1; y <= 1; y++) {
+			unsigned beside = cell[step * layer + y * row + x];
+			least = beside < least ? beside : least;
+		}
+	}
+	return least;
+}
+
+/*
+ * Chessboard distances to the nearest cell of 0, in a grid with a rim of one cell that stays as it
+ * is. Two passes in opposite orders are exact: a shortest way goes first along, then against one.
+ */
+static void spread_distances(uint8_t *grid, size_t side)
+{
+	ptrdiff_t row = (ptrdiff_t)side + 2, layer = row * row;
+	for (int pass = 0; pass < 2; pass++) {
+		ptrdiff_t step = pass == 0 ? -1 : 1;
+		for (size_t n = 0; n < side * side * side; n++) {
+			size_t i = pass == 0 ? n : side * side * side - 1 - n;
+			uint8_t *cell = grid + (i / (side * side) + 1) * (size_t)layer +
+			                (i / side % side + 1) * (size_t)row + i % side + 1;
+			unsigned least = *cell > 1 ? least_before(cell, row, layer, step) + 1 : *cell;
+			*cell = (uint8_t)(least < *cell ? least : *cell);
+		}
+	}
+}
+
+/* Marks of `side`^3 cells become distances, at most GW_DISTANCE_FAR. */
+static bool make_distances(uint32_t *cells, size_t side)
+{
+	size_t row = side + 2;
+	uint8_t *grid = gw_allocate_array(row * row * row, 1);
+	if (grid == NULL)
+		return false;
+	memset(grid, GW_DISTANCE_FAR, row * row * row);
+	for (size_t i = 0; i < side * side * side; i++)
+		if (cells[i] != 0)
+			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1] =
+				0;
+	spread_distances(grid, side);
+	for (size_t i = 0; i < side * side * side; i++)
+		cells[i] = grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row +
+		                i % side + 1];
+	free(grid);
+	return true;
+}
+
+/* On the host, which looks at each cell twice; threads with one cell each would have to search. */
 static gw_status find_distances(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
-	gw_buffer *stage[] = { &work->ray_mark, &work->distance, &work->ray_mark,
-		                   &octree->ray_directory };
-	uint64_t cells = UINT64_C(1) << 3 * octree->directory_level;
-	for (uint32_t axis = 0; axis < 3; axis++) {
-		gw_distance_push push = { .level = octree->directory_level, .axis = axis };
-		gw_binding bindings[] = { GW_WHOLE(stage[axis]), GW_WHOLE(&octree->level_directory),
-			                      GW_WINDOW(stage[axis + 1], 4) };
-		GW_TRY(gw_octree_run(work, GW_OCTREE_DISTANCE, bindings, &push, cells, error));
-	}
-	return GW_OK;
+	size_t side = (size_t)1 << octree->directory_level, cells = side * side * side;
+	uint32_t *host = gw_allocate_array(cells, sizeof *host);
+	gw_status status = GW_OK;
+	if (host == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %zu cells", cells);
+	status = gw_buffer_download(work->gpu, &work->ray_mark, 0, host, 4 * cells, error);
+	if (status == GW_OK && !make_distances(host, side))
+		status = gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %zu cells", cells);
+	if (status == GW_OK)
+		status = gw_buffer_upload(work->gpu, &work->distance, 0, host, 4 * cells, error);
+	free(host);
+	if (status != GW_OK)
+		return status;
+	gw_distance_push push = { .level = octree->directory_level };
+	gw_binding bindings[] = { GW_WHOLE(&work->distance), GW_WHOLE(&octree->level_directory),
+		                      GW_WINDOW(&octree->ray_directory, 4) };
+	return gw_octree_run(work, GW_OCTREE_DISTANCE, bindings, &push, cells, error);
 }
 
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)

@@ -2,6 +2,7 @@
  * octree_steps.h - the steps of building an octree, in the order of octree.c:
  *
  *   octree_fragments.c  surfels to the device; fragments, sorted by leaf
+ *   octree_merge.c      fragments that are kept, merged with those of surfels that move
  *   octree_tiles.c      leaves, tiles of all levels with border tiles, pointers
  *   octree_leaves.c     what lies in each leaf; the directory of rays
  *
@@ -33,12 +34,30 @@ typedef enum gw_octree_pass {
 	GW_OCTREE_PASSES,
 } gw_octree_pass;
 
+/* Sorted fragments on the host: low and high words of keys (high only where keys are wide),
+ * surfels, weights, centroids. */
+#define GW_FRAGMENT_WORDS 5u
+typedef struct gw_fragment_list {
+	uint32_t count;
+	uint32_t *word[GW_FRAGMENT_WORDS]; /* count each, or NULL */
+} gw_fragment_list;
+
+/* What builds of surfels of which some stay have in common. */
+struct gw_octree_kept {
+	uint32_t depth;
+	double leaf_size; /* as of gw_octree_work */
+	gw_fragment_list still;
+	gw_pass *pass[GW_OCTREE_PASSES];
+	gw_radix_sort sort;
+};
+
 /* A build on its way. */
 typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
 	double leaf_size; /* metres; leaves are at least this wide */
+	size_t from, some; /* surfels whose fragments are made: the first, and how many */
 	gw_pass *pass[GW_OCTREE_PASSES];
 	gw_radix_sort sort;
 
@@ -85,14 +104,26 @@ gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
 
-/* Frees what gw_octree_upload made. */
+/* Frees what gw_octree_upload and gw_octree_count_fragments made. */
 void gw_octree_forget_upload(gw_octree_work *work);
 
-/* Counts the fragments of each surfel; *total may be 2^32 or more. */
+/* Counts the fragments of each of work's some surfels; *total may be 2^32 or more. */
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error);
 
 /* Writes and sorts the fragments: keys, fragment_surfel, fragment_weight, fragment_centroid. */
 gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error);
+
+/* Whether keys have a high word. */
+bool gw_octree_is_wide(const gw_octree_work *work);
+
+/* Takes what gw_octree_write_fragments made to the host; list is empty on failure. */
+gw_status gw_octree_fetch_fragments(gw_octree_work *work, gw_fragment_list *list, gw_error *error);
+void gw_fragment_list_clear(gw_fragment_list *list);
+
+/* Puts two lists together as if they had been sorted as one, surfels of `still` before those of
+ * `moving`, and back on the device. Fails when they do not fit there. */
+gw_status gw_octree_merge_fragments(gw_octree_work *work, const gw_fragment_list *still,
+                                    const gw_fragment_list *moving, gw_error *error);
 
 /*
  * Distinct keys of a sorted list.

@@ -105,12 +105,24 @@ static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_coun
 	return count;
 }
 
-static size_t list_darts(const float *centre, size_t slots, uint64_t seed, dart *darts)
+/* A dart's turn follows from what its lobe is, so that a lobe far away does not change it. */
+static uint64_t turn_of(const float *centre, const float *plane, size_t slot, uint64_t seed)
+{
+	uint64_t words[4];
+	memcpy(words, centre + 4 * slot, 16);
+	memcpy(words + 2, plane + 4 * slot, 16);
+	for (int i = 0; i < 4; i++)
+		seed = mix(words[i] ^ mix(seed));
+	return seed;
+}
+
+static size_t list_darts(const float *centre, const float *plane, size_t slots, uint64_t seed,
+						 dart *darts)
 {
 	size_t count = 0;
 	for (size_t slot = 0; slot < slots; slot++) {
 		if (centre[4 * slot + 3] > 0.0f)
-			darts[count++] = (dart){ mix(slot ^ mix(seed)), (uint32_t)slot };
+			darts[count++] = (dart){ turn_of(centre, plane, slot, seed), (uint32_t)slot };
 	}
 	return count;
 }
@@ -134,7 +146,7 @@ gw_status gw_place_records(const float *centre, const float *plane, size_t slots
 		free(*chosen);
 		*chosen = NULL;
 	} else {
-		size_t dart_count = list_darts(centre, slots, seed, darts);
+		size_t dart_count = list_darts(centre, plane, slots, seed, darts);
 		if (spacing > 0.0f) {
 			qsort(darts, dart_count, sizeof *darts, by_order);
 			*count = throw_darts(&table, darts, dart_count, *chosen, centre, plane, spacing,

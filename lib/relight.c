@@ -214,6 +214,26 @@ static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, flo
 								 largest, black, &s->records.gathered, error);
 }
 
+/* The guess at the surfels' light, as the mean over each lobe. */
+static gw_status carry(const gw_relight *relight, gw_buffer *lobes, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	gw_buffer surfels = { 0 };
+	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
+	gw_status status = gw_buffer_create(s->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+										bytes, "carried irradiance", &surfels, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(s->gpu, &surfels, 0, relight->carried, bytes, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								  32 * (uint64_t)s->octree.leaf_count, "carried light of lobes",
+								  lobes, error);
+	if (status == GW_OK)
+		status = gw_average_lobes(&s->passes, &s->octree, &surfels, lobes, error);
+	gw_buffer_destroy(s->gpu, &surfels);
+	return status;
+}
+
 gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
@@ -233,9 +253,15 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 							 .no_bound = relight->whole != NULL,
 							 .cancelled = s->cancelled,
 							 .user = s->user };
+	gw_buffer carried = { 0 };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
+	if (status == GW_OK && rays && relight->carried && task.limit == GW_BOUNCES_AUTO) {
+		status = carry(relight, &carried, error);
+		task.carried = &carried;
+	}
 	if (status == GW_OK)
 		status = gw_bounces_run(&task, &bounces, error);
+	gw_buffer_destroy(s->gpu, &carried);
 	if (status != GW_OK)
 		return status;
 	if (relight->whole) {

@@ -31,6 +31,8 @@ typedef struct gw_relight {
 	gw_buffer surfel_direct;               /* vec4 a surfel: irradiance from lamps */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
 	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */
+	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
+							 bounces by rays begin */
 } gw_relight;
 
 /* Decides which effects these lights call for, and writes it into the solver's report. */

@@ -3,6 +3,7 @@
  */
 #include "solver.h"
 
+#include "direct_light.h"
 #include "report.h"
 
 #include <stdio.h>
@@ -10,6 +11,58 @@
 
 /* Rays a record that only look for the nearest surface, when cones gather. */
 #define NEAREST_RAYS 16u
+
+static gw_status check_number(const char *option, double value, double low, double high,
+							  gw_error *error)
+{
+	if (!(value >= low && value <= high))
+		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
+					   value, low, high);
+	return GW_OK;
+}
+
+bool gw_options_refine(const gw_bake_options *o)
+{
+	return o->max_error > 0.0f || o->time_limit > 0.0f;
+}
+
+gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const gw_light *lights,
+						   size_t light_count, gw_error *error)
+{
+	const struct {
+		const char *name;
+		double value, low, high;
+	} rows[] = {
+		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
+		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
+		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
+		{ "rays", o->rays, 1, 4096 },
+		{ "light samples", o->light_samples, 1, 4096 },
+		{ "cones", o->cones, 1, 256 },
+		{ "record spacing", (double)o->record_spacing, 0, 64 },
+		{ "shadow map size", o->shadow_map_size, 16, 8192 },
+		{ "largest error", (double)o->max_error, 0, 1 },
+		{ "occlusion distance", (double)o->occlusion_distance, 0, 1e9 },
+		{ "time limit", (double)o->time_limit, 0, 1e9 },
+		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
+		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+	};
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
+	if (status == GW_OK && point_count == 0)
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "the cloud holds no points, so there is nothing to light");
+	if (status == GW_OK && gw_options_refine(o) && o->estimate_points == 0)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "an error or a time to aim at needs an estimate of the error; let it have "
+						 "at least one point");
+	if (status == GW_OK && gw_options_refine(o) && o->transport)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "a bake that refines its settings cannot begin with a transport nor make "
+						 "one; leave out the error or time to aim at");
+	return status == GW_OK ? gw_lights_check(lights, light_count, error) : status;
+}
 
 gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 {
@@ -25,7 +78,7 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 	return status;
 }
 
-static void report_surfels(const gw_surfels *s, gw_report *r)
+void gw_report_surfels(gw_report *r, const gw_surfels *s)
 {
 	gw_report_count(r, "left_out_non_finite", s->non_finite,
 					"points without finite coordinates: left out, written as dark");
@@ -56,14 +109,15 @@ gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, con
 								   .user = solver->user };
 	gw_status status = gw_surfels_make(points, &options, &solver->surfels, error);
 	if (status == GW_OK)
-		report_surfels(&solver->surfels, solver->report);
+		gw_report_surfels(solver->report, &solver->surfels);
 	return status;
 }
 
-static void report_octree(const gw_solver *solver)
+void gw_solver_report_octree(const gw_solver *solver)
 {
 	const gw_octree *octree = &solver->octree;
 	gw_report *r = solver->report;
+	r->records = solver->records.count;
 	r->depth = octree->depth;
 	r->leaf_size = (double)octree->leaf_size;
 	r->leaves = octree->leaf_count;
@@ -73,27 +127,51 @@ static void report_octree(const gw_solver *solver)
 	r->octree_bytes = gw_gpu_read_account(solver->gpu).bytes;
 }
 
+static uint32_t ray_count(const gw_bake_options *o)
+{
+	return o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
+}
+
 gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 {
 	const gw_bake_options *o = &solver->options;
 	gw_status status =
-		o->depth == GW_DEPTH_AUTO
+		solver->keeps ? gw_octree_build_kept(solver->gpu, &solver->surfels, solver->still, o->depth,
+											 o->leaf_spacing, &solver->kept_octree, &solver->octree,
+											 error)
+		: o->depth == GW_DEPTH_AUTO
 			? gw_octree_build_spaced(solver->gpu, &solver->surfels, o->leaf_spacing,
 									 &solver->octree, error)
 			: gw_octree_build(solver->gpu, &solver->surfels, o->depth, &solver->octree, error);
 	if (status != GW_OK)
 		return status;
-	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
-	report_octree(solver);
+	/* Octrees that keep what they can are all of one shape. */
+	if (solver->passes.gpu == NULL)
+		gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	gw_solver_report_octree(solver);
 	return GW_OK;
 }
+
+static void report_rays(gw_solver *solver)
+{
+	gw_report *r = solver->report;
+	r->rays = (uint64_t)solver->rays.rays * solver->records.count;
+	r->rays_traced = solver->kept ? solver->traced : r->rays;
+}
+
 /* What the records see; for cones, how near their surroundings are. */
 static gw_status trace_records(gw_solver *solver, gw_error *error)
 {
 	const gw_bake_options *o = &solver->options;
-	uint32_t rays = o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
-	gw_status status = gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records, rays,
-										   (uint32_t)o->seed, &solver->rays, error);
+	gw_status status;
+	if (solver->kept)
+		status = gw_kept_hits_trace(&solver->passes, &solver->octree, &solver->records,
+									solver->kept, solver->box, solver->box_count, &solver->rays,
+									&solver->traced, error);
+	else
+		status = gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records,
+									 ray_count(o), (uint32_t)o->seed, &solver->rays, error);
+	report_rays(solver);
 	if (status == GW_OK)
 		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
 									&solver->rays, error);
@@ -154,8 +232,8 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
 {
-	report_surfels(&solver->surfels, solver->report);
-	report_octree(solver);
+	gw_report_surfels(solver->report, &solver->surfels);
+	gw_solver_report_octree(solver);
 	solver->report->records = solver->records.count;
 	gw_status status = gw_records_make_room(solver->gpu, &solver->records, error);
 	if (status == GW_OK)
@@ -163,6 +241,21 @@ gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
 	if (status == GW_OK)
 		status = gw_records_make_gathered(solver->gpu, &solver->probes.place, error);
 	return status == GW_OK ? make_probes(solver, error) : status;
+}
+
+gw_status gw_solver_keep_hits(gw_solver *solver, gw_kept_hits *kept, gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	gw_status status = gw_records_place(&solver->passes, &solver->octree, o->record_spacing,
+										o->seed, &solver->records, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_trace(&solver->passes, &solver->octree, &solver->records,
+									 ray_count(o), (uint32_t)o->seed, &solver->rays, error);
+	if (status == GW_OK)
+		status = gw_kept_hits_take(solver->gpu, &solver->octree, &solver->records, &solver->rays,
+								   kept, error);
+	gw_solver_drop_records(solver);
+	return status;
 }
 
 void gw_solver_drop_records(gw_solver *solver)
@@ -181,6 +274,7 @@ void gw_solver_drop_octree(gw_solver *solver)
 	gw_solver_drop_records(solver);
 	if (solver->passes.gpu)
 		gw_passes_destroy(&solver->passes);
+	solver->passes = (gw_passes){ 0 };
 	gw_octree_destroy(solver->gpu, &solver->octree);
 }
 
@@ -190,5 +284,6 @@ void gw_solver_close(gw_solver *solver)
 	if (solver->gpu == NULL)
 		return;
 	gw_solver_drop_octree(solver);
+	gw_octree_kept_destroy(solver->gpu, &solver->kept_octree);
 	gw_gpu_destroy(&solver->gpu);
 }

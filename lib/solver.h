@@ -15,7 +15,7 @@
 
 #include "error_estimate.h"
 #include "gather_cones.h"
-#include "gather_rays.h"
+#include "kept_hits.h"
 #include "read_back.h"
 
 typedef struct gw_solver {
@@ -36,7 +36,23 @@ typedef struct gw_solver {
 	/* What samples of the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
+
+	/* For scenes in which some surfels move. */
+	bool keeps;                  /* the octree is built with what builds before it left */
+	size_t still;                /* so many surfels stay where they are */
+	gw_octree_kept *kept_octree; /* owned */
+	const gw_kept_hits *kept;    /* NULL, or what records saw without what moves; not owned */
+	const gw_changed_box *box;   /* box_count, where that is; not owned */
+	uint32_t box_count;
+	uint64_t traced; /* rays of records that were traced, the last time */
 } gw_solver;
+
+/* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
+gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
+						   const gw_light *lights, size_t light_count, gw_error *error);
+
+/* Whether the options ask to refine until an error or a time is reached. */
+bool gw_options_refine(const gw_bake_options *options);
 
 /* Opens the device that the options name. */
 gw_status gw_solver_open_device(gw_solver *solver, gw_error *error);
@@ -48,7 +64,13 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error);
 gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, const gw_light *lights,
 								 size_t light_count, gw_error *error);
 
+/* Writes what was repaired into a report. */
+void gw_report_surfels(gw_report *report, const gw_surfels *surfels);
+
 gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
+
+/* Writes what the octree is into the report; building it does so, too. */
+void gw_solver_report_octree(const gw_solver *solver);
 
 /* Places the records, finds what they see, and which of them light each lobe and each surfel. */
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
@@ -58,6 +80,8 @@ gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
 
 /* To be called when the emission of surfels changes. */
 void gw_solver_forget_samples(gw_solver *solver);
+/* Places records only to find what they see, as solver.kept; they are dropped again. */
+gw_status gw_solver_keep_hits(gw_solver *solver, gw_kept_hits *kept, gw_error *error);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
 void gw_solver_drop_records(gw_solver *solver);

@@ -43,7 +43,7 @@ static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_e
 								  16 * slots, "voxel radiance", &reflected, error);
 	if (status == GW_OK)
 		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
-								task->lobe_direct, false, &reflected, error);
+								task->lobe_direct, 0.0f, &reflected, error);
 	if (status == GW_OK)
 		status = fetch(task, &reflected, slots, (void **)values, error);
 	gw_buffer_destroy(task->passes->gpu, &reflected);

@@ -72,10 +72,22 @@ show_gloss() { # scene camera option...
 	rm "$folder/$scene-cones.ply" "$folder/$scene-off.ply"
 }
 
+# The yellow cube walks through its box, and a lamp swings by: every fourth of 24 frames.
+frames() { # points
+	local cloud exposure
+	"$GLOWWORM" bake "$folder/cornell_frames.scene.json" --force -q --estimate-points 0 \
+		--count "$1" --frames all -o "$folder/cornell_frames-%02d.ply"
+	exposure=$(exposure_of "$folder/cornell_frames-00.ply")
+	for cloud in 00 04 08 12 16 20; do
+		picture cornell_frames "$cloud" 'at 0,-3.4,1 to 0,0,1 fov 45' "$exposure"
+	done
+}
+
 mkdir -p "$folder"
 cp "$here"/*.scene.json "$here"/*.obj "$here"/*.mtl "$folder"
 [ -f "$folder/cave.ply" ] || "$MAKE_CAVE" -o "$folder/cave.ply"
 show cornell 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
+frames "$((points / 4))"
 show spot_box 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
 show_gloss glossy_box 'at 0,-3.4,1 to 0,0,1 fov 45' --count "$points"
 show cave inside --depth 9

@@ -33,7 +33,7 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec3 e = push.use_direct != 0u ? lobe_direct[i].xyz : vec3(0.0);
+	vec3 e = push.direct_share * lobe_direct[i].xyz;
 	int row = int(push.first + i) * int(GW_WEIGHTS / 4u);
 	for (int t = row; t < row + int(GW_WEIGHTS / 4u); t++) {
 		uvec4 record = texelFetch(lobe_record, t);

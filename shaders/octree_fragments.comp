@@ -207,7 +207,7 @@ void main()
 	uint local = gl_GlobalInvocationID.x;
 	if (local >= push.count)
 		return;
-	surfel = push.first + local;
+	surfel = push.base + push.first + local;
 	fragments = 0u;
 	inside_count = 0u;
 	place_to_write = push.emit != 0u ? offset[local] : 0u;

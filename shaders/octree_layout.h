@@ -21,6 +21,9 @@
 #define GW_DISC_MAX 16.0
 #define GW_DISC_SMALL 1.0
 
+/* Distance where there is nothing within the octree. */
+#define GW_DISTANCE_FAR 255
+
 /* Bits of fragment_surfel. */
 #define GW_FRAGMENT_SURFEL 0x3fffffffu
 #define GW_FRAGMENT_LOBE 0x40000000u
@@ -56,8 +59,9 @@ SHARED_STRUCT(gw_fragments_push)
 	uint side; /* leaf cells */
 	uint emit; /* 0: count; 1: write */
 	uint wide; /* keys have a high word */
+	uint base; /* the surfel that element 0 is */
 };
-SHARED_SIZE(gw_fragments_push, 20);
+SHARED_SIZE(gw_fragments_push, 24);
 
 /* Distinct keys, and lists of keys. */
 SHARED_STRUCT(gw_keys_push)
@@ -107,8 +111,7 @@ SHARED_STRUCT(gw_distance_push)
 {
 	uint first, count;
 	uint level; /* of the cells */
-	uint axis;
 };
-SHARED_SIZE(gw_distance_push, 16);
+SHARED_SIZE(gw_distance_push, 12);
 
 #endif

@@ -84,10 +84,9 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint record = push.first + i;
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;
-	uint own = hash2(record, push.seed ^ 0x68bc21ebu);
+	uint own = hash2(hash_place(g), push.seed ^ 0x68bc21ebu);
 	vec3 sum = vec3(0.0);
 	for (uint m = 0u; m < push.batch_count; m++)
 		sum += sample_emitter(g, normal, hash2(own, push.batch_first + m));

@@ -73,7 +73,7 @@ void main()
 		vec3 emission = texelFetch(lobe_emission, int(lobe)).xyz;
 		if (luminance(emission) > 0.0) {
 			float cosine;
-			vec3 direction = record_ray(record_normal[i].xyz, record, k, cosine);
+			vec3 direction = record_ray(record_position[i].xyz, record_normal[i].xyz, k, cosine);
 			sum += texelFetch(lobe_part, int(lobe)).xyz *
 				   hit_weight(direction, cosine, lobe, t, emission);
 		}

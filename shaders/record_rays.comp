@@ -49,7 +49,7 @@ void main()
 	vec3 g = texelFetch(record_position, int(record)).xyz;
 	vec3 normal = texelFetch(record_normal, int(record)).xyz;
 	float cosine;
-	vec3 direction = record_ray(normal, record, ray % push.rays, cosine);
+	vec3 direction = record_ray(g, normal, ray % push.rays, cosine);
 	uint lobe;
 	float t;
 	bool behind;

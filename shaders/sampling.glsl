@@ -19,6 +19,13 @@ uint hash2(uint a, uint b)
 	return hash(a ^ hash(b + 0x9e3779b9u));
 }
 
+/* A word for a place: what is random there then does not depend on what else is in the scene. */
+uint hash_place(vec3 g)
+{
+	uvec3 bits = floatBitsToUint(g);
+	return hash2(bits.x, hash2(bits.y, bits.z));
+}
+
 /* [0, 1), from the upper 24 bits. */
 float unit_float(uint word)
 {

@@ -56,12 +56,22 @@ SHARED_STRUCT(gw_record_push)
 	uint seed;
 	float emitter_power; /* sum over emitters of luminance(Le) * area, leaf cells^2 */
 	float spacing;       /* record spacing */
-	uint use_direct;     /* shade: add the lobes' direct irradiance */
+	float direct_share;  /* shade: how much of the lobes' direct irradiance is added */
 	uint use_hits;       /* first gather: emitters seen by rays count (by the balance heuristic) */
 	vec4 sky;            /* radiance of the environment */
 };
 SHARED_SIZE(gw_record_push, 64);
 SHARED_OFFSET(gw_record_push, sky, 48);
+
+/* Rays of records that keep their hits, or are traced again. */
+SHARED_STRUCT(gw_keep_push)
+{
+	uint first, count;
+	uint rays; /* a record */
+	uint seed;
+	uint boxes; /* around what has changed */
+};
+SHARED_SIZE(gw_keep_push, 20);
 
 /* Finding records near a point. */
 SHARED_STRUCT(gw_lookup_push)
