@@ -38,9 +38,12 @@ layout(push_constant) uniform Push
 
 #include "octree_trace.glsl"
 
-vec3 sample_emitter(vec3 g, vec3 normal, uint random)
+/* Sample m of push.light_samples. The emitters lie in Morton order, so that a stretch of the table
+ * for each sample spreads the samples over them. */
+vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 {
-	float choice = unit_float(random) * float(push.emitters);
+	float choice =
+		(float(m) + unit_float(random)) / float(push.light_samples) * float(push.emitters);
 	uint entry = min(uint(choice), push.emitters - 1u);
 	uvec4 row = texelFetch(emitter, int(entry));
 	if (choice - float(entry) >= uintBitsToFloat(row.z))
@@ -89,6 +92,6 @@ void main()
 	uint own = hash2(hash_place(g), push.seed ^ 0x68bc21ebu);
 	vec3 sum = vec3(0.0);
 	for (uint m = 0u; m < push.batch_count; m++)
-		sum += sample_emitter(g, normal, hash2(own, push.batch_first + m));
+		sum += sample_emitter(g, normal, push.batch_first + m, hash2(own, push.batch_first + m));
 	record_sampled[i].xyz += sum / float(push.light_samples);
 }
