@@ -1,6 +1,6 @@
 /*
- * mesh.h - triangles with normals, colours and materials, from PLY and OBJ files, and points that
- * are sampled on them.
+ * mesh.h - triangles with normals, colours and materials, from PLY, OBJ and OFF files, and points
+ * that are sampled on them.
  *
  * A mesh is read, moved by a matrix, measured, sampled, in this order. The points come as a scan,
  * like those of any other input.
@@ -48,14 +48,14 @@ typedef struct mesh {
 	size_t degenerate;    /* triangles without area, left out */
 } mesh;
 
-/* OBJ, for messages and reports: its read and write are NULL, for it holds no points. */
-extern const format obj_format;
+/* OBJ and OFF, for messages and reports: their read and write are NULL, for they are sampled. */
+extern const format obj_format, off_format;
 
-/* True when the name says that a file can only be a mesh: it ends in .obj. */
+/* True when the name says that a file can only be a mesh: it ends in .obj or .off. */
 bool mesh_is_name(const char *path);
 
 /*
- * Reads a mesh: PLY by its content, else OBJ with the MTL files that it names.
+ * Reads a mesh: PLY and OFF by their content, else OBJ with the MTL files that it names.
  *   path    "-" is standard input
  *   mesh    on success owned by the caller, freed with mesh_clear; empty on failure
  *   error   as input_file_open; GW_ERROR_DATA when the content is bad or there are no faces
@@ -65,6 +65,10 @@ gw_status mesh_read(const char *path, mesh *mesh, gw_error *error);
 /* The same from bytes. path: of the OBJ file, from whose folder MTL files count; "-" for none. */
 gw_status mesh_obj_read(const struct input_file *in, const char *path, mesh *mesh, gw_error *error);
 gw_status mesh_ply_read(struct input_file *in, mesh *mesh, gw_error *error);
+gw_status mesh_off_read(const struct input_file *in, mesh *mesh, gw_error *error);
+
+/* True when the first bytes of a file are those of an OFF file. */
+bool mesh_off_probe(const uint8_t *head, size_t length);
 
 /* Frees all that a mesh holds and empties it. */
 void mesh_clear(mesh *mesh);
