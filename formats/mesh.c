@@ -25,8 +25,7 @@ const format obj_format = {
 bool mesh_is_name(const char *path)
 {
 	size_t length = strlen(path);
-	return length > 4 && (strcasecmp(path + length - 4, ".obj") == 0 ||
-						  strcasecmp(path + length - 4, ".off") == 0);
+	return length > 4 && strcasecmp(path + length - 4, ".obj") == 0;
 }
 
 void mesh_clear_shape(mesh *m)

@@ -48,10 +48,14 @@ typedef struct mesh {
 	size_t degenerate;    /* triangles without area, left out */
 } mesh;
 
-/* OBJ and OFF, for messages and reports: their read and write are NULL, for they are sampled. */
-extern const format obj_format, off_format;
+/* OBJ, for messages and reports: its read and write are NULL, for it holds no points. */
+extern const format obj_format;
 
-/* True when the name says that a file can only be a mesh: it ends in .obj or .off. */
+/* OFF, whose vertices are read as points unless it is asked for as a mesh. */
+extern const format off_format;
+gw_status off_read(struct input_file *in, scan *cloud, gw_error *error);
+
+/* True when the name says that a file can only be a mesh: it ends in .obj. */
 bool mesh_is_name(const char *path);
 
 /*

@@ -7,6 +7,7 @@
 #include "mesh_text.h"
 #include "scan_color.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,14 +21,6 @@ typedef struct reader {
 	bool colors, normals; /* of the vertices, by the first word */
 	size_t faces;
 } reader;
-
-static const char *const off_extensions[] = { "off", NULL };
-
-const format off_format = {
-	.name = "off",
-	.description = "Object File Format, meshes only",
-	.extensions = off_extensions,
-};
 
 /* OFF, COFF, NOFF and CNOFF, which end the word. */
 bool mesh_off_probe(const uint8_t *head, size_t length)
@@ -78,8 +71,8 @@ static gw_status take_counts(reader *r)
 	if (status != GW_OK)
 		return status;
 	double bytes = (double)r->in->length;
-	if (count < 2 || !(v[0] >= 0.0) || !(v[1] >= 1.0))
-		return fail_line(r, "the numbers of vertices and faces were expected, at least one face");
+	if (count < 2 || !(v[0] >= 0.0) || !(v[1] >= 0.0))
+		return fail_line(r, "the numbers of vertices and faces were expected");
 	if (v[0] * 6.0 > bytes || v[1] * 2.0 > bytes || v[0] > (double)(MESH_NONE - 1))
 		return fail_line(r, "the file is too short for so many vertices and faces");
 	if (v[0] != (double)(size_t)v[0] || v[1] != (double)(size_t)v[1])
@@ -170,6 +163,64 @@ static gw_status take_face(reader *r)
 	}
 	return mesh_add_polygon(r->mesh, &r->polygon, MESH_NONE, r->error);
 }
+
+/* ---------------------------------------------------------------------------- vertices as points
+ */
+
+static gw_status put_columns(const mesh *m, scan *cloud, gw_error *error)
+{
+	static const char *const names[9] = { "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue" };
+	static const scan_type types[3] = { SCAN_FLOAT64, SCAN_FLOAT32, SCAN_UINT8 };
+	cloud->count = m->position_count;
+	for (size_t c = 0; c < 9; c++) {
+		size_t kind = c / 3, k = c % 3;
+		if ((kind == 1 && !m->normal) || (kind == 2 && !m->color))
+			continue;
+		scan_column *column = scan_add_column(cloud, names[c], types[kind], error);
+		if (!column)
+			return GW_ERROR_MEMORY;
+		for (size_t i = 0; i < cloud->count; i++)
+			scan_store(column, i,
+					   kind == 0   ? m->position[3 * i + k]
+					   : kind == 1 ? (double)m->normal[3 * i + k]
+								   : round(255.0 * scan_srgb_encode((double)m->color[3 * i + k])));
+	}
+	return GW_OK;
+}
+
+gw_status off_read(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m = { 0 };
+	reader r = { .in = in, .mesh = &m, .text = mesh_text_start(in), .error = error };
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = take_head(&r);
+	if (status == GW_OK)
+		status = take_vertices(&r);
+	if (status == GW_OK)
+		status = put_columns(&m, cloud, error);
+	if (status == GW_OK && r.faces > 0)
+		status = scan_add_comment(cloud,
+								  SCAN_NOTE "its vertices were read, not its faces; `glowworm "
+											"sample` puts points on them",
+								  error);
+	mesh_clear(&m);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+static const char *const off_extensions[] = { "off", NULL };
+
+const format off_format = {
+	.name = "off",
+	.description = "Object File Format, vertices or a mesh",
+	.extensions = off_extensions,
+	.probe = mesh_off_probe,
+	.read = off_read,
+};
+
+/* ------------------------------------------------------------------------------------------ mesh
+ */
 
 gw_status mesh_off_read(const input_file *in, mesh *m, gw_error *error)
 {

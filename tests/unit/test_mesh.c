@@ -363,6 +363,16 @@ static void off_files_are_read(void **state)
 	assert_true(m.color[6] == (float)scan_srgb_decode(0.5));
 	assert_true(m.normal[2] == 1.0f && m.normal[7] == 1.0f && m.corner_normal[2] == 2);
 	mesh_clear(&m);
+	/* Vertices as points. */
+	static const char points[] = "COFF\n2 0 0\n1.5 2 3 255 0 128\n0 0 0.1 1 2 3\n";
+	input_file in = { .name = "p", .data = (const uint8_t *)points, .length = sizeof points - 1 };
+	scan cloud;
+	assert_int_equal(off_read(&in, &cloud, NULL), GW_OK);
+	assert_true(cloud.count == 2 && value(&cloud, "x", 0) == 1.5 && value(&cloud, "z", 1) == 0.1);
+	assert_true(value(&cloud, "red", 0) == 255 && value(&cloud, "blue", 0) == 128 &&
+				value(&cloud, "green", 1) == 2);
+	assert_null(scan_find(&cloud, "nx"));
+	scan_clear(&cloud);
 	assert_refused("OFF\n3 1\n0 0 0\n1 0 0\n", "too early");
 	assert_refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "no vertex");
 	assert_refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "fewer corners");
