@@ -1,5 +1,5 @@
 /*
- * OpenEXR pictures: the channels R, G and B, or Y alone, of the first part, in rows.
+ * OpenEXR pictures: the channels R, G and B, or Y alone, of the first part.
  */
 #include "panorama.h"
 
@@ -79,8 +79,9 @@ static gw_status check_channels(const source *s, exr_const_context_t file, bool 
 	const exr_attr_chlist_t *channels;
 	exr_storage_t storage;
 	unsigned found = 0;
-	if (exr_get_storage(file, 0, &storage) != EXR_ERR_SUCCESS || storage != EXR_STORAGE_SCANLINE)
-		return bad(s, "its first part is not made of rows; save it without tiles", error);
+	if (exr_get_storage(file, 0, &storage) != EXR_ERR_SUCCESS ||
+		(storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED))
+		return bad(s, "its first part is deep; a map has one colour in each direction", error);
 	exr_result_t result = exr_get_channels(file, 0, &channels);
 	if (result != EXR_ERR_SUCCESS)
 		return failed(s, result, error);
@@ -119,48 +120,99 @@ static gw_status take_header(const source *s, exr_const_context_t file, panorama
 							 height > 0 ? (uint64_t)height : 0, most, map, error);
 }
 
-static void point_to_rows(panorama *map, bool rgb, uint32_t row, exr_decode_pipeline_t *decoder)
+/* What is being decoded, chunk by chunk. */
+typedef struct decoding {
+	exr_const_context_t file;
+	panorama *map;
+	bool rgb;
+	exr_decode_pipeline_t pipeline;
+	bool begun;
+} decoding;
+
+/* Leads the channels to pixel (x, y) of the map. */
+static void point_to_pixels(decoding *d, uint32_t x, uint32_t y)
 {
-	for (int16_t i = 0; i < decoder->channel_count; i++) {
-		exr_coding_channel_info_t *to = decoder->channels + i;
+	for (int16_t i = 0; i < d->pipeline.channel_count; i++) {
+		exr_coding_channel_info_t *to = d->pipeline.channels + i;
 		int c = channel_of(to->channel_name);
-		bool wanted = rgb ? c >= 0 && c < 3 : c == 3;
-		to->decode_to_ptr =
-			wanted ? (uint8_t *)(map->pixels + 3 * (size_t)map->width * row + (rgb ? c : 0)) : NULL;
+		bool wanted = d->rgb ? c >= 0 && c < 3 : c == 3;
+		float *pixel = d->map->pixels + 3 * ((size_t)d->map->width * y + x);
+		to->decode_to_ptr = wanted ? (uint8_t *)(pixel + (d->rgb ? c : 0)) : NULL;
 		to->user_pixel_stride = 12;
-		to->user_line_stride = (int32_t)(12 * map->width);
+		to->user_line_stride = (int32_t)(12 * d->map->width);
 		to->user_bytes_per_element = 4;
 		to->user_data_type = EXR_PIXEL_FLOAT;
 	}
 }
 
-static exr_result_t take_rows(exr_const_context_t file, panorama *map, bool rgb)
+static exr_result_t take_chunk(decoding *d, const exr_chunk_info_t *chunk, uint32_t x, uint32_t y)
 {
-	exr_decode_pipeline_t decoder = EXR_DECODE_PIPELINE_INITIALIZER;
-	exr_chunk_info_t chunk;
+	exr_result_t result = d->begun ? exr_decoding_update(d->file, 0, chunk, &d->pipeline)
+								   : exr_decoding_initialize(d->file, 0, chunk, &d->pipeline);
+	if (result != EXR_ERR_SUCCESS)
+		return result;
+	/* A chunk that is not where it has to be would be written beside the map. */
+	if (chunk->width < 0 || chunk->height < 0 || (uint32_t)chunk->width > d->map->width - x ||
+		(uint32_t)chunk->height > d->map->height - y)
+		result = EXR_ERR_BAD_CHUNK_LEADER;
+	point_to_pixels(d, x, y);
+	if (!d->begun && result == EXR_ERR_SUCCESS)
+		result = exr_decoding_choose_default_routines(d->file, 0, &d->pipeline);
+	d->begun = true;
+	return result == EXR_ERR_SUCCESS ? exr_decoding_run(d->file, 0, &d->pipeline) : result;
+}
+
+static exr_result_t take_rows(decoding *d)
+{
 	exr_attr_box2i_t window;
 	int32_t lines = 1;
-	bool begun = false;
-	exr_get_data_window(file, 0, &window);
-	exr_result_t result = exr_get_scanlines_per_chunk(file, 0, &lines);
-	for (uint32_t y = 0; y < map->height && result == EXR_ERR_SUCCESS; y += (uint32_t)lines) {
-		int at = window.min.y + (int)y;
-		result = exr_read_scanline_chunk_info(file, 0, at, &chunk);
-		if (result != EXR_ERR_SUCCESS)
-			break;
-		result = begun ? exr_decoding_update(file, 0, &chunk, &decoder)
-					   : exr_decoding_initialize(file, 0, &chunk, &decoder);
-		if (result != EXR_ERR_SUCCESS)
-			break;
-		point_to_rows(map, rgb, y, &decoder);
-		if (!begun)
-			result = exr_decoding_choose_default_routines(file, 0, &decoder);
-		begun = true;
+	exr_result_t result = exr_get_data_window(d->file, 0, &window);
+	if (result == EXR_ERR_SUCCESS)
+		result = exr_get_scanlines_per_chunk(d->file, 0, &lines);
+	for (uint32_t y = 0; y < d->map->height && result == EXR_ERR_SUCCESS; y += (uint32_t)lines) {
+		exr_chunk_info_t chunk;
+		result = exr_read_scanline_chunk_info(d->file, 0, window.min.y + (int)y, &chunk);
 		if (result == EXR_ERR_SUCCESS)
-			result = exr_decoding_run(file, 0, &decoder);
+			result = take_chunk(d, &chunk, 0, y);
 	}
-	if (begun)
-		exr_decoding_destroy(file, &decoder);
+	return result;
+}
+
+/* The tiles of the finest level. */
+static exr_result_t take_tiles(decoding *d)
+{
+	uint32_t w, h;
+	exr_tile_level_mode_t mode;
+	exr_tile_round_mode_t rounding;
+	exr_result_t result = exr_get_tile_descriptor(d->file, 0, &w, &h, &mode, &rounding);
+	if (result == EXR_ERR_SUCCESS && (w == 0 || h == 0))
+		result = EXR_ERR_INVALID_ATTR;
+	for (uint32_t y = 0; result == EXR_ERR_SUCCESS && y < d->map->height; y += h) {
+		for (uint32_t x = 0; result == EXR_ERR_SUCCESS && x < d->map->width; x += w) {
+			exr_chunk_info_t chunk;
+			result = exr_read_tile_chunk_info(d->file, 0, (int)(x / w), (int)(y / h), 0, 0, &chunk);
+			if (result == EXR_ERR_SUCCESS)
+				result = take_chunk(d, &chunk, x, y);
+			if (w > d->map->width)
+				break;
+		}
+		if (h > d->map->height)
+			break;
+	}
+	return result;
+}
+
+static exr_result_t take_pixels(exr_const_context_t file, panorama *map, bool rgb)
+{
+	decoding d = {
+		.file = file, .map = map, .rgb = rgb, .pipeline = EXR_DECODE_PIPELINE_INITIALIZER
+	};
+	exr_storage_t storage;
+	exr_result_t result = exr_get_storage(file, 0, &storage);
+	if (result == EXR_ERR_SUCCESS)
+		result = storage == EXR_STORAGE_TILED ? take_tiles(&d) : take_rows(&d);
+	if (d.begun)
+		exr_decoding_destroy(file, &d.pipeline);
 	return result;
 }
 
@@ -185,7 +237,7 @@ gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error
 	if (status == GW_OK)
 		status = take_header(&s, file, map, &rgb, error);
 	if (status == GW_OK) {
-		result = take_rows(file, map, rgb);
+		result = take_pixels(file, map, rgb);
 		if (result != EXR_ERR_SUCCESS)
 			status = failed(&s, result, error);
 	}

@@ -17,4 +17,7 @@ size_t panorama_file_hdr(bool runs, uint8_t file[PANORAMA_FILE_ROOM]);
 /* The same as OpenEXR, by this program's own writer. grey: one channel Y, which is red. */
 size_t panorama_file_exr(bool grey, uint8_t file[PANORAMA_FILE_ROOM]);
 
+/* The same as OpenEXR in tiles of 10 x 5 pixels, by OpenEXRCore. */
+size_t panorama_file_tiles(uint8_t file[PANORAMA_FILE_ROOM]);
+
 #endif

@@ -21,7 +21,8 @@ typedef struct seed {
 	bool grey;
 } seed;
 
-static seed seeds[4];
+enum { SEEDS = 5 };
+static seed seeds[SEEDS];
 
 static int make_seeds(void **state)
 {
@@ -34,7 +35,9 @@ static int make_seeds(void **state)
 	seeds[1].length = panorama_file_hdr(false, seeds[1].data);
 	seeds[2].length = panorama_file_exr(false, seeds[2].data);
 	seeds[3].length = panorama_file_exr(true, seeds[3].data);
-	return seeds[2].length && seeds[3].length ? 0 : -1;
+	seeds[4] = (seed){ .name = "tiles", .read = panorama_exr_read };
+	seeds[4].length = panorama_file_tiles(seeds[4].data);
+	return seeds[4].length && seeds[2].length && seeds[3].length ? 0 : -1;
 }
 
 /* In memory of exactly that length, so that a sanitizer sees a byte too many. */
@@ -60,7 +63,7 @@ static gw_status read_bytes(const seed *s, const void *data, size_t length, pano
 static void pixels_come_back(void **state)
 {
 	(void)state;
-	for (size_t k = 0; k < 4; k++) {
+	for (size_t k = 0; k < SEEDS; k++) {
 		const seed *s = &seeds[k];
 		panorama map;
 		gw_error error = { 0 };
@@ -83,7 +86,7 @@ static void pixels_come_back(void **state)
 static void every_truncation_is_refused(void **state)
 {
 	(void)state;
-	for (size_t k = 0; k < 4; k++) {
+	for (size_t k = 0; k < SEEDS; k++) {
 		for (size_t length = 0; length < seeds[k].length; length++) {
 			panorama map;
 			gw_error error = { 0 };
@@ -99,7 +102,7 @@ static void damaged_bytes_do_no_harm(void **state)
 	(void)state;
 	static const uint8_t values[] = { 0, 1, 2, 127, 128, 129, 255, '\n', '9' };
 	size_t refused = 0, accepted = 0;
-	for (size_t k = 0; k < 4; k++) {
+	for (size_t k = 0; k < SEEDS; k++) {
 		for (size_t at = 0; at < seeds[k].length; at++) {
 			for (size_t v = 0; v < sizeof values; v++) {
 				seed damaged = seeds[k];
