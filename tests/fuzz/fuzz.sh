@@ -31,7 +31,7 @@ while left=$((end - $(date +%s))) && [ "$left" -gt 0 ]; do
 done
 seconds=$(($(date +%s) - begin))
 
-# Few and small: the smallest that fit into 16 KB, then the largest up to 24 KB, which reach deepest.
+# Few: the smallest that fit into 16 KB, then the largest up to 24 KB, which reach deepest.
 find "$work/found" -type f -size +4k -delete
 "$build/tests/fuzz/fuzz" -merge=1 -timeout=20 -rss_limit_mb=2000 "$work/few" "$work/found" \
 	>"$work/log" 2>&1
