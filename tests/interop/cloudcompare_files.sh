@@ -18,6 +18,5 @@ for theirs in theirs.ply theirs.asc; do
 	same_columns lit.ply "$theirs" 0 red green blue
 	# It keeps a normal in 21 bits: triangles of an octahedron whose edges are cut into 512, the
 	# largest of which have their corners 0.0028 from their centres.
-	same_columns lit.ply "$theirs" 0.003 nz
-	same_columns lit.ply "$theirs" 0.14 nx ny # the same 0.003, of a largest value of 0.0213
+	same_columns lit.ply "$theirs" 0.003 nx ny nz
 done
