@@ -8,12 +8,18 @@ CC      ?= gcc
 CXX     ?= g++
 GLSLC   ?= glslc
 
-# config=release (default) or config=sanitize
+# config=release (default), config=sanitize, or config=fuzz with clang
 config  ?= release
 ifeq ($(config),sanitize)
 BUILD   := build/sanitize
 OPT     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 KEEP_LOADED := $(BUILD)/tests/keep_loaded.o
+else ifeq ($(config),fuzz)
+BUILD   := build/fuzz
+CC      := clang
+CXX     := clang++
+OPT     := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined \
+           -Wno-string-conversion
 else
 OPT     := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
 endif
@@ -43,7 +49,7 @@ SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
 MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
 TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
-BENCH_TOOLS     := $(wildcard tests/bench/make_*.c)
+BENCH_TOOLS     := $(wildcard tests/bench/make_*.c tests/fuzz/make_*.c)
 TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS),$(wildcard tests/*/*.c tests/*/*.cpp))
 TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
 BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
@@ -54,7 +60,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps demo gallery test test-sanitize test-programs bench lint install uninstall help clean FORCE
+.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -119,10 +125,14 @@ $(BUILD)/libhelpers.a: $(call objects,$(TEST_HELPERS))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-$(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Itests/bench
+$(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Itests/bench -Itests/fuzz
 $(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -Wl,--disable-new-dtags,-rpath,'$$ORIGIN/../..' -o $@ $^ -lcmocka -lembree3 $(LDLIBS)
+
+$(BUILD)/tests/fuzz/fuzz: $(BUILD)/tests/fuzz/fuzz_main.o $(BUILD)/libhelpers.a \
+		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
+	$(CXX) $(LDFLAGS) -fsanitize=fuzzer -o $@ $^ $(LDLIBS)
 
 # Only of a sanitized build: see tests/keep_loaded.c.
 $(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
@@ -140,11 +150,20 @@ SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:hostile build:cli build:lint $(SANITIZED)
+	@tests/suite.sh build:unit build:physics build:hostile build:cli build:lint $(SANITIZED) \
+		$(if $(WITH_INTEROP),build:interop)
+
+test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
+	@$(build_quietly) all
+	@tests/suite.sh build:interop
 
 test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(build_quietly) config=sanitize test-programs
 	@tests/suite.sh $(SANITIZED)
+
+fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
+	@$(build_quietly) config=fuzz $(addprefix build/fuzz/tests/fuzz/,fuzz make_corpus)
+	@tests/fuzz/fuzz.sh build/fuzz "$(READER)" $(or $(MINUTES),5)
 
 lint: $(BUILD)/libglowworm.a  ## style, layers, symbols and the folders' READMEs
 	@tests/suite.sh $(BUILD):lint
@@ -156,6 +175,9 @@ bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
 
 deps:  ## install the Debian packages that are missing
 	@tests/install_packages.sh .debian-packages
+
+deps-interop:  ## the same for the programs that test-interop runs
+	@tests/install_packages.sh .debian-packages-interop
 
 demo: deps  ## make a cave, light it and say what came out
 	@$(build_quietly) all

@@ -23,8 +23,12 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 							  "W/sr or cd" },
 	[LIGHT_KEY_IRRADIANCE] = { NULL, "irradiance", LIGHT_VALUE_COLOR, SUN, SUN,
 							   "W/m^2 or lx on a plane that faces it" },
-	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY, SKY,
-							 "W/(sr m^2) or cd/m^2, the same from everywhere" },
+	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY, 0,
+							 "W/(sr m^2) or cd/m^2, the same from everywhere, or times the map" },
+	[LIGHT_KEY_MAP] = { NULL, "map", LIGHT_VALUE_PATH, SKY, 0,
+						"EXR or HDR file, longitude by latitude; its centre is toward +y" },
+	[LIGHT_KEY_ROTATION] = { NULL, "rotation", LIGHT_VALUE_ANGLE, SKY, 0,
+							 "degrees the map is turned clockwise, seen from above; 0" },
 	[LIGHT_KEY_INNER] = { "inner", "inner_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
 						  "degrees from the axis up to which it is at its full; 0" },
 	[LIGHT_KEY_OUTER] = { "outer", "outer_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
@@ -81,9 +85,11 @@ void light_list_keys(gw_light_type type, bool scene, char *text, size_t size)
 
 lamp light_default(gw_light_type type)
 {
+	float sky = type == GW_LIGHT_ENVIRONMENT ? 1.0f : 0.0f;
 	return (lamp){ .light = { .type = type,
 							  .outer_angle = type == GW_LIGHT_SPOT ? 45.0f : 0.0f,
-							  .angle = type == GW_LIGHT_SUN ? 0.53f : 0.0f } };
+							  .angle = type == GW_LIGHT_SUN ? 0.53f : 0.0f,
+							  .radiance = { sky, sky, sky } } };
 }
 
 /* ---------------------------------------------------------------------------- one key */
@@ -160,10 +166,26 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_ANGLE:
 		l->angle = (float)values[0];
 		break;
+	case LIGHT_KEY_ROTATION:
+		l->rotation = (float)values[0];
+		break;
+	case LIGHT_KEY_MAP:
 	case LIGHT_KEY_NAME:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
+	return GW_OK;
+}
+
+gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
+{
+	char *to = key == LIGHT_KEY_MAP ? light->map : light->light.name;
+	size_t room = key == LIGHT_KEY_MAP ? sizeof light->map : sizeof light->light.name;
+	if (!*text)
+		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
+	if (strlen(text) >= room)
+		return gw_fail(error, GW_ERROR_USAGE, "it is too long; %zu bytes are the most", room - 1);
+	memcpy(to, text, strlen(text) + 1);
 	return GW_OK;
 }
 
@@ -193,6 +215,11 @@ gw_status light_check(const lamp *light, unsigned given, bool scene, gw_error *e
 		if (light_keys[k].needed & 1u << l->type && !(given & 1u << k))
 			return gw_fail(error, GW_ERROR_USAGE, "a %s light needs '%s'",
 						   gw_light_type_name(l->type), key_name(&light_keys[k], scene));
+	if (l->type == GW_LIGHT_ENVIRONMENT &&
+		!(given & (1u << LIGHT_KEY_RADIANCE | 1u << LIGHT_KEY_MAP)))
+		return gw_fail(error, GW_ERROR_USAGE, "an environment light needs 'radiance' or 'map'");
+	if (given & 1u << LIGHT_KEY_ROTATION && !(given & 1u << LIGHT_KEY_MAP))
+		return gw_fail(error, GW_ERROR_USAGE, "only a 'map' can have a 'rotation'");
 	if (l->type == GW_LIGHT_SPOT && l->outer_angle > 180.0f)
 		return gw_fail(error, GW_ERROR_USAGE, "the outer angle is %g degrees; 180 is all around",
 					   (double)l->outer_angle);
@@ -211,6 +238,7 @@ gw_status light_check(const lamp *light, unsigned given, bool scene, gw_error *e
 void light_resolve(lamp *light, char up)
 {
 	gw_light *l = &light->light;
+	l->map_y_up = up == 'y';
 	if (light->aimed)
 		for (int k = 0; k < 3; k++)
 			l->direction[k] = light->target[k] - l->position[k];
@@ -237,7 +265,9 @@ static gw_status set_from_word(words *w, lamp *light, light_key_id id, const cha
 		[LIGHT_VALUE_COLOR] = { "a colour R,G,B or one number", 1u << 3 | 1u << 1 },
 		[LIGHT_VALUE_SKY] = { "two numbers AZIMUTH,ELEVATION", 1u << 2 },
 		[LIGHT_VALUE_NUMBER] = { "one number", 1u << 1 },
+		[LIGHT_VALUE_ANGLE] = { "one number", 1u << 1 },
 		[LIGHT_VALUE_NAME] = { "a name", 0 },
+		[LIGHT_VALUE_PATH] = { "a file", 0 },
 	};
 	light_value value = light_keys[id].value;
 	char sentence[GW_ERROR_TEXT];
@@ -245,14 +275,15 @@ static gw_status set_from_word(words *w, lamp *light, light_key_id id, const cha
 		snprintf(sentence, sizeof sentence, "'%s' wants %s behind it", key, shape[value].expected);
 		return words_fail(w, sentence);
 	}
-	if (value == LIGHT_VALUE_NAME) {
-		if (strlen(w->word) >= sizeof light->light.name)
-			return words_fail(w, "the name is too long; 63 characters are the most");
-		memcpy(light->light.name, w->word, strlen(w->word) + 1);
-		return GW_OK;
+	gw_error reason = { 0 };
+	if (value == LIGHT_VALUE_NAME || value == LIGHT_VALUE_PATH) {
+		if (light_set_text(light, id, w->word, &reason) == GW_OK && strlen(w->word) < WORD_MAX - 1)
+			return GW_OK;
+		snprintf(sentence, sizeof sentence, "the %s is too long; %d characters are the most", key,
+				 value == LIGHT_VALUE_NAME ? 63 : WORD_MAX - 2);
+		return words_fail(w, sentence);
 	}
 	double values[3] = { 0 };
-	gw_error reason = { 0 };
 	size_t count = words_numbers(w->word, values);
 	if (!(shape[value].counts & 1u << count) || count == 0)
 		snprintf(sentence, sizeof sentence, "'%.60s', where '%s' wants %s without blanks", w->word,

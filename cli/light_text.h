@@ -9,6 +9,8 @@
 
 #include "glowworm.h"
 
+#define LIGHT_MAP_PATH 1024
+
 /* A light, with what can only be worked out when it is known which way is up. */
 typedef struct lamp {
 	gw_light light;
@@ -18,6 +20,7 @@ typedef struct lamp {
 	bool aimed;       /* its direction leads from its position to the target */
 	double target[3];
 	size_t motion; /* 0: it stands still; else its path, settings.path[motion - 1] */
+	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */
 } lamp;
 
 /* What stands behind a key. */
@@ -26,7 +29,9 @@ typedef enum light_value {
 	LIGHT_VALUE_COLOR,  /* one number, or three; 0 or more */
 	LIGHT_VALUE_SKY,    /* azimuth and elevation */
 	LIGHT_VALUE_NUMBER, /* 0 or more */
+	LIGHT_VALUE_ANGLE,  /* of either sign */
 	LIGHT_VALUE_NAME,
+	LIGHT_VALUE_PATH,
 } light_value;
 
 typedef enum light_key_id {
@@ -37,6 +42,8 @@ typedef enum light_key_id {
 	LIGHT_KEY_INTENSITY,
 	LIGHT_KEY_IRRADIANCE,
 	LIGHT_KEY_RADIANCE,
+	LIGHT_KEY_MAP,
+	LIGHT_KEY_ROTATION,
 	LIGHT_KEY_INNER,
 	LIGHT_KEY_OUTER,
 	LIGHT_KEY_RADIUS,
@@ -64,7 +71,7 @@ void light_list_types(char *text, size_t size);
 void light_list_keys(gw_light_type type, bool scene, char *text, size_t size);
 
 /* A light of that type with the values that its keys have when they are not given: outer angle 45
- * degrees, a sun of 0.53 degrees. */
+ * degrees, a sun of 0.53 degrees, an environment of radiance 1 (if it has a map). */
 lamp light_default(gw_light_type type);
 
 /*
@@ -73,6 +80,9 @@ lamp light_default(gw_light_type type);
  */
 gw_status light_set(lamp *light, light_key_id key, const double *values, size_t count,
 					gw_error *error);
+
+/* The same for a NAME or a PATH. */
+gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error);
 
 /* GW_ERROR_USAGE when a needed key is missing or two do not go together. given: 1 << light_key_id
  * for each that was set; scene: whose names the message uses. */

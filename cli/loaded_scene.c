@@ -1,4 +1,5 @@
 #include "loaded_scene.h"
+#include "growing_table.h"
 #include "scan_color.h"
 #include "signals.h"
 
@@ -97,8 +98,8 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 		double s[3], *to = cloud->scanner + 3 * i;
 		memcpy(s, to, sizeof s);
 		for (int k = 0; k < 3; k++)
-			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] +
-								linear[3 * k + 2] * s[2] + shift[k];
+			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
+					shift[k];
 	}
 	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
 	gw_status status = transform_columns(cloud, position_names, linear, shift, error);
@@ -489,6 +490,9 @@ void loaded_scene_clear(loaded_scene *scene)
 	scan_points_clear(&scene->points);
 	for (size_t i = 0; i < scene->input_count; i++)
 		mesh_clear(&scene->input[i].mesh);
+	for (size_t i = 0; i < scene->map_count; i++)
+		panorama_clear(&scene->map[i]);
+	free(scene->map);
 	free(scene->input);
 	*scene = (loaded_scene){ 0 };
 }
@@ -502,8 +506,30 @@ bool loaded_scene_emits(const loaded_scene *scene)
 	return false;
 }
 
-gw_status loaded_scene_lights(const loaded_scene *scene, settings *s, gw_light **lights,
-							  gw_error *error)
+/* Reads the maps of environment lights; the scene owns their pixels. */
+static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lights,
+						   gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+		if (!s->light[i].map[0])
+			continue;
+		panorama *grown = growing_table_room(scene->map, scene->map_count, sizeof *grown);
+		if (!grown)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
+		scene->map = grown;
+		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
+		if (status != GW_OK)
+			break;
+		const panorama *map = &grown[scene->map_count++];
+		lights[i].map = map->pixels;
+		lights[i].map_width = map->width;
+		lights[i].map_height = map->height;
+	}
+	return status;
+}
+
+gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **lights, gw_error *error)
 {
 	*lights = calloc(s->light_count ? s->light_count : 1, sizeof **lights);
 	if (!*lights)
@@ -516,5 +542,5 @@ gw_status loaded_scene_lights(const loaded_scene *scene, settings *s, gw_light *
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");
-	return GW_OK;
+	return read_maps(scene, s, *lights, error);
 }

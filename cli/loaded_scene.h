@@ -6,6 +6,7 @@
 #define LOADED_SCENE_H
 
 #include "mesh.h"
+#include "panorama.h"
 #include "settings.h"
 
 /* What one input was. */
@@ -27,6 +28,8 @@ typedef struct loaded_scene {
 	scan_points points;  /* the same points for the bake */
 	loaded_input *input; /* owned; input_count */
 	size_t input_count;
+	panorama *map; /* owned; map_count: of environment lights, from loaded_scene_lights */
+	size_t map_count;
 	char up; /* 'y' or 'z' */
 } loaded_scene;
 
@@ -51,8 +54,9 @@ gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *
 bool loaded_scene_emits(const loaded_scene *scene);
 
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
- * to free. GW_ERROR_USAGE when nothing in the scene gives light. */
-gw_status loaded_scene_lights(const loaded_scene *scene, settings *settings, gw_light **lights,
+ * to free, the pixels of their maps are the scene's. GW_ERROR_USAGE when nothing in the scene gives
+ * light. */
+gw_status loaded_scene_lights(loaded_scene *scene, settings *settings, gw_light **lights,
 							  gw_error *error);
 
 /* The name for messages: the path, or "standard input". */

@@ -419,18 +419,25 @@ static gw_status take_input(reader *r, json_t *object)
 
 /* --------------------------------------------------------------------------------- lights */
 
-static gw_status fail_light_key(const reader *r, gw_light_type type, const char *key)
+static gw_status fail_light_key(const reader *r, gw_light_type type)
 {
 	const char *name[LIGHT_KEY_COUNT + 1] = { [LIGHT_KEY_COUNT] = "type" };
-	bool sky = type == GW_LIGHT_ENVIRONMENT;
-	if (sky && (strcmp(key, "file") == 0 || strcmp(key, "up") == 0))
-		return fail_here(r,
-						 "maps of the sky cannot be read by this version; give 'radiance', which "
-						 "is the same from everywhere");
 	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
 		if (light_keys[k].types & 1u << type)
 			name[k] = light_keys[k].name;
 	return fail_key(r, name, LIGHT_KEY_COUNT + 1);
+}
+
+/* A map's path counts from the scene file's folder, as those of inputs do. */
+static gw_status take_map(const reader *r, json_t *value, lamp *light)
+{
+	char *path = NULL;
+	gw_error reason = { 0 };
+	gw_status status = take_path(r, value, &path);
+	if (status == GW_OK && light_set_text(light, LIGHT_KEY_MAP, path, &reason) != GW_OK)
+		status = fail_here(r, "%.600s", reason.text);
+	free(path);
+	return status;
 }
 
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
@@ -441,7 +448,7 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 									 light_keys[id].name && strcmp(key, light_keys[id].name) == 0))
 		id++;
 	if (id == LIGHT_KEY_COUNT)
-		return fail_light_key(r, light->light.type, key);
+		return fail_light_key(r, light->light.type);
 	*given |= 1u << id;
 	if (id == LIGHT_KEY_NAME) {
 		const char *name = json_string_value(value);
@@ -450,8 +457,11 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 		strcpy(light->light.name, name);
 		return GW_OK;
 	}
+	if (id == LIGHT_KEY_MAP)
+		return take_map(r, value, light);
 	double v[3] = { 0 };
-	size_t count, most = light_keys[id].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	light_value kind = light_keys[id].value;
+	size_t count, most = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE ? 1 : 3;
 	bool one = light_keys[id].value != LIGHT_VALUE_VECTOR;
 	gw_status status = take_numbers(r, value, v, most, one, &count);
 	gw_error reason = { 0 };

@@ -7,8 +7,9 @@
 
 #include <string.h>
 
-static void write_key(json_writer *json, const gw_light *l, light_key_id id)
+static void write_key(json_writer *json, const lamp *light, light_key_id id)
 {
+	const gw_light *l = &light->light;
 	const char *name = light_keys[id].name;
 	switch (id) {
 	case LIGHT_KEY_POSITION:
@@ -25,6 +26,14 @@ static void write_key(json_writer *json, const gw_light *l, light_key_id id)
 		break;
 	case LIGHT_KEY_RADIANCE:
 		json_put_singles(json, name, l->radiance, 3);
+		break;
+	case LIGHT_KEY_MAP:
+		if (light->map[0])
+			json_put_text(json, name, light->map);
+		break;
+	case LIGHT_KEY_ROTATION:
+		if (light->map[0])
+			json_put_single(json, name, l->rotation);
 		break;
 	case LIGHT_KEY_INNER:
 		json_put_single(json, name, l->inner_angle);
@@ -95,7 +104,7 @@ static void write_lights(json_writer *json, const settings *s)
 		json_put_text(json, "type", gw_light_type_name(l->type));
 		for (int k = 0; k < LIGHT_KEY_COUNT; k++)
 			if (light_keys[k].types & 1u << l->type)
-				write_key(json, l, (light_key_id)k);
+				write_key(json, &s->light[i], (light_key_id)k);
 		if (s->light[i].motion > 0)
 			write_path(json, &s->path[s->light[i].motion - 1], true);
 		json_put_close(json, '}');

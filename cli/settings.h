@@ -154,6 +154,7 @@ typedef struct settings {
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *transport, *save_transport;
 	const char *output, *vdb, *report, *format, *columns, *output_format;
+	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
 	bool vdb_half, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
 	const char *csv, *svg;                     /* of tradeoff */

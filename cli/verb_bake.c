@@ -11,6 +11,7 @@
 #include "scene_file.h"
 #include "signals.h"
 #include "vdb_grids.h"
+#include "voxel_merge.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -101,6 +102,8 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--output-format needs -o FILE");
 	if (s->vdb_half && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
+	if (s->vdb_voxel > 0.0f && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
 	gw_status status = check_streams(s, b->error);
 	if (status == GW_OK)
 		status = check_names(s, b->error);
@@ -232,7 +235,14 @@ static gw_status write_grids(bake *b)
 							  .half = s->vdb_half,
 							  .memory = s->bake.memory,
 							  .clamped = &b->facts.vdb_clamped };
-	return vdb_write(s->vdb, s->force, &b->result->voxels, &metadata, b->error);
+	if (!(s->vdb_voxel > 0.0f))
+		return vdb_write(s->vdb, s->force, &b->result->voxels, &metadata, b->error);
+	gw_voxels merged;
+	gw_status status = voxel_merge(&b->result->voxels, (double)s->vdb_voxel, &merged, b->error);
+	if (status == GW_OK)
+		status = vdb_write(s->vdb, s->force, &merged, &metadata, b->error);
+	voxel_merge_clear(&merged);
+	return status;
 }
 
 static gw_status stopped(const bake *b)

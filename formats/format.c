@@ -3,6 +3,7 @@
 #include "e57_format.h"
 #include "input_file.h"
 #include "las_format.h"
+#include "mesh.h"
 #include "pcd_format.h"
 #include "ply_format.h"
 #include "text_formats.h"
@@ -17,6 +18,7 @@ const format *const formats[] = {
 	&laz_format,
 	&pcd_format,
 	&e57_format,
+	&off_format,
 	&ptx_format,
 	&pts_format,
 	&xyz_format,

@@ -53,8 +53,9 @@ void lzf_unpack(const uint8_t *packed, size_t length, uint8_t *out)
 		} else if (s.distance >= s.size) {
 			memcpy(out, out - s.distance, s.size);
 		} else { /* what is repeated grows while it is read */
+			const uint8_t *from = out - s.distance;
 			for (size_t i = 0; i < s.size; i++)
-				out[i] = out[i - s.distance];
+				out[i] = from[i];
 		}
 		out += s.size;
 	}

@@ -63,6 +63,8 @@ gw_status mesh_read(const char *path, mesh *m, gw_error *error)
 		status = gw_fail(error, GW_ERROR_DATA, "%s is empty", in.name);
 	else if (ply_format.probe(in.data, in.length))
 		status = mesh_ply_read(&in, m, error);
+	else if (mesh_off_probe(in.data, in.length))
+		status = mesh_off_read(&in, m, error);
 	else
 		status = mesh_obj_read(&in, path, m, error);
 	input_file_close(&in);

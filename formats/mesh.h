@@ -1,6 +1,6 @@
 /*
- * mesh.h - triangles with normals, colours and materials, from PLY and OBJ files, and points that
- * are sampled on them.
+ * mesh.h - triangles with normals, colours and materials, from PLY, OBJ and OFF files, and points
+ * that are sampled on them.
  *
  * A mesh is read, moved by a matrix, measured, sampled, in this order. The points come as a scan,
  * like those of any other input.
@@ -51,11 +51,15 @@ typedef struct mesh {
 /* OBJ, for messages and reports: its read and write are NULL, for it holds no points. */
 extern const format obj_format;
 
+/* OFF, whose vertices are read as points unless it is asked for as a mesh. */
+extern const format off_format;
+gw_status off_read(struct input_file *in, scan *cloud, gw_error *error);
+
 /* True when the name says that a file can only be a mesh: it ends in .obj. */
 bool mesh_is_name(const char *path);
 
 /*
- * Reads a mesh: PLY by its content, else OBJ with the MTL files that it names.
+ * Reads a mesh: PLY and OFF by their content, else OBJ with the MTL files that it names.
  *   path    "-" is standard input
  *   mesh    on success owned by the caller, freed with mesh_clear; empty on failure
  *   error   as input_file_open; GW_ERROR_DATA when the content is bad or there are no faces
@@ -65,6 +69,10 @@ gw_status mesh_read(const char *path, mesh *mesh, gw_error *error);
 /* The same from bytes. path: of the OBJ file, from whose folder MTL files count; "-" for none. */
 gw_status mesh_obj_read(const struct input_file *in, const char *path, mesh *mesh, gw_error *error);
 gw_status mesh_ply_read(struct input_file *in, mesh *mesh, gw_error *error);
+gw_status mesh_off_read(const struct input_file *in, mesh *mesh, gw_error *error);
+
+/* True when the first bytes of a file are those of an OFF file. */
+bool mesh_off_probe(const uint8_t *head, size_t length);
 
 /* Frees all that a mesh holds and empties it. */
 void mesh_clear(mesh *mesh);

@@ -72,8 +72,24 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 	return check_color(index, light, "intensity", light->intensity, error);
 }
 
+static gw_status check_environment(size_t index, const gw_light *light, size_t *maps,
+								   gw_error *error)
+{
+	if (light->map && (light->map_width == 0 || light->map_height == 0))
+		return bad_light(index, light, "a side of the map", 0.0, "give a map with pixels", error);
+	if (light->map && !isfinite(light->rotation))
+		return bad_light(index, light, "rotation", (double)light->rotation, "give degrees", error);
+	if (light->map && ++*maps > 1)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"light %zu is the second with a map; a bake takes one, so bake twice and add",
+			index + 1);
+	return check_color(index, light, "radiance", light->radiance, error);
+}
+
 gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 {
+	size_t maps = 0;
 	for (size_t i = 0; i < count; i++) {
 		const gw_light *light = &lights[i];
 		gw_status status = GW_OK;
@@ -91,7 +107,7 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 				status = check_color(i, light, "irradiance", light->irradiance, error);
 			break;
 		case GW_LIGHT_ENVIRONMENT:
-			status = check_color(i, light, "radiance", light->radiance, error);
+			status = check_environment(i, light, &maps, error);
 			break;
 		default:
 			return gw_fail(error, GW_ERROR_USAGE, "light %zu has the unknown type %d", i + 1,

@@ -3,6 +3,7 @@
  */
 #include "emitters.h"
 
+#include "alias_table.h"
 #include "memory.h"
 
 #include <stdlib.h>
@@ -15,33 +16,6 @@ typedef struct emitter_row {
 	uint32_t zero;
 } emitter_row;
 
-/* Vose's construction: rows poorer than the mean are topped up by one richer row each. */
-static void fill_aliases(emitter_row *rows, double *share, uint32_t *stack, uint32_t count)
-{
-	uint32_t poor = 0, rich = count; /* poor rows from the bottom of the stack, rich from its top */
-	for (uint32_t i = 0; i < count; i++) {
-		if (share[i] < 1.0)
-			stack[poor++] = i;
-		else
-			stack[--rich] = i;
-	}
-	while (poor > 0 && rich < count) {
-		uint32_t low = stack[--poor], high = stack[rich];
-		rows[low].probability = (float)share[low];
-		rows[low].alias = high;
-		share[high] -= 1.0 - share[low];
-		if (share[high] < 1.0) {
-			rich++;
-			stack[poor++] = high;
-		}
-	}
-	/* What is left is 1 but for rounding: it keeps its own lobe. */
-	while (poor > 0)
-		rows[stack[--poor]].probability = 1.0f;
-	while (rich < count)
-		rows[stack[rich++]].probability = 1.0f;
-}
-
 static double luminance(const float *c)
 {
 	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
@@ -52,9 +26,9 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 {
 	emitter_row *rows = gw_allocate_zeros(emitters->count, sizeof *rows);
 	double *share = gw_allocate_array(emitters->count, sizeof *share);
-	uint32_t *stack = gw_allocate_array(emitters->count, sizeof *stack);
+	gw_alias_row *alias = gw_allocate_array(emitters->count, sizeof *alias);
 	gw_status status = GW_OK;
-	if (!rows || !share || !stack)
+	if (!rows || !share || !alias)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u emitters", emitters->count);
 	if (status == GW_OK) {
 		uint32_t n = 0;
@@ -63,24 +37,27 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 			double power = luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
 			if (!(power > 0.0))
 				continue;
-			rows[n] = (emitter_row){ .lobe = (uint32_t)i, .alias = n };
+			rows[n].lobe = (uint32_t)i;
 			share[n++] = power;
 			total += power;
 		}
-		for (uint32_t i = 0; i < n; i++)
-			share[i] *= (double)n / total;
 		emitters->power = (float)total;
-		fill_aliases(rows, share, stack, n);
-		status =
-			gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
-							 sizeof *rows * (uint64_t)n, "emitter table", &emitters->table, error);
+		status = gw_alias_table_fill(alias, share, n, error);
+		for (uint32_t i = 0; i < n && status == GW_OK; i++) {
+			rows[i].alias = alias[i].alias;
+			rows[i].probability = alias[i].probability;
+		}
 	}
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+								  sizeof *rows * (uint64_t)emitters->count, "emitter table",
+								  &emitters->table, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &emitters->table, 0, rows,
 								  sizeof *rows * (uint64_t)emitters->count, error);
 	free(rows);
 	free(share);
-	free(stack);
+	free(alias);
 	return status;
 }
 

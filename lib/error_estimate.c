@@ -182,6 +182,9 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_em
 										  .samples = HALF_RAYS,
 										  .use_hits = true,
 										  .sky = task->sky,
+										  .map = task->map,
+										  .map_samples = HALF_RAYS,
+										  .map_hits = true,
 										  .seed = seed,
 										  .kept = task->emitters->count > 0
 													  ? &task->probes->sampled[half]

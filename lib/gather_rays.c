@@ -87,13 +87,59 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 	return status;
 }
 
+/* The same for the map of the sky. */
+static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							const gw_sky_map *map, gw_record_push push, gw_buffer *sampled,
+							gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
+									gw_whole(&octree->node),
+									gw_whole(&octree->leaf_tile),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(&octree->lobe_centre),
+									gw_whole(&map->texel),
+									gw_whole(&map->alias),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16),
+									gw_whole(&octree->leaf_fragment),
+									gw_whole(&octree->fragment_surfel),
+									gw_whole(&octree->surfel_position),
+									gw_whole(&octree->surfel_normal),
+									gw_whole(&octree->surfel_disc),
+									gw_whole(&octree->surfel_clip) };
+	gw_status status = GW_OK;
+	for (uint32_t m = 0; m < push.sky_samples && status == GW_OK; m += LIGHT_BATCH) {
+		push.batch_first = m;
+		push.batch_count = push.sky_samples - m < LIGHT_BATCH ? push.sky_samples - m : LIGHT_BATCH;
+		status = gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
+	}
+	return status;
+}
+
+static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
+{
+	const gw_sky_map *map = sources->map;
+	if (!map || map->width == 0)
+		return;
+	push->sky_width = map->width;
+	push->sky_height = map->height;
+	push->sky_samples = sources->map_samples;
+	push->sky_hits = sources->map_hits;
+	push->sky_total = map->total;
+	push->sky_turn = map->turn;
+	push->sky_y_up = map->y_up;
+}
+
 gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
 								gw_buffer *irradiance, gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
 	const float *sky = sources->sky;
-	gw_buffer own = { 0 }, *sampled = sources->kept ? sources->kept : &own;
+	/* What is kept are samples of emitters alone. */
+	bool map = sources->map && sources->map->width > 0;
+	gw_buffer own = { 0 }, *sampled = sources->kept && !map ? sources->kept : &own;
 	bool done = sampled->handle != VK_NULL_HANDLE;
 	gw_record_push push = { .rays = gather->rays,
 							.seed = sources->seed,
@@ -102,6 +148,7 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 							.emitter_power = emitters->power,
 							.use_hits = sources->use_hits && emitters->count > 0,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
+	put_map(sources, &push);
 	gw_status status = GW_OK;
 	if (!done)
 		status =
@@ -109,19 +156,23 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 							 16 * (uint64_t)records->count, "sampled irradiance", sampled, error);
 	if (status == GW_OK && !done && push.light_samples > 0)
 		status = sample_emitters(passes, octree, records, sources, push, sampled, error);
+	if (status == GW_OK && push.sky_width > 0)
+		status = sample_sky(passes, octree, records, sources->map, push, sampled, error);
 	if (status == GW_OK) {
 		/* The directions of the rays are made again, from their seed. */
 		push.seed = gather->seed;
-		const gw_binding bindings[] = { gw_whole(&gather->lobe),
-										gw_whole(&gather->distance),
-										gw_whole(&octree->lobe_plane),
-										gw_whole(emitters->radiance),
-										gw_window(sampled, 16),
-										gw_window(&records->position, 16),
-										gw_window(&records->normal, 16),
-										gw_window(irradiance, 16),
-										gw_whole(sources->part ? sources->part
-															   : emitters->radiance) };
+		const gw_binding bindings[] = {
+			gw_whole(&gather->lobe),
+			gw_whole(&gather->distance),
+			gw_whole(&octree->lobe_plane),
+			gw_whole(emitters->radiance),
+			gw_window(sampled, 16),
+			gw_window(&records->position, 16),
+			gw_window(&records->normal, 16),
+			gw_window(irradiance, 16),
+			gw_whole(sources->part ? sources->part : emitters->radiance),
+			gw_whole(push.sky_width > 0 ? &sources->map->texel : emitters->radiance)
+		};
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
 	}

@@ -8,6 +8,7 @@
 
 #include "emitters.h"
 #include "records.h"
+#include "sky_map.h"
 
 typedef struct gw_ray_gather {
 	uint32_t rays; /* a record */
@@ -31,12 +32,16 @@ typedef struct gw_sampled_sources {
 	const gw_buffer *part;       /* NULL, or what is gathered in place of emitters->radiance, by the
 									same samples: of a part of the light, at most as large */
 	uint32_t samples;            /* of them, a record; 0: only hits count */
-	bool use_hits;    /* emitters that the rays hit count as well, combined with the samples by
-						 multiple    importance sampling */
-	const float *sky; /* 3, radiance seen by rays that leave the scene */
-	uint32_t seed;    /* of the samples */
-	gw_buffer *kept;  /* NULL, or where what the samples brought is left for another time: vec4 a
-						 record. A buffer that exists is taken in place of samples */
+	bool use_hits;         /* emitters that the rays hit count as well, combined with the samples by
+							  multiple    importance sampling */
+	const float *sky;      /* 3, radiance seen by rays that leave the scene */
+	const gw_sky_map *map; /* NULL or without width: none. With map_hits, rays that leave the scene
+							  see it too, combined likewise. Nothing is kept then */
+	uint32_t map_samples;
+	bool map_hits;
+	uint32_t seed;   /* of the samples */
+	gw_buffer *kept; /* NULL, or where what the samples brought is left for another time: vec4 a
+						record. A buffer that exists is taken in place of samples */
 } gw_sampled_sources;
 
 /*

@@ -97,7 +97,7 @@ typedef enum gw_light_type {
 	GW_LIGHT_POINT,       /* position, intensity, radius */
 	GW_LIGHT_SPOT,        /* position, direction, intensity, inner_angle, outer_angle, radius */
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
-	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere */
+	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
 	GW_LIGHT_TYPE_COUNT
 } gw_light_type;
 
@@ -115,7 +115,21 @@ typedef struct gw_light {
 							intensity falls by smoothstep in the cosine (as pbrt's spot light) */
 	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra */
 	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
+
+	/* What comes from which direction, multiplied by radiance; of one light of a bake at most.
+	 * Longitude and latitude: rows go from straight up to straight down, columns from 180 degrees
+	 * left of where the map's centre looks to 180 degrees right of it, seen from inside. Negative
+	 * pixels and those that are no numbers count as 0; infinite ones as GW_MAP_INFINITE. Up is z,
+	 * and the centre looks along y turned clockwise, seen from above, by `rotation`; with map_y_up
+	 * up is y, and what is y above is -z. Read during gw_bake only. */
+	const float *map; /* 3 * map_width * map_height or NULL */
+	uint32_t map_width, map_height;
+	float rotation; /* degrees */
+	bool map_y_up;
 } gw_light;
+
+/* What an infinite pixel of a map counts as: the largest number that a 16-bit float holds. */
+#define GW_MAP_INFINITE 65504.0f
 
 /* ------------------------------------------------------------------------------------ options */
 

@@ -48,11 +48,22 @@ static void plan_emitters(const gw_surfels *surfels, const gw_bake_options *opti
 static void plan_sky(const gw_light *lights, size_t light_count, gw_plan *plan, gw_report *report)
 {
 	for (size_t i = 0; i < light_count; i++) {
-		for (int c = 0; c < 3 && lights[i].type == GW_LIGHT_ENVIRONMENT; c++)
+		if (lights[i].type != GW_LIGHT_ENVIRONMENT)
+			continue;
+		if (lights[i].map) {
+			bool shines = plan->limit > 0 && largest_of(lights[i].radiance, 3) > 0.0f;
+			plan->map = shines ? &lights[i] : NULL;
+			continue;
+		}
+		for (int c = 0; c < 3; c++)
 			plan->sky_radiance[c] += lights[i].radiance[c];
 	}
-	plan->sky = largest_of(plan->sky_radiance, 3) > 0.0f && plan->limit > 0;
-	if (plan->sky)
+	plan->sky = (plan->map || largest_of(plan->sky_radiance, 3) > 0.0f) && plan->limit > 0;
+	if (plan->map)
+		gw_report_effect(report, "sky", "sampled, and seen by rays that leave the scene",
+						 "an environment light has a map of %u x %u", plan->map->map_width,
+						 plan->map->map_height);
+	else if (plan->sky)
 		gw_report_effect(report, "sky", "seen by rays that leave the scene",
 						 "an environment light shines");
 	else

@@ -11,9 +11,10 @@ typedef struct gw_plan {
 	bool lamps;            /* point, spot or sun lights shine */
 	bool emitters;         /* some surfel emits */
 	bool sky;              /* the environment is not black */
+	const gw_light *map;   /* the environment light with a map, or NULL */
 	bool bounces;          /* light is reflected more than once */
 	bool records;          /* anything is gathered at all */
-	float sky_radiance[3]; /* sum of the environment lights */
+	float sky_radiance[3]; /* sum of the environment lights without a map */
 	uint32_t limit;        /* reflections, or GW_BOUNCES_AUTO */
 } gw_plan;
 

@@ -2,6 +2,7 @@
  * relight.c - see relight.h.
  */
 #include "relight.h"
+#include "report.h"
 
 #include "bounces.h"
 #include "direct_light.h"
@@ -34,11 +35,14 @@ void gw_relight_plan_part(gw_relight *part, bool emission)
 				   .limit = whole->bounces ? part->solver->report->bounce_count : whole->limit };
 	for (size_t i = 0; i < part->light_count; i++) {
 		plan->lamps |= whole->lamps && gw_light_shines(&part->lights[i]);
-		for (int c = 0; c < 3 && part->lights[i].type == GW_LIGHT_ENVIRONMENT; c++)
+		bool sky = part->lights[i].type == GW_LIGHT_ENVIRONMENT;
+		if (sky && part->lights[i].map)
+			plan->map = whole->map ? &part->lights[i] : NULL;
+		for (int c = 0; c < 3 && sky && !part->lights[i].map; c++)
 			plan->sky_radiance[c] += part->lights[i].radiance[c];
 	}
-	plan->sky = whole->sky && (plan->sky_radiance[0] > 0.0f || plan->sky_radiance[1] > 0.0f ||
-							   plan->sky_radiance[2] > 0.0f);
+	plan->sky = whole->sky && (plan->map || plan->sky_radiance[0] > 0.0f ||
+							   plan->sky_radiance[1] > 0.0f || plan->sky_radiance[2] > 0.0f);
 }
 
 /* A buffer of `count` dark vec4, made when there is none yet. */
@@ -77,6 +81,9 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .samples = s->options.light_samples,
 										 .use_hits = true,
 										 .sky = relight->plan.sky_radiance,
+										 .map = &relight->map,
+										 .map_samples = s->options.light_samples,
+										 .map_hits = true,
 										 .seed = (uint32_t)s->options.seed,
 										 .kept = relight->plan.emitters ? &s->sampled : NULL };
 	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
@@ -99,7 +106,7 @@ static gw_status add_gathered(gw_solver *s, gw_error *error)
 						 s->records.count, error);
 }
 
-/* Cones see the sky and large emitters; small emitters are sampled. */
+/* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
 static gw_status first_by_cones(gw_relight *relight, gw_error *error)
 {
 	const float black[3] = { 0 };
@@ -109,16 +116,38 @@ static gw_status first_by_cones(gw_relight *relight, gw_error *error)
 	const gw_sampled_sources sources = { .emitters = &relight->emitters,
 										 .samples = in_voxels ? 0 : s->options.light_samples,
 										 .sky = black,
+										 .map = &relight->map,
+										 .map_samples = s->options.light_samples,
 										 .seed = (uint32_t)s->options.seed };
 	gw_status status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
 											 &sources, &s->records.first, error);
-	if (status != GW_OK || (!in_voxels && !plan->sky))
+	const float *sky = plan->sky_radiance;
+	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
+	if (status != GW_OK || (!in_voxels && !seen))
 		return status;
 	status = gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
 								   in_voxels ? &s->octree.lobe_emission : &relight->lobe_radiance,
 								   in_voxels ? largest_emission(&s->surfels) : 1.0f,
 								   plan->sky_radiance, &s->records.gathered, error);
 	return status == GW_OK ? add_gathered(s, error) : status;
+}
+
+/* The map serves all rounds. */
+static gw_status make_map(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	if (!relight->plan.map || relight->map_made)
+		return GW_OK;
+	gw_status status = gw_sky_map_make(s->gpu, relight->plan.map, &relight->map, error);
+	relight->map_made = status == GW_OK;
+	if (relight->whole)
+		return status;
+	gw_report_count(s->report, "map_pixels_repaired", relight->map.repaired,
+					"pixels of the sky's map that are negative or no number: taken as 0");
+	gw_report_count(
+		s->report, "map_pixels_infinite", relight->map.infinite,
+		"pixels of the sky's map that are infinite or over 1e12: taken as 65504 or 1e12");
+	return status;
 }
 
 gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
@@ -132,6 +161,8 @@ gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
 	if (status == GW_OK && relight->plan.emitters)
 		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, &relight->emitters,
 								  error);
+	if (status == GW_OK)
+		status = make_map(relight, error);
 	if (status == GW_OK)
 		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(relight, error)
 													 : first_by_cones(relight, error);
@@ -353,6 +384,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.emitters = &relight->emitters,
 										.lobe_direct = &relight->lobe_direct,
 										.sky = relight->plan.sky_radiance,
+										.map = &relight->map,
 										.bounces = relight->plan.bounces,
 										.direct = direct,
 										.first = relight->surfel_first,
@@ -383,6 +415,8 @@ void gw_relight_clear(gw_relight *relight)
 	if (relight->solver == NULL || relight->solver->gpu == NULL)
 		return;
 	gw_relight_drop_gathered(relight);
+	gw_sky_map_destroy(relight->solver->gpu, &relight->map);
+	relight->map_made = false;
 	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_direct);
 	gw_buffer_destroy(relight->solver->gpu, &relight->lobe_direct);
 }

@@ -23,11 +23,13 @@ typedef struct gw_relight {
 	/* NULL, or this is a part of that lighting: all that depends on how much light there is, is
 	 * done as there, so that the parts add up to the whole but for roundings. */
 	const struct gw_relight *whole;
-	bool kept;                             /* parts will follow: keep what they need */
-	gw_emitters patches;                   /* of the kept: the lit lobes, and */
-	gw_buffer patch_radiance;              /* what they reflect first */
-	bool patches_sampled;                  /* whether they were sampled */
-	gw_emitters emitters;                  /* the lobes that emit */
+	bool kept;                /* parts will follow: keep what they need */
+	gw_emitters patches;      /* of the kept: the lit lobes, and */
+	gw_buffer patch_radiance; /* what they reflect first */
+	bool patches_sampled;     /* whether they were sampled */
+	gw_emitters emitters;     /* the lobes that emit */
+	gw_sky_map map;           /* of the environment light that has one */
+	bool map_made;
 	gw_buffer surfel_direct;               /* vec4 a surfel: irradiance from lamps */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
 	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */

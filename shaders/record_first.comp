@@ -1,7 +1,8 @@
 /*
  * record_first.comp - irradiance that reaches a record unreflected: from the emitters its rays hit
  * (weighted against record_emitters.comp by the balance heuristic), from the samples of emitters,
- * and from the sky where rays left the scene. Also the distance to the nearest thing it saw.
+ * and from the sky where rays left the scene (its map weighted against record_sky.comp). Also the
+ * distance to the nearest thing it saw.
  */
 #version 460
 
@@ -30,12 +31,14 @@ layout(binding = 7) writeonly buffer First
 	vec4 record_first[];
 };
 layout(binding = 8) uniform samplerBuffer lobe_part; /* of lobe_emission: what is gathered */
+layout(binding = 9) uniform samplerBuffer sky_texel;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
 };
 
 #include "record_ray.glsl"
+#include "sky_map.glsl"
 
 /* Share of an emitter's light that the hit of a gather ray stands for. */
 float hit_weight(vec3 direction, float cosine, uint lobe, float t, vec3 emission)
@@ -46,6 +49,17 @@ float hit_weight(vec3 direction, float cosine, uint lobe, float t, vec3 emission
 	float density = luminance(emission) / push.emitter_power * t * t / cosine_emitter;
 	float by_rays = float(push.rays) * cosine / PI;
 	return by_rays / (by_rays + float(push.light_samples) * density);
+}
+
+/* What the map sends along a gather ray that left the scene, as far as that ray stands for it. */
+vec3 seen_sky(vec3 g, vec3 normal, uint k)
+{
+	float cosine;
+	vec3 direction = record_ray(g, normal, k, cosine);
+	vec3 radiance = texelFetch(sky_texel, sky_texel_at(direction)).xyz;
+	float by_samples = float(push.sky_samples) * luminance(radiance) / push.sky_total;
+	float by_rays = float(push.rays) * cosine / PI;
+	return radiance * (by_rays / max(by_rays + by_samples, 1e-30));
 }
 
 void main()
@@ -66,6 +80,8 @@ void main()
 		nearest = min(nearest, t);
 		if (lobe == GW_NONE) {
 			sum += push.sky.xyz;
+			if (push.sky_hits != 0u)
+				sum += seen_sky(record_position[i].xyz, record_normal[i].xyz, k);
 			continue;
 		}
 		if (push.use_hits == 0u)

@@ -59,9 +59,17 @@ SHARED_STRUCT(gw_record_push)
 	float direct_share;  /* shade: how much of the lobes' direct irradiance is added */
 	uint use_hits;       /* first gather: emitters seen by rays count (by the balance heuristic) */
 	vec4 sky;            /* radiance of the environment */
+	uint sky_width, sky_height; /* of the map; 0: there is none */
+	uint sky_samples;           /* of the map, a record */
+	uint sky_hits;              /* first gather: rays that leave the scene see the map as well */
+	float sky_total;            /* its luminance, summed over solid angle */
+	float sky_turn;             /* of its centre, in turns clockwise from y */
+	uint sky_y_up;
+	uint unused;
 };
-SHARED_SIZE(gw_record_push, 64);
+SHARED_SIZE(gw_record_push, 96);
 SHARED_OFFSET(gw_record_push, sky, 48);
+SHARED_OFFSET(gw_record_push, sky_total, 80);
 
 /* Rays of records that keep their hits, or are traced again. */
 SHARED_STRUCT(gw_keep_push)

@@ -3,6 +3,7 @@
 # build/sanitize:cli. The groups:
 #
 #   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
+#   interop                tests/cli/run with the scripts of tests/interop
 #   cli                    tests/cli/run with BUILD/glowworm; each script is a test
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #
@@ -73,9 +74,10 @@ run_programs() { # build group
 	done
 }
 
-run_cli() { # build
-	local closing status
-	GLOWWORM=$1/glowworm tests/cli/run >"$scratch/log" 2>&1
+run_cli() { # build script...
+	local closing status build=$1
+	shift
+	GLOWWORM=$build/glowworm tests/cli/run "$@" >"$scratch/log" 2>&1
 	status=$?
 	closing=$(tail -n 1 "$scratch/log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed$/\1 \2/p')
 	sed '$d' "$scratch/log"
@@ -113,6 +115,7 @@ for item in "$@"; do
 	case $group in
 	unit | physics | hostile) run_programs "$build" "$group" ;;
 	cli) run_cli "$build" ;;
+	interop) run_cli "$build" tests/interop/*.sh ;;
 	lint) run_lint "$build" ;;
 	*)
 		echo "tests/suite.sh: there is no group $group" >&2

@@ -47,6 +47,10 @@ make_cloud | sed 's/^500000/1/; s/ 4000000/ 2/' >near.ply
 glowworm bake near.ply -q --light 'sky radiance 1' --vdb near.vdb -o near.cloud
 wc -c <near.cloud
 head -c 4 near.vdb && echo
+glowworm bake near.ply -q --light 'sky radiance 1' --vdb wide.vdb --vdb-voxel 0.5
+head -c 4 wide.vdb && echo
+glowworm bake near.ply -q --light 'sky radiance 1' --vdb no.vdb --vdb-voxel 0.01 2>&1
+echo "finer than the bake: $?"
 # Two inputs are one scene, with all points in order; names with odd characters are names.
 cp a.ply "b c'd.ply"
 glowworm bake a.ply "b c'd.ply" -q --light "$lamp" -o two.ply

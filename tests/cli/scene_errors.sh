@@ -33,7 +33,7 @@ run '{"version": 1,
 run '{"version": 1, "lights": [{"type": "point", "intensity": 1}]}'
 run '{"version": 1, "lights": [{"type": "spot", "position": [0, 0, 0], "intensity": 1}]}'
 run '{"version": 1, "lights": [{"type": "sun", "irradiance": -1}]}'
-run '{"version": 1, "lights": [{"type": "environment", "file": "sky.exr", "up": "z"}]}'
+run '{"version": 1, "lights": [{"type": "environment", "file": "sky.exr", "map": "sky.exr"}]}'
 run '{"version": 1, "lights": [{"type": "point", "outer_angle": 3}]}'
 run '{"version": 1, "bake": {"light_sample": 3}}'
 run '{"version": 1, "bake": {"rays": 0}}'

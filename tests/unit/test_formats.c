@@ -3,6 +3,7 @@
 #include "format.h"
 #include "ply_format.h"
 #include "vdb_grids.h"
+#include "voxel_merge.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -583,6 +584,48 @@ static void assert_same_file(const char *a, const char *b)
 	input_file_close(&second);
 }
 
+/* A wall of 4 x 4 voxels of density 1 and a lone one of 1/2, on both sides of 0, in cells twice and
+ * two and a half times as wide. */
+static void voxels_are_merged(void **state)
+{
+	(void)state;
+	int32_t place[51];
+	float opacity[17], vector[51], zero[51] = { 0 };
+	for (size_t i = 0; i < 17; i++) {
+		const int32_t at[3] = { (int32_t)(i % 4) - 2, i < 16 ? 5 : 40, (int32_t)(i / 4) - 2 };
+		memcpy(place + 3 * i, at, sizeof at);
+		opacity[i] = i < 16 ? 1.0f : 0.5f;
+		for (size_t k = 0; k < 3; k++)
+			vector[3 * i + k] = (float)(i % 4 * (k + 1));
+	}
+	const gw_voxels voxels = { 17, place, opacity, vector, zero, zero, zero, { 1, 2, 3 }, 0.25 };
+	gw_voxels m;
+	gw_error error = { 0 };
+	assert_int_equal(voxel_merge(&voxels, 0.5, &m, &error), GW_OK);
+	assert_int_equal(m.count, 5);
+	const int32_t expected[15] = { -1, 2, -1, 0, 2, -1, -1, 2, 0, 0, 2, 0, -1, 20, 1 };
+	assert_memory_equal(m.cell, expected, sizeof expected);
+	for (size_t i = 0; i < 5; i++) {
+		/* Four whole faces of a quarter cover a place's face; half of one is an eighth. */
+		assert_true(m.density[i] == (i < 4 ? 1.0f : 0.125f));
+		/* Columns 0 and 1, or 2 and 3; the lone voxel is of column 0. */
+		float mean = i == 4 ? 0.0f : i % 2 ? 2.5f : 0.5f;
+		assert_true(m.radiance[3 * i] == mean && m.radiance[3 * i + 2] == 3.0f * mean);
+	}
+	assert_true(m.size == 0.5 && m.origin[2] == 3.0);
+	voxel_merge_clear(&m);
+	assert_int_equal(voxel_merge(&voxels, 0.625, &m, &error), GW_OK);
+	double covered = 0.0;
+	for (size_t i = 0; i < m.count; i++)
+		covered += (double)m.density[i] * 0.625 * 0.625;
+	/* 16.5 faces of the voxels, but for the rounding of floats. */
+	assert_true(fabs(covered - 16.5 * 0.0625) < 1e-6);
+	voxel_merge_clear(&m);
+	assert_int_equal(voxel_merge(&voxels, 0.2, &m, &error), GW_ERROR_USAGE);
+	assert_non_null(strstr(error.text, "0.25 m wide"));
+	assert_int_equal(voxel_merge(&voxels, NAN, &m, &error), GW_ERROR_USAGE);
+}
+
 /* vdb_write reads the file back; here we see that the same voxels give the same bytes. */
 static void vdb_is_written(void **state)
 {
@@ -703,6 +746,7 @@ int main(void)
 		cmocka_unit_test(cloud_refuses_large_coordinates),
 		cmocka_unit_test(every_format_is_found),
 		cmocka_unit_test(content_goes_before_the_name),
+		cmocka_unit_test(voxels_are_merged),
 		cmocka_unit_test(vdb_is_written),
 		cmocka_unit_test(vdb_is_read_back),
 		cmocka_unit_test(vdb_refuses),

@@ -20,6 +20,8 @@ static gw_status read_text(const char *text, mesh *m, gw_error *error)
 	input_file in = { .name = "seed.obj", .data = (const uint8_t *)text, .length = strlen(text) };
 	if (strncmp(text, "ply", 3) == 0)
 		return mesh_ply_read(&in, m, error);
+	if (mesh_off_probe(in.data, in.length))
+		return mesh_off_read(&in, m, error);
 	return mesh_obj_read(&in, "-", m, error);
 }
 
@@ -344,9 +346,49 @@ static void materials_become_columns(void **state)
 	mesh_clear(&m);
 }
 
+/* Vertices with colours and normals, comments, counts on the first line, faces of three, four and
+ * two corners, colours behind a face. */
+static void off_files_are_read(void **state)
+{
+	(void)state;
+	mesh m = read_good("OFF 4 3 0\n# comment\n0 0 0\n2 0 0\n\n2 3 0\n0 3 0\n"
+					   "4 0 1 2 3 # a square\n2 0 1\n3 0 1 2  255 0 0\n");
+	assert_int_equal(m.triangle_count, 3);
+	assert_int_equal(m.faces_flat, 1);
+	assert_true(fabs(m.area - 9.0) < 1e-12 && m.bare);
+	mesh_clear(&m);
+	m = read_good("CNOFF\n3 1 0\n0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 255 0 255\n"
+				  "0 1 0 0 1 0 0.5 0.5 0.5 1\n3 0 1 2\n");
+	assert_true(!m.bare && m.color[0] == 1.0f && m.color[1] == 0.0f && m.color[4] == 1.0f);
+	assert_true(m.color[6] == (float)scan_srgb_decode(0.5));
+	assert_true(m.normal[2] == 1.0f && m.normal[7] == 1.0f && m.corner_normal[2] == 2);
+	mesh_clear(&m);
+	/* Vertices as points. */
+	static const char points[] = "COFF\n2 0 0\n1.5 2 3 255 0 128\n0 0 0.1 1 2 3\n";
+	input_file in = { .name = "p", .data = (const uint8_t *)points, .length = sizeof points - 1 };
+	scan cloud;
+	assert_int_equal(off_read(&in, &cloud, NULL), GW_OK);
+	assert_true(cloud.count == 2 && value(&cloud, "x", 0) == 1.5 && value(&cloud, "z", 1) == 0.1);
+	assert_true(value(&cloud, "red", 0) == 255 && value(&cloud, "blue", 0) == 128 &&
+				value(&cloud, "green", 1) == 2);
+	assert_null(scan_find(&cloud, "nx"));
+	scan_clear(&cloud);
+	assert_refused("OFF\n3 1\n0 0 0\n1 0 0\n", "too early");
+	assert_refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "no vertex");
+	assert_refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", "fewer corners");
+	assert_refused("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "no faces");
+	assert_refused("OFF\n3000000000000 1 0\n0 0 0\n", "too short");
+	assert_refused("OFF\n1e300 1e300 0\n0 0 0\n", "too short");
+	assert_refused("OFF\n1.5 1 0\n0 0 0\n1 1 1\n3 0 0 0\n", "whole");
+	assert_refused("OFF BINARY\n123", "binary");
+	assert_refused("NOFF\n1 1 0\n0 0 0\n", "too few numbers");
+	assert_refused("OFF\n1 1 0\n0 0 0 5\n3 0 0 0\n", "more numbers");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(off_files_are_read),
 		cmocka_unit_test(areas_are_summed),
 		cmocka_unit_test(every_face_has_its_share),
 		cmocka_unit_test(strata_have_the_closed_form),

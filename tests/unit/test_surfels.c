@@ -756,8 +756,8 @@ static double lamp_tilt(const gw_surfels *s, const cloud *c)
 
 /*
  * The sphere's normals turn by 2 degrees from point to point, and exact ones stay, within a
- * twentieth of that, although their points are noisy. Of 5 degrees of noise an axis, 7.1 in all, the
- * mean of 17 leaves 1.7; it is allowed as much again, root of squares added, for what the sphere's
+ * twentieth of that, although their points are noisy. Of 5 degrees of noise an axis, 7.1 in all,
+ * the mean of 17 leaves 1.7; it is allowed as much again, root of squares added, for what the sphere's
  * curvature adds and for taking noise for detail.
  */
 static void lamps_shine_on_detail_but_not_on_noise(void **state)

@@ -653,10 +653,11 @@ static void content_tells_the_format(void **state)
 	(void)state;
 	static const struct {
 		const char *text, *name;
-	} files[] = { { "1 2 3\n", "xyz" },      { "# hello\nx,y,z\n1,2,3\n", "xyz" },
-				  { "1\n1 2 3\n", "pts" },   { "1\n1\n" AXES IDENTITY "1 2 3 0.5\n", "ptx" },
-				  { PCD_HEAD, "pcd" },       { "VERSION .7\n", "pcd" },
-				  { "OFF\n8 6 12\n", NULL }, { "<html>\n", NULL } };
+	} files[] = { { "1 2 3\n", "xyz" },       { "# hello\nx,y,z\n1,2,3\n", "xyz" },
+				  { "1\n1 2 3\n", "pts" },    { "1\n1\n" AXES IDENTITY "1 2 3 0.5\n", "ptx" },
+				  { PCD_HEAD, "pcd" },        { "VERSION .7\n", "pcd" },
+				  { "OFF\n8 6 12\n", "off" }, { "solid cube\n", NULL },
+				  { "<html>\n", NULL } };
 	for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
 		const char *found = NULL;
 		for (size_t f = 0; formats[f] && !found; f++)
