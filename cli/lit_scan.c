@@ -231,16 +231,20 @@ static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
 	char text[256], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char shadows[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
+	number_print_float(shadows, (float)r->error.shadows);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
 	gw_status status = comment(m, text);
-	snprintf(text, sizeof text,
-			 "glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points", rms,
-			 spread, r->error.points);
+	snprintf(
+		text, sizeof text,
+		"glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points; edges of "
+		"shadows may add %s",
+		rms, spread, r->error.points, shadows);
 	return status == GW_OK && r->error.points ? comment(m, text) : status;
 }
 

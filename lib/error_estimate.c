@@ -5,6 +5,8 @@
 
 #include "bounces.h"
 #include "memory.h"
+#include "parallel.h"
+#include "shadow_error.h"
 #include "transport_layout.h"
 
 #include <math.h>
@@ -257,6 +259,10 @@ static void compare(const gw_estimate_task *task, const estimate *e, gw_error_es
 	if (n < 2.0)
 		return;
 	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
+	if (task->direct)
+		result->shadows = sqrt(gw_shadow_error(task->surfels, task->direct, e->counts,
+											   gw_thread_count(task->threads))) /
+						  mean;
 	double rms = sqrt(fmax(square / n, 0.0));
 	result->points = (uint32_t)n;
 	result->relative_rms = rms;

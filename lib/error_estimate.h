@@ -48,6 +48,7 @@ typedef struct gw_estimate_task {
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */
+	uint32_t threads;             /* of the host; 0: one a core */
 } gw_estimate_task;
 
 /*

@@ -280,6 +280,8 @@ typedef struct gw_error_estimate {
 	double spread;       /* its standard error: 2.3 % +- 0.3 % */
 	double bias;         /* mean error: above 0, the bake is too bright */
 	double noise;        /* part of relative_rms that more rays would lessen, estimated */
+	double shadows;      /* what misplaced edges of lamps' shadows may add (shadow_error.h); not in
+							the others, because only denser points would lessen it */
 } gw_error_estimate;
 
 /* One round of a bake that refines: with which settings it solved, and how well. */

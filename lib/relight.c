@@ -391,7 +391,8 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.indirect = relight->surfel_indirect,
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
 																			: o->light_samples,
-										.light_samples = o->light_samples };
+										.light_samples = o->light_samples,
+										.threads = o->threads };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
 	free(direct);

@@ -1,4 +1,5 @@
 /* Surfels: frame, neighbours, normals, and the surface each point stands for. */
+#include "shadow_error.h"
 #include "surfel_steps.h"
 
 #include <math.h>
@@ -757,8 +758,8 @@ static double lamp_tilt(const gw_surfels *s, const cloud *c)
 /*
  * The sphere's normals turn by 2 degrees from point to point, and exact ones stay, within a
  * twentieth of that, although their points are noisy. Of 5 degrees of noise an axis, 7.1 in all,
- * the mean of 17 leaves 1.7; it is allowed as much again, root of squares added, for what the sphere's
- * curvature adds and for taking noise for detail.
+ * the mean of 17 leaves 1.7; it is allowed as much again, root of squares added, for what the
+ * sphere's curvature adds and for taking noise for detail.
  */
 static void lamps_shine_on_detail_but_not_on_noise(void **state)
 {
@@ -885,6 +886,43 @@ static void voids_are_no_edges(void **state)
 		fail_msg("%zu of %zu discs inside the square are cut", cut_inside, inside);
 	if (10 * cut_beside < 9 * beside)
 		fail_msg("only %zu of %zu discs at its sides are cut", cut_beside, beside);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/*
+ * Half of a square is lit, with a radiance of 1 / pi: an edge as long as the square is wide. Some
+ * 140 surfels have an edge in reach, with about half of their neighbours each: the mean over them
+ * is known to 10 %, and twice that is allowed.
+ */
+static void edges_of_light_are_measured(void **state)
+{
+	(void)state;
+	const size_t count = 20000;
+	cloud c = make_cloud(count, true);
+	c.albedo = must_allocate(count, 3 * sizeof(float));
+	for (size_t i = 0; i < count; i++) {
+		double x = uniform(), y = uniform();
+		set_point(&c, i, x, y, 0);
+		c.normal[3 * i + 2] = 1;
+		for (size_t k = 0; k < 3; k++)
+			c.albedo[3 * i + k] = 0.5f;
+	}
+	gw_surfels s = make(&c);
+	float *direct = must_allocate(s.count, 4 * sizeof *direct);
+	bool *counts = must_allocate(s.count, sizeof *counts);
+	for (size_t i = 0; i < s.count; i++) {
+		bool lit = (double)s.position[3 * i] + s.origin[0] < 0.4;
+		for (size_t k = 0; k < 3; k++)
+			direct[4 * i + k] = lit ? 2.0f : 0.0f;
+		counts[i] = true;
+	}
+	double found = gw_shadow_error(&s, direct, counts, 2) * PI * PI;
+	double expected = GW_EDGE_OFFSET / sqrt((double)count);
+	if (!(fabs(found / expected - 1) < 0.2))
+		fail_msg("the error of the edge is %g, not %g", found, expected);
+	free(direct);
+	free(counts);
 	gw_surfels_clear(&s);
 	clear_cloud(&c);
 }
@@ -1197,6 +1235,7 @@ int main(void)
 		cmocka_unit_test(clean_points_stay),
 		cmocka_unit_test(discs_end_at_edges),
 		cmocka_unit_test(voids_are_no_edges),
+		cmocka_unit_test(edges_of_light_are_measured),
 		cmocka_unit_test(discs_end_at_creases),
 		cmocka_unit_test(thin_walls_are_two_surfaces),
 		cmocka_unit_test(few_or_degenerate_points_work),

@@ -1,0 +1,92 @@
+/*
+ * shadow_error.c - see shadow_error.h.
+ */
+#include "shadow_error.h"
+
+#include "memory.h"
+#include "parallel.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define ORDER_REACH 12u   /* surfels after one in Morton order that are looked at */
+#define SAME_SURFACE 0.9f /* least cosine between normals */
+#define EDGE_RATIO 0.5    /* light on the dark side of an edge is less than this of the other's */
+#define CHUNK 4096u       /* surfels whose errors are added up at a time */
+
+static const double pi = 3.14159265358979323846;
+
+typedef struct shadow_edges {
+	const gw_surfels *surfels;
+	const float *direct;
+	const bool *counts;
+	double *square; /* a chunk, sum of squared errors */
+	size_t *used;   /* a chunk, surfels that count */
+} shadow_edges;
+
+/* Luminance that a surfel would reflect of the light of lamps at another. */
+static double reflected(const shadow_edges *e, size_t surfel, size_t at)
+{
+	const float *rho = e->surfels->albedo + 3 * surfel, *light = e->direct + 4 * at;
+	return (0.2126 * (double)(rho[0] * light[0]) + 0.7152 * (double)(rho[1] * light[1]) +
+			0.0722 * (double)(rho[2] * light[2])) /
+		   pi;
+}
+
+static bool are_neighbours(const gw_surfels *s, size_t i, size_t j)
+{
+	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
+	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
+	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
+		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > SAME_SURFACE;
+}
+
+/* Mean over the neighbours of the squared difference, as far as it is a shadow's edge. */
+static double edge_at(const shadow_edges *e, size_t i)
+{
+	const gw_surfels *s = e->surfels;
+	double own = reflected(e, i, i), sum = 0.0;
+	uint32_t neighbours = 0;
+	for (size_t j = i + 1; j < s->count && j <= i + ORDER_REACH; j++) {
+		if (!are_neighbours(s, i, j))
+			continue;
+		double other = reflected(e, i, j);
+		neighbours++;
+		if (fmin(own, other) < EDGE_RATIO * fmax(own, other))
+			sum += (own - other) * (own - other);
+	}
+	return neighbours ? sum / neighbours : 0.0;
+}
+
+static void add_chunk(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const shadow_edges *e = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		if (!e->counts[i])
+			continue;
+		double width = sqrt((double)e->surfels->area[i]);
+		double share = GW_EDGE_OFFSET * width / ((double)e->surfels->radius[i] * 4 / (3 * pi));
+		e->square[first / CHUNK] += share * edge_at(e, i);
+		e->used[first / CHUNK]++;
+	}
+}
+
+double gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
+					   uint32_t threads)
+{
+	size_t chunks = surfels->count / CHUNK + 1, used = 0;
+	shadow_edges e = { surfels, direct, counts, gw_allocate_zeros(chunks, sizeof *e.square),
+					   gw_allocate_zeros(chunks, sizeof *e.used) };
+	double sum = 0.0;
+	if (e.square && e.used)
+		gw_parallel_for(threads, surfels->count, CHUNK, add_chunk, &e);
+	for (size_t c = 0; c < chunks && e.square && e.used; c++) {
+		sum += e.square[c];
+		used += e.used[c];
+	}
+	free(e.square);
+	free(e.used);
+	return used ? sum / (double)used : 0.0;
+}

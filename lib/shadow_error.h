@@ -1,0 +1,36 @@
+/*
+ * shadow_error.h - what the edges of shadows are off, from the light that lamps bring to the
+ * points.
+ *
+ * Lamps are shadowed at every point, but what casts the shadow ends somewhere between its last
+ * points, and so do its shadow's edges. Points beside an edge are then lit that should not be, or
+ * the other way round: n l |d| of them along an edge of length l, with n points a square metre and
+ * an edge that is off by d. How long the edges are shows where neighbouring points on the same
+ * surface differ: of a point's neighbours within r, the share on the other side of an edge, summed
+ * over all points around, is n l r 4 / (3 pi).
+ *
+ * Edges are taken to be off by what free edges of surface among random points are. Where the edge
+ * is a crease, whose place is known from both its sides, less is wrong, and nothing at all where a
+ * cone of light or a penumbra ends steeply; where the lamp is much nearer to the edge than the
+ * shadow is, more.
+ */
+#ifndef SHADOW_ERROR_H
+#define SHADOW_ERROR_H
+
+#include "surfels.h"
+
+/* Mean distance of an edge from its true place, in spacings of the points: 9 mm on the sides of a
+ * square opening among random points 25 mm apart, and a little less at its corners. */
+#define GW_EDGE_OFFSET 0.3
+
+/*
+ * Expected mean over the counted surfels of the squared error of luminance that misplaced edges
+ * bring, in (W/(sr m^2))^2.
+ *   direct   4 a surfel, irradiance from lamps
+ *   counts   one a surfel: whether its error counts
+ *   threads  as for gw_parallel_for
+ */
+double gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
+					   uint32_t threads);
+
+#endif
