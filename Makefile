@@ -60,7 +60,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench lint install uninstall help clean FORCE
+.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -187,6 +187,11 @@ gallery: deps  ## pictures of the three sample scenes, with and without each eff
 	@$(build_quietly) all
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
 		samples/gallery.sh $(BUILD)/gallery
+
+tradeoff: deps  ## error, seconds and memory of many settings, into samples/tradeoff.md
+	@$(build_quietly) all
+	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
+		samples/tradeoff.sh $(BUILD)/tradeoff samples/tradeoff.md
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share

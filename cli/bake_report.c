@@ -293,6 +293,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_REACHED] = "that is as small as asked",
 		[GW_GOAL_TIME] = "another round would not be done in time",
 		[GW_GOAL_EXHAUSTED] = "nothing is left that can be refined",
+		[GW_GOAL_STALLED] = "finer settings no longer lessen it",
 		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
 	};
 	const gw_report *r = &f->result->report;

@@ -1,12 +1,17 @@
 #include "tradeoff_plot.h"
 
 #include <math.h>
+#include <string.h>
 
 #define PANEL_WIDTH 430.0
 #define PANEL_HEIGHT 380.0
 #define LEFT 70.0
-#define TOP 50.0
+#define TOP 64.0
 #define GAP 90.0
+
+/* Of labels, in pixels; a sans-serif letter of 11 pixels is about half as wide. */
+#define LETTER_WIDTH 6.0
+#define LABEL_HEIGHT 13.0
 
 /* One panel: where it is, and the range of its axes, as logarithms. */
 typedef struct panel {
@@ -14,6 +19,11 @@ typedef struct panel {
 	double x_least, x_most, y_least, y_most;
 	bool memory;
 } panel;
+
+/* A rectangle on the page, in pixels. */
+typedef struct box {
+	double left, top, right, bottom;
+} box;
 
 static bool drawn(const tradeoff *t, size_t i)
 {
@@ -78,7 +88,7 @@ static void draw_ticks(const panel *p, FILE *out, bool upright)
 	double least = upright ? p->y_least : p->x_least, most = upright ? p->y_most : p->x_most;
 	bool narrow = most - least < 0.6;
 	for (int decade = (int)floor(least); decade <= (int)ceil(most); decade++)
-		for (int k = 10; k < 100; k += narrow ? 5 : 1) {
+		for (int k = 10; k < 100; k += narrow && k >= 20 ? 5 : 1) {
 			double value = k * 0.1 * pow(10.0, decade);
 			bool round = k == 10 || k == 20 || k == 50 || narrow;
 			if (round && log10(value) >= least && log10(value) <= most)
@@ -101,7 +111,20 @@ static void draw_axes(const panel *p, FILE *out)
 			p->x - 46.0, p->y + PANEL_HEIGHT / 2.0);
 }
 
-/* From the fastest to the nearest. */
+/* Whether no other run of the panel is both as far left and as near. */
+static bool on_front(const tradeoff *t, const panel *p, size_t i)
+{
+	double x = x_of(p, &t->run[i]), y = y_of(&t->run[i]);
+	for (size_t j = 0; j < t->count; j++) {
+		double off_x = drawn(t, j) ? x_of(p, &t->run[j]) - x : INFINITY;
+		double off_y = drawn(t, j) ? y_of(&t->run[j]) - y : INFINITY;
+		if (off_x <= 0.0 && off_y <= 0.0 && (off_x < 0.0 || off_y < 0.0))
+			return false;
+	}
+	return drawn(t, i);
+}
+
+/* From left to right. */
 static void draw_front(const tradeoff *t, const panel *p, FILE *out)
 {
 	double last = -INFINITY;
@@ -109,36 +132,73 @@ static void draw_front(const tradeoff *t, const panel *p, FILE *out)
 	for (size_t k = 0; k < t->count; k++) {
 		const tradeoff_run *next = NULL;
 		for (size_t i = 0; i < t->count; i++)
-			if (drawn(t, i) && t->run[i].front && t->run[i].seconds > last &&
-				(!next || t->run[i].seconds < next->seconds))
+			if (on_front(t, p, i) && x_of(p, &t->run[i]) > last &&
+				(!next || x_of(p, &t->run[i]) < x_of(p, next)))
 				next = &t->run[i];
 		if (!next)
 			break;
-		last = next->seconds;
-		fprintf(out, "%s%.1f %.1f", any ? " L" : "<path class=\"front\" d=\"M",
-				place_x(p, x_of(p, next)), place_y(p, y_of(next)));
+		last = x_of(p, next);
+		fprintf(out, "%s%.1f %.1f", any ? " L" : "<path class=\"front\" d=\"M", place_x(p, last),
+				place_y(p, y_of(next)));
 		any = true;
 	}
 	if (any)
 		fputs("\"/>\n", out);
 }
 
-/* A label stands beside its mark, on the side where there is room, and below the mark where another
- * one would be in its way. */
-static void draw_label(const tradeoff *t, const panel *p, size_t i, FILE *out)
+static box mark_box(const tradeoff *t, const panel *p, size_t i)
 {
-	double x = place_x(p, x_of(p, &t->run[i])), y = place_y(p, y_of(&t->run[i])), shift = 4.0;
-	bool left = x > p->x + 0.6 * PANEL_WIDTH;
-	for (size_t j = 1; j < i; j++)
-		if (drawn(t, j) && fabs(place_y(p, y_of(&t->run[j])) - y) < 11.0 &&
-			fabs(place_x(p, x_of(p, &t->run[j])) - x) < 150.0)
-			shift += place_y(p, y_of(&t->run[j])) > y ? -9.0 : 9.0;
-	fprintf(out, "<text class=\"label\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%s</text>\n",
-			left ? x - 9.0 : x + 9.0, y + shift, left ? "end" : "start", t->run[i].name);
+	double x = place_x(p, x_of(p, &t->run[i])), y = place_y(p, y_of(&t->run[i]));
+	return (box){ x - 6.0, y - 6.0, x + 6.0, y + 6.0 };
+}
+
+static double overlap(const box *a, const box *b)
+{
+	double width = fmin(a->right, b->right) - fmax(a->left, b->left);
+	double height = fmin(a->bottom, b->bottom) - fmax(a->top, b->top);
+	return width > 0.0 && height > 0.0 ? width * height : 0.0;
+}
+
+/* How much of a label's box is taken: by marks, by labels that stand there, by the panel's edge. */
+static double taken(const tradeoff *t, const panel *p, const box *label, const box *stands,
+					size_t count)
+{
+	double sum = 0.0;
+	for (size_t i = 0; i < t->count; i++) {
+		box mark = drawn(t, i) ? mark_box(t, p, i) : (box){ 0 };
+		sum += overlap(label, &mark);
+	}
+	for (size_t i = 0; i < count; i++)
+		sum += overlap(label, &stands[i]);
+	const box inside = { p->x, p->y, p->x + PANEL_WIDTH, p->y + PANEL_HEIGHT };
+	double area = (label->right - label->left) * (label->bottom - label->top);
+	return sum + area - overlap(label, &inside);
+}
+
+/* A label stands beside its mark; where something is in its way, on the other side or further up or
+ * down, where least is. */
+static box place_label(const tradeoff *t, const panel *p, size_t i, const box *stands, size_t count)
+{
+	double width = LETTER_WIDTH * (double)strlen(t->run[i].name), least = INFINITY;
+	box mark = mark_box(t, p, i), best = { 0 };
+	for (int k = 0; k < 14; k++) {
+		double shift = LABEL_HEIGHT * (k / 4 + (k / 2 % 2)) * (k / 2 % 2 ? -0.5 : 0.5);
+		double left = k % 2 ? mark.left - 3.0 - width : mark.right + 3.0;
+		double top = 0.5 * (mark.top + mark.bottom - LABEL_HEIGHT) + shift * 2.0;
+		box label = { left, top, left + width, top + LABEL_HEIGHT };
+		double found = taken(t, p, &label, stands, count);
+		if (found < least - 0.5) {
+			least = found;
+			best = label;
+		}
+	}
+	return best;
 }
 
 static void draw_marks(const tradeoff *t, const panel *p, FILE *out)
 {
+	box stands[TRADEOFF_RUNS];
+	size_t count = 0;
 	for (size_t i = 0; i < t->count; i++) {
 		if (!drawn(t, i))
 			continue;
@@ -149,7 +209,12 @@ static void draw_marks(const tradeoff *t, const panel *p, FILE *out)
 		else
 			fprintf(out, "<rect class=\"cones\" x=\"%.1f\" y=\"%.1f\" width=\"9\" height=\"9\"/>\n",
 					x - 4.5, y - 4.5);
-		draw_label(t, p, i, out);
+		box label = place_label(t, p, i, stands, count);
+		stands[count++] = label;
+		bool left = label.left < x;
+		fprintf(out, "<text class=\"label\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%s</text>\n",
+				left ? label.right : label.left, label.bottom - 3.5, left ? "end" : "start",
+				run->name);
 	}
 }
 
@@ -169,10 +234,12 @@ void tradeoff_plot_write(const tradeoff *t, FILE *out)
 	fprintf(out, "<rect width=\"%.0f\" height=\"%.0f\" fill=\"white\"/>\n", width, height);
 	fprintf(
 		out,
-		"<text class=\"axis\" x=\"%.0f\" y=\"28\">Circles are rays, squares are cones; the line "
-		"joins what no other setting beats in time and error. The reference took %.3g s and "
-		"estimates its own error as %.2g %%.</text>\n",
-		LEFT, t->run[0].seconds, 100.0 * e->relative_rms);
+		"<text class=\"axis\" x=\"%.0f\" y=\"24\">Circles are rays, squares are cones; a line "
+		"joins "
+		"what nothing beats in both axes of its panel.</text>\n"
+		"<text class=\"axis\" x=\"%.0f\" y=\"44\">The reference took %.3g s and estimates its own "
+		"error as %.2g %%.</text>\n",
+		LEFT, LEFT, t->run[0].seconds, 100.0 * e->relative_rms);
 	for (int k = 0; k < 2; k++) {
 		panel p = fit(t, k ? LEFT + PANEL_WIDTH + GAP : LEFT, k == 1);
 		draw_axes(&p, out);

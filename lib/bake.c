@@ -306,6 +306,8 @@ static gw_refine_answer choose_next(bake *b, gw_bake_options *next, char why[96]
 									.error = b->report->error,
 									.round_seconds = now - b->round_start,
 									.octree_seconds = b->octree_seconds,
+									.round = b->report->round,
+									.round_count = b->report->round_count,
 									.seconds_left =
 										limit > 0.0 ? b->start + limit - now : INFINITY };
 	return gw_refine_next(&state, next, why);
@@ -330,6 +332,8 @@ static gw_status refine(bake *b, gw_error *error)
 			r->goal = GW_GOAL_REACHED;
 		else if (answer == GW_REFINE_NO_TIME)
 			r->goal = GW_GOAL_TIME;
+		else if (answer == GW_REFINE_STALLED)
+			r->goal = GW_GOAL_STALLED;
 		else if (answer == GW_REFINE_EXHAUSTED)
 			r->goal = GW_GOAL_EXHAUSTED;
 		else

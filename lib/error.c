@@ -43,6 +43,7 @@ const char *gw_goal_name(gw_goal goal)
 										[GW_GOAL_REACHED] = "reached",
 										[GW_GOAL_TIME] = "time",
 										[GW_GOAL_EXHAUSTED] = "exhausted",
+										[GW_GOAL_STALLED] = "stalled",
 										[GW_GOAL_MEMORY] = "memory" };
 	static_assert(sizeof name / sizeof *name == GW_GOAL_COUNT, "every goal has a name");
 	assert((unsigned)goal < GW_GOAL_COUNT);

@@ -299,6 +299,7 @@ typedef enum gw_goal {
 	GW_GOAL_REACHED,   /* the error is as small as asked */
 	GW_GOAL_TIME,      /* the next round would not have ended in time */
 	GW_GOAL_EXHAUSTED, /* nothing is left that can be refined */
+	GW_GOAL_STALLED,   /* finer settings have not lessened the error, twice in a row */
 	GW_GOAL_MEMORY,    /* finer settings do not fit into memory */
 	GW_GOAL_COUNT
 } gw_goal;

@@ -15,6 +15,12 @@
 /* Noise, or the rest, is attacked when it is more than this share of the mean square error. */
 #define SHARE_LEAST 0.3
 
+/* A round has helped when it leaves less than this share of the error and its spread. */
+#define HELPED 0.95
+
+/* After so many rounds that have not helped, no more are made. */
+#define VAIN_MOST 2u
+
 /* A round asks at most for so many times the work of the last one; below SMALLEST it is not worth
  * its fixed costs. */
 #define WORK_MOST 16.0
@@ -74,14 +80,29 @@ static double excess(const gw_refine_state *state)
 	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
 }
 
+/* How many of the last rounds, one after the other, have not helped. */
+static uint32_t rounds_in_vain(const gw_refine_state *state)
+{
+	uint32_t vain = 0;
+	for (uint32_t i = state->round_count; state->round && i >= 2; i--, vain++) {
+		const gw_error_estimate *e = &state->round[i - 1].error,
+								*before = &state->round[i - 2].error;
+		if (e->relative_rms + e->spread < HELPED * (before->relative_rms + before->spread))
+			break;
+	}
+	return vain;
+}
+
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
 static growth wanted_growth(const gw_refine_state *state, char why[96])
 {
 	const gw_error_estimate *e = &state->error;
 	double square = fmax(e->relative_rms * e->relative_rms, 1e-12);
 	double noise = fmin(e->noise * e->noise / square, 1.0), factor = excess(state);
-	bool rays = noise > SHARE_LEAST, density = 1.0 - noise > SHARE_LEAST;
-	snprintf(why, 96, "%.0f %% of the square error is noise of the rays", 100.0 * noise);
+	bool vain = rounds_in_vain(state) > 0;
+	bool rays = vain || noise > SHARE_LEAST, density = vain || 1.0 - noise > SHARE_LEAST;
+	snprintf(why, 96, "%.0f %% of the square error is noise of the rays%s", 100.0 * noise,
+			 vain ? "; the last round did not help" : "");
 	return (growth){ .rays = rays ? fmin(fmax(factor * factor, 2.0), 8.0) : 1.0,
 					 .density = density ? fmin(fmax(factor, 1.4142135623730951), 2.0) : 1.0 };
 }
@@ -127,6 +148,9 @@ static double seconds_of(const gw_refine_state *state, const gw_bake_options *ne
 
 gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *next, char why[96])
 {
+	/* Who gives nothing but time wants it used. */
+	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+		return GW_REFINE_STALLED;
 	growth full = possible_growth(state, wanted_growth(state, why));
 	gw_bake_options option = grown(state, full);
 	if (!differs(&option, state->options))

@@ -4,7 +4,8 @@
  * A bake that has a target solves, estimates its error, and solves again with settings that attack
  * the larger part of it: noise of the rays (GW_ESTIMATE: the halves of a probe's rays disagree, and
  * so will records) asks for more rays, the rest for more records, and when those stand as dense as
- * the leaves, for narrower leaves.
+ * the leaves, for narrower leaves. When a round did not help, the next one attacks both; when that
+ * does not help either, what is left is not a matter of settings and more work would be in vain.
  */
 #ifndef REFINE_H
 #define REFINE_H
@@ -17,13 +18,16 @@ typedef struct gw_refine_state {
 	gw_error_estimate error;        /* that it made */
 	double round_seconds;           /* from placing records to the estimate */
 	double octree_seconds;          /* the octree and the direct light, where they were last made */
-	double seconds_left;            /* for the next one; INFINITY where time does not matter */
+	const gw_round *round;          /* round_count rounds so far, this one the last; may be NULL */
+	uint32_t round_count;
+	double seconds_left; /* for the next one; INFINITY where time does not matter */
 } gw_refine_state;
 
 typedef enum gw_refine_answer {
 	GW_REFINE_ROUND,     /* go on with *next */
 	GW_REFINE_NO_TIME,   /* even a small step would take longer than what is left */
 	GW_REFINE_EXHAUSTED, /* all settings are at their limits */
+	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error */
 } gw_refine_answer;
 
 /* What error->relative_rms plus its spread has to be under; 0 when no target is given. Whether it

@@ -108,6 +108,35 @@ static void it_ends(void **state)
 	}
 }
 
+/* A round that did not help makes the next one pull both ways, a second one ends it, unless time is
+ * all that was asked for. */
+static void what_does_not_help_ends(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	o.max_error = 0.01f;
+	gw_round round[3] = { { .error = { .relative_rms = 0.05 } },
+						  { .error = { .relative_rms = 0.02 } },
+						  { .error = { .relative_rms = 0.0199 } } };
+	gw_refine_state s = state_of(&o, 0.02, 0.02);
+	s.round = round;
+	s.round_count = 2;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+	assert_true(next.rays > o.rays && next.record_spacing == o.record_spacing);
+	s.round_count = 3;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+	assert_true(next.rays > o.rays && next.record_spacing < o.record_spacing);
+	round[0].error.relative_rms = 0.0201;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_STALLED);
+	/* The spread is part of what has to fall. */
+	round[0].error.spread = 0.01;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+	round[0].error.spread = 0.0;
+	o.max_error = 0.0f;
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+}
+
 static void time_makes_steps_smaller(void **state)
 {
 	(void)state;
@@ -132,6 +161,7 @@ int main(void)
 		cmocka_unit_test(noise_asks_for_rays),
 		cmocka_unit_test(the_rest_asks_for_records_then_leaves),
 		cmocka_unit_test(it_ends),
+		cmocka_unit_test(what_does_not_help_ends),
 		cmocka_unit_test(time_makes_steps_smaller),
 	};
 	return cmocka_run_group_tests_name("refine", tests, NULL, NULL);
