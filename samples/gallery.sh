@@ -16,12 +16,12 @@
 # cornell-emitters-sampled and -voxels are the direct light of the lamp, sampled and as mere light
 # of voxels that cones look for, which brings no sharp shadows (his figure 6.1).
 #
-#   gallery.sh FOLDER [POINTS]     POINTS of each box, 300000 unless said
+#   gallery.sh FOLDER [POINTS]     POINTS of each box, 200000 unless said
 set -eu
 GLOWWORM=${GLOWWORM:-glowworm}
 MAKE_CAVE=${MAKE_CAVE:-make_cave}
 folder=$1
-points=${2:-300000}
+points=${2:-200000}
 here=$(cd "$(dirname "$0")" && pwd)
 
 bake() { # scene variant option...
