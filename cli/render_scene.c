@@ -167,21 +167,27 @@ static bool is_photometric(const scan *cloud)
 	return false;
 }
 
-/* What sends out more light of its own than it reflects glows. */
+/* What sends out more light of its own than it reflects glows, if that is more than this share of
+ * what the brightest one sends. */
+#define GLOW 0.01
+
 static gw_status find_glowing(render_scene *scene, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;
 	int radiance = scene->offset[RENDER_RADIANCE];
 	size_t stride = scene->raster.channel_count, count = 0;
+	double brightest = 0.0;
 	if (!s->emission || radiance < 0)
 		return GW_OK;
 	scene->glows = calloc(s->count, 1);
 	if (!scene->glows)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		brightest = fmax(brightest, preview_luminance(s->emission + 3 * i));
 	for (size_t i = 0; i < s->count; i++) {
 		const float *all = scene->channel + i * stride + radiance;
 		double own = preview_luminance(s->emission + 3 * i);
-		scene->glows[i] = own > 0.5 * preview_luminance(all);
+		scene->glows[i] = own > 0.5 * preview_luminance(all) && own > GLOW * brightest;
 		count += scene->glows[i];
 	}
 	if (count == 0 || count == s->count) {

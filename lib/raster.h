@@ -19,8 +19,8 @@
  * is, they are repeated without the half-planes at which discs are cut, and what that brings is
  * shown if it closes a hole: with surface on both sides.
  *
- * Where discs that glow lie among others, a sample shows the mean of those kinds that weighs more, so
- * that a lamp ends where its points end, not where the last of its discs does.
+ * Where discs that glow lie among others, a sample shows the kind that weighs more, so that a lamp
+ * ends where its points end, not where the last of its discs does.
  *
  * A disc smaller than a sample is widened until it meets one, and weighs as much less as it grew,
  * so that points below a sample's size neither vanish nor outweigh others.
