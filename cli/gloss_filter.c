@@ -16,6 +16,9 @@
 #define MATERIAL 0.05f
 #define OFF_PLANE 0.01f
 
+/* Neighbours of the same surface without which a bright pixel is no speck, but something small. */
+#define LEAST_NEAR 5
+
 typedef struct filter {
 	const gw_pixels *pixels;
 	const size_t *place;
@@ -65,6 +68,34 @@ static void smooth(const filter *f, size_t pixel, float *reflected)
 		reflected[4 * pixel + k] = reflected[4 * pixel + 3] * sum[k] / count;
 }
 
+/* A ray in many that meets a lamp makes a pixel far brighter than all around it: what it has more
+ * than the brightest of those is spread over them, so that none of it is lost. */
+static void spread_speck(const filter *f, size_t pixel)
+{
+	size_t near[8], count = 0;
+	int x = (int)(f->place[pixel] % f->width), y = (int)(f->place[pixel] / f->width);
+	float brightest[3] = { 0 };
+	for (int v = y - 1; v <= y + 1; v++)
+		for (int u = x - 1; u <= x + 1; u++) {
+			if ((u == x && v == y) || u < 0 || v < 0 || u >= (int)f->width || v >= (int)f->height)
+				continue;
+			uint32_t other = f->listed[(size_t)v * f->width + (size_t)u];
+			if (other == 0 || !same_surface(f->pixels, pixel, other - 1))
+				continue;
+			near[count++] = other - 1;
+			for (size_t k = 0; k < 3; k++)
+				brightest[k] = fmaxf(brightest[k], f->light[3 * near[count - 1] + k]);
+		}
+	for (size_t k = 0; k < 3 && count >= LEAST_NEAR; k++) {
+		float part = (f->light[3 * pixel + k] - brightest[k]) / (float)(count + 1);
+		if (!(part > 0.0f))
+			continue;
+		f->light[3 * pixel + k] = brightest[k] + part;
+		for (size_t n = 0; n < count; n++)
+			f->light[3 * near[n] + k] += part;
+	}
+}
+
 gw_status gloss_filter_apply(const gw_pixels *pixels, const size_t *place, uint32_t width,
 							 uint32_t height, uint32_t rays, float *reflected, gw_error *error)
 {
@@ -79,8 +110,9 @@ gw_status gloss_filter_apply(const gw_pixels *pixels, const size_t *place, uint3
 			f.light[3 * i + k] = share > 0.0f ? reflected[4 * i + k] / share : 0.0f;
 	}
 	for (size_t i = 0; i < pixels->count && good; i++)
-		if (reach_of(&f, i) > 0)
-			smooth(&f, i, reflected);
+		spread_speck(&f, i);
+	for (size_t i = 0; i < pixels->count && good; i++)
+		smooth(&f, i, reflected);
 	free(f.listed);
 	free(f.light);
 	return good ? GW_OK

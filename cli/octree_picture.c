@@ -4,6 +4,7 @@
 #include "glossy_points.h"
 #include "signals.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -174,6 +175,65 @@ static gw_status read_voxels(octree_picture *p, const render_scene *scene, const
 	return status;
 }
 
+/* Pixels around one that shows two materials in which one of them is looked for. */
+#define NEAR_BY 2
+
+/* Differences in reflectance that are none. */
+#define SAME_GLOSS 0.01f
+
+/* Whether a pixel shows one material alone: its reflectance is then that of what is nearest. */
+static bool is_pure(const render_scene *scene, const gw_gbuffer *g, size_t pixel)
+{
+	uint32_t id = g->id[pixel];
+	if (!(g->coverage[pixel] > 0.0f) || id >= scene->surfels.count)
+		return false;
+	float nearest = scene->channel[(size_t)id * scene->raster.channel_count +
+								   (size_t)scene->offset[RENDER_SPECULAR]];
+	return fabsf(channel_of(scene, g, pixel, RENDER_SPECULAR, 0, 0.0f) - nearest) < SAME_GLOSS;
+}
+
+/* The mean of the pure pixels near by that are glossier than one, or less glossy: their light, and
+ * behind it their reflectance. False when there are none. */
+static bool average_side(const render_scene *scene, const gw_gbuffer *g, const float *values,
+						 size_t pixel, bool glossier, float mean[4])
+{
+	int x = (int)(pixel % g->width), y = (int)(pixel / g->width);
+	float own = channel_of(scene, g, pixel, RENDER_SPECULAR, 0, 0.0f), count = 0.0f;
+	memset(mean, 0, 4 * sizeof *mean);
+	for (int v = y - NEAR_BY; v <= y + NEAR_BY; v++)
+		for (int u = x - NEAR_BY; u <= x + NEAR_BY; u++) {
+			if (u < 0 || v < 0 || u >= (int)g->width || v >= (int)g->height)
+				continue;
+			size_t other = (size_t)v * g->width + (size_t)u;
+			float gloss = channel_of(scene, g, other, RENDER_SPECULAR, 0, 0.0f);
+			if (!(glossier ? gloss > own : gloss < own) || !is_pure(scene, g, other))
+				continue;
+			for (size_t k = 0; k < 3; k++)
+				mean[k] += values[3 * other + k];
+			mean[3] += gloss;
+			count += 1.0f;
+		}
+	for (size_t k = 0; k < 4 && count > 0.0f; k++)
+		mean[k] /= count;
+	return count > 0.0f;
+}
+
+/* A pixel at the rim of something glossy has a normal between those of two surfaces and would
+ * reflect what neither does: it gets the light of both sides instead, by the share of each. */
+static void mend_rims(const render_scene *scene, const gw_gbuffer *g, const asked *a, float *values)
+{
+	for (size_t j = 0; j < a->pixels.count; j++) {
+		size_t i = a->place[j];
+		float more[4], less[4];
+		if (is_pure(scene, g, i) || !average_side(scene, g, values, i, true, more) ||
+			!average_side(scene, g, values, i, false, less))
+			continue;
+		float share = (a->normal[4 * j + 3] - less[3]) / (more[3] - less[3]);
+		for (size_t k = 0; k < 3; k++)
+			values[3 * i + k] = share * more[k] + (1.0f - share) * less[k];
+	}
+}
+
 /* Baked light is what the albedo of all reflected light makes of it; the diffuse surface's is less,
  * and less again by what the gloss takes on the way to this eye. */
 static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_camera *camera,
@@ -198,6 +258,8 @@ static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_
 				own + left * (diffuse > 0.0f ? diffuse : 0.0f) + a.answer[4 * j + k];
 		}
 	}
+	if (status == GW_OK)
+		mend_rims(scene, g, &a, values);
 	p->pixels += a.pixels.count;
 	asked_clear(&a);
 	return status;

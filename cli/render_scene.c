@@ -167,6 +167,36 @@ static bool is_photometric(const scan *cloud)
 	return false;
 }
 
+/* What sends out more light of its own than it reflects glows, if that is more than this share of
+ * what the brightest one sends. */
+#define GLOW 0.01
+
+static gw_status find_glowing(render_scene *scene, gw_error *error)
+{
+	const gw_surfels *s = &scene->surfels;
+	int radiance = scene->offset[RENDER_RADIANCE];
+	size_t stride = scene->raster.channel_count, count = 0;
+	double brightest = 0.0;
+	if (!s->emission || radiance < 0)
+		return GW_OK;
+	scene->glows = calloc(s->count, 1);
+	if (!scene->glows)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		brightest = fmax(brightest, preview_luminance(s->emission + 3 * i));
+	for (size_t i = 0; i < s->count; i++) {
+		const float *all = scene->channel + i * stride + radiance;
+		double own = preview_luminance(s->emission + 3 * i);
+		scene->glows[i] = own > 0.5 * preview_luminance(all) && own > GLOW * brightest;
+		count += scene->glows[i];
+	}
+	if (count == 0 || count == s->count) {
+		free(scene->glows);
+		scene->glows = NULL;
+	}
+	return GW_OK;
+}
+
 static void point_to_surfels(render_scene *scene)
 {
 	const gw_surfels *s = &scene->surfels;
@@ -177,6 +207,7 @@ static void point_to_surfels(render_scene *scene)
 											 .radius = s->radius,
 											 .clip = s->clip,
 											 .two_sided = s->two_sided,
+											 .glows = scene->glows,
 											 .channel = scene->channel };
 }
 
@@ -222,6 +253,8 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	lay_out(scene, &loaded->cloud, wanted);
 	status = fill_channels(scene, &loaded->cloud, error);
 	if (status == GW_OK)
+		status = find_glowing(scene, error);
+	if (status == GW_OK)
 		point_to_surfels(scene);
 	if (status == GW_OK)
 		status = render_mesh_add(s, scene, error);
@@ -254,6 +287,7 @@ void render_scene_clear(render_scene *scene)
 {
 	gw_surfels_clear(&scene->surfels);
 	free(scene->channel);
+	free(scene->glows);
 	free(scene->luminance);
 	gw_mesh_pieces_clear(&scene->pieces);
 	free(scene->index);

@@ -33,6 +33,7 @@ typedef struct render_scene {
 	gw_surfels surfels;
 	float *channel;                   /* owned; what raster.discs.channel is */
 	int offset[RENDER_CHANNEL_COUNT]; /* within a surfel's channels; -1: not there */
+	uint8_t *glows;                   /* owned; of each surfel, or NULL when none do */
 	float *luminance;                 /* owned; while choosing: of each surfel, or NULL when not
 										 lit */
 	gw_mesh_pieces pieces;            /* owned; of --mesh */

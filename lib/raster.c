@@ -110,6 +110,7 @@ static void free_scratch(gw_raster_scratch *scratch, uint32_t threads)
 			free(scratch[t].layer[l].id);
 			free(scratch[t].layer[l].normal);
 			free(scratch[t].layer[l].sum);
+			free(scratch[t].layer[l].glow);
 		}
 		free(scratch[t].floor);
 		free(scratch[t].far);
@@ -119,13 +120,15 @@ static void free_scratch(gw_raster_scratch *scratch, uint32_t threads)
 	free(scratch);
 }
 
-static bool make_layer(gw_raster_layer *layer, size_t samples, size_t stride)
+static bool make_layer(gw_raster_layer *layer, size_t samples, size_t stride, bool glows)
 {
 	layer->depth = gw_allocate_array(samples, sizeof *layer->depth);
 	layer->id = gw_allocate_array(samples, sizeof *layer->id);
 	layer->normal = gw_allocate_array(samples, 3 * sizeof *layer->normal);
 	layer->sum = gw_allocate_array(samples, stride * sizeof *layer->sum);
-	return layer->depth && layer->id && layer->normal && layer->sum;
+	if (glows)
+		layer->glow = gw_allocate_array(samples, stride * sizeof *layer->glow);
+	return layer->depth && layer->id && layer->normal && layer->sum && (layer->glow || !glows);
 }
 
 static gw_raster_scratch *make_scratch(const gw_raster_view *v, size_t longest, uint32_t threads)
@@ -137,7 +140,8 @@ static gw_raster_scratch *make_scratch(const gw_raster_view *v, size_t longest, 
 	for (uint32_t t = 0; t < threads && good; t++) {
 		gw_raster_scratch *s = scratch + t;
 		for (int l = 0; l < 2 && good; l++)
-			good = make_layer(s->layer + l, samples, 4u + v->scene->channel_count);
+			good = make_layer(s->layer + l, samples, 4u + v->scene->channel_count,
+							  v->scene->discs.glows != NULL);
 		s->floor = gw_allocate_array(samples, sizeof *s->floor);
 		s->far = gw_allocate_array(blocks, sizeof *s->far);
 		s->entry = gw_allocate_array(longest, sizeof *s->entry);

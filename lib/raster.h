@@ -19,6 +19,9 @@
  * is, they are repeated without the half-planes at which discs are cut, and what that brings is
  * shown if it closes a hole: with surface on both sides.
  *
+ * Where discs that glow lie among others, a sample shows the kind that weighs more, so that a lamp
+ * ends where its points end, not where the last of its discs does.
+ *
  * A disc smaller than a sample is widened until it meets one, and weighs as much less as it grew,
  * so that points below a sample's size neither vanish nor outweigh others.
  *
@@ -47,6 +50,7 @@ typedef struct gw_raster_discs {
 	const float *radius;      /* count, metres; 0: not drawn */
 	const float *clip;        /* 6 * count or NULL: half-planes as in gw_surfels.clip */
 	const uint8_t *two_sided; /* count or NULL: 1 where the normal's sign means nothing */
+	const uint8_t *glows;     /* count or NULL: 1 for those that are not blended with others */
 	const float *channel;     /* channel_count * count, what is blended */
 } gw_raster_discs;
 

@@ -136,6 +136,7 @@ typedef struct gw_raster_layer {
 	uint32_t *id;  /* of the nearest */
 	float *normal; /* 3 a sample, of the nearest, in the camera's frame */
 	float *sum; /* 4 + channel_count a sample: weight, and weighted sums of normal and channels */
+	float *glow; /* likewise of discs that glow, until one sum is chosen; NULL when none do */
 } gw_raster_layer;
 
 /* A thread's memory while it draws a tile: tile * tile samples. */

@@ -185,7 +185,9 @@ static void draw_attributes(const tile_job *job, const gw_raster_shape *s, uint3
 			gw_raster_fragments f;
 			meet_shape(job, s, x, y, &f);
 			gw_lane_mask seen = find_seen(job, s, id, &f, x, y);
-			float *sum = job->layer->sum + slot_of(job, x, y) * stride;
+			bool glows = id < discs && view->scene->discs.glows && view->scene->discs.glows[id];
+			float *sum = glows ? job->layer->glow : job->layer->sum;
+			sum += slot_of(job, x, y) * stride;
 			for (int i = 0; i < GW_LANES; i++, sum += stride) {
 				if (!seen[i])
 					continue;
@@ -368,12 +370,31 @@ static void draw_pass(const tile_job *job, size_t count, bool attributes)
 	}
 }
 
+/* Of what glows and what does not, the one that weighs more stands for both. */
+static void choose_glow(const tile_job *job)
+{
+	const gw_raster_layer *layer = job->layer;
+	size_t samples = (size_t)job->view->tile * job->view->tile;
+	size_t stride = FIXED + job->view->scene->channel_count;
+	for (size_t i = 0; i < samples && layer->glow; i++) {
+		float *sum = layer->sum + i * stride;
+		const float *glow = layer->glow + i * stride;
+		if (!(glow[0] > 0.0f))
+			continue;
+		bool glows = glow[0] > sum[0];
+		float scale = (glow[0] + sum[0]) / (glows ? glow[0] : sum[0]);
+		for (size_t k = 0; k < stride; k++)
+			sum[k] = scale * (glows ? glow[k] : sum[k]);
+	}
+}
+
 static void draw_layer(tile_job *job, int layer, size_t count)
 {
 	job->layer = job->scratch->layer + layer;
 	draw_pass(job, count, false);
 	note_normals(job);
 	draw_pass(job, count, true);
+	choose_glow(job);
 }
 
 static void clear_first(const tile_job *job)
@@ -388,6 +409,8 @@ static void clear_first(const tile_job *job)
 	}
 	for (int l = 0; l < 2; l++) {
 		memset(layer[l].sum, 0, samples * stride * sizeof *layer->sum);
+		if (layer[l].glow)
+			memset(layer[l].glow, 0, samples * stride * sizeof *layer->glow);
 	}
 }
 

@@ -43,6 +43,11 @@ layout(push_constant) uniform Push
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
 
+/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a rough
+ * one takes. */
+const float STRONG = 0.3;
+const uint LEAST_RAYS = 8u;
+
 /* The discs of a lobe at a place, blended with a weight that falls to nothing at the rim. Where
  * none reaches, all of them alike. */
 vec3 radiance_at(uint lobe, vec3 at)
@@ -70,6 +75,16 @@ vec3 radiance_at(uint lobe, vec3 at)
 	return near_weight > 1e-6 ? near / near_weight : all / max(all_weight, 1.0);
 }
 
+/* What is hardly reflected may be noisy: the rest of the light hides it. */
+uint rays_of(float roughness, float share)
+{
+	if (roughness * roughness < MIRROR_ALPHA)
+		return 1u;
+	float part = min(1.0, share / STRONG);
+	uint least = min(push.rays, LEAST_RAYS);
+	return clamp(uint(ceil(part * float(push.rays))), least, push.rays);
+}
+
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -81,8 +96,8 @@ void main()
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
 	uint own = hash2(push.pixel_first + push.first + i, push.seed);
 	vec2 turn = vec2(unit_float(own), unit_float(hash(own)));
-	bool mirror = roughness * roughness < MIRROR_ALPHA;
-	if (mirror && push.ray > 0u)
+	uint rays = rays_of(roughness, fresnel(reflectance, dot(normal, to_eye)));
+	if (push.ray >= rays)
 		return;
 	/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
 	vec2 u = fract(turn + float(push.ray) * vec2(0.7548776662, 0.5698402910));
@@ -93,5 +108,5 @@ void main()
 	bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
 	vec3 seen = hit ? radiance_at(lobe, g + direction * t) : push.sky.xyz;
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
-	pixel_reflected[i] = before + share * vec4(seen, 1.0) / (mirror ? 1.0 : float(push.rays));
+	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
 }

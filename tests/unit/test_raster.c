@@ -532,6 +532,31 @@ static void test_limits(void **state)
 	gw_gbuffer_clear(&g);
 }
 
+/* Two discs side by side, one of which glows: where both are, the nearer one's value stands alone,
+ * so that the border lies in the middle. Neither is blended into the other. */
+static void test_glowing_discs_end(void **state)
+{
+	(void)state;
+	const uint8_t glows[2] = { 1, 0 };
+	discs d = make_discs(2);
+	set_disc(&d, 0, -0.25f, 2, 0, 0.5f, 10);
+	set_disc(&d, 1, 0.25f, 2, 0, 0.5f, 1);
+	d.scene.discs.glows = glows;
+	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
+	size_t found[2] = { 0 };
+	for (size_t i = 0; i < (size_t)200 * 200; i++) {
+		if (!(g.coverage[i] > 0))
+			continue;
+		bool left = i % 200 < 100;
+		assert_true(fabs((double)g.channel[i] - (left ? 10 : 1)) < 1e-5);
+		found[left]++;
+	}
+	assert_int_equal(found[0], found[1]);
+	assert_true(found[0] > 1000);
+	gw_gbuffer_clear(&g);
+	free_discs(&d);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -548,6 +573,7 @@ int main(void)
 		cmocka_unit_test(test_small_discs_stay),
 		cmocka_unit_test(test_small_discs_are_weighted),
 		cmocka_unit_test(test_thin_rims),
+		cmocka_unit_test(test_glowing_discs_end),
 		cmocka_unit_test(test_clip),
 		cmocka_unit_test(test_cull),
 		cmocka_unit_test(test_triangles),
