@@ -236,12 +236,14 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 }
 
 /* The matrix comes before the sampling, so that the density is that of the scene. */
-static gw_status read_mesh(const settings_input *from, loaded_input *facts, gw_error *error)
+static gw_status read_mesh(const settings *s, const settings_input *from, loaded_input *facts,
+						   gw_error *error)
 {
 	gw_status status = mesh_read(from->path, &facts->mesh, error);
 	if (status != GW_OK)
 		return status;
 	facts->format = facts->mesh.format;
+	mesh_stand(&facts->mesh, s->up == SETTINGS_UP_Y ? 'y' : 'z');
 	if (from->has_matrix)
 		mesh_transform(&facts->mesh, from->matrix);
 	return mesh_measure(&facts->mesh, loaded_scene_input_name(from->path), error);
@@ -413,7 +415,7 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 		facts->is_mesh = from->mesh || mesh_is_name(from->path);
 		scene->input_count = i + 1;
 		if (facts->is_mesh)
-			status = read_mesh(from, facts, error);
+			status = read_mesh(s, from, facts, error);
 		else
 			status = read_cloud(s, from, &parts[i].cloud, facts, error);
 		if (status == GW_OK && !facts->is_mesh)
@@ -431,8 +433,9 @@ static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts,
 	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
 		if (scene->input[i].is_mesh)
 			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
-		/* A mesh does not say which way is up, so it follows the inputs before it. */
-		char up = scene->input[i].is_mesh && scene->up ? scene->up : parts[i].cloud.up;
+		/* A mesh that does not say which way is up follows the inputs before it. */
+		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
+		char up = follows ? scene->up : parts[i].cloud.up;
 		if (status == GW_OK)
 			status = check_up(s, scene, up, s->input[i].path, error);
 		if (status == GW_OK)

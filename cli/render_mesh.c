@@ -55,7 +55,7 @@ static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pi
 	return status;
 }
 
-static gw_status read_meshes(const settings *list, mesh *meshes, gw_error *error)
+static gw_status read_meshes(const settings *list, char up, mesh *meshes, gw_error *error)
 {
 	gw_status status = GW_OK;
 	size_t found = 0;
@@ -65,6 +65,8 @@ static gw_status read_meshes(const settings *list, mesh *meshes, gw_error *error
 			continue;
 		found++;
 		status = mesh_read(from->path, meshes + i, error);
+		if (status == GW_OK)
+			mesh_stand(meshes + i, up);
 		if (status == GW_OK && from->has_matrix)
 			mesh_transform(meshes + i, from->matrix);
 		if (status == GW_OK)
@@ -159,7 +161,7 @@ gw_status render_mesh_add(const settings *s, render_scene *scene, gw_error *erro
 	if (status == GW_OK && !meshes)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for meshes");
 	if (status == GW_OK)
-		status = read_meshes(&list, meshes, error);
+		status = read_meshes(&list, s->up == SETTINGS_UP_Y ? 'y' : 'z', meshes, error);
 	if (status == GW_OK)
 		status = cut_meshes(meshes, list.input_count, scene, error);
 	for (size_t i = 0; meshes && i < list.input_count; i++)

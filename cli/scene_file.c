@@ -405,7 +405,7 @@ static gw_status take_input(reader *r, json_t *object)
 		status = fail_here(r, "an input needs 'file'");
 	if (status == GW_OK && json_is_false(json_object_get(object, "mesh")) &&
 		mesh_is_name(input.path))
-		status = fail_here(r, "an OBJ file is always a mesh; it holds no points");
+		status = fail_here(r, "an OBJ or GLB file is always a mesh; it holds no points");
 	if (status == GW_OK && input.density > 0.0f && !input.mesh && !mesh_is_name(input.path))
 		status = fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
 	if (status == GW_OK)

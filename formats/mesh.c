@@ -1,4 +1,5 @@
 #include "mesh.h"
+#include "glb_document.h"
 #include "growing_table.h"
 #include "input_file.h"
 #include "mesh_sample.h"
@@ -25,7 +26,8 @@ const format obj_format = {
 bool mesh_is_name(const char *path)
 {
 	size_t length = strlen(path);
-	return length > 4 && strcasecmp(path + length - 4, ".obj") == 0;
+	const char *end = path + length - (length > 4 ? 4 : 0);
+	return strcasecmp(end, ".obj") == 0 || strcasecmp(end, ".glb") == 0;
 }
 
 void mesh_clear_shape(mesh *m)
@@ -65,6 +67,8 @@ gw_status mesh_read(const char *path, mesh *m, gw_error *error)
 		status = mesh_ply_read(&in, m, error);
 	else if (mesh_off_probe(in.data, in.length))
 		status = mesh_off_read(&in, m, error);
+	else if (glb_probe(in.data, in.length))
+		status = mesh_glb_read(&in, m, error);
 	else
 		status = mesh_obj_read(&in, path, m, error);
 	input_file_close(&in);
@@ -97,9 +101,9 @@ uint32_t mesh_find_material(const mesh *m, const char *name, size_t length)
 
 /* --------------------------------------------------------------------------------- moving */
 
-static void transform_positions(mesh *m, const double a[16])
+static void transform_positions(mesh *m, size_t first, const double a[16])
 {
-	for (size_t i = 0; i < m->position_count; i++) {
+	for (size_t i = first; i < m->position_count; i++) {
 		double *p = m->position + 3 * i, v[3] = { p[0], p[1], p[2] };
 		for (int k = 0; k < 3; k++)
 			p[k] = a[4 * k] * v[0] + a[4 * k + 1] * v[1] + a[4 * k + 2] * v[2] + a[4 * k + 3];
@@ -107,7 +111,7 @@ static void transform_positions(mesh *m, const double a[16])
 }
 
 /* By the cofactors, which are the inverse transposed up to a factor. */
-static void transform_normals(mesh *m, const double a[16], bool mirrors)
+static void transform_normals(mesh *m, size_t first, const double a[16], bool mirrors)
 {
 	double c[9];
 	for (int i = 0; i < 3; i++)
@@ -115,7 +119,7 @@ static void transform_normals(mesh *m, const double a[16], bool mirrors)
 			int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
 			c[3 * i + j] = a[4 * i1 + j1] * a[4 * i2 + j2] - a[4 * i1 + j2] * a[4 * i2 + j1];
 		}
-	for (size_t i = 0; i < m->normal_count; i++) {
+	for (size_t i = first; i < m->normal_count; i++) {
 		float *n = m->normal + 3 * i;
 		double v[3], length = 0.0;
 		for (int k = 0; k < 3; k++) {
@@ -137,16 +141,36 @@ static void swap(uint32_t *a, uint32_t *b)
 	*b = kept;
 }
 
-void mesh_transform(mesh *m, const double a[16])
+mesh_mark mesh_mark_now(const mesh *m)
+{
+	return (mesh_mark){ m->position_count, m->normal_count, m->triangle_count };
+}
+
+void mesh_transform_since(mesh *m, mesh_mark mark, const double a[16])
 {
 	double determinant = a[0] * (a[5] * a[10] - a[6] * a[9]) - a[1] * (a[4] * a[10] - a[6] * a[8]) +
 						 a[2] * (a[4] * a[9] - a[5] * a[8]);
-	transform_positions(m, a);
-	transform_normals(m, a, determinant < 0.0);
-	for (size_t t = 0; t < m->triangle_count && determinant < 0.0; t++) {
+	transform_positions(m, mark.position, a);
+	transform_normals(m, mark.normal, a, determinant < 0.0);
+	for (size_t t = mark.triangle; t < m->triangle_count && determinant < 0.0; t++) {
 		swap(&m->corner[3 * t + 1], &m->corner[3 * t + 2]);
 		swap(&m->corner_normal[3 * t + 1], &m->corner_normal[3 * t + 2]);
 	}
+}
+
+void mesh_transform(mesh *m, const double a[16])
+{
+	mesh_transform_since(m, (mesh_mark){ 0 }, a);
+}
+
+void mesh_stand(mesh *m, char up)
+{
+	static const double to_z[16] = { 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1 };
+	static const double to_y[16] = { 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1 };
+	if (!m->up || m->up == up)
+		return;
+	mesh_transform(m, up == 'z' ? to_z : to_y);
+	m->up = up;
 }
 
 gw_status mesh_measure(mesh *m, const char *name, gw_error *error)

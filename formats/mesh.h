@@ -1,6 +1,6 @@
 /*
- * mesh.h - triangles with normals, colours and materials, from PLY, OBJ and OFF files, and points
- * that are sampled on them.
+ * mesh.h - triangles with normals, colours and materials, from PLY, OBJ, OFF and binary glTF files,
+ * and points that are sampled on them.
  *
  * A mesh is read, moved by a matrix, measured, sampled, in this order. The points come as a scan,
  * like those of any other input.
@@ -13,7 +13,7 @@
 /* Index of a normal or material that a corner or triangle does not have. */
 #define MESH_NONE UINT32_MAX
 
-/* What a surface is like; from an MTL file. */
+/* What a surface is like; from an MTL or glTF file. */
 typedef struct mesh_material {
 	char *name;         /* owned */
 	float albedo[3];    /* linear: Kd as it stands, GW_ALBEDO_DEFAULT without */
@@ -39,6 +39,7 @@ typedef struct mesh {
 	char **note; /* sentences that the user should read */
 	size_t note_count;
 	const format *format; /* in the file */
+	char up;              /* which axis the coordinates call up, 'y' or 'z'; 0: nobody knows */
 	bool bare;            /* neither colours nor materials: GW_ALBEDO_DEFAULT stands in */
 	size_t faces;         /* in the file */
 	size_t faces_flat;    /* of those, left out because they have fewer than 3 corners */
@@ -51,15 +52,18 @@ typedef struct mesh {
 /* OBJ, for messages and reports: its read and write are NULL, for it holds no points. */
 extern const format obj_format;
 
+/* Binary glTF, the same. */
+extern const format glb_format;
+
 /* OFF, whose vertices are read as points unless it is asked for as a mesh. */
 extern const format off_format;
 gw_status off_read(struct input_file *in, scan *cloud, gw_error *error);
 
-/* True when the name says that a file can only be a mesh: it ends in .obj. */
+/* True when the name says that a file can only be a mesh: it ends in .obj or .glb. */
 bool mesh_is_name(const char *path);
 
 /*
- * Reads a mesh: PLY and OFF by their content, else OBJ with the MTL files that it names.
+ * Reads a mesh: PLY, OFF and GLB by their content, else OBJ with the MTL files that it names.
  *   path    "-" is standard input
  *   mesh    on success owned by the caller, freed with mesh_clear; empty on failure
  *   error   as input_file_open; GW_ERROR_DATA when the content is bad or there are no faces
@@ -70,6 +74,9 @@ gw_status mesh_read(const char *path, mesh *mesh, gw_error *error);
 gw_status mesh_obj_read(const struct input_file *in, const char *path, mesh *mesh, gw_error *error);
 gw_status mesh_ply_read(struct input_file *in, mesh *mesh, gw_error *error);
 gw_status mesh_off_read(const struct input_file *in, mesh *mesh, gw_error *error);
+
+/* glTF has y up, but the mesh comes with z up. */
+gw_status mesh_glb_read(const struct input_file *in, mesh *mesh, gw_error *error);
 
 /* True when the first bytes of a file are those of an OFF file. */
 bool mesh_off_probe(const uint8_t *head, size_t length);
@@ -83,6 +90,10 @@ void mesh_clear_shape(mesh *mesh);
 /* Moves a mesh. A matrix that mirrors turns the corners round, so that normals stay outside.
  *   matrix   row-major, last row 0 0 0 1, with an inverse */
 void mesh_transform(mesh *mesh, const double matrix[16]);
+
+/* Turns a mesh about the x axis so that `up`, 'y' or 'z', is up; one that does not say which axis
+ * is stays as it is. */
+void mesh_stand(mesh *mesh, char up);
 
 /* Sums areas and counts what has none. GW_ERROR_DATA when no triangle has area, or the whole is too
  * large for a number. name: of the file, for messages. */
@@ -103,6 +114,17 @@ gw_status mesh_sample(const mesh *mesh, uint64_t count, uint64_t seed, uint32_t 
 					  scan *cloud, gw_error *error);
 
 /* ------------------------------------------------------------------------- for the readers */
+
+/* How much of a mesh there is at a moment. */
+typedef struct mesh_mark {
+	size_t position, normal, triangle;
+} mesh_mark;
+
+mesh_mark mesh_mark_now(const mesh *mesh);
+
+/* Moves what came after the mark; as mesh_transform. A matrix without an inverse leaves triangles
+ * without area. */
+void mesh_transform_since(mesh *mesh, mesh_mark mark, const double matrix[16]);
 
 /* Corners of one face, before it is cut into triangles. */
 typedef struct mesh_polygon {

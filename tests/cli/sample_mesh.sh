@@ -52,3 +52,16 @@ refuse 0 notes.obj --count 10 -o out.ply
 # Points are what info is about.
 glowworm info notes.obj 2>&1 || echo $?
 ls
+# A binary glTF file, by its content and by its name: a triangle, y up, emitting.
+json='{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0},'
+json=$json'"material":0}]}],"materials":[{"emissiveFactor":[1,0,1]}],"accessors":[{"bufferView":0,'
+json=$json'"componentType":5126,"count":3,"type":"VEC3"}],"bufferViews":[{"buffer":0,'
+json=$json'"byteLength":36}],"buffers":[{"byteLength":36}]}  '
+{
+	printf 'glTF\2\0\0\0\144\1\0\0\44\1\0\0JSON%s' "$json"
+	printf '\44\0\0\0BIN\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\77\0\0\0\0\0\0\0\0'
+	printf '\0\0\0\0\0\0\200\77\0\0\0\0'
+} >triangle.glb
+glowworm sample triangle.glb --count 100 -o triangle.ply
+glowworm info triangle.ply | grep -E '^  (points|bounds  |normals|emission)'
+glowworm info triangle.glb 2>&1 || echo $?

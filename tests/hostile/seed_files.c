@@ -2,12 +2,15 @@
 #include "cloud_format.h"
 #include "e57_file.h"
 #include "e57_format.h"
+#include "glb_file.h"
+#include "little_endian.h"
 #include "mesh.h"
 #include "pcd_format.h"
 #include "ply_format.h"
 #include "text_formats.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void put_text(seed *s, const char *text)
@@ -128,6 +131,30 @@ gw_status seed_read_off(input_file *in, scan *cloud, gw_error *error)
 	return sample_seed(mesh_off_read(in, &m, error), &m, cloud, error);
 }
 
+/*
+ * Whoever changes the JSON changes its length: where the file's length is not what its head says,
+ * the lengths of the file and of the JSON are made true first.
+ */
+gw_status seed_read_glb(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m;
+	input_file mended = *in;
+	uint8_t *copy = malloc(in->length + 1);
+	const uint8_t *tag = in->length > 24 ? memmem(in->data, in->length, "BIN", 4) : NULL;
+	*cloud = (scan){ 0 };
+	if (!copy)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a seed");
+	memcpy(copy, in->data, in->length);
+	if (tag && tag - in->data >= 24 && load_32(copy + 8) != in->length) {
+		store_32(copy + 8, (uint32_t)in->length);
+		store_32(copy + 12, (uint32_t)(tag - in->data - 24));
+	}
+	mended.data = copy;
+	gw_status status = mesh_glb_read(&mended, &m, error);
+	free(copy);
+	return sample_seed(status, &m, cloud, error);
+}
+
 /* The materials on a triangle. */
 gw_status seed_read_mtl(input_file *in, scan *cloud, gw_error *error)
 {
@@ -162,6 +189,14 @@ static void make_off(seed *s)
 	put_text(s, "0 0 0 0 0 1 255 0 0 255\n1 0 0 0 0 1 0 1e2 0\n1 1 0 0 0 1 0.5 .5 1 1\n"
 				"0 1 0 0 0 2 0 0 0 0\n\n2 2 .5 1 0 0 9 9 9\n"
 				"4 0 1 2 3\n3 2 1 4 255 0 0\n3 0 0 0\n");
+}
+
+/* Nodes with matrices, views with strides, indices, colours, materials. */
+static void make_glb(seed *s)
+{
+	*s = (seed){ .name = "glb", .read = seed_read_glb };
+	s->length = glb_file_square(s->data);
+	s->header = 20 + load_32(s->data + 12);
 }
 
 static void make_mtl(seed *s)
@@ -274,7 +309,7 @@ static void make_e57(seed *s)
 
 static const char *const format_of[SEEDS] = {
 	"ply", "ply", "ply", "ply", "cloud", "obj", "mtl", "mesh-ply", "mesh-ply",
-	"pcd", "pcd", "pcd", "pts", "ptx",   "xyz", "e57", "mesh-off",
+	"pcd", "pcd", "pcd", "pts", "ptx",   "xyz", "e57", "mesh-off", "glb",
 };
 
 void seed_files_make(seed seeds[SEEDS])
@@ -294,6 +329,7 @@ void seed_files_make(seed seeds[SEEDS])
 	make_tables(&seeds[12], &seeds[13], &seeds[14]);
 	make_e57(&seeds[15]);
 	make_off(&seeds[16]);
+	make_glb(&seeds[17]);
 	for (int i = 0; i < SEEDS; i++)
 		seeds[i].format = format_of[i];
 }

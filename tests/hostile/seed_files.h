@@ -23,7 +23,7 @@ typedef struct seed {
 	bool open_end; /* nothing in the file says how much there is: cut short it may still be whole */
 } seed;
 
-enum { SEEDS = 17, SEED_CLOUD = 4 };
+enum { SEEDS = 18, SEED_CLOUD = 4 };
 
 /* Makes them all. */
 void seed_files_make(seed seeds[SEEDS]);
@@ -35,6 +35,7 @@ void seed_put_number(seed *s, uint64_t number, size_t size, bool big);
 gw_status seed_read_obj(input_file *in, scan *cloud, gw_error *error);
 gw_status seed_read_mesh_ply(input_file *in, scan *cloud, gw_error *error);
 gw_status seed_read_off(input_file *in, scan *cloud, gw_error *error);
+gw_status seed_read_glb(input_file *in, scan *cloud, gw_error *error);
 gw_status seed_read_mtl(input_file *in, scan *cloud, gw_error *error);
 
 #endif

@@ -1,6 +1,7 @@
 /*
  * Meshes: even sampling against closed forms, faces as triangles, readers, matrices, attributes.
  */
+#include "glb_file.h"
 #include "input_file.h"
 #include "mesh.h"
 #include "mesh_sample.h"
@@ -385,10 +386,159 @@ static void off_files_are_read(void **state)
 	assert_refused("OFF\n1 1 0\n0 0 0 5\n3 0 0 0\n", "more numbers");
 }
 
+/* The mirrored square, the triangle, the turned square; after the turn to z up. */
+static void glb_files_are_read(void **state)
+{
+	(void)state;
+	uint8_t file[GLB_FILE_ROOM];
+	input_file in = { .name = "seed.glb", .data = file, .length = glb_file_square(file) };
+	mesh m;
+	gw_error error = { 0 };
+	if (mesh_glb_read(&in, &m, &error) != GW_OK || mesh_measure(&m, "seed.glb", &error) != GW_OK)
+		fail_msg("%s", error.text);
+	assert_int_equal(m.triangle_count, 5);
+	/* 1 m^2 mirrored, 4 m^2 twice as large, half a square metre. Rotations by the rounded sine of
+	 * 45 degrees are off by 1e-16. */
+	assert_true(fabs(m.area - 5.5) < 1e-12 && m.up == 'z' && !m.bare);
+	assert_int_equal(m.note_count, 1);
+	/* Corner 1 of the mirrored square, (1, 0, 0), lies at x = -1, and its corners go round so that
+	 * the face still looks along the normal: +z, which is -y now. */
+	double cross[3];
+	gw_mesh_cross(m.position, m.corner, cross);
+	assert_true(m.position[3] == -1.0 && cross[1] < 0.0 && m.normal[1] == -1.0f);
+	/* Its children are mirrored with it: (1, 1, 3) to (-1, 1, 3) and (-1, -3, 1). */
+	size_t at = 4 + 2;
+	assert_true(m.position[3 * at] == -1.0 && m.position[3 * at + 1] == -3.0 &&
+				m.position[3 * at + 2] == 1.0);
+	assert_int_equal(m.corner_normal[3 * 2], MESH_NONE);
+	/* Corner 2 of the turned one, (1, 1, 0): doubled, y to z, one up along y, then z up. */
+	at = 4 + 3 + 2;
+	assert_true(fabs(m.position[3 * at] - 2.0) < 1e-12 &&
+				fabs(m.position[3 * at + 1] + 2.0) < 1e-12 &&
+				fabs(m.position[3 * at + 2] - 1.0) < 1e-12);
+	/* Its normal, +z, turned about x to -y, which is -z now. */
+	assert_true(fabs((double)m.normal[3 * 4 + 2] + 1.0) < 1e-6);
+	/* The material's colour times 255 or 51 of 255. */
+	assert_true(m.color[0] == 0.5f && fabs((double)m.color[1] - 0.05) < 1e-7);
+	assert_true(m.material[m.face_material[2]].emission[0] == 5.0f &&
+				m.material[m.face_material[2]].emission[1] == 2.5f);
+	mesh_stand(&m, 'y');
+	assert_true(m.position[3] == -1.0 && fabs((double)m.normal[2] - 1.0) < 1e-6 && m.up == 'y');
+	mesh_clear(&m);
+}
+
+#define GLB_HEAD "{\"asset\":{\"version\":\"2.0\"},"
+#define GLB_MESH "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+#define GLB_VIEW                                                                                   \
+	"\"bufferViews\":[{\"buffer\":0,\"byteLength\":60}],\"buffers\":[{\"byteLength\":60}]}"
+#define GLB_FIVE                                                                                   \
+	"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":5,\"type\":\"VEC3\"}],"
+
+/* Five corners of a fan or strip in the plane z = 0. */
+static gw_status read_five(const char *json, mesh *m, gw_error *error)
+{
+	static const float corners[15] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0 };
+	uint8_t file[GLB_FILE_ROOM];
+	input_file in = { .name = "seed.obj", .data = file };
+	in.length = glb_file_make(json, corners, sizeof corners, file);
+	return mesh_glb_read(&in, m, error);
+}
+
+static void glb_strips_and_fans(void **state)
+{
+	(void)state;
+	static const char *const json[2] = {
+		GLB_HEAD
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":5}]}]," GLB_FIVE
+			GLB_VIEW,
+		GLB_HEAD
+		"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":6}]}]," GLB_FIVE
+			GLB_VIEW,
+	};
+	gw_error error = { 0 };
+	mesh m;
+	for (int i = 0; i < 2; i++) {
+		if (read_five(json[i], &m, &error) != GW_OK)
+			fail_msg("%s", error.text);
+		assert_true(m.triangle_count == 3 && m.bare);
+		double cross[3];
+		/* The strip's triangles all go round the same way: +z, now -y. */
+		for (size_t t = 0; t < 3 && i == 0; t++) {
+			gw_mesh_cross(m.position, m.corner + 3 * t, cross);
+			assert_true(cross[1] < 0.0);
+		}
+		/* The fan's all hold the first corner. */
+		for (size_t t = 0; t < 3 && i == 1; t++)
+			assert_int_equal(m.corner[3 * t + 2], 0);
+		mesh_clear(&m);
+	}
+}
+
+static void glb_files_that_are_refused(void **state)
+{
+	(void)state;
+	static const char *const bad[][2] = {
+		{ "{\"asset\":{\"version\":\"1.0\"}}", "asset.version" },
+		{ "[]", "no object" },
+		{ "{\"a\":}", "line 1" },
+		{ GLB_HEAD "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}",
+		  "without compression" },
+		{ GLB_HEAD GLB_FIVE GLB_VIEW, "no mesh" },
+		{ GLB_HEAD GLB_MESH GLB_VIEW, "accessors[0]" },
+		{ GLB_HEAD GLB_MESH "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":6,"
+							"\"type\":\"VEC3\"}]," GLB_VIEW,
+		  "reaches out of bufferViews[0]" },
+		{ GLB_HEAD GLB_MESH
+		  "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":1e15,"
+		  "\"type\":\"VEC3\"}]," GLB_VIEW,
+		  "reaches out of bufferViews[0]" },
+		{ GLB_HEAD GLB_MESH "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+							"\"byteOffset\":60,\"type\":\"VEC3\"}]," GLB_VIEW,
+		  "reaches out" },
+		{ GLB_HEAD GLB_MESH "\"accessors\":[{\"componentType\":5126,\"count\":3,\"sparse\":{},"
+							"\"type\":\"VEC3\"}]," GLB_VIEW,
+		  "sparse" },
+		{ GLB_HEAD GLB_MESH GLB_FIVE "\"bufferViews\":[{\"buffer\":0,\"byteLength\":64}]}",
+		  "out of the binary chunk" },
+		{ GLB_HEAD GLB_MESH GLB_FIVE "\"bufferViews\":[{\"buffer\":0,\"byteLength\":60}],"
+									 "\"buffers\":[{\"uri\":\"x.bin\"}]}",
+		  "another file" },
+		{ GLB_HEAD GLB_MESH GLB_FIVE
+		  "\"nodes\":[{\"mesh\":0,\"children\":[1]},{\"children\":[1]}]," GLB_VIEW,
+		  "reached twice" },
+		{ GLB_HEAD GLB_MESH GLB_FIVE "\"nodes\":[{\"mesh\":7}]," GLB_VIEW, "meshes[7]" },
+		{ GLB_HEAD GLB_MESH GLB_FIVE "\"nodes\":[{\"mesh\":0,\"scale\":[1,2]}]," GLB_VIEW,
+		  "3 numbers" },
+		{ GLB_HEAD
+		  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"mode\":1}]}]," GLB_FIVE
+			  GLB_VIEW,
+		  "only points or lines" },
+		{ GLB_HEAD "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}"
+				   "]," GLB_FIVE GLB_VIEW,
+		  "materials[0]" },
+		{ GLB_HEAD
+		  "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+		  "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":1,"
+		  "\"type\":\"VEC3\"},{\"bufferView\":0,\"componentType\":5121,\"count\":30,"
+		  "\"type\":\"SCALAR\"}]," GLB_VIEW,
+		  "leads to vertex 128" },
+	};
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		mesh m;
+		gw_error error = { 0 };
+		if (read_five(bad[i][0], &m, &error) != GW_ERROR_DATA || !strstr(error.text, bad[i][1]) ||
+			!strstr(error.text, "seed.obj") || m.position)
+			fail_msg("%zu: '%s' does not say '%s'", i, error.text, bad[i][1]);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(off_files_are_read),
+		cmocka_unit_test(glb_files_are_read),
+		cmocka_unit_test(glb_strips_and_fans),
+		cmocka_unit_test(glb_files_that_are_refused),
 		cmocka_unit_test(areas_are_summed),
 		cmocka_unit_test(every_face_has_its_share),
 		cmocka_unit_test(strata_have_the_closed_form),
