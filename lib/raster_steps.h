@@ -135,7 +135,7 @@ typedef struct gw_raster_layer {
 	float *depth;  /* of the nearest; infinity */
 	uint32_t *id;  /* of the nearest */
 	float *normal; /* 3 a sample, of the nearest, in the camera's frame */
-	float *sum; /* 4 + channel_count a sample: weight, and weighted sums of normal and channels */
+	float *sum;  /* 4 + channel_count a sample: weight, and weighted sums of normal and channels */
 	float *glow; /* likewise of discs that glow, until one sum is chosen; NULL when none do */
 } gw_raster_layer;
 
