@@ -163,6 +163,8 @@ const option options[] = {
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
 	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_half), .group = "Output",
 	  .help = "store 16-bit floats in the grids" },
+	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_points), .group = "Output",
+	  .help = "put the points beside the grids, as a point grid: P, radiance, Cd (albedo), N" },
 	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, BAKE, AT(vdb_voxel), RANGE(0.0, 1e9),
 	  .group = "Output",
 	  .help = "metres a voxel of the grids is wide, wider than the octree's cells; 0: as wide" },

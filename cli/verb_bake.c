@@ -102,6 +102,8 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--output-format needs -o FILE");
 	if (s->vdb_half && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
+	if (s->vdb_points && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
 	gw_status status = check_streams(s, b->error);
@@ -230,10 +232,16 @@ static gw_status write_grids(bake *b)
 		{ "command", s->command },
 		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
 	};
+	const vdb_points points = { .count = b->result->count,
+								.position = b->scene.points.points.position,
+								.radiance = b->result->radiance,
+								.albedo = b->result->albedo,
+								.normal = b->result->normal };
 	vdb_metadata metadata = { .text = text,
 							  .text_count = sizeof text / sizeof *text,
 							  .half = s->vdb_half,
 							  .memory = s->bake.memory,
+							  .points = s->vdb_points ? &points : NULL,
 							  .clamped = &b->facts.vdb_clamped };
 	if (!(s->vdb_voxel > 0.0f))
 		return vdb_write(s->vdb, s->force, &b->result->voxels, &metadata, b->error);

@@ -6,6 +6,9 @@
 
 #include <openvdb/openvdb.h>
 #include <openvdb/io/Stream.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointCount.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +16,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <ostream>
 #include <stdexcept>
@@ -24,6 +28,11 @@ namespace
 {
 
 const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal" };
+const char *const point_grid_name = "points";
+
+/* Attributes of a point but for its position: what is lit, then in Houdini's names. */
+enum { ATTRIBUTES = 3 };
+const char *const attribute_names[ATTRIBUTES] = { "radiance", "Cd", "N" };
 
 __attribute__((format(printf, 3, 4))) gw_status fail(gw_error *error, gw_status status,
 													 const char *format, ...)
@@ -124,6 +133,11 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 	print.add(v.origin, sizeof v.origin);
 	print.add(&v.size, sizeof v.size);
 	print.add(&m.half, sizeof m.half);
+	if (m.points) {
+		print.add(m.points->position, m.points->count * 3 * sizeof *m.points->position);
+		for (const float *values : { m.points->radiance, m.points->albedo, m.points->normal })
+			print.add(values, m.points->count * 3 * sizeof *values);
+	}
 	for (size_t i = 0; i < m.text_count; i++)
 		for (const char *text : { m.text[i].name, m.text[i].value })
 			print.add(text, std::strlen(text) + 1);
@@ -169,16 +183,16 @@ template <typename Tree> uint64_t tree_bytes(const uint64_t nodes[3])
 	return nodes[0] * leaf + nodes[1] * sizeof(Lower) + nodes[2] * sizeof(Upper);
 }
 
-/* Counts the nodes that the voxels fall into: leaves of 8^3, inner ones of 128^3 and 4096^3. */
-void count_nodes(const gw_voxels &v, uint64_t nodes[3])
+/* Counts the nodes that cells fall into: leaves of 8^3, inner ones of 128^3 and 4096^3. */
+void count_nodes(const int32_t *cells, size_t count, uint64_t nodes[3])
 {
-	std::vector<uint64_t> key(v.count);
+	std::vector<uint64_t> key(count);
 	for (int level = 0; level < 3; level++) {
 		const int shift[3] = { 3, 7, 12 };
-		for (size_t i = 0; i < v.count; i++) {
+		for (size_t i = 0; i < count; i++) {
 			key[i] = 0;
 			for (int k = 0; k < 3; k++) {
-				auto cell = static_cast<uint64_t>(v.cell[3 * i + k] + VDB_CELL_LIMIT);
+				auto cell = static_cast<uint64_t>(cells[3 * i + k] + VDB_CELL_LIMIT);
 				key[i] = key[i] << 21 | cell >> shift[level];
 			}
 		}
@@ -194,7 +208,7 @@ gw_status check_memory(const gw_voxels &v, uint64_t limit, gw_error *error)
 	if (limit == 0)
 		return GW_OK;
 	if (counting <= limit) {
-		count_nodes(v, nodes);
+		count_nodes(v.cell, v.count, nodes);
 		uint64_t bytes =
 			tree_bytes<openvdb::FloatTree>(nodes) + 4 * tree_bytes<openvdb::Vec3STree>(nodes);
 		if (bytes <= limit)
@@ -293,6 +307,164 @@ struct builder {
 	}
 };
 
+/* ------------------------------------------------------------------------------- the points */
+
+/* The points that have a place, as OpenVDB's functions ask for them: in the transform's metres. */
+struct placed_points {
+	using PosType = openvdb::Vec3d;
+	using value_type = openvdb::Vec3d;
+
+	const vdb_points &points;
+	const double *origin;
+	std::vector<size_t> index;
+
+	placed_points(const vdb_points &p, const double o[3]) : points(p), origin(o)
+	{
+		for (size_t i = 0; i < p.count; i++) {
+			const double *at = p.position + 3 * i;
+			if (std::isfinite(at[0]) && std::isfinite(at[1]) && std::isfinite(at[2]))
+				index.push_back(i);
+		}
+	}
+
+	size_t size() const
+	{
+		return index.size();
+	}
+
+	void getPos(size_t n, openvdb::Vec3d &at) const
+	{
+		const double *from = points.position + 3 * index[n];
+		at = openvdb::Vec3d(from[0] - origin[0], from[1] - origin[1], from[2] - origin[2]);
+	}
+
+	/* For positions as an attribute. */
+	template <typename T> void get(T &at, openvdb::Index n, openvdb::Index = 0) const
+	{
+		openvdb::Vec3d place;
+		getPos(n, place);
+		at = T(place);
+	}
+};
+
+/* One attribute of those points. */
+struct placed_values {
+	using ValueType = openvdb::Vec3s;
+	using value_type = openvdb::Vec3s;
+
+	const float *values;
+	const std::vector<size_t> &index;
+
+	template <typename T> void get(T &value, openvdb::Index n, openvdb::Index = 0) const
+	{
+		const float *from = values + 3 * index[n];
+		value = T(from[0], from[1], from[2]);
+	}
+};
+
+using openvdb::points::PointDataGrid;
+using openvdb::points::PointDataTree;
+using openvdb::tools::PointIndexGrid;
+using openvdb::tools::PointIndexTree;
+
+/* Bytes that building the point grid takes: the tree and that of the indices, an attribute array
+ * with its own heap block in every leaf, and the values. */
+uint64_t point_bytes(const uint64_t nodes[3], uint64_t count)
+{
+	const uint64_t array = 2 * sizeof(openvdb::points::TypedAttributeArray<openvdb::Vec3s>);
+	uint64_t values = (ATTRIBUTES + 1) * sizeof(openvdb::Vec3s);
+	/* The list of points, their cells and keys while they are sorted, and two orders. */
+	uint64_t sorting = sizeof(size_t) + 3 * sizeof(int32_t) + 4 * sizeof(uint64_t);
+	return tree_bytes<PointDataTree>(nodes) + tree_bytes<PointIndexTree>(nodes) +
+		   nodes[0] * (ATTRIBUTES + 1) * array + count * (values + sorting);
+}
+
+gw_status check_points(const placed_points &p, const openvdb::math::Transform &transform,
+					   uint64_t limit, gw_error *error)
+{
+	if (p.size() == 0 || p.size() > UINT32_MAX)
+		return fail(error, GW_ERROR_DATA, "%zu points cannot be written as a point grid", p.size());
+	uint64_t counting = p.size() * (3 * sizeof(int32_t) + sizeof(uint64_t));
+	if (limit != 0 && counting > limit)
+		return fail(error, GW_ERROR_MEMORY,
+					"counting the nodes of %zu points takes %llu bytes of memory, and %llu are "
+					"allowed",
+					p.size(), (unsigned long long)counting, (unsigned long long)limit);
+	std::vector<int32_t> cells(3 * p.size());
+	for (size_t i = 0; i < p.size(); i++) {
+		openvdb::Vec3d at;
+		p.getPos(i, at);
+		at = transform.worldToIndex(at);
+		for (int k = 0; k < 3; k++) {
+			if (!(std::fabs(at[k]) < VDB_CELL_LIMIT - 1))
+				return fail(error, GW_ERROR_DATA,
+							"point %zu lies %g voxels from the grids' origin, and %d is the limit",
+							p.index[i], std::fabs(at[k]), VDB_CELL_LIMIT);
+			cells[3 * i + static_cast<size_t>(k)] = static_cast<int32_t>(std::lround(at[k]));
+		}
+	}
+	uint64_t nodes[3];
+	count_nodes(cells.data(), p.size(), nodes);
+	uint64_t bytes = point_bytes(nodes, p.size());
+	if (limit == 0 || bytes <= limit)
+		return GW_OK;
+	return fail(error, GW_ERROR_MEMORY,
+				"the point grid of %zu points in %llu leaf nodes would take %llu bytes of memory, "
+				"and %llu are allowed; leave it out or allow more memory",
+				p.size(), (unsigned long long)nodes[0], (unsigned long long)bytes,
+				(unsigned long long)limit);
+}
+
+/* On one thread, so that the points of a voxel keep their order. */
+openvdb::GridBase::Ptr build_points(builder &build, const placed_points &p)
+{
+	PointDataGrid::Ptr grid;
+	tbb::task_arena(1).execute([&] {
+		auto &transform = *build.transform;
+		auto index = openvdb::tools::createPointIndexGrid<PointIndexGrid>(p, transform);
+		grid = openvdb::points::createPointDataGrid<openvdb::points::NullCodec, PointDataGrid>(
+			*index, p, transform);
+		const float *const values[ATTRIBUTES] = { p.points.radiance, p.points.albedo,
+												  p.points.normal };
+		for (int a = 0; a < ATTRIBUTES; a++) {
+			openvdb::points::appendAttribute<openvdb::Vec3s>(grid->tree(), attribute_names[a]);
+			openvdb::points::populateAttribute(grid->tree(), index->tree(), attribute_names[a],
+											   placed_values{ values[a], p.index });
+		}
+	});
+	grid->setName(point_grid_name);
+	build.describe(*grid);
+	return grid;
+}
+
+/* Sums up a point grid; an attribute that is missing or of another type makes it empty. */
+void digest_points(const PointDataGrid &grid, vdb_digest &digest)
+{
+	using handle = openvdb::points::AttributeHandle<openvdb::Vec3s>;
+	for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+		const char *const names[ATTRIBUTES + 1] = { "P", attribute_names[0], attribute_names[1],
+													attribute_names[2] };
+		std::vector<handle> handles;
+		for (const char *name : names) {
+			if (!leaf->hasAttribute(name) ||
+				!leaf->constAttributeArray(name).hasValueType<openvdb::Vec3s>())
+				return;
+			handles.emplace_back(leaf->constAttributeArray(name));
+		}
+		for (auto i = leaf->beginIndexOn(); i; ++i) {
+			openvdb::Coord cell = i.getCoord();
+			fingerprint print;
+			print.add(cell.data(), 3 * sizeof(int32_t));
+			for (const handle &h : handles) {
+				openvdb::Vec3s value = h.get(*i);
+				print.add(value.asPointer(), sizeof value);
+			}
+			digest.points++;
+			digest.point_values += print.lane[0] ^ print.lane[0] >> 29;
+		}
+	}
+}
+
 /* Sums up what one grid holds. */
 template <typename Grid> void digest_values(const Grid &grid, uint64_t &voxels, uint64_t &values)
 {
@@ -321,6 +493,9 @@ vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
 				digest_values(*vector, digest.voxels[g], digest.values[g]);
 		}
 	}
+	for (const auto &grid : grids)
+		if (auto points = openvdb::gridPtrCast<PointDataGrid>(grid))
+			digest_points(*points, digest);
 	return digest;
 }
 
@@ -335,11 +510,20 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 
 	openvdb::initialize();
 	builder build(v, m);
+	std::unique_ptr<placed_points> points;
+	if (m.points) {
+		points = std::make_unique<placed_points>(*m.points, build.origin);
+		status = check_points(*points, *build.transform, m.memory, error);
+		if (status != GW_OK)
+			return status;
+	}
 	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
 								  build.vectors(grid_names[1], v.radiance),
 								  build.vectors(grid_names[2], v.albedo),
 								  build.vectors(grid_names[3], v.emission),
 								  build.vectors(grid_names[4], v.normal) };
+	if (points)
+		grids.push_back(build_points(build, *points));
 	openvdb::MetaMap file;
 	build.describe(file);
 	for (size_t i = 0; i < m.text_count; i++)
@@ -379,6 +563,11 @@ gw_status verify(const char *path, const vdb_digest &meant, gw_error *error)
 			return fail(error, GW_ERROR_IO, "the grid '%s' reads back with other values",
 						grid_names[g]);
 	}
+	if (found.points != meant.points || found.point_values != meant.point_values)
+		return fail(error, GW_ERROR_IO,
+					"the point grid reads back with %llu points instead of %llu, or with other "
+					"values",
+					(unsigned long long)found.points, (unsigned long long)meant.points);
 	return GW_OK;
 }
 

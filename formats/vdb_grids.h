@@ -1,6 +1,7 @@
 /*
  * vdb_grids.h - the octree's leaves as an OpenVDB file: the grids density (float, fog volume),
- * radiance, color (albedo), emission and normal (vec3s).
+ * radiance, color (albedo), emission and normal (vec3s); on request the points themselves as the
+ * point grid points, with the attributes P, radiance, Cd (albedo) and N (vec3s).
  *
  * Cell i reaches from i to i + 1 cell sizes, so the transform puts the centre of index i at
  * origin + (i + 0.5) * size. Where the origin is more than VDB_LOCAL_LIMIT metres from zero, as
@@ -36,13 +37,23 @@ typedef struct vdb_text {
 	const char *value;
 } vdb_text;
 
+/* Points for a point grid. Those whose position is not finite are left out. */
+typedef struct vdb_points {
+	size_t count;
+	const double *position; /* 3 * count, metres, in the scene's coordinates */
+	const float *radiance;  /* 3 * count */
+	const float *albedo;    /* 3 * count, linear */
+	const float *normal;    /* 3 * count, unit length */
+} vdb_points;
+
 /* What a grid file says about itself, and how it is written. A zeroed struct is a good default. */
 typedef struct vdb_metadata {
 	const vdb_text *text; /* text_count lines for the file's metadata: units, creator... */
 	size_t text_count;
-	bool half;         /* store 16-bit floats; values over VDB_HALF_MAX are clamped to it */
-	uint64_t memory;   /* bytes that building the grids may take; 0 means no limit */
-	uint64_t *clamped; /* NULL, or receives how many values were clamped for half */
+	bool half;                /* store 16-bit floats; values over VDB_HALF_MAX are clamped to it */
+	uint64_t memory;          /* bytes that building the grids may take; 0 means no limit */
+	const vdb_points *points; /* NULL, or what goes into the point grid, never as 16-bit floats */
+	uint64_t *clamped;        /* NULL, or receives how many values were clamped for half */
 } vdb_metadata;
 
 /*
@@ -53,8 +64,8 @@ typedef struct vdb_metadata {
  *   voxels    at least one; all arrays present, values finite
  *   error     GW_ERROR_MEMORY, before anything is built, when the grids would need more than
  *             metadata->memory (isolated voxels take 50 KB each and more: the sentence holds the
- *             numbers); GW_ERROR_DATA for a cell out of range or a size that is not above 0;
- *             GW_ERROR_CREATE, GW_ERROR_IO, GW_ERROR_INTERNAL
+ *             numbers), and so for the point grid; GW_ERROR_DATA for a cell out of range or a size
+ * that is not above 0; GW_ERROR_CREATE, GW_ERROR_IO, GW_ERROR_INTERNAL
  */
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
 					const vdb_metadata *metadata, gw_error *error);
@@ -63,12 +74,14 @@ gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
  */
 typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
 
-/* What the five grids hold, to compare a file with what was meant to be in it. */
+/* What the grids hold, to compare a file with what was meant to be in it. */
 #define VDB_GRIDS 5
 typedef struct vdb_digest {
 	uint64_t bytes;             /* of the file */
 	uint64_t voxels[VDB_GRIDS]; /* active ones */
 	uint64_t values[VDB_GRIDS]; /* hash of their places, in metres, and values; in any order */
+	uint64_t points;            /* of the point grid */
+	uint64_t point_values;      /* hash of their places and attributes; in any order */
 } vdb_digest;
 
 /* Builds the grids and hands the file's bytes to the sink, in order. *digest receives what they

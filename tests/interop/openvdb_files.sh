@@ -10,3 +10,7 @@ awk '/^Name: density/ { ours = 1 }
 	ours && /Max value/ {
 		print ($3 > 0 && $3 <= 1 ? "densities to 1" : "a density of " $3)
 		exit }' listed
+# The points beside them, with their attributes and their number.
+make_lit --vdb points.vdb --vdb-points -f
+vdb_print -l points.vdb | sed -n '/^Name: points/,$p' |
+	grep -E '^Name:|^  Type:|voxel size' 

@@ -652,6 +652,50 @@ static void vdb_is_written(void **state)
 	unlink(in_folder("b.vdb"));
 }
 
+enum { GRID_POINTS = 500 };
+
+/* Points all over a few voxels, one of them nowhere. */
+static vdb_points make_points(double spread)
+{
+	static double position[3 * GRID_POINTS];
+	static float number[3 * GRID_POINTS];
+	for (size_t i = 0; i < 3 * GRID_POINTS; i++) {
+		position[i] = 10.0 + spread * (double)(i * 7919 % 1000) / 1000.0;
+		number[i] = (float)i / 8.0f;
+	}
+	position[30] = NAN;
+	return (vdb_points){ GRID_POINTS, position, number, number, number };
+}
+
+/* Points that share voxels keep their order, so that the bytes are the same; half is not theirs. */
+static void vdb_points_are_written(void **state)
+{
+	(void)state;
+	gw_voxels voxels = make_voxels(1);
+	vdb_points points = make_points(1.0);
+	vdb_metadata metadata = { .points = &points, .half = true };
+	gw_error error = { 0 };
+	if (vdb_write(in_folder("a.vdb"), true, &voxels, &metadata, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	assert_int_equal(vdb_write(in_folder("b.vdb"), true, &voxels, &metadata, &error), GW_OK);
+	assert_same_file(in_folder("a.vdb"), in_folder("b.vdb"));
+	/* 500 points within 1 m fill a few leaves; within 10 km a leaf each. */
+	metadata.memory = 8 << 20;
+	assert_int_equal(vdb_write(in_folder("b.vdb"), true, &voxels, &metadata, &error), GW_OK);
+	points = make_points(1e4);
+	assert_int_equal(vdb_write(in_folder("b.vdb"), true, &voxels, &metadata, &error),
+					 GW_ERROR_MEMORY);
+	assert_non_null(strstr(error.text, "the point grid of 499 points"));
+	points = make_points(1e9);
+	assert_int_equal(vdb_write(in_folder("b.vdb"), true, &voxels, &metadata, &error),
+					 GW_ERROR_DATA);
+	points.count = 0;
+	assert_int_equal(vdb_write(in_folder("b.vdb"), true, &voxels, &metadata, &error),
+					 GW_ERROR_DATA);
+	unlink(in_folder("a.vdb"));
+	unlink(in_folder("b.vdb"));
+}
+
 static bool to_stream(void *user, const void *data, size_t length)
 {
 	FILE *stream = user;
@@ -672,7 +716,8 @@ static void vdb_is_read_back(void **state)
 	memcpy(&verify, &address[1], sizeof verify);
 
 	gw_voxels voxels = make_voxels(3);
-	vdb_metadata metadata = { .half = true };
+	vdb_points points = make_points(1.0);
+	vdb_metadata metadata = { .half = true, .points = &points };
 	vdb_digest digest;
 	gw_error error = { 0 };
 	char path[160];
@@ -692,6 +737,12 @@ static void vdb_is_read_back(void **state)
 		other.voxels[g]++;
 		assert_int_equal(verify(path, &other, &error), GW_ERROR_IO);
 	}
+	assert_int_equal(digest.points, GRID_POINTS - 1);
+	vdb_digest others[2] = { digest, digest };
+	others[0].points++;
+	others[1].point_values ^= 1;
+	for (int i = 0; i < 2; i++)
+		assert_int_equal(verify(path, &others[i], &error), GW_ERROR_IO);
 	for (int part = 7; part >= 0; part--) {
 		assert_int_equal(truncate(path, length * part / 8), 0);
 		assert_int_equal(verify(path, &digest, &error), GW_ERROR_IO);
@@ -748,6 +799,7 @@ int main(void)
 		cmocka_unit_test(content_goes_before_the_name),
 		cmocka_unit_test(voxels_are_merged),
 		cmocka_unit_test(vdb_is_written),
+		cmocka_unit_test(vdb_points_are_written),
 		cmocka_unit_test(vdb_is_read_back),
 		cmocka_unit_test(vdb_refuses),
 	};
