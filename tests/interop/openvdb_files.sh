@@ -13,4 +13,4 @@ awk '/^Name: density/ { ours = 1 }
 # The points beside them, with their attributes and their number.
 make_lit --vdb points.vdb --vdb-points -f
 vdb_print -l points.vdb | sed -n '/^Name: points/,$p' |
-	grep -E '^Name:|^  Type:|voxel size' 
+	grep -E '^Name:|^  Type:|voxel size'
