@@ -195,8 +195,9 @@ static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radianc
 	return status;
 }
 
-/* Samples lit lobes, half as often as what emits: patches carry less of the light, and of all that is
- * done for other lamps this takes the longest. part is NULL, or what is gathered of their radiance. */
+/* Samples lit lobes, half as often as what emits: patches carry less of the light, and of all that
+ * is done for other lamps this takes the longest. part is NULL, or what is gathered of their
+ * radiance. */
 static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const gw_buffer *part,
 								gw_error *error)
 {

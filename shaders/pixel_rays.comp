@@ -43,8 +43,8 @@ layout(push_constant) uniform Push
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
 
-/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a rough
- * one takes. */
+/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
+ * rough one takes. */
 const float STRONG = 0.3;
 const uint LEAST_RAYS = 8u;
 
