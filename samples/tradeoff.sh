@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Error against seconds and memory of many settings on the three sample scenes, as tables.
 #
-#   tradeoff.sh FOLDER PAGE [POINTS]     POINTS of each scene, 20000 unless said
+#   tradeoff.sh FOLDER PAGE [POINTS]     POINTS of each scene, 10000 unless said
 #
 # Writes FOLDER/SCENE.csv and FOLDER/SCENE.svg, and puts the tables into PAGE between its lines
 # `<!-- tables -->` and `<!-- end of tables -->`.
@@ -10,7 +10,7 @@ GLOWWORM=${GLOWWORM:-glowworm}
 MAKE_CAVE=${MAKE_CAVE:-make_cave}
 folder=$1
 page=$2
-points=${3:-20000}
+points=${3:-10000}
 here=$(cd "$(dirname "$0")" && pwd)
 
 table_of() { # CSV
