@@ -156,7 +156,8 @@ typedef struct settings {
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
-	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices, help;
+	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;
+	bool help;
 	const char *csv, *svg;                     /* of tradeoff */
 	const char *worst, *json_file;             /* of compare */
 	uint32_t worst_count;                      /* points that worst holds */
