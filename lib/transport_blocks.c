@@ -6,6 +6,7 @@
 #include "transport_layout.h"
 
 #include <math.h>
+#include <assert.h>
 #include <string.h>
 
 #define POINTS_MAX (UINT64_C(1) << 30)
@@ -116,6 +117,7 @@ typedef struct list {
 /* An array on the host. */
 static gw_transport_block *host(list *l, const char *name, void *array, uint64_t bytes)
 {
+	assert(l->count < GW_TRANSPORT_BLOCKS);
 	gw_transport_block *block = &l->block[l->count++];
 	*block = (gw_transport_block){ .name = name, .host = array, .bytes = bytes };
 	return block;
@@ -124,6 +126,7 @@ static gw_transport_block *host(list *l, const char *name, void *array, uint64_t
 /* An array on the device, of vectors of four floats unless said otherwise. */
 static gw_transport_block *device(list *l, const char *name, gw_buffer *buffer, uint64_t bytes)
 {
+	assert(l->count < GW_TRANSPORT_BLOCKS);
 	gw_transport_block *block = &l->block[l->count++];
 	*block = (gw_transport_block){
 		.name = name, .buffer = buffer, .format = VK_FORMAT_R32G32B32A32_SFLOAT, .bytes = bytes
@@ -162,6 +165,8 @@ static void list_surfels(list *l, gw_solver *solver, const gw_transport_numbers 
 	if (n->emits)
 		host(l, "emission", &s->emission, 12 * count);
 	host(l, "distances", &s->nearest, 4 * count);
+	host(l, "radii", &s->radius, 4 * count);
+	host(l, "areas", &s->area, 4 * count);
 	host(l, "sides", &s->two_sided, count);
 	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
