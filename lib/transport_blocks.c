@@ -5,8 +5,8 @@
 
 #include "transport_layout.h"
 
-#include <math.h>
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #define POINTS_MAX (UINT64_C(1) << 30)
