@@ -102,7 +102,7 @@ static gw_status add_gathered(gw_solver *s, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_window(&s->records.gathered, 16),
 									gw_window(&s->records.first, 16) };
-	return gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 },
+	return gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
 						 s->records.count, error);
 }
 
@@ -189,8 +189,8 @@ static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radianc
 	const gw_binding bindings[] = { gw_window(lobe_radiance, 16),
 									gw_window(&relight->patch_radiance, 16) };
 	if (status == GW_OK)
-		status = gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, (uint32_t[16]){ 0 }, slots,
-							   error);
+		status = gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
+							   slots, error);
 	relight->patches.radiance = &relight->patch_radiance;
 	return status;
 }
