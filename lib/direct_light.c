@@ -189,20 +189,9 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 								  const gw_light_push *push, uint64_t count,
 								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
-									gw_whole(&octree->node),
-									gw_whole(&octree->leaf_tile),
-									gw_whole(&octree->lobe_plane),
-									gw_whole(&octree->lobe_centre),
-									gw_window(&octree->surfel_position, 16),
-									gw_window(normal, 16),
-									gw_window(visibility, 4),
-									gw_whole(&octree->leaf_fragment),
-									gw_whole(&octree->fragment_surfel),
-									gw_whole(&octree->surfel_position),
-									gw_whole(&octree->surfel_normal),
-									gw_whole(&octree->surfel_disc),
-									gw_whole(&octree->surfel_clip) };
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
+									gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
+									gw_window(visibility, 4), GW_DISC_BINDINGS(octree) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }
 

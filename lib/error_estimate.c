@@ -235,10 +235,11 @@ static double mean_radiance(const gw_estimate_task *task, const bool *counts)
 	return used ? sum / (double)used : 0.0;
 }
 
-static void compare(const gw_estimate_task *task, const estimate *e, gw_error_estimate *result)
+static void compare(const gw_estimate_task *task, const estimate *e, double mean,
+					gw_error_estimate *result)
 {
 	const gw_probes *p = task->probes;
-	double mean = mean_radiance(task, e->counts), n = 0.0;
+	double n = 0.0;
 	double sum = 0.0, square = 0.0, fourth = 0.0, half = 0.0;
 	for (size_t i = 0; i < p->count && mean > 0.0; i++) {
 		size_t s = p->surfel[i];
@@ -259,10 +260,6 @@ static void compare(const gw_estimate_task *task, const estimate *e, gw_error_es
 	if (n < 2.0)
 		return;
 	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
-	if (task->direct)
-		result->shadows = sqrt(gw_shadow_error(task->surfels, task->direct, e->counts,
-											   gw_thread_count(task->threads))) /
-						  mean;
 	double rms = sqrt(fmax(square / n, 0.0));
 	result->points = (uint32_t)n;
 	result->relative_rms = rms;
@@ -272,6 +269,19 @@ static void compare(const gw_estimate_task *task, const estimate *e, gw_error_es
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples);
 	result->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
+}
+
+/* What the edges of lamps' shadows may add. */
+static gw_status add_shadows(const gw_estimate_task *task, const estimate *e, double mean,
+							 gw_error_estimate *result, gw_error *error)
+{
+	double square;
+	if (!task->direct || !(mean > 0.0))
+		return GW_OK;
+	gw_status status = gw_shadow_error(task->surfels, task->direct, e->counts,
+									   gw_thread_count(task->threads), &square, error);
+	result->shadows = status == GW_OK ? sqrt(square) / mean : 0.0;
+	return status;
 }
 
 gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *result,
@@ -295,8 +305,11 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 		status = gw_emitters_make(task->passes->gpu, task->octree, &radiance, &reflectors, error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
 		status = gather_half(task, half, &reflectors, &e, error);
+	double mean = status == GW_OK ? mean_radiance(task, e.counts) : 0.0;
 	if (status == GW_OK)
-		compare(task, &e, result);
+		compare(task, &e, mean, result);
+	if (status == GW_OK && result->points > 0)
+		status = add_shadows(task, &e, mean, result, error);
 	gw_emitters_destroy(task->passes->gpu, &reflectors);
 	gw_buffer_destroy(task->passes->gpu, &radiance);
 	free(e.half[0]);

@@ -36,14 +36,9 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
-			gw_whole(&octree->ray_directory),   gw_whole(&octree->node),
-			gw_whole(&octree->leaf_tile),       gw_whole(&octree->lobe_plane),
-			gw_whole(&octree->lobe_centre),     gw_whole(&records->position),
-			gw_whole(&records->normal),         gw_window(&gather->lobe, 4),
-			gw_window(&gather->distance, 4),    gw_whole(&octree->leaf_fragment),
-			gw_whole(&octree->fragment_surfel), gw_whole(&octree->surfel_position),
-			gw_whole(&octree->surfel_normal),   gw_whole(&octree->surfel_disc),
-			gw_whole(&octree->surfel_clip)
+			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
+			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
+			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
@@ -65,11 +60,7 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 								 gw_buffer *sampled, gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
-	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
-									gw_whole(&octree->node),
-									gw_whole(&octree->leaf_tile),
-									gw_whole(&octree->lobe_plane),
-									gw_whole(&octree->lobe_centre),
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
 									gw_whole(emitters->radiance),
 									gw_whole(&emitters->table),
 									gw_window(&records->position, 16),
@@ -92,22 +83,11 @@ static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_recor
 							const gw_sky_map *map, gw_record_push push, gw_buffer *sampled,
 							gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&octree->ray_directory),
-									gw_whole(&octree->node),
-									gw_whole(&octree->leaf_tile),
-									gw_whole(&octree->lobe_plane),
-									gw_whole(&octree->lobe_centre),
-									gw_whole(&map->texel),
-									gw_whole(&map->alias),
-									gw_window(&records->position, 16),
-									gw_window(&records->normal, 16),
-									gw_window(sampled, 16),
-									gw_whole(&octree->leaf_fragment),
-									gw_whole(&octree->fragment_surfel),
-									gw_whole(&octree->surfel_position),
-									gw_whole(&octree->surfel_normal),
-									gw_whole(&octree->surfel_disc),
-									gw_whole(&octree->surfel_clip) };
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
+		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
+		GW_DISC_BINDINGS(octree)
+	};
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.sky_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;

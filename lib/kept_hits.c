@@ -208,16 +208,10 @@ static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const 
 	if (status != GW_OK)
 		return status;
 	*traced = listed;
-	const gw_binding bindings[] = {
-		gw_whole(&octree->ray_directory),   gw_whole(&octree->node),
-		gw_whole(&octree->leaf_tile),       gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),     gw_whole(&records->position),
-		gw_whole(&records->normal),         gw_whole(&tables->list),
-		gw_whole(&gather->lobe),            gw_whole(&gather->distance),
-		gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
-		gw_whole(&octree->surfel_position), gw_whole(&octree->surfel_normal),
-		gw_whole(&octree->surfel_disc),     gw_whole(&octree->surfel_clip)
-	};
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
+									gw_whole(&records->normal), gw_whole(&tables->list),
+									gw_whole(&gather->lobe),    gw_whole(&gather->distance),
+									GW_DISC_BINDINGS(octree) };
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
 }

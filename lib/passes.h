@@ -67,4 +67,13 @@ static inline gw_binding gw_voxels_of(const gw_image *image)
 	return (gw_binding){ .image = (gw_image *)(uintptr_t)image };
 }
 
+/* What octree_trace.glsl reads of an octree, and octree_discs.glsl, in the order of their lists. */
+#define GW_TRACE_BINDINGS(octree)                                                                  \
+	gw_whole(&(octree)->ray_directory), gw_whole(&(octree)->node), gw_whole(&(octree)->leaf_tile), \
+		gw_whole(&(octree)->lobe_plane), gw_whole(&(octree)->lobe_centre)
+#define GW_DISC_BINDINGS(octree)                                                                   \
+	gw_whole(&(octree)->leaf_fragment), gw_whole(&(octree)->fragment_surfel),                      \
+		gw_whole(&(octree)->surfel_position), gw_whole(&(octree)->surfel_normal),                  \
+		gw_whole(&(octree)->surfel_disc), gw_whole(&(octree)->surfel_clip)
+
 #endif

@@ -264,9 +264,7 @@ static gw_lookup_push lookup(const gw_records *records)
 
 /* The first ten bindings of both lookups. */
 #define LOOKUP_BINDINGS                                                                            \
-	gw_whole(&octree->ray_directory), gw_whole(&octree->node), gw_whole(&octree->leaf_tile),       \
-		gw_whole(&octree->lobe_plane), gw_whole(&octree->lobe_centre),                             \
-		gw_whole(&octree->level_directory), gw_whole(&records->position),                          \
+	GW_TRACE_BINDINGS(octree), gw_whole(&octree->level_directory), gw_whole(&records->position),   \
 		gw_whole(&records->normal), gw_whole(&records->block_first),                               \
 		gw_whole(&records->block_record)
 

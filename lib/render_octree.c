@@ -200,14 +200,9 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 						   .pixel_first = (uint32_t)first,
 						   .eye = eye_of(o, pixels, 0.0f),
 						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
-	const gw_binding bindings[] = { gw_whole(&t->ray_directory),   gw_whole(&t->node),
-									gw_whole(&t->leaf_tile),       gw_whole(&t->lobe_plane),
-									gw_whole(&t->lobe_centre),     gw_whole(&t->leaf_fragment),
-									gw_whole(&t->fragment_surfel), gw_whole(&t->surfel_position),
-									gw_whole(&t->surfel_normal),   gw_whole(&t->surfel_disc),
-									gw_whole(&t->surfel_clip),     gw_whole(&o->surfel_radiance),
-									gw_window(&b->position, 16),   gw_window(&b->normal, 16),
-									gw_window(&b->result, 16) };
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(t),          GW_DISC_BINDINGS(t),
+									gw_whole(&o->surfel_radiance), gw_window(&b->position, 16),
+									gw_window(&b->normal, 16),     gw_window(&b->result, 16) };
 	gw_status status = GW_OK;
 	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
 		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);

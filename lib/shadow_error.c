@@ -73,20 +73,25 @@ static void add_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
-double gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
-					   uint32_t threads)
+gw_status gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
+						  uint32_t threads, double *mean_square, gw_error *error)
 {
 	size_t chunks = surfels->count / CHUNK + 1, used = 0;
 	shadow_edges e = { surfels, direct, counts, gw_allocate_zeros(chunks, sizeof *e.square),
 					   gw_allocate_zeros(chunks, sizeof *e.used) };
+	gw_status status = GW_OK;
 	double sum = 0.0;
 	if (e.square && e.used)
 		gw_parallel_for(threads, surfels->count, CHUNK, add_chunk, &e);
-	for (size_t c = 0; c < chunks && e.square && e.used; c++) {
+	else
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for the edges of %zu surfels",
+						 surfels->count);
+	for (size_t c = 0; c < chunks && status == GW_OK; c++) {
 		sum += e.square[c];
 		used += e.used[c];
 	}
+	*mean_square = used ? sum / (double)used : 0.0;
 	free(e.square);
 	free(e.used);
-	return used ? sum / (double)used : 0.0;
+	return status;
 }

@@ -25,12 +25,14 @@
 
 /*
  * Expected mean over the counted surfels of the squared error of luminance that misplaced edges
- * bring, in (W/(sr m^2))^2.
- *   direct   4 a surfel, irradiance from lamps
- *   counts   one a surfel: whether its error counts
- *   threads  as for gw_parallel_for
+ * bring.
+ *   direct       4 a surfel, irradiance from lamps
+ *   counts       one a surfel: whether its error counts
+ *   threads      as for gw_parallel_for
+ *   mean_square  receives it, (W/(sr m^2))^2; 0 when none counts
+ * Fails with GW_ERROR_MEMORY.
  */
-double gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
-					   uint32_t threads);
+gw_status gw_shadow_error(const gw_surfels *surfels, const float *direct, const bool *counts,
+						  uint32_t threads, double *mean_square, gw_error *error);
 
 #endif

@@ -325,10 +325,9 @@ static bool meets_crease(const disc_step *step, size_t surfel, const gw_neighbou
 	return false;
 }
 
-/* Finds the direction in which the surface's points reach least far; false when they reach far
- * enough everywhere. `extent` is theirs in all directions. */
-static bool find_open_side(const double *extent, double least, const half_plane *edge,
-						   uint32_t found, half_plane *side)
+/* The direction, away from the edge that was found, in which the surface's points reach least far.
+ * `extent` is theirs in all directions. */
+static int find_open_side(const double *extent, const half_plane *edge, uint32_t found)
 {
 	int best = -1;
 	for (int d = 0; d < DIRECTIONS; d++) {
@@ -337,8 +336,7 @@ static bool find_open_side(const double *extent, double least, const half_plane 
 		if (best < 0 || extent[d] < extent[best])
 			best = d;
 	}
-	*side = (half_plane){ direction_x[best], direction_y[best], extent[best] };
-	return extent[best] < least;
+	return best;
 }
 
 /* Adds half-planes beyond which the surface has no points, up to two with those already found, from
@@ -347,7 +345,6 @@ static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_poin
 						   uint32_t count, half_plane edge[2], uint32_t found)
 {
 	double reach = kept[count - 1].distance, extent[DIRECTIONS] = { 0 };
-	half_plane side;
 	for (uint32_t j = 0; j < count; j++)
 		for (int d = 0; d < DIRECTIONS / 2; d++) {
 			double way = direction_x[d] * kept[j].x + direction_y[d] * kept[j].y;
@@ -355,13 +352,15 @@ static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_poin
 			extent[d] = way > extent[d] ? way : extent[d];
 			back[d] = -way > back[d] ? -way : back[d];
 		}
-	while (found < 2 && find_open_side(extent, open_extent[count] * reach, edge, found, &side)) {
+	while (found < 2) {
+		int d = find_open_side(extent, edge, found);
+		half_plane side = { direction_x[d], direction_y[d], extent[d] };
 		gw_neighbour_list behind;
+		if (!(side.offset < open_extent[count] * reach))
+			break;
 		look_at(step, surfel, VOID_STEP * reach * side.x, VOID_STEP * reach * side.y, &behind);
 		if (goes_on(step, surfel, &behind, &side, reach)) {
-			for (int d = 0; d < DIRECTIONS; d++)
-				if (direction_x[d] == side.x && direction_y[d] == side.y)
-					extent[d] = reach;
+			extent[d] = reach;
 			continue;
 		}
 		edge[found] = side;

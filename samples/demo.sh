@@ -43,4 +43,4 @@ echo
 "$GLOWWORM" info "$folder/cave_lit.ply"
 echo
 echo "Open $folder/cave_lit.ply in CloudCompare, MeshLab or Blender; $folder/report.json says what"
-echo "the bake did. samples/relight_cave.sh $folder lights the cave a dozen other ways."
+echo "the bake did. samples/relight_cave.sh $folder lights the cave twenty other ways."

@@ -2,6 +2,7 @@
 #include "e57_file.h"
 #include "format.h"
 #include "panorama.h"
+#include "scan_sum.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,21 +65,6 @@ bool fuzz_reader_find(const char *name, fuzz_reader *reader)
 	return false;
 }
 
-static double sum_of_all(const scan *cloud)
-{
-	double sum = 0.0;
-	for (size_t c = 0; c < cloud->column_count; c++)
-		for (size_t i = 0; i < cloud->count; i++)
-			sum += scan_value(&cloud->column[c], i);
-	for (size_t c = 0; c < cloud->comment_count; c++)
-		sum += (double)strlen(cloud->comment[c]);
-	for (size_t s = 0; s < 3 * cloud->scanner_count; s++)
-		sum += cloud->scanner[s];
-	for (size_t i = 0; cloud->scanner_of && i < cloud->count; i++)
-		sum += cloud->scanner_of[i];
-	return sum;
-}
-
 static void check_refusal(const scan *cloud, gw_status status, const gw_error *error,
 						  char complaint[GW_ERROR_TEXT])
 {
@@ -105,7 +91,7 @@ gw_status fuzz_reader_attempt(const fuzz_reader *reader, const uint8_t *data, si
 	gw_status status = reader->read(&in, &cloud, &error);
 	free(copy);
 	if (status == GW_OK) {
-		volatile double sum = sum_of_all(&cloud);
+		volatile double sum = scan_sum_of_all(&cloud);
 		(void)sum;
 		scan_clear(&cloud);
 	} else {

@@ -6,6 +6,7 @@
  */
 #include "counted_memory.h"
 #include "e57_file.h"
+#include "scan_sum.h"
 #include "seed_files.h"
 
 #include <math.h>
@@ -40,18 +41,6 @@ static size_t allowed(size_t length)
 
 static size_t accepted, refused;
 
-/* Uses every value of a scan, so that a sanitizer sees columns that are too short. */
-static double sum_of_all(const scan *cloud)
-{
-	double sum = 0.0;
-	for (size_t c = 0; c < cloud->column_count; c++)
-		for (size_t i = 0; i < cloud->count; i++)
-			sum += scan_value(&cloud->column[c], i);
-	for (size_t c = 0; c < cloud->comment_count; c++)
-		sum += (double)strlen(cloud->comment[c]);
-	return sum;
-}
-
 static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
 						 size_t at)
 {
@@ -67,7 +56,7 @@ static gw_status attempt(const seed *s, const void *data, size_t length, const c
 	gw_status status = s->read(&in, &cloud, &error);
 	uncounted_free(copy);
 	if (status == GW_OK) {
-		volatile double sum = sum_of_all(&cloud);
+		volatile double sum = scan_sum_of_all(&cloud);
 		(void)sum;
 		scan_clear(&cloud);
 		accepted++;

@@ -8,6 +8,7 @@
 #include "las_format.h"
 #include "laz_samples.h"
 #include "little_endian.h"
+#include "scan_sum.h"
 
 #include <sched.h>
 #include <setjmp.h>
@@ -81,18 +82,6 @@ static size_t allowed(const seed *s, size_t length)
 
 static size_t accepted, refused;
 
-/* Uses every value, so that a sanitizer sees columns that are too short. */
-static double sum_of_all(const scan *cloud)
-{
-	double sum = 0.0;
-	for (size_t c = 0; c < cloud->column_count; c++)
-		for (size_t i = 0; i < cloud->count; i++)
-			sum += scan_value(&cloud->column[c], i);
-	for (size_t c = 0; c < cloud->comment_count; c++)
-		sum += (double)strlen(cloud->comment[c]);
-	return sum;
-}
-
 static gw_status attempt(const seed *s, const void *data, size_t length, const char *what,
 						 size_t at)
 {
@@ -105,7 +94,7 @@ static gw_status attempt(const seed *s, const void *data, size_t length, const c
 	gw_status status = las_read(&in, &cloud, &error);
 	uncounted_free(copy);
 	if (status == GW_OK) {
-		volatile double sum = sum_of_all(&cloud);
+		volatile double sum = scan_sum_of_all(&cloud);
 		(void)sum;
 		scan_clear(&cloud);
 		accepted++;
