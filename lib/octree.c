@@ -20,7 +20,7 @@ static const struct {
 	uint32_t push_bytes;
 	uint32_t loop_bound;
 } pass_table[GW_OCTREE_PASSES] = {
-	[GW_OCTREE_FRAGMENTS] = { "octree_fragments", "TTTTSSSSSSS", sizeof(gw_fragments_push),
+	[GW_OCTREE_FRAGMENTS] = { "octree_fragments", "TTTTTSSSSSSS", sizeof(gw_fragments_push),
 							  DISC_LOOPS },
 	[GW_OCTREE_GATHER] = { "octree_gather", "STTTSSS", sizeof(gw_keys_push), 0 },
 	[GW_OCTREE_MARK] = { "octree_mark", "TTS", sizeof(gw_keys_push), 0 },
@@ -30,7 +30,7 @@ static const struct {
 	[GW_OCTREE_LINK] = { "octree_link", "TTSSSS", sizeof(gw_tiles_push), SEARCH_LOOPS },
 	[GW_OCTREE_LEAF_TILES] = { "octree_leaf_tiles", "TTSS", sizeof(gw_leaves_push), SEARCH_LOOPS },
 	[GW_OCTREE_SEED] = { "octree_seed", "TTTTTSS", sizeof(gw_leaves_push), GW_REDUCE_RUN },
-	[GW_OCTREE_LOBES] = { "octree_lobes", "TTTTTTTTSSSSSS", sizeof(gw_leaves_push),
+	[GW_OCTREE_LOBES] = { "octree_lobes", "TTTTTTTTTSSSSSS", sizeof(gw_leaves_push),
 						  3 * GW_REDUCE_RUN },
 	[GW_OCTREE_FINISH] = { "octree_finish", "TTTTSSSSSSS", sizeof(gw_leaves_push), 0 },
 	[GW_OCTREE_DISTANCE] = { "octree_distance", "TTS", sizeof(gw_distance_push), 0 },
@@ -159,6 +159,7 @@ static void destroy_work(gw_octree_work *work)
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
 		&work->surfel_albedo,
+		&work->surfel_bend,
 		&work->surfel_emission,
 		&work->surfel_offset,
 		&work->surfel_samples,

@@ -81,9 +81,14 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 		out[2] = clip[4];
 		out[3] = clip[5] * to_cells;
 		break;
+	case 4:
+		for (int k = 0; k < 3; k++)
+			out[k] = s->bend ? (float)((double)s->bend[3 * i + (size_t)k] * leaf) : 0;
+		out[3] = 0;
+		break;
 	default:
 		for (int k = 0; k < 3; k++)
-			out[k] = (which == 4 ? s->albedo : s->emission)[3 * i + (size_t)k];
+			out[k] = (which == 5 ? s->albedo : s->emission)[3 * i + (size_t)k];
 		out[3] = 0;
 	}
 }
@@ -112,12 +117,13 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 		{ &octree->surfel_normal, "surfel normals" },
 		{ &octree->surfel_disc, "surfel discs" },
 		{ &octree->surfel_clip, "surfel clips" },
+		{ &work->surfel_bend, "surfel bends" },
 		{ &work->surfel_albedo, "surfel albedos" },
 		{ &work->surfel_emission, "surfel emission" },
 	};
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
-	for (int i = 0; i < 6; i++) {
-		bool there = i < 5 || work->surfels->emission != NULL;
+	for (int i = 0; i < 7; i++) {
+		bool there = i < 6 || work->surfels->emission != NULL;
 		GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, there ? bytes : 16,
 		                        array[i].name, array[i].buffer, error));
 		if (there)
@@ -149,6 +155,7 @@ void gw_octree_forget_upload(gw_octree_work *work)
 		                    &work->octree->surfel_normal,
 		                    &work->octree->surfel_disc,
 		                    &work->octree->surfel_clip,
+		                    &work->surfel_bend,
 		                    &work->surfel_albedo,
 		                    &work->surfel_emission,
 		                    &work->surfel_offset,
@@ -177,6 +184,7 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 		GW_WHOLE(&octree->surfel_normal),
 		GW_WHOLE(&octree->surfel_disc),
 		GW_WHOLE(&octree->surfel_clip),
+		GW_WHOLE(&work->surfel_bend),
 		GW_WINDOW(&work->surfel_offset, 4),
 		GW_WINDOW(&work->surfel_samples, 4),
 		GW_WHOLE(emit ? &work->keys.low : stand_in),

@@ -81,6 +81,7 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 		GW_WHOLE(&octree->fragment_weight),   GW_WHOLE(&work->fragment_centroid),
 		GW_WHOLE(&octree->surfel_position),   GW_WHOLE(&octree->surfel_normal),
 		GW_WHOLE(&work->surfel_albedo),       GW_WHOLE(&work->surfel_emission),
+		GW_WHOLE(&work->surfel_bend),
 		GW_WHOLE(&octree->fragment_surfel),   GW_WINDOW(&work->seed, 16),
 		GW_WINDOW(&octree->lobe_plane, 32),   GW_WINDOW(&octree->lobe_centre, 32),
 		GW_WINDOW(&octree->lobe_albedo, 32),  emission_binding(octree, push.emissive),

@@ -63,6 +63,7 @@ typedef struct gw_octree_work {
 
 	/* Of surfels, only while building. */
 	gw_buffer surfel_albedo;   /* likewise: rgb, 0 */
+	gw_buffer surfel_bend;     /* likewise: of its disc, per leaf cell; 0 */
 	gw_buffer surfel_emission; /* likewise; one texel when nothing emits */
 	gw_buffer surfel_offset;   /* count or first of its fragments */
 	gw_buffer surfel_samples;  /* of its disc, that count */

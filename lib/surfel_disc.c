@@ -5,7 +5,7 @@
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
  * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
  * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
- * disc are cut there.
+ * disc are cut there. Where it curves, the disc is bent to follow it, so that it does not stick out.
  */
 #include "surfel_steps.h"
 
@@ -29,6 +29,9 @@
 #define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
 #define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
 #define COS_60 0.5001     /* a little more, so that 60 degrees are enough */
+#define BEND_POINTS 6     /* neighbours from which on a bend is looked for */
+#define BEND_RIDGE 1e-5   /* keeps neighbours on a line from telling about the other direction */
+#define BEND_MOST 0.5     /* slope of a disc's rim against its plane */
 #define CORNERS 34        /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
 
 static const double pi = 3.14159265358979323846;
@@ -193,6 +196,77 @@ static double measure_noise(const flat_point *flat, uint32_t count, double reach
 	tilt[1] = b;
 	double rest = hh - a * hx - b * hy;
 	return sqrt(fmax(rest, 0) / ((f.n - 3) * (1 + a * a + b * b)));
+}
+
+/* What a neighbour's height is made of: its products with a bend are the bent disc's height. */
+static void bend_terms(const flat_point *p, double reach, double term[3])
+{
+	double x = p->x / reach, y = p->y / reach;
+	term[0] = 0.5 * x * x;
+	term[1] = x * y;
+	term[2] = 0.5 * y * y;
+}
+
+/* Solves m[.][0..2] x = m[.][3], positive definite, by Gauss-Jordan elimination; x replaces
+ * m[.][3].
+ */
+static void solve_three(double m[3][4])
+{
+	for (int p = 0; p < 3; p++) {
+		for (int r = 0; r < 3; r++) {
+			double factor = m[r][p] / m[p][p];
+			for (int c = p; c < 4 && r != p; c++)
+				m[r][c] -= factor * m[p][c];
+		}
+		for (int c = 3; c >= p; c--)
+			m[p][c] /= m[p][p];
+	}
+}
+
+/* Sum of squares of what a bend leaves of the neighbours' heights. */
+static double unexplained(const flat_point *kept, uint32_t count, const double bend[3])
+{
+	double sum = 0, reach = kept[count - 1].distance, term[3];
+	for (uint32_t j = 0; j < count; j++) {
+		bend_terms(kept + j, reach, term);
+		double rest = kept[j].height;
+		for (int k = 0; k < 3; k++)
+			rest -= bend[k] * term[k];
+		sum += rest * rest;
+	}
+	return sum;
+}
+
+/*
+ * How the surface curves away from the normal's plane: height = (a x^2 + 2 b x y + c y^2) / 2, by
+ * least squares over the neighbours. Of what it explains that part is kept which is not noise, as
+ * their variances tell.
+ */
+static void fit_bend(const flat_point *kept, uint32_t count, double radius, float bend[3])
+{
+	double reach = kept[count - 1].distance, m[3][4] = { 0 }, term[3];
+	if (count < BEND_POINTS)
+		return;
+	for (uint32_t j = 0; j < count; j++) {
+		bend_terms(kept + j, reach, term);
+		for (int r = 0; r < 3; r++) {
+			for (int c = 0; c < 3; c++)
+				m[r][c] += term[r] * term[c];
+			m[r][3] += term[r] * kept[j].height;
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		m[k][k] += BEND_RIDGE * count;
+	solve_three(m);
+	const double found[3] = { m[0][3], m[1][3], m[2][3] }, none[3] = { 0 };
+	double left = unexplained(kept, count, found);
+	double signal = (unexplained(kept, count, none) - left) / 3, noise = left / (count - 3);
+	if (!(signal > noise))
+		return;
+	double rim = hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
+	double share = fmin(1 - noise / signal, BEND_MOST / rim);
+	for (int k = 0; k < 3; k++)
+		bend[k] = (float)(share * found[k] / reach / reach);
 }
 
 /* Keeps the neighbours near the plane, nearest in the plane first; returns how many. */
@@ -480,6 +554,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 								   : cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
+	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
 	for (uint32_t e = 0; e < edges; e++) {
 		s->clip[6 * surfel + 3 * e] = (float)edge[e].x;
 		s->clip[6 * surfel + 3 * e + 1] = (float)edge[e].y;
@@ -523,13 +598,14 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	surfels->radius = gw_allocate_array(n, sizeof(float));
 	surfels->area = gw_allocate_array(n, sizeof(float));
 	surfels->clip = gw_allocate_zeros(n, 6 * sizeof(float));
+	surfels->bend = gw_allocate_zeros(n, 3 * sizeof(float));
 	step.measure_noise = !surfels->noise;
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->noise || !step.isolated)
+		!surfels->bend || !surfels->noise || !step.isolated)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);

@@ -223,6 +223,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 				append(&all->radius, n, part->radius, m, sizeof(float)) &&
 				append(&all->area, n, part->area, m, sizeof(float)) &&
 				append(&all->clip, n, part->clip, m, 2 * v) &&
+				append(&all->bend, n, part->bend, m, v) &&
 				append(&all->two_sided, n, part->two_sided, m, 1) &&
 				append(&all->noise, n, part->noise, m, sizeof(float));
 	all->count = good ? n + m : n;
@@ -374,26 +375,53 @@ static void turn_normal(const similarity *s, const float from[3], float to[3])
 		to[k] = (float)(out[k] / length);
 }
 
+/* Columns: the tangents of a normal, turned, in coordinates of the tangents of the turned normal.
+ */
+typedef double plane_turn[2][2];
+
+static void find_plane_turn(const similarity *s, const float from_normal[3],
+							const float to_normal[3], plane_turn q)
+{
+	float tangent[2][3], to_tangent[2][3];
+	gw_tangent_frame(from_normal, tangent[0], tangent[1]);
+	gw_tangent_frame(to_normal, to_tangent[0], to_tangent[1]);
+	for (size_t c = 0; c < 2; c++) {
+		double way[3], out[3];
+		for (size_t k = 0; k < 3; k++)
+			way[k] = (double)tangent[c][k];
+		turn(s, way, out);
+		for (size_t r = 0; r < 2; r++) {
+			q[r][c] = 0;
+			for (size_t k = 0; k < 3; k++)
+				q[r][c] += out[k] * (double)to_tangent[r][k];
+		}
+	}
+}
+
 /* The disc's cuts keep their place on the surface, so that they get other coordinates in the frame
  * of the turned normal. */
-static void turn_clips(const similarity *s, const float from_normal[3], const float to_normal[3],
-					   const float from[6], float to[6])
+static void turn_clips(const similarity *s, const plane_turn q, const float from[6], float to[6])
 {
-	float t[3], b[3], to_t[3], to_b[3];
-	gw_tangent_frame(from_normal, t, b);
-	gw_tangent_frame(to_normal, to_t, to_b);
 	for (size_t c = 0; c < 6; c += 3) {
-		double way[3], out[3], x = 0, y = 0;
-		for (size_t k = 0; k < 3; k++)
-			way[k] = (double)(from[c] * t[k] + from[c + 1] * b[k]);
-		turn(s, way, out);
-		for (size_t k = 0; k < 3; k++) {
-			x += out[k] * (double)to_t[k];
-			y += out[k] * (double)to_b[k];
-		}
-		to[c] = (float)x;
-		to[c + 1] = (float)y;
+		double x = (double)from[c], y = (double)from[c + 1];
+		to[c] = (float)(q[0][0] * x + q[0][1] * y);
+		to[c + 1] = (float)(q[1][0] * x + q[1][1] * y);
 		to[c + 2] = (float)(s->scale * (double)from[c + 2]);
+	}
+}
+
+/* The bend is a symmetric matrix, which turns from both sides. */
+static void turn_bend(const similarity *s, const plane_turn q, const float from[3], float to[3])
+{
+	const double m[2][2] = { { (double)from[0], (double)from[1] },
+							 { (double)from[1], (double)from[2] } };
+	const int row[3] = { 0, 0, 1 }, column[3] = { 0, 1, 1 };
+	for (size_t e = 0; e < 3; e++) {
+		double sum = 0;
+		for (size_t i = 0; i < 2; i++)
+			for (size_t j = 0; j < 2; j++)
+				sum += q[row[e]][i] * m[i][j] * q[column[e]][j];
+		to[e] = (float)(sum / s->scale);
 	}
 }
 
@@ -410,7 +438,10 @@ static void move_surfel(const similarity *s, const gw_surfels *own, size_t i, gw
 	if (all->lamp_normal)
 		turn_normal(s, (own->lamp_normal ? own->lamp_normal : own->normal) + 3 * i,
 					all->lamp_normal + 3 * j);
-	turn_clips(s, own->normal + 3 * i, all->normal + 3 * j, own->clip + 6 * i, all->clip + 6 * j);
+	plane_turn q;
+	find_plane_turn(s, own->normal + 3 * i, all->normal + 3 * j, q);
+	turn_clips(s, q, own->clip + 6 * i, all->clip + 6 * j);
+	turn_bend(s, q, own->bend + 3 * i, all->bend + 3 * j);
 	all->nearest[j] = (float)((double)own->nearest[i] * s->scale);
 	all->radius[j] = (float)((double)own->radius[i] * s->scale);
 	all->area[j] = (float)((double)own->area[i] * s->scale * s->scale);

@@ -6,7 +6,7 @@
  *   neighbours  gw_neighbours_open   a search structure; gw_neighbours_visit goes over all surfels
  *   normals     gw_normals_complete  estimates and orients the normals that are missing
  *   smooth      gw_surfels_smooth    moves noisy points to the surface that they scatter around
- *   disc        gw_discs_make        area, radius, clip planes, noise and region of influence
+ *   disc        gw_discs_make        area, radius, clips, bend, noise and region of influence
  *
  * Every step fills its arrays of gw_surfels; gw_surfels_make frees them when a step fails.
  */
@@ -125,7 +125,7 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 							gw_error *error);
 
 /*
- * Fills nearest, radius, area, clip, spacing and given_area, noise unless it is there, and sets
+ * Fills nearest, radius, area, clip, bend, spacing and given_area, noise unless it is there, and sets
  * two_sided of surfels that have fewer than three neighbours on their surface.
  *   rough_area  as in gw_surfels_options
  *   gap         NULL or count floats that receive the Euclidean distance to the nearest other one

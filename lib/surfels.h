@@ -41,6 +41,9 @@ typedef struct gw_surfels {
 	float *clip;   /* 6 * count: two half-planes in the disc's plane that cut it at edges:
 					  direction x, y in the disc's tangent frame (gw_tangent_frame) and the
 					  distance beyond which nothing of it lies; (0, 0, 0): none */
+	float *bend;        /* 3 * count or NULL, per metre: how the surface curves away from the disc,
+						   which is bent by it: at (x, y) of the tangent frame it is
+						   (bend[0] x^2 + 2 bend[1] x y + bend[2] y^2) / 2 above its plane */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */

@@ -6,7 +6,8 @@
  * A plane fills its cell, so alone it would end a surface a cell too far, and a shadow's edge with
  * it. The discs end where the surface does; inside a surface some eight of them cover each place.
  * Near an edge each is cut by its own guess of where the edge is, and a third of them decides: half
- * would end surfaces short, because discs cut off before this cell have no say in it.
+ * would end surfaces short, because discs cut off before this cell have no say in it. A disc that
+ * is alone where eight should be has no say at all.
  */
 #ifndef OCTREE_DISCS_GLSL
 #define OCTREE_DISCS_GLSL
@@ -21,6 +22,28 @@ const float DISC_SLACK = 0.02; /* leaf cells */
 /* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
 const uint DISC_FRAGMENTS = 256u;
 
+/* Inside a surface the densities of the discs at a place add up to about 1. Where one of some eight
+ * is alone, it sticks out over a ridge, and there is no surface. */
+const float COVER_LEAST = 0.2;
+
+/* Two cuts leave no less of a disc than this. */
+const float SHARE_LEAST = 0.05;
+
+/* Share of a disc that a cut leaves, by the cut's distance in radii; a cut without direction leaves
+ * all. */
+float share_left(vec2 direction, float distance)
+{
+	float u = clamp(distance, -1.0, 1.0);
+	return dot(direction, direction) > 0.0 ? 1.0 - (acos(u) - u * sqrt(1.0 - u * u)) / PI : 1.0;
+}
+
+/* How much surface there is at each place of a disc: its area over that of what the cuts leave. */
+float disc_density(vec4 size, vec4 clip)
+{
+	float left = share_left(size.zw, clip.x / size.x) + share_left(clip.yz, clip.w / size.x) - 1.0;
+	return size.y / (PI * size.x * size.x * max(left, SHARE_LEAST));
+}
+
 bool is_covered(int slot, vec3 at)
 {
 	uint first = texelFetch(leaf_fragment, slot >> 1).x;
@@ -28,6 +51,7 @@ bool is_covered(int slot, vec3 at)
 	if (last - first > DISC_FRAGMENTS)
 		return true;
 	int votes = 0;
+	float cover = 0.0;
 	for (uint f = first; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
@@ -46,8 +70,9 @@ bool is_covered(int slot, vec3 at)
 		vec2 over = vec2(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w);
 		bool kept = max(over.x, over.y) <= DISC_SLACK;
 		votes += kept ? 2 : -1;
+		cover += kept ? disc_density(size, clip) : 0.0;
 	}
-	return votes > 0;
+	return votes > 0 && cover > COVER_LEAST;
 }
 
 #endif

@@ -6,7 +6,7 @@
  * is its density times s^3, has to be s^2: the density is 1/s, and a cell gets overlap volume / s.
  * A flat surface then gives each cell the opacity of the area it covers there, whatever s is.
  *
- * Disc fragments: the cells which the surfel's disc overlaps get its area by their shares of the
+ * Disc fragments: the cells which the surfel's disc, bent as the surface is, overlaps get its area by their shares of the
  * disc. A small disc is looked at in 16 fixed points of equal area, a larger one in a lattice of
  * 4 x 4 points in each column of cells along the axis nearest to its normal.
  *
@@ -16,6 +16,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "octree_common.glsl"
+#include "sampling.glsl"
 
 layout(local_size_x_id = 0) in;
 
@@ -23,13 +24,14 @@ layout(binding = 0) uniform samplerBuffer surfel_position; /* grid coordinates, 
 layout(binding = 1) uniform samplerBuffer surfel_normal;
 layout(binding = 2) uniform samplerBuffer surfel_disc; /* radius, area, first clip direction */
 layout(binding = 3) uniform samplerBuffer surfel_clip; /* first clip distance, second clip */
-layout(binding = 4) buffer Offsets { uint offset[]; }; /* count, then first fragment; windowed */
-layout(binding = 5) buffer Samples { uint samples[]; }; /* of the disc, that count; windowed */
-layout(binding = 6) writeonly buffer KeysLow { uint key_low[]; };
-layout(binding = 7) writeonly buffer KeysHigh { uint key_high[]; };
-layout(binding = 8) writeonly buffer Surfels { uint fragment_surfel[]; };
-layout(binding = 9) writeonly buffer Weights { float fragment_weight[]; };
-layout(binding = 10) writeonly buffer Centroids { uint fragment_centroid[]; };
+layout(binding = 4) uniform samplerBuffer surfel_bend;
+layout(binding = 5) buffer Offsets { uint offset[]; }; /* count, then first fragment; windowed */
+layout(binding = 6) buffer Samples { uint samples[]; }; /* of the disc, that count; windowed */
+layout(binding = 7) writeonly buffer KeysLow { uint key_low[]; };
+layout(binding = 8) writeonly buffer KeysHigh { uint key_high[]; };
+layout(binding = 9) writeonly buffer Surfels { uint fragment_surfel[]; };
+layout(binding = 10) writeonly buffer Weights { float fragment_weight[]; };
+layout(binding = 11) writeonly buffer Centroids { uint fragment_centroid[]; };
 
 layout(push_constant) uniform Push { gw_fragments_push push; };
 
@@ -43,6 +45,7 @@ struct Disc {
 	vec3 normal, tangent, bitangent;
 	float radius, area;
 	vec3 clip[2];
+	vec3 bend;
 };
 
 uint surfel, fragments, inside_count;
@@ -91,13 +94,10 @@ void add_roi(ivec3 cell, vec3 place, float side)
 
 /* --------------------------------------------------------------------------------- discs */
 
-/* The same frame as gw_tangent_frame's. */
-void make_frame(vec3 n, out vec3 tangent, out vec3 bitangent)
+/* Height of the bent disc above its plane. */
+float bend_height(Disc disc, vec2 at)
 {
-	float s = n.z >= 0.0 ? 1.0 : -1.0;
-	float a = -1.0 / (s + n.z), c = n.x * n.y * a;
-	tangent = vec3(1.0 + s * n.x * n.x * a, s * c, -s * n.x);
-	bitangent = vec3(c, s + n.y * n.y * a, -n.y);
+	return 0.5 * (disc.bend.x * at.x * at.x + disc.bend.z * at.y * at.y) + disc.bend.y * at.x * at.y;
 }
 
 bool is_cut(Disc disc, vec2 at)
@@ -114,7 +114,8 @@ void add_small_disc(Disc disc)
 		vec2 at = turn * (disc.radius * sqrt((float(i) + 0.5) / float(SMALL_POINTS)));
 		turn = vec2(turn.x * GOLDEN_TURN.x - turn.y * GOLDEN_TURN.y,
 		            turn.x * GOLDEN_TURN.y + turn.y * GOLDEN_TURN.x);
-		vec3 p = disc.place + disc.tangent * at.x + disc.bitangent * at.y;
+		vec3 p = disc.place + disc.tangent * at.x + disc.bitangent * at.y +
+				 disc.normal * bend_height(disc, at);
 		ivec3 step = clamp(ivec3(floor(p)), ivec3(-1), ivec3(1));
 		if (is_cut(disc, at) || !in_cube(disc.cell + step))
 			continue;
@@ -143,45 +144,59 @@ vec3 turn_back(vec3 v, int axis)
 	return axis == 0 ? v.zxy : axis == 1 ? v.yzx : v;
 }
 
+/* The lowest cell that a disc may meet in the column around `middle`. */
+float lowest_level(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 middle)
+{
+	vec3 p = vec3(middle, -dot(n.xy, middle) / n.z);
+	vec2 at = vec2(dot(tangent, p), dot(bitangent, p));
+	vec2 rise = vec2(disc.bend.x * at.x + disc.bend.y * at.y, disc.bend.y * at.x + disc.bend.z * at.y);
+	vec2 slope = (rise.x * tangent.xy + rise.y * bitangent.xy - n.xy) / n.z;
+	float there = height + p.z + bend_height(disc, at) / n.z;
+	return floor(there - 0.5 * (abs(slope.x) + abs(slope.y)));
+}
+
 /*
- * One column of cells; slopes of the plane are at most 1, so that at most three cells of it are
- * met. `from` is the column's corner relative to the disc's centre, in turned axes as all here.
+ * One column of cells; slopes of the plane are at most 1 and what bends it adds little, so that at
+ * most four cells of it are met. `from` is the column's corner relative to the disc's centre, in
+ * turned axes as all here.
  */
 void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 from,
                 ivec2 column, int axis, float share)
 {
 	vec2 slope = -n.xy / n.z;
-	float level_there = height + dot(slope, from + 0.5);
-	float lowest = floor(level_there - 0.5 * (abs(slope.x) + abs(slope.y)));
-	vec3 hits = vec3(0.0), sum_x = vec3(0.0), sum_y = vec3(0.0);
+	float lowest = lowest_level(disc, n, tangent, bitangent, height, from + 0.5);
+	vec4 hits = vec4(0.0), sum_x = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
 	for (uint j = 0u; j < 4u; j++) {
 		vec4 x = from.x + vec4(0.125, 0.375, 0.625, 0.875);
 		float y = from.y + 0.125 + 0.25 * float(j);
 		vec4 z = slope.x * x + slope.y * y;
 		vec4 u = tangent.x * x + tangent.y * y + tangent.z * z;
 		vec4 v = bitangent.x * x + bitangent.y * y + bitangent.z * z;
-		vec4 level = clamp(floor(height + z) - lowest, 0.0, 2.0);
+		vec4 bent = 0.5 * (disc.bend.x * u * u + disc.bend.z * v * v) + disc.bend.y * u * v;
+		vec4 over = height + z + bent / n.z;
+		vec4 level = clamp(floor(over) - lowest, 0.0, 3.0);
 		vec4 kept = vec4(lessThanEqual(x * x + y * y + z * z, vec4(disc.radius * disc.radius))) *
 		            vec4(lessThanEqual(disc.clip[0].x * u + disc.clip[0].y * v,
 		                               vec4(disc.clip[0].z))) *
 		            vec4(lessThanEqual(disc.clip[1].x * u + disc.clip[1].y * v,
 		                               vec4(disc.clip[1].z)));
-		for (int k = 0; k < 3; k++) {
+		for (int k = 0; k < 4; k++) {
 			vec4 here = kept * vec4(equal(level, vec4(float(k))));
 			float number = dot(here, vec4(1.0));
 			hits[k] += number;
 			sum_x[k] += dot(here, x);
 			sum_y[k] += number * y;
+			sum_z[k] += dot(here, over);
 		}
 	}
-	uvec3 met = uvec3(greaterThan(hits, vec3(0.0)));
-	for (uint left = met.x | met.y << 1 | met.z << 2; left != 0u; left &= left - 1u) {
+	uvec4 met = uvec4(greaterThan(hits, vec4(0.0)));
+	for (uint left = met.x | met.y << 1 | met.z << 2 | met.w << 3; left != 0u; left &= left - 1u) {
 		int k = findLSB(left);
 		ivec3 step = ivec3(turn_back(vec3(vec2(column), lowest + float(k)), axis));
 		if (!in_cube(disc.cell + step))
 			continue;
-		vec2 mean = vec2(sum_x[k], sum_y[k]) / hits[k];
-		vec3 middle = vec3(mean - from, height + dot(slope, mean) - lowest - float(k));
+		vec3 middle = vec3(sum_x[k], sum_y[k], sum_z[k]) / hits[k] -
+					  vec3(from, lowest + float(k));
 		inside_count += uint(hits[k]);
 		add_fragment(disc.cell + step, 0u, share * hits[k], turn_back(middle, axis));
 	}
@@ -219,11 +234,12 @@ void main()
 	disc.cell = clamp(ivec3(floor(position.xyz)), ivec3(0), ivec3(push.side) - 1);
 	disc.place = position.xyz - vec3(disc.cell);
 	disc.normal = texelFetch(surfel_normal, int(surfel)).xyz;
-	make_frame(disc.normal, disc.tangent, disc.bitangent);
+	tangent_frame(disc.normal, disc.tangent, disc.bitangent);
 	disc.radius = size.x;
 	disc.area = size.y;
 	disc.clip[0] = vec3(size.zw, clip.x);
 	disc.clip[1] = clip.yzw;
+	disc.bend = texelFetch(surfel_bend, int(surfel)).xyz;
 
 	add_roi(disc.cell, disc.place, position.w);
 	if (disc.radius <= GW_DISC_SMALL)

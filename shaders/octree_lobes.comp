@@ -9,6 +9,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "octree_layout.h"
+#include "sampling.glsl"
 
 layout(local_size_x_id = 0) in;
 
@@ -20,23 +21,30 @@ layout(binding = 4) uniform samplerBuffer surfel_position;
 layout(binding = 5) uniform samplerBuffer surfel_normal;
 layout(binding = 6) uniform samplerBuffer surfel_albedo;
 layout(binding = 7) uniform samplerBuffer surfel_emission;
-layout(binding = 8) buffer Fragments { uint fragment_surfel[]; };
-layout(binding = 9) buffer Seeds { uvec4 seed[]; }; /* this and all below: windowed */
-layout(binding = 10) buffer Planes { vec4 lobe_plane[]; };
-layout(binding = 11) buffer Centres { vec4 lobe_centre[]; };
-layout(binding = 12) buffer Albedos { vec4 lobe_albedo[]; };
-layout(binding = 13) buffer Emissions { vec4 lobe_emission[]; };
+layout(binding = 8) uniform samplerBuffer surfel_bend;
+layout(binding = 9) buffer Fragments { uint fragment_surfel[]; };
+layout(binding = 10) buffer Seeds { uvec4 seed[]; }; /* this and all below: windowed */
+layout(binding = 11) buffer Planes { vec4 lobe_plane[]; };
+layout(binding = 12) buffer Centres { vec4 lobe_centre[]; };
+layout(binding = 13) buffer Albedos { vec4 lobe_albedo[]; };
+layout(binding = 14) buffer Emissions { vec4 lobe_emission[]; };
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
-/* Centroid of the disc's part in the cell, relative to the cell's centre. It was stored to 10 bits
- * a coordinate; that it lies in the surfel's plane makes its height exact. */
-vec3 patch_centroid(uint fragment, uvec3 cell, vec3 position, vec3 normal)
+/* Centroid of the bent disc's part in the cell, relative to the cell's centre, and the normal
+ * there. It was stored to 10 bits a coordinate; that it lies on the disc makes its height exact. */
+vec3 patch_centroid(uint fragment, uvec3 cell, vec3 position, vec3 bend, inout vec3 normal)
 {
 	uint bits = texelFetch(fragment_centroid, int(fragment)).x;
 	vec3 c = vec3(uvec3(bits, bits >> 10, bits >> 20) & 0x3ffu) / 1023.0 - 0.5;
 	vec3 centre = position - vec3(cell) - 0.5;
-	return c - normal * dot(normal, c - centre);
+	vec3 t, b, off = c - centre;
+	tangent_frame(normal, t, b);
+	vec2 at = vec2(dot(t, off), dot(b, off));
+	vec2 rise = vec2(dot(bend.xy, at), dot(bend.yz, at));
+	c += normal * (0.5 * dot(rise, at) - dot(normal, off));
+	normal = normalize(normal - t * rise.x - b * rise.y);
+	return c;
 }
 
 void main()
@@ -62,8 +70,9 @@ void main()
 		int s = int(word & GW_FRAGMENT_SURFEL);
 		float area = texelFetch(fragment_weight, int(i)).x;
 		vec4 normal = texelFetch(surfel_normal, s);
-		vec3 c = patch_centroid(i, cell, texelFetch(surfel_position, s).xyz, normal.xyz);
 		bool second = dot(normal.xyz, seed_normal) < 0.5;
+		vec3 c = patch_centroid(i, cell, texelFetch(surfel_position, s).xyz,
+								texelFetch(surfel_bend, s).xyz, normal.xyz);
 		vec2 share = second ? vec2(0.0, area) : vec2(area, 0.0);
 		vec3 rho = texelFetch(surfel_albedo, s).xyz;
 		for (int k = 0; k < 2; k++) {
