@@ -7,8 +7,8 @@
  * points' normals; they are 0 between any two points of a circle, so that curved surfaces neither
  * shrink nor count as noise.
  *
- * What lamps shine on is finer than that surface: there only so much of each normal's difference to
- * the mean around it is given up as is noise.
+ * What lamps shine on is finer than that surface: each normal is replaced by the mean of those
+ * around it that differ by no more than noise may, as far as that is not noise itself.
  */
 #include "surfel_steps.h"
 
@@ -25,7 +25,10 @@
 #define SPREAD 0.443     /* sqrt(pi / 16): spacings in the distance to the 16th neighbour */
 #define SLAB 5.0         /* most height of a neighbour, in standard deviations of the noise */
 #define ROUNDS 2         /* of moving points; each reaches further */
-#define REGION 4096u     /* surfels, next to each other in Morton order, with noise in common */
+#define ALIKE_NOISE                                                                                \
+	0.165            /* of normals that differ by noise alone: variance of the mean of those       \
+						alike around the mean of all 17, in variances of one (measured) */
+#define REGION 4096u /* surfels, next to each other in Morton order, with noise in common */
 
 typedef struct smooth_step {
 	gw_surfels *surfels;
@@ -155,9 +158,22 @@ static bool find_levels(const float *noise, size_t count, float *level)
 typedef struct normal_step {
 	const gw_surfels *surfels; /* with the normals that were given */
 	const float *smooth;       /* 3 * count, the mean normals */
-	float *noise;              /* count, variance of the given normals by noise, rad^2; any sign */
-	float *spread;             /* count, squared difference of given to mean */
+	float *noise;              /* of each surfel, then of each region: variance of the given normals
+								  by noise, rad^2; of a surfel any sign */
+	float *alike;              /* 3 * count, the mean of the normals that differ by little */
 } normal_step;
+
+/* Squared difference of two normals; NAN where the surfaces are different. The sign of an
+ * unoriented neighbour's normal is made to fit. */
+static double difference_of(const gw_surfels *s, size_t surfel, size_t other, double *sign)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	double cosine = 0;
+	for (size_t k = 0; k < 3; k++)
+		cosine += (double)n[k] * (double)m[k];
+	*sign = cosine < 0 && (s->two_sided[surfel] || s->two_sided[other]) ? -1 : 1;
+	return *sign * cosine > SAME_SURFACE ? 2 - 2 * *sign * cosine : NAN;
+}
 
 /*
  * Squared differences between a normal and those around it, by distance: what is left of them at no
@@ -167,64 +183,83 @@ typedef struct normal_step {
 static void compare_normals(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const normal_step *step = user;
-	const gw_surfels *s = step->surfels;
-	const float *n = s->normal + 3 * surfel, *mean = step->smooth + 3 * surfel;
-	double count = 0, x = 0, y = 0, xx = 0, xy = 0, spread = 0;
+	double count = 0, x = 0, y = 0, xx = 0, xy = 0, sign;
 	for (uint32_t j = 0; j < list->count; j++) {
-		size_t other = list->index[j];
-		const float *m = s->normal + 3 * other;
-		double cosine = 0, distance = (double)list->distance[j] / reach_of(list);
-		for (size_t k = 0; k < 3; k++)
-			cosine += (double)n[k] * (double)m[k];
-		if (s->two_sided[surfel] || s->two_sided[other])
-			cosine = fabs(cosine);
-		if (!(cosine > SAME_SURFACE))
+		double distance = (double)list->distance[j] / reach_of(list);
+		double difference = difference_of(step->surfels, surfel, list->index[j], &sign);
+		if (isnan(difference))
 			continue;
-		double difference = 2 - 2 * cosine;
 		count += 1;
 		x += distance;
 		y += difference;
 		xx += distance * distance;
 		xy += distance * difference;
 	}
-	for (size_t k = 0; k < 3; k++)
-		spread += ((double)n[k] - (double)mean[k]) * ((double)n[k] - (double)mean[k]);
 	double determinant = count * xx - x * x;
 	bool known = count == GW_NEIGHBOURS && determinant > 0;
 	step->noise[surfel] = known ? (float)(0.5 * (y * xx - x * xy) / determinant) : 0;
-	step->spread[surfel] = known ? (float)spread : 0;
 }
 
-/* The share of given normals' difference to the mean of 17 that is not noise, by the region's sums:
- * this weight makes the expected squared error least. */
-static double share_of_detail(const float *noise, const float *spread, size_t count)
+/* The mean of the normals around one, those that differ by more than noise counting little: it
+ * keeps edges and small shapes (a bilateral filter). */
+static void join_alike(void *user, size_t surfel, const gw_neighbour_list *list)
 {
-	double noises = 0, spreads = 0;
-	for (size_t i = 0; i < count; i++) {
-		noises += (double)noise[i];
-		spreads += (double)spread[i];
+	const normal_step *step = user;
+	const float *n = step->surfels->normal + 3 * surfel;
+	double noise = (double)step->noise[surfel / REGION];
+	double sum[3] = { (double)n[0], (double)n[1], (double)n[2] }, sign;
+	for (uint32_t j = 0; j < list->count && noise > 0; j++) {
+		const float *m = step->surfels->normal + 3 * (size_t)list->index[j];
+		double difference = difference_of(step->surfels, surfel, list->index[j], &sign);
+		double weight = isnan(difference) ? 0 : sign * exp(-0.5 * difference / noise);
+		for (size_t k = 0; k < 3; k++)
+			sum[k] += weight * (double)m[k];
 	}
-	const double share = GW_NEIGHBOURS / (GW_NEIGHBOURS + 1.0);
-	return spreads > 0 ? fmin(fmax(1 - share * noises / spreads, 0), 1) : 1;
+	double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+	for (size_t k = 0; k < 3; k++)
+		step->alike[3 * surfel + k] = (float)(sum[k] / length);
+}
+
+/* The share of the difference between both means that is not noise, in a region. */
+static double share_of_detail(const normal_step *step, size_t first, size_t last)
+{
+	double spread = 0, noise = ALIKE_NOISE * (double)step->noise[first / REGION];
+	for (size_t i = 3 * first; i < 3 * last; i++) {
+		double difference = (double)step->alike[i] - (double)step->smooth[i];
+		spread += difference * difference;
+	}
+	spread /= (double)(last - first);
+	return spread > noise ? 1 - noise / spread : 0;
 }
 
 /*
  * Takes noise out of the given normals.
  *   smooth   the mean normals
- *   work     2 * count floats to work in
+ *   level    one a region to work in
+ *   work     3 * count floats to work in
  */
 static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const float *smooth,
-							   float *work, gw_error *error)
+							   float *level, float *work, gw_error *error)
 {
-	normal_step step = { s, smooth, work, work + s->count };
+	normal_step step = { s, smooth, work, work };
 	gw_status status = gw_neighbours_visit(search, compare_normals, &step, error);
 	for (size_t first = 0; first < s->count && status == GW_OK; first += REGION) {
-		size_t length = s->count - first < REGION ? s->count - first : REGION;
-		double detail = share_of_detail(step.noise + first, step.spread + first, length);
-		for (size_t i = first; i < first + length; i++) {
+		size_t last = first + REGION < s->count ? first + REGION : s->count;
+		double sum = 0;
+		for (size_t i = first; i < last; i++)
+			sum += (double)step.noise[i];
+		level[first / REGION] = (float)fmax(sum / (double)(last - first), 0);
+	}
+	step.noise = level;
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, join_alike, &step, error);
+	for (size_t first = 0; first < s->count && status == GW_OK; first += REGION) {
+		size_t last = first + REGION < s->count ? first + REGION : s->count;
+		double detail = share_of_detail(&step, first, last);
+		for (size_t i = first; i < last; i++) {
 			double n[3];
 			for (size_t k = 0; k < 3; k++)
-				n[k] = detail * (double)s->normal[3 * i + k] +
+				n[k] = detail * (double)step.alike[3 * i + k] +
 					   (1 - detail) * (double)smooth[3 * i + k];
 			double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 			for (size_t k = 0; k < 3 && size > 0; k++)
@@ -276,7 +311,7 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 					 ? smooth(search, &step, &position, &spare, normal, error)
 					 : gw_fail(error, GW_ERROR_MEMORY, "no memory to smooth %zu points", n);
 		if (status == GW_OK)
-			status = clean_normals(search, surfels, normal, spare, error);
+			status = clean_normals(search, surfels, normal, level, spare, error);
 		*smoothed = status == GW_OK;
 	}
 	if (*smoothed) {
