@@ -92,6 +92,7 @@ static void write_bounces(json_writer *json, const gw_report *r)
 	json_put_open_flat(json, "error", '{');
 	json_put_count(json, "points", r->error.points);
 	json_put_real(json, "relative_rms", r->error.relative_rms);
+	json_put_real(json, "gathered", r->error.gathered);
 	json_put_real(json, "spread", r->error.spread);
 	json_put_real(json, "bias", r->error.bias);
 	json_put_real(json, "noise", r->error.noise);
@@ -111,6 +112,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_count(json, "light_samples", round->light_samples);
 		json_put_count(json, "cones", round->cones);
 		json_put_real(json, "relative_rms", round->error.relative_rms);
+		json_put_real(json, "gathered", round->error.gathered);
 		json_put_real(json, "spread", round->error.spread);
 		json_put_real(json, "noise", round->error.noise);
 		json_put_real(json, "shadows", round->error.shadows);
@@ -328,11 +330,10 @@ void bake_report_summary(const bake_facts *f)
 				100.0 * r->error.relative_rms, 100.0 * r->error.spread, 100.0 * r->error.bias,
 				r->error.points);
 	if (r->error.points && r->error.shadows > SHADOWS_LEAST)
-		fprintf(
-			stderr,
-			"glowworm: error: edges of lamps' shadows may add %.2g %%, which only denser points "
-			"would lessen\n",
-			100.0 * r->error.shadows);
+		fprintf(stderr,
+				"glowworm: error: of that, %.2g %% are edges of lamps' shadows, which only denser "
+				"points would lessen, and %.2g %% is gathered light\n",
+				100.0 * r->error.shadows, 100.0 * r->error.gathered);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
 			f->bake_seconds, f->write_seconds);
 }

@@ -243,7 +243,7 @@ static gw_status comment_error(maker *m)
 	snprintf(
 		text, sizeof text,
 		"glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points; edges of "
-		"shadows may add %s",
+		"shadows alone %s",
 		rms, spread, r->error.points, shadows);
 	return status == GW_OK && r->error.points ? comment(m, text) : status;
 }

@@ -278,6 +278,8 @@ gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_su
 								 &visibility, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(passes->gpu, &visibility, 0, share, bytes, error);
+	for (size_t i = 0; i < surfels->count && status == GW_OK; i++)
+		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
 	gw_buffer_destroy(passes->gpu, &visibility);
 	return status;
 }

@@ -262,7 +262,7 @@ static void compare(const gw_estimate_task *task, const estimate *e, double mean
 	double variance = fmax(fourth / n - square / n * (square / n), 0.0) / (n - 1.0);
 	double rms = sqrt(fmax(square / n, 0.0));
 	result->points = (uint32_t)n;
-	result->relative_rms = rms;
+	result->relative_rms = result->gathered = rms;
 	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
 	result->spread = fmin(sqrt(variance) / (2.0 * rms), sqrt(sqrt(variance)));
 	result->bias = sum / n;
@@ -271,7 +271,7 @@ static void compare(const gw_estimate_task *task, const estimate *e, double mean
 	result->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
 }
 
-/* What the edges of lamps' shadows may add. */
+/* What the edges of lamps' shadows add. */
 static gw_status add_shadows(const gw_estimate_task *task, const estimate *e, double mean,
 							 gw_error_estimate *result, gw_error *error)
 {
@@ -281,6 +281,7 @@ static gw_status add_shadows(const gw_estimate_task *task, const estimate *e, do
 	gw_status status = gw_shadow_error(task->surfels, task->direct, e->counts,
 									   gw_thread_count(task->threads), &square, error);
 	result->shadows = status == GW_OK ? sqrt(square) / mean : 0.0;
+	result->relative_rms = hypot(result->gathered, result->shadows);
 	return status;
 }
 

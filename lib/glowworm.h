@@ -276,12 +276,13 @@ typedef struct gw_bounce {
  * Relative to the mean radiance of the points that do not emit. */
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made */
-	double relative_rms; /* root mean square error */
-	double spread;       /* its standard error: 2.3 % +- 0.3 % */
-	double bias;         /* mean error: above 0, the bake is too bright */
-	double noise;        /* part of relative_rms that more rays would lessen, estimated */
-	double shadows;      /* what misplaced edges of lamps' shadows may add (shadow_error.h); not in
-							the others, because only denser points would lessen it */
+	double relative_rms; /* root mean square error: of gathered light and of shadows */
+	double gathered;     /* of light that was gathered, by the points that were solved again */
+	double spread;       /* standard error of that: 2.3 % +- 0.3 % */
+	double bias;         /* mean error of that: above 0, the bake is too bright */
+	double noise;        /* part of gathered that more rays would lessen, estimated */
+	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser
+							points would lessen */
 } gw_error_estimate;
 
 /* One round of a bake that refines: with which settings it solved, and how well. */

@@ -107,7 +107,8 @@ typedef struct gw_octree {
 	/* Samples on the device, in surfel order (windowed by streaming passes). */
 	/* R32G32B32A32_SFLOAT: grid coordinates g, RoI (leaf cells, <= 1) */
 	gw_buffer surfel_position;
-	/* R32G32B32A32_SFLOAT: unit normal, w = 1 if two-sided */
+	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, -1 if all its
+	 * cuts are at creases */
 	gw_buffer surfel_normal;
 	/* R32G32B32A32_SFLOAT: radius and area of the disc, direction of the first clip (see
 	 * gw_surfels; lengths in leaf cells) */

@@ -67,7 +67,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 	case 1:
 		for (int k = 0; k < 3; k++)
 			out[k] = s->normal[3 * i + (size_t)k];
-		out[3] = s->two_sided[i] ? 1 : 0;
+		out[3] = s->two_sided[i] ? 1 : s->creased && s->creased[i] ? -1 : 0;
 		break;
 	case 2:
 		out[0] = (float)fmin(GW_DISC_MAX, (double)s->radius[i] / leaf);

@@ -72,11 +72,13 @@ static bool differs(const gw_bake_options *a, const gw_bake_options *b)
 		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
 }
 
-/* How much larger the error is than what is wanted; twice, where nothing is said. */
+/* How much larger the error of gathered light is than what is wanted beside that of shadows; twice, where nothing is said. */
 static double excess(const gw_refine_state *state)
 {
-	double wanted = (double)state->options->max_error;
-	double found = state->error.relative_rms + state->error.spread;
+	double wanted = (double)state->options->max_error, shadows = state->error.shadows;
+	double found = state->error.gathered + state->error.spread;
+	if (shadows < wanted)
+		wanted = sqrt(wanted * wanted - shadows * shadows);
 	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
 }
 
@@ -97,7 +99,7 @@ static uint32_t rounds_in_vain(const gw_refine_state *state)
 static growth wanted_growth(const gw_refine_state *state, char why[96])
 {
 	const gw_error_estimate *e = &state->error;
-	double square = fmax(e->relative_rms * e->relative_rms, 1e-12);
+	double square = fmax(e->gathered * e->gathered, 1e-12);
 	double noise = fmin(e->noise * e->noise / square, 1.0), factor = excess(state);
 	bool vain = rounds_in_vain(state) > 0;
 	bool rays = vain || noise > SHARE_LEAST, density = vain || 1.0 - noise > SHARE_LEAST;

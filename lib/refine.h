@@ -30,7 +30,7 @@ typedef enum gw_refine_answer {
 	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error */
 } gw_refine_answer;
 
-/* What error->relative_rms plus its spread has to be under; 0 when no target is given. Whether it
+/* What error->relative_rms plus the spread has to be under; 0 when no target is given. Whether it
  * is. Never where there is no estimate. */
 bool gw_refine_reached(const gw_bake_options *options, const gw_error_estimate *error);
 

@@ -24,12 +24,16 @@ typedef struct shadow_edges {
 	size_t *used;   /* a chunk, surfels that count */
 } shadow_edges;
 
+static double luminance(const float *c)
+{
+	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
+}
+
 /* Luminance that a surfel would reflect of the light of lamps at another. */
 static double reflected(const shadow_edges *e, size_t surfel, size_t at)
 {
 	const float *rho = e->surfels->albedo + 3 * surfel, *light = e->direct + 4 * at;
-	return (0.2126 * (double)(rho[0] * light[0]) + 0.7152 * (double)(rho[1] * light[1]) +
-			0.0722 * (double)(rho[2] * light[2])) /
+	return luminance((const float[]){ rho[0] * light[0], rho[1] * light[1], rho[2] * light[2] }) /
 		   pi;
 }
 
@@ -42,7 +46,17 @@ static bool are_neighbours(const gw_surfels *s, size_t i, size_t j)
 		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > SAME_SURFACE;
 }
 
-/* Mean over the neighbours of the squared difference, as far as it is a shadow's edge. */
+/* How far off the edge between two surfels is, in spacings: is anything hidden from the darker one,
+ * and does what hides it end at a crease? */
+static double offset_between(const shadow_edges *e, size_t i, size_t j)
+{
+	const float *a = e->direct + 4 * i, *b = e->direct + 4 * j;
+	float hidden = luminance(a) < luminance(b) ? a[3] : b[3];
+	return hidden > 0.0f ? GW_EDGE_OFFSET : hidden < 0.0f ? GW_CREASE_OFFSET : 0.0;
+}
+
+/* Mean over the neighbours of the squared difference, as far as it is a shadow's edge, times how
+ * far off that is, in spacings. */
 static double edge_at(const shadow_edges *e, size_t i)
 {
 	const gw_surfels *s = e->surfels;
@@ -54,7 +68,7 @@ static double edge_at(const shadow_edges *e, size_t i)
 		double other = reflected(e, i, j);
 		neighbours++;
 		if (fmin(own, other) < EDGE_RATIO * fmax(own, other))
-			sum += (own - other) * (own - other);
+			sum += offset_between(e, i, j) * (own - other) * (own - other);
 	}
 	return neighbours ? sum / neighbours : 0.0;
 }
@@ -67,7 +81,7 @@ static void add_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		if (!e->counts[i])
 			continue;
 		double width = sqrt((double)e->surfels->area[i]);
-		double share = GW_EDGE_OFFSET * width / ((double)e->surfels->radius[i] * 4 / (3 * pi));
+		double share = width / ((double)e->surfels->radius[i] * 4 / (3 * pi));
 		e->square[first / CHUNK] += share * edge_at(e, i);
 		e->used[first / CHUNK]++;
 	}

@@ -9,10 +9,10 @@
  * surface differ: of a point's neighbours within r, the share on the other side of an edge, summed
  * over all points around, is n l r 4 / (3 pi).
  *
- * Edges are taken to be off by what free edges of surface among random points are. Where the edge
- * is a crease, whose place is known from both its sides, less is wrong, and nothing at all where a
- * cone of light or a penumbra ends steeply; where the lamp is much nearer to the edge than the
- * shadow is, more.
+ * Edges are taken to be off by what free edges of surface among random points are, or, where what
+ * hides the light ends at a crease, by the little that creases are: their place is known from both
+ * sides. Nothing at all is wrong where a cone of light or a penumbra ends steeply; where the lamp is
+ * much nearer to the edge than the shadow is, more.
  */
 #ifndef SHADOW_ERROR_H
 #define SHADOW_ERROR_H
@@ -23,10 +23,14 @@
  * square opening among random points 25 mm apart, and a little less at its corners. */
 #define GW_EDGE_OFFSET 0.3
 
+/* The same of a crease: measured on blocks that stand in the sun. */
+#define GW_CREASE_OFFSET 0.025
+
 /*
  * Expected mean over the counted surfels of the squared error of luminance that misplaced edges
  * bring.
- *   direct       4 a surfel, irradiance from lamps
+ *   direct       4 a surfel, irradiance from lamps, and luminance of what of it is hidden: below 0 by
+ *                surface that ends at a crease
  *   counts       one a surfel: whether its error counts
  *   threads      as for gw_parallel_for
  *   mean_square  receives it, (W/(sr m^2))^2; 0 when none counts

@@ -5,7 +5,8 @@
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
  * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
  * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
- * disc are cut there. Where it curves, the disc is bent to follow it, so that it does not stick out.
+ * disc are cut there. Where it curves, the disc is bent to follow it, so that it does not stick
+ * out.
  */
 #include "surfel_steps.h"
 
@@ -26,6 +27,7 @@
 #define VOID_SLOPE 0.7
 #define FIT_SLAB 0.6      /* half thickness within which noise is measured */
 #define CREASE_VOTES 3    /* neighbours that have to agree on a crease */
+#define CREASE_NOISE 0.02 /* of the reach, up to which planes tell where their crease is */
 #define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
 #define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
 #define COS_60 0.5001     /* a little more, so that 60 degrees are enough */
@@ -414,10 +416,12 @@ static int find_open_side(const double *extent, const half_plane *edge, uint32_t
 }
 
 /* Adds half-planes beyond which the surface has no points, up to two with those already found, from
- * which they are turned by 60 degrees or more. */
+ * which they are turned by 60 degrees or more.
+ *   at_creases   how many there are already; those of them that lie at creases, too, are counted */
 static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_point *kept,
-						   uint32_t count, half_plane edge[2], uint32_t found)
+						   uint32_t count, half_plane edge[2], uint32_t *at_creases)
 {
+	uint32_t found = *at_creases;
 	double reach = kept[count - 1].distance, extent[DIRECTIONS] = { 0 };
 	for (uint32_t j = 0; j < count; j++)
 		for (int d = 0; d < DIRECTIONS / 2; d++) {
@@ -438,7 +442,9 @@ static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_poin
 			continue;
 		}
 		edge[found] = side;
-		if (!meets_crease(step, surfel, &behind, edge + found, reach))
+		if (meets_crease(step, surfel, &behind, edge + found, reach))
+			(*at_creases)++;
+		else
 			edge[found].offset += edge_margin(kept, reach);
 		found++;
 	}
@@ -548,12 +554,14 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
 	crease_lines creases;
 	find_creases(s, surfel, list, reach, &creases);
-	uint32_t edges =
-		find_edges(step, surfel, flat, kept, edge, take_creases(&creases, reach, edge));
+	uint32_t at_creases = take_creases(&creases, reach, edge);
+	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
 	double area = step->rough_area ? pi * radius * radius / DISC_RANK
 								   : cell_area(flat, kept, radius, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
+	s->creased[surfel] =
+		edges > 0 && edges == at_creases && (double)s->noise[surfel] < CREASE_NOISE * reach;
 	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
 	for (uint32_t e = 0; e < edges; e++) {
 		s->clip[6 * surfel + 3 * e] = (float)edge[e].x;
@@ -599,13 +607,14 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	surfels->area = gw_allocate_array(n, sizeof(float));
 	surfels->clip = gw_allocate_zeros(n, 6 * sizeof(float));
 	surfels->bend = gw_allocate_zeros(n, 3 * sizeof(float));
+	surfels->creased = gw_allocate_zeros(n, sizeof *surfels->creased);
 	step.measure_noise = !surfels->noise;
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->noise || !step.isolated)
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);

@@ -225,6 +225,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 				append(&all->clip, n, part->clip, m, 2 * v) &&
 				append(&all->bend, n, part->bend, m, v) &&
 				append(&all->two_sided, n, part->two_sided, m, 1) &&
+				append(&all->creased, n, part->creased, m, 1) &&
 				append(&all->noise, n, part->noise, m, sizeof(float));
 	all->count = good ? n + m : n;
 	add_counts(all, part);

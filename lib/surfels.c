@@ -126,6 +126,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->area);
 	free(surfels->clip);
 	free(surfels->bend);
+	free(surfels->creased);
 	free(surfels->two_sided);
 	free(surfels->noise);
 	free(surfels->surfel_of_point);

@@ -44,6 +44,8 @@ typedef struct gw_surfels {
 	float *bend;        /* 3 * count or NULL, per metre: how the surface curves away from the disc,
 						   which is bent by it: at (x, y) of the tangent frame it is
 						   (bend[0] x^2 + 2 bend[1] x y + bend[2] y^2) / 2 above its plane */
+	uint8_t *creased;   /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
+						   place is known from both sides */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */

@@ -1,6 +1,8 @@
 /*
  * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the
- * visibility that light_visibility.comp or shadow_map_visibility.comp found.
+ * visibility that light_visibility.comp or shadow_map_visibility.comp found. The fourth component is
+ * luminance that was hidden: above 0 by surface which ends nobody knows exactly where, below by what
+ * ends at a crease.
  */
 #version 460
 
@@ -29,6 +31,7 @@ layout(push_constant) uniform Push
 };
 
 #include "light.glsl"
+#include "sampling.glsl"
 
 void main()
 {
@@ -40,7 +43,11 @@ void main()
 	vec3 towards;
 	float facing = light_irradiance(g, towards, distance);
 	float e = light_cosine(g, surfel_normal[i], facing, towards);
-	if (push.shadows != 0u)
-		e *= visibility[i];
-	irradiance[i].xyz += push.power.xyz * e;
+	float seen = push.shadows != 0u ? visibility[i] : 1.0, sign = 1.0;
+	if (seen >= GW_HIDDEN_BY_CREASE) {
+		seen -= GW_HIDDEN_BY_CREASE;
+		sign = -1.0;
+	}
+	float hidden = sign * (1.0 - seen);
+	irradiance[i] += e * vec4(push.power.xyz * seen, luminance(push.power.xyz) * hidden);
 }

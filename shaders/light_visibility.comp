@@ -2,10 +2,12 @@
  * light_visibility.comp - which share of a light each surfel sees, by shadow rays.
  *
  * One invocation a surfel. A light without extent gets one ray; one with a radius gets
- * push.samples rays to points spread over the disc that it shows.
+ * push.samples rays to points spread over the disc that it shows. GW_HIDDEN_BY_CREASE is added where
+ * what hides the light ends at creases, if at all.
  */
 #version 460
 
+#include "octree_layout.h"
 #include "octree_walk.glsl"
 #include "sampling.glsl"
 
@@ -42,6 +44,19 @@ layout(push_constant) uniform Push
 #include "octree_trace.glsl"
 #include "light.glsl"
 
+/* Do most of the discs in the lobe's leaf that end there do so at a crease? */
+bool ends_at_crease(uint lobe)
+{
+	uint last = texelFetch(leaf_fragment, int(lobe >> 1) + 1).x;
+	int votes = 0;
+	for (uint f = texelFetch(leaf_fragment, int(lobe >> 1)).x; f < last; f++) {
+		int surfel = int(texelFetch(fragment_surfel, int(f)).x & GW_FRAGMENT_SURFEL);
+		if (texelFetch(surfel_disc, surfel).zw != vec2(0.0))
+			votes += texelFetch(surfel_facing, surfel).w < -0.5 ? 1 : -1;
+	}
+	return votes > 0;
+}
+
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -49,7 +64,7 @@ void main()
 		return;
 	vec3 g = surfel_position[i].xyz;
 	vec4 normal = surfel_normal[i];
-	float seen = 0.0;
+	float seen = 0.0, hidden = 0.0;
 	float distance;
 	vec3 towards;
 	if (light_cosine(g, normal, light_irradiance(g, towards, distance), towards) > 0.0) {
@@ -71,8 +86,10 @@ void main()
 			if (!trace(g, tangent_plane_at(g, facing), normalize(to), range, true, lobe, t_hit,
 					   behind))
 				seen += 1.0;
+			else if (ends_at_crease(lobe))
+				hidden = GW_HIDDEN_BY_CREASE;
 		}
 		seen /= float(push.samples);
 	}
-	visibility[i] = seen;
+	visibility[i] = seen + hidden;
 }

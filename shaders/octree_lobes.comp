@@ -78,7 +78,7 @@ void main()
 		for (int k = 0; k < 2; k++) {
 			plane[k] += share[k] * vec4(normal.xyz, 0.0);
 			centre[k] += share[k] * vec4(c, 1.0);
-			albedo[k] += share[k] * vec4(rho, normal.w);
+			albedo[k] += share[k] * vec4(rho, max(normal.w, 0.0));
 			if (push.emissive != 0u)
 				emission[k] += share[k] * texelFetch(surfel_emission, s).xyz;
 		}

@@ -24,6 +24,9 @@
 #define GW_PUSH_SPOT 1u
 #define GW_PUSH_SUN 2u
 
+/* Added to a visibility, which is at most 1, where what hides the light ends at a crease. */
+#define GW_HIDDEN_BY_CREASE 2.0f
+
 /* One light, for its visibility and its irradiance. */
 SHARED_STRUCT(gw_light_push)
 {

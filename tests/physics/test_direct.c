@@ -365,6 +365,57 @@ static void ridge_casts_no_shadow(void **state)
 	scene_clear(&s);
 }
 
+/* `count` random points on a parallelogram. */
+static void add_random_patch(scene *s, const double corner[3], const double u[3], const double v[3],
+							 const double normal[3], int count)
+{
+	for (int i = 0; i < count; i++) {
+		double a = scene_random(s), b = scene_random(s), p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = corner[k] + a * u[k] + b * v[k];
+		scene_add(s, p, normal, 0.5f);
+	}
+}
+
+/* What edges of shadows add to the error of a floor under the sun, with a square sheet of points
+ * over it, or with a block of the same height. */
+static double shadow_error_of(bool block)
+{
+	scene s = { 0 };
+	const double x[3] = { 0.6, 0, 0 }, y[3] = { 0, 0.6, 0 }, z[3] = { 0, 0, 0.5 };
+	add_random_patch(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
+					 (double[3]){ 0, 0, 1 }, 20000);
+	add_random_patch(&s, (double[3]){ 0.7, 0.7, 0.5 }, x, y, (double[3]){ 0, 0, 1 }, 1800);
+	if (block) {
+		add_random_patch(&s, (double[3]){ 0.7, 0.7, 0 }, x, z, (double[3]){ 0, -1, 0 }, 1500);
+		add_random_patch(&s, (double[3]){ 0.7, 1.3, 0 }, x, z, (double[3]){ 0, 1, 0 }, 1500);
+		add_random_patch(&s, (double[3]){ 0.7, 0.7, 0 }, y, z, (double[3]){ -1, 0, 0 }, 1500);
+		add_random_patch(&s, (double[3]){ 1.3, 0.7, 0 }, y, z, (double[3]){ 1, 0, 0 }, 1500);
+	}
+	gw_points points = scene_points(&s);
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_light sun = { .type = GW_LIGHT_SUN,
+					 .direction = { 0.5, 0.31, -0.8 },
+					 .irradiance = { 1, 1, 1 } };
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	double shadows = result->report.error.shadows;
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	return shadows;
+}
+
+/* A sheet's edges are off by twelve times what creases are, and squares of errors are in
+ * proportion; the block's shadow is half as long again, and its lowest parts end in no crease that
+ * is known. */
+static void creases_cast_sharper_shadows(void **state)
+{
+	(void)state;
+	double sheet = shadow_error_of(false), block = shadow_error_of(true);
+	assert_true(sheet > 0.0 && block > 0.0);
+	if (!(block * block < 0.5 * sheet * sheet))
+		fail_msg("edges of shadows add %g behind a block, %g under a sheet", block, sheet);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -378,6 +429,7 @@ int main(void)
 		cmocka_unit_test(wall_casts_its_shadow),
 		cmocka_unit_test(closed_room_keeps_the_sun_out),
 		cmocka_unit_test(ridge_casts_no_shadow),
+		cmocka_unit_test(creases_cast_sharper_shadows),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,7 +11,7 @@
 static gw_refine_state state_of(const gw_bake_options *options, double rms, double noise)
 {
 	return (gw_refine_state){ .options = options,
-							  .error = { .points = 1000, .relative_rms = rms, .noise = noise },
+							  .error = { .points = 1000, .relative_rms = rms, .gathered = rms, .noise = noise },
 							  .round_seconds = 1.0,
 							  .octree_seconds = 1.0,
 							  .seconds_left = INFINITY };
@@ -39,7 +39,7 @@ static void target_counts_the_spread(void **state)
 {
 	(void)state;
 	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT;
-	gw_error_estimate e = { .points = 10, .relative_rms = 0.04, .spread = 0.005 };
+	gw_error_estimate e = { .points = 10, .relative_rms = 0.04, .gathered = 0.04, .spread = 0.005 };
 	assert_false(gw_refine_reached(&o, &e));
 	o.max_error = 0.05f;
 	assert_true(gw_refine_reached(&o, &e));

@@ -830,6 +830,7 @@ static void discs_end_at_edges(void **state)
 			assert_near((double)clip[0], -1, 1e-6);
 			assert_near((double)clip[2], 0.5, 1e-6);
 			assert_near((double)area, 1, 1e-6);
+			assert_int_equal(s.creased[s.surfel_of_point[i]], 0);
 		}
 		if (!inner && (x == 0 || x == side - 1) && (y == 0 || y == side - 1))
 			assert_true(clip[2] > 0 && clip[5] > 0);
@@ -911,18 +912,24 @@ static void edges_of_light_are_measured(void **state)
 	gw_surfels s = make(&c);
 	float *direct = must_allocate(s.count, 4 * sizeof *direct);
 	bool *counts = must_allocate(s.count, sizeof *counts);
-	for (size_t i = 0; i < s.count; i++) {
-		bool lit = (double)s.position[3 * i] + s.origin[0] < 0.4;
-		for (size_t k = 0; k < 3; k++)
-			direct[4 * i + k] = lit ? 2.0f : 0.0f;
-		counts[i] = true;
+	/* What hides the light ends somewhere, or at a crease, or nothing does. */
+	const float hidden[] = { 2, -2, 0 };
+	const double offset[] = { GW_EDGE_OFFSET, GW_CREASE_OFFSET, 0 };
+	for (size_t h = 0; h < 3; h++) {
+		for (size_t i = 0; i < s.count; i++) {
+			bool lit = (double)s.position[3 * i] + s.origin[0] < 0.4;
+			for (size_t k = 0; k < 3; k++)
+				direct[4 * i + k] = lit ? 2.0f : 0.0f;
+			direct[4 * i + 3] = lit ? 0.0f : hidden[h];
+			counts[i] = true;
+		}
+		double found;
+		assert_int_equal(gw_shadow_error(&s, direct, counts, 2, &found, NULL), GW_OK);
+		found *= PI * PI;
+		double expected = offset[h] / sqrt((double)count);
+		if (!(fabs(found - expected) <= 0.2 * expected))
+			fail_msg("the error of the edge is %g, not %g", found, expected);
 	}
-	double found;
-	assert_int_equal(gw_shadow_error(&s, direct, counts, 2, &found, NULL), GW_OK);
-	found *= PI * PI;
-	double expected = GW_EDGE_OFFSET / sqrt((double)count);
-	if (!(fabs(found / expected - 1) < 0.2))
-		fail_msg("the error of the edge is %g, not %g", found, expected);
 	free(direct);
 	free(counts);
 	gw_surfels_clear(&s);
@@ -949,6 +956,7 @@ static void discs_end_at_creases(void **state)
 			float along = clip[0] * t[inward] + clip[1] * u[inward];
 			assert_near((double)along, -1, 1e-5); /* float32 */
 			assert_near((double)clip[2], 0.25, 1e-5);
+			assert_int_equal(s.creased[surfel], 1);
 			/* Its cell reaches to the next point's: half a metre. */
 			assert_near((double)s.area[surfel], 0.75, 1e-5);
 		}
