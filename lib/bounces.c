@@ -16,7 +16,9 @@
 #include "bounces.h"
 
 #include "clock.h"
+#include "host_products.h"
 #include "memory.h"
+#include "parallel.h"
 #include "transport_layout.h"
 
 #include <math.h>
@@ -25,10 +27,15 @@
 /* More reflections than this are never needed: 0.98^1000 is 2e-9. */
 #define BOUNCE_CEILING 1000u
 
+#define SUM_CHUNK 4096u /* lobes whose light is added up at a time */
+
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
 {
+	if (gw_gpu_is_host(passes->gpu))
+		return gw_host_shade(passes, octree, records, records_irradiance, lobe_direct, direct_share,
+							 lobe_radiance, error);
 	const gw_binding bindings[] = {
 		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
 		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
@@ -39,43 +46,83 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-/* Host copies for sums in a fixed order. */
+gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+					   gw_error *error)
+{
+	if (gw_gpu_is_host(passes->gpu))
+		return gw_host_add(passes, from, to, count, error);
+	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
+	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
+						 error);
+}
+
+/* Sums over lobes, a chunk at a time, so that the order does not depend on threads. */
 typedef struct lobe_sums {
-	float *radiance; /* 4 * slots */
-	float *centre;   /* 4 * slots, area in w */
+	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
 	size_t slots;
+	double *power; /* a chunk: area * |luminance(L)| */
+	float *largest;
 } lobe_sums;
 
 static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_error *error)
 {
 	sums->slots = 2 * (size_t)task->octree->leaf_count;
-	sums->radiance = gw_allocate_array(sums->slots, 4 * sizeof(float));
-	sums->centre = gw_allocate_array(sums->slots, 4 * sizeof(float));
-	if (!sums->radiance || !sums->centre)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", sums->slots);
-	return gw_buffer_download(task->passes->gpu, (gw_buffer *)(uintptr_t)&task->octree->lobe_centre,
-							  0, sums->centre, 16 * sums->slots, error);
+	size_t chunks = sums->slots / SUM_CHUNK + 1;
+	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
+	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
+	if (!sums->power || !sums->largest)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu lobes",
+					   sums->slots);
+	return gw_view_open(task->passes->gpu, &task->octree->lobe_centre, 16 * sums->slots,
+						&sums->centre, error);
+}
+
+static void sums_destroy(const gw_bounces_task *task, lobe_sums *sums)
+{
+	gw_view_close(task->passes->gpu, &sums->centre);
+	free(sums->power);
+	free(sums->largest);
+}
+
+static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const lobe_sums *sums = user;
+	const float *centre = sums->centre.bytes, *radiance = sums->radiance.bytes;
+	double power = 0.0;
+	float largest = 0.0f;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		const float *l = radiance + 4 * i;
+		for (int c = 0; c < 3; c++)
+			largest = l[c] > largest ? l[c] : largest;
+		power += (double)centre[4 * i + 3] *
+				 fabs(0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+	}
+	sums->power[first / SUM_CHUNK] = power;
+	sums->largest[first / SUM_CHUNK] = largest;
 }
 
 /* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
 static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {
-	gw_status status = gw_buffer_download(task->passes->gpu, task->lobe_radiance, 0, sums->radiance,
-										  16 * sums->slots, error);
+	gw_status status = gw_view_open(task->passes->gpu, task->lobe_radiance, 16 * sums->slots,
+									&sums->radiance, error);
+	if (status != GW_OK)
+		return status;
+	gw_parallel_for(task->passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
+	gw_view_close(task->passes->gpu, &sums->radiance);
 	double sum = 0.0;
 	*largest = 0.0f;
-	for (size_t i = 0; i < sums->slots && status == GW_OK; i++) {
-		const float *l = &sums->radiance[4 * i];
-		*largest = fmaxf(*largest, fmaxf(l[0], fmaxf(l[1], l[2])));
-		sum += (double)sums->centre[4 * i + 3] *
-			   fabs(0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->slots; chunk++) {
+		sum += sums->power[chunk];
+		*largest = fmaxf(*largest, sums->largest[chunk]);
 	}
 	double cell = (double)task->octree->leaf_size;
 	*energy = sum * 3.14159265358979323846 * cell * cell;
-	if (status == GW_OK && !isfinite(*energy))
-		return gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
-	return status;
+	return isfinite(*energy)
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
 /* The largest row sum of a bounce: every lobe sends out its albedo, the records gather it. */
@@ -83,19 +130,18 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 {
 	gw_records *records = task->records;
 	gw_status status = task->step.gather(task->step.self, &task->octree->lobe_albedo, 1.0f, error);
-	float *gathered = gw_allocate_array(records->count, 4 * sizeof *gathered);
-	if (status == GW_OK && !gathered)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	gw_view view = { 0 };
 	if (status == GW_OK)
-		status = gw_buffer_download(task->passes->gpu, &records->gathered, 0, gathered,
-									16 * (uint64_t)records->count, error);
+		status = gw_view_open(task->passes->gpu, &records->gathered, 16 * (uint64_t)records->count,
+							  &view, error);
+	const float *gathered = view.bytes;
 	double largest = 0.0;
 	for (size_t i = 0; i < records->count && status == GW_OK; i++) {
 		for (int c = 0; c < 3; c++)
 			largest = fmax(largest, (double)gathered[4 * i + (size_t)c]);
 	}
 	*contraction = fmin(largest / 3.14159265358979323846, (double)GW_ALBEDO_MAX);
-	free(gathered);
+	gw_view_close(task->passes->gpu, &view);
 	return status;
 }
 
@@ -117,14 +163,12 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 {
 	gw_records *records = task->records;
 	const gw_trace_step *step = &task->step;
-	const gw_binding bindings[] = { gw_window(&records->gathered, 16),
-									gw_window(&records->indirect, 16) };
 	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
 		step->self, task->lobe_radiance, largest, error);
 	if (status != GW_OK)
 		return status;
-	return gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-						 records->count, error);
+	return gw_light_add(task->passes, &records->gathered, &records->indirect, records->count,
+						error);
 }
 
 /* Gathers, and reflects what was gathered. */
@@ -208,8 +252,7 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 	gw_status status = sums_create(task, &sums, error);
 	if (status == GW_OK)
 		status = run(task, &sums, bounces, error);
-	free(sums.radiance);
-	free(sums.centre);
+	sums_destroy(task, &sums);
 	if (status != GW_OK) {
 		free(bounces->bounce);
 		*bounces = (gw_bounces){ 0 };

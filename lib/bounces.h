@@ -56,4 +56,8 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 float direct_share, gw_buffer *lobe_radiance, gw_error *error);
 
+/* Adds `count` vec4 of one buffer to those of another. */
+gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+					   gw_error *error);
+
 #endif

@@ -4,6 +4,7 @@
  */
 #include "direct_light.h"
 
+#include "host_products.h"
 #include "memory.h"
 #include "shadow_map.h"
 #include "transport_layout.h"
@@ -225,6 +226,8 @@ static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_
 gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
 						   gw_buffer *lobes, gw_error *error)
 {
+	if (gw_gpu_is_host(passes->gpu))
+		return gw_host_average(passes, octree, surfels, lobes, error);
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
 									gw_whole(&octree->fragment_weight), gw_whole(surfels),

@@ -80,29 +80,22 @@ static void count_emitters(const float *radiance, const float *centre, size_t sl
 }
 
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
-						   gw_emitters *emitters, gw_error *error)
+						   bool always, gw_emitters *emitters, gw_error *error)
 {
 	*emitters = (gw_emitters){ .radiance = radiance };
 	size_t slots = 2 * (size_t)octree->leaf_count;
 	if (radiance->bytes < 16 * slots)
 		return GW_OK;
-	float *values = gw_allocate_array(slots, 4 * sizeof *values);
-	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
-	gw_status status = GW_OK;
-	if (!values || !centre)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
+	gw_view values = { 0 }, centre = { 0 };
+	gw_status status = gw_view_open(gpu, radiance, 16 * slots, &values, error);
 	if (status == GW_OK)
-		status =
-			gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)radiance, 0, values, 16 * slots, error);
+		status = gw_view_open(gpu, &octree->lobe_centre, 16 * slots, &centre, error);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
-									16 * slots, error);
-	if (status == GW_OK)
-		count_emitters(values, centre, slots, emitters);
-	if (status == GW_OK && emitters->count > 0)
-		status = upload_table(gpu, values, centre, slots, emitters, error);
-	free(values);
-	free(centre);
+		count_emitters(values.bytes, centre.bytes, slots, emitters);
+	if (status == GW_OK && emitters->count > 0 && (always || gw_emitters_are_small(emitters)))
+		status = upload_table(gpu, values.bytes, centre.bytes, slots, emitters, error);
+	gw_view_close(gpu, &values);
+	gw_view_close(gpu, &centre);
 	return status;
 }
 

@@ -19,9 +19,11 @@ typedef struct gw_emitters {
 } gw_emitters;
 
 /* Lists the lobes of an octree that send out light; count is 0 and the table empty when none does.
- *   radiance   texel buffer, vec4 a lobe slot; smaller than that: nothing emits */
+ *   radiance   texel buffer, vec4 a lobe slot; smaller than that: nothing emits
+ *   always     whether the table is made even when they are not small, as below */
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
-						   gw_emitters *emitters, gw_error *error);
+						   bool always, gw_emitters *emitters, gw_error *error);
+
 /* Whether gather rays would rather miss them: 64 rays find a tenth of the surface with an error of
  * about 40 %, and less of it with more. Samples of more than that are spent better on rays,
  * because much of such light is out of sight. */

@@ -303,7 +303,8 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (task->bounces)
 		status = shade_all(task, &radiance, error);
 	if (status == GW_OK && task->bounces)
-		status = gw_emitters_make(task->passes->gpu, task->octree, &radiance, &reflectors, error);
+		status = gw_emitters_make(task->passes->gpu, task->octree, &radiance, false, &reflectors,
+								  error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
 		status = gather_half(task, half, &reflectors, &e, error);
 	double mean = status == GW_OK ? mean_radiance(task, e.counts) : 0.0;

@@ -3,6 +3,7 @@
  */
 #include "gather_rays.h"
 
+#include "host_products.h"
 #include "transport_layout.h"
 
 /* Samples of emitters that one invocation takes: bounds its loops. */
@@ -121,12 +122,16 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 	bool map = sources->map && sources->map->width > 0;
 	gw_buffer own = { 0 }, *sampled = sources->kept && !map ? sources->kept : &own;
 	bool done = sampled->handle != VK_NULL_HANDLE;
+	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
+	if (dark && sources->looked)
+		return gw_buffer_fill(passes->gpu, irradiance, 0, error);
 	gw_record_push push = { .rays = gather->rays,
 							.seed = sources->seed,
 							.light_samples = emitters->count > 0 ? sources->samples : 0,
 							.emitters = emitters->count,
 							.emitter_power = emitters->power,
 							.use_hits = sources->use_hits && emitters->count > 0,
+							.looked = sources->looked,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	put_map(sources, &push);
 	gw_status status = GW_OK;
@@ -172,6 +177,8 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
 {
+	if (gw_gpu_is_host(passes->gpu))
+		return gw_host_gather(passes, gather, lobe_radiance, records, error);
 	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
 									gw_window(&records->normal, 16),
 									gw_window(&records->gathered, 16) };

@@ -39,15 +39,17 @@ typedef struct gw_sampled_sources {
 							  see it too, combined likewise. Nothing is kept then */
 	uint32_t map_samples;
 	bool map_hits;
+	bool looked;     /* what is nearest and which are buried is known already */
 	uint32_t seed;   /* of the samples */
 	gw_buffer *kept; /* NULL, or where what the samples brought is left for another time: vec4 a
 						record. A buffer that exists is taken in place of samples */
 } gw_sampled_sources;
 
 /*
- * Irradiance that reaches the records straight from emitters and sky; also finds the distance to
- * the nearest thing each record saw, into position w, and which lie inside something solid, into
- * normal w. irradiance   receives it, records->count vec4
+ * Irradiance that reaches the records straight from emitters and sky; unless sources->looked also
+ * finds the distance to the nearest thing each record saw, into position w, and which lie inside
+ * something solid, into normal w.
+ *   irradiance   receives it, records->count vec4
  */
 gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,

@@ -1,6 +1,6 @@
 /*
  * gpu_internal.h - what the files of the device layer share. Nobody else includes it, except the
- * unit test that plants faults.
+ * unit tests that plant faults and that forbid mapping.
  *
  *   gpu_instance.c   instance, validation messages, list and choice of devices
  *   gpu_device.c     opening and closing a device, submissions, results, account

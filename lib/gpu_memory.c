@@ -6,9 +6,11 @@
  * for copies; else copies go through one staging buffer, a part at a time.
  */
 #include "gpu_internal.h"
+#include "memory.h"
 
 #include <assert.h>
 #include <inttypes.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define STAGING_BYTES (UINT64_C(16) << 20)
@@ -349,10 +351,62 @@ gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, cons
 	return copy_buffer(gpu, buffer, offset, NULL, data, bytes, error);
 }
 
-gw_status gw_buffer_download(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, void *data,
+gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *data,
 							 uint64_t bytes, gw_error *error)
 {
 	return copy_buffer(gpu, buffer, offset, data, NULL, bytes, error);
+}
+
+/* --------------------------------------------------------------------------- on the host */
+
+bool gw_gpu_is_host(const gw_gpu *gpu)
+{
+	return gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+		   can_map(gpu, UINT32_MAX);
+}
+
+gw_status gw_buffer_map(gw_gpu *gpu, const gw_buffer *buffer, void **bytes, gw_error *error)
+{
+	GW_TRY(gw_gpu_check(gpu, error));
+	assert(gw_gpu_is_host(gpu));
+	GW_VULKAN(gpu, error, buffer->name,
+			  vkMapMemory(gpu->handle, buffer->memory, 0, VK_WHOLE_SIZE, 0, bytes));
+	return GW_OK;
+}
+
+void gw_buffer_unmap(gw_gpu *gpu, const gw_buffer *buffer)
+{
+	vkUnmapMemory(gpu->handle, buffer->memory);
+}
+
+gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_view *view,
+					   gw_error *error)
+{
+	*view = (gw_view){ 0 };
+	if (gw_gpu_is_host(gpu) && bytes <= buffer->bytes) {
+		void *mapped;
+		GW_TRY(gw_buffer_map(gpu, buffer, &mapped, error));
+		*view = (gw_view){ .bytes = mapped, .mapped = buffer };
+		return GW_OK;
+	}
+	void *copy = gw_allocate_array((size_t)bytes, 1);
+	if (copy == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a copy of the %s",
+					   buffer->name);
+	gw_status status = gw_buffer_download(gpu, buffer, 0, copy, bytes, error);
+	if (status == GW_OK)
+		*view = (gw_view){ .bytes = copy, .copy = copy };
+	else
+		free(copy);
+	return status;
+}
+
+void gw_view_close(gw_gpu *gpu, gw_view *view)
+{
+	if (view->mapped != NULL)
+		gw_buffer_unmap(gpu, view->mapped);
+	free(view->copy);
+	*view = (gw_view){ 0 };
 }
 
 /* -------------------------------------------------------------------------------- images */

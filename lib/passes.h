@@ -41,6 +41,7 @@ typedef struct gw_passes {
 	uint32_t constant[3]; /* octree depth, directory level, bits of the cell slack */
 	gw_pass *pass[GW_PASS_COUNT];
 	double device_seconds[GW_PASS_COUNT]; /* by timestamps, so far */
+	uint32_t threads; /* of the host's loops that stand in for passes; 0: one a processor */
 } gw_passes;
 
 /* A set of passes for an octree of that shape; nothing is created yet. */

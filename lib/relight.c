@@ -84,6 +84,7 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .map = &relight->map,
 										 .map_samples = s->options.light_samples,
 										 .map_hits = true,
+										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
 										 .kept = relight->plan.emitters ? &s->sampled : NULL };
 	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
@@ -100,10 +101,8 @@ static float largest_emission(const gw_surfels *surfels)
 
 static gw_status add_gathered(gw_solver *s, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_window(&s->records.gathered, 16),
-									gw_window(&s->records.first, 16) };
-	return gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-						 s->records.count, error);
+	return gw_light_add(&s->passes, &s->records.gathered, &s->records.first, s->records.count,
+						error);
 }
 
 /* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
@@ -118,6 +117,7 @@ static gw_status first_by_cones(gw_relight *relight, gw_error *error)
 										 .sky = black,
 										 .map = &relight->map,
 										 .map_samples = s->options.light_samples,
+										 .looked = true,
 										 .seed = (uint32_t)s->options.seed };
 	gw_status status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
 											 &sources, &s->records.first, error);
@@ -159,8 +159,8 @@ gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
 	gw_emitters_destroy(s->gpu, &relight->emitters);
 	relight->emitters.radiance = &s->octree.lobe_emission;
 	if (status == GW_OK && relight->plan.emitters)
-		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, &relight->emitters,
-								  error);
+		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, true,
+								  &relight->emitters, error);
 	if (status == GW_OK)
 		status = make_map(relight, error);
 	if (status == GW_OK)
@@ -186,11 +186,8 @@ static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radianc
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
 	gw_status status = darken(relight, GW_BUFFER_TEXEL, slots, "radiance of patches",
 							  &relight->patch_radiance, error);
-	const gw_binding bindings[] = { gw_window(lobe_radiance, 16),
-									gw_window(&relight->patch_radiance, 16) };
 	if (status == GW_OK)
-		status = gw_passes_run(&s->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-							   slots, error);
+		status = gw_light_add(&s->passes, lobe_radiance, &relight->patch_radiance, slots, error);
 	relight->patches.radiance = &relight->patch_radiance;
 	return status;
 }
@@ -207,6 +204,7 @@ static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const 
 										 .samples = (s->options.light_samples + 1) / 2,
 										 .use_hits = true,
 										 .sky = black,
+										 .looked = true,
 										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
 	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
 								 &s->records.gathered, error);
@@ -225,7 +223,7 @@ static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, floa
 				   : gather_by_rays(self, lobe_radiance, largest, error);
 	gw_emitters *patches = &relight->patches;
 	gw_emitters_destroy(s->gpu, patches);
-	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, patches, error);
+	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, false, patches, error);
 	if (status != GW_OK)
 		return status;
 	relight->patches_sampled = gw_emitters_are_small(patches);

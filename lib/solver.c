@@ -148,6 +148,7 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 	/* Octrees that keep what they can are all of one shape. */
 	if (solver->passes.gpu == NULL)
 		gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	solver->passes.threads = o->threads;
 	gw_solver_report_octree(solver);
 	return GW_OK;
 }

@@ -388,6 +388,7 @@ gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
 	if (status != GW_OK)
 		return status;
 	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	solver->passes.threads = solver->options.threads;
 	if (h.numbers.light_samples != solver->options.light_samples)
 		gw_buffer_destroy(solver->gpu, &solver->sampled);
 	if (own.emission != h.identity.emission)

@@ -1,8 +1,8 @@
 /*
  * record_first.comp - irradiance that reaches a record unreflected: from the emitters its rays hit
  * (weighted against record_emitters.comp by the balance heuristic), from the samples of emitters,
- * and from the sky where rays left the scene (its map weighted against record_sky.comp). Also the
- * distance to the nearest thing it saw.
+ * and from the sky where rays left the scene (its map weighted against record_sky.comp). Unless
+ * that is known, also the distance to the nearest thing it saw, and whether it is buried.
  */
 #version 460
 
@@ -40,11 +40,11 @@ layout(push_constant) uniform Push
 #include "record_ray.glsl"
 #include "sky_map.glsl"
 
-/* Share of an emitter's light that the hit of a gather ray stands for. */
-float hit_weight(vec3 direction, float cosine, uint lobe, float t, vec3 emission)
+/* Share of an emitter's light that the hit of gather ray k stands for. */
+float hit_weight(vec3 g, vec3 normal, uint k, uint lobe, float t, vec3 emission)
 {
-	if (push.light_samples == 0u)
-		return 1.0;
+	float cosine;
+	vec3 direction = record_ray(g, normal, k, cosine);
 	float cosine_emitter = max(1e-4, -dot(texelFetch(lobe_plane, int(lobe)).xyz, direction));
 	float density = luminance(emission) / push.emitter_power * t * t / cosine_emitter;
 	float by_rays = float(push.rays) * cosine / PI;
@@ -71,13 +71,15 @@ void main()
 	vec3 sum = vec3(0.0);
 	float nearest = 1e9;
 	uint behind = 0u;
+	bool look = push.looked == 0u;
 	for (uint k = 0u; k < push.rays; k++) {
 		int h = int(record * push.rays + k);
 		uint lobe = texelFetch(hit_lobe, h).x;
-		float t = texelFetch(hit_distance, h).x;
-		behind += t < 0.0 ? 1u : 0u;
-		t = abs(t);
-		nearest = min(nearest, t);
+		if (look) {
+			float t = texelFetch(hit_distance, h).x;
+			behind += t < 0.0 ? 1u : 0u;
+			nearest = min(nearest, abs(t));
+		}
 		if (lobe == GW_NONE) {
 			sum += push.sky.xyz;
 			if (push.sky_hits != 0u)
@@ -87,17 +89,20 @@ void main()
 		if (push.use_hits == 0u)
 			continue;
 		vec3 emission = texelFetch(lobe_emission, int(lobe)).xyz;
-		if (luminance(emission) > 0.0) {
-			float cosine;
-			vec3 direction = record_ray(record_position[i].xyz, record_normal[i].xyz, k, cosine);
-			sum += texelFetch(lobe_part, int(lobe)).xyz *
-				   hit_weight(direction, cosine, lobe, t, emission);
-		}
+		if (luminance(emission) <= 0.0)
+			continue;
+		float weight = 1.0;
+		if (push.light_samples > 0u)
+			weight = hit_weight(record_position[i].xyz, record_normal[i].xyz, k, lobe,
+								abs(texelFetch(hit_distance, h).x), emission);
+		sum += texelFetch(lobe_part, int(lobe)).xyz * weight;
 	}
-	/* A record that sees mostly the backs of surfaces lies inside something solid. */
-	bool buried = 2u * behind > push.rays;
-	record_position[i].w = nearest;
-	record_normal[i].w = buried ? 0.0 : 1.0;
+	if (look) {
+		/* A record that sees mostly the backs of surfaces lies inside something solid. */
+		record_position[i].w = nearest;
+		record_normal[i].w = 2u * behind > push.rays ? 0.0 : 1.0;
+	}
+	bool buried = record_normal[i].w == 0.0;
 	vec3 first = sum * PI / float(push.rays) + record_sampled[i].xyz;
 	record_first[i] = vec4(buried ? vec3(0.0) : first, 0.0);
 }

@@ -68,7 +68,7 @@ SHARED_STRUCT(gw_record_push)
 	float sky_total;            /* its luminance, summed over solid angle */
 	float sky_turn;             /* of its centre, in turns clockwise from y */
 	uint sky_y_up;
-	uint unused;
+	uint looked; /* first gather: what lies nearest and who is buried is known */
 };
 SHARED_SIZE(gw_record_push, 96);
 SHARED_OFFSET(gw_record_push, sky, 48);
