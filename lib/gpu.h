@@ -82,6 +82,11 @@ typedef struct gw_buffer {
  */
 gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
                            const char *name, gw_buffer *buffer, gw_error *error);
+
+/* The same without zeros, for a buffer that is written as a whole next: what it holds till then is
+ * not defined. */
+gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
+                                 const char *name, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.

@@ -258,15 +258,26 @@ static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, 
 						 &buffer->allocated, error));
 	if (kind == GW_BUFFER_TEXEL)
 		GW_TRY(create_view(gpu, format, buffer, error));
-	return gw_buffer_fill(gpu, buffer, 0, error);
+	return GW_OK;
+}
+
+gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
+								 const char *name, gw_buffer *buffer, gw_error *error)
+{
+	assert(name != NULL);
+	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
+	gw_status status = make_buffer(gpu, kind, format, buffer, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(gpu, buffer);
+	return status;
 }
 
 gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
 						   const char *name, gw_buffer *buffer, gw_error *error)
 {
-	assert(name != NULL);
-	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
-	gw_status status = make_buffer(gpu, kind, format, buffer, error);
+	gw_status status = gw_buffer_create_unset(gpu, kind, format, bytes, name, buffer, error);
+	if (status == GW_OK)
+		status = gw_buffer_fill(gpu, buffer, 0, error);
 	if (status != GW_OK)
 		gw_buffer_destroy(gpu, buffer);
 	return status;
@@ -280,8 +291,25 @@ void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer)
 	*buffer = (gw_buffer){ 0 };
 }
 
+/* The same on the host: the software driver's fill goes word by word through a copy. */
+static gw_status fill_mapped(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
+{
+	void *mapped;
+	uint64_t bytes = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
+	bytes = (bytes + 3) / 4 * 4;
+	GW_TRY(gw_buffer_map(gpu, buffer, &mapped, error));
+	if (word == 0)
+		memset(mapped, 0, (size_t)bytes);
+	for (uint32_t *at = mapped, *end = at + bytes / sizeof word; word != 0 && at < end; at++)
+		*at = word;
+	gw_buffer_unmap(gpu, buffer);
+	return GW_OK;
+}
+
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
 {
+	if (gw_gpu_is_host(gpu))
+		return fill_mapped(gpu, buffer, word, error);
 	GW_TRY(gw_commands_begin(gpu, error));
 	vkCmdFillBuffer(gpu->commands, buffer->handle, 0, VK_WHOLE_SIZE, word);
 	return gw_commands_submit(gpu, buffer->name, NULL, error);

@@ -6,15 +6,20 @@
 #include "direct_light.h"
 #include "hash.h"
 #include "memory.h"
+#include "parallel.h"
 #include "transport_blocks.h"
 #include "transport_layout.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 1u
+#define VERSION 2u
+
+/* Blocks are read and checked in pieces, by all threads. */
+#define PIECE_BYTES (UINT64_C(1) << 20)
 
 /* What was baked: a hash each. */
 typedef struct identity {
@@ -85,29 +90,41 @@ static uint64_t length_of(const gw_transport_block *blocks, size_t count)
 	return length;
 }
 
+static uint64_t piece_count(const gw_transport_block *block)
+{
+	return (block->bytes + PIECE_BYTES - 1) / PIECE_BYTES;
+}
+
 /* ------------------------------------------------------------------------------------ saving */
+
+static void hash_pieces(const gw_transport_block *block, const unsigned char *bytes, uint64_t *hash)
+{
+	for (uint64_t at = 0; at < block->bytes; at += PIECE_BYTES) {
+		uint64_t left = block->bytes - at;
+		uint64_t piece = gw_hash(0, bytes + at, left < PIECE_BYTES ? left : PIECE_BYTES);
+		*hash = gw_hash(*hash, &piece, sizeof piece);
+	}
+}
 
 static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
 							 const gw_transport *transport, uint64_t *hash, gw_error *error)
 {
 	const char zeros[8] = { 0 };
-	void *copy = NULL;
+	gw_view view = { 0 };
 	const void *bytes = block->host ? *block->host : NULL;
 	gw_status status = GW_OK;
 	if (block->buffer) {
-		bytes = copy = gw_allocate_array(block->bytes, 1);
-		status = copy ? gw_buffer_download(solver->gpu, block->buffer, 0, copy, block->bytes, error)
-					  : gw_fail(error, GW_ERROR_MEMORY, "no host memory for a copy of the %s",
-								block->name);
+		status = gw_view_open(solver->gpu, block->buffer, block->bytes, &view, error);
+		bytes = view.bytes;
 	}
 	if (status == GW_OK) {
-		*hash = gw_hash(*hash, bytes, block->bytes);
+		hash_pieces(block, bytes, hash);
 		status = transport->write(transport->user, bytes, block->bytes, error);
 	}
 	if (status == GW_OK)
 		status = transport->write(transport->user, zeros,
 								  (size_t)(padded(block->bytes) - block->bytes), error);
-	free(copy);
+	gw_view_close(solver->gpu, &view);
 	return status;
 }
 
@@ -207,17 +224,6 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 	return GW_OK;
 }
 
-static bool indices_fit(const gw_transport_block *block, const unsigned char *bytes)
-{
-	uint32_t word;
-	for (uint64_t at = 0; block->limit > 0 && at < block->bytes; at += 4 * (uint64_t)block->step) {
-		memcpy(&word, bytes + at, sizeof word);
-		if ((word & block->mask) >= block->limit && word != GW_NONE)
-			return false;
-	}
-	return true;
-}
-
 /* Blocks are filled up with zeros. */
 static bool padding_fits(const gw_transport_block *block, const unsigned char *bytes)
 {
@@ -227,22 +233,103 @@ static bool padding_fits(const gw_transport_block *block, const unsigned char *b
 	return true;
 }
 
-static gw_status place_block(gw_solver *solver, const gw_transport_block *block,
-							 const unsigned char *bytes, gw_error *error)
+/* A block on its way into the solver. */
+typedef struct arrival {
+	const gw_transport_block *block;
+	const unsigned char *from;
+	unsigned char *to; /* NULL: it is uploaded when it is known to be good */
+	size_t first_piece;
+} arrival;
+
+/* All of them, piece by piece. */
+typedef struct arrivals {
+	arrival arrival[GW_TRANSPORT_BLOCKS];
+	size_t count, pieces;
+	uint64_t *hash; /* a piece */
+	atomic_bool damaged;
+} arrivals;
+
+static bool indices_fit(const gw_transport_block *block, const unsigned char *bytes,
+						uint64_t length)
+{
+	uint32_t word;
+	for (uint64_t at = 0; block->limit > 0 && at < length; at += 4 * (uint64_t)block->step) {
+		memcpy(&word, bytes + at, sizeof word);
+		if ((word & block->mask) >= block->limit && word != GW_NONE)
+			return false;
+	}
+	return true;
+}
+
+static void take_piece(void *user, size_t first, size_t last, uint32_t worker)
+{
+	arrivals *all = user;
+	size_t block = 0;
+	(void)worker;
+	for (size_t piece = first; piece < last; piece++) {
+		while (block + 1 < all->count && all->arrival[block + 1].first_piece <= piece)
+			block++;
+		const arrival *a = &all->arrival[block];
+		uint64_t at = (piece - a->first_piece) * PIECE_BYTES, left = a->block->bytes - at;
+		size_t length = (size_t)(left < PIECE_BYTES ? left : PIECE_BYTES);
+		all->hash[piece] = gw_hash(0, a->from + at, length);
+		if (!indices_fit(a->block, a->from + at, length))
+			atomic_store(&all->damaged, true);
+		if (a->to)
+			memcpy(a->to + at, a->from + at, length);
+	}
+}
+
+/* Room for a block, and where it is if it can be reached from here. */
+static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
+{
+	const gw_transport_block *block = a->block;
+	void *room = NULL;
+	gw_status status = GW_OK;
+	if (block->host) {
+		*block->host = room = gw_allocate_array(block->bytes, 1);
+		if (!room)
+			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
+	} else {
+		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
+										block->name, block->buffer, error);
+		if (status == GW_OK && gw_gpu_is_host(solver->gpu))
+			status = gw_buffer_map(solver->gpu, block->buffer, &room, error);
+	}
+	a->to = room;
+	return status;
+}
+
+/* Checks all blocks and brings them into the solver. */
+static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals *all,
+							 gw_error *error)
 {
 	gw_status status = GW_OK;
-	if (block->buffer) {
-		status = gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
-								  block->name, block->buffer, error);
-		return status == GW_OK && block->bytes > 0
-				   ? gw_buffer_upload(solver->gpu, block->buffer, 0, bytes, block->bytes, error)
-				   : status;
+	size_t roomy = 0;
+	uint64_t hash = 0, kept;
+	all->hash = gw_allocate_array(all->pieces, sizeof *all->hash);
+	if (!all->hash)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu pieces", all->pieces);
+	for (; roomy < all->count && status == GW_OK; roomy++)
+		status = make_room(solver, &all->arrival[roomy], error);
+	if (status == GW_OK) {
+		gw_parallel_for(solver->options.threads, all->pieces, 1, take_piece, all);
+		for (size_t i = 0; i < all->pieces; i++)
+			hash = gw_hash(hash, &all->hash[i], sizeof hash);
+		memcpy(&kept, (const char *)t->data + t->length - sizeof kept, sizeof kept);
+		if (hash != kept || atomic_load(&all->damaged))
+			status = damaged(t, "this transport is damaged", error);
 	}
-	*block->host = gw_allocate_array(block->bytes, 1);
-	if (!*block->host)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
-	memcpy(*block->host, bytes, block->bytes);
-	return GW_OK;
+	for (size_t i = 0; i < roomy; i++) {
+		const arrival *a = &all->arrival[i];
+		if (a->block->buffer && a->to)
+			gw_buffer_unmap(solver->gpu, a->block->buffer);
+		else if (a->block->buffer && status == GW_OK)
+			status =
+				gw_buffer_upload(solver->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
+	}
+	free(all->hash);
+	return status;
 }
 
 /* What bounds of single indices do not say: rows follow each other. */
@@ -266,26 +353,24 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
 	gw_transport_numbers_restore(&h->numbers, solver);
 	size_t count = gw_transport_list(solver, &h->numbers, blocks);
-	uint64_t hash = 0, kept;
 	if (h->length != length_of(blocks, count) || t->length != h->length)
 		return damaged(t,
 					   t->length < h->length ? "this transport ends too early"
 											 : "this transport has another length than it says",
 					   error);
+	arrivals all = { .count = count };
 	const unsigned char *at = (const unsigned char *)t->data + sizeof *h;
 	for (size_t i = 0; i < count; i++) {
-		hash = gw_hash(hash, at, blocks[i].bytes);
-		gw_status status = indices_fit(&blocks[i], at) && padding_fits(&blocks[i], at)
-							   ? place_block(solver, &blocks[i], at, error)
-							   : damaged(t, "this transport is damaged", error);
-		if (status != GW_OK)
-			return status;
+		if (!padding_fits(&blocks[i], at))
+			return damaged(t, "this transport is damaged", error);
+		all.arrival[i] = (arrival){ .block = &blocks[i], .from = at, .first_piece = all.pieces };
+		all.pieces += piece_count(&blocks[i]);
 		at += padded(blocks[i].bytes);
 	}
-	memcpy(&kept, at, sizeof kept);
-	if (hash != kept || !rows_fit(solver, &h->numbers))
-		return damaged(t, "this transport is damaged", error);
-	return GW_OK;
+	gw_status status = take_blocks(solver, t, &all, error);
+	if (status == GW_OK && !rows_fit(solver, &h->numbers))
+		status = damaged(t, "this transport is damaged", error);
+	return status;
 }
 
 /* ---------------------------------------------------------------------------- other emission */

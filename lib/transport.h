@@ -8,7 +8,7 @@
  *             numbers (transport_blocks.h), and a hash of all that
  *   blocks    the arrays in the order of gw_transport_list, each filled up with zeros to a multiple
  *             of 8 bytes
- *   tail      a hash of the blocks
+ *   tail      a hash of the hashes of all pieces that the blocks are cut into, 1 MiB each
  *
  * Every length follows from the head, so the whole is refused before anything is allocated when its
  * length differs. Indices are checked, so that no bytes make a pass or a loop leave its arrays.
