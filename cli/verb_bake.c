@@ -29,6 +29,7 @@ typedef struct bake {
 	loaded_scene scene;
 	gw_light *light;
 	gw_bake_result *result;
+	gw_drivers *drivers; /* loaded while the inputs are read */
 	scan lit;
 	progress progress;
 	bake_facts facts;
@@ -323,6 +324,8 @@ static gw_status run(bake *b)
 	if (status == GW_OK)
 		status = open_outputs(b);
 	if (status == GW_OK)
+		b->drivers = gw_drivers_load();
+	if (status == GW_OK)
 		status = read_inputs(b);
 	if (status == GW_OK && b->settings->transport)
 		status = input_file_open(&b->reused, b->settings->transport, b->error);
@@ -359,6 +362,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	output_file_abandon(&b.report);
 	output_file_abandon(&b.transport);
 	input_file_close(&b.reused);
+	gw_drivers_release(&b.drivers);
 	gw_bake_result_destroy(&b.result);
 	loaded_scene_clear(&b.scene);
 	scan_clear(&b.lit);

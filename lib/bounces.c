@@ -46,16 +46,6 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
-					   gw_error *error)
-{
-	if (gw_gpu_is_host(passes->gpu))
-		return gw_host_add(passes, from, to, count, error);
-	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
-	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
-						 error);
-}
-
 /* Sums over lobes, a chunk at a time, so that the order does not depend on threads. */
 typedef struct lobe_sums {
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */

@@ -36,7 +36,7 @@ typedef struct gw_bounces_task {
 	const gw_buffer *carried; /* NULL, or a guess at the lobes' reflected irradiance, with which
 								 bounces that follow the tolerance begin. For trace steps that bear
 								 radiance below 0 */
-	uint32_t limit; /* reflections, GW_BOUNCES_AUTO: until tolerance */
+	uint32_t limit;           /* reflections, GW_BOUNCES_AUTO: until tolerance */
 	float tolerance;
 	bool no_bound; /* what is left out is not to be bounded: no contraction */
 	bool (*cancelled)(void *user);
@@ -55,9 +55,5 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 float direct_share, gw_buffer *lobe_radiance, gw_error *error);
-
-/* Adds `count` vec4 of one buffer to those of another. */
-gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
-					   gw_error *error);
 
 #endif

@@ -23,7 +23,7 @@ typedef struct gw_probes {
 	uint32_t *surfel;      /* count, ascending */
 	gw_records place;      /* position and normal of each, and what it gathers */
 	gw_ray_gather rays[2]; /* of each of the two gathers */
-	gw_buffer sampled[2];  /* what samples of the points that emit brought, once it is known */
+	gw_buffer sampled[2]; /* what the points that emit brought, once it is known */
 } gw_probes;
 
 /* Draws and traces `points` probes. On success to be freed with gw_probes_destroy. */

@@ -112,16 +112,25 @@ static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
 	push->sky_y_up = map->y_up;
 }
 
-gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
+gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+					   gw_error *error)
+{
+	if (gw_gpu_is_host(passes->gpu))
+		return gw_host_add(passes, from, to, count, error);
+	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
+	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
+						 error);
+}
+
+/* All sources at once. */
+static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
 								gw_buffer *irradiance, gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
 	const float *sky = sources->sky;
-	/* What is kept are samples of emitters alone. */
 	bool map = sources->map && sources->map->width > 0;
-	gw_buffer own = { 0 }, *sampled = sources->kept && !map ? sources->kept : &own;
-	bool done = sampled->handle != VK_NULL_HANDLE;
+	gw_buffer sampled = { 0 };
 	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
 	if (dark && sources->looked)
 		return gw_buffer_fill(passes->gpu, irradiance, 0, error);
@@ -134,15 +143,13 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 							.looked = sources->looked,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	put_map(sources, &push);
-	gw_status status = GW_OK;
-	if (!done)
-		status =
-			gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-							 16 * (uint64_t)records->count, "sampled irradiance", sampled, error);
-	if (status == GW_OK && !done && push.light_samples > 0)
-		status = sample_emitters(passes, octree, records, sources, push, sampled, error);
+	gw_status status =
+		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
+	if (status == GW_OK && push.light_samples > 0)
+		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
 	if (status == GW_OK && push.sky_width > 0)
-		status = sample_sky(passes, octree, records, sources->map, push, sampled, error);
+		status = sample_sky(passes, octree, records, sources->map, push, &sampled, error);
 	if (status == GW_OK) {
 		/* The directions of the rays are made again, from their seed. */
 		push.seed = gather->seed;
@@ -151,7 +158,7 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 			gw_whole(&gather->distance),
 			gw_whole(&octree->lobe_plane),
 			gw_whole(emitters->radiance),
-			gw_window(sampled, 16),
+			gw_window(&sampled, 16),
 			gw_window(&records->position, 16),
 			gw_window(&records->normal, 16),
 			gw_window(irradiance, 16),
@@ -161,7 +168,45 @@ gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_r
 		status =
 			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
 	}
-	gw_buffer_destroy(passes->gpu, &own);
+	gw_buffer_destroy(passes->gpu, &sampled);
+	return status;
+}
+
+/* What emitters alone bring, unless that is kept from before. */
+static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							   const gw_ray_gather *gather, const gw_sampled_sources *sources,
+							   gw_error *error)
+{
+	const float black[3] = { 0 };
+	gw_sampled_sources alone = *sources;
+	if (sources->kept->handle != VK_NULL_HANDLE)
+		return GW_OK;
+	alone.sky = black;
+	alone.map = NULL;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+										16 * (uint64_t)records->count, "irradiance from emitters",
+										sources->kept, error);
+	if (status == GW_OK)
+		status = gather_sources(passes, octree, records, gather, &alone, sources->kept, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(passes->gpu, sources->kept);
+	return status;
+}
+
+gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								const gw_ray_gather *gather, const gw_sampled_sources *sources,
+								gw_buffer *irradiance, gw_error *error)
+{
+	const gw_emitters none = { .radiance = sources->emitters->radiance };
+	gw_sampled_sources others = *sources;
+	if (!sources->kept)
+		return gather_sources(passes, octree, records, gather, sources, irradiance, error);
+	others.emitters = &none;
+	gw_status status = keep_emitters(passes, octree, records, gather, sources, error);
+	if (status == GW_OK)
+		status = gather_sources(passes, octree, records, gather, &others, irradiance, error);
+	if (status == GW_OK)
+		status = gw_light_add(passes, sources->kept, irradiance, records->count, error);
 	return status;
 }
 

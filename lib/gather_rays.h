@@ -36,13 +36,13 @@ typedef struct gw_sampled_sources {
 							  multiple    importance sampling */
 	const float *sky;      /* 3, radiance seen by rays that leave the scene */
 	const gw_sky_map *map; /* NULL or without width: none. With map_hits, rays that leave the scene
-							  see it too, combined likewise. Nothing is kept then */
+							  see it too, combined likewise */
 	uint32_t map_samples;
 	bool map_hits;
 	bool looked;     /* what is nearest and which are buried is known already */
 	uint32_t seed;   /* of the samples */
-	gw_buffer *kept; /* NULL, or where what the samples brought is left for another time: vec4 a
-						record. A buffer that exists is taken in place of samples */
+	gw_buffer *kept; /* NULL, or where what emitters brought is left for another time: vec4 a
+						record. A buffer that exists is taken in place of their samples and hits */
 } gw_sampled_sources;
 
 /*
@@ -63,5 +63,9 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records,
 							   gw_error *error);
+
+/* Adds `count` vec4 of one buffer to those of another. */
+gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+					   gw_error *error);
 
 #endif

@@ -503,6 +503,19 @@ typedef struct gw_device_info {
  */
 gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
 
+/* Drivers that are being loaded. */
+typedef struct gw_drivers gw_drivers;
+
+/*
+ * Begins to load the drivers of all devices on a thread of its own, which takes some 40 ms, so that
+ * a bake finds them loaded that begins later: call it before reading files. Nothing depends on it,
+ * so it never fails; NULL is returned where there are no threads or memory.
+ */
+gw_drivers *gw_drivers_load(void);
+
+/* Waits until they are loaded and gives them back; after the bake. NULL is accepted. */
+void gw_drivers_release(gw_drivers **drivers);
+
 /* ---------------------------------------------------------------------------------------- names */
 
 /* Names of the enum values as used on the command line and in reports ("rays", "traced", "spot").

@@ -6,6 +6,8 @@
 
 #include <assert.h>
 #include <ctype.h>
+#include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +59,6 @@ static bool has_layer(const char *name)
 	return found;
 }
 
-/* layer: NULL asks the loader and the drivers. */
 static bool has_instance_extension(const char *layer, const char *name)
 {
 	uint32_t count = 0;
@@ -114,8 +115,6 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 	bool validate = wants_validation(options);
 	if (validate)
 		GW_TRY(check_validation(options, error));
-	bool debug = validate || has_instance_extension(NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
-
 	VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_template;
 	messenger.pUserData = messages;
 	VkValidationFeatureEnableEXT enable =
@@ -144,12 +143,16 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 		.pApplicationInfo = &application,
 		.enabledLayerCount = validate ? 1 : 0,
 		.ppEnabledLayerNames = layers,
-		.enabledExtensionCount = validate ? 2
-								 : debug  ? 1
-										  : 0,
+		.enabledExtensionCount = validate ? 2 : 1,
 		.ppEnabledExtensionNames = extensions,
 	};
+	/* To ask before whether there are names for objects takes the loader as long as to try. */
 	VkResult result = vkCreateInstance(&info, NULL, &instance->handle);
+	bool debug = result != VK_ERROR_EXTENSION_NOT_PRESENT;
+	if (!debug && !validate) {
+		info.enabledExtensionCount = 0;
+		result = vkCreateInstance(&info, NULL, &instance->handle);
+	}
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
 					   "there is no working Vulkan driver (vkCreateInstance: %s): install one, for "
@@ -448,4 +451,51 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
 	free(list);
 	gw_instance_destroy(&instance);
 	return status;
+}
+
+/* ----------------------------------------------------------------------------- drivers */
+
+struct gw_drivers {
+	pthread_t thread;
+	gw_messages messages;
+	gw_instance instance; /* an instance keeps its drivers loaded */
+};
+
+static void *load_drivers(void *user)
+{
+	gw_drivers *drivers = user;
+	gw_candidate *list = NULL;
+	size_t count;
+	if (gw_instance_create(&(gw_gpu_options){ 0 }, &drivers->messages, &drivers->instance, NULL) ==
+			GW_OK &&
+		gw_candidates_find(drivers->instance.handle, &list, &count, NULL) == GW_OK)
+		free(list);
+	return NULL;
+}
+
+gw_drivers *gw_drivers_load(void)
+{
+	gw_drivers *drivers = gw_allocate_zeros(1, sizeof *drivers);
+	if (drivers == NULL)
+		return NULL;
+	/* Signals belong to the program's own threads: its handlers run there. */
+	sigset_t all, before;
+	sigfillset(&all);
+	pthread_sigmask(SIG_SETMASK, &all, &before);
+	int failure = pthread_create(&drivers->thread, NULL, load_drivers, drivers);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	if (failure == 0)
+		return drivers;
+	free(drivers);
+	return NULL;
+}
+
+void gw_drivers_release(gw_drivers **drivers)
+{
+	if (*drivers == NULL)
+		return;
+	pthread_join((*drivers)->thread, NULL);
+	gw_instance_destroy(&(*drivers)->instance);
+	free(*drivers);
+	*drivers = NULL;
 }

@@ -205,7 +205,7 @@ static gw_status make_probes(gw_solver *solver, gw_error *error)
 						  (uint32_t)o->seed, &solver->probes, error);
 }
 
-/* What samples of emitters brought is not so any more. */
+/* What emitters brought is not so any more. */
 void gw_solver_forget_samples(gw_solver *solver)
 {
 	gw_buffer_destroy(solver->gpu, &solver->sampled);

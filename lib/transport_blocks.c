@@ -234,7 +234,7 @@ static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *
 	gw_probes *p = &solver->probes;
 	uint64_t rows = 16 * (uint64_t)n->probes;
 	if (n->light_samples)
-		device(l, "samples of emitters", &solver->sampled, 16 * (uint64_t)n->records);
+		device(l, "light of emitters", &solver->sampled, 16 * (uint64_t)n->records);
 	if (n->probes == 0)
 		return;
 	index_below(host(l, "probes", &p->surfel, 4 * (uint64_t)n->probes), 0, n->surfels, UINT32_MAX,
@@ -246,7 +246,7 @@ static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *
 		words(l, "probe hit", &p->rays[half].lobe, 4 * hits, 2 * (uint64_t)n->leaves);
 		scalars(l, "probe distance", &p->rays[half].distance, 4 * hits);
 		if (n->probes_sampled)
-			device(l, "probe samples", &p->sampled[half], rows);
+			device(l, "light of emitters at probes", &p->sampled[half], rows);
 	}
 }
 
