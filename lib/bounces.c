@@ -110,9 +110,8 @@ static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *e
 	}
 	double cell = (double)task->octree->leaf_size;
 	*energy = sum * 3.14159265358979323846 * cell * cell;
-	return isfinite(*energy)
-			   ? GW_OK
-			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
+	return isfinite(*energy) ? GW_OK
+							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
 /* The largest row sum of a bounce: every lobe sends out its albedo, the records gather it. */
@@ -161,18 +160,6 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 						error);
 }
 
-/* Gathers, and reflects what was gathered. */
-static gw_status reflect_once(const gw_bounces_task *task, bool first, float largest,
-							  gw_error *error)
-{
-	gw_status status = gather_once(task, first, largest, error);
-	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, task->records,
-								&task->records->gathered, task->lobe_direct, 0.0f,
-								task->lobe_radiance, error);
-	return status;
-}
-
 /* The first gather, a step from the guess, and the radiance of what is missing. *guessed receives
  * the energy that the guess reflects. */
 static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, float largest,
@@ -195,42 +182,98 @@ static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, flo
 	return status;
 }
 
-static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *bounces,
-					 gw_error *error)
-{
-	double started = gw_seconds(), energy = 0.0, total = 0.0;
+/* Bounces under way. */
+typedef struct progress {
+	const gw_bounces_task *task;
+	lobe_sums sums;
+	gw_hit_lobes hits; /* where the host makes bounces from records to records */
+	bool by_hits;
+	bool gathered; /* records->gathered is what the last bounce brought, and not reflected yet */
+	double energy; /* that the last bounce reflects */
 	float largest;
-	gw_status status =
-		gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
-					   task->lobe_direct, 1.0f, task->lobe_radiance, error);
+} progress;
+
+/* The energy that is reflected of what has been gathered. */
+static gw_status measure_gathered(progress *p, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double power, cell = (double)task->octree->leaf_size;
+	gw_status status = gw_host_power(task->passes, task->records, &p->hits, &power, error);
+	p->gathered = true;
+	p->energy = power * 3.14159265358979323846 * cell * cell;
+	if (status == GW_OK && !isfinite(p->energy))
+		return gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
+	return status;
+}
+
+/* One more bounce. Where only lobes that are hit count, they reflect before the next gather, else
+ * all do after this one. */
+static gw_status bounce_once(progress *p, bool first, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	gw_status status = GW_OK;
+	if (p->gathered)
+		status = gw_host_shade_hits(task->passes, task->octree, task->records, &p->hits,
+									task->lobe_radiance, error);
 	if (status == GW_OK)
-		status = measure(task, sums, &energy, &largest, error);
+		status = gather_once(task, first, p->largest, error);
+	if (status == GW_OK && p->by_hits)
+		return measure_gathered(p, error);
 	if (status == GW_OK)
-		status = append(bounces, energy, gw_seconds() - started, error);
+		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->gathered,
+								task->lobe_direct, 0.0f, task->lobe_radiance, error);
+	return status == GW_OK ? measure(task, &p->sums, &p->energy, &p->largest, error) : status;
+}
+
+/* The reflection of direct light, and what bounds the others. */
+static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double started = gw_seconds();
+	gw_status status = sums_create(task, &p->sums, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
+								task->lobe_direct, 1.0f, task->lobe_radiance, error);
+	if (status == GW_OK)
+		status = measure(task, &p->sums, &p->energy, &p->largest, error);
+	if (status == GW_OK)
+		status = append(bounces, p->energy, gw_seconds() - started, error);
 	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
+	p->by_hits = task->step.hits && task->limit > 1 && gw_gpu_is_host(task->passes->gpu);
+	if (status == GW_OK && p->by_hits)
+		status = gw_hit_lobes_find(task->passes, task->octree, task->records, task->step.hits,
+								   &p->hits, error);
+	return status;
+}
+
+static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double total = 0.0;
+	gw_status status = begin(p, bounces, error);
 	double q = bounces->contraction;
-	uint32_t limit = task->limit == GW_BOUNCES_AUTO ? BOUNCE_CEILING : task->limit;
+	bool automatic = task->limit == GW_BOUNCES_AUTO;
+	uint32_t limit = automatic ? BOUNCE_CEILING : task->limit;
 	for (uint32_t n = 1; status == GW_OK; n++) {
-		total += energy;
-		bounces->remaining = total > 0.0 ? energy * q / (1.0 - q) / total : 0.0;
-		bool enough =
-			task->limit == GW_BOUNCES_AUTO && bounces->remaining <= (double)task->tolerance;
-		if (n >= limit || enough || energy <= 0.0)
+		total += p->energy;
+		bounces->remaining = total > 0.0 ? p->energy * q / (1.0 - q) / total : 0.0;
+		bool enough = automatic && bounces->remaining <= (double)task->tolerance;
+		if (n >= limit || enough || p->energy <= 0.0)
 			break;
 		if (task->cancelled && task->cancelled(task->user))
 			return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped at bounce %u", n + 1);
-		started = gw_seconds();
-		double guessed = 0.0;
-		if (n == 1 && task->carried && task->limit == GW_BOUNCES_AUTO)
-			status = begin_carried(task, sums, largest, &guessed, error);
-		else
-			status = reflect_once(task, n == 1, largest, error);
+		double started = gw_seconds(), guessed = 0.0;
+		if (n == 1 && task->carried && automatic) {
+			status = begin_carried(task, &p->sums, p->largest, &guessed, error);
+			if (status == GW_OK)
+				status = measure(task, &p->sums, &p->energy, &p->largest, error);
+		} else {
+			status = bounce_once(p, n == 1, error);
+		}
 		total += guessed;
 		if (status == GW_OK)
-			status = measure(task, sums, &energy, &largest, error);
-		if (status == GW_OK)
-			status = append(bounces, energy, gw_seconds() - started, error);
+			status = append(bounces, p->energy, gw_seconds() - started, error);
 	}
 	return status;
 }
@@ -238,11 +281,10 @@ static gw_status run(const gw_bounces_task *task, lobe_sums *sums, gw_bounces *b
 gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error)
 {
 	*bounces = (gw_bounces){ 0 };
-	lobe_sums sums = { 0 };
-	gw_status status = sums_create(task, &sums, error);
-	if (status == GW_OK)
-		status = run(task, &sums, bounces, error);
-	sums_destroy(task, &sums);
+	progress p = { .task = task };
+	gw_status status = run(&p, bounces, error);
+	sums_destroy(task, &p.sums);
+	gw_hit_lobes_clear(&p.hits);
 	if (status != GW_OK) {
 		free(bounces->bounce);
 		*bounces = (gw_bounces){ 0 };

@@ -18,6 +18,31 @@ gw_status gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_rec
 						const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						float direct_share, gw_buffer *lobe_radiance, gw_error *error);
 
+/*
+ * Bounces from records to records. Only lobes that rays hit matter to them, a third or a half of
+ * all; and the energy that lobes reflect is a weighted sum over the records.
+ */
+typedef struct gw_hit_lobes {
+	uint32_t *slot; /* count, ascending: slots that rays hit */
+	size_t count;
+	float *power; /* 3 a record: what its irradiance of 1 makes the lobes reflect, as
+					 luminance times area in leaf cells^2 */
+} gw_hit_lobes;
+
+/* Lists them. On success the caller clears *hits; on failure it is empty. */
+gw_status gw_hit_lobes_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error);
+void gw_hit_lobes_clear(gw_hit_lobes *hits); /* an empty one is accepted */
+
+/* As gw_host_shade with no direct light, for these lobes alone; others keep what they have. */
+gw_status gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_hit_lobes *hits, gw_buffer *lobe_radiance, gw_error *error);
+
+/* Luminance times area, leaf cells^2, that all lobes reflect of records->gathered; of what is below
+ * 0, its amount. */
+gw_status gw_host_power(gw_passes *passes, const gw_records *records, const gw_hit_lobes *hits,
+						double *power, gw_error *error);
+
 /* record_gather.comp: records->gathered, of what the rays hit. */
 gw_status gw_host_gather(gw_passes *passes, const gw_ray_gather *gather,
 						 const gw_buffer *lobe_radiance, gw_records *records, gw_error *error);

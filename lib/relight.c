@@ -278,6 +278,7 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 							 .lobe_radiance = &relight->lobe_radiance,
 							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
 									   .gather_first = rays ? gather_patches : NULL,
+									   .hits = rays ? &s->rays : NULL,
 									   .self = relight },
 							 .limit = relight->plan.bounces ? relight->plan.limit : 1,
 							 .tolerance = s->options.tolerance,
