@@ -33,9 +33,11 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu))
-		return gw_host_shade(passes, octree, records, records_irradiance, lobe_direct, direct_share,
-							 lobe_radiance, error);
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_shade(passes, octree, records, records_irradiance, lobe_direct, direct_share,
+					  lobe_radiance);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = {
 		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
 		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
@@ -67,9 +69,9 @@ static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_er
 						&sums->centre, error);
 }
 
-static void sums_destroy(const gw_bounces_task *task, lobe_sums *sums)
+static void sums_destroy(lobe_sums *sums)
 {
-	gw_view_close(task->passes->gpu, &sums->centre);
+	gw_view_close(&sums->centre);
 	free(sums->power);
 	free(sums->largest);
 }
@@ -101,7 +103,7 @@ static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *e
 	if (status != GW_OK)
 		return status;
 	gw_parallel_for(task->passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
-	gw_view_close(task->passes->gpu, &sums->radiance);
+	gw_view_close(&sums->radiance);
 	double sum = 0.0;
 	*largest = 0.0f;
 	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->slots; chunk++) {
@@ -130,7 +132,7 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 			largest = fmax(largest, (double)gathered[4 * i + (size_t)c]);
 	}
 	*contraction = fmin(largest / 3.14159265358979323846, (double)GW_ALBEDO_MAX);
-	gw_view_close(task->passes->gpu, &view);
+	gw_view_close(&view);
 	return status;
 }
 
@@ -197,13 +199,12 @@ typedef struct progress {
 static gw_status measure_gathered(progress *p, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
-	double power, cell = (double)task->octree->leaf_size;
-	gw_status status = gw_host_power(task->passes, task->records, &p->hits, &power, error);
+	double cell = (double)task->octree->leaf_size;
 	p->gathered = true;
-	p->energy = power * 3.14159265358979323846 * cell * cell;
-	if (status == GW_OK && !isfinite(p->energy))
-		return gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
-	return status;
+	p->energy = gw_host_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	return isfinite(p->energy)
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
 /* One more bounce. Where only lobes that are hit count, they reflect before the next gather, else
@@ -211,12 +212,10 @@ static gw_status measure_gathered(progress *p, gw_error *error)
 static gw_status bounce_once(progress *p, bool first, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
-	gw_status status = GW_OK;
 	if (p->gathered)
-		status = gw_host_shade_hits(task->passes, task->octree, task->records, &p->hits,
-									task->lobe_radiance, error);
-	if (status == GW_OK)
-		status = gather_once(task, first, p->largest, error);
+		gw_host_shade_hits(task->passes, task->octree, task->records, &p->hits,
+						   task->lobe_radiance);
+	gw_status status = gather_once(task, first, p->largest, error);
 	if (status == GW_OK && p->by_hits)
 		return measure_gathered(p, error);
 	if (status == GW_OK)
@@ -283,7 +282,7 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 	*bounces = (gw_bounces){ 0 };
 	progress p = { .task = task };
 	gw_status status = run(&p, bounces, error);
-	sums_destroy(task, &p.sums);
+	sums_destroy(&p.sums);
 	gw_hit_lobes_clear(&p.hits);
 	if (status != GW_OK) {
 		free(bounces->bounce);

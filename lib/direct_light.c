@@ -226,8 +226,10 @@ static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_
 gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
 						   gw_buffer *lobes, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu))
-		return gw_host_average(passes, octree, surfels, lobes, error);
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_average(passes, octree, surfels, lobes);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
 									gw_whole(&octree->fragment_weight), gw_whole(surfels),

@@ -94,8 +94,8 @@ gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer
 		count_emitters(values.bytes, centre.bytes, slots, emitters);
 	if (status == GW_OK && emitters->count > 0 && (always || gw_emitters_are_small(emitters)))
 		status = upload_table(gpu, values.bytes, centre.bytes, slots, emitters, error);
-	gw_view_close(gpu, &values);
-	gw_view_close(gpu, &centre);
+	gw_view_close(&values);
+	gw_view_close(&centre);
 	return status;
 }
 

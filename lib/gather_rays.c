@@ -115,8 +115,10 @@ static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
 gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
 					   gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu))
-		return gw_host_add(passes, from, to, count, error);
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_add(passes, from, to, count);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
 	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
 						 error);
@@ -222,8 +224,10 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu))
-		return gw_host_gather(passes, gather, lobe_radiance, records, error);
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_gather(passes, gather, lobe_radiance, records);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
 									gw_window(&records->normal, 16),
 									gw_window(&records->gathered, 16) };

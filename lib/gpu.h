@@ -69,6 +69,7 @@ typedef struct gw_buffer {
 	VkDeviceMemory memory;
 	uint64_t bytes;        /* as asked for */
 	uint64_t allocated;
+	void *mapped;          /* where its bytes lie, of a device that is the host; else NULL */
 	const char *name;
 } gw_buffer;
 
@@ -99,29 +100,23 @@ gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error
 
 /*
  * Whether the device is the host's own processor, as the software driver's is, and its memory the
- * host's. There a loop of the host may stand in for a pass: on the same bytes, with as many
- * processors, and for short loops over large arrays several times as quick.
+ * host's. There a loop of the host over gw_buffer.mapped may stand in for a pass: on the same
+ * bytes, with as many processors, and for short loops over large arrays several times as quick.
  */
 bool gw_gpu_is_host(const gw_gpu *gpu);
-
-/* Where a buffer's bytes lie, of a device that is the host; they may be read and written until they
- * are unmapped, by nothing else meanwhile. */
-gw_status gw_buffer_map(gw_gpu *gpu, const gw_buffer *buffer, void **bytes, gw_error *error);
-void gw_buffer_unmap(gw_gpu *gpu, const gw_buffer *buffer);
 
 /* The bytes of a buffer for the host to read: those themselves where the device is the host, a copy
  * elsewhere. All zero is an empty view. */
 typedef struct gw_view {
 	const void *bytes;
-	const gw_buffer *mapped; /* NULL: bytes is a copy */
-	void *copy;
+	void *copy; /* NULL, or the same */
 } gw_view;
 
 /* Opens a view of the first `bytes` bytes; the buffer is left alone until it is closed. On failure
  * the view is empty. */
 gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_view *view,
                        gw_error *error);
-void gw_view_close(gw_gpu *gpu, gw_view *view); /* empties it; an empty one is accepted */
+void gw_view_close(gw_view *view); /* empties it; an empty one is accepted */
 
 /* ------------------------------------------------------------------------------------ 3D images */
 

@@ -92,11 +92,10 @@ static int choose_memory_type(const gw_gpu *gpu, uint32_t allowed, bool staging)
 }
 
 /* Whether the memory that `choose_memory_type` takes for resources can be mapped. */
-static bool can_map(const gw_gpu *gpu, uint32_t allowed)
+static bool is_mappable(const gw_gpu *gpu, uint32_t allowed)
 {
 	int type = choose_memory_type(gpu, allowed, false);
-	return gpu->may_map && type >= 0 &&
-		   (gpu->memory.memoryTypes[type].propertyFlags & mappable) == mappable;
+	return type >= 0 && (gpu->memory.memoryTypes[type].propertyFlags & mappable) == mappable;
 }
 
 static gw_status check_budget(const gw_gpu *gpu, uint64_t bytes, const char *name, gw_error *error)
@@ -258,6 +257,11 @@ static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, 
 						 &buffer->allocated, error));
 	if (kind == GW_BUFFER_TEXEL)
 		GW_TRY(create_view(gpu, format, buffer, error));
+	/* Stays mapped until the memory is freed. */
+	if (gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+		is_mappable(gpu, UINT32_MAX))
+		GW_VULKAN(gpu, error, name,
+				  vkMapMemory(gpu->handle, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped));
 	return GW_OK;
 }
 
@@ -292,24 +296,22 @@ void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer)
 }
 
 /* The same on the host: the software driver's fill goes word by word through a copy. */
-static gw_status fill_mapped(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
+static void fill_mapped(gw_buffer *buffer, uint32_t word)
 {
-	void *mapped;
 	uint64_t bytes = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
 	bytes = (bytes + 3) / 4 * 4;
-	GW_TRY(gw_buffer_map(gpu, buffer, &mapped, error));
 	if (word == 0)
-		memset(mapped, 0, (size_t)bytes);
-	for (uint32_t *at = mapped, *end = at + bytes / sizeof word; word != 0 && at < end; at++)
+		memset(buffer->mapped, 0, (size_t)bytes);
+	for (uint32_t *at = buffer->mapped, *end = at + bytes / 4; word != 0 && at < end; at++)
 		*at = word;
-	gw_buffer_unmap(gpu, buffer);
-	return GW_OK;
 }
 
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
 {
-	if (gw_gpu_is_host(gpu))
-		return fill_mapped(gpu, buffer, word, error);
+	if (gw_gpu_is_host(gpu)) {
+		fill_mapped(buffer, word);
+		return gw_gpu_check(gpu, error);
+	}
 	GW_TRY(gw_commands_begin(gpu, error));
 	vkCmdFillBuffer(gpu->commands, buffer->handle, 0, VK_WHOLE_SIZE, word);
 	return gw_commands_submit(gpu, buffer->name, NULL, error);
@@ -322,10 +324,14 @@ static gw_status copy_mapped(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 							 const void *from, uint64_t bytes, gw_error *error)
 {
 	void *mapped;
-	GW_VULKAN(gpu, error, buffer->name,
-			  vkMapMemory(gpu->handle, buffer->memory, offset, bytes, 0, &mapped));
+	if (buffer->mapped != NULL)
+		mapped = (char *)buffer->mapped + offset;
+	else
+		GW_VULKAN(gpu, error, buffer->name,
+				  vkMapMemory(gpu->handle, buffer->memory, offset, bytes, 0, &mapped));
 	memcpy(to != NULL ? to : mapped, from != NULL ? from : mapped, (size_t)bytes);
-	vkUnmapMemory(gpu->handle, buffer->memory);
+	if (buffer->mapped == NULL)
+		vkUnmapMemory(gpu->handle, buffer->memory);
 	return GW_OK;
 }
 
@@ -368,7 +374,7 @@ static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 		return GW_OK;
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, buffer->handle, &needs);
-	if (can_map(gpu, needs.memoryTypeBits))
+	if (gpu->may_map && is_mappable(gpu, needs.memoryTypeBits))
 		return copy_mapped(gpu, buffer, offset, to, from, bytes, error);
 	return copy_staged(gpu, buffer, offset, to, from, bytes, error);
 }
@@ -389,22 +395,8 @@ gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 
 bool gw_gpu_is_host(const gw_gpu *gpu)
 {
-	return gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-		   can_map(gpu, UINT32_MAX);
-}
-
-gw_status gw_buffer_map(gw_gpu *gpu, const gw_buffer *buffer, void **bytes, gw_error *error)
-{
-	GW_TRY(gw_gpu_check(gpu, error));
-	assert(gw_gpu_is_host(gpu));
-	GW_VULKAN(gpu, error, buffer->name,
-			  vkMapMemory(gpu->handle, buffer->memory, 0, VK_WHOLE_SIZE, 0, bytes));
-	return GW_OK;
-}
-
-void gw_buffer_unmap(gw_gpu *gpu, const gw_buffer *buffer)
-{
-	vkUnmapMemory(gpu->handle, buffer->memory);
+	return gpu->may_map && gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+		   is_mappable(gpu, UINT32_MAX);
 }
 
 gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_view *view,
@@ -412,9 +404,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 {
 	*view = (gw_view){ 0 };
 	if (gw_gpu_is_host(gpu) && bytes <= buffer->bytes) {
-		void *mapped;
-		GW_TRY(gw_buffer_map(gpu, buffer, &mapped, error));
-		*view = (gw_view){ .bytes = mapped, .mapped = buffer };
+		view->bytes = buffer->mapped;
 		return GW_OK;
 	}
 	void *copy = gw_allocate_array((size_t)bytes, 1);
@@ -429,10 +419,8 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 	return status;
 }
 
-void gw_view_close(gw_gpu *gpu, gw_view *view)
+void gw_view_close(gw_view *view)
 {
-	if (view->mapped != NULL)
-		gw_buffer_unmap(gpu, view->mapped);
 	free(view->copy);
 	*view = (gw_view){ 0 };
 }

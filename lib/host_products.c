@@ -20,40 +20,18 @@ static const float pi = 3.14159265358979f;
 
 typedef float vec4_lanes __attribute__((vector_size(16)));
 
-/* Buffers that one loop reads and writes, and where they are; NULL for none. */
-typedef struct mapping {
-	const gw_buffer *buffer[BUFFERS_MAX];
+/* Where the buffers lie that one loop reads and writes; NULL for none. */
+typedef struct arrays {
 	void *at[BUFFERS_MAX];
-} mapping;
+} arrays;
 
-static gw_status map_all(gw_gpu *gpu, mapping *m, gw_error *error)
-{
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < BUFFERS_MAX && status == GW_OK; i++)
-		if (m->buffer[i])
-			status = gw_buffer_map(gpu, m->buffer[i], &m->at[i], error);
-	return status;
-}
-
-static void unmap_all(gw_gpu *gpu, const mapping *m)
-{
-	for (size_t i = 0; i < BUFFERS_MAX; i++)
-		if (m->at[i])
-			gw_buffer_unmap(gpu, m->buffer[i]);
-}
-
-/* Maps the buffers, runs the loop over `count` elements and books its time. `job` begins with the
- * mapping. */
-static gw_status run(gw_passes *passes, gw_pass_id id, size_t count, size_t chunk,
-					 gw_parallel_work *work, mapping *job, gw_error *error)
+/* Runs the loop over `count` elements and books its time. `job` begins with its arrays. */
+static void run(gw_passes *passes, gw_pass_id id, size_t count, size_t chunk,
+				gw_parallel_work *work, arrays *job)
 {
 	double start = gw_seconds();
-	gw_status status = map_all(passes->gpu, job, error);
-	if (status == GW_OK)
-		gw_parallel_for(passes->threads, count, chunk, work, job);
-	unmap_all(passes->gpu, job);
+	gw_parallel_for(passes->threads, count, chunk, work, job);
 	passes->device_seconds[id] += gw_seconds() - start;
-	return status;
 }
 
 /* ----------------------------------------------------------------------------------- shading */
@@ -61,7 +39,7 @@ static gw_status run(gw_passes *passes, gw_pass_id id, size_t count, size_t chun
 enum { ALBEDO, RECORD, WEIGHT, IRRADIANCE, RADIANCE, DIRECT, AREA };
 
 typedef struct shading {
-	mapping map;
+	arrays arrays;
 	float direct_share;
 	const uint32_t *slot; /* NULL: all */
 } shading;
@@ -69,7 +47,7 @@ typedef struct shading {
 static void shade(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const shading *job = user;
-	void *const *at = job->map.at;
+	void *const *at = job->arrays.at;
 	const vec4_lanes *albedo = at[ALBEDO], *irradiance = at[IRRADIANCE], *direct = at[DIRECT];
 	vec4_lanes *radiance = at[RADIANCE];
 	(void)worker;
@@ -87,19 +65,18 @@ static void shade(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
-gw_status gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						float direct_share, gw_buffer *lobe_radiance, gw_error *error)
+void gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+				   const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
+				   float direct_share, gw_buffer *lobe_radiance)
 {
-	shading job = { .map.buffer = { [ALBEDO] = &octree->lobe_albedo,
-									[RECORD] = &records->lobe_record,
-									[WEIGHT] = &records->lobe_weight,
-									[IRRADIANCE] = records_irradiance,
-									[RADIANCE] = lobe_radiance,
-									[DIRECT] = direct_share != 0.0f ? lobe_direct : NULL },
+	shading job = { .arrays.at = { [ALBEDO] = octree->lobe_albedo.mapped,
+								   [RECORD] = records->lobe_record.mapped,
+								   [WEIGHT] = records->lobe_weight.mapped,
+								   [IRRADIANCE] = records_irradiance->mapped,
+								   [RADIANCE] = lobe_radiance->mapped,
+								   [DIRECT] = direct_share != 0.0f ? lobe_direct->mapped : NULL },
 					.direct_share = direct_share };
-	return run(passes, GW_PASS_LOBE_SHADE, 2 * (size_t)octree->leaf_count, CHUNK, shade, &job.map,
-			   error);
+	run(passes, GW_PASS_LOBE_SHADE, 2 * (size_t)octree->leaf_count, CHUNK, shade, &job.arrays);
 }
 
 /* --------------------------------------------------------------------------- lobes that are hit */
@@ -107,7 +84,7 @@ gw_status gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_rec
 #define POWER_PARTS 8u /* sums of power that are made apart, so that threads do not matter */
 
 typedef struct powers {
-	mapping map;
+	arrays arrays;
 	size_t records;
 	double *power; /* 3 a record and part */
 	size_t part;   /* slots of a part */
@@ -116,7 +93,7 @@ typedef struct powers {
 static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const powers *job = user;
-	void *const *at = job->map.at;
+	void *const *at = job->arrays.at;
 	const float *albedo = at[ALBEDO], *centre = at[AREA];
 	double *power = job->power + 3 * job->records * (first / job->part);
 	(void)worker;
@@ -137,10 +114,10 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 							 gw_hit_lobes *hits, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count, values = 3 * (size_t)records->count;
-	powers job = { .map.buffer = { [ALBEDO] = &octree->lobe_albedo,
-								   [RECORD] = &records->lobe_record,
-								   [WEIGHT] = &records->lobe_weight,
-								   [AREA] = &octree->lobe_centre },
+	powers job = { .arrays.at = { [ALBEDO] = octree->lobe_albedo.mapped,
+								  [RECORD] = records->lobe_record.mapped,
+								  [WEIGHT] = records->lobe_weight.mapped,
+								  [AREA] = octree->lobe_centre.mapped },
 				   .records = records->count,
 				   .power = gw_allocate_zeros(values, POWER_PARTS * sizeof *job.power),
 				   .part = slots / POWER_PARTS + 1 };
@@ -149,7 +126,7 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 	if (!job.power || !hits->power)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
 	if (status == GW_OK)
-		status = run(passes, GW_PASS_LOBE_SHADE, slots, job.part, add_powers, &job.map, error);
+		run(passes, GW_PASS_LOBE_SHADE, slots, job.part, add_powers, &job.arrays);
 	for (size_t i = 0; i < values && status == GW_OK; i++) {
 		double sum = 0.0;
 		for (size_t part = 0; part < POWER_PARTS; part++)
@@ -161,40 +138,33 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 }
 
 /* The slots that rays hit, in ascending order. */
-static gw_status find_slots(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+static gw_status find_slots(const gw_octree *octree, const gw_records *records,
 							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count;
 	size_t rays = (size_t)gather->rays * records->count;
+	const uint32_t *lobe = gather->lobe.mapped;
 	bool *is_hit = gw_allocate_zeros(slots, sizeof *is_hit);
-	gw_view view = { 0 };
-	gw_status status = is_hit
-						   ? gw_view_open(passes->gpu, &gather->lobe, 4 * rays, &view, error)
-						   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
-	const uint32_t *lobe = view.bytes;
-	for (size_t i = 0; i < rays && status == GW_OK; i++)
+	for (size_t i = 0; i < rays && is_hit; i++)
 		if (lobe[i] != GW_NONE && !is_hit[lobe[i]]) {
 			is_hit[lobe[i]] = true;
 			hits->count++;
 		}
-	gw_view_close(passes->gpu, &view);
-	if (status == GW_OK) {
-		hits->slot = gw_allocate_array(hits->count, sizeof *hits->slot);
-		if (!hits->slot)
-			status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", hits->count);
-	}
-	for (size_t i = 0, n = 0; i < slots && status == GW_OK; i++)
+	hits->slot = gw_allocate_array(hits->count, sizeof *hits->slot);
+	bool complete = is_hit && hits->slot;
+	for (size_t i = 0, n = 0; i < slots && complete; i++)
 		if (is_hit[i])
 			hits->slot[n++] = (uint32_t)i;
 	free(is_hit);
-	return status;
+	return complete ? GW_OK
+					: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 }
 
 gw_status gw_hit_lobes_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error)
 {
 	*hits = (gw_hit_lobes){ 0 };
-	gw_status status = find_slots(passes, octree, records, gather, hits, error);
+	gw_status status = find_slots(octree, records, gather, hits, error);
 	if (status == GW_OK)
 		status = find_powers(passes, octree, records, hits, error);
 	if (status != GW_OK)
@@ -209,31 +179,26 @@ void gw_hit_lobes_clear(gw_hit_lobes *hits)
 	*hits = (gw_hit_lobes){ 0 };
 }
 
-gw_status gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_hit_lobes *hits, gw_buffer *lobe_radiance, gw_error *error)
+void gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						const gw_hit_lobes *hits, gw_buffer *lobe_radiance)
 {
-	shading job = { .map.buffer = { [ALBEDO] = &octree->lobe_albedo,
-									[RECORD] = &records->lobe_record,
-									[WEIGHT] = &records->lobe_weight,
-									[IRRADIANCE] = &records->gathered,
-									[RADIANCE] = lobe_radiance },
+	shading job = { .arrays.at = { [ALBEDO] = octree->lobe_albedo.mapped,
+								   [RECORD] = records->lobe_record.mapped,
+								   [WEIGHT] = records->lobe_weight.mapped,
+								   [IRRADIANCE] = records->gathered.mapped,
+								   [RADIANCE] = lobe_radiance->mapped },
 					.slot = hits->slot };
-	return run(passes, GW_PASS_LOBE_SHADE, hits->count, CHUNK, shade, &job.map, error);
+	run(passes, GW_PASS_LOBE_SHADE, hits->count, CHUNK, shade, &job.arrays);
 }
 
-gw_status gw_host_power(gw_passes *passes, const gw_records *records, const gw_hit_lobes *hits,
-						double *power, gw_error *error)
+double gw_host_power(const gw_records *records, const gw_hit_lobes *hits)
 {
-	gw_view view;
-	gw_status status =
-		gw_view_open(passes->gpu, &records->gathered, 16 * (uint64_t)records->count, &view, error);
-	const float *gathered = view.bytes;
-	*power = 0.0;
-	for (size_t i = 0; i < records->count && status == GW_OK; i++)
+	const float *gathered = records->gathered.mapped;
+	double power = 0.0;
+	for (size_t i = 0; i < records->count; i++)
 		for (size_t c = 0; c < 3; c++)
-			*power += (double)hits->power[3 * i + c] * fabs((double)gathered[4 * i + c]);
-	gw_view_close(passes->gpu, &view);
-	return status;
+			power += (double)hits->power[3 * i + c] * fabs((double)gathered[4 * i + c]);
+	return power;
 }
 
 /* --------------------------------------------------------------------------------- gathering */
@@ -241,18 +206,18 @@ gw_status gw_host_power(gw_passes *passes, const gw_records *records, const gw_h
 enum { HIT, SEEN, NORMAL, GATHERED };
 
 typedef struct gathering {
-	mapping map;
+	arrays arrays;
 	uint32_t rays;
 } gathering;
 
 static void gather_records(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const gathering *job = user;
-	const vec4_lanes *seen = job->map.at[SEEN], *normal = job->map.at[NORMAL];
-	vec4_lanes *gathered = job->map.at[GATHERED];
+	const vec4_lanes *seen = job->arrays.at[SEEN], *normal = job->arrays.at[NORMAL];
+	vec4_lanes *gathered = job->arrays.at[GATHERED];
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		const uint32_t *hit = (const uint32_t *)job->map.at[HIT] + i * job->rays;
+		const uint32_t *hit = (const uint32_t *)job->arrays.at[HIT] + i * job->rays;
 		vec4_lanes sum = { 0 };
 		for (size_t k = 0; k < job->rays; k++)
 			if (hit[k] != GW_NONE)
@@ -262,17 +227,16 @@ static void gather_records(void *user, size_t first, size_t last, uint32_t worke
 	}
 }
 
-gw_status gw_host_gather(gw_passes *passes, const gw_ray_gather *gather,
-						 const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
+void gw_host_gather(gw_passes *passes, const gw_ray_gather *gather, const gw_buffer *lobe_radiance,
+					gw_records *records)
 {
-	gathering job = { .map.buffer = { [HIT] = &gather->lobe,
-									  [SEEN] = lobe_radiance,
-									  [NORMAL] = &records->normal,
-									  [GATHERED] = &records->gathered },
+	gathering job = { .arrays.at = { [HIT] = gather->lobe.mapped,
+									 [SEEN] = lobe_radiance->mapped,
+									 [NORMAL] = records->normal.mapped,
+									 [GATHERED] = records->gathered.mapped },
 					  .rays = gather->rays };
 	size_t chunk = CHUNK_RAYS / gather->rays + 1;
-	return run(passes, GW_PASS_RECORD_GATHER, records->count, chunk, gather_records, &job.map,
-			   error);
+	run(passes, GW_PASS_RECORD_GATHER, records->count, chunk, gather_records, &job.arrays);
 }
 
 /* --------------------------------------------------------------------------- means over lobes */
@@ -282,7 +246,7 @@ enum { FIRST, FRAGMENT, SHARE, SURFEL, LOBE };
 /* The two lobes of each leaf. */
 static void average(void *user, size_t first, size_t last, uint32_t worker)
 {
-	void *const *at = ((const mapping *)user)->at;
+	void *const *at = ((const arrays *)user)->at;
 	const uint32_t *start = at[FIRST], *fragment = at[FRAGMENT];
 	const float *share = at[SHARE];
 	const vec4_lanes *surfel = at[SURFEL];
@@ -307,15 +271,15 @@ static void average(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
-gw_status gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
-						  gw_buffer *lobes, gw_error *error)
+void gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+					 gw_buffer *lobes)
 {
-	mapping job = { .buffer = { [FIRST] = &octree->leaf_fragment,
-								[FRAGMENT] = &octree->fragment_surfel,
-								[SHARE] = &octree->fragment_weight,
-								[SURFEL] = surfels,
-								[LOBE] = lobes } };
-	return run(passes, GW_PASS_LOBE_DIRECT, octree->leaf_count, CHUNK, average, &job, error);
+	arrays job = { .at = { [FIRST] = octree->leaf_fragment.mapped,
+						   [FRAGMENT] = octree->fragment_surfel.mapped,
+						   [SHARE] = octree->fragment_weight.mapped,
+						   [SURFEL] = surfels->mapped,
+						   [LOBE] = lobes->mapped } };
+	run(passes, GW_PASS_LOBE_DIRECT, octree->leaf_count, CHUNK, average, &job);
 }
 
 /* ------------------------------------------------------------------------------------ adding */
@@ -324,7 +288,7 @@ enum { FROM, TO };
 
 static void add(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const mapping *job = user;
+	const arrays *job = user;
 	const vec4_lanes *from = job->at[FROM];
 	vec4_lanes *to = job->at[TO];
 	(void)worker;
@@ -332,9 +296,8 @@ static void add(void *user, size_t first, size_t last, uint32_t worker)
 		to[i] += from[i];
 }
 
-gw_status gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
-					  gw_error *error)
+void gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count)
 {
-	mapping job = { .buffer = { [FROM] = from, [TO] = to } };
-	return run(passes, GW_PASS_RECORD_ADD, (size_t)count, 16 * CHUNK, add, &job, error);
+	arrays job = { .at = { [FROM] = from->mapped, [TO] = to->mapped } };
+	run(passes, GW_PASS_RECORD_ADD, (size_t)count, 16 * CHUNK, add, &job);
 }

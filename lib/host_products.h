@@ -5,7 +5,7 @@
  * devices that are the host's own processor (gw_gpu_is_host): there the passes fetch lane by lane
  * and these loops take a fifth of their time, with as many processors. Work is cut into pieces that
  * do not depend on the number of threads, so neither do the results. Time is booked as that of the
- * pass. All fail when a buffer cannot be mapped, with the driver's reason.
+ * pass.
  */
 #ifndef HOST_PRODUCTS_H
 #define HOST_PRODUCTS_H
@@ -14,9 +14,9 @@
 
 /* lobe_shade.comp: lobe_radiance, of the lobes' interpolated irradiance and direct_share times
  * lobe_direct. */
-gw_status gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						float direct_share, gw_buffer *lobe_radiance, gw_error *error);
+void gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+				   const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
+				   float direct_share, gw_buffer *lobe_radiance);
 
 /*
  * Bounces from records to records. Only lobes that rays hit matter to them, a third or a half of
@@ -35,26 +35,24 @@ gw_status gw_hit_lobes_find(gw_passes *passes, const gw_octree *octree, const gw
 void gw_hit_lobes_clear(gw_hit_lobes *hits); /* an empty one is accepted */
 
 /* As gw_host_shade with no direct light, for these lobes alone; others keep what they have. */
-gw_status gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_hit_lobes *hits, gw_buffer *lobe_radiance, gw_error *error);
+void gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						const gw_hit_lobes *hits, gw_buffer *lobe_radiance);
 
 /* Luminance times area, leaf cells^2, that all lobes reflect of records->gathered; of what is below
  * 0, its amount. */
-gw_status gw_host_power(gw_passes *passes, const gw_records *records, const gw_hit_lobes *hits,
-						double *power, gw_error *error);
+double gw_host_power(const gw_records *records, const gw_hit_lobes *hits);
 
 /* record_gather.comp: records->gathered, of what the rays hit. */
-gw_status gw_host_gather(gw_passes *passes, const gw_ray_gather *gather,
-						 const gw_buffer *lobe_radiance, gw_records *records, gw_error *error);
+void gw_host_gather(gw_passes *passes, const gw_ray_gather *gather, const gw_buffer *lobe_radiance,
+					gw_records *records);
 
 /* lobe_direct.comp: lobes, the mean over the surfels that lie in each lobe.
  *   surfels   vec4 a surfel
  *   lobes     receives vec4 a lobe slot */
-gw_status gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
-						  gw_buffer *lobes, gw_error *error);
+void gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+					 gw_buffer *lobes);
 
 /* record_add.comp: adds `count` vec4 of one buffer to those of another. */
-gw_status gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
-					  gw_error *error);
+void gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count);
 
 #endif

@@ -124,7 +124,7 @@ static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
 	if (status == GW_OK)
 		status = transport->write(transport->user, zeros,
 								  (size_t)(padded(block->bytes) - block->bytes), error);
-	gw_view_close(solver->gpu, &view);
+	gw_view_close(&view);
 	return status;
 }
 
@@ -284,19 +284,16 @@ static void take_piece(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
 {
 	const gw_transport_block *block = a->block;
-	void *room = NULL;
 	gw_status status = GW_OK;
 	if (block->host) {
-		*block->host = room = gw_allocate_array(block->bytes, 1);
-		if (!room)
+		a->to = *block->host = gw_allocate_array(block->bytes, 1);
+		if (!a->to)
 			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
 	} else {
 		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
 										block->name, block->buffer, error);
-		if (status == GW_OK && gw_gpu_is_host(solver->gpu))
-			status = gw_buffer_map(solver->gpu, block->buffer, &room, error);
+		a->to = gw_gpu_is_host(solver->gpu) ? block->buffer->mapped : NULL;
 	}
-	a->to = room;
 	return status;
 }
 
@@ -305,13 +302,12 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 							 gw_error *error)
 {
 	gw_status status = GW_OK;
-	size_t roomy = 0;
 	uint64_t hash = 0, kept;
 	all->hash = gw_allocate_array(all->pieces, sizeof *all->hash);
 	if (!all->hash)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu pieces", all->pieces);
-	for (; roomy < all->count && status == GW_OK; roomy++)
-		status = make_room(solver, &all->arrival[roomy], error);
+	for (size_t i = 0; i < all->count && status == GW_OK; i++)
+		status = make_room(solver, &all->arrival[i], error);
 	if (status == GW_OK) {
 		gw_parallel_for(solver->options.threads, all->pieces, 1, take_piece, all);
 		for (size_t i = 0; i < all->pieces; i++)
@@ -320,11 +316,9 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 		if (hash != kept || atomic_load(&all->damaged))
 			status = damaged(t, "this transport is damaged", error);
 	}
-	for (size_t i = 0; i < roomy; i++) {
+	for (size_t i = 0; i < all->count && status == GW_OK; i++) {
 		const arrival *a = &all->arrival[i];
-		if (a->block->buffer && a->to)
-			gw_buffer_unmap(solver->gpu, a->block->buffer);
-		else if (a->block->buffer && status == GW_OK)
+		if (!a->to)
 			status =
 				gw_buffer_upload(solver->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
 	}

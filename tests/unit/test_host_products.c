@@ -266,11 +266,11 @@ static void views(void **state)
 		assert_ok(gw_view_open(gpu, &buffer, 1600, &view, &error), &error);
 		assert_memory_equal(view.bytes, expected, 1600);
 		assert_true((view.copy == NULL) == (host == 1));
-		gw_view_close(gpu, &view);
+		gw_view_close(&view);
 		assert_null(view.bytes);
-		gw_view_close(gpu, &view);
+		gw_view_close(&view);
 		assert_int_not_equal(gw_view_open(gpu, &buffer, 1604, &view, &error), GW_OK);
-		gw_view_close(gpu, &view);
+		gw_view_close(&view);
 	}
 	gpu->may_map = true;
 	free(expected);
