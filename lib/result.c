@@ -79,7 +79,7 @@ gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, g
 		gw_report_count(solver->report, "without_record", lost,
 						"points with no record near: no gathered light");
 		scatter job = { relight, direct, result };
-		gw_parallel_for(gw_thread_count(solver->options.threads), points, 65536, scatter_points,
+		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_points,
 						&job);
 	}
 	free(direct);
@@ -128,7 +128,7 @@ static gw_status light_part(gw_relight *part, bool emission, float **radiance, g
 		status = gw_relight_download_direct(part, &direct, error);
 	if (status == GW_OK) {
 		part_radiance job = { part, direct, emission, *radiance };
-		gw_parallel_for(gw_thread_count(solver->options.threads), points, 65536, scatter_radiance,
+		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_radiance,
 						&job);
 	}
 	free(direct);
