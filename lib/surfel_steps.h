@@ -125,8 +125,8 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 							gw_error *error);
 
 /*
- * Fills nearest, radius, area, clip, bend, spacing and given_area, noise unless it is there, and sets
- * two_sided of surfels that have fewer than three neighbours on their surface.
+ * Fills nearest, radius, area, clip, bend, creased, spacing and given_area, noise unless it is
+ * there, and sets two_sided of surfels that have fewer than three neighbours on their surface.
  *   rough_area  as in gw_surfels_options
  *   gap         NULL or count floats that receive the Euclidean distance to the nearest other one
  */

@@ -1,8 +1,8 @@
 /*
  * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the
- * visibility that light_visibility.comp or shadow_map_visibility.comp found. The fourth component is
- * luminance that was hidden: above 0 by surface which ends nobody knows exactly where, below by what
- * ends at a crease.
+ * visibility that light_visibility.comp or shadow_map_visibility.comp found. The fourth component
+ * is luminance that was hidden: above 0 by surface of which nobody knows exactly where it ends,
+ * below 0 by what ends at a crease.
  */
 #version 460
 

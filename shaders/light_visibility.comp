@@ -2,8 +2,8 @@
  * light_visibility.comp - which share of a light each surfel sees, by shadow rays.
  *
  * One invocation a surfel. A light without extent gets one ray; one with a radius gets
- * push.samples rays to points spread over the disc that it shows. GW_HIDDEN_BY_CREASE is added where
- * what hides the light ends at creases, if at all.
+ * push.samples rays to points spread over the disc that it shows. GW_HIDDEN_BY_CREASE is added
+ * where what hides the light ends at creases.
  */
 #version 460
 

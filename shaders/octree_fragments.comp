@@ -6,9 +6,9 @@
  * is its density times s^3, has to be s^2: the density is 1/s, and a cell gets overlap volume / s.
  * A flat surface then gives each cell the opacity of the area it covers there, whatever s is.
  *
- * Disc fragments: the cells which the surfel's disc, bent as the surface is, overlaps get its area by their shares of the
- * disc. A small disc is looked at in 16 fixed points of equal area, a larger one in a lattice of
- * 4 x 4 points in each column of cells along the axis nearest to its normal.
+ * Disc fragments: the cells which the surfel's disc, bent as the surface is, overlaps get its area
+ * by their shares of the disc. A small disc is looked at in 16 fixed points of equal area, a larger
+ * one in a lattice of 4 x 4 points in each column of cells along the axis nearest to its normal.
  *
  * The same shader counts and writes, so that both always agree.
  */
@@ -94,10 +94,15 @@ void add_roi(ivec3 cell, vec3 place, float side)
 
 /* --------------------------------------------------------------------------------- discs */
 
-/* Height of the bent disc above its plane. */
+/* How steeply the bent disc rises from its plane, and how high it is there. */
+vec2 bend_rise(Disc disc, vec2 at)
+{
+	return vec2(dot(disc.bend.xy, at), dot(disc.bend.yz, at));
+}
+
 float bend_height(Disc disc, vec2 at)
 {
-	return 0.5 * (disc.bend.x * at.x * at.x + disc.bend.z * at.y * at.y) + disc.bend.y * at.x * at.y;
+	return 0.5 * dot(bend_rise(disc, at), at);
 }
 
 bool is_cut(Disc disc, vec2 at)
@@ -149,7 +154,7 @@ float lowest_level(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height
 {
 	vec3 p = vec3(middle, -dot(n.xy, middle) / n.z);
 	vec2 at = vec2(dot(tangent, p), dot(bitangent, p));
-	vec2 rise = vec2(disc.bend.x * at.x + disc.bend.y * at.y, disc.bend.y * at.x + disc.bend.z * at.y);
+	vec2 rise = bend_rise(disc, at);
 	vec2 slope = (rise.x * tangent.xy + rise.y * bitangent.xy - n.xy) / n.z;
 	float there = height + p.z + bend_height(disc, at) / n.z;
 	return floor(there - 0.5 * (abs(slope.x) + abs(slope.y)));

@@ -11,7 +11,10 @@
 static gw_refine_state state_of(const gw_bake_options *options, double rms, double noise)
 {
 	return (gw_refine_state){ .options = options,
-							  .error = { .points = 1000, .relative_rms = rms, .gathered = rms, .noise = noise },
+							  .error = { .points = 1000,
+										 .relative_rms = rms,
+										 .gathered = rms,
+										 .noise = noise },
 							  .round_seconds = 1.0,
 							  .octree_seconds = 1.0,
 							  .seconds_left = INFINITY };
