@@ -111,6 +111,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_count(json, "rays", round->rays);
 		json_put_count(json, "light_samples", round->light_samples);
 		json_put_count(json, "cones", round->cones);
+		json_put_count(json, "records", round->records);
 		json_put_real(json, "relative_rms", round->error.relative_rms);
 		json_put_real(json, "gathered", round->error.gathered);
 		json_put_real(json, "spread", round->error.spread);

@@ -297,11 +297,11 @@ const option options[] = {
 			  "that go together; those that are given by themselves win" },
 	{ "max-error", 'e', "X", OPTION_REAL, SCENE, .scene = true, AT(bake.max_error), RANGE(0.0, 1.0),
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
-	  .help = "refine the settings until the estimated error is at most this, 0.05 being 5 % of "
-			  "the mean radiance; starts from --quality, which then is draft unless given" },
+	  .help = "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
+			  "radiance; starts from --quality or, when that is not given, from few records" },
 	{ "time", 't', "S", OPTION_REAL, BAKE, .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
-	  .help = "refine the settings as long as reading and baking are done in so many seconds; the "
+	  .help = "refine as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
 	{ "shadows", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.shadows),
 	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },

@@ -16,6 +16,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Records that would become less than so many times as many stand as close as they may. */
+#define GROWTH_LEAST 1.02
+
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
@@ -30,6 +33,10 @@ typedef struct bake {
 
 	gw_solver solver;
 	gw_relight light;
+	gw_record_density density; /* where records were added */
+	uint32_t first_round;      /* the one that placed the first of them */
+	double whole_seconds;      /* that a round would take that does all that this one built on */
+	bool crowded;              /* no more can be */
 } bake;
 
 static bool cancelled(void *user)
@@ -98,6 +105,8 @@ static gw_status light_directly(bake *b, gw_error *error)
 static gw_status place_records(bake *b, gw_error *error)
 {
 	b->round_start = gw_seconds();
+	if (b->density.lobe_spacing)
+		return gw_solver_add_records(&b->solver, &b->density, error);
 	return gw_solver_place_records(&b->solver, error);
 }
 
@@ -247,12 +256,14 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 
 static void drop_records(bake *b)
 {
+	gw_record_density_clear(&b->density);
 	gw_relight_drop_gathered(&b->light);
 	gw_solver_drop_records(&b->solver);
 }
 
 static void drop_octree(bake *b)
 {
+	gw_record_density_clear(&b->density);
 	gw_relight_clear(&b->light);
 	gw_solver_drop_octree(&b->solver);
 }
@@ -266,6 +277,7 @@ static void book_round(bake *b, double seconds, const char *why)
 						 .rays = o->rays,
 						 .light_samples = o->light_samples,
 						 .cones = o->cones,
+						 .records = b->report->records,
 						 .error = b->report->error,
 						 .seconds = seconds };
 	snprintf(round->why, sizeof round->why, "%s", why);
@@ -281,36 +293,96 @@ static gw_status run_round(bake *b, const gw_bake_options *next, const char *why
 		drop_records(b);
 	else
 		drop_octree(b);
+	b->crowded = false;
+	b->first_round = b->report->round_count;
 	gw_status status = run_steps(b, keep ? RECORDS_STEP : OCTREE_STEP, AFTER_ROUND, error);
+	b->whole_seconds = gw_seconds() - b->round_start;
 	if (status == GW_OK)
 		book_round(b, gw_seconds() - start, why);
 	return status;
 }
 
 /* Where finer settings found no memory, the result is that of the settings before. */
-static gw_status refine_once(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
+static gw_status go_back(bake *b, const gw_bake_options *last, gw_error *error)
+{
+	b->report->goal = GW_GOAL_MEMORY;
+	b->solver.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
+	return run_round(b, last, "finer settings found no memory", error);
+}
+
+static gw_status refine_settings(bake *b, const gw_bake_options *next, const char *why,
+								 gw_error *error)
 {
 	gw_bake_options last = b->solver.options;
 	gw_status status = run_round(b, next, why, error);
-	if (status != GW_ERROR_MEMORY)
-		return status;
-	b->report->goal = GW_GOAL_MEMORY;
-	b->solver.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
-	return run_round(b, &last, "finer settings found no memory", error);
+	return status == GW_ERROR_MEMORY ? go_back(b, &last, error) : status;
 }
 
-static gw_refine_answer choose_next(bake *b, gw_bake_options *next, char why[96])
+/* Records of one spacing that are about as many as those that were added up. */
+static gw_bake_options as_even(const bake *b)
+{
+	gw_bake_options even = b->solver.options;
+	const gw_report *r = b->report;
+	if (r->round_count > 1 && b->density.lobe_spacing && r->records > 0)
+		even.record_spacing *=
+			(float)sqrt((double)r->round[b->first_round].records / (double)r->records);
+	return even;
+}
+
+static gw_status refine_records(bake *b, const gw_density_wish *wish, const char *why,
+								gw_error *error)
+{
+	double start = gw_seconds(), growth;
+	uint64_t before = b->report->records;
+	gw_bake_options even = as_even(b);
+	gw_status status = gw_record_density_refine(&b->light, wish, &b->density, &growth, error);
+	if (status != GW_OK || growth < GROWTH_LEAST) {
+		b->crowded = true;
+		return status;
+	}
+	gw_relight_drop_gathered(&b->light);
+	status = run_steps(b, RECORDS_STEP, AFTER_ROUND, error);
+	if (status == GW_ERROR_MEMORY)
+		return go_back(b, &even, error);
+	b->whole_seconds += gw_seconds() - start;
+	b->crowded = (double)b->report->records < GROWTH_LEAST * (double)before;
+	if (status == GW_OK)
+		book_round(b, gw_seconds() - start, why);
+	return status;
+}
+
+static gw_refine_state state_of(const bake *b, const gw_bake_options *even)
 {
 	double now = gw_seconds(), limit = (double)b->solver.options.time_limit;
-	const gw_refine_state state = { .options = &b->solver.options,
-									.error = b->report->error,
-									.round_seconds = now - b->round_start,
-									.octree_seconds = b->octree_seconds,
-									.round = b->report->round,
-									.round_count = b->report->round_count,
-									.seconds_left =
-										limit > 0.0 ? b->start + limit - now : INFINITY };
-	return gw_refine_next(&state, next, why);
+	return (gw_refine_state){ .options = even,
+							  .error = b->report->error,
+							  .round_seconds = b->whole_seconds,
+							  .octree_seconds = b->octree_seconds,
+							  .crowded = b->crowded,
+							  .round = b->report->round,
+							  .round_count = b->report->round_count,
+							  .seconds_left = limit > 0.0 ? b->start + limit - now : INFINITY };
+}
+
+/* One round more, or the reason why there is none. */
+static gw_status refine_once(bake *b, gw_error *error)
+{
+	static const gw_goal goal[] = { [GW_REFINE_NO_TIME] = GW_GOAL_TIME,
+									[GW_REFINE_EXHAUSTED] = GW_GOAL_EXHAUSTED,
+									[GW_REFINE_STALLED] = GW_GOAL_STALLED };
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options even = as_even(b), next;
+	gw_refine_state state = state_of(b, &even);
+	gw_refine_answer answer = gw_refine_records(&state, &wish, why);
+	if (answer == GW_REFINE_ROUND)
+		return refine_records(b, &wish, why, error);
+	if (answer == GW_REFINE_EXHAUSTED)
+		answer = gw_refine_next(&state, &next, why);
+	if (answer == GW_REFINE_ROUND)
+		return refine_settings(b, &next, why, error);
+	b->report->goal = goal[answer];
+	return GW_OK;
 }
 
 /* Goes on until the target is reached, the time is up, or nothing is left to refine. */
@@ -319,25 +391,16 @@ static gw_status refine(bake *b, gw_error *error)
 	gw_report *r = b->report;
 	gw_status status = GW_OK;
 	book_round(b, gw_seconds() - b->start, "the settings that were given");
+	b->whole_seconds = gw_seconds() - b->round_start;
 	gw_report_stage(r, b->solver.gpu, "refining");
 	b->refining = true;
 	while (status == GW_OK && r->goal == GW_GOAL_NONE) {
-		char why[96];
-		gw_bake_options next;
-		gw_refine_answer answer = GW_REFINE_EXHAUSTED;
-		/* One place is kept for going back. */
-		if (r->error.points > 0 && r->round_count < GW_REPORT_ROUNDS - 1)
-			answer = choose_next(b, &next, why);
 		if (!b->light.plan.records || gw_refine_reached(&b->solver.options, &r->error))
 			r->goal = GW_GOAL_REACHED;
-		else if (answer == GW_REFINE_NO_TIME)
-			r->goal = GW_GOAL_TIME;
-		else if (answer == GW_REFINE_STALLED)
-			r->goal = GW_GOAL_STALLED;
-		else if (answer == GW_REFINE_EXHAUSTED)
-			r->goal = GW_GOAL_EXHAUSTED;
+		else if (r->error.points == 0 || r->round_count >= GW_REPORT_ROUNDS - 1)
+			r->goal = GW_GOAL_EXHAUSTED; /* one place is kept for going back */
 		else
-			status = refine_once(b, &next, why, error);
+			status = refine_once(b, error);
 	}
 	r->missed = b->solver.options.max_error > 0.0f && b->light.plan.records &&
 				!gw_refine_reached(&b->solver.options, &r->error);
@@ -404,6 +467,7 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 	};
 	b.start = gw_seconds();
 	gw_status status = run(&b, error);
+	gw_record_density_clear(&b.density);
 	gw_relight_clear(&b.light);
 	gw_solver_close(&b.solver);
 	if (status == GW_OK)

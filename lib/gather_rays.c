@@ -4,7 +4,10 @@
 #include "gather_rays.h"
 
 #include "host_products.h"
+#include "memory.h"
 #include "transport_layout.h"
+
+#include <stdlib.h>
 
 /* Samples of emitters that one invocation takes: bounds its loops. */
 #define LIGHT_BATCH 16u
@@ -53,6 +56,47 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 {
 	gw_buffer_destroy(gpu, &gather->lobe);
 	gw_buffer_destroy(gpu, &gather->distance);
+}
+
+/* Puts what another buffer holds behind *buffer. */
+static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer *buffer,
+						gw_error *error)
+{
+	gw_buffer joined = { 0 };
+	uint64_t bytes = buffer->bytes + more->bytes;
+	char *values = gw_allocate_array(bytes, 1);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu bytes of %s",
+					   (unsigned long long)bytes, buffer->name);
+	gw_status status = gw_buffer_download(gpu, buffer, 0, values, buffer->bytes, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, more, 0, values + buffer->bytes, more->bytes, error);
+	if (status == GW_OK)
+		status =
+			gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, buffer->name, &joined, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &joined, 0, values, bytes, error);
+	free(values);
+	if (status != GW_OK) {
+		gw_buffer_destroy(gpu, &joined);
+		return status;
+	}
+	gw_buffer_destroy(gpu, buffer);
+	*buffer = joined;
+	return GW_OK;
+}
+
+gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
+							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_status status =
+		gw_ray_gather_trace(passes, octree, further, gather->rays, gather->seed, own, error);
+	if (status == GW_OK)
+		status = append(gpu, VK_FORMAT_R32_UINT, &own->lobe, &gather->lobe, error);
+	if (status == GW_OK)
+		status = append(gpu, VK_FORMAT_R32_SFLOAT, &own->distance, &gather->distance, error);
+	return status;
 }
 
 /* Adds samples of the emitters, in batches, to `sampled`. */
@@ -192,6 +236,21 @@ static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_re
 		status = gather_sources(passes, octree, records, gather, &alone, sources->kept, error);
 	if (status != GW_OK)
 		gw_buffer_destroy(passes->gpu, sources->kept);
+	return status;
+}
+
+gw_status gw_ray_gather_sample_further(gw_passes *passes, const gw_octree *octree,
+									   gw_records *further, const gw_ray_gather *own,
+									   const gw_sampled_sources *sources, gw_error *error)
+{
+	gw_buffer more = { 0 };
+	gw_sampled_sources alone = *sources;
+	alone.kept = &more;
+	alone.looked = false;
+	gw_status status = keep_emitters(passes, octree, further, own, &alone, error);
+	if (status == GW_OK)
+		status = append(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, &more, sources->kept, error);
+	gw_buffer_destroy(passes->gpu, &more);
 	return status;
 }
 

@@ -26,6 +26,11 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error);
 void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 
+/* Traces rays from further records, as many from each, and keeps their hits behind the others.
+ *   own   receives these hits alone, to be destroyed by the caller, also on failure */
+gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
+							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error);
+
 /* What a sampled gather looks for. */
 typedef struct gw_sampled_sources {
 	const gw_emitters *emitters; /* sampled, where they send out light; count may be 0 */
@@ -54,6 +59,12 @@ typedef struct gw_sampled_sources {
 gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
 								gw_buffer *irradiance, gw_error *error);
+
+/* Gathers what emitters bring to further records, whose hits alone are *own, and keeps it behind
+ * *sources->kept, which exists. */
+gw_status gw_ray_gather_sample_further(gw_passes *passes, const gw_octree *octree,
+									   gw_records *further, const gw_ray_gather *own,
+									   const gw_sampled_sources *sources, gw_error *error);
 
 /* Finds these two alone; leaves records->first dark. */
 gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,

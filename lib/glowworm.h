@@ -289,6 +289,7 @@ typedef struct gw_error_estimate {
 typedef struct gw_round {
 	float record_spacing, leaf_spacing;
 	uint32_t rays, light_samples, cones;
+	uint64_t records; /* where more were added, they are closer than the spacing */
 	gw_error_estimate error;
 	double seconds;
 	char why[96]; /* what led to these settings, a phrase */

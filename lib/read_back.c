@@ -74,7 +74,7 @@ static void pack(gw_read_back *b, const rows *r, size_t first, size_t count)
 }
 
 static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						   rows *r, gw_read_back *b, gw_error *error)
+						   const gw_buffer *reach, rows *r, gw_read_back *b, gw_error *error)
 {
 	gw_status status = create(passes->gpu, r, error);
 	for (size_t first = 0; first < b->count && status == GW_OK; first += CHUNK) {
@@ -82,8 +82,8 @@ static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_
 		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
 		status = reserve(b, r, b->first[first], error);
 		if (status == GW_OK)
-			status = gw_records_weigh_surfels(passes, octree, records, first, count, &r->record,
-											  &r->weight, error);
+			status = gw_records_weigh_surfels(passes, octree, records, reach, first, count,
+											  &r->record, &r->weight, error);
 		if (status == GW_OK)
 			status = gw_buffer_download(passes->gpu, &r->record, 0, r->host_record, bytes, error);
 		if (status == GW_OK)
@@ -104,14 +104,16 @@ static void shrink(gw_read_back *b)
 }
 
 gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							size_t surfel_count, gw_read_back *read_back, gw_error *error)
+							const gw_buffer *reach, size_t surfel_count, gw_read_back *read_back,
+							gw_error *error)
 {
 	rows r = { .room = 0 };
 	*read_back = (gw_read_back){ .count = surfel_count };
 	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
-	gw_status status = read_back->first ? find_rows(passes, octree, records, &r, read_back, error)
-										: gw_fail(error, GW_ERROR_MEMORY,
-												  "no host memory for %zu surfels", surfel_count);
+	gw_status status =
+		read_back->first
+			? find_rows(passes, octree, records, reach, &r, read_back, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu surfels", surfel_count);
 	gw_buffer_destroy(passes->gpu, &r.record);
 	gw_buffer_destroy(passes->gpu, &r.weight);
 	free(r.host_record);

@@ -16,9 +16,11 @@ typedef struct gw_read_back {
 	float *weight;    /* first[count]; of a row they sum to 1 */
 } gw_read_back;
 
-/* Finds the rows of all surfels. On success *read_back is owned by the caller. */
+/* Finds the rows of all surfels. On success *read_back is owned by the caller.
+ *   reach   NULL, or how far each surfel looks, a texel buffer R32_SFLOAT */
 gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							size_t surfel_count, gw_read_back *read_back, gw_error *error);
+							const gw_buffer *reach, size_t surfel_count, gw_read_back *read_back,
+							gw_error *error);
 void gw_read_back_clear(gw_read_back *read_back);
 
 /*

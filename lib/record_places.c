@@ -69,38 +69,59 @@ static bool conflict(const float *centre, const float *plane, size_t a, size_t b
 	return squared < spacing * spacing && alignment > LIKE_NORMAL && fabsf(height) < off_plane;
 }
 
-static bool crowded(const dart_table *table, const uint32_t *chosen, const float *centre,
-					const float *plane, uint32_t slot, float spacing, float off_plane)
+/* What a slot's own spacing is, and how far off its plane another surface begins. */
+static float spacing_at(const gw_place_task *task, size_t slot, float *off_plane)
 {
+	float spacing = task->closer ? task->closer[slot] : task->spacing;
+	*off_plane = 0.3f * task->radius * (task->closer ? spacing / task->spacing : 1.0f);
+	return spacing;
+}
+
+static uint32_t bucket_of(const dart_table *table, const float *centre)
+{
+	return bucket(table, (int64_t)floorf(centre[0] / table->cell),
+				  (int64_t)floorf(centre[1] / table->cell),
+				  (int64_t)floorf(centre[2] / table->cell));
+}
+
+static bool crowded(const dart_table *table, const gw_place_task *task, const uint32_t *chosen,
+					uint32_t slot)
+{
+	float off_plane, spacing = spacing_at(task, slot, &off_plane);
 	int64_t cell[3];
 	for (size_t axis = 0; axis < 3; axis++)
-		cell[axis] = (int64_t)floorf(centre[4 * (size_t)slot + axis] / table->cell);
+		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)slot + axis] / table->cell);
 	for (int i = 0; i < 27; i++) {
 		uint32_t b =
 			bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1);
 		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
-			if (conflict(centre, plane, slot, chosen[at - 1], spacing, off_plane))
+			if (conflict(task->centre, task->plane, slot, chosen[at - 1], spacing, off_plane))
 				return true;
 		}
 	}
 	return false;
 }
 
-static size_t throw_darts(dart_table *table, const dart *darts, size_t dart_count, uint32_t *chosen,
-						  const float *centre, const float *plane, float spacing, float off_plane)
+/* Enters chosen[at] into the table. */
+static void stick(dart_table *table, const gw_place_task *task, const uint32_t *chosen, size_t at)
 {
-	size_t count = 0;
+	uint32_t b = bucket_of(table, &task->centre[4 * (size_t)chosen[at]]);
+	table->next[at] = table->head[b];
+	table->head[b] = (uint32_t)at + 1;
+}
+
+/* Behind the kept ones. */
+static size_t throw_darts(dart_table *table, const gw_place_task *task, const dart *darts,
+						  size_t dart_count, uint32_t *chosen)
+{
+	size_t count = task->kept_count;
+	for (size_t i = 0; i < count; i++)
+		stick(table, task, chosen, i);
 	for (size_t i = 0; i < dart_count; i++) {
-		uint32_t slot = darts[i].slot;
-		if (crowded(table, chosen, centre, plane, slot, spacing, off_plane))
+		if (crowded(table, task, chosen, darts[i].slot))
 			continue;
-		const float *c = &centre[4 * (size_t)slot];
-		uint32_t b =
-			bucket(table, (int64_t)floorf(c[0] / table->cell), (int64_t)floorf(c[1] / table->cell),
-				   (int64_t)floorf(c[2] / table->cell));
-		chosen[count] = slot;
-		table->next[count] = table->head[b];
-		table->head[b] = (uint32_t)++count;
+		chosen[count] = darts[i].slot;
+		stick(table, task, chosen, count++);
 	}
 	return count;
 }
@@ -127,36 +148,42 @@ static size_t list_darts(const float *centre, const float *plane, size_t slots, 
 	return count;
 }
 
-gw_status gw_place_records(const float *centre, const float *plane, size_t slots, float spacing,
-						   float radius, uint64_t seed, uint32_t **chosen, size_t *count,
+/* All lobes in a random order, as far as there is room; or all of them. */
+static size_t choose(dart_table *table, const gw_place_task *task, dart *darts, uint32_t *chosen)
+{
+	size_t count = list_darts(task->centre, task->plane, task->slots, task->seed, darts);
+	if (task->spacing > 0.0f) {
+		qsort(darts, count, sizeof *darts, by_order);
+		for (size_t i = 0; i < task->kept_count; i++)
+			chosen[i] = task->kept[i];
+		count = throw_darts(table, task, darts, count, chosen);
+		qsort(chosen + task->kept_count, count - task->kept_count, sizeof *chosen, by_value);
+	} else {
+		for (size_t i = 0; i < count; i++)
+			chosen[i] = darts[i].slot;
+	}
+	return count;
+}
+
+gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
 						   gw_error *error)
 {
-	dart_table table = { .mask = 1, .cell = spacing };
-	while (table.mask < slots && table.mask < UINT32_MAX / 2)
+	dart_table table = { .mask = 1, .cell = task->spacing };
+	while (table.mask < task->slots && table.mask < UINT32_MAX / 2)
 		table.mask = table.mask * 2 + 1;
-	dart *darts = gw_allocate_array(slots, sizeof *darts);
+	dart *darts = gw_allocate_array(task->slots, sizeof *darts);
 	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
-	table.next = gw_allocate_array(slots, sizeof *table.next);
-	*chosen = gw_allocate_array(slots, sizeof **chosen);
+	table.next = gw_allocate_array(task->slots, sizeof *table.next);
+	*chosen = gw_allocate_array(task->slots, sizeof **chosen);
 	gw_status status = GW_OK;
 	if (!darts || !table.head || !table.next || !*chosen) {
-		status =
-			gw_fail(error, GW_ERROR_MEMORY,
-					"no host memory for %zu candidates of records; bake at a smaller depth", slots);
+		status = gw_fail(error, GW_ERROR_MEMORY,
+						 "no host memory for %zu candidates of records; bake at a smaller depth",
+						 task->slots);
 		free(*chosen);
 		*chosen = NULL;
 	} else {
-		size_t dart_count = list_darts(centre, plane, slots, seed, darts);
-		if (spacing > 0.0f) {
-			qsort(darts, dart_count, sizeof *darts, by_order);
-			*count = throw_darts(&table, darts, dart_count, *chosen, centre, plane, spacing,
-								 0.3f * radius);
-			qsort(*chosen, *count, sizeof **chosen, by_value);
-		} else {
-			for (size_t i = 0; i < dart_count; i++)
-				(*chosen)[i] = darts[i].slot;
-			*count = dart_count;
-		}
+		*count = choose(&table, task, darts, *chosen);
 	}
 	free(darts);
 	free(table.head);

@@ -6,16 +6,26 @@
 
 #include "glowworm.h"
 
+typedef struct gw_place_task {
+	const float *centre, *plane; /* 4 * slots, as gw_octree.lobe_centre and lobe_plane; slots of
+									area 0 are skipped */
+	size_t slots;
+	float spacing;        /* leaf cells; 0 chooses every lobe */
+	float radius;         /* of influence, leaf cells: how far off a lobe's plane counts as another
+							 surface */
+	const float *closer;  /* NULL, or one a slot: its own spacing, at most the spacing, which has to
+							 be above 0; the radius shrinks with it */
+	const uint32_t *kept; /* kept_count slots that have records already */
+	size_t kept_count;
+	uint64_t seed;
+} gw_place_task;
+
 /*
  * Chooses lobes for records, see gw_records_place.
- *   centre, plane   4 * slots floats, as gw_octree.lobe_centre and lobe_plane; slots of area 0 are
- *                   skipped
- *   spacing         leaf cells; 0 chooses every lobe
- *   radius          of influence, leaf cells: how far off a lobe's plane counts as another surface
- *   chosen          receives the slots in ascending order, allocated; freed by the caller
+ *   chosen   receives the slots, allocated: those that are kept as they are, then the others in
+ *            ascending order; freed by the caller
  */
-gw_status gw_place_records(const float *centre, const float *plane, size_t slots, float spacing,
-						   float radius, uint64_t seed, uint32_t **chosen, size_t *count,
+gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
 						   gw_error *error);
 
 #endif

@@ -179,41 +179,72 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_re
 	return status;
 }
 
-gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						   gw_records *records, gw_error *error)
+/* Throws darts; the chosen lobes become records->lobe and records->count. */
+static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_task task,
+							  gw_records *records, gw_error *error)
 {
-	*records =
-		(gw_records){ .radius = spacing > 0.0f ? fmaxf(RADIUS_PER_SPACING * spacing, RADIUS_DENSE)
-											   : RADIUS_DENSE };
 	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
 	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
 	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
-	uint32_t *chosen = NULL;
 	gw_status status = GW_OK;
 	if (!centre || !plane)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 	if (status == GW_OK)
-		status = gw_buffer_download(passes->gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0,
-									centre, 16 * slots, error);
+		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
+									16 * slots, error);
 	if (status == GW_OK)
-		status = gw_buffer_download(passes->gpu, (gw_buffer *)(uintptr_t)&octree->lobe_plane, 0,
-									plane, 16 * slots, error);
+		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_plane, 0, plane,
+									16 * slots, error);
+	task.centre = centre;
+	task.plane = plane;
+	task.slots = slots;
+	task.radius = records->radius;
 	if (status == GW_OK)
-		status = gw_place_records(centre, plane, slots, spacing, records->radius, seed, &chosen,
-								  &count, error);
+		status = gw_place_records(&task, &records->lobe, &count, error);
 	records->count = (uint32_t)count;
+	free(centre);
+	free(plane);
+	return status;
+}
+
+static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
+					   gw_records *records, gw_error *error)
+{
+	*records = (gw_records){ .radius = task->spacing > 0.0f
+										   ? fmaxf(RADIUS_PER_SPACING * task->spacing, RADIUS_DENSE)
+										   : RADIUS_DENSE };
+	gw_status status = choose_lobes(passes->gpu, octree, *task, records, error);
 	choose_blocks(octree, records);
 	if (status == GW_OK)
 		status = create_buffers(passes->gpu, octree, records, error);
-	if (status == GW_OK && count > 0)
-		status = put_on_lobes(passes, octree, chosen, records, error);
-	if (status == GW_OK && count > 0)
+	if (status == GW_OK && records->count > 0)
+		status = put_on_lobes(passes, octree, records->lobe, records, error);
+	if (status == GW_OK && records->count > 0)
 		status = list_by_block(passes, octree, records, error);
-	free(centre);
-	free(plane);
-	free(chosen);
 	if (status != GW_OK)
 		gw_records_destroy(passes->gpu, records);
+	return status;
+}
+
+gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
+						   gw_records *records, gw_error *error)
+{
+	return place(passes, octree, &(gw_place_task){ .spacing = spacing, .seed = seed }, records,
+				 error);
+}
+
+gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
+						 const float *lobe_spacing, gw_records *records, gw_error *error)
+{
+	gw_place_task task = { .spacing = spacing,
+						   .closer = lobe_spacing,
+						   .kept = records->lobe,
+						   .kept_count = records->count,
+						   .seed = seed };
+	gw_records more;
+	gw_status status = place(passes, octree, &task, &more, error);
+	gw_records_destroy(passes->gpu, records);
+	*records = more;
 	return status;
 }
 
@@ -250,16 +281,34 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 						 &records->gathered,     &records->lobe_record, &records->lobe_weight };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_buffer_destroy(gpu, all[i]);
+	free(records->lobe);
 	*records = (gw_records){ 0 };
 }
 
-static gw_lookup_push lookup(const gw_records *records)
+gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
+						   const float *spacing, size_t count, gw_buffer *buffer, gw_error *error)
+{
+	float *values = gw_allocate_array(count, sizeof *values);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
+	for (size_t i = 0; i < count; i++)
+		values[i] = fminf(fmaxf(reach * spacing[i], RADIUS_DENSE), records->radius);
+	gw_status status =
+		texel(gpu, VK_FORMAT_R32_SFLOAT, 4 * (uint64_t)count, "reach for records", buffer, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, buffer, 0, values, 4 * (uint64_t)count, error);
+	free(values);
+	return status;
+}
+
+static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 {
 	return (gw_lookup_push){ .block_level = records->block_level,
 							 .tile_first = records->block_tile_first,
 							 .radius = records->radius,
 							 .lift = LIFT,
-							 .visibility = 1 };
+							 .visibility = 1,
+							 .own_reach = reach != NULL };
 }
 
 /* The first ten bindings of both lookups. */
@@ -269,25 +318,29 @@ static gw_lookup_push lookup(const gw_records *records)
 		gw_whole(&records->block_record)
 
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 gw_error *error)
+								 const gw_buffer *reach, gw_error *error)
 {
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
-									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS) };
-	gw_lookup_push push = lookup(records);
+									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
+									gw_whole(reach ? reach : &records->position) };
+	gw_lookup_push push = lookup(records, reach);
 	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
 gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
-								   const gw_records *records, uint64_t first, uint64_t count,
-								   gw_buffer *record, gw_buffer *weight, gw_error *error)
+								   const gw_records *records, const gw_buffer *reach,
+								   uint64_t first, uint64_t count, gw_buffer *record,
+								   gw_buffer *weight, gw_error *error)
 {
-	const gw_binding bindings[] = { LOOKUP_BINDINGS, gw_whole(&octree->surfel_position),
+	const gw_binding bindings[] = { LOOKUP_BINDINGS,
+									gw_whole(&octree->surfel_position),
 									gw_whole(&octree->surfel_normal),
 									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
-									gw_window(weight, 4 * GW_SURFEL_WEIGHTS) };
-	gw_lookup_push push = lookup(records);
+									gw_window(weight, 4 * GW_SURFEL_WEIGHTS),
+									gw_whole(reach ? reach : &records->position) };
+	gw_lookup_push push = lookup(records, reach);
 	push.surfel_first = (uint32_t)first;
 	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
 }

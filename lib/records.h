@@ -18,6 +18,7 @@ typedef struct gw_records {
 	uint32_t block_level; /* octree level of the cells that list them */
 	uint32_t block_count;
 	uint32_t block_tile_first; /* first tile whose parent cells are blocks */
+	uint32_t *lobe;     /* on the host: where each was placed; NULL for those put elsewhere */
 	gw_buffer position; /* R32G32B32A32_SFLOAT: grid coordinates; w: distance to the nearest thing
 						   the record saw */
 	gw_buffer normal;   /* R32G32B32A32_SFLOAT; w: 0 if the record lies inside something solid */
@@ -41,6 +42,31 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
+/*
+ * Adds records until every lobe lies within its own spacing of one. Those that there are keep their
+ * places and come first; light and lookups are forgotten, the distance to the nearest thing as
+ * well.
+ *   spacing        with which the first records were placed, above 0
+ *   lobe_spacing   2 * leaf_count: each lobe's own, at most that
+ */
+gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
+						 const float *lobe_spacing, gw_records *records, gw_error *error);
+
+/* How many of their spacings far lobes and surfels look for records where those stand closer. Where
+ * surfels look farther, more records speak for them and their noise is averaged; that of lobes is
+ * averaged by the rays that hit them. */
+#define GW_LOBE_REACH 1.6f
+#define GW_SURFEL_REACH 2.25f
+
+/*
+ * How far lobes or surfels look for records that stand closer, as a buffer for the functions below:
+ * reach times their spacing, at most the records' radius.
+ *   spacing   count, leaf cells
+ *   buffer    receives a texel buffer, owned by the caller on success
+ */
+gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
+						   const float *spacing, size_t count, gw_buffer *buffer, gw_error *error);
+
 /* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
 gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
 
@@ -56,18 +82,21 @@ gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *e
 gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
 						 gw_records *records, gw_error *error);
 
-/* Finds the records each lobe's irradiance is interpolated from. Needs record position w. */
+/* Finds the records each lobe's irradiance is interpolated from. Needs record position w.
+ *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count */
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 gw_error *error);
+								 const gw_buffer *reach, gw_error *error);
 
 /*
  * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.
  * read_back.h does so for all of them.
+ *   reach            NULL, or how far each looks, a texel buffer R32_SFLOAT, one a surfel of all
  *   record, weight   storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
  *                    read_back.comp
  */
 gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
-								   const gw_records *records, uint64_t first, uint64_t count,
-								   gw_buffer *record, gw_buffer *weight, gw_error *error);
+								   const gw_records *records, const gw_buffer *reach,
+								   uint64_t first, uint64_t count, gw_buffer *record,
+								   gw_buffer *weight, gw_error *error);
 
 #endif

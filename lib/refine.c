@@ -26,6 +26,12 @@
 #define WORK_MOST 16.0
 #define WORK_LEAST 1.3
 
+/* Records are aimed at this share of the error that is wanted, since what the estimate says has a
+ * spread of its own; and no round makes them more than so many times as many. */
+#define AIM 0.9
+#define SHARE_MOST 0.45
+#define GROWTH_MOST 8.0
+
 /* By how much the parts of the settings are to grow; 1 leaves them alone. */
 typedef struct growth {
 	double rays, density; /* rays a record; records and leaves along a metre */
@@ -94,6 +100,23 @@ static uint32_t rounds_in_vain(const gw_refine_state *state)
 			break;
 	}
 	return vain;
+}
+
+gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
+								   char why[96])
+{
+	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+		return GW_REFINE_STALLED;
+	if (state->crowded || !(state->options->record_spacing > 0.0f))
+		return GW_REFINE_EXHAUSTED;
+	/* As if all of the last round had been work that grows. */
+	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), GROWTH_MOST);
+	if (work < WORK_LEAST)
+		return GW_REFINE_NO_TIME;
+	double factor = AIM / excess(state);
+	*wish = (gw_density_wish){ .share = fmin(factor * factor, SHARE_MOST), .most_growth = work };
+	snprintf(why, 96, "records disagree most where more were put");
+	return GW_REFINE_ROUND;
 }
 
 /* Noise falls with the root of the rays, the rest about as fast as the records come closer. */

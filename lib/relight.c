@@ -87,8 +87,14 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
 										 .kept = relight->plan.emitters ? &s->sampled : NULL };
-	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
-								 &s->records.first, error);
+	gw_status status = GW_OK;
+	if (s->further.count > 0 && sources.kept && s->sampled.handle != VK_NULL_HANDLE)
+		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->rays,
+											  &sources, error);
+	gw_records_destroy(s->gpu, &s->further);
+	return status == GW_OK ? gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
+												   &sources, &s->records.first, error)
+						   : status;
 }
 
 static float largest_emission(const gw_surfels *surfels)

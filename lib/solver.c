@@ -4,9 +4,11 @@
 #include "solver.h"
 
 #include "direct_light.h"
+#include "memory.h"
 #include "report.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Rays a record that only look for the nearest surface, when cones gather. */
@@ -136,9 +138,9 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 {
 	const gw_bake_options *o = &solver->options;
 	gw_status status =
-		solver->keeps ? gw_octree_build_kept(solver->gpu, &solver->surfels, solver->still, o->depth,
-											 o->leaf_spacing, &solver->kept_octree, &solver->octree,
-											 error)
+		solver->keeps
+			? gw_octree_build_kept(solver->gpu, &solver->surfels, solver->still, o->depth,
+								   o->leaf_spacing, &solver->kept_octree, &solver->octree, error)
 		: o->depth == GW_DEPTH_AUTO
 			? gw_octree_build_spaced(solver->gpu, &solver->surfels, o->leaf_spacing,
 									 &solver->octree, error)
@@ -209,8 +211,21 @@ static gw_status make_probes(gw_solver *solver, gw_error *error)
 void gw_solver_forget_samples(gw_solver *solver)
 {
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_records_destroy(solver->gpu, &solver->further);
 	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[0]);
 	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[1]);
+}
+
+/* Which records light what. */
+static gw_status weigh(gw_solver *solver, const gw_buffer *lobe_reach,
+					   const gw_buffer *surfel_reach, gw_error *error)
+{
+	gw_status status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records,
+											  lobe_reach, error);
+	if (status == GW_OK)
+		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records, surfel_reach,
+								   solver->surfels.count, &solver->read_back, error);
+	return status;
 }
 
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
@@ -224,11 +239,66 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 	if (status == GW_OK)
 		status = make_pools(solver, error);
 	if (status == GW_OK)
-		status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records, error);
-	if (status == GW_OK)
-		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
-								   solver->surfels.count, &solver->read_back, error);
+		status = weigh(solver, NULL, NULL, error);
 	return status == GW_OK ? make_probes(solver, error) : status;
+}
+
+/* The records from `first` on, by themselves. */
+static gw_status list_further(gw_solver *solver, uint32_t first, gw_error *error)
+{
+	gw_records *all = &solver->records;
+	size_t count = all->count - first;
+	float *rows = gw_allocate_array(count, 8 * sizeof *rows);
+	if (!rows)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	gw_status status = gw_buffer_download(solver->gpu, &all->position, 16 * (uint64_t)first, rows,
+										  16 * count, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(solver->gpu, &all->normal, 16 * (uint64_t)first,
+									rows + 4 * count, 16 * count, error);
+	if (status == GW_OK)
+		status = gw_records_put(solver->gpu, rows, rows + 4 * count, (uint32_t)count,
+								&solver->further, error);
+	free(rows);
+	return status;
+}
+
+static gw_status weigh_denser(gw_solver *solver, const gw_record_density *density, gw_error *error)
+{
+	gw_buffer lobes = { 0 }, surfels = { 0 };
+	gw_read_back_clear(&solver->read_back);
+	gw_status status =
+		gw_records_reach(solver->gpu, &solver->records, GW_LOBE_REACH, density->lobe_spacing,
+						 2 * (size_t)solver->octree.leaf_count, &lobes, error);
+	if (status == GW_OK)
+		status = gw_records_reach(solver->gpu, &solver->records, GW_SURFEL_REACH,
+								  density->surfel_spacing, solver->surfels.count, &surfels, error);
+	if (status == GW_OK)
+		status = weigh(solver, &lobes, &surfels, error);
+	gw_buffer_destroy(solver->gpu, &lobes);
+	gw_buffer_destroy(solver->gpu, &surfels);
+	return status;
+}
+
+gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *density,
+								gw_error *error)
+{
+	const gw_bake_options *o = &solver->options;
+	uint32_t before = solver->records.count;
+	gw_records_destroy(solver->gpu, &solver->further);
+	gw_status status = gw_records_add(&solver->passes, &solver->octree, o->record_spacing, o->seed,
+									  density->lobe_spacing, &solver->records, error);
+	solver->report->records = solver->records.count;
+	if (status == GW_OK && solver->records.count > before)
+		status = list_further(solver, before, error);
+	if (status == GW_OK && solver->further.count > 0)
+		status = gw_ray_gather_add(&solver->passes, &solver->octree, &solver->further,
+								   &solver->rays, error);
+	report_rays(solver);
+	if (status == GW_OK)
+		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
+									&solver->rays, error);
+	return status == GW_OK ? weigh_denser(solver, density, error) : status;
 }
 
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
@@ -264,6 +334,7 @@ void gw_solver_drop_records(gw_solver *solver)
 	gw_cone_gather_destroy(solver->gpu, &solver->cones);
 	gw_ray_gather_destroy(solver->gpu, &solver->rays);
 	gw_records_destroy(solver->gpu, &solver->records);
+	gw_records_destroy(solver->gpu, &solver->further);
 	gw_read_back_clear(&solver->read_back);
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
 	gw_probes_destroy(solver->gpu, &solver->probes);

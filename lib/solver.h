@@ -18,6 +18,12 @@
 #include "kept_hits.h"
 #include "read_back.h"
 
+/* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
+typedef struct gw_record_density {
+	float *lobe_spacing;   /* 2 * leaf_count */
+	float *surfel_spacing; /* surfel count */
+} gw_record_density;
+
 typedef struct gw_solver {
 	gw_bake_options options;
 	gw_report *report;             /* receives what the steps find out; not owned */
@@ -36,6 +42,7 @@ typedef struct gw_solver {
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
+	gw_records further; /* places of records that were added and are not in it yet */
 
 	/* For scenes in which some surfels move. */
 	bool keeps;                  /* the octree is built with what builds before it left */
@@ -74,6 +81,13 @@ void gw_solver_report_octree(const gw_solver *solver);
 
 /* Places the records, finds what they see, and which of them light each lobe and each surfel. */
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
+
+/*
+ * Adds records where the density says, finds what they see, and which records light each lobe and
+ * each surfel then. What others saw stays. On failure the records are to be dropped.
+ */
+gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *density,
+								gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error);

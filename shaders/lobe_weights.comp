@@ -25,6 +25,7 @@ layout(binding = 11) buffer Weight
 {
 	float lobe_weight[];
 };
+layout(binding = 12) uniform samplerBuffer lobe_reach;
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
@@ -62,6 +63,7 @@ void main()
 	}
 	int slot = int(push.first + i);
 	vec4 centre = texelFetch(lobe_centre, slot);
+	reach = push.own_reach != 0u ? texelFetch(lobe_reach, slot).x : push.radius;
 	if (centre.w <= 0.0 || find_records(centre.xyz, texelFetch(lobe_plane, slot).xyz, false) <= 0.0)
 		return;
 	float sum = 0.0;

@@ -27,6 +27,7 @@ layout(binding = 13) buffer Weight
 {
 	float row_weight[];
 };
+layout(binding = 14) uniform samplerBuffer surfel_reach;
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
@@ -63,6 +64,7 @@ void main()
 	used = 0u;
 	int surfel = int(push.surfel_first + push.first + i);
 	vec4 normal = texelFetch(surfel_normal, surfel);
+	reach = push.own_reach != 0u ? texelFetch(surfel_reach, surfel).x : push.radius;
 	find_records(texelFetch(surfel_position, surfel).xyz, normal.xyz, normal.w > 0.5);
 	float sum = 0.0;
 	for (uint w = 0u; w < used; w++)

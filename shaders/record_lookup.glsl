@@ -7,7 +7,8 @@
  * record's plane (after Ward); a record that a wall separates from the point counts nothing, which
  * is tested only where something is nearer to the record than the point is.
  *
- * The including shader defines `void use_record(uint record, float weight)`; find_records calls it
+ * The including shader defines `void use_record(uint record, float weight)` and sets `reach`, at
+ * most push.radius, for each point; find_records calls it
  * for each record with a weight above 0 and returns the sum of the weights. When no record
  * qualifies it calls it for the nearest record of the blocks, with weight 1; when there is none it
  * returns 0.
@@ -15,14 +16,16 @@
 #ifndef RECORD_LOOKUP_GLSL
 #define RECORD_LOOKUP_GLSL
 
+float reach; /* how far the point looks for records, leaf cells */
+
 float record_weight(vec3 g, vec3 normal, bool both_sides, vec3 record, vec3 record_facing)
 {
 	vec3 off = g - record;
 	float alignment = dot(normal, record_facing);
 	if (both_sides)
 		alignment = abs(alignment);
-	float squared = dot(off, off) / (push.radius * push.radius);
-	float plane = abs(dot(off, record_facing)) / (0.3 * push.radius);
+	float squared = dot(off, off) / (reach * reach);
+	float plane = abs(dot(off, record_facing)) / (0.3 * reach);
 	if (squared >= 1.0 || plane >= 1.0 || alignment < 0.7)
 		return 0.0;
 	float near = (1.0 - squared) * (1.0 - squared);
@@ -44,42 +47,72 @@ bool record_visible(vec3 g, vec3 normal, vec4 record, vec3 record_facing)
 				  true, lobe, t, behind);
 }
 
-float find_records(vec3 g, vec3 normal, bool both_sides)
+/* First and last of the records of a block around the point; none where the octree has no such
+ * block, or all of it is farther than `limit`. */
+uvec2 block_of_corner(ivec3 base, int corner, vec3 g, float limit)
 {
-	float size = exp2(float(depth - push.block_level));
-	ivec3 base = ivec3(floor(g / size - 0.5));
+	ivec3 cell = base + ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);
 	int cells = 1 << push.block_level;
-	float sum = 0.0;
+	if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(cells))))
+		return uvec2(0u);
+	float size = exp2(float(depth - push.block_level));
+	vec3 outside = max(abs(g - (vec3(cell) + 0.5) * size) - 0.5 * size, 0.0);
+	if (dot(outside, outside) >= limit * limit)
+		return uvec2(0u);
+	uint pointer = find_tile(uvec3(cell), push.block_level);
+	if (pointer == 0u)
+		return uvec2(0u);
+	int block = int(pointer - 1u - push.tile_first);
+	return uvec2(texelFetch(block_first, block).x, texelFetch(block_first, block + 1).x);
+}
+
+uint nearest_record(ivec3 base, vec3 g, vec3 normal)
+{
 	uint nearest = GW_NONE;
 	float nearest_cost = 1e30;
 	for (int corner = 0; corner < 8; corner++) {
-		ivec3 cell = base + ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);
-		if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(cells))))
-			continue;
-		uint pointer = find_tile(uvec3(cell), push.block_level);
-		if (pointer == 0u)
-			continue;
-		int block = int(pointer - 1u - push.tile_first);
-		uint last = texelFetch(block_first, block + 1).x;
-		for (uint r = texelFetch(block_first, block).x; r < last; r++) {
+		uvec2 span = block_of_corner(base, corner, g, 1e9);
+		for (uint r = span.x; r < span.y; r++) {
 			uint record = texelFetch(block_record, int(r)).x;
-			vec4 position = texelFetch(record_position, int(record));
+			vec3 position = texelFetch(record_position, int(record)).xyz;
 			vec3 facing = texelFetch(record_normal, int(record)).xyz;
-			float weight = record_weight(g, normal, both_sides, position.xyz, facing);
-			if (weight > 0.0 && record_visible(g, normal, position, facing)) {
-				use_record(record, weight);
-				sum += weight;
-			}
-			float cost = distance(g, position.xyz) * (1.5 - dot(normal, facing));
+			float cost = distance(g, position) * (1.5 - dot(normal, facing));
 			if (cost < nearest_cost) {
 				nearest_cost = cost;
 				nearest = record;
 			}
 		}
 	}
-	if (sum == 0.0 && nearest != GW_NONE) {
-		use_record(nearest, 1.0);
-		sum = 1.0;
+	return nearest;
+}
+
+float find_records(vec3 g, vec3 normal, bool both_sides)
+{
+	float size = exp2(float(depth - push.block_level));
+	ivec3 base = ivec3(floor(g / size - 0.5));
+	float sum = 0.0;
+	for (int corner = 0; corner < 8; corner++) {
+		uvec2 span = block_of_corner(base, corner, g, reach);
+		for (uint r = span.x; r < span.y; r++) {
+			uint record = texelFetch(block_record, int(r)).x;
+			vec4 position = texelFetch(record_position, int(record));
+			vec3 off = g - position.xyz;
+			if (dot(off, off) >= reach * reach)
+				continue;
+			vec3 facing = texelFetch(record_normal, int(record)).xyz;
+			float weight = record_weight(g, normal, both_sides, position.xyz, facing);
+			if (weight > 0.0 && record_visible(g, normal, position, facing)) {
+				use_record(record, weight);
+				sum += weight;
+			}
+		}
+	}
+	if (sum == 0.0) {
+		uint nearest = nearest_record(base, g, normal);
+		if (nearest != GW_NONE) {
+			use_record(nearest, 1.0);
+			sum = 1.0;
+		}
 	}
 	return sum;
 }

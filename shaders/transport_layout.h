@@ -94,8 +94,9 @@ SHARED_STRUCT(gw_lookup_push)
 	uint visibility;  /* 1: test it where a record's surroundings are nearer than the point */
 	uint tile_first;  /* first tile whose parent cells are of block_level */
 	uint surfel_first; /* of the surfels looked at in this run */
+	uint own_reach;    /* 1: points look as far as a buffer says, not `radius` */
 };
-SHARED_SIZE(gw_lookup_push, 32);
+SHARED_SIZE(gw_lookup_push, 36);
 
 /* Cones and the brick pools. */
 SHARED_STRUCT(gw_cone_push)

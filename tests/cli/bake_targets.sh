@@ -5,13 +5,13 @@ make_box --scene corner --points 2000 -o box.ply
 echo '{"version": 1, "inputs": [{"file": "box.ply"}],
 	"bake": {"quality": "draft", "rays": 100}}' >a.json
 show() {
-	glowworm bake "$@" --print-scene | grep -E '"(quality|rays|light_samples|leaf_spacing)":'
+	glowworm bake "$@" --print-scene | grep -E '"(quality|rays|light_samples|record_spacing|leaf_spacing)":'
 }
 echo "the scene's own rays stay, the command line's quality wins over them:"
 show a.json
 show a.json --quality high
 show a.json --quality high --rays 7
-echo "a target starts from a draft:"
+echo "a target starts from few records:"
 show box.ply --max-error 0.1
 show box.ply --max-error 0.1 --quality normal
 bake() {

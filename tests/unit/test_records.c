@@ -1,5 +1,6 @@
 /* Where records go: every lobe has one near, none are crowded, and the choice is always the same.
- * Compared with brute force over all pairs. */
+ * Compared with brute force over all pairs. Where more go: as many as lessen the error most. */
+#include "record_density.h"
 #include "record_places.h"
 
 #include <math.h>
@@ -99,8 +100,13 @@ static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, 
 {
 	size_t count = 0;
 	gw_error error = { 0 };
-	if (gw_place_records(l->centre, l->plane, l->count, spacing, radius, seed, chosen, &count,
-	                     &error) != GW_OK)
+	const gw_place_task task = { .centre = l->centre,
+		                         .plane = l->plane,
+		                         .slots = l->count,
+		                         .spacing = spacing,
+		                         .radius = radius,
+		                         .seed = seed };
+	if (gw_place_records(&task, chosen, &count, &error) != GW_OK)
 		fail_msg("%s", error.text);
 	for (size_t i = 0; i < count; i++) {
 		assert_true((*chosen)[i] < l->count);
@@ -210,6 +216,118 @@ static void separate_surfaces(void **state)
 	clear_lobes(&l);
 }
 
+/* Where a slot's own spacing is smaller, further records are put until each slot has one within its
+ * own; those that were there stay, in front, and elsewhere none is put. */
+static void closer_in_places(void **state)
+{
+	(void)state;
+	const float spacing = 6.0f, radius = 9.6f;
+	lobes l = make_mixed();
+	uint32_t *first, *chosen;
+	size_t kept = place(&l, spacing, radius, 5, &first), count = 0;
+	float *closer = calloc(l.count, sizeof *closer);
+	assert_non_null(closer);
+	for (size_t i = 0; i < l.count; i++)
+		closer[i] = l.centre[4 * i] < 32.0f ? 2.0f : spacing;
+	gw_place_task task = { .centre = l.centre,
+		                   .plane = l.plane,
+		                   .slots = l.count,
+		                   .spacing = spacing,
+		                   .radius = radius,
+		                   .closer = closer,
+		                   .kept = first,
+		                   .kept_count = kept,
+		                   .seed = 5 };
+	assert_int_equal(gw_place_records(&task, &chosen, &count, NULL), GW_OK);
+	assert_true(count > kept);
+	assert_memory_equal(chosen, first, kept * sizeof *first);
+	for (size_t i = kept; i < count; i++) {
+		assert_true(l.centre[4 * (size_t)chosen[i]] < 32.0f);
+		assert_true(i == kept || chosen[i] > chosen[i - 1]);
+		for (size_t j = 0; j < kept; j++)
+			assert_false(covers(&l, chosen[i], first[j], 2.0f, radius / 3.0f));
+	}
+	for (size_t i = 0; i < l.count; i++) {
+		bool covered = !(l.centre[4 * i + 3] > 0.0f);
+		for (size_t j = 0; j < count && !covered; j++)
+			covered = covers(&l, i, chosen[j], closer[i], radius * closer[i] / spacing);
+		assert_true(covered);
+	}
+	free(first);
+	free(chosen);
+	free(closer);
+	clear_lobes(&l);
+}
+
+/* ------------------------------------------------------------------------------------- density */
+
+/* What is left of the mass, by the factors. */
+static double left_of(const double *mass, const float *factor, size_t count)
+{
+	double left = 0.0, sum = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		left += mass[i] / (double)factor[i];
+		sum += mass[i];
+	}
+	return left / sum;
+}
+
+/*
+ * Without limits at work, factors are sqrt(m / level), which leave sqrt(level) sum sqrt(m): the
+ * level follows, and with it all factors. Factors are floats, of 6e-8 each.
+ */
+static void factors_follow_the_root(void **state)
+{
+	(void)state;
+	enum { COUNT = 100 };
+	double mass[COUNT], roots = 0.0, sum = 0.0;
+	float most[COUNT], factor[COUNT];
+	for (int i = 0; i < COUNT; i++) {
+		mass[i] = 1.0 + i % 10;
+		most[i] = 1e6f;
+		roots += sqrt(mass[i]);
+		sum += mass[i];
+	}
+	/* The smallest factor, of mass 1, is above 1 for shares below roots / sum. */
+	const gw_density_wish wish = { .share = 0.1, .most_growth = 1e6 };
+	double left = gw_density_factors(mass, most, COUNT, &wish, factor);
+	assert_true(fabs(left - 0.1) < 1e-6 && fabs(left_of(mass, factor, COUNT) - 0.1) < 1e-6);
+	for (int i = 0; i < COUNT; i++) {
+		double expected = sqrt(mass[i]) * roots / (0.1 * sum);
+		assert_true(fabs((double)factor[i] / expected - 1.0) < 1e-6);
+	}
+}
+
+/* No factor is below 1 or above its limit, and all together are no more than what may be. */
+static void factors_keep_their_limits(void **state)
+{
+	(void)state;
+	enum { COUNT = 1000 };
+	double mass[COUNT], sum = 0.0;
+	float most[COUNT], factor[COUNT];
+	random_state = 1;
+	for (int i = 0; i < COUNT; i++) {
+		mass[i] = i % 5 == 0 ? 0.0 : pow((double)uniform(), 8.0);
+		most[i] = i % 3 == 0 ? 1.0f : 4.0f;
+	}
+	const gw_density_wish wish = { .share = 1e-6, .most_growth = 1.5 };
+	double left = gw_density_factors(mass, most, COUNT, &wish, factor);
+	for (int i = 0; i < COUNT; i++) {
+		assert_true(factor[i] >= 1.0f && factor[i] <= most[i]);
+		assert_true(mass[i] > 0.0 || factor[i] == 1.0f);
+		sum += (double)factor[i];
+	}
+	assert_true(sum <= 1.5 * COUNT && sum > 1.49 * COUNT);
+	assert_true(left < 1.0 && fabs(left - left_of(mass, factor, COUNT)) < 1e-6);
+	/* Nothing to lessen, and nothing asked for. */
+	const gw_density_wish none = { .share = 1.0, .most_growth = 100.0 };
+	assert_true(gw_density_factors(mass, most, COUNT, &none, factor) == 1.0);
+	memset(mass, 0, sizeof mass);
+	assert_true(gw_density_factors(mass, most, COUNT, &wish, factor) == 1.0);
+	for (int i = 0; i < COUNT; i++)
+		assert_true(factor[i] == 1.0f);
+}
+
 static void nothing_to_place(void **state)
 {
 	(void)state;
@@ -228,6 +346,8 @@ int main(void)
 		cmocka_unit_test(every_lobe_has_a_record), cmocka_unit_test(density_on_a_floor),
 		cmocka_unit_test(one_on_every_lobe),       cmocka_unit_test(the_seed_decides),
 		cmocka_unit_test(separate_surfaces),       cmocka_unit_test(nothing_to_place),
+		cmocka_unit_test(closer_in_places),        cmocka_unit_test(factors_follow_the_root),
+		cmocka_unit_test(factors_keep_their_limits),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -156,6 +156,45 @@ static void time_makes_steps_smaller(void **state)
 	assert_int_equal(gw_refine_next(&s, &bound, why), GW_REFINE_NO_TIME);
 }
 
+/* Records are added first: so many that by the estimate the error would be a tenth under what is
+ * asked, and as many as there is time for. */
+static void records_come_first(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT;
+	o.max_error = 0.02f;
+	gw_refine_state s = state_of(&o, 0.06, 0.01);
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	/* Squares of a third; 0.02f is 0.02 within 1e-8. */
+	assert_true(fabs(wish.share - 0.9 * 0.9 / 9.0) < 1e-6);
+	assert_true(wish.most_growth > 4.0 && wish.most_growth < 100.0);
+	s.seconds_left = 2.5;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	assert_true(wish.most_growth == 2.5);
+	s.seconds_left = 1.0;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_NO_TIME);
+	s.seconds_left = INFINITY;
+	/* Nearly there: still a step that is worth its fixed costs. */
+	s.error.relative_rms = 0.0201;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	assert_true(wish.share < 0.7);
+	/* Settings have to help where no record can be added. */
+	s.crowded = true;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	s.crowded = false;
+	o.record_spacing = 0.0f;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	o.record_spacing = 2.5f;
+	gw_round round[3] = { { .error = { .relative_rms = 0.0203 } },
+						  { .error = { .relative_rms = 0.0202 } },
+						  { .error = { .relative_rms = 0.0201 } } };
+	s.round = round;
+	s.round_count = 3;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_STALLED);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -166,6 +205,7 @@ int main(void)
 		cmocka_unit_test(it_ends),
 		cmocka_unit_test(what_does_not_help_ends),
 		cmocka_unit_test(time_makes_steps_smaller),
+		cmocka_unit_test(records_come_first),
 	};
 	return cmocka_run_group_tests_name("refine", tests, NULL, NULL);
 }
