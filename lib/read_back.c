@@ -59,22 +59,41 @@ static gw_status reserve(gw_read_back *b, rows *r, size_t used, gw_error *error)
 	return GW_OK;
 }
 
-static void pack(gw_read_back *b, const rows *r, size_t first, size_t count)
+static void put_row(gw_read_back *b, size_t surfel, const uint32_t *record, const float *weight,
+					size_t count)
 {
-	uint32_t used = b->first[first];
+	uint32_t used = b->first[surfel];
+	memcpy(b->record + used, record, count * sizeof *record);
+	memcpy(b->weight + used, weight, count * sizeof *weight);
+	b->first[surfel + 1] = used + (uint32_t)count;
+}
+
+/* Which rows are looked for, and those that stay. */
+typedef struct renewal {
+	const gw_buffer *reach;     /* NULL: all are */
+	const bool *closer;         /* those that are */
+	const gw_read_back *before; /* has the others */
+} renewal;
+
+static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t first, size_t count)
+{
 	for (size_t i = 0; i < count; i++) {
 		size_t row = i * GW_SURFEL_WEIGHTS, n = 0;
+		if (how->reach && !how->closer[first + i]) {
+			const gw_read_back *old = how->before;
+			uint32_t from = old->first[first + i];
+			put_row(b, first + i, old->record + from, old->weight + from,
+					old->first[first + i + 1] - from);
+			continue;
+		}
 		while (n < GW_SURFEL_WEIGHTS && r->host_record[row + n] != GW_NONE)
 			n++;
-		memcpy(b->record + used, r->host_record + row, n * sizeof *b->record);
-		memcpy(b->weight + used, r->host_weight + row, n * sizeof *b->weight);
-		used += (uint32_t)n;
-		b->first[first + i + 1] = used;
+		put_row(b, first + i, r->host_record + row, r->host_weight + row, n);
 	}
 }
 
 static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						   const gw_buffer *reach, rows *r, gw_read_back *b, gw_error *error)
+						   const renewal *how, rows *r, gw_read_back *b, gw_error *error)
 {
 	gw_status status = create(passes->gpu, r, error);
 	for (size_t first = 0; first < b->count && status == GW_OK; first += CHUNK) {
@@ -82,14 +101,14 @@ static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_
 		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
 		status = reserve(b, r, b->first[first], error);
 		if (status == GW_OK)
-			status = gw_records_weigh_surfels(passes, octree, records, reach, first, count,
+			status = gw_records_weigh_surfels(passes, octree, records, how->reach, first, count,
 											  &r->record, &r->weight, error);
 		if (status == GW_OK)
 			status = gw_buffer_download(passes->gpu, &r->record, 0, r->host_record, bytes, error);
 		if (status == GW_OK)
 			status = gw_buffer_download(passes->gpu, &r->weight, 0, r->host_weight, bytes, error);
 		if (status == GW_OK)
-			pack(b, r, first, count);
+			pack(b, r, how, first, count);
 	}
 	return status;
 }
@@ -103,16 +122,16 @@ static void shrink(gw_read_back *b)
 	b->weight = weight ? weight : b->weight;
 }
 
-gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							const gw_buffer *reach, size_t surfel_count, gw_read_back *read_back,
-							gw_error *error)
+static gw_status make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+					  const renewal *how, size_t surfel_count, gw_read_back *read_back,
+					  gw_error *error)
 {
 	rows r = { .room = 0 };
 	*read_back = (gw_read_back){ .count = surfel_count };
 	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
 	gw_status status =
 		read_back->first
-			? find_rows(passes, octree, records, reach, &r, read_back, error)
+			? find_rows(passes, octree, records, how, &r, read_back, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu surfels", surfel_count);
 	gw_buffer_destroy(passes->gpu, &r.record);
 	gw_buffer_destroy(passes->gpu, &r.weight);
@@ -123,6 +142,27 @@ gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw
 	else
 		gw_read_back_clear(read_back);
 	return status;
+}
+
+gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							size_t surfel_count, gw_read_back *read_back, gw_error *error)
+{
+	return make(passes, octree, records, &(renewal){ .reach = NULL }, surfel_count, read_back,
+				error);
+}
+
+gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_buffer *reach, const bool *closer, gw_read_back *read_back,
+							 gw_error *error)
+{
+	gw_read_back again;
+	const renewal how = { reach, closer, read_back };
+	gw_status status = make(passes, octree, records, &how, read_back->count, &again, error);
+	if (status != GW_OK)
+		return status;
+	gw_read_back_clear(read_back);
+	*read_back = again;
+	return GW_OK;
 }
 
 void gw_read_back_clear(gw_read_back *read_back)

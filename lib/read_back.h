@@ -16,11 +16,18 @@ typedef struct gw_read_back {
 	float *weight;    /* first[count]; of a row they sum to 1 */
 } gw_read_back;
 
-/* Finds the rows of all surfels. On success *read_back is owned by the caller.
- *   reach   NULL, or how far each surfel looks, a texel buffer R32_SFLOAT */
+/* Finds the rows of all surfels. On success *read_back is owned by the caller. */
 gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							const gw_buffer *reach, size_t surfel_count, gw_read_back *read_back,
-							gw_error *error);
+							size_t surfel_count, gw_read_back *read_back, gw_error *error);
+
+/*
+ * Finds the rows of some surfels again, after records were added; the others keep theirs.
+ *   reach    how far each surfel looks, a texel buffer R32_SFLOAT, 0 for those that keep their rows
+ *   closer   surfel count: false for those
+ */
+gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_buffer *reach, const bool *closer, gw_read_back *read_back,
+							 gw_error *error);
 void gw_read_back_clear(gw_read_back *read_back);
 
 /*

@@ -13,6 +13,9 @@
  * further. */
 #define FACTOR_MOST 16.0f
 
+/* Where records would become less than so many times as many, all stays as it is. */
+#define FACTOR_LEAST 1.05
+
 /* A point for which one record speaks: nothing is known of its error, but that it is rather a part
  * of what was found than all of it. */
 #define LONELY_SHARE 0.25
@@ -133,13 +136,17 @@ static gw_status fetch_light(const gw_solver *s, density_work *w, gw_error *erro
 
 /* ------------------------------------------------------------------------------------ spacing */
 
-static float closer(float spacing, double factor)
+/* Whether the spacing becomes less. */
+static bool come_closer(float *spacing, double factor)
 {
-	return fmaxf(spacing / (float)sqrt(factor), GW_RECORD_SPACING_LEAST);
+	float before = *spacing;
+	if (factor > FACTOR_LEAST)
+		*spacing = fminf(fmaxf(before / (float)sqrt(factor), GW_RECORD_SPACING_LEAST), before);
+	return *spacing < before;
 }
 
 /* Factors between records are interpolated as light is. */
-static void refine_lobes(const density_work *w, float *spacing)
+static void refine_lobes(const density_work *w, gw_record_density *density)
 {
 	for (size_t slot = 0; slot < w->slots; slot++) {
 		double factor = 0.0;
@@ -147,19 +154,18 @@ static void refine_lobes(const density_work *w, float *spacing)
 		const float *weight = w->lobe_weight + GW_WEIGHTS * slot;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
-		if (factor > 1.0)
-			spacing[slot] = closer(spacing[slot], factor);
+		density->lobe_closer[slot] = come_closer(&density->lobe_spacing[slot], factor);
 	}
 }
 
-static void refine_surfels(const gw_read_back *rows, const density_work *w, float *spacing)
+static void refine_surfels(const gw_read_back *rows, const density_work *w,
+						   gw_record_density *density)
 {
 	for (size_t i = 0; i < rows->count; i++) {
 		double factor = 0.0;
 		for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++)
 			factor += (double)rows->weight[e] * (double)w->factor[rows->record[e]];
-		if (factor > 1.0)
-			spacing[i] = closer(spacing[i], factor);
+		density->surfel_closer[i] = come_closer(&density->surfel_spacing[i], factor);
 	}
 }
 
@@ -178,9 +184,12 @@ static gw_status begin(const gw_solver *s, gw_record_density *density, density_w
 	if (first) {
 		density->lobe_spacing = gw_allocate_array(w->slots, sizeof(float));
 		density->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
+		density->lobe_closer = gw_allocate_array(w->slots, sizeof(bool));
+		density->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
 	}
 	if (!w->light || !w->mass || !w->most || !w->factor || !w->lobe_record || !w->lobe_weight ||
-		!density->lobe_spacing || !density->surfel_spacing)
+		!density->lobe_spacing || !density->surfel_spacing || !density->lobe_closer ||
+		!density->surfel_closer)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to refine %zu records", w->records);
 	for (size_t i = 0; i < w->slots && first; i++)
 		density->lobe_spacing[i] = s->options.record_spacing;
@@ -212,8 +221,8 @@ gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_w
 		for (size_t i = 0; i < w.records; i++)
 			sum += (double)w.factor[i];
 		*growth = w.records > 0 ? sum / (double)w.records : 1.0;
-		refine_lobes(&w, density->lobe_spacing);
-		refine_surfels(&s->read_back, &w, density->surfel_spacing);
+		refine_lobes(&w, density);
+		refine_surfels(&s->read_back, &w, density);
 	}
 	free(w.light);
 	free(w.mass);
@@ -228,5 +237,7 @@ void gw_record_density_clear(gw_record_density *density)
 {
 	free(density->lobe_spacing);
 	free(density->surfel_spacing);
+	free(density->lobe_closer);
+	free(density->surfel_closer);
 	*density = (gw_record_density){ 0 };
 }

@@ -12,9 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A record speaks for points up to this many spacings away. */
-#define RADIUS_PER_SPACING 1.6f
-
 /* Radius of influence when every lobe is a record, leaf cells. */
 #define RADIUS_DENSE 1.6f
 
@@ -28,11 +25,11 @@ static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char 
 	return gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
 }
 
-/* The level whose cells are at least two radii wide, so that 2x2x2 of them hold all that matters.
- */
-static void choose_blocks(const gw_octree *octree, gw_records *records)
+/* The level whose cells are at least so many radii wide: two are best where all lookups reach as
+ * far as the radius, one where records were added and lookups are shorter. */
+static void choose_blocks(const gw_octree *octree, float radii, gw_records *records)
 {
-	uint32_t up = (uint32_t)ceilf(log2f(2.0f * records->radius));
+	uint32_t up = (uint32_t)ceilf(log2f(radii * records->radius));
 	records->block_level = octree->depth > up ? octree->depth - up : 0;
 	if (records->block_level > octree->depth - 1)
 		records->block_level = octree->depth - 1;
@@ -85,7 +82,8 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
-		status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
+		if (rows[i].buffer->handle == VK_NULL_HANDLE)
+			status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
 	if (status == GW_OK)
 		status = gw_records_make_room(gpu, records, error);
 	return status;
@@ -207,14 +205,13 @@ static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_tas
 	return status;
 }
 
+/* What *records has of lobe weights stays. */
 static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
 					   gw_records *records, gw_error *error)
 {
-	*records = (gw_records){ .radius = task->spacing > 0.0f
-										   ? fmaxf(RADIUS_PER_SPACING * task->spacing, RADIUS_DENSE)
-										   : RADIUS_DENSE };
+	records->radius = fmaxf(GW_LOBE_REACH * task->spacing, RADIUS_DENSE);
 	gw_status status = choose_lobes(passes->gpu, octree, *task, records, error);
-	choose_blocks(octree, records);
+	choose_blocks(octree, task->kept_count > 0 ? 1.0f : 2.0f, records);
 	if (status == GW_OK)
 		status = create_buffers(passes->gpu, octree, records, error);
 	if (status == GW_OK && records->count > 0)
@@ -229,6 +226,7 @@ static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_plac
 gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
 						   gw_records *records, gw_error *error)
 {
+	*records = (gw_records){ 0 };
 	return place(passes, octree, &(gw_place_task){ .spacing = spacing, .seed = seed }, records,
 				 error);
 }
@@ -241,7 +239,8 @@ gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spaci
 						   .kept = records->lobe,
 						   .kept_count = records->count,
 						   .seed = seed };
-	gw_records more;
+	gw_records more = { .lobe_record = records->lobe_record, .lobe_weight = records->lobe_weight };
+	records->lobe_record = records->lobe_weight = (gw_buffer){ 0 };
 	gw_status status = place(passes, octree, &task, &more, error);
 	gw_records_destroy(passes->gpu, records);
 	*records = more;
@@ -286,13 +285,15 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 }
 
 gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
-						   const float *spacing, size_t count, gw_buffer *buffer, gw_error *error)
+						   const float *spacing, const bool *closer, size_t count,
+						   gw_buffer *buffer, gw_error *error)
 {
 	float *values = gw_allocate_array(count, sizeof *values);
 	if (!values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
 	for (size_t i = 0; i < count; i++)
-		values[i] = fminf(fmaxf(reach * spacing[i], RADIUS_DENSE), records->radius);
+		values[i] =
+			closer[i] ? fminf(fmaxf(reach * spacing[i], RADIUS_DENSE), records->radius) : 0.0f;
 	gw_status status =
 		texel(gpu, VK_FORMAT_R32_SFLOAT, 4 * (uint64_t)count, "reach for records", buffer, error);
 	if (status == GW_OK)

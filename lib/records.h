@@ -44,8 +44,8 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
 /*
  * Adds records until every lobe lies within its own spacing of one. Those that there are keep their
- * places and come first; light and lookups are forgotten, the distance to the nearest thing as
- * well.
+ * places and come first, and lobes keep those that they take light from; light is forgotten, and
+ * the distance to the nearest thing.
  *   spacing        with which the first records were placed, above 0
  *   lobe_spacing   2 * leaf_count: each lobe's own, at most that
  */
@@ -62,10 +62,12 @@ gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spaci
  * How far lobes or surfels look for records that stand closer, as a buffer for the functions below:
  * reach times their spacing, at most the records' radius.
  *   spacing   count, leaf cells
+ *   closer    count: those that are false get 0, and keep the records that they have
  *   buffer    receives a texel buffer, owned by the caller on success
  */
 gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
-						   const float *spacing, size_t count, gw_buffer *buffer, gw_error *error);
+						   const float *spacing, const bool *closer, size_t count,
+						   gw_buffer *buffer, gw_error *error);
 
 /* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
 gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
@@ -83,14 +85,16 @@ gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal
 						 gw_records *records, gw_error *error);
 
 /* Finds the records each lobe's irradiance is interpolated from. Needs record position w.
- *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count */
+ *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count; those of 0
+ *           keep what they have */
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								 const gw_buffer *reach, gw_error *error);
 
 /*
  * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.
  * read_back.h does so for all of them.
- *   reach            NULL, or how far each looks, a texel buffer R32_SFLOAT, one a surfel of all
+ *   reach            NULL, or how far each looks, a texel buffer R32_SFLOAT, one a surfel of all;
+ *                    those of 0 get an empty row
  *   record, weight   storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
  *                    read_back.comp
  */

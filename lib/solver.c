@@ -216,18 +216,6 @@ void gw_solver_forget_samples(gw_solver *solver)
 	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[1]);
 }
 
-/* Which records light what. */
-static gw_status weigh(gw_solver *solver, const gw_buffer *lobe_reach,
-					   const gw_buffer *surfel_reach, gw_error *error)
-{
-	gw_status status = gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records,
-											  lobe_reach, error);
-	if (status == GW_OK)
-		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records, surfel_reach,
-								   solver->surfels.count, &solver->read_back, error);
-	return status;
-}
-
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 {
 	const gw_bake_options *o = &solver->options;
@@ -239,7 +227,11 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 	if (status == GW_OK)
 		status = make_pools(solver, error);
 	if (status == GW_OK)
-		status = weigh(solver, NULL, NULL, error);
+		status =
+			gw_records_weigh_lobes(&solver->passes, &solver->octree, &solver->records, NULL, error);
+	if (status == GW_OK)
+		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
+								   solver->surfels.count, &solver->read_back, error);
 	return status == GW_OK ? make_probes(solver, error) : status;
 }
 
@@ -263,20 +255,23 @@ static gw_status list_further(gw_solver *solver, uint32_t first, gw_error *error
 	return status;
 }
 
-static gw_status weigh_denser(gw_solver *solver, const gw_record_density *density, gw_error *error)
+/* Which records light what, where they have come closer. */
+static gw_status weigh_again(gw_solver *s, const gw_record_density *density, gw_error *error)
 {
 	gw_buffer lobes = { 0 }, surfels = { 0 };
-	gw_read_back_clear(&solver->read_back);
 	gw_status status =
-		gw_records_reach(solver->gpu, &solver->records, GW_LOBE_REACH, density->lobe_spacing,
-						 2 * (size_t)solver->octree.leaf_count, &lobes, error);
+		gw_records_reach(s->gpu, &s->records, GW_LOBE_REACH, density->lobe_spacing,
+						 density->lobe_closer, 2 * (size_t)s->octree.leaf_count, &lobes, error);
 	if (status == GW_OK)
-		status = gw_records_reach(solver->gpu, &solver->records, GW_SURFEL_REACH,
-								  density->surfel_spacing, solver->surfels.count, &surfels, error);
+		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, density->surfel_spacing,
+								  density->surfel_closer, s->surfels.count, &surfels, error);
 	if (status == GW_OK)
-		status = weigh(solver, &lobes, &surfels, error);
-	gw_buffer_destroy(solver->gpu, &lobes);
-	gw_buffer_destroy(solver->gpu, &surfels);
+		status = gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, &lobes, error);
+	if (status == GW_OK)
+		status = gw_read_back_again(&s->passes, &s->octree, &s->records, &surfels,
+									density->surfel_closer, &s->read_back, error);
+	gw_buffer_destroy(s->gpu, &lobes);
+	gw_buffer_destroy(s->gpu, &surfels);
 	return status;
 }
 
@@ -298,7 +293,7 @@ gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *dens
 	if (status == GW_OK)
 		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
 									&solver->rays, error);
-	return status == GW_OK ? weigh_denser(solver, density, error) : status;
+	return status == GW_OK ? weigh_again(solver, density, error) : status;
 }
 
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error)

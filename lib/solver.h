@@ -20,8 +20,9 @@
 
 /* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
 typedef struct gw_record_density {
-	float *lobe_spacing;   /* 2 * leaf_count */
-	float *surfel_spacing; /* surfel count */
+	float *lobe_spacing;               /* 2 * leaf_count */
+	float *surfel_spacing;             /* surfel count */
+	bool *lobe_closer, *surfel_closer; /* likewise: whose spacing has become less */
 } gw_record_density;
 
 typedef struct gw_solver {

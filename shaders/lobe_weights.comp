@@ -57,13 +57,15 @@ void main()
 	if (i >= push.count)
 		return;
 	row = i * GW_WEIGHTS;
+	int slot = int(push.first + i);
+	reach = push.own_reach != 0u ? texelFetch(lobe_reach, slot).x : push.radius;
+	if (reach == 0.0)
+		return; /* the row stays */
 	for (uint w = 0u; w < GW_WEIGHTS; w++) {
 		lobe_weight[row + w] = 0.0;
 		lobe_record[row + w] = GW_NONE;
 	}
-	int slot = int(push.first + i);
 	vec4 centre = texelFetch(lobe_centre, slot);
-	reach = push.own_reach != 0u ? texelFetch(lobe_reach, slot).x : push.radius;
 	if (centre.w <= 0.0 || find_records(centre.xyz, texelFetch(lobe_plane, slot).xyz, false) <= 0.0)
 		return;
 	float sum = 0.0;

@@ -65,7 +65,8 @@ void main()
 	int surfel = int(push.surfel_first + push.first + i);
 	vec4 normal = texelFetch(surfel_normal, surfel);
 	reach = push.own_reach != 0u ? texelFetch(surfel_reach, surfel).x : push.radius;
-	find_records(texelFetch(surfel_position, surfel).xyz, normal.xyz, normal.w > 0.5);
+	if (reach > 0.0)
+		find_records(texelFetch(surfel_position, surfel).xyz, normal.xyz, normal.w > 0.5);
 	float sum = 0.0;
 	for (uint w = 0u; w < used; w++)
 		sum += row_weight[row + w];

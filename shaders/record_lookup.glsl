@@ -1,17 +1,15 @@
 /*
  * record_lookup.glsl - read-back step: which records speak for a point, and how much.
  *
- * Records are listed by the octree cell ("block") they lie in; a block is at least two radii of
- * influence wide, so the 2x2x2 blocks around a point hold all that can matter. A record's weight
- * falls with its distance, the angle between the normals and the distance of the point to the
+ * Records are listed by the octree cell ("block") they lie in; those blocks are looked at that lie
+ * within the point's reach. A record's weight falls with its distance, the angle between the normals and the distance of the point to the
  * record's plane (after Ward); a record that a wall separates from the point counts nothing, which
  * is tested only where something is nearer to the record than the point is.
  *
  * The including shader defines `void use_record(uint record, float weight)` and sets `reach`, at
- * most push.radius, for each point; find_records calls it
- * for each record with a weight above 0 and returns the sum of the weights. When no record
- * qualifies it calls it for the nearest record of the blocks, with weight 1; when there is none it
- * returns 0.
+ * most push.radius, for each point; find_records calls it for each record with a weight above 0 and
+ * returns the sum of the weights. When no record qualifies it calls it for the nearest record of the
+ * blocks within push.radius, with weight 1; when there is none it returns 0.
  */
 #ifndef RECORD_LOOKUP_GLSL
 #define RECORD_LOOKUP_GLSL
@@ -47,17 +45,14 @@ bool record_visible(vec3 g, vec3 normal, vec4 record, vec3 record_facing)
 				  true, lobe, t, behind);
 }
 
-/* First and last of the records of a block around the point; none where the octree has no such
- * block, or all of it is farther than `limit`. */
-uvec2 block_of_corner(ivec3 base, int corner, vec3 g, float limit)
+/* First and last of the records of a block; none where the octree has no such block, or all of it
+ * is farther from g than `limit`. */
+uvec2 block_span(ivec3 cell, vec3 g, float size, float limit)
 {
-	ivec3 cell = base + ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);
 	int cells = 1 << push.block_level;
-	if (any(lessThan(cell, ivec3(0))) || any(greaterThanEqual(cell, ivec3(cells))))
-		return uvec2(0u);
-	float size = exp2(float(depth - push.block_level));
 	vec3 outside = max(abs(g - (vec3(cell) + 0.5) * size) - 0.5 * size, 0.0);
-	if (dot(outside, outside) >= limit * limit)
+	if (dot(outside, outside) >= limit * limit || any(lessThan(cell, ivec3(0))) ||
+		any(greaterThanEqual(cell, ivec3(cells))))
 		return uvec2(0u);
 	uint pointer = find_tile(uvec3(cell), push.block_level);
 	if (pointer == 0u)
@@ -66,12 +61,23 @@ uvec2 block_of_corner(ivec3 base, int corner, vec3 g, float limit)
 	return uvec2(texelFetch(block_first, block).x, texelFetch(block_first, block + 1).x);
 }
 
-uint nearest_record(ivec3 base, vec3 g, vec3 normal)
+/* The n-th block of those that `within` reaches into from g, x first; their number a side. */
+ivec3 nth_block(vec3 g, float size, float within, int n, out int count)
+{
+	ivec3 low = ivec3(floor((g - within) / size));
+	ivec3 side = ivec3(floor((g + within) / size)) - low + 1;
+	count = side.x * side.y * side.z;
+	return low + ivec3(n % side.x, n / side.x % side.y, n / (side.x * side.y));
+}
+
+uint nearest_record(vec3 g, vec3 normal, float size)
 {
 	uint nearest = GW_NONE;
 	float nearest_cost = 1e30;
-	for (int corner = 0; corner < 8; corner++) {
-		uvec2 span = block_of_corner(base, corner, g, 1e9);
+	int count;
+	nth_block(g, size, push.radius, 0, count);
+	for (int n = 0; n < count; n++) {
+		uvec2 span = block_span(nth_block(g, size, push.radius, n, count), g, size, 1e9);
 		for (uint r = span.x; r < span.y; r++) {
 			uint record = texelFetch(block_record, int(r)).x;
 			vec3 position = texelFetch(record_position, int(record)).xyz;
@@ -88,11 +94,11 @@ uint nearest_record(ivec3 base, vec3 g, vec3 normal)
 
 float find_records(vec3 g, vec3 normal, bool both_sides)
 {
-	float size = exp2(float(depth - push.block_level));
-	ivec3 base = ivec3(floor(g / size - 0.5));
-	float sum = 0.0;
-	for (int corner = 0; corner < 8; corner++) {
-		uvec2 span = block_of_corner(base, corner, g, reach);
+	float size = exp2(float(depth - push.block_level)), sum = 0.0;
+	int count;
+	nth_block(g, size, reach, 0, count);
+	for (int n = 0; n < count; n++) {
+		uvec2 span = block_span(nth_block(g, size, reach, n, count), g, size, reach);
 		for (uint r = span.x; r < span.y; r++) {
 			uint record = texelFetch(block_record, int(r)).x;
 			vec4 position = texelFetch(record_position, int(record));
@@ -108,7 +114,7 @@ float find_records(vec3 g, vec3 normal, bool both_sides)
 		}
 	}
 	if (sum == 0.0) {
-		uint nearest = nearest_record(base, g, normal);
+		uint nearest = nearest_record(g, normal, size);
 		if (nearest != GW_NONE) {
 			use_record(nearest, 1.0);
 			sum = 1.0;

@@ -1,7 +1,7 @@
 /* Bakes that add records where the light asks for them: against bakes that trace all at once, and
  * against even records. */
+#include "record_density.h"
 #include "scenes.h"
-#include "solver.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -73,6 +73,7 @@ static void added_records_see_the_same(void **state)
 	gw_error error;
 	gw_report report[2];
 	gw_solver at_once, added;
+	size_t some = 0;
 	scene s = { 0 };
 	make_passage(&s);
 	gw_points points = scene_points(&s);
@@ -82,7 +83,16 @@ static void added_records_see_the_same(void **state)
 	gw_record_density density = {
 		.lobe_spacing = densest(2 * (size_t)added.octree.leaf_count),
 		.surfel_spacing = densest(added.surfels.count),
+		.lobe_closer = calloc(2 * (size_t)added.octree.leaf_count, sizeof(bool)),
+		.surfel_closer = calloc(added.surfels.count, sizeof(bool)),
 	};
+	assert_non_null(density.lobe_closer);
+	assert_non_null(density.surfel_closer);
+	for (size_t i = 0; i < added.surfels.count; i++)
+		density.surfel_closer[i] = i % 2;
+	uint32_t *first = malloc((added.surfels.count + 1) * sizeof *first);
+	assert_non_null(first);
+	memcpy(first, added.read_back.first, (added.surfels.count + 1) * sizeof *first);
 	must(gw_solver_add_records(&added, &density, &error), &error);
 	assert_int_equal(added.records.count, at_once.records.count);
 	assert_true(before > 10 && added.records.count > 4 * before);
@@ -98,10 +108,23 @@ static void added_records_see_the_same(void **state)
 		assert_int_equal(at_once.records.lobe[other], added.records.lobe[i]);
 		assert_memory_equal(a + 16 * (size_t)other, b + 16 * (size_t)i, 64);
 	}
+	/* Surfels keep their records unless these came closer; then they get some of the new ones. */
+	for (size_t i = 0; i < added.surfels.count; i++) {
+		const gw_read_back *now = &added.read_back;
+		uint32_t length = now->first[i + 1] - now->first[i], fresh = 0;
+		for (uint32_t e = now->first[i]; e < now->first[i + 1]; e++)
+			fresh += now->record[e] >= before;
+		if (i % 2 == 0)
+			assert_true(length == first[i + 1] - first[i] && fresh == 0);
+		else
+			assert_true(length > 0);
+		some += fresh;
+	}
+	assert_true(some > added.surfels.count / 2);
 	free(a);
 	free(b);
-	free(density.lobe_spacing);
-	free(density.surfel_spacing);
+	free(first);
+	gw_record_density_clear(&density);
 	gw_solver_close(&at_once);
 	gw_solver_close(&added);
 	scene_clear(&s);
