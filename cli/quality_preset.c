@@ -16,13 +16,10 @@ void quality_preset_apply(settings *s)
 	settings preset = settings_default();
 	uint8_t source = s->given[find("quality") - options];
 	bool refines = s->bake.max_error > 0.0f || s->bake.time_limit > 0.0f;
-	gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
-	/* Few records show where more are needed; the rays of each are those of the end. */
-	if (refines && source == SETTINGS_BY_DEFAULT) {
-		gw_bake_options draft = GW_BAKE_OPTIONS_DEFAULT;
-		gw_bake_options_set_quality(&draft, GW_QUALITY_DRAFT);
-		preset.bake.record_spacing = draft.record_spacing;
-	}
+	if (refines && source == SETTINGS_BY_DEFAULT)
+		gw_bake_options_set_start(&preset.bake);
+	else
+		gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
 	for (size_t i = 0; i < sizeof set_by_quality / sizeof *set_by_quality; i++) {
 		const option *o = find(set_by_quality[i]);
 		uint8_t own = s->given[o - options];

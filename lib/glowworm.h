@@ -237,6 +237,10 @@ typedef enum gw_quality {
 /* Sets record_spacing, rays, light_samples, cones and leaf_spacing; the rest stays. */
 void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
 
+/* Sets the same to those with which a bake that refines best begins: few records, which show where
+ * more are needed, with as many rays as they will need in the end. */
+void gw_bake_options_set_start(gw_bake_options *options);
+
 /* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
 typedef struct gw_bake_callbacks {
 	/* Progress: name of the stage and the share of the whole bake that is done, 0..1. */

@@ -37,3 +37,9 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality)
 	options->light_samples = set.light_samples;
 	options->cones = set.cones;
 }
+
+void gw_bake_options_set_start(gw_bake_options *options)
+{
+	gw_bake_options_set_quality(options, GW_QUALITY_NORMAL);
+	options->record_spacing = rows[GW_QUALITY_DRAFT].record_spacing;
+}

@@ -32,6 +32,10 @@
 #define SHARE_MOST 0.45
 #define GROWTH_MOST 8.0
 
+/* Cones have an error of their own that no number of records lessens, and gather at all of them
+ * again for every bounce: they get there in steps that do not waste much. */
+#define GROWTH_OF_CONES 2.0
+
 /* By how much the parts of the settings are to grow; 1 leaves them alone. */
 typedef struct growth {
 	double rays, density; /* rays a record; records and leaves along a metre */
@@ -110,7 +114,8 @@ gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish
 	if (state->crowded || !(state->options->record_spacing > 0.0f))
 		return GW_REFINE_EXHAUSTED;
 	/* As if all of the last round had been work that grows. */
-	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), GROWTH_MOST);
+	double most = state->options->method == GW_METHOD_RAYS ? GROWTH_MOST : GROWTH_OF_CONES;
+	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), most);
 	if (work < WORK_LEAST)
 		return GW_REFINE_NO_TIME;
 	double factor = AIM / excess(state);

@@ -436,6 +436,7 @@ static gw_status climb_targets(problem *p, ladder *l)
 	for (int i = 0; i < 3 && !over && status == GW_OK; i++) {
 		gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
 		char setting[64];
+		gw_bake_options_set_start(&options);
 		options.max_error = target[i];
 		snprintf(setting, sizeof setting, "--max-error %.2f", (double)target[i]);
 		status = try_bake(p, l, &options, setting, &over);

@@ -170,6 +170,11 @@ static void records_come_first(void **state)
 	/* Squares of a third; 0.02f is 0.02 within 1e-8. */
 	assert_true(fabs(wish.share - 0.9 * 0.9 / 9.0) < 1e-6);
 	assert_true(wish.most_growth > 4.0 && wish.most_growth < 100.0);
+	/* Cones go in small steps. */
+	o.method = GW_METHOD_CONES;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	assert_true(wish.most_growth <= 2.0);
+	o.method = GW_METHOD_RAYS;
 	s.seconds_left = 2.5;
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
 	assert_true(wish.most_growth == 2.5);
