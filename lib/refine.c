@@ -29,7 +29,7 @@
 /* Records are aimed at this share of the error that is wanted, since what the estimate says has a
  * spread of its own; and no round makes them more than so many times as many. */
 #define AIM 0.9
-#define SHARE_MOST 0.45
+#define SHARE_MOST 0.65
 #define GROWTH_MOST 8.0
 
 /* Cones have an error of their own that no number of records lessens, and gather at all of them
