@@ -82,7 +82,7 @@ static bool differs(const gw_bake_options *a, const gw_bake_options *b)
 		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
 }
 
-/* How much larger the error of gathered light is than what shadows leave of what is wanted; twice,
+/* How much larger the error of gathered light is than what is wanted beside that of shadows; twice,
  * where nothing is said. */
 static double excess(const gw_refine_state *state)
 {

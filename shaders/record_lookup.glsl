@@ -1,15 +1,16 @@
 /*
  * record_lookup.glsl - read-back step: which records speak for a point, and how much.
  *
- * Records are listed by the octree cell ("block") they lie in; those blocks are looked at that lie
- * within the point's reach. A record's weight falls with its distance, the angle between the normals and the distance of the point to the
- * record's plane (after Ward); a record that a wall separates from the point counts nothing, which
- * is tested only where something is nearer to the record than the point is.
+ * Records are listed by the octree cell ("block") they lie in; blocks within the point's reach are
+ * looked at. A record's weight falls with its distance, the angle between the normals and
+ * the distance of the point to the record's plane (after Ward); a record that a wall separates
+ * from the point counts nothing, which is tested only where something is nearer to the record than
+ * the point is.
  *
  * The including shader defines `void use_record(uint record, float weight)` and sets `reach`, at
  * most push.radius, for each point; find_records calls it for each record with a weight above 0 and
- * returns the sum of the weights. When no record qualifies it calls it for the nearest record of the
- * blocks within push.radius, with weight 1; when there is none it returns 0.
+ * returns the sum of the weights. When no record qualifies it calls it for the nearest record of
+ * the blocks within push.radius, with weight 1; when there is none it returns 0.
  */
 #ifndef RECORD_LOOKUP_GLSL
 #define RECORD_LOOKUP_GLSL

@@ -5,7 +5,8 @@ make_box --scene corner --points 2000 -o box.ply
 echo '{"version": 1, "inputs": [{"file": "box.ply"}],
 	"bake": {"quality": "draft", "rays": 100}}' >a.json
 show() {
-	glowworm bake "$@" --print-scene | grep -E '"(quality|rays|light_samples|record_spacing|leaf_spacing)":'
+	glowworm bake "$@" --print-scene |
+		grep -E '"(quality|rays|light_samples|record_spacing|leaf_spacing)":'
 }
 echo "the scene's own rays stay, the command line's quality wins over them:"
 show a.json
