@@ -89,9 +89,9 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .kept = relight->plan.emitters ? &s->sampled : NULL };
 	gw_status status = GW_OK;
 	if (s->further.count > 0 && sources.kept && s->sampled.handle != VK_NULL_HANDLE)
-		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->rays,
+		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->further_rays,
 											  &sources, error);
-	gw_records_destroy(s->gpu, &s->further);
+	gw_solver_forget_further(s);
 	return status == GW_OK ? gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
 												   &sources, &s->records.first, error)
 						   : status;

@@ -208,10 +208,16 @@ static gw_status make_probes(gw_solver *solver, gw_error *error)
 }
 
 /* What emitters brought is not so any more. */
+void gw_solver_forget_further(gw_solver *solver)
+{
+	gw_records_destroy(solver->gpu, &solver->further);
+	gw_ray_gather_destroy(solver->gpu, &solver->further_rays);
+}
+
 void gw_solver_forget_samples(gw_solver *solver)
 {
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
-	gw_records_destroy(solver->gpu, &solver->further);
+	gw_solver_forget_further(solver);
 	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[0]);
 	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[1]);
 }
@@ -280,7 +286,7 @@ gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *dens
 {
 	const gw_bake_options *o = &solver->options;
 	uint32_t before = solver->records.count;
-	gw_records_destroy(solver->gpu, &solver->further);
+	gw_solver_forget_further(solver);
 	gw_status status = gw_records_add(&solver->passes, &solver->octree, o->record_spacing, o->seed,
 									  density->lobe_spacing, &solver->records, error);
 	solver->report->records = solver->records.count;
@@ -288,7 +294,7 @@ gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *dens
 		status = list_further(solver, before, error);
 	if (status == GW_OK && solver->further.count > 0)
 		status = gw_ray_gather_add(&solver->passes, &solver->octree, &solver->further,
-								   &solver->rays, error);
+								   &solver->rays, &solver->further_rays, error);
 	report_rays(solver);
 	if (status == GW_OK)
 		status = gw_ray_gather_look(&solver->passes, &solver->octree, &solver->records,
@@ -329,7 +335,7 @@ void gw_solver_drop_records(gw_solver *solver)
 	gw_cone_gather_destroy(solver->gpu, &solver->cones);
 	gw_ray_gather_destroy(solver->gpu, &solver->rays);
 	gw_records_destroy(solver->gpu, &solver->records);
-	gw_records_destroy(solver->gpu, &solver->further);
+	gw_solver_forget_further(solver);
 	gw_read_back_clear(&solver->read_back);
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
 	gw_probes_destroy(solver->gpu, &solver->probes);

@@ -43,7 +43,8 @@ typedef struct gw_solver {
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
-	gw_records further; /* places of records that were added and are not in it yet */
+	gw_records further;         /* places of records that were added and are not in it yet */
+	gw_ray_gather further_rays; /* and their hits */
 
 	/* For scenes in which some surfels move. */
 	bool keeps;                  /* the octree is built with what builds before it left */
@@ -95,6 +96,9 @@ gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
 
 /* To be called when the emission of surfels changes. */
 void gw_solver_forget_samples(gw_solver *solver);
+/* What the added records are, once they are among the others in all that is kept. */
+void gw_solver_forget_further(gw_solver *solver);
+
 /* Places records only to find what they see, as solver.kept; they are dropped again. */
 gw_status gw_solver_keep_hits(gw_solver *solver, gw_kept_hits *kept, gw_error *error);
 
