@@ -100,7 +100,8 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 
 $(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
-$(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/samples/sample_points.o
+$(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o \
+		$(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
 	$(CC) $(LDFLAGS) -o $@ $^ -lm
 
 $(BUILD)/man/%.1: man/%.1.in $(BUILD)/glowworm
