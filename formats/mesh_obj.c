@@ -7,6 +7,7 @@
 #include "mesh.h"
 #include "mesh_text.h"
 #include "mesh_vertices.h"
+#include "number_text.h"
 #include "scan_color.h"
 
 #include <limits.h>
@@ -53,11 +54,9 @@ static gw_status take_vertex(reader *r)
 	mesh *m = r->mesh;
 	double v[6];
 	size_t count = 0;
-	for (mesh_text peek = r->text; mesh_text_word(&peek).length > 0; peek = r->text, count++) {
-		mesh_text before = r->text;
-		if (count == 6 || !mesh_text_number(&r->text, &v[count]))
-			return fail_line(r, "'%s' where a coordinate was expected", mesh_text_word(&before));
-	}
+	for (mesh_word word; (word = mesh_text_word(&r->text)).length > 0; count++)
+		if (count == 6 || number_read(word.text, word.length, &v[count]) != word.length)
+			return fail_line(r, "'%s' where a coordinate was expected", word);
 	if (count < 3)
 		return fail_line(r, "a vertex needs x, y and z%.0s", (mesh_word){ 0 });
 	double *position = growing_table_room(m->position, m->position_count, 3 * sizeof *position);

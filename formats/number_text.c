@@ -59,7 +59,8 @@ static unsigned leading_digits(uint64_t x)
 }
 
 /* Takes all digits; *mantissa is right while they are no more than DIGITS. */
-static inline const char *take_digits(const char *at, const char *end, uint64_t *mantissa)
+__attribute__((always_inline)) static inline const char *
+take_digits(const char *at, const char *end, uint64_t *mantissa)
 {
 	while (end - at >= 8 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
 		uint64_t x;
@@ -110,7 +111,7 @@ static size_t take_exponent(const char *text, const char *end, int64_t *exponent
 }
 
 /* Inline, and with nothing of *d behind a pointer, so that it stays in registers. */
-static inline decimal take_apart(const char *text, size_t length)
+__attribute__((always_inline)) static inline decimal take_apart(const char *text, size_t length)
 {
 	decimal d = { .exact = true, .whole = true };
 	uint64_t mantissa = 0;

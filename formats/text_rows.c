@@ -263,7 +263,7 @@ static bool store_integer(const text_column *column, size_t row, double value)
 }
 
 /* Doubles are kept with how they were written, because their column may become a smaller type. */
-static size_t take_double(text_column *column, size_t row, const char *at, size_t length)
+static inline size_t take_double(text_column *column, size_t row, const char *at, size_t length)
 {
 	double *to = (double *)column->data + row;
 	bool whole = atomic_load_explicit(&column->whole, memory_order_relaxed);
@@ -280,7 +280,7 @@ static size_t take_double(text_column *column, size_t row, const char *at, size_
 }
 
 /* end: of the whole text, as no number reaches over the end of a line. */
-static fault take_value(text_column *column, size_t row, const char **at, const char *end)
+static inline fault take_value(text_column *column, size_t row, const char **at, const char *end)
 {
 	size_t length = (size_t)(end - *at), used;
 	double value = 0.0;
@@ -318,9 +318,34 @@ static fault take_nothing(text_column *column, size_t row)
 	return FAULT_NONE;
 }
 
+/* Values parted by blanks alone, which is the usual case. */
+static fault take_plain_row(const text_rows *rows, text_column *column, size_t row, const char *end,
+							place *p)
+{
+	p->at = skip_blanks(p->at, end);
+	for (p->column = 0; p->column < rows->width; p->column++) {
+		text_column *to = &column[p->column];
+		fault found = FAULT_NONE;
+		if (p->at == end)
+			return FAULT_MISSING;
+		if (!to->data)
+			skip_word(rows, &p->at, end);
+		else
+			found = take_value(to, row, &p->at, rows->end);
+		if (found == FAULT_NONE && p->at < end && !is_blank(*p->at))
+			found = FAULT_NUMBER;
+		if (found != FAULT_NONE)
+			return found;
+		p->at = skip_blanks(p->at, end);
+	}
+	return p->at < end && !rows->open ? FAULT_MORE : FAULT_NONE;
+}
+
 static fault take_row(const text_rows *rows, text_column *column, size_t row, const char *end,
 					  place *p)
 {
+	if (rows->separator == ' ')
+		return take_plain_row(rows, column, row, end, p);
 	p->at = skip_blanks(p->at, end);
 	for (p->column = 0; p->column < rows->width; p->column++) {
 		text_column *to = &column[p->column];
