@@ -207,22 +207,27 @@ static gw_status skip_binary(reader *r, const ply_element *element)
 }
 
 /* Vertices of one size: column by column within blocks that stay in the cache. */
-static void take_rows(reader *r, size_t stride)
+#define BLOCK_ROWS ((size_t)1 << 12)
+
+typedef struct rows {
+	const reader *r;
+	size_t stride;
+} rows;
+
+static void take_rows(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const size_t block = 4096;
-	size_t count = r->scan->count;
-	for (size_t first = 0; first < count; first += block) {
-		size_t last = first + block < count ? first + block : count;
-		const uint8_t *from = r->at;
-		for (size_t k = 0; k < r->vertex->property_count; k++) {
-			size_t size = scan_type_size(r->vertex->property[k].type);
-			char *to = (char *)r->data[k] + first * size;
-			for (size_t i = 0; i < last - first; i++)
-				take_value(to + i * size, from + i * stride, size, r->swap);
-			from += size;
-		}
-		r->at += (last - first) * stride;
+	(void)worker;
+	const reader *r = ((const rows *)user)->r;
+	size_t stride = ((const rows *)user)->stride;
+	const uint8_t *begin = r->at + first * stride, *from = begin;
+	for (size_t k = 0; k < r->vertex->property_count; k++) {
+		size_t size = scan_type_size(r->vertex->property[k].type);
+		char *to = (char *)r->data[k] + first * size;
+		for (size_t i = 0; i < last - first; i++)
+			take_value(to + i * size, from + i * stride, size, r->swap);
+		from += size;
 	}
+	input_file_release(r->in, begin, begin + (last - first) * stride);
 }
 
 static gw_status read_binary(reader *r)
@@ -234,8 +239,10 @@ static gw_status read_binary(reader *r)
 		status = add_columns(r);
 	if (status != GW_OK)
 		return status;
-	if (!lists)
-		take_rows(r, bytes);
+	if (!lists) {
+		gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
+		r->at += r->scan->count * bytes;
+	}
 	for (size_t i = 0; i < r->scan->count && lists && status == GW_OK; i++)
 		status = take_binary(r, r->vertex, i);
 	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && left(r) >= bytes)
@@ -461,7 +468,9 @@ static void read_blocks(void *user, size_t first, size_t last, uint32_t worker)
 	ascii_blocks *b = user;
 	for (size_t k = first; k < last && k < atomic_load(&b->bad); k++) {
 		size_t before = atomic_load(&b->bad);
-		if (read_block(b, k, NULL) != GW_OK)
+		gw_status status = read_block(b, k, NULL);
+		input_file_release(b->r->in, b->place[k].at, b->place[k + 1].at);
+		if (status != GW_OK)
 			while (k < before && !atomic_compare_exchange_weak(&b->bad, &before, k))
 				;
 	}
@@ -471,7 +480,7 @@ static void read_blocks(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status read_vertices(reader *r)
 {
 	size_t count = r->scan->count;
-	place *places = reallocarray(NULL, count / BLOCK_LINES + 1, sizeof *places);
+	place *places = reallocarray(NULL, count / BLOCK_LINES + 2, sizeof *places);
 	if (!places)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory to read %s", r->in->name);
 	ascii_blocks b = { .r = r, .place = places, .bad = SIZE_MAX };
@@ -479,12 +488,15 @@ static gw_status read_vertices(reader *r)
 	ascii_line line;
 	bool more = true;
 	while (more && b.count < count) {
-		if (b.count % BLOCK_LINES == 0)
+		if (more && b.count % BLOCK_LINES == 0)
 			places[b.count / BLOCK_LINES] = (place){ ahead.at, ahead.line };
 		more = next_line(&ahead, &line);
 		b.count += more;
+		if (b.count % BLOCK_LINES == 0)
+			input_file_release(r->in, places[(b.count - 1) / BLOCK_LINES].at, ahead.at);
 	}
 	size_t blocks = (b.count + BLOCK_LINES - 1) / BLOCK_LINES;
+	places[blocks] = (place){ ahead.at, ahead.line };
 	gw_parallel_for(r->in->threads, blocks, 1, read_blocks, &b);
 	gw_status status = GW_OK;
 	if (atomic_load(&b.bad) != SIZE_MAX)

@@ -197,6 +197,7 @@ static void count_chunks(void *user, size_t first, size_t last, uint32_t worker)
 			chunk->skipped += kind == LINE_SKIPPED;
 			chunk->line++;
 		}
+		input_file_release(rows->in, rows->begin + chunk->begin, stop);
 	}
 }
 
@@ -400,7 +401,11 @@ static void read_chunks(void *user, size_t first, size_t last, uint32_t worker)
 	const char *end;
 	size_t line;
 	for (size_t i = first; i < last && i < atomic_load(&r->bad); i++) {
-		if (read_chunk(r->rows, r->column, i, &p, &end, &line) == FAULT_NONE)
+		const text_chunk *chunk = &r->rows->chunk[i];
+		fault found = read_chunk(r->rows, r->column, i, &p, &end, &line);
+		input_file_release(r->rows->in, r->rows->begin + chunk->begin,
+						   r->rows->begin + chunk[1].begin);
+		if (found == FAULT_NONE)
 			continue;
 		size_t before = atomic_load(&r->bad);
 		while (i < before && !atomic_compare_exchange_weak(&r->bad, &before, i))
