@@ -24,8 +24,8 @@ done
 	"$build/tests/bench/bench_formats" "$folder" "$points" "$folder"/scans.e57 "$folder"/scans.ptx \
 		"$@"
 	echo
-	echo "Measured on $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1) with other programs" \
-		"running, load $(cut -d ' ' -f 1 /proc/loadavg)."
+	processor=$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)
+	echo "Measured on $processor with other programs running, load $(cut -d ' ' -f 1 /proc/loadavg)."
 	echo
 	sed -n '/^<!-- end of table -->$/,$p' "$page"
 } >"$folder/page.new"
