@@ -25,7 +25,7 @@ done
 		"$@"
 	echo
 	processor=$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)
-	echo "Measured on $processor with other programs running, load $(cut -d ' ' -f 1 /proc/loadavg)."
+	echo "Measured on $processor with others running, load $(cut -d ' ' -f 1 /proc/loadavg)."
 	echo
 	sed -n '/^<!-- end of table -->$/,$p' "$page"
 } >"$folder/page.new"
