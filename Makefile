@@ -50,7 +50,8 @@ MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
 TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
 BENCH_TOOLS     := $(wildcard tests/bench/make_*.c tests/fuzz/make_*.c)
-TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS),$(wildcard tests/*/*.c tests/*/*.cpp))
+PCL_LOADERS     := tests/bench/pcl_loaders.cpp
+TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS) $(PCL_LOADERS),$(wildcard tests/*/*.c tests/*/*.cpp))
 TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
 BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
 TOOL_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(BENCH_TOOLS)))
@@ -60,7 +61,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench tradeoff lint install uninstall help clean FORCE
+.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -100,7 +101,8 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 
 $(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
-$(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/samples/sample_points.o
+$(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o \
+		$(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
 	$(CC) $(LDFLAGS) -o $@ $^ -lm
 
 $(BUILD)/man/%.1: man/%.1.in $(BUILD)/glowworm
@@ -129,6 +131,10 @@ $(BUILD)/tests/%.o: INCLUDE += -Itests/unit -Itests/physics -Itests/hostile -Ite
 $(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/libhelpers.a \
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -Wl,--disable-new-dtags,-rpath,'$$ORIGIN/../..' -o $@ $^ -lcmocka -lembree3 $(LDLIBS)
+
+# Peers of our readers, which nothing else needs.
+$(BUILD)/tests/bench/bench_formats: $(call objects,$(PCL_LOADERS))
+$(BUILD)/tests/bench/bench_formats: LDLIBS += -lpcl_io -lpcl_common
 
 $(BUILD)/tests/fuzz/fuzz: $(BUILD)/tests/fuzz/fuzz_main.o $(BUILD)/libhelpers.a \
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
@@ -170,6 +176,9 @@ lint: $(BUILD)/libglowworm.a  ## style, layers, symbols and the folders' READMEs
 
 bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
 	@set -e; for program in $(BENCH_PROGRAMS); do echo "== $${program##*/}"; $$program; done
+
+bench-formats: all $(BUILD)/tests/bench/bench_formats  ## speed of reading, into formats/speed.md
+	@tests/bench/formats_table.sh $(BUILD) formats/speed.md 2000000 $(LAZ)
 
 # -------------------------------------------------------------------------------------- use
 

@@ -403,6 +403,12 @@ static gw_status stopped(gw_error *error)
 	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
 }
 
+bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
+{
+	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
+	return from->mesh || (named && mesh_has_faces(from->path));
+}
+
 /* Clouds become points; meshes are read, but how densely to sample them is known only when all
  * clouds are there. */
 static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
@@ -412,7 +418,7 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 		const settings_input *from = &s->input[i];
 		loaded_input *facts = &scene->input[i];
 		facts->path = from->path;
-		facts->is_mesh = from->mesh || mesh_is_name(from->path);
+		facts->is_mesh = loaded_scene_is_mesh(s, from);
 		scene->input_count = i + 1;
 		if (facts->is_mesh)
 			status = read_mesh(s, from, facts, error);

@@ -45,6 +45,10 @@ typedef struct loaded_scene {
 gw_status loaded_scene_read(const settings *settings, loaded_scene *scene, gw_error *error);
 void loaded_scene_clear(loaded_scene *scene);
 
+/* Whether an input is sampled: it is asked for as a mesh, or its name is a mesh's, it has faces,
+ * and neither the scene file nor --format asks for its vertices. */
+bool loaded_scene_is_mesh(const settings *settings, const settings_input *from);
+
 /* Points for a density. GW_ERROR_DATA when that is none, or more than can be counted.
  *   name    of the file, for messages */
 gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *name,

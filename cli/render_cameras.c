@@ -68,9 +68,84 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 	return status;
 }
 
+/*
+ * The widest disc anywhere near. Where points that are far from each other border on a place where
+ * they are close, the former need the latter as neighbours: without them their discs would reach as
+ * far as the next ones that are there, across the picture.
+ */
+#define SIDE 64 /* cells along the longest side of the bounds, at most */
+
+typedef struct reach {
+	const gw_surfels *surfels;
+	double per_metre;
+	int side[3];
+	float *widest; /* owned; one a cell */
+} reach;
+
+static void reach_cell(const reach *r, size_t surfel, int cell[3])
+{
+	for (size_t k = 0; k < 3; k++) {
+		double offset =
+			(double)r->surfels->position[3 * surfel + k] - (double)r->surfels->minimum[k];
+		int at = (int)(offset * r->per_metre);
+		cell[k] = at < r->side[k] ? at : r->side[k] - 1;
+	}
+}
+
+static float *reach_at(const reach *r, const int cell[3])
+{
+	return &r->widest[((size_t)cell[2] * (size_t)r->side[1] + (size_t)cell[1]) *
+						  (size_t)r->side[0] +
+					  (size_t)cell[0]];
+}
+
+/* Cells are as wide as the widest disc or wider, so that its neighbours lie in those around it. */
+static gw_status make_reach(const gw_surfels *s, reach *r, gw_error *error)
+{
+	double extent = 0.0, width = 1e-30;
+	size_t cells = 1;
+	for (size_t i = 0; i < s->count; i++)
+		width = fmax(width, (double)s->radius[i]);
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)s->maximum[k] - (double)s->minimum[k]);
+	width = fmax(width, extent / SIDE);
+	*r = (reach){ .surfels = s, .per_metre = 1.0 / width };
+	for (int k = 0; k < 3; k++) {
+		r->side[k] = (int)(((double)s->maximum[k] - (double)s->minimum[k]) / width) + 1;
+		cells *= (size_t)r->side[k];
+	}
+	r->widest = calloc(cells, sizeof *r->widest);
+	if (!r->widest)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to choose what is in the picture");
+	for (size_t i = 0; i < s->count; i++) {
+		int cell[3];
+		reach_cell(r, i, cell);
+		float *widest = reach_at(r, cell);
+		*widest = fmaxf(*widest, s->radius[i]);
+	}
+	return GW_OK;
+}
+
+static float reach_around(const reach *r, size_t surfel)
+{
+	int cell[3], at[3];
+	float widest = 0.0f;
+	reach_cell(r, surfel, cell);
+	for (int i = 0; i < 27; i++) {
+		bool inside = true;
+		for (int k = 0, rest = i; k < 3; k++, rest /= 3) {
+			at[k] = cell[k] + rest % 3 - 1;
+			inside = inside && at[k] >= 0 && at[k] < r->side[k];
+		}
+		widest = inside ? fmaxf(widest, *reach_at(r, at)) : widest;
+	}
+	return widest;
+}
+
 /* What is in one picture. */
 typedef struct choice {
 	const gw_surfels *surfels;
+	reach reach;
 	gw_camera camera;
 	double aspect;
 	uint8_t *chosen;
@@ -85,8 +160,8 @@ static void choose_range(void *user, size_t first, size_t last, uint32_t worker)
 		double centre[3];
 		for (size_t k = 0; k < 3; k++)
 			centre[k] = s->origin[k] + (double)s->position[3 * i + k];
-		c->chosen[i] |=
-			gw_camera_sees(&c->camera, c->aspect, centre, (double)(SURROUNDINGS * s->radius[i]));
+		double radius = (double)(SURROUNDINGS * reach_around(&c->reach, i));
+		c->chosen[i] |= gw_camera_sees(&c->camera, c->aspect, centre, radius);
 	}
 }
 
@@ -99,13 +174,14 @@ gw_status camera_plan_choose(const camera_plan *plan, const gw_surfels *surfels,
 		memset(chosen, 1, surfels->count);
 		return GW_OK;
 	}
-	for (size_t i = 0; i < pictures; i++) {
-		gw_status status = camera_plan_camera(plan, 0.0, i, &c.camera, error);
-		if (status != GW_OK)
-			return status;
-		gw_parallel_for(0, surfels->count, 65536, choose_range, &c);
+	gw_status status = make_reach(surfels, &c.reach, error);
+	for (size_t i = 0; i < pictures && status == GW_OK; i++) {
+		status = camera_plan_camera(plan, 0.0, i, &c.camera, error);
+		if (status == GW_OK)
+			gw_parallel_for(0, surfels->count, 65536, choose_range, &c);
 	}
-	return GW_OK;
+	free(c.reach.widest);
+	return status;
 }
 
 gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t picture,

@@ -61,7 +61,7 @@ static gw_status read_meshes(const settings *list, char up, mesh *meshes, gw_err
 	size_t found = 0;
 	for (size_t i = 0; i < list->input_count && status == GW_OK; i++) {
 		const settings_input *from = list->input + i;
-		if (!from->mesh && !mesh_is_name(from->path))
+		if (!loaded_scene_is_mesh(list, from))
 			continue;
 		found++;
 		status = mesh_read(from->path, meshes + i, error);

@@ -290,8 +290,7 @@ static gw_status check_motion(const reader *r, json_t *object, const motion_path
 		return fail_here(r, "it moves by 'path' or by 'matrices', not by both");
 	if (path->matrix_count > 0 && json_object_get(object, "matrix"))
 		return fail_here(r, "'matrices' take the place of 'matrix'; give one of them");
-	if (path->key_count == 0 &&
-		(path->has_pivot || json_object_get(object, "interpolation")))
+	if (path->key_count == 0 && (path->has_pivot || json_object_get(object, "interpolation")))
 		return fail_here(r, "'pivot' and 'interpolation' belong to a 'path', which is missing");
 	return GW_OK;
 }
@@ -352,9 +351,9 @@ static gw_status take_share(const reader *r, json_t *value, bool *given, float *
 
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file",      "matrix",   "emission",     "albedo",
-										"mesh",      "density",  "specular",     "roughness",
-										"path",      "matrices", "pivot",        "interpolation" };
+	static const char *const name[] = { "file", "matrix",   "emission", "albedo",
+										"mesh", "density",  "specular", "roughness",
+										"path", "matrices", "pivot",    "interpolation" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -403,10 +402,9 @@ static gw_status take_input(reader *r, json_t *object)
 	}
 	if (status == GW_OK && !input.path)
 		status = fail_here(r, "an input needs 'file'");
-	if (status == GW_OK && json_is_false(json_object_get(object, "mesh")) &&
-		mesh_is_name(input.path))
-		status = fail_here(r, "an OBJ or GLB file is always a mesh; it holds no points");
-	if (status == GW_OK && input.density > 0.0f && !input.mesh && !mesh_is_name(input.path))
+	input.vertices = json_is_false(json_object_get(object, "mesh"));
+	bool is_mesh = input.path && (input.mesh || (mesh_is_name(input.path) && !input.vertices));
+	if (status == GW_OK && input.density > 0.0f && !is_mesh)
 		status = fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
 	if (status == GW_OK)
 		status = finish_motion(r, object, &path, &input, &input.motion);
@@ -644,8 +642,7 @@ static gw_status check_frames(const reader *r)
 
 static gw_status take_member(reader *r, const char *key, json_t *value)
 {
-	static const char *const name[] = { "version", "units",  "inputs",
-										"lights",  "frames", "bake" };
+	static const char *const name[] = { "version", "units", "inputs", "lights", "frames", "bake" };
 	if (strcmp(key, "version") == 0)
 		return json_integer_value(value) == 1 ? GW_OK
 											  : fail_here(r, "this program reads version 1 only");

@@ -164,8 +164,8 @@ void scene_write(FILE *out, const settings *s)
 			json_put_single(&json, "specular", input->specular);
 		if (input->has_roughness)
 			json_put_single(&json, "roughness", input->roughness);
-		if (input->mesh)
-			json_put_bool(&json, "mesh", true);
+		if (input->mesh || input->vertices)
+			json_put_bool(&json, "mesh", input->mesh);
 		if (input->density > 0.0f)
 			json_put_single(&json, "density", input->density);
 		json_put_close(&json, '}');

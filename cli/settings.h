@@ -31,6 +31,7 @@ typedef struct settings_input {
 	bool has_specular, has_roughness;
 	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
 	bool mesh;                 /* points are sampled on its faces */
+	bool vertices;             /* its vertices are the points, even if its name is a mesh's */
 	float density;             /* of a mesh, points/m^2; 0: as settings.density says */
 	size_t motion;             /* 0: it stands still; else has_matrix, and its path is
 								  settings.path[motion - 1] */
@@ -178,8 +179,7 @@ gw_status settings_add_input(settings *settings, const settings_input *input, gw
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
 
 /* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
-gw_status settings_add_path(settings *settings, motion_path *path, size_t *number,
-							gw_error *error);
+gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);
 
 gw_status settings_add_gain(settings *settings, const settings_gain *gain, gw_error *error);
 

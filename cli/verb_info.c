@@ -199,10 +199,6 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 {
 	scan cloud = { 0 };
 	facts f = { .name = loaded_scene_input_name(path), .cloud = &cloud };
-	if (mesh_is_name(path))
-		return gw_fail(
-			error, GW_ERROR_DATA,
-			"%s is a mesh; `glowworm sample` makes points of it, `bake` takes it as it is", path);
 	format_options options = { s->format, s->columns, s->bake.threads };
 	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
 	if (status == GW_OK)

@@ -19,10 +19,12 @@ const format *const formats[] = {
 	&pcd_format,
 	&e57_format,
 	&off_format,
+	&glb_format,
 	&ptx_format,
 	&pts_format,
 	&xyz_format,
 	&csv_format,
+	&obj_format,
 	&cloud_format,
 	NULL,
 };

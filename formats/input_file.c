@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -109,6 +110,15 @@ gw_status input_file_open(input_file *in, const char *path, gw_error *error)
 	if (status != GW_OK)
 		input_file_close(in);
 	return status;
+}
+
+void input_file_release(const input_file *in, const void *begin, const void *end)
+{
+	uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+	uintptr_t first = ((uintptr_t)begin + page - 1) / page * page;
+	uintptr_t last = (uintptr_t)end / page * page;
+	if (in->storage == INPUT_FILE_MAPPED && first < last)
+		madvise((void *)first, last - first, MADV_DONTNEED);
 }
 
 void input_file_close(input_file *in)

@@ -26,7 +26,7 @@ typedef struct input_file {
 	input_file_storage storage;
 	const char *columns; /* what the caller says the columns of a table are, with commas; or NULL */
 	uint32_t threads;    /* for reading; 0 means one a processor */
-	char *owned_name; /* NULL when the name belongs to somebody else */
+	char *owned_name;    /* NULL when the name belongs to somebody else */
 } input_file;
 
 /*
@@ -41,6 +41,13 @@ typedef struct input_file {
  * Thread-safety: calls on different structs may run at the same time.
  */
 gw_status input_file_open(input_file *in, const char *path, gw_error *error);
+
+/*
+ * Says that the bytes [begin, end) of the input will not be needed soon, so that what of them was
+ * mapped no longer takes memory. They stay readable, at the price of being fetched again; pages
+ * that hold other bytes too are kept. Thread-safe.
+ */
+void input_file_release(const input_file *in, const void *begin, const void *end);
 
 /* Gives back what input_file_open took and zeroes *in. A zeroed struct is accepted. */
 void input_file_close(input_file *in);

@@ -15,19 +15,22 @@
 /* Room for a note. */
 #define NOTE 512
 
-static const char *const obj_extensions[] = { "obj", NULL };
-
-const format obj_format = {
-	.name = "obj",
-	.description = "Wavefront OBJ, meshes only",
-	.extensions = obj_extensions,
-};
-
 bool mesh_is_name(const char *path)
 {
 	size_t length = strlen(path);
 	const char *end = path + length - (length > 4 ? 4 : 0);
 	return strcasecmp(end, ".obj") == 0 || strcasecmp(end, ".glb") == 0;
+}
+
+bool mesh_has_faces(const char *path)
+{
+	input_file in;
+	if (input_file_open(&in, path, NULL) != GW_OK)
+		return true;
+	bool glb = glb_probe(in.data, in.length);
+	bool faces = glb ? mesh_glb_has_faces(&in) : mesh_obj_has_faces(&in);
+	input_file_close(&in);
+	return faces;
 }
 
 void mesh_clear_shape(mesh *m)

@@ -49,18 +49,18 @@ typedef struct mesh {
 	size_t degenerate;    /* triangles without area, left out */
 } mesh;
 
-/* OBJ, for messages and reports: its read and write are NULL, for it holds no points. */
-extern const format obj_format;
-
-/* Binary glTF, the same. */
-extern const format glb_format;
-
-/* OFF, whose vertices are read as points unless it is asked for as a mesh. */
-extern const format off_format;
+/* Formats of meshes whose vertices are read as points unless they are asked for as meshes. */
+extern const format obj_format, off_format, glb_format;
+gw_status obj_read(struct input_file *in, scan *cloud, gw_error *error);
 gw_status off_read(struct input_file *in, scan *cloud, gw_error *error);
+gw_status glb_read(struct input_file *in, scan *cloud, gw_error *error);
 
-/* True when the name says that a file can only be a mesh: it ends in .obj or .glb. */
+/* True when the name says that a file is a mesh, unless it has no faces: it ends in .obj or .glb.
+ */
 bool mesh_is_name(const char *path);
+
+/* False when an OBJ or GLB file can be read and holds points only. */
+bool mesh_has_faces(const char *path);
 
 /*
  * Reads a mesh: PLY, OFF and GLB by their content, else OBJ with the MTL files that it names.
@@ -77,6 +77,10 @@ gw_status mesh_off_read(const struct input_file *in, mesh *mesh, gw_error *error
 
 /* glTF has y up, but the mesh comes with z up. */
 gw_status mesh_glb_read(const struct input_file *in, mesh *mesh, gw_error *error);
+
+/* Whether a file that is OBJ, or GLB, has faces; true for a GLB file that is damaged. */
+bool mesh_obj_has_faces(const struct input_file *in);
+bool mesh_glb_has_faces(const struct input_file *in);
 
 /* True when the first bytes of a file are those of an OFF file. */
 bool mesh_off_probe(const uint8_t *head, size_t length);

@@ -1,19 +1,24 @@
 /*
  * Binary glTF files as meshes: triangles, strips and fans with positions, normals, colours of
  * vertices and the colours and emission of materials. glTF has y up; the mesh is turned to z up.
+ * Or as points: the vertices of its primitives of points, or of all when there are none.
  *
  * The document is gone through twice: first what there is, so that memory is taken once.
  */
 #include "glb_nodes.h"
 #include "memory.h"
 #include "mesh.h"
+#include "mesh_vertices.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MODE_TRIANGLES = 4, MODE_STRIP, MODE_FAN };
+enum { MODE_POINTS = 0, MODE_TRIANGLES = 4, MODE_STRIP, MODE_FAN };
+
+/* Which primitives are taken. */
+typedef enum taking { TAKE_TRIANGLES, TAKE_POINTS, TAKE_VERTICES } taking;
 
 /* One list of triangles of a mesh. */
 typedef struct primitive {
@@ -26,10 +31,11 @@ typedef struct primitive {
 typedef struct reader {
 	glb_document document;
 	mesh *mesh;
+	taking taking;
 	glb_placed *placed;
 	size_t placed_count;
 	size_t positions, normals, triangles; /* in all */
-	size_t left_out;                      /* primitives of points and lines */
+	size_t left_out;                      /* primitives that are not taken */
 	bool colors;
 } reader;
 
@@ -152,13 +158,19 @@ static gw_status find_index(const reader *r, json_t *object, primitive *p)
 	return status;
 }
 
+static bool is_taken(const reader *r, size_t mode)
+{
+	return mode >= MODE_TRIANGLES ? r->taking != TAKE_POINTS
+								  : mode == MODE_POINTS && r->taking != TAKE_TRIANGLES;
+}
+
 static gw_status find_primitive(const reader *r, json_t *object, primitive *p)
 {
 	json_t *attributes = json_object_get(object, "attributes");
 	bool found;
 	*p = (primitive){ .mode = 0 };
 	gw_status status = glb_size(&r->document, object, "mode", MODE_TRIANGLES, &p->mode);
-	if (status == GW_OK && p->mode < MODE_TRIANGLES)
+	if (status == GW_OK && !is_taken(r, p->mode))
 		return GW_OK;
 	if (status == GW_OK &&
 		json_object_get(json_object_get(object, "extensions"), "KHR_draco_mesh_compression"))
@@ -179,9 +191,10 @@ static gw_status find_primitive(const reader *r, json_t *object, primitive *p)
 		status = glb_size(&r->document, object, "material", SIZE_MAX, &p->material);
 	if (status == GW_OK && p->material != SIZE_MAX && p->material >= r->mesh->material_count)
 		return glb_fail(&r->document, "there is no materials[%zu]", p->material);
-	p->triangles = p->mode == MODE_TRIANGLES ? p->corners / 3
-				   : p->corners >= 2         ? p->corners - 2
-											 : 0;
+	p->triangles = r->taking != TAKE_TRIANGLES ? 0
+				   : p->mode == MODE_TRIANGLES ? p->corners / 3
+				   : p->corners >= 2           ? p->corners - 2
+											   : 0;
 	return status;
 }
 
@@ -191,7 +204,7 @@ static gw_status find_primitive(const reader *r, json_t *object, primitive *p)
 
 static gw_status count_primitive(reader *r, const primitive *p)
 {
-	if (p->mode < MODE_TRIANGLES) {
+	if (!is_taken(r, p->mode)) {
 		r->left_out++;
 		return GW_OK;
 	}
@@ -286,7 +299,7 @@ static gw_status put_triangles(reader *r, const primitive *p, size_t first, size
 static gw_status put_primitive(reader *r, const primitive *p)
 {
 	size_t first = r->mesh->position_count, first_normal = r->mesh->normal_count;
-	if (p->mode < MODE_TRIANGLES)
+	if (!is_taken(r, p->mode))
 		return GW_OK;
 	gw_status status = put_vertices(r, p);
 	if (status == GW_OK && r->colors)
@@ -316,9 +329,9 @@ static gw_status take_memory(reader *r)
 	m->position = reallocarray(NULL, r->positions + 1, 3 * sizeof *m->position);
 	m->normal = r->normals ? reallocarray(NULL, r->normals, 3 * sizeof *m->normal) : NULL;
 	m->color = r->colors ? reallocarray(NULL, r->positions, 3 * sizeof *m->color) : NULL;
-	m->corner = reallocarray(NULL, r->triangles, 3 * sizeof *m->corner);
-	m->corner_normal = reallocarray(NULL, r->triangles, 3 * sizeof *m->corner_normal);
-	m->face_material = reallocarray(NULL, r->triangles, sizeof *m->face_material);
+	m->corner = reallocarray(NULL, r->triangles + 1, 3 * sizeof *m->corner);
+	m->corner_normal = reallocarray(NULL, r->triangles + 1, 3 * sizeof *m->corner_normal);
+	m->face_material = reallocarray(NULL, r->triangles + 1, sizeof *m->face_material);
 	m->triangle_capacity = r->triangles;
 	if (m->position && m->corner && m->corner_normal && m->face_material &&
 		(m->normal || !r->normals) && (m->color || !r->colors))
@@ -327,18 +340,33 @@ static gw_status take_memory(reader *r)
 				   r->triangles, r->document.in->name);
 }
 
-static gw_status count_all(reader *r)
+static gw_status count_placed(reader *r)
 {
 	gw_status status = GW_OK;
+	r->left_out = r->positions = r->normals = r->triangles = 0;
 	for (size_t i = 0; i < r->placed_count && status == GW_OK; i++)
 		status = each_primitive(r, &r->placed[i], false);
-	if (status == GW_OK && r->triangles == 0)
+	return status;
+}
+
+static gw_status count_all(reader *r)
+{
+	gw_status status = count_placed(r);
+	if (status == GW_OK && r->taking == TAKE_POINTS && r->positions == 0) {
+		r->taking = TAKE_VERTICES;
+		status = count_placed(r);
+	}
+	if (status == GW_OK && r->taking == TAKE_TRIANGLES && r->triangles == 0)
 		return glb_fail(&r->document, "it holds no triangles%s",
 						r->left_out ? ", only points or lines" : "");
+	if (status == GW_OK && r->positions == 0)
+		return glb_fail(&r->document, "it holds no vertices");
 	if (status == GW_OK && r->left_out > 0)
-		status = mesh_add_note(r->mesh, r->document.error,
-							   "%s: %zu primitives of points or lines are left out",
-							   r->document.in->name, r->left_out);
+		status = mesh_add_note(r->mesh, r->document.error, "%s: %zu primitives of %s are left out",
+							   r->document.in->name, r->left_out,
+							   r->taking == TAKE_TRIANGLES ? "points or lines"
+							   : r->taking == TAKE_POINTS  ? "lines or faces"
+														   : "lines");
 	return status;
 }
 
@@ -356,31 +384,72 @@ static gw_status put_all(reader *r)
 	return status;
 }
 
-static const char *const glb_extensions[] = { "glb", NULL };
-
-const format glb_format = {
-	.name = "glb",
-	.description = "binary glTF 2.0, meshes only",
-	.extensions = glb_extensions,
-};
+/* The document, and of it what is taken; *r is to be closed. */
+static gw_status read_all(reader *r, const input_file *in, gw_error *error)
+{
+	*r->mesh = (mesh){ .format = &glb_format, .up = 'y' };
+	gw_status status = glb_open(&r->document, in, error);
+	if (status == GW_OK)
+		status = take_materials(r);
+	if (status == GW_OK)
+		status = glb_list_meshes(&r->document, &r->placed, &r->placed_count);
+	if (status == GW_OK)
+		status = count_all(r);
+	if (status == GW_OK)
+		status = put_all(r);
+	r->mesh->bare = r->mesh->material_count == 0 && !r->mesh->color;
+	free(r->placed);
+	glb_close(&r->document);
+	return status;
+}
 
 gw_status mesh_glb_read(const input_file *in, mesh *m, gw_error *error)
 {
-	*m = (mesh){ .format = &glb_format, .up = 'y' };
 	reader r = { .mesh = m };
-	gw_status status = glb_open(&r.document, in, error);
-	if (status == GW_OK)
-		status = take_materials(&r);
-	if (status == GW_OK)
-		status = glb_list_meshes(&r.document, &r.placed, &r.placed_count);
-	if (status == GW_OK)
-		status = count_all(&r);
-	if (status == GW_OK)
-		status = put_all(&r);
-	m->bare = m->material_count == 0 && !m->color;
-	free(r.placed);
-	glb_close(&r.document);
+	gw_status status = read_all(&r, in, error);
 	if (status != GW_OK)
 		mesh_clear(m);
 	return status;
 }
+
+gw_status glb_read(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m;
+	reader r = { .mesh = &m, .taking = TAKE_POINTS };
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = read_all(&r, in, error);
+	if (status == GW_OK)
+		status = mesh_vertices_put(&m, r.taking == TAKE_VERTICES, cloud, error);
+	mesh_clear(&m);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+bool mesh_glb_has_faces(const input_file *in)
+{
+	glb_document document;
+	size_t mode, mesh_index, i;
+	json_t *one, *list;
+	bool faces = glb_open(&document, in, NULL) != GW_OK;
+	json_array_foreach(json_object_get(document.root, "meshes"), mesh_index, one)
+	{
+		json_array_foreach(json_object_get(one, "primitives"), i, list)
+		{
+			gw_status status = glb_size(&document, list, "mode", MODE_TRIANGLES, &mode);
+			faces = faces || status != GW_OK || mode >= MODE_TRIANGLES;
+		}
+	}
+	glb_close(&document);
+	return faces;
+}
+
+static const char *const extensions[] = { "glb", NULL };
+
+const format glb_format = {
+	.name = "glb",
+	.description = "binary glTF 2.0, vertices or a mesh",
+	.extensions = extensions,
+	.probe = glb_probe,
+	.read = glb_read,
+};

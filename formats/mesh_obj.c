@@ -6,6 +6,8 @@
 #include "input_file.h"
 #include "mesh.h"
 #include "mesh_text.h"
+#include "mesh_vertices.h"
+#include "number_text.h"
 #include "scan_color.h"
 
 #include <limits.h>
@@ -24,6 +26,8 @@ typedef struct reader {
 	mesh_polygon polygon;
 	size_t colors;            /* vertices with a colour, up to the first without */
 	size_t vertices, normals; /* above the current line, for negative indices */
+	bool points;              /* only vertices are wanted */
+	bool faces;               /* there are some */
 	uint32_t material;
 	size_t undefined; /* usemtl lines whose material is nowhere */
 	char undefined_name[44];
@@ -50,11 +54,9 @@ static gw_status take_vertex(reader *r)
 	mesh *m = r->mesh;
 	double v[6];
 	size_t count = 0;
-	for (mesh_text peek = r->text; mesh_text_word(&peek).length > 0; peek = r->text, count++) {
-		mesh_text before = r->text;
-		if (count == 6 || !mesh_text_number(&r->text, &v[count]))
-			return fail_line(r, "'%s' where a coordinate was expected", mesh_text_word(&before));
-	}
+	for (mesh_word word; (word = mesh_text_word(&r->text)).length > 0; count++)
+		if (count == 6 || number_read(word.text, word.length, &v[count]) != word.length)
+			return fail_line(r, "'%s' where a coordinate was expected", word);
 	if (count < 3)
 		return fail_line(r, "a vertex needs x, y and z%.0s", (mesh_word){ 0 });
 	double *position = growing_table_room(m->position, m->position_count, 3 * sizeof *position);
@@ -209,8 +211,10 @@ static gw_status first_pass(reader *r)
 			status = take_vertex(r);
 		else if (mesh_word_is(key, "vn"))
 			status = take_normal(r);
-		else if (mesh_word_is(key, "mtllib"))
+		else if (mesh_word_is(key, "mtllib") && !r->points)
 			status = take_library(r);
+		else if (mesh_word_is(key, "f"))
+			r->faces = true;
 	}
 	if (status == GW_OK &&
 		(r->mesh->position_count >= MESH_NONE || r->mesh->normal_count >= MESH_NONE))
@@ -239,20 +243,25 @@ static gw_status second_pass(reader *r)
 }
 
 /* Colours count when every vertex has one. */
+static gw_status check_colors(reader *r)
+{
+	mesh *m = r->mesh;
+	if (r->colors == 0 || r->colors == m->position_count)
+		return GW_OK;
+	free(m->color);
+	m->color = NULL;
+	return mesh_add_note(m, r->error,
+						 "%s: vertex %zu has no colour but others have, so colours are left out",
+						 r->in->name, r->colors + 1);
+}
+
 static gw_status finish(reader *r)
 {
 	mesh *m = r->mesh;
 	if (m->triangle_count == 0)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces (%zu vertices)", r->in->name,
 					   m->position_count);
-	gw_status status = GW_OK;
-	if (r->colors > 0 && r->colors < m->position_count) {
-		free(m->color);
-		m->color = NULL;
-		status = mesh_add_note(
-			m, r->error, "%s: vertex %zu has no colour but others have, so colours are left out",
-			r->in->name, r->colors + 1);
-	}
+	gw_status status = check_colors(r);
 	if (status == GW_OK && r->undefined > 0)
 		status = mesh_add_note(m, r->error,
 							   "%s: the material '%s' is nowhere defined; its faces get an albedo "
@@ -276,3 +285,46 @@ gw_status mesh_obj_read(const input_file *in, const char *path, mesh *m, gw_erro
 		mesh_clear(m);
 	return status;
 }
+
+/* ---------------------------------------------------------------------------- vertices as points
+ */
+
+/* Normals belong to corners of faces. Without faces they go with the vertices, one each. */
+gw_status obj_read(input_file *in, scan *cloud, gw_error *error)
+{
+	mesh m = { 0 };
+	reader r = { .in = in, .path = "-", .mesh = &m, .error = error, .points = true };
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = first_pass(&r);
+	if (status == GW_OK && m.position_count == 0)
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "%s holds no vertices; this is no OBJ file, or empty", in->name);
+	if (status == GW_OK)
+		status = check_colors(&r);
+	if (r.faces)
+		m.normal_count = 0;
+	if (status == GW_OK)
+		status = mesh_vertices_put(&m, r.faces, cloud, error);
+	mesh_clear(&m);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+bool mesh_obj_has_faces(const input_file *in)
+{
+	mesh_text text = mesh_text_start(in);
+	while (mesh_text_next(&text))
+		if (mesh_word_is(mesh_text_word(&text), "f"))
+			return true;
+	return false;
+}
+
+static const char *const extensions[] = { "obj", NULL };
+
+const format obj_format = {
+	.name = "obj",
+	.description = "Wavefront OBJ, vertices or a mesh",
+	.extensions = extensions,
+	.read = obj_read,
+};

@@ -5,6 +5,7 @@
 #include "input_file.h"
 #include "mesh.h"
 #include "mesh_text.h"
+#include "mesh_vertices.h"
 #include "scan_color.h"
 
 #include <math.h>
@@ -167,27 +168,6 @@ static gw_status take_face(reader *r)
 /* ---------------------------------------------------------------------------- vertices as points
  */
 
-static gw_status put_columns(const mesh *m, scan *cloud, gw_error *error)
-{
-	static const char *const names[9] = { "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue" };
-	static const scan_type types[3] = { SCAN_FLOAT64, SCAN_FLOAT32, SCAN_UINT8 };
-	cloud->count = m->position_count;
-	for (size_t c = 0; c < 9; c++) {
-		size_t kind = c / 3, k = c % 3;
-		if ((kind == 1 && !m->normal) || (kind == 2 && !m->color))
-			continue;
-		scan_column *column = scan_add_column(cloud, names[c], types[kind], error);
-		if (!column)
-			return GW_ERROR_MEMORY;
-		for (size_t i = 0; i < cloud->count; i++)
-			scan_store(column, i,
-					   kind == 0   ? m->position[3 * i + k]
-					   : kind == 1 ? (double)m->normal[3 * i + k]
-								   : round(255.0 * scan_srgb_encode((double)m->color[3 * i + k])));
-	}
-	return GW_OK;
-}
-
 gw_status off_read(input_file *in, scan *cloud, gw_error *error)
 {
 	mesh m = { 0 };
@@ -197,12 +177,7 @@ gw_status off_read(input_file *in, scan *cloud, gw_error *error)
 	if (status == GW_OK)
 		status = take_vertices(&r);
 	if (status == GW_OK)
-		status = put_columns(&m, cloud, error);
-	if (status == GW_OK && r.faces > 0)
-		status = scan_add_comment(cloud,
-								  SCAN_NOTE "its vertices were read, not its faces; `glowworm "
-											"sample` puts points on them",
-								  error);
+		status = mesh_vertices_put(&m, r.faces > 0, cloud, error);
 	mesh_clear(&m);
 	if (status != GW_OK)
 		scan_clear(cloud);

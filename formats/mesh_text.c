@@ -19,6 +19,19 @@ static size_t line_end(const char *c, const char *end)
 	return *c == '\r' && end - c > 1 && c[1] == '\n' ? 2 : 1;
 }
 
+/* Most lines are short, end in LF and are not joined with others; those are found quickly. */
+static bool take_plain_line(mesh_text *t)
+{
+	size_t most = t->end - t->at < 1024 ? (size_t)(t->end - t->at) : 1024;
+	const char *end = memchr(t->at, '\n', most);
+	size_t length = end ? (size_t)(end - t->at) : 0;
+	if (!end || memchr(t->at, '\r', length) || memchr(t->at, '\\', length))
+		return false;
+	t->stop = end;
+	t->at = end + 1;
+	return true;
+}
+
 bool mesh_text_next(mesh_text *t)
 {
 	if (t->at == t->end)
@@ -26,6 +39,8 @@ bool mesh_text_next(mesh_text *t)
 	t->line += t->next;
 	t->next = 1;
 	t->word = t->stop = t->at;
+	if (take_plain_line(t))
+		return true;
 	const char *c = t->at;
 	bool comment = *c == '#';
 	while (c < t->end) {
@@ -42,8 +57,10 @@ bool mesh_text_next(mesh_text *t)
 }
 
 /* A backslash is a blank where it joins lines. */
-static bool is_blank(const char *c, const char *stop)
+static inline bool is_blank(const char *c, const char *stop)
 {
+	if (*c > ' ' && *c != '\\')
+		return false;
 	return *c == ' ' || *c == '\t' || *c == '\v' || *c == '\f' || *c == '\r' || *c == '\n' ||
 		   (*c == '\\' && line_end(c + 1, stop) > 0);
 }

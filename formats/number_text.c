@@ -35,57 +35,113 @@ typedef struct decimal {
 } decimal;
 
 /* As many digits as fit into 64 bits whatever they are: 19. */
-static const char *take_digits(const char *at, const char *end, decimal *d)
+#define DIGITS 19
+
+static const uint64_t whole_power[] = { 1,      10,      100,      1000,     10000,
+										100000, 1000000, 10000000, 100000000 };
+
+/* Value of eight digits in the bytes of x, each 0 to 9, the first in the lowest byte: pairs, then
+ * fours, then all. */
+static uint64_t join_digits(uint64_t x)
 {
-	for (; at < end && is_digit(*at); at++) {
-		if (d->mantissa < 1000000000000000000u)
-			d->mantissa = d->mantissa * 10 + (uint64_t)(*at - '0');
-		else
-			d->exact = false;
+	x = x * 10 + (x >> 8);
+	uint64_t even = (x & 0x000000ff000000ffu) * (100 + ((uint64_t)1000000 << 32));
+	uint64_t odd = (x >> 16 & 0x000000ff000000ffu) * (1 + ((uint64_t)10000 << 32));
+	return (even + odd) >> 32;
+}
+
+/* How many digits stand at the start of eight bytes, given as distances from '0': 10 or more sets
+ * the highest bit of a byte, and what carries goes to bytes behind it. */
+static unsigned leading_digits(uint64_t x)
+{
+	uint64_t others = ((x + 0x7676767676767676u) | x) & 0x8080808080808080u;
+	return others ? (unsigned)__builtin_ctzll(others) / 8 : 8;
+}
+
+/* Takes all digits; *mantissa is right while they are no more than DIGITS. */
+__attribute__((always_inline)) static inline const char *
+take_digits(const char *at, const char *end, uint64_t *mantissa)
+{
+	while (end - at >= 8 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
+		uint64_t x;
+		memcpy(&x, at, sizeof x);
+		x ^= 0x3030303030303030u;
+		unsigned count = leading_digits(x);
+		if (count == 0)
+			return at;
+		*mantissa = *mantissa * whole_power[count] + join_digits(x << (64 - 8 * count));
+		at += count;
+		if (count < 8)
+			return at;
 	}
+	for (; at < end && is_digit(*at); at++)
+		*mantissa = *mantissa * 10 + (uint64_t)(*at - '0');
 	return at;
 }
 
-/* The exponent is taken only when digits follow its letter. */
-static const char *take_exponent(const char *text, const char *end, decimal *d)
+/* More than DIGITS, of which the first may be zeros. */
+static uint64_t take_many_digits(const char *at, const char *end, bool *exact)
 {
-	const char *at = text;
-	if (at >= end || (*at != 'e' && *at != 'E'))
-		return text;
-	at++;
+	uint64_t mantissa = 0;
+	for (; at < end; at++) {
+		if (*at == '.')
+			continue;
+		if (mantissa < 1000000000000000000u)
+			mantissa = mantissa * 10 + (uint64_t)(*at - '0');
+		else
+			*exact = false;
+	}
+	return mantissa;
+}
+
+/* From the letter of an exponent; returns its bytes, or 0 when no digits follow. */
+static size_t take_exponent(const char *text, const char *end, int64_t *exponent)
+{
+	const char *at = text + 1;
 	bool negative = at < end && *at == '-';
 	if (at < end && (*at == '-' || *at == '+'))
 		at++;
 	if (at >= end || !is_digit(*at))
-		return text;
-	int64_t exponent = 0;
+		return 0;
+	*exponent = 0;
 	for (; at < end && is_digit(*at); at++)
-		exponent = exponent < 1000000 ? exponent * 10 + (*at - '0') : exponent;
-	d->exponent += negative ? -exponent : exponent;
-	d->whole = false;
-	return at;
+		*exponent = *exponent < 1000000 ? *exponent * 10 + (*at - '0') : *exponent;
+	*exponent = negative ? -*exponent : *exponent;
+	return (size_t)(at - text);
 }
 
-static decimal take_apart(const char *text, size_t length)
+/* Inline, and with nothing of *d behind a pointer, so that it stays in registers. */
+__attribute__((always_inline)) static inline decimal take_apart(const char *text, size_t length)
 {
 	decimal d = { .exact = true, .whole = true };
+	uint64_t mantissa = 0;
 	const char *at = text, *end = text + length;
 	if (at < end && (*at == '-' || *at == '+'))
 		d.negative = *at++ == '-';
 	const char *first = at;
-	at = take_digits(at, end, &d);
+	at = take_digits(at, end, &mantissa);
 	ptrdiff_t digits = at - first;
 	if (at < end && *at == '.') {
-		first = ++at;
-		at = take_digits(at, end, &d);
-		d.exponent = first - at;
-		digits += at - first;
+		const char *point = ++at;
+		at = take_digits(at, end, &mantissa);
+		d.exponent = point - at;
+		digits += at - point;
 		d.whole = false;
 	}
-	if (digits == 0)
-		return (decimal){ 0 };
-	at = take_exponent(at, end, &d);
-	d.length = (size_t)(at - text);
+	if (digits > DIGITS) {
+		bool exact = true;
+		mantissa = take_many_digits(first, at, &exact);
+		d.exact = exact;
+	}
+	if (digits > 0 && at < end && (*at | 32) == 'e') {
+		int64_t exponent;
+		size_t used = take_exponent(at, end, &exponent);
+		d.exponent += used ? exponent : 0;
+		d.whole = d.whole && !used;
+		at += used;
+	}
+	d.mantissa = mantissa;
+	d.length = digits > 0 ? (size_t)(at - text) : 0;
 	return d;
 }
 
@@ -127,11 +183,15 @@ static double divide_exactly(uint64_t mantissa, int64_t power)
 	divisor <<= down;
 	uint64_t quotient = (uint64_t)(dividend / divisor);
 	bool rest = (unsigned __int128)quotient * divisor != dividend;
-	return ldexp((double)(quotient | rest), down - up - 63);
+	/* A power of two that is a double: from 2^-126 to 2^1. */
+	uint64_t scale = (uint64_t)(1023 + down - up - 63) << 52;
+	double factor;
+	memcpy(&factor, &scale, sizeof factor);
+	return (double)(quotient | rest) * factor;
 }
 
 /* Both at most 2^53 and 10^22 are doubles without error, so one operation rounds once. */
-static bool read_exactly(const decimal *d, double *value)
+static inline bool read_exactly(const decimal *d, double *value)
 {
 	static const double power[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
 									1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -168,7 +228,7 @@ static bool read_by_library(const char *text, size_t length, double *value, floa
 }
 
 /* Six digits go through single precision and back unchanged. */
-static bool is_single(const decimal *d, double value)
+static inline bool is_single(const decimal *d, double value)
 {
 	uint64_t m = d->mantissa;
 	while (m >= 1000000 && m % 10 == 0)

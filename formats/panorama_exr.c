@@ -98,6 +98,21 @@ static gw_status check_channels(const source *s, exr_const_context_t file, bool 
 	return *rgb || found & 8u ? GW_OK : bad(s, "it has neither R, G and B nor Y", error);
 }
 
+/* OpenEXRCore knows the name of this compression, but does not decode it. */
+static gw_status check_compression(const source *s, exr_const_context_t file, gw_error *error)
+{
+	exr_compression_t compression;
+	exr_result_t result = exr_get_compression(file, 0, &compression);
+	if (result != EXR_ERR_SUCCESS)
+		return failed(s, result, error);
+	if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
+		return bad(s,
+				   "it is compressed by DWA, which is not decoded here; `exrmaketiled -z zip IN "
+				   "OUT`, of the package openexr, makes one that is read",
+				   error);
+	return GW_OK;
+}
+
 static gw_status take_header(const source *s, exr_const_context_t file, panorama *map, bool *rgb,
 							 gw_error *error)
 {
@@ -110,7 +125,9 @@ static gw_status take_header(const source *s, exr_const_context_t file, panorama
 	if (memcmp(&data, &shown, sizeof data) != 0)
 		return bad(s, "its pixels are cut out of a larger picture; a map holds all directions",
 				   error);
-	gw_status status = check_channels(s, file, rgb, error);
+	gw_status status = check_compression(s, file, error);
+	if (status == GW_OK)
+		status = check_channels(s, file, rgb, error);
 	if (status != GW_OK)
 		return status;
 	int64_t width = (int64_t)data.max.x - data.min.x + 1;

@@ -5,9 +5,11 @@
 #include "ply_format.h"
 #include "column_names.h"
 #include "number_text.h"
+#include "parallel.h"
 #include "ply_header.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -205,22 +207,27 @@ static gw_status skip_binary(reader *r, const ply_element *element)
 }
 
 /* Vertices of one size: column by column within blocks that stay in the cache. */
-static void take_rows(reader *r, size_t stride)
+#define BLOCK_ROWS ((size_t)1 << 12)
+
+typedef struct rows {
+	const reader *r;
+	size_t stride;
+} rows;
+
+static void take_rows(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const size_t block = 4096;
-	size_t count = r->scan->count;
-	for (size_t first = 0; first < count; first += block) {
-		size_t last = first + block < count ? first + block : count;
-		const uint8_t *from = r->at;
-		for (size_t k = 0; k < r->vertex->property_count; k++) {
-			size_t size = scan_type_size(r->vertex->property[k].type);
-			char *to = (char *)r->data[k] + first * size;
-			for (size_t i = 0; i < last - first; i++)
-				take_value(to + i * size, from + i * stride, size, r->swap);
-			from += size;
-		}
-		r->at += (last - first) * stride;
+	(void)worker;
+	const reader *r = ((const rows *)user)->r;
+	size_t stride = ((const rows *)user)->stride;
+	const uint8_t *begin = r->at + first * stride, *from = begin;
+	for (size_t k = 0; k < r->vertex->property_count; k++) {
+		size_t size = scan_type_size(r->vertex->property[k].type);
+		char *to = (char *)r->data[k] + first * size;
+		for (size_t i = 0; i < last - first; i++)
+			take_value(to + i * size, from + i * stride, size, r->swap);
+		from += size;
 	}
+	input_file_release(r->in, begin, begin + (last - first) * stride);
 }
 
 static gw_status read_binary(reader *r)
@@ -232,8 +239,10 @@ static gw_status read_binary(reader *r)
 		status = add_columns(r);
 	if (status != GW_OK)
 		return status;
-	if (!lists)
-		take_rows(r, bytes);
+	if (!lists) {
+		gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
+		r->at += r->scan->count * bytes;
+	}
 	for (size_t i = 0; i < r->scan->count && lists && status == GW_OK; i++)
 		status = take_binary(r, r->vertex, i);
 	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && left(r) >= bytes)
@@ -262,13 +271,26 @@ static void skip_blanks(ascii_line *line)
 		line->at++;
 }
 
+/* Where the line at r->at ends. Most are short; looking far ahead for the wrong end of a line would
+ * take its time at each line again. */
+static const uint8_t *line_end(const reader *r)
+{
+	const size_t most = 1024;
+	size_t length = left(r) < most ? left(r) : most;
+	const uint8_t *stop = memchr(r->at, '\n', length);
+	if (stop && !memchr(r->at, '\r', (size_t)(stop - r->at)))
+		return stop;
+	for (stop = r->at; stop < r->end && *stop != '\n' && *stop != '\r';)
+		stop++;
+	return stop;
+}
+
 /* The next line that is not blank; false at the end. */
 static bool next_line(reader *r, ascii_line *line)
 {
 	while (r->at < r->end) {
 		const uint8_t *start = r->at;
-		while (r->at < r->end && *r->at != '\n' && *r->at != '\r')
-			r->at++;
+		r->at = line_end(r);
 		*line = (ascii_line){ (const char *)start, (const char *)r->at };
 		bool pair = left(r) >= 2 && r->at[0] == '\r' && r->at[1] == '\n';
 		r->at += r->at == r->end ? 0 : pair ? 2 : 1;
@@ -292,19 +314,20 @@ static gw_status fail_value(const reader *r, const ply_property *property, const
 				   r->in->name, r->line, text, property->name, expected);
 }
 
-/* Takes the next word of a line as a number. */
+/* Takes the next word of a line as a number. None reaches over the end of a line, so that it may be
+ * looked for up to the end of the file, which is quicker. */
 static gw_status take_number(reader *r, const ply_property *property, ascii_line *line,
 							 double *value, float *single)
 {
 	skip_blanks(line);
-	size_t length = (size_t)(line->end - line->at);
-	if (length == 0)
+	size_t length = (size_t)((const char *)r->end - line->at);
+	if (line->at == line->end)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s, line %zu ends where a value of '%.40s' was expected", r->in->name,
 					   r->line, property->name);
 	size_t used =
 		single ? number_read_float(line->at, length, single) : number_read(line->at, length, value);
-	if (used == 0 || (used < length && !is_blank(line->at[used])))
+	if (used == 0 || (line->at + used < line->end && !is_blank(line->at[used])))
 		return fail_value(r, property, line, "a number");
 	line->at += used;
 	return GW_OK;
@@ -410,6 +433,80 @@ static gw_status skip_ascii(reader *r, const ply_element *element)
 	return GW_OK;
 }
 
+/* Vertices that a thread reads in one go. */
+#define BLOCK_LINES ((size_t)1 << 14)
+
+/* Where the lines of a block begin. */
+typedef struct place {
+	const uint8_t *at;
+	size_t line;
+} place;
+
+typedef struct ascii_blocks {
+	const reader *r;
+	const place *place;
+	size_t count;      /* lines in all */
+	atomic_size_t bad; /* the first block with a fault */
+} ascii_blocks;
+
+static gw_status read_block(const ascii_blocks *b, size_t block, gw_error *error)
+{
+	reader own = *b->r;
+	size_t first = block * BLOCK_LINES, last = first + BLOCK_LINES;
+	own.at = b->place[block].at;
+	own.line = b->place[block].line;
+	own.error = error;
+	gw_status status = GW_OK;
+	for (size_t i = first; i < last && i < b->count && status == GW_OK; i++)
+		status = take_ascii_vertex(&own, i);
+	return status;
+}
+
+static void read_blocks(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	ascii_blocks *b = user;
+	for (size_t k = first; k < last && k < atomic_load(&b->bad); k++) {
+		size_t before = atomic_load(&b->bad);
+		gw_status status = read_block(b, k, NULL);
+		input_file_release(b->r->in, b->place[k].at, b->place[k + 1].at);
+		if (status != GW_OK)
+			while (k < before && !atomic_compare_exchange_weak(&b->bad, &before, k))
+				;
+	}
+}
+
+/* Finds the lines, then reads them on all threads; a block with a fault is read again to say it. */
+static gw_status read_vertices(reader *r)
+{
+	size_t count = r->scan->count;
+	place *places = reallocarray(NULL, count / BLOCK_LINES + 2, sizeof *places);
+	if (!places)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory to read %s", r->in->name);
+	ascii_blocks b = { .r = r, .place = places, .bad = SIZE_MAX };
+	reader ahead = *r;
+	ascii_line line;
+	bool more = true;
+	while (more && b.count < count) {
+		if (more && b.count % BLOCK_LINES == 0)
+			places[b.count / BLOCK_LINES] = (place){ ahead.at, ahead.line };
+		more = next_line(&ahead, &line);
+		b.count += more;
+		if (b.count % BLOCK_LINES == 0)
+			input_file_release(r->in, places[(b.count - 1) / BLOCK_LINES].at, ahead.at);
+	}
+	size_t blocks = (b.count + BLOCK_LINES - 1) / BLOCK_LINES;
+	places[blocks] = (place){ ahead.at, ahead.line };
+	gw_parallel_for(r->in->threads, blocks, 1, read_blocks, &b);
+	gw_status status = GW_OK;
+	if (atomic_load(&b.bad) != SIZE_MAX)
+		status = read_block(&b, atomic_load(&b.bad), r->error);
+	free(places);
+	r->at = ahead.at;
+	r->line = ahead.line;
+	return status == GW_OK && !more ? take_ascii_vertex(r, b.count) : status;
+}
+
 static gw_status read_ascii(reader *r)
 {
 	/* A value takes a digit and what parts it from the next; only the last end may be missing. */
@@ -417,8 +514,8 @@ static gw_status read_ascii(reader *r)
 	if (r->vertex->count > (left(r) + 1) / bytes)
 		return fail_short(r, r->vertex, bytes);
 	gw_status status = add_columns(r);
-	for (size_t i = 0; status == GW_OK && i < r->scan->count; i++)
-		status = take_ascii_vertex(r, i);
+	if (status == GW_OK)
+		status = read_vertices(r);
 	ascii_line line;
 	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && next_line(r, &line))
 		return gw_fail(r->error, GW_ERROR_DATA,

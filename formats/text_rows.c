@@ -14,12 +14,15 @@
 
 /* --------------------------------------------------------------------------------- lines */
 
-static bool is_blank(char c)
+static inline bool is_blank(char c)
 {
-	return c == ' ' || c == '\t' || c == '\r' || c == '"' || c == '\v' || c == '\f';
+	static const bool blank[256] = {
+		[' '] = true, ['\t'] = true, ['\r'] = true, ['"'] = true, ['\v'] = true, ['\f'] = true
+	};
+	return blank[(unsigned char)c];
 }
 
-static const char *skip_blanks(const char *at, const char *end)
+static inline const char *skip_blanks(const char *at, const char *end)
 {
 	while (at < end && is_blank(*at))
 		at++;
@@ -95,7 +98,7 @@ static bool is_single(const char *line, const char *end)
 }
 
 /* Steps over what parts two values; false when there is something else. */
-static bool skip_separator(const text_rows *rows, const char **at, const char *end)
+static inline bool skip_separator(const text_rows *rows, const char **at, const char *end)
 {
 	const char *after = skip_blanks(*at, end);
 	bool parted = after > *at || after == end;
@@ -115,8 +118,26 @@ static void skip_word(const text_rows *rows, const char **at, const char *end)
 		++*at;
 }
 
+/* How often a character is in a text; eight of them in one go. */
+static size_t count_character(const char *at, const char *end, char c)
+{
+	const uint64_t ones = 0x0101010101010101u, low = 0x7f7f7f7f7f7f7f7fu;
+	size_t count = 0;
+	for (; end - at >= 8; at += 8) {
+		uint64_t x;
+		memcpy(&x, at, sizeof x);
+		x ^= ones * (unsigned char)c; /* a byte that was c is 0 now, and no other is */
+		count += (~(((x & low) + low) | x | low) >> 7) * ones >> 56;
+	}
+	for (; at < end; at++)
+		count += *at == c;
+	return count;
+}
+
 static bool is_long(const text_rows *rows, const char *line, const char *end)
 {
+	if (rows->separator != ' ' && count_character(line, end, rows->separator) < rows->width)
+		return false;
 	line = skip_blanks(line, end);
 	for (size_t i = 0; i < rows->width && line < end; i++) {
 		skip_word(rows, &line, end);
@@ -149,11 +170,6 @@ bool text_rows_first(const text_rows *rows, const char **line, size_t *length)
 
 /* ------------------------------------------------------------------------------- first pass */
 
-typedef struct counting {
-	const text_rows *rows;
-	size_t *skipped; /* one a chunk */
-} counting;
-
 /* Offset of the first line that begins in chunk i or later. */
 static size_t chunk_begin(const text_rows *rows, size_t i)
 {
@@ -168,20 +184,20 @@ static size_t chunk_begin(const text_rows *rows, size_t i)
 static void count_chunks(void *user, size_t first, size_t last, uint32_t worker)
 {
 	(void)worker;
-	const counting *c = user;
+	const text_rows *rows = user;
 	for (size_t i = first; i < last; i++) {
-		text_chunk *chunk = &c->rows->chunk[i];
-		*chunk = (text_chunk){ .begin = chunk_begin(c->rows, i) };
-		const char *at = c->rows->begin + chunk->begin, *line;
-		const char *stop = c->rows->begin + chunk_begin(c->rows, i + 1);
-		size_t length, skipped = 0;
-		while (text_rows_next_line(&at, stop, c->rows->newline, &line, &length)) {
-			line_kind kind = kind_of(c->rows, line, length);
+		text_chunk *chunk = &rows->chunk[i];
+		*chunk = (text_chunk){ .begin = chunk_begin(rows, i) };
+		const char *at = rows->begin + chunk->begin, *line;
+		const char *stop = rows->begin + chunk_begin(rows, i + 1);
+		size_t length;
+		while (text_rows_next_line(&at, stop, rows->newline, &line, &length)) {
+			line_kind kind = kind_of(rows, line, length);
 			chunk->row += kind == LINE_ROW;
-			skipped += kind == LINE_SKIPPED;
+			chunk->skipped += kind == LINE_SKIPPED;
 			chunk->line++;
 		}
-		c->skipped[i] = skipped;
+		input_file_release(rows->in, rows->begin + chunk->begin, stop);
 	}
 }
 
@@ -190,13 +206,11 @@ gw_status text_rows_count(text_rows *rows, gw_error *error)
 	size_t length = (size_t)(rows->end - rows->begin);
 	rows->chunk_count = length / CHUNK_BYTES + 1;
 	rows->chunk = calloc(rows->chunk_count + 1, sizeof *rows->chunk);
-	counting c = { rows, calloc(rows->chunk_count, sizeof *c.skipped) };
-	if (!rows->chunk || !c.skipped) {
-		free(c.skipped);
+	if (!rows->chunk) {
 		text_rows_clear(rows);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to read %s", rows->in->name);
 	}
-	gw_parallel_for(rows->in->threads, rows->chunk_count, 1, count_chunks, &c);
+	gw_parallel_for(rows->in->threads, rows->chunk_count, 1, count_chunks, rows);
 	size_t row = 0, line = 0;
 	rows->skipped = 0;
 	for (size_t i = 0; i < rows->chunk_count; i++) {
@@ -205,11 +219,10 @@ gw_status text_rows_count(text_rows *rows, gw_error *error)
 		rows->chunk[i].line = line;
 		row += own.row;
 		line += own.line;
-		rows->skipped += c.skipped[i];
+		rows->skipped += own.skipped;
 	}
-	rows->chunk[rows->chunk_count] = (text_chunk){ length, row, line };
+	rows->chunk[rows->chunk_count] = (text_chunk){ .begin = length, .row = row, .line = line };
 	rows->count = row;
-	free(c.skipped);
 	return GW_OK;
 }
 
@@ -251,7 +264,7 @@ static bool store_integer(const text_column *column, size_t row, double value)
 }
 
 /* Doubles are kept with how they were written, because their column may become a smaller type. */
-static size_t take_double(text_column *column, size_t row, const char *at, size_t length)
+static inline size_t take_double(text_column *column, size_t row, const char *at, size_t length)
 {
 	double *to = (double *)column->data + row;
 	bool whole = atomic_load_explicit(&column->whole, memory_order_relaxed);
@@ -267,7 +280,8 @@ static size_t take_double(text_column *column, size_t row, const char *at, size_
 	return used;
 }
 
-static fault take_value(text_column *column, size_t row, const char **at, const char *end)
+/* end: of the whole text, as no number reaches over the end of a line. */
+static inline fault take_value(text_column *column, size_t row, const char **at, const char *end)
 {
 	size_t length = (size_t)(end - *at), used;
 	double value = 0.0;
@@ -305,9 +319,34 @@ static fault take_nothing(text_column *column, size_t row)
 	return FAULT_NONE;
 }
 
+/* Values parted by blanks alone, which is the usual case. */
+static fault take_plain_row(const text_rows *rows, text_column *column, size_t row, const char *end,
+							place *p)
+{
+	p->at = skip_blanks(p->at, end);
+	for (p->column = 0; p->column < rows->width; p->column++) {
+		text_column *to = &column[p->column];
+		fault found = FAULT_NONE;
+		if (p->at == end)
+			return FAULT_MISSING;
+		if (!to->data)
+			skip_word(rows, &p->at, end);
+		else
+			found = take_value(to, row, &p->at, rows->end);
+		if (found == FAULT_NONE && p->at < end && !is_blank(*p->at))
+			found = FAULT_NUMBER;
+		if (found != FAULT_NONE)
+			return found;
+		p->at = skip_blanks(p->at, end);
+	}
+	return p->at < end && !rows->open ? FAULT_MORE : FAULT_NONE;
+}
+
 static fault take_row(const text_rows *rows, text_column *column, size_t row, const char *end,
 					  place *p)
 {
+	if (rows->separator == ' ')
+		return take_plain_row(rows, column, row, end, p);
 	p->at = skip_blanks(p->at, end);
 	for (p->column = 0; p->column < rows->width; p->column++) {
 		text_column *to = &column[p->column];
@@ -321,7 +360,7 @@ static fault take_row(const text_rows *rows, text_column *column, size_t row, co
 		else if (!to->data)
 			skip_word(rows, &p->at, end);
 		else
-			found = take_value(to, row, &p->at, end);
+			found = take_value(to, row, &p->at, rows->end);
 		if (found != FAULT_NONE)
 			return found;
 		const char *before = p->at;
@@ -342,7 +381,8 @@ static fault read_chunk(const text_rows *rows, text_column *column, size_t i, pl
 	size_t row = chunk->row, length;
 	*line_number = rows->first_line + chunk->line;
 	for (; text_rows_next_line(&at, stop, rows->newline, &line, &length); ++*line_number) {
-		if (kind_of(rows, line, length) != LINE_ROW)
+		if (chunk->skipped ? kind_of(rows, line, length) != LINE_ROW
+						   : text_rows_is_empty(line, length))
 			continue;
 		*end = line + length;
 		p->at = line;
@@ -361,7 +401,11 @@ static void read_chunks(void *user, size_t first, size_t last, uint32_t worker)
 	const char *end;
 	size_t line;
 	for (size_t i = first; i < last && i < atomic_load(&r->bad); i++) {
-		if (read_chunk(r->rows, r->column, i, &p, &end, &line) == FAULT_NONE)
+		const text_chunk *chunk = &r->rows->chunk[i];
+		fault found = read_chunk(r->rows, r->column, i, &p, &end, &line);
+		input_file_release(r->rows->in, r->rows->begin + chunk->begin,
+						   r->rows->begin + chunk[1].begin);
+		if (found == FAULT_NONE)
 			continue;
 		size_t before = atomic_load(&r->bad);
 		while (i < before && !atomic_compare_exchange_weak(&r->bad, &before, i))

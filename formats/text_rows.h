@@ -24,9 +24,10 @@ typedef enum text_rows_skip {
 
 /* A stretch of text as the first pass left it. */
 typedef struct text_chunk {
-	size_t begin; /* offset of its first line from text_rows.begin */
-	size_t row;   /* rows before it */
-	size_t line;  /* lines before it */
+	size_t begin;   /* offset of its first line from text_rows.begin */
+	size_t row;     /* rows before it */
+	size_t line;    /* lines before it */
+	size_t skipped; /* rows in it that are left out */
 } text_chunk;
 
 typedef struct text_rows {

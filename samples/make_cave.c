@@ -8,8 +8,12 @@
  * point. So points lie only where a scanner sees, and their density falls with the square of the
  * distance and with the angle of incidence, as in a real scan. The same options give the same
  * bytes.
+ *
+ * With --grid the rays of a scanner go in equal steps of azimuth and elevation about its own axis,
+ * which is a little off the vertical, as tripods are; that is what PTX and E57 files hold.
  */
 #include "sample_points.h"
+#include "sample_scans.h"
 
 #include <getopt.h>
 #include <math.h>
@@ -636,6 +640,101 @@ static void scan_cave(size_t count, double noise_metres, uint64_t seed, sample_l
 	sample_thin(list, count, &random);
 }
 
+/* ----------------------------------------------------------------------------- scans as grids */
+
+#define LOWEST_ELEVATION (-65.0 / 360 * TURN) /* the tripod hides what is below */
+#define HIGHEST_ELEVATION (TURN / 4)
+#define FAINTEST 1e-3 /* albedo times cosine of incidence over metres squared; no echo below */
+
+static vector turn_by(const double r[9], vector v)
+{
+	return (vector){ r[0] * v.x + r[1] * v.y + r[2] * v.z, r[3] * v.x + r[4] * v.y + r[5] * v.z,
+					 r[6] * v.x + r[7] * v.y + r[8] * v.z };
+}
+
+/* A heading of its own for each station, and an axis up to 2.5 degrees off the vertical. */
+static void pose_station(int index, sample_scan *s)
+{
+	double heading = 0.7 * index - 2.6, tilt = 0.044 * sin(2.0 * index + 1);
+	double c = cos(heading), n = sin(heading), u = cos(tilt), v = sin(tilt);
+	const double rows[9] = { c, -n * u, n * v, n, c * u, -c * v, 0, v, u };
+	const vector *at = &stations[index].at;
+
+	s->name = stations[index].name;
+	memcpy(s->rotation, rows, sizeof rows);
+	s->translation[0] = at->x;
+	s->translation[1] = at->y;
+	s->translation[2] = at->z;
+}
+
+/* Follows the ray of a cell. Rock that is dark, far or met at a grazing angle gives no echo. The
+ * point in the world goes to the list. */
+static void scan_cell(const sample_scan *s, vector own, double noise_metres, uint64_t *random,
+					  sample_cell *cell, sample_list *list)
+{
+	vector from = { s->translation[0], s->translation[1], s->translation[2] };
+	vector direction = turn_by(s->rotation, own);
+	sample_point point = { 0 };
+	double range;
+
+	cell->hole = true;
+	if (!meet_rock(from, direction, &range))
+		return;
+	vector p = add_scaled(from, direction, range), n = air_normal(p);
+	double cosine = -dot(n, direction);
+	paint(p, n, &point);
+	if (luminance(point.albedo) * cosine < FAINTEST * range * range)
+		return;
+	range += noise_metres > 0 ? noise_metres * sample_gaussian(random) : 0;
+	store(point.position, add_scaled(from, direction, range));
+	sample_add(list, &point);
+	cell->hole = false;
+	cell->position[0] = own.x * range;
+	cell->position[1] = own.y * range;
+	cell->position[2] = own.z * range;
+	cell->intensity = (float)clamp(2 * luminance(point.albedo) * cosine, 0, 1);
+	for (int k = 0; k < 3; k++)
+		cell->color[k] = sample_srgb(point.albedo[k]);
+}
+
+/* Scans the whole grid of a station. */
+static void scan_grid(sample_scan *s, double noise_metres, uint64_t *random, sample_list *list)
+{
+	size_t count = s->columns * s->rows;
+
+	s->cell = calloc(count, sizeof *s->cell);
+	if (!s->cell) {
+		fprintf(stderr, "no memory for %zu cells; ask for fewer points\n", count);
+		exit(SAMPLE_EXIT_MEMORY);
+	}
+	for (size_t i = 0; i < count; i++) {
+		double azimuth = TURN * (double)(i / s->rows) / (double)s->columns;
+		double share = ((double)(i % s->rows) + 0.5) / (double)s->rows;
+		double elevation = LOWEST_ELEVATION + (HIGHEST_ELEVATION - LOWEST_ELEVATION) * share;
+		double across = cos(elevation);
+		vector own = { across * cos(azimuth), across * sin(azimuth), sin(elevation) };
+		scan_cell(s, own, noise_metres, random, &s->cell[i], list);
+	}
+}
+
+/* Scans grids from every station, of about `count` points together: most rays meet rock. */
+static void scan_grids(size_t count, double noise_metres, uint64_t seed, sample_scan *scan,
+					   sample_list *list)
+{
+	uint64_t random = seed ^ 0x5ca11ed;
+	double shares = 0, high = HIGHEST_ELEVATION - LOWEST_ELEVATION;
+
+	for (int i = 0; i < COUNT(stations); i++)
+		shares += stations[i].share;
+	for (int i = 0; i < COUNT(stations); i++) {
+		double cells = (double)count * stations[i].share / shares;
+		pose_station(i, &scan[i]);
+		scan[i].rows = (size_t)ceil(sqrt(cells * high / TURN));
+		scan[i].columns = (size_t)ceil(cells / (double)scan[i].rows);
+		scan_grid(&scan[i], noise_metres, &random, list);
+	}
+}
+
 /* The promise about stations; false after a message when it is broken. */
 static bool check_stations(bool print)
 {
@@ -658,13 +757,18 @@ static bool check_stations(bool print)
 /* ----------------------------------------------------------------------------------- the program
  */
 
+/* What is written: the formats of sample_format, then those of grids. */
+enum { PTX = SAMPLE_CLOUD + 1, E57 };
+
+static const char *const formats[] = { "ply", "cloud", "ptx", "e57" };
+
 typedef struct cave_options {
 	size_t points;
 	uint64_t seed;
 	double noise;
-	sample_format format;
+	int format;
 	const char *output;
-	bool stations;
+	bool stations, grid;
 } cave_options;
 
 static void print_help(void)
@@ -677,29 +781,38 @@ static void print_help(void)
 		"  --points N          number of points (1400000)\n"
 		"  --seed N            another cave with the same chambers and path (1)\n"
 		"  --noise METRES      standard deviation of the scanners' range, 0..0.1 (0)\n"
-		"  --format ply|cloud  (ply; cloud has no emission)\n"
+		"  --format FORMAT     ply (the default), cloud, ptx or e57. cloud has no emission; ptx\n"
+		"                      and e57 have neither that nor normals, but a grid for each\n"
+		"                      scanner, with its pose and intensity, and holes in it\n"
+		"  --grid              rays in equal steps of angle, as in ptx and e57, and only about as\n"
+		"                      many points as asked for\n"
 		"  --stations          print places on the visitors' path, name x y z, and stop:\n"
 		"                      they are in the air for every seed, so lamps can stand there\n"
 		"  -o FILE             where to write; - is standard output (the default)");
 }
 
-static sample_format parse_format(const char *text)
+static int parse_format(const char *text)
 {
-	if (strcmp(text, "ply") == 0)
-		return SAMPLE_PLY;
-	if (strcmp(text, "cloud") == 0)
-		return SAMPLE_CLOUD;
-	fprintf(stderr, "make_cave: --format %s: choose ply or cloud\n", text);
+	for (int i = 0; i < COUNT(formats); i++) {
+		if (strcmp(text, formats[i]) == 0)
+			return i;
+	}
+	fprintf(stderr, "make_cave: --format %s: choose ply, cloud, ptx or e57\n", text);
 	exit(SAMPLE_EXIT_USAGE);
 }
 
 static void parse_options(int argc, char **argv, cave_options *o)
 {
 	static const struct option names[] = {
-		{ "points", required_argument, NULL, 'n' }, { "seed", required_argument, NULL, 'r' },
-		{ "noise", required_argument, NULL, 's' },  { "format", required_argument, NULL, 'f' },
-		{ "stations", no_argument, NULL, 'p' },     { "output", required_argument, NULL, 'o' },
-		{ "help", no_argument, NULL, 'h' },         { 0 },
+		{ "points", required_argument, NULL, 'n' },
+		{ "seed", required_argument, NULL, 'r' },
+		{ "noise", required_argument, NULL, 's' },
+		{ "format", required_argument, NULL, 'f' },
+		{ "stations", no_argument, NULL, 'p' },
+		{ "output", required_argument, NULL, 'o' },
+		{ "grid", no_argument, NULL, 'g' },
+		{ "help", no_argument, NULL, 'h' },
+		{ 0 },
 	};
 	int c;
 
@@ -720,6 +833,9 @@ static void parse_options(int argc, char **argv, cave_options *o)
 		case 'p':
 			o->stations = true;
 			break;
+		case 'g':
+			o->grid = true;
+			break;
 		case 'o':
 			o->output = optarg;
 			break;
@@ -736,23 +852,39 @@ static void parse_options(int argc, char **argv, cave_options *o)
 	}
 }
 
+/* Scans and writes; returns the exit code. */
+static int make_cave(const cave_options *o)
+{
+	sample_list list = { 0 };
+	sample_scan scan[COUNT(stations)] = { 0 };
+	char comment[200];
+	int status;
+
+	snprintf(comment, sizeof comment, "make_cave points %zu seed %llu noise %g", o->points,
+			 (unsigned long long)o->seed, o->noise);
+	if (o->grid || o->format >= PTX)
+		scan_grids(o->points, o->noise, o->seed, scan, &list);
+	else
+		scan_cave(o->points, o->noise, o->seed, &list);
+	if (o->format == PTX)
+		status = sample_write_ptx(scan, COUNT(stations), o->output);
+	else if (o->format == E57)
+		status = sample_write_e57(scan, COUNT(stations), o->output, comment);
+	else
+		status = sample_write(&list, o->output, (sample_format)o->format, comment);
+	sample_scans_clear(scan, COUNT(stations));
+	sample_clear(&list);
+	return status;
+}
+
 int main(int argc, char **argv)
 {
 	cave_options o = { .points = 1400000, .seed = 1, .output = "-" };
-	sample_list list = { 0 };
-	char comment[200];
 
 	parse_options(argc, argv, &o);
 	uint64_t random = o.seed;
 	grow_cave(&random);
 	if (!check_stations(o.stations))
 		return 70;
-	if (o.stations)
-		return 0;
-	scan_cave(o.points, o.noise, o.seed, &list);
-	snprintf(comment, sizeof comment, "make_cave points %zu seed %llu noise %g", o.points,
-			 (unsigned long long)o.seed, o.noise);
-	int status = sample_write(&list, o.output, o.format, comment);
-	sample_clear(&list);
-	return status;
+	return o.stations ? 0 : make_cave(&o);
 }

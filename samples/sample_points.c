@@ -147,27 +147,29 @@ static void remove_partial(FILE *file, const char *path)
 		unlink(path);
 }
 
-int sample_write(const sample_list *list, const char *path, sample_format format,
-				 const char *comment)
+int sample_open(const char *path, bool text, FILE **file)
 {
 	bool to_stdout = strcmp(path, "-") == 0;
-	FILE *file = to_stdout ? stdout : fopen(path, "wb");
-	uint8_t record[64];
 
-	if (!file) {
+	*file = to_stdout ? stdout : fopen(path, "wb");
+	if (!*file) {
 		fprintf(stderr, "cannot create %s: %s\n", path, strerror(errno));
 		return SAMPLE_EXIT_CREATE;
 	}
-	if (to_stdout && isatty(STDOUT_FILENO)) {
+	if (to_stdout && !text && isatty(STDOUT_FILENO)) {
 		fprintf(stderr, "standard output is a terminal and the data are binary; "
 						"use -o FILE or a pipe\n");
 		return SAMPLE_EXIT_USAGE;
 	}
-	write_header(file, list, format, comment);
-	for (size_t i = 0; i < list->count && !ferror(file); i++)
-		fwrite(record, 1, encode(record, &list->point[i], format), file);
+	return 0;
+}
+
+int sample_close(FILE *file, const char *path)
+{
+	bool to_stdout = file == stdout;
 	bool failed = fflush(file) != 0 || ferror(file);
 	int cause = errno;
+
 	if (failed)
 		remove_partial(file, path);
 	if (!to_stdout && fclose(file) != 0 && !failed) {
@@ -181,6 +183,21 @@ int sample_write(const sample_list *list, const char *path, sample_format format
 		return SAMPLE_EXIT_IO;
 	}
 	return 0;
+}
+
+int sample_write(const sample_list *list, const char *path, sample_format format,
+				 const char *comment)
+{
+	uint8_t record[64];
+	FILE *file;
+	int status = sample_open(path, false, &file);
+
+	if (status)
+		return status;
+	write_header(file, list, format, comment);
+	for (size_t i = 0; i < list->count && !ferror(file); i++)
+		fwrite(record, 1, encode(record, &list->point[i], format), file);
+	return sample_close(file, path);
 }
 
 static void usage_error(const char *option, const char *text, const char *wanted)

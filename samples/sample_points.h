@@ -7,8 +7,10 @@
 #ifndef SAMPLE_POINTS_H
 #define SAMPLE_POINTS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Exit codes, the same as glowworm's. */
 enum {
@@ -63,6 +65,12 @@ typedef enum sample_format { SAMPLE_PLY, SAMPLE_CLOUD } sample_format;
  */
 int sample_write(const sample_list *list, const char *path, sample_format format,
 				 const char *comment);
+
+/* Open a file to be written, and end that; both return 0, or an exit code after a message on
+ * standard error. A file that could not be written whole is removed. path  "-" is standard output
+ *   text  binary data do not go to a terminal, text does */
+int sample_open(const char *path, bool text, FILE **file);
+int sample_close(FILE *file, const char *path);
 
 /* Parse an argument; end the program with exit code 2 and a message when it makes no sense. */
 size_t sample_parse_count(const char *option, const char *text, size_t maximum);

@@ -81,8 +81,6 @@ refuse() {
 	refuse
 	sed 's/3,0,0,0, 0,3,0,0/3,6,0,0, 0.1,0.2,0,0/' scene.json >bad.json
 	refuse
-	echo '{"version": 1, "inputs": [{"file": "square.obj", "mesh": false}]}' >bad.json
-	refuse
 	echo '{"version": 1, "inputs": [{"file": "floor.ply", "mesh": true}]}' >bad.json
 	refuse
 } 2>&1

@@ -49,7 +49,7 @@ refuse 2 notes.obj --density 0 -o out.ply
 refuse 2 notes.obj --density 5 --count 5 -o out.ply
 refuse 71 notes.obj --density 9e11 -o out.ply
 refuse 0 notes.obj --count 10 -o out.ply
-# Points are what info is about.
+# Points are what info is about: of a mesh, its vertices.
 glowworm info notes.obj 2>&1 || echo $?
 ls
 # A binary glTF file, by its content and by its name: a triangle, y up, emitting.

@@ -31,5 +31,5 @@ echo "{\"version\": 1}" | tee a.json >b.json
 run bake a.json b.json -o out.ply
 run info
 run info --devices a.ply
-run info --format obj a.ply
+run info --format stl a.ply
 run --generate nothing

@@ -34,10 +34,10 @@ static gw_status read_exr(input_file *in, scan *cloud, gw_error *error)
 }
 
 static const fuzz_reader others[] = {
-	{ "hdr", read_hdr, false },      { "exr", read_exr, false },
-	{ "obj", seed_read_obj, false }, { "mesh-off", seed_read_off, false },
-	{ "mtl", seed_read_mtl, false }, { "mesh-ply", seed_read_mesh_ply, false },
-	{ "glb", seed_read_glb, false },
+	{ "hdr", read_hdr, false },           { "exr", read_exr, false },
+	{ "mesh-obj", seed_read_obj, false }, { "mesh-off", seed_read_off, false },
+	{ "mtl", seed_read_mtl, false },      { "mesh-ply", seed_read_mesh_ply, false },
+	{ "mesh-glb", seed_read_glb, false },
 };
 
 bool fuzz_reader_at(size_t index, fuzz_reader *reader)

@@ -308,8 +308,8 @@ static void make_e57(seed *s)
 }
 
 static const char *const format_of[SEEDS] = {
-	"ply", "ply", "ply", "ply", "cloud", "obj", "mtl", "mesh-ply", "mesh-ply",
-	"pcd", "pcd", "pcd", "pts", "ptx",   "xyz", "e57", "mesh-off", "glb",
+	"ply", "ply", "ply", "ply", "cloud", "mesh-obj", "mtl",      "mesh-ply", "mesh-ply", "pcd",
+	"pcd", "pcd", "pts", "ptx", "xyz",   "e57",      "mesh-off", "mesh-glb", "obj",      "glb",
 };
 
 void seed_files_make(seed seeds[SEEDS])
@@ -330,6 +330,10 @@ void seed_files_make(seed seeds[SEEDS])
 	make_e57(&seeds[15]);
 	make_off(&seeds[16]);
 	make_glb(&seeds[17]);
+	make_obj(&seeds[18]);
+	make_glb(&seeds[19]);
+	seeds[18].read = obj_read;
+	seeds[19].read = glb_read;
 	for (int i = 0; i < SEEDS; i++)
 		seeds[i].format = format_of[i];
 }

@@ -29,6 +29,14 @@ print("found the floor" if corners and all(4.8 < v.x < 7.1 and 6.8 < v.y < 9.1 a
                                           for v in corners) else "found something elsewhere")
 print("found no density over 1" if not surface(1.001) else "found a density over 1")
 
+# Blender tells that a grid holds points and names it; it has no use for them yet.
+bpy.ops.object.volume_import(filepath=here + "/points.vdb", files=[{"name": "points.vdb"}],
+                             directory=here)
+grids = bpy.context.object.data.grids
+grids.load()
+print("found beside them", [grid.name for grid in grids if grid.data_type == "POINTS"],
+      grids.error_message or "without complaint")
+
 bpy.ops.import_mesh.ply(filepath=here + "/lit.ply")
 points = [v.co for v in bpy.context.object.data.vertices]
 places = [(5 + i % 20 * 0.1, 7 + i // 20 * 0.1, 12.25 + 0.01 * (i % 3)) for i in range(400)]

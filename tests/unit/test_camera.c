@@ -1,5 +1,6 @@
 /* The camera and the automatic viewpoint against their definitions. */
 #include "camera.h"
+#include "render_cameras.h"
 #include "viewpoint.h"
 
 #include <math.h>
@@ -196,13 +197,36 @@ static void test_plane(void **state)
 	gw_surfels_clear(&s);
 }
 
+/*
+ * A camera at the origin looks along y, 90 degrees each way: x = y is the right border of what is
+ * seen. A wide disc a metre beyond it counts (4 radii), and so do the narrow ones around it, which
+ * are its neighbours; narrow ones elsewhere beyond the border do not.
+ */
+static void test_choice(void **state)
+{
+	(void)state;
+	float position[] = { 5.4f, 4, 0, 6, 4, 0, 6, 4.2f, 0, 0, 9, 0, 9, -9, 0, 60, 0, 0 };
+	float radius[] = { 1, 0.01f, 0.01f, 0.01f, 0.01f, 0.01f };
+	const uint8_t expected[] = { 1, 1, 1, 1, 0, 0 };
+	const gw_surfels s = { .count = 6,
+						   .position = position,
+						   .radius = radius,
+						   .minimum = { 0, -9, 0 },
+						   .maximum = { 60, 9, 0 } };
+	gw_viewpoint view = { .to = { 0, 1, 0 }, .angle = 90 };
+	const camera_plan plan = { .view = &view, .text_count = 1, .orbit = 1, .up = 'z' };
+	uint8_t chosen[6] = { 0 };
+	assert_int_equal(camera_plan_choose(&plan, &s, 1.0, chosen, NULL), GW_OK);
+	assert_memory_equal(chosen, expected, sizeof expected);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_axes),        cmocka_unit_test(test_orbit),
 		cmocka_unit_test(test_bad_cameras), cmocka_unit_test(test_balls_in_view),
 		cmocka_unit_test(test_enclosure),   cmocka_unit_test(test_inside_and_outside),
-		cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_plane),       cmocka_unit_test(test_choice),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -418,6 +418,43 @@ static void numbers_are_rounded_once(void **state)
 	assert_true(single == 0x1.000002p0f);
 }
 
+/* Digits, as many as there are; bytes beside '0' and '9', and with the highest bit, are none. */
+static size_t put_digits(char *to, uint64_t *seed, size_t most)
+{
+	size_t count = next_random(seed) % (most + 1);
+	for (size_t i = 0; i < count; i++)
+		to[i] = (char)('0' + next_random(seed) % 10);
+	return count;
+}
+
+static void numbers_end_with_their_digits(void **state)
+{
+	(void)state;
+	static const char other[] = { '/', ':', ' ', ',', '\n', ';', '\x80', '\xb0', '\xb9', '\xff' };
+	uint64_t seed = 3;
+	for (int i = 0; i < 40000; i++) {
+		char text[80] = "-", copy[80];
+		size_t sign = next_random(&seed) % 2, length = sign;
+		size_t digits = put_digits(text + length, &seed, 23);
+		length += digits;
+		if (next_random(&seed) % 2) {
+			text[length++] = '.';
+			size_t behind = put_digits(text + length, &seed, 23);
+			length += behind;
+			digits += behind;
+		}
+		memcpy(copy, text, length);
+		copy[length] = '\0';
+		text[length] = other[next_random(&seed) % sizeof other];
+		size_t tail = 1 + put_digits(text + length + 1, &seed, 10);
+		double value = 0.0;
+		assert_int_equal(number_read(text, length + tail, &value), digits ? length : 0);
+		assert_true(value == (digits ? strtod(copy, NULL) : 0.0));
+		assert_int_equal(read_exactly(copy, &value), digits ? length : 0);
+		assert_true(value == (digits ? strtod(copy, NULL) : 0.0));
+	}
+}
+
 static void assert_round_trips(void)
 {
 	uint64_t seed = 2;
@@ -517,6 +554,7 @@ int main(void)
 		cmocka_unit_test(output_temporaries_removed_by_a_signal),
 		cmocka_unit_test(numbers_are_read),
 		cmocka_unit_test(numbers_are_rounded_once),
+		cmocka_unit_test(numbers_end_with_their_digits),
 		cmocka_unit_test(numbers_round_trip),
 		cmocka_unit_test(numbers_ignore_the_locale),
 	};

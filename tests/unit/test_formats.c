@@ -178,6 +178,56 @@ static void ply_of_every_type(void **state)
 	}
 }
 
+/* A text of `count` vertices, i 2 i/4, with CRLF in some lines and `wrong` as the x of two. */
+static char *many_vertices(size_t count, size_t first_wrong, size_t second_wrong)
+{
+	char *text;
+	size_t length;
+	FILE *file = open_memstream(&text, &length);
+	fprintf(file, "ply\nformat ascii 1.0\nelement vertex %zu\n" XYZ "end_header\n", count);
+	for (size_t i = 0; i < count; i++) {
+		if (i == first_wrong || i == second_wrong)
+			fputs("wrong", file);
+		fprintf(file, "%zu 2 %.2f%s\n", i, (double)i / 4, i % 1000 ? "" : "\r");
+	}
+	fclose(file);
+	return text;
+}
+
+/* Enough lines for several threads; of two faults the first is told, whoever finds the other. */
+static void ply_text_on_threads(void **state)
+{
+	(void)state;
+	const size_t count = 60000;
+	char *text = many_vertices(count, count, count);
+	for (uint32_t threads = 1; threads <= 4; threads += 3) {
+		scan cloud;
+		input_file in = {
+			.name = "a.ply", .data = (uint8_t *)text, .length = strlen(text), .threads = threads
+		};
+		assert_int_equal(ply_read(&in, &cloud, NULL), GW_OK);
+		assert_int_equal(cloud.count, count);
+		for (size_t i = 0; i < count; i++)
+			assert_true(scan_value(&cloud.column[0], i) == (double)i &&
+						scan_value(&cloud.column[2], i) == (double)i / 4);
+		scan_clear(&cloud);
+		gw_error error;
+		in.length -= 20;
+		assert_int_equal(ply_read(&in, &cloud, &error), GW_ERROR_DATA);
+		assert_non_null(strstr(error.text, "ends after 59999 of the 60000"));
+	}
+	free(text);
+	text = many_vertices(count, 20000, 55000);
+	input_file in = {
+		.name = "a.ply", .data = (uint8_t *)text, .length = strlen(text), .threads = 4
+	};
+	gw_error error;
+	scan cloud;
+	assert_int_equal(ply_read(&in, &cloud, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "line 20008:"));
+	free(text);
+}
+
 /* Elements before and after the vertices, and lists among their properties, in all encodings. */
 static void ply_with_lists(void **state)
 {
@@ -786,6 +836,7 @@ int main(void)
 		cmocka_unit_test(ply_of_text),
 		cmocka_unit_test(ply_of_every_type),
 		cmocka_unit_test(ply_with_lists),
+		cmocka_unit_test(ply_text_on_threads),
 		cmocka_unit_test(ply_with_any_line_end),
 		cmocka_unit_test(ply_with_other_names),
 		cmocka_unit_test(ply_without_vertices),
