@@ -479,7 +479,8 @@ typedef struct gw_statistics {
 	uint64_t points, finite, duplicates; /* duplicates: points beyond the first at a position */
 	double minimum[3], maximum[3];       /* bounds of the finite points, metres */
 	double spacing[3];                   /* 5th, 50th and 95th percentile of the distance to the
-											nearest other point, metres */
+											nearest other point, metres; this and density are of
+											a million points where there are more */
 	double density;                      /* points a square metre of surface, median */
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
 	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */

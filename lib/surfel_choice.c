@@ -131,6 +131,7 @@ static gw_status choose(const gw_surfels_options *options, gw_surfels *s, uint8_
 gw_status gw_surfels_choose(const gw_surfels_options *options, gw_surfels *s, gw_error *error)
 {
 	uint8_t *chosen = gw_allocate_zeros(s->count, 1);
+	bool complete = s->normals_given == s->count || !options->choose_by_place;
 	gw_status status = gw_surfels_estimate(s, error);
 	if (status == GW_OK && !chosen)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to choose from %zu points", s->count);
@@ -140,6 +141,6 @@ gw_status gw_surfels_choose(const gw_surfels_options *options, gw_surfels *s, gw
 	free(s->area);
 	free(s->radius);
 	s->area = s->radius = NULL;
-	s->normals_given = s->count; /* none is missing any more */
+	s->normals_given = complete ? s->count : 0; /* 0: they are looked for again */
 	return status;
 }

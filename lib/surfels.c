@@ -42,13 +42,13 @@ float gw_rank_float(const float *values, size_t count, size_t rank)
 	return value;
 }
 
-/* Who chooses wants to see normals. Those that are missing need neighbours, all of them. */
+/* Who chooses may want to see normals. Those that are missing need neighbours, all of them. */
 static gw_status choose(const gw_points *points, const gw_surfels_options *options,
 						gw_surfels *surfels, gw_error *error)
 {
 	gw_neighbours *search = NULL;
 	gw_status status = GW_OK;
-	if (surfels->normals_given < surfels->count) {
+	if (surfels->normals_given < surfels->count && !options->choose_by_place) {
 		status = gw_neighbours_open(surfels, options, true, &search, error);
 		if (status == GW_OK)
 			status = gw_normals_complete(points, options, search, surfels, error);

@@ -77,6 +77,8 @@ typedef struct gw_surfels_options {
 								   about twice as far as their neighbours are. At least some
 								   GW_NEIGHBOURS are kept, so that there is something to make */
 	void *chooser;              /* for choose */
+	bool choose_by_place;       /* choose does not look at normals: those of the others that are
+								   missing need not be made */
 	bool rough_area;            /* area is the disc's, shared among the points that it reaches to;
 								   a picture needs no better */
 	bool (*cancelled)(void *user);

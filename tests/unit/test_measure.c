@@ -53,6 +53,35 @@ static void regular_points_measure_as_made(void **state)
 	assert_true(s.memory > COUNT * 100u);
 }
 
+/* More points than are looked at, without normals: the same figures, as far as they are looked for.
+ * 1150 spacings and leaves of 1.25 spacings: 920 leaves and a margin of 4 fit 2^10. */
+static void large_clouds_are_sampled(void **state)
+{
+	(void)state;
+	const size_t side = 1151, count = side * side;
+	double *position = malloc(3 * count * sizeof *position);
+	assert_non_null(position);
+	for (size_t i = 0; i < count; i++) {
+		position[3 * i] = 0.5 * (double)(i % side);
+		position[3 * i + 1] = 0.5 * (double)(i / side);
+		position[3 * i + 2] = 0;
+	}
+	memcpy(position + 3, position, 3 * sizeof *position);
+	gw_points points = { .count = count, .position = position };
+	gw_statistics s;
+	gw_error error = { 0 };
+	assert_int_equal(gw_measure(&points, 2, &s, &error), GW_OK);
+	assert_int_equal(s.finite, count);
+	assert_int_equal(s.duplicates, 1);
+	for (int k = 0; k < 3; k++)
+		assert_true(s.spacing[k] == 0.5);
+	assert_true(fabs(s.density - 4) < 1e-4); /* areas are float32 */
+	assert_true(s.maximum[0] == 575 && s.maximum[1] == 575);
+	assert_int_equal(s.depth, 10);
+	assert_true(s.memory > count * 500u);
+	free(position);
+}
+
 static void one_point_has_no_spacing(void **state)
 {
 	(void)state;
@@ -80,6 +109,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(regular_points_measure_as_made),
+		cmocka_unit_test(large_clouds_are_sampled),
 		cmocka_unit_test(one_point_has_no_spacing),
 		cmocka_unit_test(nothing_to_measure_is_an_error),
 	};
