@@ -17,6 +17,7 @@
 
 #include "clock.h"
 #include "host_products.h"
+#include "luminance.h"
 #include "memory.h"
 #include "parallel.h"
 #include "transport_layout.h"
@@ -52,7 +53,7 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 typedef struct lobe_sums {
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
 	size_t slots;
-	double *power; /* a chunk: area * |luminance(L)| */
+	double *power; /* a chunk: area * |gw_luminance(L)| */
 	float *largest;
 } lobe_sums;
 
@@ -87,14 +88,13 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		const float *l = radiance + 4 * i;
 		for (int c = 0; c < 3; c++)
 			largest = l[c] > largest ? l[c] : largest;
-		power += (double)centre[4 * i + 3] *
-				 fabs(0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+		power += (double)centre[4 * i + 3] * fabs(gw_luminance(l));
 	}
 	sums->power[first / SUM_CHUNK] = power;
 	sums->largest[first / SUM_CHUNK] = largest;
 }
 
-/* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
+/* Energy that the lobes reflect, pi * area * |gw_luminance(L)|, and the largest component. */
 static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {

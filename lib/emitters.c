@@ -4,6 +4,7 @@
 #include "emitters.h"
 
 #include "alias_table.h"
+#include "luminance.h"
 #include "memory.h"
 
 #include <stdlib.h>
@@ -15,11 +16,6 @@ typedef struct emitter_row {
 	float probability;
 	uint32_t zero;
 } emitter_row;
-
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
 
 static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *centre, size_t slots,
 							  gw_emitters *emitters, gw_error *error)
@@ -34,7 +30,7 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 		uint32_t n = 0;
 		double total = 0.0;
 		for (size_t i = 0; i < slots; i++) {
-			double power = luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
+			double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
 			if (!(power > 0.0))
 				continue;
 			rows[n].lobe = (uint32_t)i;
@@ -66,7 +62,7 @@ static void count_emitters(const float *radiance, const float *centre, size_t sl
 {
 	double emitting = 0.0, whole = 0.0, power = 0.0, square = 0.0;
 	for (size_t i = 0; i < slots; i++) {
-		double l = luminance(&radiance[4 * i]), area = (double)centre[4 * i + 3];
+		double l = gw_luminance(&radiance[4 * i]), area = (double)centre[4 * i + 3];
 		whole += area;
 		if (!(l * area > 0.0))
 			continue;

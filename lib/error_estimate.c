@@ -4,6 +4,7 @@
 #include "error_estimate.h"
 
 #include "bounces.h"
+#include "luminance.h"
 #include "memory.h"
 #include "parallel.h"
 #include "shadow_error.h"
@@ -206,17 +207,12 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_em
 	return status;
 }
 
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
-
 /* Radiance that a surfel reflects of an irradiance. */
 static double reflected(const gw_surfels *surfels, size_t surfel, const float irradiance[3])
 {
 	const float *rho = surfels->albedo + 3 * surfel;
 	const float c[3] = { rho[0] * irradiance[0], rho[1] * irradiance[1], rho[2] * irradiance[2] };
-	return reciprocal_pi * luminance(c);
+	return reciprocal_pi * gw_luminance(c);
 }
 
 static double mean_radiance(const gw_estimate_task *task, const bool *counts)
@@ -229,7 +225,7 @@ static double mean_radiance(const gw_estimate_task *task, const bool *counts)
 			continue;
 		sum += reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i);
 		sum += task->direct ? reflected(s, i, task->direct + 4 * i) : 0.0;
-		sum += s->emission ? luminance(s->emission + 3 * i) : 0.0;
+		sum += s->emission ? gw_luminance(s->emission + 3 * i) : 0.0;
 		used++;
 	}
 	return used ? sum / (double)used : 0.0;
@@ -303,8 +299,8 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (task->bounces)
 		status = shade_all(task, &radiance, error);
 	if (status == GW_OK && task->bounces)
-		status = gw_emitters_make(task->passes->gpu, task->octree, &radiance, false, &reflectors,
-								  error);
+		status =
+			gw_emitters_make(task->passes->gpu, task->octree, &radiance, false, &reflectors, error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
 		status = gather_half(task, half, &reflectors, &e, error);
 	double mean = status == GW_OK ? mean_radiance(task, e.counts) : 0.0;

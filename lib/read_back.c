@@ -202,3 +202,19 @@ void gw_read_back_apply(const gw_read_back *read_back, const float *records, uin
 	product p = { read_back, records, surfels };
 	gw_parallel_for(gw_thread_count(threads), read_back->count, 16384, multiply, &p);
 }
+
+double gw_read_back_variance(const gw_read_back *read_back, const double *light, size_t surfel,
+							 double lonely)
+{
+	double mean = 0.0, squares = 0.0, spread = 0.0;
+	for (uint32_t e = read_back->first[surfel]; e < read_back->first[surfel + 1]; e++) {
+		double weight = (double)read_back->weight[e];
+		mean += weight * light[read_back->record[e]];
+		squares += weight * weight;
+	}
+	for (uint32_t e = read_back->first[surfel]; e < read_back->first[surfel + 1]; e++) {
+		double off = light[read_back->record[e]] - mean;
+		spread += (double)read_back->weight[e] * off * off;
+	}
+	return squares > 0.999 ? lonely * mean * mean : spread / (1.0 - squares) * squares;
+}

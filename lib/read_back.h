@@ -31,6 +31,15 @@ gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const g
 void gw_read_back_clear(gw_read_back *read_back);
 
 /*
+ * Variance of the mean of the records that light a surfel, by how much they disagree.
+ *   light    one a record, of any unit
+ *   surfel   whose row has at least one record
+ *   lonely   what it is, in squares of that mean, where one record speaks alone
+ */
+double gw_read_back_variance(const gw_read_back *read_back, const double *light, size_t surfel,
+							 double lonely);
+
+/*
  * Interpolates.
  *   records   4 floats a record; of the fourth nothing is read
  *   threads   0 means one a core

@@ -3,6 +3,7 @@
  */
 #include "record_density.h"
 
+#include "luminance.h"
 #include "memory.h"
 #include "transport_layout.h"
 
@@ -25,18 +26,13 @@
 
 /* What the records of one lighting say. */
 typedef struct density_work {
-	double *light;         /* records: luminance of irradiance, pi times too large */
+	double *light;         /* records: luminance of irradiance */
 	double *mass;          /* records */
 	float *most, *factor;  /* records */
 	uint32_t *lobe_record; /* GW_WEIGHTS * 2 * leaf_count */
 	float *lobe_weight;    /* likewise */
 	size_t records, slots;
 } density_work;
-
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
 
 /* ------------------------------------------------------------------------------------ factors */
 
@@ -78,22 +74,6 @@ double gw_density_factors(const double *mass, const float *most, size_t count,
 
 /* --------------------------------------------------------------------------------------- mass */
 
-/* Variance of the mean of the records that light surfel i. */
-static double variance_at(const gw_read_back *rows, const double *light, size_t i)
-{
-	double mean = 0.0, squares = 0.0, spread = 0.0;
-	for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++) {
-		double weight = (double)rows->weight[e];
-		mean += weight * light[rows->record[e]];
-		squares += weight * weight;
-	}
-	for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++) {
-		double off = light[rows->record[e]] - mean;
-		spread += (double)rows->weight[e] * off * off;
-	}
-	return squares > 0.999 ? LONELY_SHARE * mean * mean : spread / (1.0 - squares) * squares;
-}
-
 /* Every surfel's variance of radiance to the records that speak for it. Those that emit outshine
  * theirs, and of those lit from both sides the estimate knows nothing either. */
 static void spread_mass(const gw_solver *s, density_work *w)
@@ -102,36 +82,13 @@ static void spread_mass(const gw_solver *s, density_work *w)
 	const gw_read_back *rows = &s->read_back;
 	for (size_t i = 0; i < surfels->count; i++) {
 		const float *emission = surfels->emission ? surfels->emission + 3 * i : NULL;
-		if (surfels->two_sided[i] || (emission && luminance(emission) > 0.0))
+		if (surfels->two_sided[i] || (emission && gw_luminance(emission) > 0.0))
 			continue;
-		double rho = luminance(surfels->albedo + 3 * i);
-		double variance = rho * rho * variance_at(rows, w->light, i);
+		double rho = gw_luminance(surfels->albedo + 3 * i);
+		double variance = rho * rho * gw_read_back_variance(rows, w->light, i, LONELY_SHARE);
 		for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++)
 			w->mass[rows->record[e]] += (double)rows->weight[e] * variance;
 	}
-}
-
-static gw_status fetch(gw_gpu *gpu, const gw_buffer *buffer, void *values, uint64_t bytes,
-					   gw_error *error)
-{
-	return gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)buffer, 0, values, bytes, error);
-}
-
-/* Luminance of all that the records gathered. */
-static gw_status fetch_light(const gw_solver *s, density_work *w, gw_error *error)
-{
-	const gw_buffer *parts[2] = { &s->records.first, &s->records.indirect };
-	float *values = gw_allocate_array(w->records, 4 * sizeof *values);
-	gw_status status =
-		values ? GW_OK
-			   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", w->records);
-	for (int k = 0; k < 2 && status == GW_OK; k++) {
-		status = fetch(s->gpu, parts[k], values, 16 * (uint64_t)w->records, error);
-		for (size_t i = 0; i < w->records && status == GW_OK; i++)
-			w->light[i] += luminance(values + 4 * i);
-	}
-	free(values);
-	return status;
 }
 
 /* ------------------------------------------------------------------------------------ spacing */
@@ -195,10 +152,11 @@ static gw_status begin(const gw_solver *s, gw_record_density *density, density_w
 		density->lobe_spacing[i] = s->options.record_spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = s->options.record_spacing;
-	gw_status status = fetch(s->gpu, &s->records.lobe_record, w->lobe_record, 4 * words, error);
-	return status == GW_OK
-			   ? fetch(s->gpu, &s->records.lobe_weight, w->lobe_weight, 4 * words, error)
-			   : status;
+	gw_status status =
+		gw_buffer_download(s->gpu, &s->records.lobe_record, 0, w->lobe_record, 4 * words, error);
+	return status == GW_OK ? gw_buffer_download(s->gpu, &s->records.lobe_weight, 0, w->lobe_weight,
+												4 * words, error)
+						   : status;
 }
 
 gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_wish *wish,
@@ -209,7 +167,7 @@ gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_w
 	*growth = 1.0;
 	gw_status status = begin(s, density, &w, error);
 	if (status == GW_OK)
-		status = fetch_light(s, &w, error);
+		status = gw_records_light(s->gpu, &s->records, w.light, error);
 	if (status == GW_OK) {
 		double sum = 0.0;
 		spread_mass(s, &w);

@@ -3,15 +3,11 @@
  */
 #include "record_fields.h"
 
+#include "luminance.h"
 #include "memory.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
 
 static float *allocate(size_t count, gw_error *error)
 {
@@ -46,8 +42,7 @@ static gw_status open_records(const gw_solver *s, float *open, gw_error *error)
 	float *distance = allocate((size_t)hits, error);
 	if (!distance)
 		return GW_ERROR_MEMORY;
-	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)&s->rays.distance, 0,
-										  distance, 4 * hits, error);
+	gw_status status = gw_buffer_download(s->gpu, &s->rays.distance, 0, distance, 4 * hits, error);
 	for (size_t i = 0; i < s->records.count && status == GW_OK; i++) {
 		uint32_t passed = 0;
 		for (size_t k = 0; k < rays; k++)
@@ -77,38 +72,6 @@ static gw_status find_openness(const gw_solver *s, float **points, gw_error *err
 
 /* ------------------------------------------------------------------------------ disagreement */
 
-/* Standard error of the mean of the records that light surfel i, as luminance of irradiance. */
-static double disagreement(const gw_read_back *rows, const double *records, size_t i)
-{
-	double mean = 0.0, squares = 0.0, spread = 0.0;
-	for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++) {
-		double weight = (double)rows->weight[e];
-		mean += weight * records[rows->record[e]];
-		squares += weight * weight;
-	}
-	for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++) {
-		double off = records[rows->record[e]] - mean;
-		spread += (double)rows->weight[e] * off * off;
-	}
-	return squares > 0.999 ? fabs(mean) : sqrt(spread / (1.0 - squares) * squares);
-}
-
-/* Luminance of all that the records gathered. */
-static gw_status gathered(const gw_solver *s, double *sum, gw_error *error)
-{
-	const gw_buffer *parts[2] = { &s->records.first, &s->records.indirect };
-	float *values = allocate(4 * (size_t)s->records.count, error);
-	gw_status status = values ? GW_OK : GW_ERROR_MEMORY;
-	for (int k = 0; k < 2 && status == GW_OK; k++) {
-		status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)parts[k], 0, values,
-									16 * (uint64_t)s->records.count, error);
-		for (size_t i = 0; i < s->records.count && status == GW_OK; i++)
-			sum[i] += luminance(values + 4 * i);
-	}
-	free(values);
-	return status;
-}
-
 static gw_status find_errors(const gw_relight *relight, float **points, gw_error *error)
 {
 	const gw_solver *s = relight->solver;
@@ -118,10 +81,10 @@ static gw_status find_errors(const gw_relight *relight, float **points, gw_error
 	if (!surfels || !records)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", s->records.count);
 	if (status == GW_OK && relight->plan.records)
-		status = gathered(s, records, error);
+		status = gw_records_light(s->gpu, &s->records, records, error);
 	for (size_t i = 0; i < s->surfels.count && status == GW_OK && relight->plan.records; i++)
-		surfels[i] = (float)(disagreement(&s->read_back, records, i) *
-							 luminance(s->surfels.albedo + 3 * i) * 0.31830988618379067);
+		surfels[i] = (float)(sqrt(gw_read_back_variance(&s->read_back, records, i, 1.0)) *
+							 gw_luminance(s->surfels.albedo + 3 * i) * 0.31830988618379067);
 	if (status == GW_OK)
 		status = to_points(&s->surfels, surfels, points, error);
 	free(surfels);

@@ -4,6 +4,7 @@
  */
 #include "records.h"
 
+#include "luminance.h"
 #include "memory.h"
 #include "record_places.h"
 #include "transport_layout.h"
@@ -188,11 +189,9 @@ static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_tas
 	if (!centre || !plane)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_centre, 0, centre,
-									16 * slots, error);
+		status = gw_buffer_download(gpu, &octree->lobe_centre, 0, centre, 16 * slots, error);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, (gw_buffer *)(uintptr_t)&octree->lobe_plane, 0, plane,
-									16 * slots, error);
+		status = gw_buffer_download(gpu, &octree->lobe_plane, 0, plane, 16 * slots, error);
 	task.centre = centre;
 	task.plane = plane;
 	task.slots = slots;
@@ -344,4 +343,20 @@ gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
 	gw_lookup_push push = lookup(records, reach);
 	push.surfel_first = (uint32_t)first;
 	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
+}
+
+gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error)
+{
+	const gw_buffer *parts[2] = { &records->first, &records->indirect };
+	float *values = gw_allocate_array(records->count, 4 * sizeof *values);
+	gw_status status = GW_OK;
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	for (size_t k = 0; k < 2 && status == GW_OK; k++) {
+		status = gw_buffer_download(gpu, parts[k], 0, values, 16 * (uint64_t)records->count, error);
+		for (size_t i = 0; i < records->count && status == GW_OK; i++)
+			light[i] = (k ? light[i] : 0.0) + gw_luminance(values + 4 * i);
+	}
+	free(values);
+	return status;
 }

@@ -84,6 +84,9 @@ gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *e
 gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
 						 gw_records *records, gw_error *error);
 
+/* Luminance of all the irradiance that records gathered; light receives one a record. */
+gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error);
+
 /* Finds the records each lobe's irradiance is interpolated from. Needs record position w.
  *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count; those of 0
  *           keep what they have */

@@ -319,8 +319,8 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 static gw_status read_back(const gw_solver *s, const gw_buffer *irradiance, float *records,
 						   float **surfels, gw_error *error)
 {
-	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)irradiance, 0, records,
-										  16 * (uint64_t)s->records.count, error);
+	gw_status status =
+		gw_buffer_download(s->gpu, irradiance, 0, records, 16 * (uint64_t)s->records.count, error);
 	if (status != GW_OK)
 		return status;
 	if (!*surfels)
@@ -366,8 +366,8 @@ gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, 
 	if (!*direct)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
 					   s->surfels.count);
-	gw_status status = gw_buffer_download(s->gpu, (gw_buffer *)(uintptr_t)&relight->surfel_direct,
-										  0, *direct, 16 * (uint64_t)s->surfels.count, error);
+	gw_status status = gw_buffer_download(s->gpu, &relight->surfel_direct, 0, *direct,
+										  16 * (uint64_t)s->surfels.count, error);
 	if (status != GW_OK) {
 		free(*direct);
 		*direct = NULL;

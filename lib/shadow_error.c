@@ -3,6 +3,7 @@
  */
 #include "shadow_error.h"
 
+#include "luminance.h"
 #include "memory.h"
 #include "parallel.h"
 
@@ -24,16 +25,12 @@ typedef struct shadow_edges {
 	size_t *used;   /* a chunk, surfels that count */
 } shadow_edges;
 
-static double luminance(const float *c)
-{
-	return 0.2126 * (double)c[0] + 0.7152 * (double)c[1] + 0.0722 * (double)c[2];
-}
-
 /* Luminance that a surfel would reflect of the light of lamps at another. */
 static double reflected(const shadow_edges *e, size_t surfel, size_t at)
 {
 	const float *rho = e->surfels->albedo + 3 * surfel, *light = e->direct + 4 * at;
-	return luminance((const float[]){ rho[0] * light[0], rho[1] * light[1], rho[2] * light[2] }) /
+	return gw_luminance(
+			   (const float[]){ rho[0] * light[0], rho[1] * light[1], rho[2] * light[2] }) /
 		   pi;
 }
 
@@ -51,7 +48,7 @@ static bool are_neighbours(const gw_surfels *s, size_t i, size_t j)
 static double offset_between(const shadow_edges *e, size_t i, size_t j)
 {
 	const float *a = e->direct + 4 * i, *b = e->direct + 4 * j;
-	float hidden = luminance(a) < luminance(b) ? a[3] : b[3];
+	float hidden = gw_luminance(a) < gw_luminance(b) ? a[3] : b[3];
 	return hidden > 0.0f ? GW_EDGE_OFFSET : hidden < 0.0f ? GW_CREASE_OFFSET : 0.0;
 }
 

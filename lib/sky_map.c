@@ -4,6 +4,7 @@
 #include "sky_map.h"
 
 #include "alias_table.h"
+#include "luminance.h"
 #include "memory.h"
 
 #include <math.h>
@@ -86,8 +87,7 @@ static double weigh(const gw_sky_map *map, const float *texel, double *weight)
 					   (height_of(y + 1, map->height) - height_of(y, map->height));
 		for (size_t i = y * map->width; i < (y + 1) * map->width; i++) {
 			const float *l = texel + 4 * i;
-			weight[i] =
-				angle * (0.2126 * (double)l[0] + 0.7152 * (double)l[1] + 0.0722 * (double)l[2]);
+			weight[i] = angle * gw_luminance(l);
 			total += weight[i];
 		}
 	}

@@ -25,8 +25,7 @@ static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint
 					   (unsigned long long)texels);
 	if (buffer->bytes < 16 * texels)
 		return GW_OK; /* an attribute that nothing has: zeros */
-	return gw_buffer_download(task->passes->gpu, (gw_buffer *)(uintptr_t)buffer, 0, *values,
-							  16 * texels, error);
+	return gw_buffer_download(task->passes->gpu, buffer, 0, *values, 16 * texels, error);
 }
 
 /* What the lobes reflect of all that was gathered, into a buffer of its own. */
