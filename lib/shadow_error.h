@@ -11,8 +11,8 @@
  *
  * Edges are taken to be off by what free edges of surface among random points are, or, where what
  * hides the light ends at a crease, by the little that creases are: their place is known from both
- * sides. Nothing at all is wrong where a penumbra ends steeply; where the lamp is much nearer to
- * the edge than the shadow is, more.
+ * sides; and by nothing there where the lamp has an extent. Where the lamp is much nearer to the
+ * edge than the shadow is, more is wrong.
  */
 #ifndef SHADOW_ERROR_H
 #define SHADOW_ERROR_H

@@ -2,7 +2,8 @@
  * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the
  * visibility that light_visibility.comp or shadow_map_visibility.comp found. The fourth component
  * is luminance that was hidden: above 0 by surface of which nobody knows exactly where it ends,
- * below 0 by what ends at a crease.
+ * below 0 by what ends at a crease; not there where the lamp has an extent, whose penumbra is far
+ * wider than what is unknown of a crease.
  */
 #version 460
 
@@ -46,7 +47,7 @@ void main()
 	float seen = push.shadows != 0u ? visibility[i] : 1.0, sign = 1.0;
 	if (seen >= GW_HIDDEN_BY_CREASE) {
 		seen -= GW_HIDDEN_BY_CREASE;
-		sign = -1.0;
+		sign = push.samples > 1u ? 0.0 : -1.0;
 	}
 	float hidden = sign * (1.0 - seen);
 	irradiance[i] += e * vec4(push.power.xyz * seen, luminance(push.power.xyz) * hidden);
