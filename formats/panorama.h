@@ -29,6 +29,10 @@ void panorama_clear(panorama *map);
 gw_status panorama_hdr_read(const input_file *in, panorama *map, gw_error *error);
 gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error);
 
+/* Pixels that are compressed by DWA, into a map that has the size of the picture's data window.
+ * rgb: they are in R, G and B, else Y goes to the first of three. */
+gw_status panorama_dwa_pixels(const input_file *in, bool rgb, panorama *map, gw_error *error);
+
 /* Allocates the pixels of a map, whose sides a header gives. GW_ERROR_DATA when they are not those
  * of a panorama, or more than PANORAMA_PIXELS, or more than `most` that the bytes can hold. */
 gw_status panorama_allocate(const input_file *in, uint64_t width, uint64_t height, uint64_t most,

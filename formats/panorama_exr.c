@@ -99,18 +99,11 @@ static gw_status check_channels(const source *s, exr_const_context_t file, bool 
 }
 
 /* OpenEXRCore knows the name of this compression, but does not decode it. */
-static gw_status check_compression(const source *s, exr_const_context_t file, gw_error *error)
+static bool is_dwa(exr_const_context_t file)
 {
 	exr_compression_t compression;
-	exr_result_t result = exr_get_compression(file, 0, &compression);
-	if (result != EXR_ERR_SUCCESS)
-		return failed(s, result, error);
-	if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
-		return bad(s,
-				   "it is compressed by DWA, which is not decoded here; `exrmaketiled -z zip IN "
-				   "OUT`, of the package openexr, makes one that is read",
-				   error);
-	return GW_OK;
+	return exr_get_compression(file, 0, &compression) == EXR_ERR_SUCCESS &&
+		   (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB);
 }
 
 static gw_status take_header(const source *s, exr_const_context_t file, panorama *map, bool *rgb,
@@ -125,9 +118,7 @@ static gw_status take_header(const source *s, exr_const_context_t file, panorama
 	if (memcmp(&data, &shown, sizeof data) != 0)
 		return bad(s, "its pixels are cut out of a larger picture; a map holds all directions",
 				   error);
-	gw_status status = check_compression(s, file, error);
-	if (status == GW_OK)
-		status = check_channels(s, file, rgb, error);
+	gw_status status = check_channels(s, file, rgb, error);
 	if (status != GW_OK)
 		return status;
 	int64_t width = (int64_t)data.max.x - data.min.x + 1;
@@ -253,7 +244,9 @@ gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error
 		status = failed(&s, result, error);
 	if (status == GW_OK)
 		status = take_header(&s, file, map, &rgb, error);
-	if (status == GW_OK) {
+	if (status == GW_OK && is_dwa(file)) {
+		status = panorama_dwa_pixels(in, rgb, map, error);
+	} else if (status == GW_OK) {
 		result = take_pixels(file, map, rgb);
 		if (result != EXR_ERR_SUCCESS)
 			status = failed(&s, result, error);

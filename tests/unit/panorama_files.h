@@ -20,4 +20,7 @@ size_t panorama_file_exr(bool grey, uint8_t file[PANORAMA_FILE_ROOM]);
 /* The same as OpenEXR in tiles of 10 x 5 pixels, by OpenEXRCore. */
 size_t panorama_file_tiles(uint8_t file[PANORAMA_FILE_ROOM]);
 
+/* The same as OpenEXR, compressed by DWA as its library wrote it: floats lose nothing. */
+size_t panorama_file_dwa(uint8_t file[PANORAMA_FILE_ROOM]);
+
 #endif
