@@ -53,7 +53,7 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 typedef struct lobe_sums {
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
 	size_t slots;
-	double *power; /* a chunk: area * |gw_luminance(L)| */
+	double *power; /* a chunk: area * |luminance(L)| */
 	float *largest;
 } lobe_sums;
 
@@ -94,7 +94,7 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	sums->largest[first / SUM_CHUNK] = largest;
 }
 
-/* Energy that the lobes reflect, pi * area * |gw_luminance(L)|, and the largest component. */
+/* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
 static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {

@@ -105,8 +105,7 @@ gw_status gw_probes_make(gw_passes *passes, const gw_octree *octree, const gw_su
 		status = place(passes->gpu, octree, surfels, probes, error);
 	for (int half = 0; half < 2 && status == GW_OK && probes->count > 0; half++)
 		status = gw_ray_gather_trace(passes, octree, &probes->place, HALF_RAYS,
-									 seed ^ (half ? 0xb5297a4du : 0x68e31da4u), &probes->rays[half],
-									 error);
+									 gw_probes_rays(seed, half).seed, &probes->rays[half], error);
 	if (status != GW_OK)
 		gw_probes_destroy(passes->gpu, probes);
 	return status;

@@ -405,8 +405,9 @@ static double shadow_error_of(bool block)
 }
 
 /* A sheet's edges are off by twelve times what creases are, and squares of errors are in
- * proportion; the block's shadow is half as long again, and its lowest parts end in no crease that
- * is known. */
+ * proportion to that and to the edges' length, which is half as long again for the block: an
+ * eighth. Up to half is allowed, since not every edge of the block's shadow is known to come from a
+ * crease; without telling creases apart it is one and a half. */
 static void creases_cast_sharper_shadows(void **state)
 {
 	(void)state;

@@ -110,53 +110,89 @@ static void compare(float *a, float *b, size_t count, double terms)
 
 /* ---------------------------------------------------------------------------------- products */
 
+/* One product of one or two inputs. */
+typedef gw_status product(fixture *f, const gw_buffer *one, const gw_buffer *other, gw_buffer *out,
+						  gw_error *error);
+
+/* Makes a product of `count` vectors by passes and on the host, over other numbers each time, and
+ * fails when they differ by more than sums of so many terms can. */
+static void make_alike(fixture *f, product *make, const gw_buffer *one, const gw_buffer *other,
+					   uint64_t count, double terms)
+{
+	gw_gpu *gpu = f->solver.gpu;
+	gw_error error = { 0 };
+	float *found[2];
+	for (int host = 0; host < 2; host++) {
+		gw_buffer out = random_vectors(f, count);
+		gpu->may_map = host;
+		assert_ok(make(f, one, other, &out, &error), &error);
+		gpu->may_map = true;
+		found[host] = contents(f, &out);
+		gw_buffer_destroy(gpu, &out);
+	}
+	compare(found[1], found[0], 4 * (size_t)count, terms);
+}
+
+static gw_status shade(fixture *f, const gw_buffer *irradiance, const gw_buffer *direct,
+					   gw_buffer *radiance, gw_error *error)
+{
+	gw_solver *s = &f->solver;
+	return gw_lobes_shade(&s->passes, &s->octree, &s->records, irradiance, direct, 0.5f, radiance,
+						  error);
+}
+
+static gw_status shade_undirected(fixture *f, const gw_buffer *irradiance, const gw_buffer *direct,
+								  gw_buffer *radiance, gw_error *error)
+{
+	gw_solver *s = &f->solver;
+	return gw_lobes_shade(&s->passes, &s->octree, &s->records, irradiance, direct, 0.0f, radiance,
+						  error);
+}
+
 static void shade_alike(void **state)
 {
 	(void)state;
 	fixture f;
-	gw_error error = { 0 };
-	float *found[2];
 	set_up(&f);
-	gw_solver *s = &f.solver;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_buffer irradiance = random_vectors(&f, s->records.count), direct = random_vectors(&f, slots);
-	for (int share = 0; share < 2; share++) {
-		for (int host = 0; host < 2; host++) {
-			gw_buffer radiance = random_vectors(&f, slots);
-			s->gpu->may_map = host;
-			assert_ok(gw_lobes_shade(&s->passes, &s->octree, &s->records, &irradiance, &direct,
-									 0.5f * (float)share, &radiance, &error),
-					  &error);
-			s->gpu->may_map = true;
-			found[host] = contents(&f, &radiance);
-			gw_buffer_destroy(s->gpu, &radiance);
-		}
-		compare(found[1], found[0], 4 * slots, GW_WEIGHTS + 1.0);
-	}
-	gw_buffer_destroy(s->gpu, &irradiance);
-	gw_buffer_destroy(s->gpu, &direct);
+	uint64_t slots = 2 * (uint64_t)f.solver.octree.leaf_count;
+	gw_buffer irradiance = random_vectors(&f, f.solver.records.count);
+	gw_buffer direct = random_vectors(&f, slots);
+	make_alike(&f, shade, &irradiance, &direct, slots, GW_WEIGHTS + 1.0);
+	make_alike(&f, shade_undirected, &irradiance, &direct, slots, GW_WEIGHTS + 1.0);
+	gw_buffer_destroy(f.solver.gpu, &irradiance);
+	gw_buffer_destroy(f.solver.gpu, &direct);
 	tear_down(&f);
+}
+
+/* What is gathered is the records' own; `out` trades places with it. */
+static gw_status gather(fixture *f, const gw_buffer *radiance, const gw_buffer *none,
+						gw_buffer *out, gw_error *error)
+{
+	gw_solver *s = &f->solver;
+	gw_buffer before = s->records.gathered;
+	(void)none;
+	s->records.gathered = *out;
+	gw_status status = gw_ray_gather_bounce(&s->passes, &s->rays, radiance, &s->records, error);
+	s->records.gathered = before;
+	return status;
 }
 
 static void gather_alike(void **state)
 {
 	(void)state;
 	fixture f;
-	gw_error error = { 0 };
-	float *found[2];
 	set_up(&f);
-	gw_solver *s = &f.solver;
-	gw_buffer radiance = random_vectors(&f, 2 * (uint64_t)s->octree.leaf_count);
-	for (int host = 0; host < 2; host++) {
-		s->gpu->may_map = host;
-		assert_ok(gw_ray_gather_bounce(&s->passes, &s->rays, &radiance, &s->records, &error),
-				  &error);
-		s->gpu->may_map = true;
-		found[host] = contents(&f, &s->records.gathered);
-	}
-	compare(found[1], found[0], 4 * (size_t)s->records.count, s->rays.rays);
-	gw_buffer_destroy(s->gpu, &radiance);
+	gw_buffer radiance = random_vectors(&f, 2 * (uint64_t)f.solver.octree.leaf_count);
+	make_alike(&f, gather, &radiance, NULL, f.solver.records.count, f.solver.rays.rays);
+	gw_buffer_destroy(f.solver.gpu, &radiance);
 	tear_down(&f);
+}
+
+static gw_status average(fixture *f, const gw_buffer *surfels, const gw_buffer *none,
+						 gw_buffer *lobes, gw_error *error)
+{
+	(void)none;
+	return gw_average_lobes(&f->solver.passes, &f->solver.octree, surfels, lobes, error);
 }
 
 /* Of a leaf, up to 2047 fragments count: one in `fragments / 1024`. */
@@ -164,22 +200,10 @@ static void average_alike(void **state)
 {
 	(void)state;
 	fixture f;
-	gw_error error = { 0 };
-	float *found[2];
 	set_up(&f);
-	gw_solver *s = &f.solver;
-	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_buffer surfels = random_vectors(&f, s->surfels.count);
-	for (int host = 0; host < 2; host++) {
-		gw_buffer lobes = random_vectors(&f, slots);
-		s->gpu->may_map = host;
-		assert_ok(gw_average_lobes(&s->passes, &s->octree, &surfels, &lobes, &error), &error);
-		s->gpu->may_map = true;
-		found[host] = contents(&f, &lobes);
-		gw_buffer_destroy(s->gpu, &lobes);
-	}
-	compare(found[1], found[0], 4 * slots, 2047.0);
-	gw_buffer_destroy(s->gpu, &surfels);
+	gw_buffer surfels = random_vectors(&f, f.solver.surfels.count);
+	make_alike(&f, average, &surfels, NULL, 2 * (uint64_t)f.solver.octree.leaf_count, 2047.0);
+	gw_buffer_destroy(f.solver.gpu, &surfels);
 	tear_down(&f);
 }
 
