@@ -487,13 +487,15 @@ static gw_status read_vertices(reader *r)
 	reader ahead = *r;
 	ascii_line line;
 	bool more = true;
-	while (more && b.count < count) {
-		if (more && b.count % BLOCK_LINES == 0)
-			places[b.count / BLOCK_LINES] = (place){ ahead.at, ahead.line };
+	while (b.count < count && more) {
+		if (b.count % BLOCK_LINES == 0) {
+			size_t block = b.count / BLOCK_LINES;
+			places[block] = (place){ ahead.at, ahead.line };
+			if (block > 0)
+				input_file_release(r->in, places[block - 1].at, ahead.at);
+		}
 		more = next_line(&ahead, &line);
 		b.count += more;
-		if (b.count % BLOCK_LINES == 0)
-			input_file_release(r->in, places[(b.count - 1) / BLOCK_LINES].at, ahead.at);
 	}
 	size_t blocks = (b.count + BLOCK_LINES - 1) / BLOCK_LINES;
 	places[blocks] = (place){ ahead.at, ahead.line };

@@ -364,6 +364,7 @@ static void ply_that_is_damaged(void **state)
 		  "'z'" },
 		{ HEAD "element vertex 3\n" XYZ "end_header\n1 2 3\n4 5 6\n", "bytes each" },
 		{ HEAD "element vertex 2\n" XYZ "end_header\n1.00 2.00 3.00\n", "1 of the 2" },
+		{ HEAD "element vertex 2\n" XYZ "end_header\n\n\n\n\n\n\n\n \n \n \n\n", "0 of the 2" },
 		{ HEAD "element vertex 1\n" XYZ "end_header\n1.00 2.00\n", "line 8 ends" },
 		{ HEAD "element vertex 1\n" XYZ "end_header\n1 2 3 4\n", "more values" },
 		{ HEAD "element vertex 1\n" XYZ "end_header\n1 2 3\n4 5 6\n", "line 9 follows" },
