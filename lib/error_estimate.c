@@ -174,6 +174,16 @@ static gw_status gather_from(const gw_estimate_task *task, int half,
 	return status;
 }
 
+/* Samples the openings to the sky, where records did. */
+static gw_status open_probes(const gw_estimate_task *task, int half, gw_error *error)
+{
+	gw_probes *p = task->probes;
+	if (!task->openings)
+		return GW_OK;
+	return gw_ray_gather_open(task->passes, task->octree, &p->place, task->openings, &p->rays[half],
+							  error);
+}
+
 /* All that reaches the points, into e->half[half]. */
 static gw_status gather_half(const gw_estimate_task *task, int half, const gw_emitters *reflectors,
 							 estimate *e, gw_error *error)
@@ -187,6 +197,7 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_em
 										  .map = task->map,
 										  .map_samples = HALF_RAYS,
 										  .map_hits = true,
+										  .openings = task->openings,
 										  .seed = seed,
 										  .kept = task->emitters->count > 0
 													  ? &task->probes->sampled[half]
@@ -200,7 +211,9 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_em
 	e->half[half] = gw_allocate_zeros(task->probes->count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", task->probes->count);
-	gw_status status = gather_from(task, half, &emitters, e, error);
+	gw_status status = open_probes(task, half, error);
+	if (status == GW_OK)
+		status = gather_from(task, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)
 		status = gather_from(task, half, &reflected, e, error);
 	return status;

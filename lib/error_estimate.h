@@ -43,6 +43,7 @@ typedef struct gw_estimate_task {
 	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
 	const float *sky;             /* 3, radiance of the environment */
 	const gw_sky_map *map;        /* of the environment, or NULL */
+	const gw_openings *openings;  /* through which it shines, or NULL */
 	bool bounces;                 /* whether light was reflected more than once */
 	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */

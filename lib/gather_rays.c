@@ -9,8 +9,10 @@
 
 #include <stdlib.h>
 
-/* Samples of emitters that one invocation takes: bounds its loops. */
+/* Samples of emitters, and rays that may have met an opening, that one invocation takes: bounds its
+ * loops. */
 #define LIGHT_BATCH 16u
+#define OPENING_BATCH 32u
 
 gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t rays, uint32_t seed,
 							   gw_ray_gather *gather, gw_error *error)
@@ -56,6 +58,7 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 {
 	gw_buffer_destroy(gpu, &gather->lobe);
 	gw_buffer_destroy(gpu, &gather->distance);
+	gw_buffer_destroy(gpu, &gather->through);
 }
 
 /* Puts what another buffer holds behind *buffer. */
@@ -99,6 +102,40 @@ gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw
 	return status;
 }
 
+gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_openings *openings, gw_ray_gather *gather, gw_error *error)
+{
+	if (openings->count == 0 || gather->through.handle != VK_NULL_HANDLE)
+		return GW_OK;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+										4 * (uint64_t)records->count, "sky through openings",
+										&gather->through, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = {
+			GW_TRACE_BINDINGS(octree),   gw_whole(&records->position),   gw_whole(&records->normal),
+			gw_whole(&openings->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree)
+		};
+		gw_record_push push = { .seed = gather->seed, .openings = openings->count };
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_OPENINGS, bindings, &push, records->count, error);
+	}
+	if (status != GW_OK)
+		gw_buffer_destroy(passes->gpu, &gather->through);
+	return status;
+}
+
+gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
+									 const gw_records *further, const gw_openings *openings,
+									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
+{
+	if (gather->through.handle == VK_NULL_HANDLE)
+		return GW_OK;
+	gw_status status = gw_ray_gather_open(passes, octree, further, openings, own, error);
+	return status == GW_OK
+			   ? append(passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
+			   : status;
+}
+
 /* Adds samples of the emitters, in batches, to `sampled`. */
 static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								 const gw_sampled_sources *sources, gw_record_push push,
@@ -123,21 +160,53 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 	return status;
 }
 
+/* Any buffer will do where there are none. */
+static const gw_buffer *spheres_of(const gw_sampled_sources *sources)
+{
+	return sources->openings && sources->openings->count > 0 ? &sources->openings->sphere
+															 : sources->emitters->radiance;
+}
+
 /* The same for the map of the sky. */
 static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							const gw_sky_map *map, gw_record_push push, gw_buffer *sampled,
-							gw_error *error)
+							const gw_sampled_sources *sources, gw_record_push push,
+							gw_buffer *sampled, gw_error *error)
 {
+	const gw_sky_map *map = sources->map;
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
 		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
-		GW_DISC_BINDINGS(octree)
+		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources))
 	};
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.sky_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;
 		push.batch_count = push.sky_samples - m < LIGHT_BATCH ? push.sky_samples - m : LIGHT_BATCH;
 		status = gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
+	}
+	return status;
+}
+
+/* Adds the sky as rays and samples of openings see it, in batches of rays. */
+static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray_gather *gather,
+							const gw_sampled_sources *sources, gw_record_push push,
+							gw_buffer *sampled, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+									gw_whole(&gather->through),
+									gw_whole(spheres_of(sources)),
+									gw_whole(push.sky_width > 0 ? &sources->map->texel
+																: sources->emitters->radiance),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16) };
+	gw_status status = GW_OK;
+	push.seed = gather->seed;
+	for (uint32_t k = 0; k < push.rays && status == GW_OK; k += OPENING_BATCH) {
+		push.batch_first = k;
+		push.batch_count = push.rays - k < OPENING_BATCH ? push.rays - k : OPENING_BATCH;
+		status =
+			gw_passes_run(passes, GW_PASS_OPENING_LIGHT, bindings, &push, records->count, error);
 	}
 	return status;
 }
@@ -189,16 +258,25 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 							.looked = sources->looked,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	put_map(sources, &push);
+	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
+	if (shines && sources->openings && gather->through.handle != VK_NULL_HANDLE)
+		push.openings = sources->openings->count;
 	gw_status status =
 		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
 	if (status == GW_OK && push.light_samples > 0)
 		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
 	if (status == GW_OK && push.sky_width > 0)
-		status = sample_sky(passes, octree, records, sources->map, push, &sampled, error);
+		status = sample_sky(passes, octree, records, sources, push, &sampled, error);
+	if (status == GW_OK && push.openings > 0)
+		status = add_opened(passes, records, gather, sources, push, &sampled, error);
 	if (status == GW_OK) {
 		/* The directions of the rays are made again, from their seed. */
 		push.seed = gather->seed;
+		if (push.openings > 0) {
+			push.sky = (vec4){ 0 };
+			push.sky_hits = 0;
+		}
 		const gw_binding bindings[] = {
 			gw_whole(&gather->lobe),
 			gw_whole(&gather->distance),

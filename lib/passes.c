@@ -14,6 +14,9 @@
  * planes that stick out over edges cost more light than cracks do. */
 #define CELL_SLACK 0.1f
 
+/* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
+#define BINDINGS 17u
+
 /* Bindings by letter, in binding order: t texel buffer, s storage buffer, i storage image,
  * m sampled image. */
 typedef struct pass_row {
@@ -38,7 +41,11 @@ static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RECORD_KEEP] = { "record_keep", "tttttttsss", sizeof(gw_keep_push), 1024 },
 	[GW_PASS_RECORD_AGAIN] = { "record_again", "ttttttttsstttttt", sizeof(gw_keep_push), 4096 },
 	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttssst", sizeof(gw_record_push), 4096 },
-	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttt", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttsssttttttt", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push), 0 },
+	[GW_PASS_OPENING_LIGHT] = { "opening_light", "ttttsss", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_OPENINGS] = { "record_openings", "ttttttttstttttt", sizeof(gw_record_push),
+								  4096 },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), 0 },
@@ -86,9 +93,9 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 {
 	const pass_row *row = &table[id];
 	const gw_shader *shader = gw_shader_find(row->shader);
-	gw_binding_kind kinds[16];
+	gw_binding_kind kinds[BINDINGS];
 	uint32_t count = (uint32_t)strlen(row->bindings);
-	assert(count <= 16);
+	assert(count <= BINDINGS);
 	for (uint32_t i = 0; i < count; i++)
 		kinds[i] = binding_kind(row->bindings[i]);
 	return gw_pass_create(passes->gpu,

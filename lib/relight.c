@@ -74,6 +74,38 @@ gw_status gw_relight_direct(gw_relight *relight, gw_error *error)
 
 /* ------------------------------------------------------------------------------ first gather */
 
+static void report_openings(gw_report *report, const gw_openings *openings)
+{
+	double percent = 100.0 * (double)openings->escaped;
+	if (openings->count > 0)
+		gw_report_effect(report, "openings", "sampled beside the rays",
+						 "%.2g %% of the rays leave the scene; %u cells let most of them through",
+						 percent, openings->count);
+	else
+		gw_report_effect(report, "openings", NULL, "%.2g %% of the rays leave the scene%s", percent,
+						 percent > 0.0 ? ", through no narrow opening" : "");
+}
+
+/* Sees to it that narrow openings are sampled where a sky shines through them. */
+static gw_status open_to_sky(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	gw_status status = GW_OK;
+	if (!relight->plan.sky)
+		return GW_OK;
+	if (!s->openings.looked)
+		status =
+			gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings, error);
+	if (status == GW_OK && s->further.count > 0)
+		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
+											&s->rays, &s->further_rays, error);
+	if (status == GW_OK)
+		report_openings(s->report, &s->openings);
+	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->openings,
+												&s->rays, error)
+						   : status;
+}
+
 static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
@@ -84,11 +116,13 @@ static gw_status first_by_rays(gw_relight *relight, gw_error *error)
 										 .map = &relight->map,
 										 .map_samples = s->options.light_samples,
 										 .map_hits = true,
+										 .openings = &s->openings,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
 										 .kept = relight->plan.emitters ? &s->sampled : NULL };
-	gw_status status = GW_OK;
-	if (s->further.count > 0 && sources.kept && s->sampled.handle != VK_NULL_HANDLE)
+	gw_status status = open_to_sky(relight, error);
+	if (status == GW_OK && s->further.count > 0 && sources.kept &&
+		s->sampled.handle != VK_NULL_HANDLE)
 		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->further_rays,
 											  &sources, error);
 	gw_solver_forget_further(s);
@@ -391,6 +425,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.lobe_direct = &relight->lobe_direct,
 										.sky = relight->plan.sky_radiance,
 										.map = &relight->map,
+										.openings = &s->openings,
 										.bounces = relight->plan.bounces,
 										.direct = direct,
 										.first = relight->surfel_first,

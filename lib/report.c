@@ -45,8 +45,12 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
 					  ...)
 {
-	assert(report->effect_count < GW_REPORT_EFFECTS);
-	gw_effect *effect = &report->effect[report->effect_count++];
+	uint32_t i = 0;
+	while (i < report->effect_count && strcmp(report->effect[i].name, name) != 0)
+		i++;
+	assert(i < GW_REPORT_EFFECTS);
+	report->effect_count += i == report->effect_count;
+	gw_effect *effect = &report->effect[i];
 	effect->called_for = method != NULL;
 	snprintf(effect->name, sizeof effect->name, "%s", name);
 	snprintf(effect->method, sizeof effect->method, "%s", method ? method : "");

@@ -334,6 +334,7 @@ void gw_solver_drop_records(gw_solver *solver)
 {
 	gw_cone_gather_destroy(solver->gpu, &solver->cones);
 	gw_ray_gather_destroy(solver->gpu, &solver->rays);
+	gw_openings_destroy(solver->gpu, &solver->openings);
 	gw_records_destroy(solver->gpu, &solver->records);
 	gw_solver_forget_further(solver);
 	gw_read_back_clear(&solver->read_back);

@@ -9,6 +9,9 @@
 #include <math.h>
 #include <string.h>
 
+/* Any word is below this. */
+#define WORDS_LIMIT (UINT64_C(1) << 32)
+
 #define POINTS_MAX (UINT64_C(1) << 30)
 
 gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
@@ -44,6 +47,11 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.probe_points = solver->probes.points;
 	n.probe_seed = solver->probes.seed;
 	n.probes_sampled = solver->probes.sampled[0].handle != VK_NULL_HANDLE;
+	n.looked = solver->openings.looked;
+	n.openings = solver->openings.count;
+	n.escaped = solver->openings.escaped;
+	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
+	n.probes_opened = solver->probes.rays[0].through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.noisy = s->lamp_normal != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -66,9 +74,11 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->probes <= n->surfels && n->probes <= n->probe_points && n->probes_sampled <= 1 &&
-		   n->noisy <= 1 && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
-		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
-		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
+		   n->probes_opened <= n->opened && n->noisy <= 1 && isfinite(n->leaf_size) &&
+		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
+		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
+		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
 
 void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
@@ -94,6 +104,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 									.block_count = n->block_count,
 									.block_tile_first = n->block_tile_first };
 	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+	solver->openings =
+		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
 	solver->probes = (gw_probes){ .points = n->probe_points,
 								  .seed = n->probe_seed,
 								  .count = n->probes,
@@ -222,6 +234,11 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	device(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
 	words(l, "hit lobe", &solver->rays.lobe, 4 * hits, slots);
 	scalars(l, "hit distance", &solver->rays.distance, 4 * hits);
+	if (n->openings)
+		device(l, "openings", &solver->openings.sphere, 16 * (uint64_t)n->openings);
+	if (n->opened)
+		words(l, "sky through openings", &solver->rays.through, 4 * (uint64_t)n->records,
+			  WORDS_LIMIT);
 	index_below(host(l, "rows of surfels", &solver->read_back.first, 4 * (n->surfels + 1)), 0,
 				(uint64_t)n->entries + 1, UINT32_MAX, 1);
 	index_below(host(l, "records of surfels", &solver->read_back.record, 4 * (uint64_t)n->entries),
@@ -247,6 +264,9 @@ static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *
 		scalars(l, "probe distance", &p->rays[half].distance, 4 * hits);
 		if (n->probes_sampled)
 			device(l, "light of emitters at probes", &p->sampled[half], rows);
+		if (n->probes_opened)
+			words(l, "sky through openings at probes", &p->rays[half].through,
+				  4 * (uint64_t)n->probes, WORDS_LIMIT);
 	}
 }
 

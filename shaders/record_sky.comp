@@ -3,8 +3,9 @@
  * it.
  *
  * A texel is chosen by its luminance times its solid angle (alias table), a direction in it evenly;
- * so the density is luminance / total. Combined with the gather rays by the balance heuristic, as
- * in record_emitters.comp. One invocation takes a batch of a record's samples.
+ * so the density is luminance / total. Combined with the gather rays and the samples of openings by
+ * the balance heuristic, as in opening_light.comp. One invocation takes a batch of a record's
+ * samples.
  */
 #version 460
 
@@ -37,6 +38,7 @@ layout(binding = 12) uniform samplerBuffer surfel_place;
 layout(binding = 13) uniform samplerBuffer surfel_facing;
 layout(binding = 14) uniform samplerBuffer surfel_disc;
 layout(binding = 15) uniform samplerBuffer surfel_clip;
+layout(binding = 16) uniform samplerBuffer opening;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -44,11 +46,12 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "openings.glsl"
 #include "sky_map.glsl"
 
 /* The m-th of a record's samples comes from the m-th of as many equal stretches of the table, so
  * that they spread over the sky as evenly as its light does. */
-vec3 sample_sky(vec3 g, vec3 normal, uint m, uint random)
+vec3 sample_sky(vec3 g, vec3 normal, float openings, uint m, uint random)
 {
 	uint texels = push.sky_width * push.sky_height;
 	float choice = (float(m) + unit_float(random)) / float(push.sky_samples);
@@ -69,8 +72,10 @@ vec3 sample_sky(vec3 g, vec3 normal, uint m, uint random)
 	vec3 radiance = texelFetch(sky_texel, int(texel)).xyz;
 	float density = luminance(radiance) / push.sky_total;
 	float by_samples = float(push.sky_samples) * density;
-	float by_rays = push.sky_hits != 0u ? float(push.rays) * cosine / PI : 0.0;
-	return radiance * (cosine / max(density, 1e-30)) * (by_samples / (by_samples + by_rays));
+	float by_others = push.sky_hits != 0u ? float(push.rays) * cosine / PI : 0.0;
+	if (openings > 0.0)
+		by_others += float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, openings);
+	return radiance * (cosine / max(density, 1e-30)) * (by_samples / (by_samples + by_others));
 }
 
 void main()
@@ -81,8 +86,11 @@ void main()
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;
 	uint own = hash2(hash_place(g), push.seed ^ 0x5851f42du);
+	float openings = openings_weight(g, normal);
 	vec3 sum = vec3(0.0);
-	for (uint m = 0u; m < push.batch_count; m++)
-		sum += sample_sky(g, normal, push.batch_first + m, hash2(own, push.batch_first + m));
+	for (uint k = 0u; k < push.batch_count; k++) {
+		uint m = push.batch_first + k;
+		sum += sample_sky(g, normal, openings, m, hash2(own, m));
+	}
 	record_sampled[i].xyz += sum / float(push.sky_samples);
 }

@@ -19,6 +19,9 @@
  * reach 1.6 spacings, so that about 7 speak for a place on a surface. */
 #define GW_SURFEL_WEIGHTS 32u
 
+/* Samples of the openings to the sky that a record takes: one bit each of a word. */
+#define GW_OPENING_SAMPLES 32u
+
 /* Values of gw_light_push.type: as gw_light_type. */
 #define GW_PUSH_POINT 0u
 #define GW_PUSH_SPOT 1u
@@ -69,8 +72,10 @@ SHARED_STRUCT(gw_record_push)
 	float sky_turn;             /* of its centre, in turns clockwise from y */
 	uint sky_y_up;
 	uint looked; /* first gather: what lies nearest and who is buried is known */
+	uint openings; /* to the sky, of which a record takes GW_OPENING_SAMPLES samples; 0: none */
+	uint unused[3];
 };
-SHARED_SIZE(gw_record_push, 96);
+SHARED_SIZE(gw_record_push, 112);
 SHARED_OFFSET(gw_record_push, sky, 48);
 SHARED_OFFSET(gw_record_push, sky_total, 80);
 

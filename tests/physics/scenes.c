@@ -100,6 +100,28 @@ void scene_add_box(scene *s, const double corner[3], const double size[3], doubl
 	}
 }
 
+void scene_make_cellar(scene *s)
+{
+	const struct {
+		double corner[3], u[3], v[3]; /* inwards is along u x v */
+	} patch[] = {
+		{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },            /* floor */
+		{ { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },            /* walls */
+		{ { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 } },
+		{ { 0, 0, 0 }, { 0, 0, 1 }, { 1, 0, 0 } },
+		{ { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
+		{ { 0, 0, 1 }, { 0, 1, 0 }, { 0.375, 0, 0 } },        /* ceiling, around the hole */
+		{ { 0.625, 0, 1 }, { 0, 1, 0 }, { 0.375, 0, 0 } },
+		{ { 0.375, 0, 1 }, { 0, 0.375, 0 }, { 0.25, 0, 0 } },
+		{ { 0.375, 0.625, 1 }, { 0, 0.375, 0 }, { 0.25, 0, 0 } },
+	};
+	for (size_t i = 0; i < sizeof patch / sizeof *patch; i++) {
+		const double *u = patch[i].u, *v = patch[i].v;
+		scene_add_patch(s, patch[i].corner, u, v, (size_t)lround(32 * (u[0] + u[1] + u[2])),
+						(size_t)lround(32 * (v[0] + v[1] + v[2])), 0.5f);
+	}
+}
+
 static void colour(scene *s, size_t first, float red, float green, float blue)
 {
 	for (size_t i = first; i < s->count; i++) {

@@ -51,6 +51,10 @@ void scene_add_box(scene *s, const double corner[3], const double size[3], doubl
  */
 void scene_make_hall(scene *s);
 
+/* A cube of 1 m from the origin on, grey, closed but for a square hole of 0.25 m in the middle of
+ * its ceiling; 32 points a metre, the 1024 of the floor first. */
+void scene_make_cellar(scene *s);
+
 /* All points from `first` on emit that radiance. */
 void scene_emit(scene *s, size_t first, const float radiance[3]);
 

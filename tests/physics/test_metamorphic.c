@@ -446,7 +446,8 @@ static void nothing_to_reflect(void **state)
 	scene_clear(&s);
 }
 
-/* The hall calls for all effects, and each is reported and computed. */
+/* The hall calls for all effects but openings, for which it is too open; each is reported and
+ * computed. */
 static void compare_effects(gw_method method, const scene *hall, const gw_light *lights,
                             const gw_bake_result *plain)
 {
@@ -454,8 +455,9 @@ static void compare_effects(gw_method method, const scene *hall, const gw_light 
 	assert_true(plain->report.effect_count >= 4);
 	for (uint32_t i = 0; i < plain->report.effect_count; i++) {
 		const gw_effect *effect = &plain->report.effect[i];
-		if (!effect->called_for)
-			fail_msg("%s is not called for: %s", effect->name, effect->reason);
+		if (effect->called_for == (strcmp(effect->name, "openings") == 0))
+			fail_msg("%s is%s called for: %s", effect->name, effect->called_for ? "" : " not",
+					 effect->reason);
 	}
 	assert_true(plain->report.records > 0);
 	assert_int_equal(plain->report.brick_bytes > 0, method == GW_METHOD_CONES);
