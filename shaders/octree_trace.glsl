@@ -13,6 +13,7 @@ const uint WALK_STEPS = 4096u;
 
 const float NEAR = 2.0;        /* leaf cells */
 const float NEAR_HEIGHT = 0.1; /* leaf cells */
+const float LIKE_LEAST = 0.1;
 
 /* Distance along the ray to where it leaves the box from low to high (cells of that size). */
 float exit_distance(vec3 origin, vec3 inverse, bvec3 forward, vec3 low, vec3 high)
@@ -32,7 +33,9 @@ vec4 tangent_plane_at(vec3 g, vec3 normal)
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within NEAR cells a plane counts only if its
- * lobe's centre lies above the tangent plane of that surface, and only its front side.
+ * lobe's centre lies above the tangent plane of that surface, and only its front side. A plane
+ * that is not like that surface, as the wall at whose foot it ends, is not one of its own: there
+ * NEAR_HEIGHT is less, since the floor may leave but a strip of the wall in its cell.
  */
 bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent_plane,
 			   vec3 direction, vec3 centre, inout float t, inout bool behind)
@@ -51,7 +54,7 @@ bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent
 		if (approach > 0.0)
 			return false;
 		float height = dot(tangent_plane.xyz, texelFetch(lobe_centre, slot).xyz) - tangent_plane.w;
-		if (height < NEAR_HEIGHT)
+		if (height < NEAR_HEIGHT * max(dot(plane.xyz, tangent_plane.xyz), LIKE_LEAST))
 			return false;
 	}
 	if (approach > 0.0) {
