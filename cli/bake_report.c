@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define MEGABYTE 1e6
-#define SHADOWS_LEAST 0.003 /* share of the mean radiance from which on edges are worth a word */
+#define LAMPS_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -97,6 +97,7 @@ static void write_bounces(json_writer *json, const gw_report *r)
 	json_put_real(json, "bias", r->error.bias);
 	json_put_real(json, "noise", r->error.noise);
 	json_put_real(json, "shadows", r->error.shadows);
+	json_put_real(json, "normals", r->error.normals);
 	json_put_close(json, '}');
 }
 
@@ -117,6 +118,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "spread", round->error.spread);
 		json_put_real(json, "noise", round->error.noise);
 		json_put_real(json, "shadows", round->error.shadows);
+		json_put_real(json, "normals", round->error.normals);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
 		json_put_close(json, '}');
@@ -330,11 +332,17 @@ void bake_report_summary(const bake_facts *f)
 				"%" PRIu32 " points solved again\n",
 				100.0 * r->error.relative_rms, 100.0 * r->error.spread, 100.0 * r->error.bias,
 				r->error.points);
-	if (r->error.points && r->error.shadows > SHADOWS_LEAST)
+	if (r->error.points && r->error.shadows > LAMPS_LEAST)
 		fprintf(stderr,
 				"glowworm: error: of that, %.2g %% are edges of lamps' shadows, which only denser "
 				"points would lessen, and %.2g %% is gathered light\n",
 				100.0 * r->error.shadows, 100.0 * r->error.gathered);
+	if (r->error.points && r->error.normals > LAMPS_LEAST)
+		fprintf(
+			stderr,
+			"glowworm: error: of that, %.2g %% are noise of the points' normals, in the light of "
+			"lamps\n",
+			100.0 * r->error.normals);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
 			f->bake_seconds, f->write_seconds);
 }

@@ -231,20 +231,23 @@ static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
 	char text[256], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
-	char shadows[NUMBER_TEXT];
+	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
 	number_print_float(shadows, (float)r->error.shadows);
+	number_print_float(normals, (float)r->error.normals);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
 	gw_status status = comment(m, text);
-	snprintf(
+	int length = snprintf(
 		text, sizeof text,
 		"glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points; edges of "
 		"shadows alone %s",
 		rms, spread, r->error.points, shadows);
+	if (r->error.normals > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", noise of normals %s", normals);
 	return status == GW_OK && r->error.points ? comment(m, text) : status;
 }
 

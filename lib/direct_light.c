@@ -6,6 +6,7 @@
 
 #include "host_products.h"
 #include "memory.h"
+#include "normal_error.h"
 #include "shadow_map.h"
 #include "transport_layout.h"
 
@@ -162,8 +163,9 @@ static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
 	return push;
 }
 
-/* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface. */
-static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, gw_buffer *normal,
+/* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
+ * they are, or as far off as they may be. */
+static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off, gw_buffer *normal,
 								gw_error *error)
 {
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
@@ -176,8 +178,12 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, gw_buffe
 	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
-			memcpy(chunk + 4 * i, surfels->lamp_normal + 3 * (first + i), 3 * sizeof *chunk);
-			chunk[4 * i + 3] = surfels->two_sided[first + i] ? 1.0f : 0.0f;
+			size_t s = first + i;
+			memcpy(chunk + 4 * i, surfels->lamp_normal + 3 * s, 3 * sizeof *chunk);
+			if (off)
+				gw_normal_turn(surfels->lamp_normal + 3 * s, surfels->lamp_off[s], s,
+							   chunk + 4 * i);
+			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =
 			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);
@@ -209,18 +215,13 @@ static gw_status find_visibility(gw_passes *passes, const gw_octree *octree,
 	return GW_OK;
 }
 
-static gw_status add_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-						   const gw_light_push *push, const gw_bake_options *options,
-						   const gw_buffer *normal, gw_buffer *visibility,
-						   gw_buffer *surfel_irradiance, gw_error *error)
+static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
+								const gw_light_push *push, uint64_t count, const gw_buffer *normal,
+								const gw_buffer *visibility, gw_buffer *irradiance, gw_error *error)
 {
-	gw_status status =
-		find_visibility(passes, octree, surfels, push, options, normal, visibility, error);
-	if (status != GW_OK)
-		return status;
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
-									gw_window(visibility, 4), gw_window(surfel_irradiance, 16) };
-	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, surfels->count, error);
+									gw_window(visibility, 4), gw_window(irradiance, 16) };
+	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
 }
 
 gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
@@ -241,24 +242,33 @@ gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						  const gw_light *lights, size_t light_count,
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *lobe_direct, gw_error *error)
+						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error)
 {
-	gw_buffer visibility = { 0 }, own_normal = { 0 };
+	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
 	const gw_buffer *normal = surfels->lamp_normal ? &own_normal : &octree->surfel_normal;
-	gw_status status =
-		gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-						 4 * (uint64_t)surfels->count, "visibility", &visibility, error);
+	uint64_t count = surfels->count;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+										4 * count, "visibility", &visibility, error);
 	if (status == GW_OK && surfels->lamp_normal)
-		status = upload_normals(passes->gpu, surfels, &own_normal, error);
+		status = upload_normals(passes->gpu, surfels, false, &own_normal, error);
+	if (status == GW_OK && turned)
+		status = upload_normals(passes->gpu, surfels, true, &off_normal, error);
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))
 			continue;
 		gw_light_push push = light_push(&lights[i], octree, surfels, options);
-		status = add_light(passes, octree, surfels, &push, options, normal, &visibility,
-						   surfel_irradiance, error);
+		status =
+			find_visibility(passes, octree, surfels, &push, options, normal, &visibility, error);
+		if (status == GW_OK)
+			status = add_irradiance(passes, octree, &push, count, normal, &visibility,
+									surfel_irradiance, error);
+		if (status == GW_OK && turned)
+			status = add_irradiance(passes, octree, &push, count, &off_normal, &visibility, turned,
+									error);
 	}
 	if (status == GW_OK)
 		status = gw_average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
+	gw_buffer_destroy(passes->gpu, &off_normal);
 	gw_buffer_destroy(passes->gpu, &own_normal);
 	gw_buffer_destroy(passes->gpu, &visibility);
 	return status;

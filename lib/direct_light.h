@@ -19,12 +19,13 @@ bool gw_light_shines(const gw_light *light);
  *   surfel_irradiance  texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller
  *   lobe_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each lobe
  *   surfels            gives the local frame
- *   cancelled, user    NULL or asked between lights
+ *   turned             NULL, or like surfel_irradiance: receives what it would be if each normal
+ *                      were off as lamp_off says, which has to be there (normal_error.h)
  */
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						  const gw_light *lights, size_t light_count,
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *lobe_direct, gw_error *error);
+						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error);
 
 /*
  * The share of one light that each surfel sees, whichever way it faces.

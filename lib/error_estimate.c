@@ -6,6 +6,7 @@
 #include "bounces.h"
 #include "luminance.h"
 #include "memory.h"
+#include "normal_error.h"
 #include "parallel.h"
 #include "shadow_error.h"
 #include "transport_layout.h"
@@ -279,9 +280,9 @@ static void compare(const gw_estimate_task *task, const estimate *e, double mean
 	result->noise = fmin(sqrt(half / n * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
 }
 
-/* What the edges of lamps' shadows add. */
-static gw_status add_shadows(const gw_estimate_task *task, const estimate *e, double mean,
-							 gw_error_estimate *result, gw_error *error)
+/* What the edges of lamps' shadows add, and noise of the normals. */
+static gw_status add_lamps(const gw_estimate_task *task, const estimate *e, double mean,
+						   gw_error_estimate *result, gw_error *error)
 {
 	double square;
 	if (!task->direct || !(mean > 0.0))
@@ -289,7 +290,10 @@ static gw_status add_shadows(const gw_estimate_task *task, const estimate *e, do
 	gw_status status = gw_shadow_error(task->surfels, task->direct, e->counts,
 									   gw_thread_count(task->threads), &square, error);
 	result->shadows = status == GW_OK ? sqrt(square) / mean : 0.0;
-	result->relative_rms = hypot(result->gathered, result->shadows);
+	if (status == GW_OK && task->turned)
+		result->normals =
+			sqrt(gw_normal_error(task->surfels, task->direct, task->turned, e->counts)) / mean;
+	result->relative_rms = hypot(result->gathered, hypot(result->shadows, result->normals));
 	return status;
 }
 
@@ -319,7 +323,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	if (status == GW_OK)
 		compare(task, &e, mean, result);
 	if (status == GW_OK && result->points > 0)
-		status = add_shadows(task, &e, mean, result, error);
+		status = add_lamps(task, &e, mean, result, error);
 	gw_emitters_destroy(task->passes->gpu, &reflectors);
 	gw_buffer_destroy(task->passes->gpu, &radiance);
 	free(e.half[0]);

@@ -10,6 +10,9 @@
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
  * square error.
+ *
+ * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what noise leaves in
+ * the normals that lamps shine on (normal_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H
@@ -23,7 +26,7 @@ typedef struct gw_probes {
 	uint32_t *surfel;      /* count, ascending */
 	gw_records place;      /* position and normal of each, and what it gathers */
 	gw_ray_gather rays[2]; /* of each of the two gathers */
-	gw_buffer sampled[2]; /* what the points that emit brought, once it is known */
+	gw_buffer sampled[2];  /* what the points that emit brought, once it is known */
 } gw_probes;
 
 /* Draws and traces `points` probes. On success to be freed with gw_probes_destroy. */
@@ -46,6 +49,7 @@ typedef struct gw_estimate_task {
 	const gw_openings *openings;  /* through which it shines, or NULL */
 	bool bounces;                 /* whether light was reflected more than once */
 	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
+	const float *turned;          /* the same with normals that are off, or NULL */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */

@@ -280,13 +280,15 @@ typedef struct gw_bounce {
  * Relative to the mean radiance of the points that do not emit. */
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made */
-	double relative_rms; /* root mean square error: of gathered light and of shadows */
+	double relative_rms; /* root mean square error: of gathered light, shadows and normals */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that: 2.3 % +- 0.3 % */
 	double bias;         /* mean error of that: above 0, the bake is too bright */
 	double noise;        /* part of gathered that more rays would lessen, estimated */
 	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser
 							points would lessen */
+	double normals;      /* of noise that is left in the normals that lamps shine on, where points
+							are noisy (normal_error.h) */
 } gw_error_estimate;
 
 /* One round of a bake that refines: with which settings it solved, and how well. */

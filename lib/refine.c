@@ -82,14 +82,15 @@ static bool differs(const gw_bake_options *a, const gw_bake_options *b)
 		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
 }
 
-/* How much larger the error of gathered light is than what is wanted beside that of shadows; twice,
+/* How much larger the error of gathered light is than what is wanted beside that of lamps; twice,
  * where nothing is said. */
 static double excess(const gw_refine_state *state)
 {
-	double wanted = (double)state->options->max_error, shadows = state->error.shadows;
+	double wanted = (double)state->options->max_error;
+	double lamps = hypot(state->error.shadows, state->error.normals);
 	double found = state->error.gathered + state->error.spread;
-	if (shadows < wanted)
-		wanted = sqrt(wanted * wanted - shadows * shadows);
+	if (lamps < wanted)
+		wanted = sqrt(wanted * wanted - lamps * lamps);
 	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
 }
 

@@ -65,10 +65,16 @@ gw_status gw_relight_direct(gw_relight *relight, gw_error *error)
 	if (status == GW_OK)
 		status = darken(relight, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
 						&relight->lobe_direct, error);
+	bool off = relight->plan.lamps && relight->whole == NULL && solver->surfels.lamp_off &&
+			   solver->options.estimate_points > 0;
+	if (status == GW_OK && off)
+		status = darken(relight, GW_BUFFER_TEXEL, solver->surfels.count,
+						"irradiance of normals that are off", &relight->surfel_turned, error);
 	if (status == GW_OK && relight->plan.lamps)
-		status = gw_direct_light(&solver->passes, &solver->octree, &solver->surfels,
-								 relight->lights, relight->light_count, &solver->options,
-								 &relight->surfel_direct, &relight->lobe_direct, error);
+		status =
+			gw_direct_light(&solver->passes, &solver->octree, &solver->surfels, relight->lights,
+							relight->light_count, &solver->options, &relight->surfel_direct,
+							&relight->lobe_direct, off ? &relight->surfel_turned : NULL, error);
 	return status;
 }
 
@@ -393,15 +399,16 @@ gw_status gw_relight_run(gw_relight *relight, gw_error *error)
 	return status;
 }
 
-gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error)
+static gw_status download(const gw_relight *relight, const gw_buffer *buffer, float **direct,
+						  gw_error *error)
 {
 	const gw_solver *s = relight->solver;
 	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
 	if (!*direct)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
 					   s->surfels.count);
-	gw_status status = gw_buffer_download(s->gpu, &relight->surfel_direct, 0, *direct,
-										  16 * (uint64_t)s->surfels.count, error);
+	gw_status status =
+		gw_buffer_download(s->gpu, buffer, 0, *direct, 16 * (uint64_t)s->surfels.count, error);
 	if (status != GW_OK) {
 		free(*direct);
 		*direct = NULL;
@@ -409,12 +416,19 @@ gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, 
 	return status;
 }
 
+gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error)
+{
+	return download(relight, &relight->surfel_direct, direct, error);
+}
+
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
 	const gw_bake_options *o = &s->options;
-	float *direct = NULL;
+	float *direct = NULL, *turned = NULL;
 	gw_status status = gw_relight_download_direct(relight, &direct, error);
+	if (status == GW_OK && relight->surfel_turned.handle != VK_NULL_HANDLE)
+		status = download(relight, &relight->surfel_turned, &turned, error);
 	if (status == GW_OK) {
 		const gw_estimate_task task = { .passes = &s->passes,
 										.octree = &s->octree,
@@ -428,6 +442,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.openings = &s->openings,
 										.bounces = relight->plan.bounces,
 										.direct = direct,
+										.turned = turned,
 										.first = relight->surfel_first,
 										.indirect = relight->surfel_indirect,
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
@@ -436,6 +451,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.threads = o->threads };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
+	free(turned);
 	free(direct);
 	return status;
 }
@@ -460,5 +476,6 @@ void gw_relight_clear(gw_relight *relight)
 	gw_sky_map_destroy(relight->solver->gpu, &relight->map);
 	relight->map_made = false;
 	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_direct);
+	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_turned);
 	gw_buffer_destroy(relight->solver->gpu, &relight->lobe_direct);
 }

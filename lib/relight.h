@@ -30,7 +30,8 @@ typedef struct gw_relight {
 	gw_emitters emitters;     /* the lobes that emit */
 	gw_sky_map map;           /* of the environment light that has one */
 	bool map_made;
-	gw_buffer surfel_direct;               /* vec4 a surfel: irradiance from lamps */
+	gw_buffer surfel_direct; /* vec4 a surfel: irradiance from lamps */
+	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
 	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which

@@ -216,6 +216,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 	bool good = append(&all->position, n, part->position, m, v) &&
 				append(&all->normal, n, part->normal, m, v) &&
 				append(&all->lamp_normal, n, part->lamp_normal, m, v) &&
+				append(&all->lamp_off, n, part->lamp_off, m, sizeof(float)) &&
 				append(&all->normal_length, n, part->normal_length, m, sizeof(float)) &&
 				append(&all->albedo, n, part->albedo, m, v) &&
 				append(&all->emission, n, part->emission, m, v) &&

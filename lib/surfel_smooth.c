@@ -7,11 +7,9 @@
  * points' normals; they are 0 between any two points of a circle, so that curved surfaces neither
  * shrink nor count as noise.
  *
- * What lamps shine on is finer than that surface: each normal is replaced by the mean of those
- * around it that differ by no more than noise may, as far as that is not noise itself.
+ * What lamps shine on is finer than that surface: lamp_normals.c.
  */
-#include "surfel_steps.h"
-
+#include "lamp_normals.h"
 #include "memory.h"
 
 #include <math.h>
@@ -25,10 +23,7 @@
 #define SPREAD 0.443     /* sqrt(pi / 16): spacings in the distance to the 16th neighbour */
 #define SLAB 5.0         /* most height of a neighbour, in standard deviations of the noise */
 #define ROUNDS 2         /* of moving points; each reaches further */
-#define ALIKE_NOISE                                                                                \
-	0.165            /* of normals that differ by noise alone: variance of the mean of those       \
-						alike around the mean of all 17, in variances of one (measured) */
-#define REGION 4096u /* surfels, next to each other in Morton order, with noise in common */
+#define REGION GW_NOISE_REGION
 
 typedef struct smooth_step {
 	gw_surfels *surfels;
@@ -36,6 +31,7 @@ typedef struct smooth_step {
 	const float *level;             /* noise of each region, in spacings */
 	float *out;                     /* what the step makes of them */
 	float *noise;                   /* NULL or count, metres, RMS distance to the mean height */
+	float *own;                     /* count, share of the surfel's own normal in the mean normal */
 } smooth_step;
 
 /*
@@ -102,17 +98,19 @@ static void turn_normal(void *user, size_t surfel, const gw_neighbour_list *list
 	const smooth_step *step = user;
 	const float *n = step->normal + 3 * surfel;
 	double sum[3] = { (double)n[0], (double)n[1], (double)n[2] }, sign;
-	double share = share_of(step, surfel), slab = slab_of(step, surfel, list);
+	double share = share_of(step, surfel), slab = slab_of(step, surfel, list), weight = 1;
 	for (uint32_t j = 0; j < list->count && share > 0; j++) {
 		size_t other = list->index[j];
 		if (!(fabs(height_of(step, surfel, other, &sign)) <= slab))
 			continue;
+		weight += share;
 		for (size_t k = 0; k < 3; k++)
 			sum[k] += share * sign * (double)step->normal[3 * other + k];
 	}
 	double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
 	for (size_t k = 0; k < 3; k++)
 		step->out[3 * surfel + k] = share > 0 ? (float)(sum[k] / length) : n[k];
+	step->own[surfel] = (float)(1 / weight);
 }
 
 static void move_point(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -153,122 +151,6 @@ static bool find_levels(const float *noise, size_t count, float *level)
 	return noisy;
 }
 
-/* ----------------------------------------------------------------------------- lamps' normals */
-
-typedef struct normal_step {
-	const gw_surfels *surfels; /* with the normals that were given */
-	const float *smooth;       /* 3 * count, the mean normals */
-	float *noise;              /* of each surfel, then of each region: variance of the given normals
-								  by noise, rad^2; of a surfel any sign */
-	float *alike;              /* 3 * count, the mean of the normals that differ by little */
-} normal_step;
-
-/* Squared difference of two normals; NAN where the surfaces are different. The sign of an
- * unoriented neighbour's normal is made to fit. */
-static double difference_of(const gw_surfels *s, size_t surfel, size_t other, double *sign)
-{
-	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
-	double cosine = 0;
-	for (size_t k = 0; k < 3; k++)
-		cosine += (double)n[k] * (double)m[k];
-	*sign = cosine < 0 && (s->two_sided[surfel] || s->two_sided[other]) ? -1 : 1;
-	return *sign * cosine > SAME_SURFACE ? 2 - 2 * *sign * cosine : NAN;
-}
-
-/*
- * Squared differences between a normal and those around it, by distance: what is left of them at no
- * distance is noise, twice. A line through them finds it; where normals turn steadily, as they do
- * on curved surfaces, that is too little rather than too much.
- */
-static void compare_normals(void *user, size_t surfel, const gw_neighbour_list *list)
-{
-	const normal_step *step = user;
-	double count = 0, x = 0, y = 0, xx = 0, xy = 0, sign;
-	for (uint32_t j = 0; j < list->count; j++) {
-		double distance = (double)list->distance[j] / reach_of(list);
-		double difference = difference_of(step->surfels, surfel, list->index[j], &sign);
-		if (isnan(difference))
-			continue;
-		count += 1;
-		x += distance;
-		y += difference;
-		xx += distance * distance;
-		xy += distance * difference;
-	}
-	double determinant = count * xx - x * x;
-	bool known = count == GW_NEIGHBOURS && determinant > 0;
-	step->noise[surfel] = known ? (float)(0.5 * (y * xx - x * xy) / determinant) : 0;
-}
-
-/* The mean of the normals around one, those that differ by more than noise counting little: it
- * keeps edges and small shapes (a bilateral filter). */
-static void join_alike(void *user, size_t surfel, const gw_neighbour_list *list)
-{
-	const normal_step *step = user;
-	const float *n = step->surfels->normal + 3 * surfel;
-	double noise = (double)step->noise[surfel / REGION];
-	double sum[3] = { (double)n[0], (double)n[1], (double)n[2] }, sign;
-	for (uint32_t j = 0; j < list->count && noise > 0; j++) {
-		const float *m = step->surfels->normal + 3 * (size_t)list->index[j];
-		double difference = difference_of(step->surfels, surfel, list->index[j], &sign);
-		double weight = isnan(difference) ? 0 : sign * exp(-0.5 * difference / noise);
-		for (size_t k = 0; k < 3; k++)
-			sum[k] += weight * (double)m[k];
-	}
-	double length = sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-	for (size_t k = 0; k < 3; k++)
-		step->alike[3 * surfel + k] = (float)(sum[k] / length);
-}
-
-/* The share of the difference between both means that is not noise, in a region. */
-static double share_of_detail(const normal_step *step, size_t first, size_t last)
-{
-	double spread = 0, noise = ALIKE_NOISE * (double)step->noise[first / REGION];
-	for (size_t i = 3 * first; i < 3 * last; i++) {
-		double difference = (double)step->alike[i] - (double)step->smooth[i];
-		spread += difference * difference;
-	}
-	spread /= (double)(last - first);
-	return spread > noise ? 1 - noise / spread : 0;
-}
-
-/*
- * Takes noise out of the given normals.
- *   smooth   the mean normals
- *   level    one a region to work in
- *   work     3 * count floats to work in
- */
-static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const float *smooth,
-							   float *level, float *work, gw_error *error)
-{
-	normal_step step = { s, smooth, work, work };
-	gw_status status = gw_neighbours_visit(search, compare_normals, &step, error);
-	for (size_t first = 0; first < s->count && status == GW_OK; first += REGION) {
-		size_t last = first + REGION < s->count ? first + REGION : s->count;
-		double sum = 0;
-		for (size_t i = first; i < last; i++)
-			sum += (double)step.noise[i];
-		level[first / REGION] = (float)fmax(sum / (double)(last - first), 0);
-	}
-	step.noise = level;
-	if (status == GW_OK)
-		status = gw_neighbours_visit(search, join_alike, &step, error);
-	for (size_t first = 0; first < s->count && status == GW_OK; first += REGION) {
-		size_t last = first + REGION < s->count ? first + REGION : s->count;
-		double detail = share_of_detail(&step, first, last);
-		for (size_t i = first; i < last; i++) {
-			double n[3];
-			for (size_t k = 0; k < 3; k++)
-				n[k] = detail * (double)step.alike[3 * i + k] +
-					   (1 - detail) * (double)smooth[3 * i + k];
-			double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-			for (size_t k = 0; k < 3 && size > 0; k++)
-				s->normal[3 * i + k] = (float)(n[k] / size);
-		}
-	}
-	return status;
-}
-
 /* --------------------------------------------------------------------------------- all of it */
 
 /* `a` and `b` are 3 * count floats to work in; both stay the caller's. */
@@ -290,13 +172,27 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
 	return status;
 }
 
+/* What lamps shine on, into surfels->normal and lamp_off; `level` and `spare` are to work in. */
+static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const smooth_step *step,
+							   const float *smooth, float *level, float *spare, gw_error *error)
+{
+	s->lamp_off = gw_allocate_array(s->count, sizeof *s->lamp_off);
+	if (!s->lamp_off)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", s->count);
+	gw_status status = gw_normal_noise(search, s, level, spare, error);
+	if (status == GW_OK)
+		status =
+			gw_lamp_normals_make(search, s, smooth, step->own, level, spare, s->lamp_off, error);
+	return status;
+}
+
 gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
 							gw_error *error)
 {
 	size_t n = surfels->count;
 	float *position = gw_allocate_array(n, 3 * sizeof *position), *spare = NULL, *normal = NULL;
 	float *level = gw_allocate_array(n / REGION + 1, sizeof *level);
-	smooth_step step = { surfels, surfels->position, surfels->normal, level, position, NULL };
+	smooth_step step = { surfels, surfels->position, surfels->normal, level, position, NULL, NULL };
 	gw_status status = GW_OK;
 	*smoothed = false;
 	if (!position || !level)
@@ -306,12 +202,13 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 	if (status == GW_OK && find_levels(position, n, level)) {
 		spare = gw_allocate_array(n, 3 * sizeof *spare);
 		normal = gw_allocate_array(n, 3 * sizeof *normal);
+		step.own = gw_allocate_array(n, sizeof *step.own);
 		step.noise = surfels->noise = gw_allocate_array(n, sizeof *surfels->noise);
-		status = spare && normal && surfels->noise
+		status = spare && normal && step.own && surfels->noise
 					 ? smooth(search, &step, &position, &spare, normal, error)
 					 : gw_fail(error, GW_ERROR_MEMORY, "no memory to smooth %zu points", n);
 		if (status == GW_OK)
-			status = clean_normals(search, surfels, normal, level, spare, error);
+			status = clean_normals(search, surfels, &step, normal, level, spare, error);
 		*smoothed = status == GW_OK;
 	}
 	if (*smoothed) {
@@ -322,6 +219,7 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 		position = NULL;
 	}
 	free(level);
+	free(step.own);
 	free(position);
 	free(spare);
 	free(normal);

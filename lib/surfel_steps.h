@@ -116,10 +116,11 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 /*
  * Finds the noise of the points. Where it is significant, replaces position and normal by those of
  * the surface that the points scatter around, keeps the normals from before, without their noise,
- * in lamp_normal, and fills noise. Clean clouds stay as they are; in those partly clean, what lies
- * in clean parts. search     must have the surfels as they are; when they change it is of no more
- * use smoothed   receives whether anything was replaced Fails with GW_ERROR_MEMORY or
- * GW_ERROR_CANCELLED.
+ * in lamp_normal, and fills lamp_off and noise. Clean clouds stay as they are; in those partly
+ * clean, what lies in clean parts.
+ *   search     must have the surfels as they are; when they change it is of no more use
+ *   smoothed   receives whether anything was replaced
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
 							gw_error *error);

@@ -118,6 +118,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->position);
 	free(surfels->normal);
 	free(surfels->lamp_normal);
+	free(surfels->lamp_off);
 	free(surfels->normal_length);
 	free(surfels->albedo);
 	free(surfels->emission);

@@ -171,8 +171,10 @@ static void list_surfels(list *l, gw_solver *solver, const gw_transport_numbers 
 	uint64_t count = n->surfels;
 	host(l, "positions", &s->position, 12 * count);
 	host(l, "normals", &s->normal, 12 * count);
-	if (n->noisy)
+	if (n->noisy) {
 		host(l, "normals for lamps", &s->lamp_normal, 12 * count);
+		host(l, "errors of these normals", &s->lamp_off, 4 * count);
+	}
 	host(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
 		host(l, "emission", &s->emission, 12 * count);

@@ -461,6 +461,81 @@ static void creases_cast_sharper_shadows(void **state)
 		fail_msg("edges of shadows add %g behind a block, %g under a sheet", block, sheet);
 }
 
+/* Three uniform numbers are as good as a normal distribution here. Variance 1. */
+static double scene_gaussian(scene *s)
+{
+	return 2 * (scene_random(s) + scene_random(s) + scene_random(s) - 1.5);
+}
+
+/* Strips that slope 10 degrees to one side and to the other in turn, each some eight points wide,
+ * with noise of 0.3 spacings and so many degrees, or none; the truth is their irradiance by a sun.
+ */
+static void add_noisy_strips(scene *s, double degrees, const double sun[3], double *truth)
+{
+	const double width = 0.08, slope = 10 * SCENE_PI / 180;
+	for (int i = 0; i < 40000; i++) {
+		double x = 2 * scene_random(s), y = 2 * scene_random(s), strip = floor(x / width);
+		double side = fmod(strip, 2) > 0 ? 1 : -1, across = x / width - strip, dot = 0, length = 0;
+		double n[3] = { side * sin(slope), 0, cos(slope) };
+		double away = degrees > 0 ? 0.3 * 0.01 * scene_gaussian(s) : 0;
+		double z = width * tan(slope) * (side > 0 ? 1 - across : across);
+		const double p[3] = { x + away * n[0], y, z + away * n[2] };
+		for (int k = 0; k < 3; k++) {
+			dot -= sun[k] * n[k];
+			n[k] += degrees * SCENE_PI / 180 * scene_gaussian(s);
+			length += n[k] * n[k];
+		}
+		for (int k = 0; k < 3; k++)
+			n[k] /= sqrt(length);
+		truth[scene_add(s, p, n, 0.5f)] = dot;
+	}
+}
+
+/* RMS error of the sun's light on such strips, relative to the mean radiance. */
+static double error_on_strips(double degrees, double *said)
+{
+	scene s = { 0 };
+	const double sun[3] = { 0, 0.6, -0.8 };
+	double *truth = calloc(40000, sizeof *truth), squared = 0, mean = 0;
+	assert_non_null(truth);
+	add_noisy_strips(&s, degrees, sun, truth);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_light light = { .type = GW_LIGHT_SUN,
+					   .direction = { sun[0], sun[1], sun[2] },
+					   .irradiance = { 1, 1, 1 } };
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	const gw_error_estimate *e = &result->report.error;
+	for (size_t i = 0; i < s.count; i++) {
+		double off = 0.5 / SCENE_PI * ((double)result->direct_irradiance[3 * i] - truth[i]);
+		squared += off * off / (double)s.count;
+		mean += (double)result->radiance[3 * i] / (double)s.count;
+	}
+	*said = e->normals;
+	assert_near(e->relative_rms, hypot(e->gathered, hypot(e->shadows, e->normals)), 1e-9, 0);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	free(truth);
+	return sqrt(squared) / mean;
+}
+
+/* A sun's light on noisy normals is wrong by what the estimate says, to a quarter, as well as it is
+ * known how far off the normals are (test_surfels.c); seen: a fifth too much. Of clean ones it says
+ * nothing. */
+static void noise_of_normals_is_in_the_estimate(void **state)
+{
+	(void)state;
+	const double degrees[] = { 3, 6 };
+	double said;
+	for (int t = 0; t < 2; t++) {
+		double found = error_on_strips(degrees[t], &said);
+		if (!(fabs(said - found) < 0.25 * found))
+			fail_msg("%g degrees: light is off by %g, not %g", degrees[t], found, said);
+	}
+	error_on_strips(0, &said);
+	assert_near(said, 0, 0, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -476,6 +551,7 @@ int main(void)
 		cmocka_unit_test(ridge_casts_no_shadow),
 		cmocka_unit_test(no_sun_at_the_foot),
 		cmocka_unit_test(creases_cast_sharper_shadows),
+		cmocka_unit_test(noise_of_normals_is_in_the_estimate),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

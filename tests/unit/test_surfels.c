@@ -1,4 +1,5 @@
 /* Surfels: frame, neighbours, normals, and the surface each point stands for. */
+#include "normal_error.h"
 #include "shadow_error.h"
 #include "surfel_steps.h"
 
@@ -776,6 +777,106 @@ static void lamps_shine_on_detail_but_not_on_noise(void **state)
 	}
 }
 
+/* RMS of what the surfels say how far off the normals are that lamps shine on, degrees. */
+static double expected_tilt(const gw_surfels *s)
+{
+	double squared = 0;
+	for (size_t i = 0; i < s->count; i++)
+		squared += (double)s->lamp_off[i] * (double)s->lamp_off[i];
+	return sqrt(squared / (double)s->count) * 180 / PI;
+}
+
+/* Strips a few spacings wide on the unit square that face to one side and to the other in turn, 15
+ * degrees from up; the points' true normals go to `normal`. */
+static cloud make_strips(size_t count, double spacings, double noise, double degrees, float *normal)
+{
+	cloud c = make_cloud(count, true);
+	double spacing = 1 / sqrt((double)count), slope = 15 * PI / 180;
+	for (size_t i = 0; i < count; i++) {
+		double x = uniform(), along = x / (spacings * spacing), half = along - floor(along);
+		double side = fmod(floor(along), 2) > 0 ? 1 : -1;
+		double height = (side > 0 ? 1 - half : half) * spacings * spacing * tan(slope);
+		const double p[3] = { x, uniform(), height }, n[3] = { side * sin(slope), 0, cos(slope) };
+		set_noisy(&c, i, p, n, noise * spacing, degrees);
+		for (size_t k = 0; k < 3; k++)
+			normal[3 * i + k] = (float)n[k];
+	}
+	return c;
+}
+
+/*
+ * How far off the normals are is told without knowing the truth: it is an expectation, less exact
+ * the more the noise resembles the shape. Seen: 11 to 14 % too much on the sphere; on the strips 9
+ * and 20 % too much, then 11 % too little.
+ */
+static void errors_of_normals_are_known(void **state)
+{
+	(void)state;
+	const double degrees[3] = { 2, 5, 8 };
+	const size_t count = 16000;
+	float *truth = must_allocate(count, 3 * sizeof *truth);
+	for (int t = 0; t < 6; t++) {
+		double noise = degrees[t / 2];
+		cloud c =
+			t % 2 ? make_strips(count, 4, 0.3, noise, truth) : make_sphere(count, true, 0.3, noise);
+		gw_surfels s = make(&c);
+		double squared = 0, tilt = t % 2 ? 0 : lamp_tilt(&s, &c), expected = expected_tilt(&s);
+		for (size_t i = 0; i < count && t % 2; i++) {
+			const float *n = s.lamp_normal + 3 * (size_t)s.surfel_of_point[i], *m = truth + 3 * i;
+			for (size_t k = 0; k < 3; k++)
+				squared += ((double)n[k] - (double)m[k]) * ((double)n[k] - (double)m[k]);
+		}
+		tilt = t % 2 ? sqrt(squared / (double)count) * 180 / PI : tilt;
+		if (!(fabs(expected - tilt) < 0.25 * tilt))
+			fail_msg("normals with noise of %g degrees are off by %g, not %g", noise, tilt,
+					 expected);
+		gw_surfels_clear(&s);
+		clear_cloud(&c);
+	}
+	free(truth);
+}
+
+/* Normals turn by just the angle, in all directions: to first order a sun at an angle a from them
+ * then brings another light by sin(a) times the angle times the direction's cosine, whose mean
+ * square is a half. The next order is as small as the angle; 10000 directions tell the mean to
+ * 0.7 %. */
+static void turned_normals_change_the_light(void **state)
+{
+	(void)state;
+	cloud c = make_grid(100);
+	c.albedo = must_allocate(c.count, 3 * sizeof(float));
+	for (size_t i = 0; i < 3 * c.count; i++)
+		c.albedo[i] = 0.5f;
+	gw_surfels s = make(&c);
+	float *light[2] = { must_allocate(s.count, 4 * sizeof(float)),
+						must_allocate(s.count, 4 * sizeof(float)) };
+	bool *counts = must_allocate(s.count, sizeof *counts);
+	const float sun[3] = { 0.6f, 0, 0.8f }, angle = 0.05f;
+	for (size_t i = 0; i < s.count; i++) {
+		float turned[3];
+		gw_normal_turn(s.normal + 3 * i, angle, i, turned);
+		double cosine = 0;
+		for (size_t k = 0; k < 3; k++)
+			cosine += (double)turned[k] * (double)s.normal[3 * i + k];
+		assert_near(acos(cosine), (double)angle, 1e-4); /* float32 in a cosine near 1 */
+		for (size_t k = 0; k < 3; k++) {
+			light[0][4 * i + k] = 3 * sun[2];
+			light[1][4 * i + k] = 3 * (sun[0] * turned[0] + sun[2] * turned[2]);
+		}
+		counts[i] = i % 2 == 0;
+	}
+	double expected = 0.5 * 3 * (double)sun[0] * (double)angle / PI;
+	double found = gw_normal_error(&s, light[0], light[1], counts);
+	assert_near(sqrt(found), expected * sqrt(0.5), 0.03 * expected);
+	memset(counts, 0, s.count);
+	assert_true(gw_normal_error(&s, light[0], light[1], counts) <= 0);
+	free(light[0]);
+	free(light[1]);
+	free(counts);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* What is clean, curved or flat, with edges or without, counts as clean and is not replaced. */
 static void clean_points_stay(void **state)
 {
@@ -785,6 +886,7 @@ static void clean_points_stay(void **state)
 	for (size_t t = 0; t < sizeof clouds / sizeof *clouds; t++) {
 		gw_surfels s = make(&clouds[t]);
 		assert_null(s.lamp_normal);
+		assert_null(s.lamp_off);
 		gw_surfels_clear(&s);
 		clear_cloud(&clouds[t]);
 	}
@@ -1279,6 +1381,8 @@ int main(void)
 		cmocka_unit_test(noise_is_measured),
 		cmocka_unit_test(noisy_points_move_to_their_surface),
 		cmocka_unit_test(lamps_shine_on_detail_but_not_on_noise),
+		cmocka_unit_test(errors_of_normals_are_known),
+		cmocka_unit_test(turned_normals_change_the_light),
 		cmocka_unit_test(clean_points_stay),
 		cmocka_unit_test(discs_end_at_edges),
 		cmocka_unit_test(voids_are_no_edges),
