@@ -340,7 +340,7 @@ void bake_report_summary(const bake_facts *f)
 	if (r->error.points && r->error.normals > LAMPS_LEAST)
 		fprintf(
 			stderr,
-			"glowworm: error: of that, %.2g %% are noise of the points' normals, in the light of "
+			"glowworm: error: of that, %.2g %% are errors of the points' normals, in the light of "
 			"lamps\n",
 			100.0 * r->error.normals);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,

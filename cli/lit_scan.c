@@ -247,7 +247,7 @@ static gw_status comment_error(maker *m)
 		"shadows alone %s",
 		rms, spread, r->error.points, shadows);
 	if (r->error.normals > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", noise of normals %s", normals);
+		snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s", normals);
 	return status == GW_OK && r->error.points ? comment(m, text) : status;
 }
 

@@ -168,6 +168,7 @@ static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
 static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off, gw_buffer *normal,
 								gw_error *error)
 {
+	const float *own = surfels->lamp_normal ? surfels->lamp_normal : surfels->normal;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (!chunk)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
@@ -179,10 +180,9 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
 			size_t s = first + i;
-			memcpy(chunk + 4 * i, surfels->lamp_normal + 3 * s, 3 * sizeof *chunk);
+			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
-				gw_normal_turn(surfels->lamp_normal + 3 * s, surfels->lamp_off[s], s,
-							   chunk + 4 * i);
+				gw_normal_turn(own + 3 * s, surfels->lamp_off[s], s, chunk + 4 * i);
 			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =

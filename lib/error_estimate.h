@@ -11,8 +11,8 @@
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
  * square error.
  *
- * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what noise leaves in
- * the normals that lamps shine on (normal_error.h).
+ * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
+ * lamps shine on are off where points are noisy or had none (normal_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H

@@ -287,8 +287,8 @@ typedef struct gw_error_estimate {
 	double noise;        /* part of gathered that more rays would lessen, estimated */
 	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser
 							points would lessen */
-	double normals;      /* of noise that is left in the normals that lamps shine on, where points
-							are noisy (normal_error.h) */
+	double normals;      /* of the normals that lamps shine on, where points are noisy or had none
+							(normal_error.h); not of those that point the wrong way */
 } gw_error_estimate;
 
 /* One round of a bake that refines: with which settings it solved, and how well. */

@@ -172,17 +172,24 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
 	return status;
 }
 
-/* What lamps shine on, into surfels->normal and lamp_off; `level` and `spare` are to work in. */
+/*
+ * What lamps shine on, into surfels->normal and lamp_off; `level` and `spare` are to work in. What
+ * is known of estimated normals stays: their noise is not their own, so that means of them do not
+ * lessen it.
+ */
 static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const smooth_step *step,
 							   const float *smooth, float *level, float *spare, gw_error *error)
 {
-	s->lamp_off = gw_allocate_array(s->count, sizeof *s->lamp_off);
-	if (!s->lamp_off)
+	float *off = gw_allocate_array(s->count, sizeof *off);
+	if (!off)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", s->count);
 	gw_status status = gw_normal_noise(search, s, level, spare, error);
 	if (status == GW_OK)
-		status =
-			gw_lamp_normals_make(search, s, smooth, step->own, level, spare, s->lamp_off, error);
+		status = gw_lamp_normals_make(search, s, smooth, step->own, level, spare, off, error);
+	for (size_t i = 0; i < s->count && s->lamp_off; i++)
+		off[i] = s->lamp_off[i] > 0 ? s->lamp_off[i] : off[i];
+	free(s->lamp_off);
+	s->lamp_off = off;
 	return status;
 }
 

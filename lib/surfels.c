@@ -2,6 +2,7 @@
 #include "surfel_steps.h"
 
 #include "memory.h"
+#include "plane_error.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -57,6 +58,23 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
 }
 
+/* Missing normals, and how far off they are. */
+static gw_status complete_normals(const gw_points *points, const gw_surfels_options *options,
+								  gw_neighbours *search, gw_surfels *s, gw_error *error)
+{
+	if (s->normals_given == s->count)
+		return GW_OK;
+	s->lamp_off = gw_allocate_zeros(s->count, sizeof *s->lamp_off);
+	if (!s->lamp_off)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu missing normals", s->count);
+	for (size_t i = 0; i < s->count; i++) {
+		const float *n = s->normal + 3 * i;
+		s->lamp_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
+	}
+	gw_status status = gw_normals_complete(points, options, search, s, error);
+	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+}
+
 static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
 							gw_surfels *surfels, float **gap, gw_error *error)
 {
@@ -76,7 +94,7 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	if (status != GW_OK)
 		return status;
 	bool smoothed = false;
-	status = gw_normals_complete(points, options, search, surfels, error);
+	status = complete_normals(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = gw_surfels_smooth(search, surfels, &smoothed, error);
 	if (smoothed) {

@@ -30,8 +30,9 @@ typedef struct gw_surfels {
 	float *normal;                /* 3 * count, unit; of noisy points that of this surface */
 	float *lamp_normal;   /* NULL when no point is noisy, else 3 * count, unit, the points' own
 							 without what of them is noise: lamps shine on these */
-	float *lamp_off;      /* NULL when no point is noisy, else count, radians, RMS angle by which
-							 lamp_normal is expected to be off; 0 of what was clean */
+	float *lamp_off;      /* NULL when no point is noisy and all normals were given, else count,
+							 radians, RMS angle by which the normals that lamps shine on are
+							 expected to be off */
 	float *normal_length; /* count, length of the given normal in (0, 1]: spread of the NDF */
 	float *albedo;        /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
 	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */

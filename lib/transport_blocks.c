@@ -14,6 +14,10 @@
 
 #define POINTS_MAX (UINT64_C(1) << 30)
 
+/* Bits of gw_transport_numbers.noisy: which arrays there are. */
+#define NOISY 1u /* normals for lamps */
+#define OFF 2u   /* how far normals are off */
+
 gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 {
 	const gw_surfels *s = &solver->surfels;
@@ -53,7 +57,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
 	n.probes_opened = solver->probes.rays[0].through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
-	n.noisy = s->lamp_normal != NULL;
+	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -75,7 +79,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->probes <= n->surfels && n->probes <= n->probe_points && n->probes_sampled <= 1 &&
 		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
-		   n->probes_opened <= n->opened && n->noisy <= 1 && isfinite(n->leaf_size) &&
+		   n->probes_opened <= n->opened && n->noisy <= (NOISY | OFF) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
 		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
 		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
@@ -171,10 +175,10 @@ static void list_surfels(list *l, gw_solver *solver, const gw_transport_numbers 
 	uint64_t count = n->surfels;
 	host(l, "positions", &s->position, 12 * count);
 	host(l, "normals", &s->normal, 12 * count);
-	if (n->noisy) {
+	if (n->noisy & NOISY)
 		host(l, "normals for lamps", &s->lamp_normal, 12 * count);
-		host(l, "errors of these normals", &s->lamp_off, 4 * count);
-	}
+	if (n->noisy & OFF)
+		host(l, "errors of normals", &s->lamp_off, 4 * count);
 	host(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
 		host(l, "emission", &s->emission, 12 * count);

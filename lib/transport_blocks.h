@@ -24,7 +24,7 @@ typedef struct gw_transport_numbers {
 	uint32_t looked, openings; /* to the sky: whether they were looked for, how many there are */
 	uint32_t opened, probes_opened; /* 1: they were sampled from the records, from the probes */
 	float escaped;
-	uint32_t noisy; /* 1: there are given normals besides those of the smoothed surface */
+	uint32_t noisy; /* bits: 1 given normals are there besides smooth ones, 2 and their errors */
 } gw_transport_numbers;
 
 /* One array. */

@@ -836,6 +836,46 @@ static void errors_of_normals_are_known(void **state)
 	free(truth);
 }
 
+/*
+ * Estimated normals are off beside creases, and where places are noisy. How far is told to a
+ * quarter; seen: 3 to 15 % too little. On a plane without noise there is nothing but rounding of
+ * float32: 1e-7 of a height, in degrees.
+ */
+static void errors_of_estimated_normals_are_known(void **state)
+{
+	(void)state;
+	const double noise[3] = { 0, 0.1, 0.3 };
+	for (int t = 0; t < 3; t++) {
+		cloud c = make_box(20000, true, noise[t], 0);
+		float *truth = c.normal;
+		c.normal = NULL;
+		gw_surfels s = make(&c);
+		double squared = 0, expected = expected_tilt(&s);
+		for (size_t i = 0; i < c.count; i++) {
+			size_t surfel = s.surfel_of_point[i];
+			const float *n = (s.lamp_normal ? s.lamp_normal : s.normal) + 3 * surfel;
+			double cosine = 0;
+			for (size_t k = 0; k < 3; k++)
+				cosine += (double)n[k] * (double)truth[3 * i + k];
+			squared += 2 - 2 * fabs(cosine);
+		}
+		double tilt = sqrt(squared / (double)c.count) * 180 / PI;
+		if (!(fabs(expected - tilt) < 0.25 * tilt))
+			fail_msg("normals at noise of %g spacings are off by %g degrees, not %g", noise[t],
+					 tilt, expected);
+		gw_surfels_clear(&s);
+		free(truth);
+		clear_cloud(&c);
+	}
+	cloud flat = make_grid(40);
+	free(flat.normal);
+	flat.normal = NULL;
+	gw_surfels s = make(&flat);
+	assert_true(expected_tilt(&s) < 1e-4);
+	gw_surfels_clear(&s);
+	clear_cloud(&flat);
+}
+
 /* Normals turn by just the angle, in all directions: to first order a sun at an angle a from them
  * then brings another light by sin(a) times the angle times the direction's cosine, whose mean
  * square is a half. The next order is as small as the angle; 10000 directions tell the mean to
@@ -1382,6 +1422,7 @@ int main(void)
 		cmocka_unit_test(noisy_points_move_to_their_surface),
 		cmocka_unit_test(lamps_shine_on_detail_but_not_on_noise),
 		cmocka_unit_test(errors_of_normals_are_known),
+		cmocka_unit_test(errors_of_estimated_normals_are_known),
 		cmocka_unit_test(turned_normals_change_the_light),
 		cmocka_unit_test(clean_points_stay),
 		cmocka_unit_test(discs_end_at_edges),
