@@ -39,7 +39,7 @@ typedef struct gw_transport_block {
 	uint32_t step;  /* in words, from one index to the next */
 } gw_transport_block;
 
-#define GW_TRANSPORT_BLOCKS 50u
+#define GW_TRANSPORT_BLOCKS 55u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver);
 
