@@ -189,6 +189,8 @@ void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, v
 			vec4 here = kept * vec4(equal(level, vec4(float(k))));
 			float number = dot(here, vec4(1.0));
 			hits[k] += number;
+			if (push.emit == 0u)
+				continue;
 			sum_x[k] += dot(here, x);
 			sum_y[k] += number * y;
 			sum_z[k] += dot(here, over);
