@@ -167,6 +167,8 @@ void gw_host_record_emitters(gw_passes *passes, const gw_octree *octree, const g
 							 gw_buffer *sampled)
 {
 	const gw_emitters *emitters = sources->emitters;
+	if (push->light_samples == 0)
+		return;
 	sampling job = { .tracer = gw_tracer_of(passes, octree),
 					 .push = *push,
 					 .position = records->position.mapped,
@@ -231,6 +233,8 @@ static void sample_skies(void *user, size_t first, size_t last, uint32_t worker)
 void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						const gw_sky_map *map, const gw_record_push *push, gw_buffer *sampled)
 {
+	if (push->sky_samples == 0)
+		return;
 	sampling job = { .tracer = gw_tracer_of(passes, octree),
 					 .push = *push,
 					 .position = records->position.mapped,
