@@ -5,6 +5,7 @@
 #include "direct_light.h"
 
 #include "host_products.h"
+#include "host_rays.h"
 #include "memory.h"
 #include "normal_error.h"
 #include "shadow_map.h"
@@ -196,6 +197,10 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 								  const gw_light_push *push, uint64_t count,
 								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_light_visibility(passes, octree, push, normal, (size_t)count, visibility);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
 									gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
 									gw_window(visibility, 4), GW_DISC_BINDINGS(octree) };

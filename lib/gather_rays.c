@@ -4,6 +4,7 @@
 #include "gather_rays.h"
 
 #include "host_products.h"
+#include "host_rays.h"
 #include "memory.h"
 #include "transport_layout.h"
 
@@ -40,7 +41,9 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 {
 	uint64_t count = (uint64_t)rays * records->count;
 	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
-	if (status == GW_OK) {
+	if (status == GW_OK && gw_gpu_is_host(passes->gpu)) {
+		gw_host_record_rays(passes, octree, records, gather);
+	} else if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
 			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
@@ -142,6 +145,10 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 								 gw_buffer *sampled, gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_record_emitters(passes, octree, records, sources, &push, sampled);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
 									gw_whole(emitters->radiance),
 									gw_whole(&emitters->table),
@@ -173,6 +180,10 @@ static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_recor
 							gw_buffer *sampled, gw_error *error)
 {
 	const gw_sky_map *map = sources->map;
+	if (gw_gpu_is_host(passes->gpu) && push.openings == 0) {
+		gw_host_record_sky(passes, octree, records, map, &push, sampled);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
 		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),

@@ -3,9 +3,8 @@
  */
 #include "host_products.h"
 
-#include "clock.h"
+#include "host_loop.h"
 #include "memory.h"
-#include "parallel.h"
 #include "transport_layout.h"
 
 #include <math.h>
@@ -24,15 +23,6 @@ typedef float vec4_lanes __attribute__((vector_size(16)));
 typedef struct arrays {
 	void *at[BUFFERS_MAX];
 } arrays;
-
-/* Runs the loop over `count` elements and books its time. `job` begins with its arrays. */
-static void run(gw_passes *passes, gw_pass_id id, size_t count, size_t chunk,
-				gw_parallel_work *work, arrays *job)
-{
-	double start = gw_seconds();
-	gw_parallel_for(passes->threads, count, chunk, work, job);
-	passes->device_seconds[id] += gw_seconds() - start;
-}
 
 /* ----------------------------------------------------------------------------------- shading */
 
@@ -76,7 +66,8 @@ void gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records 
 								   [RADIANCE] = lobe_radiance->mapped,
 								   [DIRECT] = direct_share != 0.0f ? lobe_direct->mapped : NULL },
 					.direct_share = direct_share };
-	run(passes, GW_PASS_LOBE_SHADE, 2 * (size_t)octree->leaf_count, CHUNK, shade, &job.arrays);
+	gw_host_loop(passes, GW_PASS_LOBE_SHADE, 2 * (size_t)octree->leaf_count, CHUNK, shade,
+				 &job.arrays);
 }
 
 /* --------------------------------------------------------------------------- lobes that are hit */
@@ -126,7 +117,7 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 	if (!job.power || !hits->power)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
 	if (status == GW_OK)
-		run(passes, GW_PASS_LOBE_SHADE, slots, job.part, add_powers, &job.arrays);
+		gw_host_loop(passes, GW_PASS_LOBE_SHADE, slots, job.part, add_powers, &job.arrays);
 	for (size_t i = 0; i < values && status == GW_OK; i++) {
 		double sum = 0.0;
 		for (size_t part = 0; part < POWER_PARTS; part++)
@@ -188,7 +179,7 @@ void gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_rec
 								   [IRRADIANCE] = records->gathered.mapped,
 								   [RADIANCE] = lobe_radiance->mapped },
 					.slot = hits->slot };
-	run(passes, GW_PASS_LOBE_SHADE, hits->count, CHUNK, shade, &job.arrays);
+	gw_host_loop(passes, GW_PASS_LOBE_SHADE, hits->count, CHUNK, shade, &job.arrays);
 }
 
 double gw_host_power(const gw_records *records, const gw_hit_lobes *hits)
@@ -236,7 +227,7 @@ void gw_host_gather(gw_passes *passes, const gw_ray_gather *gather, const gw_buf
 									 [GATHERED] = records->gathered.mapped },
 					  .rays = gather->rays };
 	size_t chunk = CHUNK_RAYS / gather->rays + 1;
-	run(passes, GW_PASS_RECORD_GATHER, records->count, chunk, gather_records, &job.arrays);
+	gw_host_loop(passes, GW_PASS_RECORD_GATHER, records->count, chunk, gather_records, &job.arrays);
 }
 
 /* --------------------------------------------------------------------------- means over lobes */
@@ -279,7 +270,7 @@ void gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer
 						   [SHARE] = octree->fragment_weight.mapped,
 						   [SURFEL] = surfels->mapped,
 						   [LOBE] = lobes->mapped } };
-	run(passes, GW_PASS_LOBE_DIRECT, octree->leaf_count, CHUNK, average, &job);
+	gw_host_loop(passes, GW_PASS_LOBE_DIRECT, octree->leaf_count, CHUNK, average, &job);
 }
 
 /* ------------------------------------------------------------------------------------ adding */
@@ -299,5 +290,5 @@ static void add(void *user, size_t first, size_t last, uint32_t worker)
 void gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count)
 {
 	arrays job = { .at = { [FROM] = from->mapped, [TO] = to->mapped } };
-	run(passes, GW_PASS_RECORD_ADD, (size_t)count, 16 * CHUNK, add, &job);
+	gw_host_loop(passes, GW_PASS_RECORD_ADD, (size_t)count, 16 * CHUNK, add, &job);
 }

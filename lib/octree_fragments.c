@@ -5,6 +5,7 @@
 #include "octree_steps.h"
 
 #include "memory.h"
+#include "parallel.h"
 
 #include <float.h>
 #include <math.h>
@@ -12,6 +13,9 @@
 
 /* Surfels converted at once. */
 #define UPLOAD_SURFELS 65536u
+
+/* Fragments that a thread puts in order at a time. */
+#define GATHERED_AT_ONCE 65536u
 
 /* The least RoI; keeps shares of it finite. */
 #define ROI_MIN 1e-6f
@@ -208,6 +212,24 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 	                         error);
 }
 
+/* octree_gather.comp as a loop of the host. */
+static void gather_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const gw_octree_work *work = user;
+	const uint32_t *index = work->keys.payload.mapped, *surfel = work->unsorted_surfel.mapped;
+	const uint32_t *weight = work->unsorted_weight.mapped;
+	const uint32_t *centroid = work->unsorted_centroid.mapped;
+	uint32_t *surfel_out = work->octree->fragment_surfel.mapped;
+	uint32_t *weight_out = work->octree->fragment_weight.mapped;
+	uint32_t *centroid_out = work->fragment_centroid.mapped;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		surfel_out[i] = surfel[index[i]];
+		weight_out[i] = weight[index[i]];
+		centroid_out[i] = centroid[index[i]];
+	}
+}
+
 static gw_status gather(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
@@ -218,6 +240,10 @@ static gw_status gather(gw_octree_work *work, gw_error *error)
 	                        &octree->fragment_weight, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
 	                        &work->fragment_centroid, error));
+	if (gw_gpu_is_host(work->gpu)) {
+		gw_parallel_for(0, octree->fragment_count, GATHERED_AT_ONCE, gather_some, work);
+		return GW_OK;
+	}
 	gw_binding bindings[] = {
 		GW_WINDOW(&work->keys.payload, 4),          GW_WHOLE(&work->unsorted_surfel),
 		GW_WHOLE(&work->unsorted_weight),           GW_WHOLE(&work->unsorted_centroid),

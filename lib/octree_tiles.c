@@ -4,31 +4,101 @@
  */
 #include "octree_steps.h"
 
+/* A sorted list of keys: what octree_keys.glsl reads, for gw_octree_unique. */
+typedef struct key_list {
+	gw_buffer *keys, *high; /* as gw_octree_unique gets them */
+	bool pairs;             /* keys are of two words each */
+	gw_keys_push push;
+} key_list;
+
+/* ------------------------------------------------------------------- distinct keys, on the host */
+
+static uint64_t read_key(const key_list *list, uint32_t i)
+{
+	const uint32_t *low = list->keys->mapped;
+	uint64_t key = low[i];
+	if (list->high != NULL)
+		key |= (uint64_t)((const uint32_t *)list->high->mapped)[i] << 32;
+	else if (list->pairs)
+		key = (uint64_t)low[2 * (size_t)i + 1] << 32 | low[2 * (size_t)i];
+	return key >> list->push.shift;
+}
+
+/* Counts distinct keys; unless `result` is NULL also writes each and where it begins. */
+static uint64_t go_through(const key_list *list, uint32_t *result, uint32_t *first)
+{
+	uint64_t distinct = 0, before = 0;
+	for (uint32_t i = 0; i < list->push.total; i++) {
+		uint64_t key = read_key(list, i);
+		if (i > 0 && key == before)
+			continue;
+		if (result != NULL) {
+			result[2 * distinct] = (uint32_t)key;
+			result[2 * distinct + 1] = (uint32_t)(key >> 32);
+			first[distinct] = i;
+		}
+		before = key;
+		distinct++;
+	}
+	return distinct;
+}
+
+/* -------------------------------------------------------------------------------- distinct keys */
+
+static gw_status count_distinct(gw_octree_work *work, const key_list *list, uint64_t *distinct,
+                                gw_error *error)
+{
+	uint32_t count = list->push.total;
+	if (gw_gpu_is_host(work->gpu)) {
+		*distinct = go_through(list, NULL, NULL);
+		return GW_OK;
+	}
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
+	                        error));
+	gw_binding bindings[] = { GW_WHOLE(list->keys),
+		                      GW_WHOLE(list->high != NULL ? list->high : list->keys),
+		                      GW_WINDOW(&work->marks, 4) };
+	GW_TRY(gw_octree_run(work, GW_OCTREE_MARK, bindings, &list->push, count, error));
+	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, count, distinct, error);
+}
+
+static gw_status write_distinct(gw_octree_work *work, const key_list *list, gw_buffer *result,
+                                gw_error *error)
+{
+	if (gw_gpu_is_host(work->gpu)) {
+		go_through(list, result->mapped, work->first.mapped);
+		return GW_OK;
+	}
+	gw_binding bindings[] = { GW_WHOLE(list->keys),
+		                      GW_WHOLE(list->high != NULL ? list->high : list->keys),
+		                      GW_WINDOW(&work->marks, 4), GW_WHOLE(result),
+		                      GW_WHOLE(&work->first) };
+	return gw_octree_run(work, GW_OCTREE_UNIQUE, bindings, &list->push, list->push.total, error);
+}
+
 gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
                            uint32_t shift, const char *name, gw_buffer *result,
                            uint32_t *result_count, gw_error *error)
 {
-	gw_keys_push push = { .shift = shift, .split = high != NULL, .total = count };
-	gw_buffer *second = high != NULL ? high : keys;
+	key_list list = { .keys = keys,
+		              .high = high,
+		              .pairs = keys->bytes == 8 * (uint64_t)count,
+		              .push = { .shift = shift, .split = high != NULL, .total = count } };
 	gw_buffer_destroy(work->gpu, &work->marks);
 	gw_buffer_destroy(work->gpu, &work->first);
-	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
-	                        error));
-	gw_binding marking[] = { GW_WHOLE(keys), GW_WHOLE(second), GW_WINDOW(&work->marks, 4) };
-	GW_TRY(gw_octree_run(work, GW_OCTREE_MARK, marking, &push, count, error));
 	uint64_t distinct;
-	GW_TRY(gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, count, &distinct, error));
+	GW_TRY(count_distinct(work, &list, &distinct, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32_UINT, 8 * distinct, name, result, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (distinct + 1), "first of equal keys",
 	                        &work->first, error));
 	GW_TRY(gw_buffer_upload(work->gpu, &work->first, 4 * distinct, &count, 4, error));
-	gw_binding writing[] = { GW_WHOLE(keys), GW_WHOLE(second), GW_WINDOW(&work->marks, 4),
-		                     GW_WHOLE(result), GW_WHOLE(&work->first) };
-	GW_TRY(gw_octree_run(work, GW_OCTREE_UNIQUE, writing, &push, count, error));
+	GW_TRY(write_distinct(work, &list, result, error));
 	*result_count = (uint32_t)distinct;
 	gw_buffer_destroy(work->gpu, &work->marks);
 	return GW_OK;
 }
+
+/* ---------------------------------------------------------------------------------------- tiles */
 
 static gw_status run_border(gw_octree_work *work, uint32_t t, gw_border_push push, gw_error *error)
 {

@@ -22,6 +22,8 @@ typedef struct level {
 gw_status gw_prefix_sum_create(gw_gpu *gpu, gw_prefix_sum *prefix, gw_error *error)
 {
 	memset(prefix, 0, sizeof *prefix);
+	if (gw_gpu_is_host(gpu))
+		return GW_OK;
 	return gw_named_pass_create(gpu, "prefix_sum", "SS", sizeof(gw_prefix_push), GW_PREFIX_RUN,
 	                            &prefix->pass, error);
 }
@@ -77,6 +79,19 @@ static gw_status add_up(gw_gpu *gpu, gw_prefix_sum *prefix, level runs, uint64_t
 	return status;
 }
 
+/* The same on a device that is the host's own processor. */
+static void run_on_host(uint32_t *word, uint64_t count, uint64_t *total)
+{
+	uint64_t sum = 0;
+	for (uint64_t i = 0; i < count; i++) {
+		uint32_t value = word[i];
+		word[i] = (uint32_t)sum;
+		sum += value;
+	}
+	if (total != NULL)
+		*total = sum;
+}
+
 gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words, uint64_t count,
                             uint64_t *total, gw_error *error)
 {
@@ -89,6 +104,10 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 		               "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake "
 		               "with fewer points or a coarser octree",
 		               words->name, (unsigned long long)count);
+	if (prefix->pass == NULL) {
+		run_on_host(words->mapped, count, total);
+		return GW_OK;
+	}
 	level levels[LEVELS_MAX];
 	uint32_t needed, last = plan_levels(count, levels, &needed);
 	if (prefix->sums.bytes < UINT64_C(4) * needed) {

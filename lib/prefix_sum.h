@@ -9,7 +9,7 @@
 #include "gpu.h"
 
 typedef struct gw_prefix_sum {
-	gw_pass *pass;
+	gw_pass *pass;  /* NULL: a loop of the host stands in for it */
 	gw_buffer sums; /* of runs, and of runs of these; grows as needed */
 } gw_prefix_sum;
 

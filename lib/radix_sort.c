@@ -6,6 +6,7 @@
 
 #include "named_pass.h"
 #include "octree_layout.h"
+#include "parallel.h"
 
 #include <assert.h>
 #include <string.h>
@@ -21,6 +22,8 @@ _Static_assert(GW_RADIX_DIGITS == 1u << DIGIT_BITS, "a digit has that many value
 gw_status gw_radix_sort_create(gw_gpu *gpu, gw_radix_sort *sort, gw_error *error)
 {
 	memset(sort, 0, sizeof *sort);
+	if (gw_gpu_is_host(gpu))
+		return GW_OK;
 	gw_status status = gw_prefix_sum_create(gpu, &sort->prefix, error);
 	if (status == GW_OK)
 		status = gw_named_pass_create(gpu, "radix_count", "TS", sizeof(gw_radix_push), RUN_MAX,
@@ -94,6 +97,13 @@ static void swap(gw_buffer *a, gw_buffer *b)
 	*b = kept;
 }
 
+static void swap_copies(gw_sort_list *list)
+{
+	swap(&list->low, &list->low_copy);
+	swap(&list->high, &list->high_copy);
+	swap(&list->payload, &list->payload_copy);
+}
+
 static gw_status sort_digit(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list,
                             gw_radix_push push, gw_error *error)
 {
@@ -111,10 +121,82 @@ static gw_status sort_digit(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 		                        { .buffer = &list->low_copy }, { .buffer = high_copy },
 		                        { .buffer = &list->payload_copy } };
 	GW_TRY(gw_pass_run(gpu, sort->scatter, scattering, &push, push.runs, error));
-	swap(&list->low, &list->low_copy);
-	swap(&list->high, &list->high_copy);
-	swap(&list->payload, &list->payload_copy);
+	swap_copies(list);
 	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------ on the host */
+
+#define HOST_RUNS 16u
+
+/* One digit, on a device that is the host's own processor: the same steps over fewer, longer runs.
+ */
+typedef struct host_digit {
+	const uint32_t *word, *low, *high, *payload;
+	uint32_t *low_out, *high_out, *payload_out;
+	uint32_t shift;
+	bool wide, index;
+	size_t run;
+	uint32_t count[HOST_RUNS][GW_RADIX_DIGITS];
+} host_digit;
+
+static uint32_t digit_of(const host_digit *d, size_t i)
+{
+	return d->word[i] >> d->shift & (GW_RADIX_DIGITS - 1);
+}
+
+static void count_run(void *user, size_t first, size_t last, uint32_t worker)
+{
+	host_digit *d = user;
+	uint32_t *count = d->count[first / d->run];
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		count[digit_of(d, i)]++;
+}
+
+/* Counts become the places where each run puts its keys. */
+static void make_places(host_digit *d)
+{
+	uint32_t sum = 0;
+	for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
+		for (size_t run = 0; run < HOST_RUNS; run++) {
+			uint32_t count = d->count[run][digit];
+			d->count[run][digit] = sum;
+			sum += count;
+		}
+}
+
+static void scatter_run(void *user, size_t first, size_t last, uint32_t worker)
+{
+	host_digit *d = user;
+	uint32_t *place = d->count[first / d->run];
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t to = place[digit_of(d, i)]++;
+		d->low_out[to] = d->low[i];
+		if (d->wide)
+			d->high_out[to] = d->high[i];
+		d->payload_out[to] = d->index ? (uint32_t)i : d->payload[i];
+	}
+}
+
+static void sort_digit_on_host(gw_sort_list *list, uint32_t bit)
+{
+	host_digit d = { .word = bit < 32 ? list->low.mapped : list->high.mapped,
+		             .low = list->low.mapped,
+		             .high = list->high.mapped,
+		             .payload = list->payload.mapped,
+		             .low_out = list->low_copy.mapped,
+		             .high_out = list->high_copy.mapped,
+		             .payload_out = list->payload_copy.mapped,
+		             .shift = bit % 32,
+		             .wide = list->wide,
+		             .index = bit == 0,
+		             .run = (size_t)list->count / HOST_RUNS + 1 };
+	gw_parallel_for(0, (size_t)list->count, d.run, count_run, &d);
+	make_places(&d);
+	gw_parallel_for(0, (size_t)list->count, d.run, scatter_run, &d);
+	swap_copies(list);
 }
 
 gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list, uint32_t bits,
@@ -128,6 +210,10 @@ gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 		               "%llu keys cannot be sorted at once: bake with fewer points or a coarser "
 		               "octree",
 		               (unsigned long long)list->count);
+	for (uint32_t bit = 0; bit < bits && sort->count == NULL; bit += DIGIT_BITS)
+		sort_digit_on_host(list, bit);
+	if (sort->count == NULL)
+		return GW_OK;
 	uint64_t run = list->count / RUNS_WANTED + 1;
 	run = run < RUN_MIN ? RUN_MIN : run > RUN_MAX ? RUN_MAX : run;
 	gw_radix_push push = {

@@ -10,7 +10,7 @@
 #include "prefix_sum.h"
 
 typedef struct gw_radix_sort {
-	gw_pass *count, *scatter;
+	gw_pass *count, *scatter; /* NULL: loops of the host stand in for them */
 	gw_prefix_sum prefix;
 	gw_buffer counts; /* of digits in runs; grows as needed */
 } gw_radix_sort;

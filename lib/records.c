@@ -4,6 +4,7 @@
  */
 #include "records.h"
 
+#include "host_lookup.h"
 #include "luminance.h"
 #include "memory.h"
 #include "record_places.h"
@@ -320,11 +321,15 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								 const gw_buffer *reach, gw_error *error)
 {
+	gw_lookup_push push = lookup(records, reach);
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_weigh_lobes(passes, octree, records, reach, &push);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
 									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
 									gw_whole(reach ? reach : &records->position) };
-	gw_lookup_push push = lookup(records, reach);
 	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
 						 2 * (uint64_t)octree->leaf_count, error);
 }
@@ -334,14 +339,18 @@ gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
 								   uint64_t first, uint64_t count, gw_buffer *record,
 								   gw_buffer *weight, gw_error *error)
 {
+	gw_lookup_push push = lookup(records, reach);
+	push.surfel_first = (uint32_t)first;
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_weigh_surfels(passes, octree, records, reach, &push, (size_t)count, record, weight);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_whole(&octree->surfel_position),
 									gw_whole(&octree->surfel_normal),
 									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
 									gw_window(weight, 4 * GW_SURFEL_WEIGHTS),
 									gw_whole(reach ? reach : &records->position) };
-	gw_lookup_push push = lookup(records, reach);
-	push.surfel_first = (uint32_t)first;
 	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
 }
 

@@ -168,6 +168,10 @@ float lowest_level(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height
 void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, vec2 from,
                 ivec2 column, int axis, float share)
 {
+	/* How near its points come to the centre: most columns at the corners are too far. */
+	vec2 nearest = max(vec2(0.0), max(from + 0.125, -(from + 0.875)));
+	if (dot(nearest, nearest) > disc.radius * disc.radius)
+		return;
 	vec2 slope = -n.xy / n.z;
 	float lowest = lowest_level(disc, n, tangent, bitangent, height, from + 0.5);
 	vec4 hits = vec4(0.0), sum_x = vec4(0.0), sum_y = vec4(0.0), sum_z = vec4(0.0);
@@ -189,6 +193,8 @@ void add_column(Disc disc, vec3 n, vec3 tangent, vec3 bitangent, float height, v
 			vec4 here = kept * vec4(equal(level, vec4(float(k))));
 			float number = dot(here, vec4(1.0));
 			hits[k] += number;
+			if (push.emit == 0u)
+				continue;
 			sum_x[k] += dot(here, x);
 			sum_y[k] += number * y;
 			sum_z[k] += dot(here, over);

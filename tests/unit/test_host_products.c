@@ -2,12 +2,13 @@
  * test_host_products.c - loops of the host that stand in for passes, against these passes; and
  * views of buffers, in place and as copies.
  *
- * Both add the same numbers, none of them negative, in any order: a sum of n terms is rounded by
- * n * 2^-24 of itself at most.
+ * Products add the same numbers, none of them negative, in any order: a sum of n terms is rounded
+ * by n * 2^-24 of itself at most. Rays go the same way but for roundings, see STRAYED.
  */
 #include "bounces.h"
 #include "direct_light.h"
 #include "gpu_internal.h"
+#include "host_rays.h"
 #include "relight.h"
 #include "scenes.h"
 #include "transport_layout.h"
@@ -22,6 +23,11 @@
 
 /* Multiplications and a division besides the sum. */
 #define ROUNDINGS 8.0
+
+/* Share of the rays that may hit something else: a ray of the hall goes up to 64 cells, where its
+ * place is rounded by some 2^-17 cells, and passes at most some 200 edges of cells and discs on its
+ * way: the chance that one of them is nearer than that is 200 * 2 * 2^-17. */
+#define STRAYED 0.003
 
 /* A hall with its records, and its lights. */
 typedef struct fixture {
@@ -235,6 +241,312 @@ static void add_alike(void **state)
 	tear_down(&f);
 }
 
+/* -------------------------------------------------------------------------------------- rays */
+
+static gw_ray_gather trace_rays(fixture *f, bool host, uint32_t threads)
+{
+	gw_solver *s = &f->solver;
+	gw_error error = { 0 };
+	gw_ray_gather rays;
+	s->gpu->may_map = host;
+	s->passes.threads = threads;
+	assert_ok(gw_ray_gather_trace(&s->passes, &s->octree, &s->records, 64, 7, &rays, &error),
+			  &error);
+	s->gpu->may_map = true;
+	return rays;
+}
+
+/* Rays whose hits differ, by lobe or by a hundredth of a cell, or that one has seen a back. */
+static size_t count_strayed(fixture *f, const gw_ray_gather *a, const gw_ray_gather *b)
+{
+	size_t count = 64 * (size_t)f->solver.records.count, strayed = 0, hits = 0;
+	uint32_t *lobe[2] = { (uint32_t *)contents(f, &a->lobe), (uint32_t *)contents(f, &b->lobe) };
+	float *distance[2] = { contents(f, &a->distance), contents(f, &b->distance) };
+	for (size_t i = 0; i < count; i++) {
+		hits += lobe[0][i] != GW_NONE;
+		strayed += lobe[0][i] != lobe[1][i] || !(fabsf(distance[0][i] - distance[1][i]) < 0.01f);
+	}
+	assert_true(hits > count / 2 && hits < count); /* the hall is open */
+	for (int k = 0; k < 2; k++) {
+		free(lobe[k]);
+		free(distance[k]);
+	}
+	return strayed;
+}
+
+static void rays_alike(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f);
+	gw_gpu *gpu = f.solver.gpu;
+	gw_ray_gather passes = trace_rays(&f, false, 0);
+	gw_ray_gather host = trace_rays(&f, true, 3), alone = trace_rays(&f, true, 1);
+	size_t strayed = count_strayed(&f, &passes, &host);
+	if ((double)strayed > STRAYED * 64.0 * f.solver.records.count)
+		fail_msg("%zu rays of %u records go another way", strayed, f.solver.records.count);
+	assert_int_equal(count_strayed(&f, &alone, &host), 0);
+	gw_ray_gather_destroy(gpu, &passes);
+	gw_ray_gather_destroy(gpu, &host);
+	gw_ray_gather_destroy(gpu, &alone);
+	tear_down(&f);
+}
+
+/* Rays that are listed are traced as the others are, and no others are. */
+static void listed_rays(void **state)
+{
+	(void)state;
+	fixture f;
+	gw_error error = { 0 };
+	set_up(&f);
+	gw_solver *s = &f.solver;
+	gw_ray_gather all = trace_rays(&f, true, 0), some;
+	uint32_t count = 64 * s->records.count, listed = count / 3;
+	gw_buffer list;
+	assert_ok(gw_ray_gather_create(s->gpu, &s->records, 64, 7, &some, &error), &error);
+	assert_ok(gw_buffer_create(s->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * (listed + 1u),
+							   "list", &list, &error),
+			  &error);
+	uint32_t *number = list.mapped;
+	number[0] = listed;
+	for (uint32_t i = 0; i < listed; i++)
+		number[i + 1] = count - 1 - 3 * i;
+	gw_host_record_again(&s->passes, &s->octree, &s->records, &list, listed, &some);
+	const float *expected = all.distance.mapped, *distance = some.distance.mapped;
+	const uint32_t *expected_lobe = all.lobe.mapped, *lobe = some.lobe.mapped;
+	for (uint32_t i = 0; i < count; i++) {
+		bool in_list = (count - 1 - i) % 3 == 0 && (count - 1 - i) / 3 < listed;
+		assert_true(distance[i] == (in_list ? expected[i] : 0.0f));
+		assert_int_equal(lobe[i], in_list ? expected_lobe[i] : 0);
+	}
+	gw_buffer_destroy(s->gpu, &list);
+	gw_ray_gather_destroy(s->gpu, &all);
+	gw_ray_gather_destroy(s->gpu, &some);
+	tear_down(&f);
+}
+
+/* Fails when light differs by more than rays that go another way can bring; frees both. All of a
+ * source's rays bring the same or less to each place, so that their share is that of the light. */
+static void compare_light(float *a, float *b, size_t count)
+{
+	double off = 0.0, sum = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		off += fabs((double)a[i] - (double)b[i]);
+		sum += (double)b[i];
+	}
+	assert_true(sum > 0.0);
+	if (!(off <= STRAYED * sum))
+		fail_msg("light differs by %.3g of itself", off / sum);
+	free(a);
+	free(b);
+}
+
+/* What records gather of the lamp in the ceiling and of a sky with a map. */
+static float *sampled(fixture *f, const gw_emitters *emitters, const gw_sky_map *map, bool host)
+{
+	gw_solver *s = &f->solver;
+	gw_error error = { 0 };
+	const float black[3] = { 0 };
+	gw_buffer irradiance = random_vectors(f, s->records.count);
+	const gw_sampled_sources sources = { .emitters = emitters,
+										 .samples = 64,
+										 .use_hits = true,
+										 .sky = black,
+										 .map = map,
+										 .map_samples = 64,
+										 .map_hits = true,
+										 .looked = true,
+										 .seed = 5 };
+	s->gpu->may_map = host;
+	assert_ok(gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
+									&irradiance, &error),
+			  &error);
+	s->gpu->may_map = true;
+	float *values = contents(f, &irradiance);
+	gw_buffer_destroy(s->gpu, &irradiance);
+	return values;
+}
+
+static void samples_alike(void **state)
+{
+	(void)state;
+	fixture f;
+	gw_error error = { 0 };
+	set_up(&f);
+	gw_solver *s = &f.solver;
+	float pixel[32 * 16 * 3];
+	for (size_t i = 0; i < 32 * 16 * 3; i++)
+		pixel[i] = (float)scene_random(&f.hall);
+	gw_light light = { .type = GW_LIGHT_ENVIRONMENT,
+					   .radiance = { 1.0f, 1.0f, 1.0f },
+					   .map = pixel,
+					   .map_width = 32,
+					   .map_height = 16 };
+	gw_sky_map map = { 0 }, no_map = { 0 };
+	gw_emitters emitters, none = { .radiance = &s->octree.lobe_emission };
+	assert_ok(gw_sky_map_make(s->gpu, &light, &map, &error), &error);
+	assert_ok(
+		gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, true, &emitters, &error),
+		&error);
+	size_t count = 4 * (size_t)s->records.count;
+	compare_light(sampled(&f, &emitters, &no_map, true), sampled(&f, &emitters, &no_map, false),
+				  count);
+	compare_light(sampled(&f, &none, &map, true), sampled(&f, &none, &map, false), count);
+	map.y_up = 1;
+	compare_light(sampled(&f, &none, &map, true), sampled(&f, &none, &map, false), count);
+	gw_emitters_destroy(s->gpu, &emitters);
+	gw_sky_map_destroy(s->gpu, &map);
+	tear_down(&f);
+}
+
+/* Share of a light that each surfel sees, where lamps have an extent and where they have none. */
+static void shadows_alike(void **state)
+{
+	(void)state;
+	fixture f;
+	gw_error error = { 0 };
+	set_up(&f);
+	gw_solver *s = &f.solver;
+	gw_light light[4] = { f.light, f.light, f.light, { .type = GW_LIGHT_SUN } };
+	light[1].radius = 0.2f;
+	light[2].type = GW_LIGHT_SPOT;
+	light[2].direction[2] = -1.0;
+	light[2].inner_angle = 20.0f;
+	light[2].outer_angle = 50.0f;
+	light[3].direction[1] = 1.0;
+	light[3].direction[2] = -0.4;
+	light[3].angle = 2.0f;
+	light[3].irradiance[0] = 1.0f;
+	for (int i = 0; i < 4; i++) {
+		float *share[2];
+		for (int host = 0; host < 2; host++) {
+			share[host] = calloc(s->surfels.count, sizeof **share);
+			assert_non_null(share[host]);
+			s->gpu->may_map = host;
+			assert_ok(gw_light_share(&s->passes, &s->octree, &s->surfels, &light[i], &s->options,
+									 share[host], &error),
+					  &error);
+			s->gpu->may_map = true;
+		}
+		compare_light(share[1], share[0], s->surfels.count);
+	}
+	tear_down(&f);
+}
+
+/* ----------------------------------------------------------------------------------- lookups */
+
+/* Rows of records and weights, at most `width` of each. */
+typedef struct rows {
+	uint32_t *record;
+	float *weight;
+	size_t count, width;
+} rows;
+
+/* Rows that a ray which went another way has changed; frees both. */
+static size_t count_changed(rows *a, rows *b)
+{
+	size_t changed = 0, used = 0;
+	for (size_t i = 0; i < a->count; i++) {
+		bool same = true;
+		for (size_t k = i * a->width; same && k < (i + 1) * a->width; k++) {
+			same = a->record[k] == b->record[k];
+			if (a->record[k] == GW_NONE)
+				break;
+			same = same && fabsf(a->weight[k] - b->weight[k]) < 1e-4f;
+			used++;
+		}
+		changed += !same;
+	}
+	assert_true(used > a->count / 2);
+	free(a->record);
+	free(a->weight);
+	free(b->record);
+	free(b->weight);
+	return changed;
+}
+
+static rows lobe_rows(fixture *f, const gw_buffer *reach, bool host)
+{
+	gw_solver *s = &f->solver;
+	gw_error error = { 0 };
+	s->gpu->may_map = host;
+	assert_ok(gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, NULL, &error), &error);
+	assert_ok(gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, reach, &error), &error);
+	s->gpu->may_map = true;
+	return (rows){ (uint32_t *)contents(f, &s->records.lobe_record),
+				   contents(f, &s->records.lobe_weight), 2 * (size_t)s->octree.leaf_count,
+				   GW_WEIGHTS };
+}
+
+static rows surfel_rows(fixture *f, const gw_buffer *reach, bool host)
+{
+	gw_solver *s = &f->solver;
+	gw_error error = { 0 };
+	uint64_t first = 100, count = s->surfels.count - first;
+	gw_buffer record, weight;
+	assert_ok(gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+							   4 * GW_SURFEL_WEIGHTS * count, "records", &record, &error),
+			  &error);
+	assert_ok(gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+							   4 * GW_SURFEL_WEIGHTS * count, "weights", &weight, &error),
+			  &error);
+	s->gpu->may_map = host;
+	assert_ok(gw_records_weigh_surfels(&s->passes, &s->octree, &s->records, reach, first, count,
+									   &record, &weight, &error),
+			  &error);
+	s->gpu->may_map = true;
+	rows found = { (uint32_t *)contents(f, &record), contents(f, &weight), (size_t)count,
+				   GW_SURFEL_WEIGHTS };
+	gw_buffer_destroy(s->gpu, &record);
+	gw_buffer_destroy(s->gpu, &weight);
+	return found;
+}
+
+/* Every third place looks as far as all records reach, every third less far, the others not at all.
+ */
+static gw_buffer uneven_reach(fixture *f, size_t count)
+{
+	gw_error error = { 0 };
+	gw_buffer reach;
+	float *value = calloc(count, sizeof *value);
+	assert_non_null(value);
+	for (size_t i = 0; i < count; i++)
+		value[i] = 0.5f * (float)(i % 3) * f->solver.records.radius;
+	assert_ok(gw_buffer_create(f->solver.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
+							   "reach", &reach, &error),
+			  &error);
+	assert_ok(gw_buffer_upload(f->solver.gpu, &reach, 0, value, 4 * count, &error), &error);
+	free(value);
+	return reach;
+}
+
+/* A row asks for at most some ten rays, short ones, and a rounding may decide whether one is. */
+static void lookups_alike(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f);
+	gw_solver *s = &f.solver;
+	gw_buffer lobes = uneven_reach(&f, 2 * (size_t)s->octree.leaf_count);
+	gw_buffer surfels = uneven_reach(&f, s->surfels.count);
+	const struct {
+		rows (*find)(fixture *f, const gw_buffer *reach, bool host);
+		const gw_buffer *reach;
+	} way[] = {
+		{ lobe_rows, NULL }, { lobe_rows, &lobes }, { surfel_rows, NULL }, { surfel_rows, &surfels }
+	};
+	for (size_t i = 0; i < sizeof way / sizeof *way; i++) {
+		rows host = way[i].find(&f, way[i].reach, true);
+		rows passes = way[i].find(&f, way[i].reach, false);
+		size_t changed = count_changed(&host, &passes);
+		if ((double)changed > 10.0 * STRAYED * (double)host.count)
+			fail_msg("way %zu: %zu of %zu rows differ", i, changed, host.count);
+	}
+	gw_buffer_destroy(s->gpu, &lobes);
+	gw_buffer_destroy(s->gpu, &surfels);
+	tear_down(&f);
+}
+
 /* ------------------------------------------------------------------------------------ wholes */
 
 /* All bounces, with as many threads; the caller frees what is returned. */
@@ -307,7 +619,10 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(shade_alike),   cmocka_unit_test(gather_alike),
 		cmocka_unit_test(average_alike), cmocka_unit_test(add_alike),
-		cmocka_unit_test(bounce_alike),  cmocka_unit_test(views),
+		cmocka_unit_test(rays_alike),    cmocka_unit_test(listed_rays),
+		cmocka_unit_test(samples_alike), cmocka_unit_test(shadows_alike),
+		cmocka_unit_test(lookups_alike), cmocka_unit_test(bounce_alike),
+		cmocka_unit_test(views),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

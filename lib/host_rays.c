@@ -1,0 +1,359 @@
+/*
+ * host_rays.c - see host_rays.h; what is done, and why, the shaders say.
+ */
+#include "host_rays.h"
+
+#include "host_loop.h"
+#include "host_trace.h"
+#include "transport_layout.h"
+
+#define CHUNK_RAYS 4096u /* that a thread follows at a time */
+#define FAR 1e9f         /* leaf cells */
+
+/* --------------------------------------------------------------------------------- gather rays */
+
+typedef struct gathering {
+	gw_tracer tracer;
+	const float *position, *normal;
+	const uint32_t *list; /* NULL: all rays */
+	uint32_t rays, seed;
+	uint32_t *lobe;
+	float *distance;
+} gathering;
+
+static void follow(const gathering *job, uint32_t number)
+{
+	size_t record = number / job->rays;
+	gw_ray ray = { .origin = gw_xyz(job->position + 4 * record),
+				   .facing = gw_xyz(job->normal + 4 * record),
+				   .t_max = FAR,
+				   .discs = true };
+	ray.foot = ray.origin;
+	ray.direction = gw_record_ray(ray.origin, ray.facing, number % job->rays, job->rays, job->seed);
+	gw_ray_hit hit = gw_trace(&job->tracer, &ray);
+	job->lobe[number] = hit.lobe;
+	job->distance[number] = hit.behind ? -hit.t : hit.t;
+}
+
+static void follow_all(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const gathering *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		follow(job, job->list ? job->list[i] : (uint32_t)i);
+}
+
+static gathering gathering_of(const gw_passes *passes, const gw_octree *octree,
+							  const gw_records *records, gw_ray_gather *gather)
+{
+	return (gathering){ .tracer = gw_tracer_of(passes, octree),
+						.position = records->position.mapped,
+						.normal = records->normal.mapped,
+						.rays = gather->rays,
+						.seed = gather->seed,
+						.lobe = gather->lobe.mapped,
+						.distance = gather->distance.mapped };
+}
+
+void gw_host_record_rays(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						 gw_ray_gather *gather)
+{
+	gathering job = gathering_of(passes, octree, records, gather);
+	size_t count = (size_t)gather->rays * records->count;
+	gw_host_loop(passes, GW_PASS_RECORD_RAYS, count, CHUNK_RAYS, follow_all, &job);
+}
+
+void gw_host_record_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						  const gw_buffer *list, uint32_t count, gw_ray_gather *gather)
+{
+	gathering job = gathering_of(passes, octree, records, gather);
+	job.list = (const uint32_t *)list->mapped + 1;
+	gw_host_loop(passes, GW_PASS_RECORD_AGAIN, count, CHUNK_RAYS, follow_all, &job);
+}
+
+/* ------------------------------------------------------------------------------------- samples */
+
+typedef struct sampling {
+	gw_tracer tracer;
+	gw_record_push push;
+	const float *position, *normal;
+	const uint32_t *table; /* alias table of the emitters, or of the map */
+	const float *radiance; /* of lobes, or of texels */
+	const float *part;     /* of the lobes' radiance: what is gathered */
+	float *sampled;
+} sampling;
+
+/* One sample: its light, from the record at the ray's origin. */
+typedef gw_vec3 sample(const sampling *job, gw_ray *ray, uint32_t m, uint32_t random);
+
+/* The sum of the samples of a record, batch by batch as passes make it. */
+static void sample_record(const sampling *job, size_t record, sample *take, uint32_t samples,
+						  uint32_t seed)
+{
+	gw_ray ray = { .origin = gw_xyz(job->position + 4 * record),
+				   .facing = gw_xyz(job->normal + 4 * record) };
+	ray.foot = ray.origin;
+	uint32_t own = gw_mix2(gw_mix_place(ray.origin), seed);
+	float *total = job->sampled + 4 * record;
+	gw_vec3 sum = { 0 };
+	for (uint32_t m = 0; m < samples; m++)
+		sum = gw_plus(sum, take(job, &ray, m, gw_mix2(own, m)));
+	total[0] += sum.x / (float)samples;
+	total[1] += sum.y / (float)samples;
+	total[2] += sum.z / (float)samples;
+}
+
+/* The lobe that sample m stands for. */
+static uint32_t choose_emitter(const sampling *job, uint32_t m, uint32_t random)
+{
+	const gw_record_push *push = &job->push;
+	float choice =
+		((float)m + gw_unit_float(random)) / (float)push->light_samples * (float)push->emitters;
+	uint32_t entry = (uint32_t)choice;
+	entry = entry < push->emitters - 1 ? entry : push->emitters - 1;
+	const uint32_t *row = job->table + 4 * (size_t)entry;
+	if (choice - (float)entry >= gw_float_of(row[2]))
+		row = job->table + 4 * (size_t)row[1];
+	return row[0];
+}
+
+static gw_vec3 sample_emitter(const sampling *job, gw_ray *ray, uint32_t m, uint32_t random)
+{
+	const gw_record_push *push = &job->push;
+	const gw_vec3 none = { 0 };
+	size_t lobe = choose_emitter(job, m, random);
+	const float *centre = job->tracer.lobe_centre + 4 * lobe;
+	gw_vec3 plane = gw_xyz(job->tracer.lobe_plane + 4 * lobe), t, b;
+	gw_frame_of(plane, &t, &b);
+	float radius = sqrtf(gw_unit_float(gw_mix2(random, 1)) * centre[3] / GW_PI);
+	float turn = 2.0f * GW_PI * gw_unit_float(gw_mix2(random, 2));
+	gw_vec3 to = gw_along(t, radius * cosf(turn), b, radius * sinf(turn),
+						  gw_minus(gw_xyz(centre), ray->origin), 1.0f);
+	float squared = gw_dot(to, to);
+	ray->direction = gw_times(to, 1.0f / sqrtf(gw_larger(squared, 1e-12f)));
+	float cosine = gw_dot(ray->facing, ray->direction);
+	float cosine_emitter = -gw_dot(plane, ray->direction);
+	if (cosine <= 0.0f || cosine_emitter <= 1e-4f || squared < 1e-8f)
+		return none;
+	/* The emitter's own plane, or one within a cell of the point, does not shadow it. */
+	ray->t_max = sqrtf(squared) - 1.0f;
+	uint32_t seen = gw_trace(&job->tracer, ray).lobe;
+	if (seen != GW_NONE && seen != lobe)
+		return none;
+	float density = gw_luminance_of(gw_xyz(job->radiance + 4 * lobe)) / push->emitter_power *
+					squared / cosine_emitter;
+	float by_samples = (float)push->light_samples * density;
+	float by_rays = push->use_hits ? (float)push->rays * cosine / GW_PI : 0.0f;
+	return gw_times(gw_xyz(job->part + 4 * lobe),
+					cosine / density * (by_samples / (by_samples + by_rays)));
+}
+
+static void sample_emitters(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sampling *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		sample_record(job, i, sample_emitter, job->push.light_samples,
+					  job->push.seed ^ 0x68bc21ebu);
+}
+
+static size_t chunk_of(uint32_t samples)
+{
+	return CHUNK_RAYS / samples + 1;
+}
+
+void gw_host_record_emitters(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_sampled_sources *sources, const gw_record_push *push,
+							 gw_buffer *sampled)
+{
+	const gw_emitters *emitters = sources->emitters;
+	if (push->light_samples == 0)
+		return;
+	sampling job = { .tracer = gw_tracer_of(passes, octree),
+					 .push = *push,
+					 .position = records->position.mapped,
+					 .normal = records->normal.mapped,
+					 .table = emitters->table.mapped,
+					 .radiance = emitters->radiance->mapped,
+					 .part = (sources->part ? sources->part : emitters->radiance)->mapped,
+					 .sampled = sampled->mapped };
+	gw_host_loop(passes, GW_PASS_RECORD_EMITTERS, records->count, chunk_of(push->light_samples),
+				 sample_emitters, &job);
+}
+
+/* A direction in a texel of the map: sky_map.glsl. */
+static gw_vec3 sky_direction(const gw_record_push *push, uint32_t texel, float a, float b)
+{
+	uint32_t row = texel / push->sky_width;
+	float u = ((float)(texel % push->sky_width) + a) / (float)push->sky_width;
+	float above = cosf(GW_PI * (float)row / (float)push->sky_height);
+	float below = cosf(GW_PI * (float)(row + 1) / (float)push->sky_height);
+	float height = above * (1.0f - b) + below * b;
+	float azimuth = 2.0f * GW_PI * (u - 0.5f + push->sky_turn);
+	float level = sqrtf(gw_larger(0.0f, 1.0f - height * height));
+	float east = level * sinf(azimuth), north = level * cosf(azimuth);
+	return push->sky_y_up ? (gw_vec3){ east, height, -north } : (gw_vec3){ east, north, height };
+}
+
+static gw_vec3 sample_sky(const sampling *job, gw_ray *ray, uint32_t m, uint32_t random)
+{
+	const gw_record_push *push = &job->push;
+	uint32_t texels = push->sky_width * push->sky_height;
+	float choice = ((float)m + gw_unit_float(random)) / (float)push->sky_samples;
+	uint32_t texel = (uint32_t)(choice * (float)texels);
+	texel = texel < texels - 1 ? texel : texels - 1;
+	const uint32_t *row = job->table + 2 * (size_t)texel;
+	if (gw_unit_float(gw_mix2(random, 3)) >= gw_float_of(row[1]))
+		texel = row[0];
+	ray->direction = sky_direction(push, texel, gw_unit_float(gw_mix2(random, 1)),
+								   gw_unit_float(gw_mix2(random, 2)));
+	float cosine = gw_dot(ray->facing, ray->direction);
+	if (cosine <= 0.0f)
+		return (gw_vec3){ 0 };
+	ray->t_max = FAR;
+	ray->discs = true;
+	if (gw_trace(&job->tracer, ray).lobe != GW_NONE)
+		return (gw_vec3){ 0 };
+	gw_vec3 radiance = gw_xyz(job->radiance + 4 * (size_t)texel);
+	float density = gw_luminance_of(radiance) / push->sky_total;
+	float by_samples = (float)push->sky_samples * density;
+	float by_rays = push->sky_hits ? (float)push->rays * cosine / GW_PI : 0.0f;
+	return gw_times(radiance,
+					cosine / gw_larger(density, 1e-30f) * (by_samples / (by_samples + by_rays)));
+}
+
+static void sample_skies(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sampling *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		sample_record(job, i, sample_sky, job->push.sky_samples, job->push.seed ^ 0x5851f42du);
+}
+
+void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						const gw_sky_map *map, const gw_record_push *push, gw_buffer *sampled)
+{
+	if (push->sky_samples == 0)
+		return;
+	sampling job = { .tracer = gw_tracer_of(passes, octree),
+					 .push = *push,
+					 .position = records->position.mapped,
+					 .normal = records->normal.mapped,
+					 .table = map->alias.mapped,
+					 .radiance = map->texel.mapped,
+					 .sampled = sampled->mapped };
+	gw_host_loop(passes, GW_PASS_RECORD_SKY, records->count, chunk_of(push->sky_samples),
+				 sample_skies, &job);
+}
+
+/* ------------------------------------------------------------------------------- shadow rays */
+
+typedef struct shadows {
+	gw_tracer tracer;
+	gw_light_push push;
+	const float *normal;
+	float *visibility;
+} shadows;
+
+/* Whether a light shines on a place, where it is from there, and how far: light.glsl. */
+static bool shines(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
+{
+	if (push->type == GW_PUSH_SUN) {
+		*towards = (gw_vec3){ -push->direction.x, -push->direction.y, -push->direction.z };
+		*distance = FAR;
+		return true;
+	}
+	const gw_vec3 axis = { push->direction.x, push->direction.y, push->direction.z };
+	gw_vec3 to = gw_minus((gw_vec3){ push->position.x, push->position.y, push->position.z }, g);
+	float squared = gw_dot(to, to);
+	/* Nearer than the light's own radius, or on the light itself, the distance stops falling. */
+	*distance = sqrtf(gw_larger(squared, gw_larger(push->position.w * push->position.w, 1e-12f)));
+	*towards = gw_times(to, squared > 0.0f ? 1.0f / sqrtf(squared) : 0.0f);
+	float cosine = -gw_dot(*towards, axis);
+	return push->type != GW_PUSH_SPOT ||
+		   (push->cos_inner > push->cos_outer ? cosine > push->cos_outer
+											  : cosine >= push->cos_outer);
+}
+
+/* Do most of the discs in the lobe's leaf that end there do so at a crease? */
+static bool ends_at_crease(const gw_tracer *tracer, uint32_t lobe)
+{
+	int votes = 0;
+	uint32_t last = tracer->leaf_fragment[(lobe >> 1) + 1];
+	for (uint32_t f = tracer->leaf_fragment[lobe >> 1]; f < last; f++) {
+		size_t surfel = tracer->fragment_surfel[f] & 0x3fffffffu;
+		const float *disc = tracer->disc + 4 * surfel;
+		if (disc[2] != 0.0f || disc[3] != 0.0f)
+			votes += tracer->facing[4 * surfel + 3] < -0.5f ? 1 : -1;
+	}
+	return votes > 0;
+}
+
+#define RIM 5u /* rays to the rim of a light: as light_visibility.comp */
+
+/* Aims the s-th ray at a place of the disc that the light shows; `towards` is its middle. */
+static void aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards, float distance,
+				gw_ray *ray)
+{
+	float p[2] = { 0 };
+	gw_vec3 t, b;
+	bool sun = push->type == GW_PUSH_SUN;
+	float radius = sun ? push->direction.w : push->position.w;
+	gw_frame_of(towards, &t, &b);
+	if (push->samples > 1)
+		gw_spiral_disc(s, push->samples, 0.5f, turn, p);
+	gw_vec3 to = gw_along(t, p[0] * radius, b, p[1] * radius, towards, sun ? 1.0f : distance);
+	ray->direction = gw_unit(to);
+	ray->t_max = sun ? FAR : sqrtf(gw_dot(to, to));
+}
+
+static float share_seen(const shadows *job, size_t surfel)
+{
+	const gw_light_push *push = &job->push;
+	const float *own = job->normal + 4 * surfel;
+	float distance, seen = 0.0f, hidden = 0.0f;
+	gw_vec3 towards, facing = gw_xyz(job->tracer.facing + 4 * surfel), normal = gw_xyz(own);
+	gw_ray ray = { .origin = gw_xyz(job->tracer.place + 4 * surfel),
+				   .both_sides = true,
+				   .discs = true };
+	if (!shines(push, ray.origin, &towards, &distance))
+		return 0.0f;
+	float cosine = gw_dot(normal, towards);
+	if (!((own[3] > 0.5f ? fabsf(cosine) : cosine) > 0.0f))
+		return 0.0f;
+	/* The ray leaves the surface behind the noise; the normal is the point's own. */
+	ray.facing = cosine < 0.0f ? gw_times(facing, -1.0f) : facing;
+	ray.foot = ray.origin;
+	float turn = gw_unit_float(gw_mix2((uint32_t)surfel, push->seed));
+	uint32_t rays = push->samples;
+	for (uint32_t s = 0; s < rays; s++) {
+		aim(push, push->samples - 1 - s, turn, towards, distance, &ray);
+		uint32_t lobe = gw_trace(&job->tracer, &ray).lobe;
+		if (lobe == GW_NONE)
+			seen += 1.0f;
+		else if (ends_at_crease(&job->tracer, lobe))
+			hidden = GW_HIDDEN_BY_CREASE;
+		if (s + 1 == RIM && (seen == 0.0f || seen == (float)RIM))
+			rays = RIM;
+	}
+	return seen / (float)rays + hidden;
+}
+
+static void look_at_light(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const shadows *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		job->visibility[i] = share_seen(job, i);
+}
+
+void gw_host_light_visibility(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
+							  const gw_buffer *normal, size_t count, gw_buffer *visibility)
+{
+	shadows job = { .tracer = gw_tracer_of(passes, octree),
+					.push = *push,
+					.normal = normal->mapped,
+					.visibility = visibility->mapped };
+	gw_host_loop(passes, GW_PASS_LIGHT_VISIBILITY, count, chunk_of(push->samples), look_at_light,
+				 &job);
+}

@@ -1,0 +1,39 @@
+/*
+ * host_rays.h - the passes that trace rays, as loops of the host.
+ *
+ * As host_products.h: each does what the pass of a shader does, on the same buffers, but for
+ * roundings, on devices that are the host's own processor. A rounding may also turn a ray that
+ * grazes an edge from one lobe to its neighbour.
+ */
+#ifndef HOST_RAYS_H
+#define HOST_RAYS_H
+
+#include "gather_rays.h"
+#include "transport_layout.h"
+
+/* record_rays.comp: gather->lobe and gather->distance, of all rays of all records. */
+void gw_host_record_rays(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						 gw_ray_gather *gather);
+
+/* record_again.comp: the same of `count` rays alone.
+ *   list   R32_UINT, their number and then these */
+void gw_host_record_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						  const gw_buffer *list, uint32_t count, gw_ray_gather *gather);
+
+/* record_emitters.comp, and record_sky.comp where there are no openings: all samples of a record at
+ * once.
+ *   push      what the passes get, but for batches
+ *   sampled   vec4 a record: receives what the emitters bring, and what the map adds */
+void gw_host_record_emitters(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_sampled_sources *sources, const gw_record_push *push,
+							 gw_buffer *sampled);
+void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						const gw_sky_map *map, const gw_record_push *push, gw_buffer *sampled);
+
+/* light_visibility.comp, of `count` surfels.
+ *   normal       vec4 a surfel: what octree->surfel_normal holds, for lamps
+ *   visibility   receives a float a surfel */
+void gw_host_light_visibility(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
+							  const gw_buffer *normal, size_t count, gw_buffer *visibility);
+
+#endif

@@ -1,0 +1,244 @@
+/*
+ * host_trace.c - see host_trace.h. What is done, and why, octree_trace.glsl and octree_discs.glsl
+ * say; constants are theirs.
+ */
+#include "host_trace.h"
+
+#include "transport_layout.h"
+
+#define WALK_STEPS 4096u
+
+#define NEAR 2.0f        /* leaf cells */
+#define NEAR_HEIGHT 0.1f /* leaf cells */
+#define LIKE_LEAST 0.1f
+
+#define DISC_SLACK 0.02f /* leaf cells */
+#define DISC_FRAGMENTS 256u
+#define COVER_LEAST 0.2f
+#define SHARE_LEAST 0.05f
+
+gw_tracer gw_tracer_of(const gw_passes *passes, const gw_octree *octree)
+{
+	float side = exp2f((float)octree->depth);
+	return (gw_tracer){ .depth = octree->depth,
+						.directory_level = octree->directory_level,
+						.slack = gw_float_of(passes->constant[2]),
+						.side = side,
+						.nudge = 1e-5f + side * 4e-7f,
+						.ray_directory = octree->ray_directory.mapped,
+						.node = octree->node.mapped,
+						.leaf_tile = octree->leaf_tile.mapped,
+						.leaf_fragment = octree->leaf_fragment.mapped,
+						.fragment_surfel = octree->fragment_surfel.mapped,
+						.lobe_plane = octree->lobe_plane.mapped,
+						.lobe_centre = octree->lobe_centre.mapped,
+						.place = octree->surfel_position.mapped,
+						.facing = octree->surfel_normal.mapped,
+						.disc = octree->surfel_disc.mapped,
+						.clip = octree->surfel_clip.mapped };
+}
+
+typedef float float_lanes __attribute__((vector_size(16)));
+typedef int32_t int_lanes __attribute__((vector_size(16)));
+
+/* --------------------------------------------------------------------------------------- discs */
+
+/* Share of a disc that a cut leaves. */
+static float share_left(float x, float y, float distance)
+{
+	if (!(x * x + y * y > 0.0f))
+		return 1.0f;
+	float u = gw_smaller(gw_larger(distance, -1.0f), 1.0f);
+	return 1.0f - (acosf(u) - u * sqrtf(1.0f - u * u)) / GW_PI;
+}
+
+static float disc_density(const float *size, const float *clip)
+{
+	float left = share_left(size[2], size[3], clip[0] / size[0]) +
+				 share_left(clip[1], clip[2], clip[3] / size[0]) - 1.0f;
+	return size[1] / (GW_PI * size[0] * size[0] * gw_larger(left, SHARE_LEAST));
+}
+
+/* What a disc says about a place: its vote, and how much it adds to the cover; 0 where it does not
+ * reach. */
+static int disc_vote(const gw_tracer *tracer, size_t surfel, gw_vec3 at, float *cover)
+{
+	const float *size = tracer->disc + 4 * surfel, *clip = tracer->clip + 4 * surfel;
+	gw_vec3 off = gw_minus(at, gw_xyz(tracer->place + 4 * surfel));
+	gw_vec3 normal = gw_xyz(tracer->facing + 4 * surfel), t, b;
+	off = gw_minus(off, gw_times(normal, gw_dot(normal, off)));
+	float radius = size[0] + DISC_SLACK;
+	if (gw_dot(off, off) > radius * radius)
+		return 0;
+	gw_frame_of(normal, &t, &b);
+	float x = gw_dot(t, off), y = gw_dot(b, off);
+	if (gw_larger(size[2] * x + size[3] * y - clip[0], clip[1] * x + clip[2] * y - clip[3]) >
+		DISC_SLACK)
+		return -1;
+	*cover += disc_density(size, clip);
+	return 2;
+}
+
+static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
+{
+	uint32_t first = tracer->leaf_fragment[slot >> 1],
+			 last = tracer->leaf_fragment[(slot >> 1) + 1];
+	if (last - first > DISC_FRAGMENTS)
+		return true;
+	int votes = 0;
+	float cover = 0.0f;
+	for (uint32_t f = first; f < last; f++) {
+		uint32_t word = tracer->fragment_surfel[f];
+		if (word >> 31 == 0 && (word >> 30 & 1) == (slot & 1))
+			votes += disc_vote(tracer, word & 0x3fffffffu, at, &cover);
+	}
+	return votes > 0 && cover > COVER_LEAST;
+}
+
+/* -------------------------------------------------------------------------------------- planes */
+
+/* Does the ray meet a lobe's plane within its cell, nearer than what it has hit? */
+static bool hit_plane(const gw_tracer *tracer, const gw_ray *ray, uint32_t slot, bool filled,
+					  gw_vec3 centre, gw_ray_hit *hit)
+{
+	const float *plane = tracer->lobe_plane + 4 * (size_t)slot;
+	gw_vec3 n = gw_xyz(plane);
+	float approach = gw_dot(n, ray->direction);
+	if (fabsf(approach) < 1e-6f)
+		return false;
+	gw_vec3 from = gw_minus(ray->origin, centre);
+	float distance = (plane[3] - gw_dot(n, from)) / approach;
+	if (distance < 0.0f || distance >= hit->t)
+		return false;
+	gw_vec3 at = gw_plus(ray->origin, gw_times(ray->direction, distance));
+	gw_vec3 off = gw_minus(at, centre);
+	if (gw_larger(fabsf(off.x), gw_larger(fabsf(off.y), fabsf(off.z))) > 0.5f + tracer->slack)
+		return false;
+	if (distance < NEAR) {
+		gw_vec3 middle = gw_xyz(tracer->lobe_centre + 4 * (size_t)slot);
+		float height = gw_dot(ray->facing, middle) - gw_dot(ray->facing, ray->foot);
+		if (approach > 0.0f ||
+			height < NEAR_HEIGHT * gw_larger(gw_dot(n, ray->facing), LIKE_LEAST))
+			return false;
+	}
+	if (approach > 0.0f) {
+		hit->behind = true;
+		if (!ray->both_sides)
+			return false;
+	}
+	if (ray->discs && !filled && !is_covered(tracer, slot, at))
+		return false;
+	hit->t = distance;
+	hit->lobe = slot;
+	return true;
+}
+
+/* The lobes of a leaf that has some. */
+static void hit_leaf(const gw_tracer *tracer, const gw_ray *ray, const uint32_t *tile,
+					 uint32_t octant, int_lanes cell, gw_ray_hit *hit)
+{
+	uint32_t leaf = tile[0] + (uint32_t)__builtin_popcount(tile[1] & ((1u << octant) - 1));
+	gw_vec3 centre = { (float)cell[0] + 0.5f, (float)cell[1] + 0.5f, (float)cell[2] + 0.5f };
+	bool filled = tile[1] >> (24 + octant) & 1;
+	hit_plane(tracer, ray, 2 * leaf, filled, centre, hit);
+	if (tile[1] >> (16 + octant) & 1)
+		hit_plane(tracer, ray, 2 * leaf + 1, filled, centre, hit);
+}
+
+/* ------------------------------------------------------------------------------------- walking */
+
+/* What stays the same on a ray's way; the fourth lanes are 0. */
+typedef struct walk {
+	float_lanes origin, direction, inverse;
+	float_lanes ahead; /* 1 where the ray goes up, -1 where it goes down */
+	float_lanes far;   /* 1 where it goes up, else 0: the side on which it leaves a cell */
+	int_lanes last;    /* of the octree's cells */
+} walk;
+
+static float_lanes lanes_of(gw_vec3 v)
+{
+	return (float_lanes){ v.x, v.y, v.z, 0.0f };
+}
+
+static float smallest(float_lanes v)
+{
+	return gw_smaller(v[0], gw_smaller(v[1], v[2]));
+}
+
+static float inverse_of(float d)
+{
+	return 1.0f / (fabsf(d) >= 1e-20f ? d : d >= 0.0f ? 1e-20f : -1e-20f);
+}
+
+static walk walk_of(const gw_tracer *tracer, const gw_ray *ray)
+{
+	gw_vec3 d = ray->direction;
+	int32_t last = (int32_t)(1u << tracer->depth) - 1;
+	walk w = { .origin = lanes_of(ray->origin),
+			   .direction = lanes_of(d),
+			   .inverse = { inverse_of(d.x), inverse_of(d.y), inverse_of(d.z), 0.0f },
+			   .ahead = { d.x >= 0.0f ? 1.0f : -1.0f, d.y >= 0.0f ? 1.0f : -1.0f,
+						  d.z >= 0.0f ? 1.0f : -1.0f, 0.0f },
+			   .last = { last, last, last, 0 } };
+	w.far = 0.5f * (w.ahead * w.ahead + w.ahead);
+	return w;
+}
+
+/* The cell at a distance, inside the octree. */
+static inline int_lanes cell_at(const walk *w, float t)
+{
+	int_lanes cell = __builtin_convertvector(w->origin + w->direction * t, int_lanes);
+	int_lanes above = cell > w->last, below = cell < 0;
+	return (cell & ~above & ~below) | (w->last & above);
+}
+
+/* Distance to where the ray leaves a cell of a level, with `reach` more around it. */
+static inline float leaving(const walk *w, int_lanes cell, uint32_t shift, uint32_t reach)
+{
+	float_lanes corner = __builtin_convertvector(cell >> (int32_t)shift, float_lanes) + w->far +
+						 w->ahead * (float)reach;
+	return smallest((corner * (float)(1u << shift) - w->origin) * w->inverse);
+}
+
+static inline uint32_t octant_of(int_lanes cell, uint32_t shift)
+{
+	int_lanes bit = cell >> (int32_t)shift & 1;
+	return (uint32_t)(bit[0] | bit[1] << 1 | bit[2] << 2);
+}
+
+/* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
+ * that, unless it is hit. */
+static inline float look_around(const gw_tracer *tracer, const gw_ray *ray, const walk *w,
+								int_lanes cell, gw_ray_hit *hit)
+{
+	uint32_t level = tracer->directory_level, shift = tracer->depth - level;
+	int_lanes c = cell >> (int32_t)shift;
+	uint32_t entry = tracer->ray_directory[(uint32_t)c[0] + ((uint32_t)c[1] << level) +
+										   ((uint32_t)c[2] << 2 * level)];
+	if (entry >> 31 == 0)
+		return leaving(w, cell, shift, entry > 1 ? entry - 1 : 0);
+	uint32_t pointer = (entry & 0x7fffffffu) + 1;
+	for (; shift > 1 && pointer != 0; shift--)
+		pointer = tracer->node[8 * (size_t)(pointer - 1) + octant_of(cell, shift - 1)];
+	if (pointer == 0)
+		return leaving(w, cell, shift, 0);
+	const uint32_t *tile = tracer->leaf_tile + 2 * (size_t)(pointer - 1);
+	uint32_t octant = octant_of(cell, 0);
+	if (tile[1] >> (8 + octant) & 1)
+		hit_leaf(tracer, ray, tile, octant, cell, hit);
+	return leaving(w, cell, 0, 0);
+}
+
+gw_ray_hit gw_trace(const gw_tracer *tracer, const gw_ray *ray)
+{
+	gw_ray_hit hit = { .lobe = GW_NONE, .t = ray->t_max };
+	const walk w = walk_of(tracer, ray);
+	float_lanes side = { tracer->side, tracer->side, tracer->side };
+	float_lanes enter = (side * (1.0f - w.far) - w.origin) * w.inverse;
+	float t_end = gw_smaller(ray->t_max, smallest((side * w.far - w.origin) * w.inverse));
+	float t = gw_larger(0.0f, gw_larger(enter[0], gw_larger(enter[1], enter[2])));
+	for (uint32_t step = 0; step < WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++)
+		t = gw_larger(look_around(tracer, ray, &w, cell_at(&w, t + tracer->nudge), &hit),
+					  t + tracer->nudge);
+	return hit;
+}
