@@ -73,7 +73,13 @@ static gw_status load_transport(bake *b, gw_error *error)
 
 static gw_status save_transport(bake *b, gw_error *error)
 {
-	return gw_transport_save(&b->solver, b->points, b->solver.options.transport, error);
+	/* Whatever shone this time, a sky may the next time. */
+	gw_status status = b->solver.options.method == GW_METHOD_RAYS
+						   ? gw_solver_open_to_sky(&b->solver, error)
+						   : GW_OK;
+	return status == GW_OK
+			   ? gw_transport_save(&b->solver, b->points, b->solver.options.transport, error)
+			   : status;
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)

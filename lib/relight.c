@@ -92,24 +92,14 @@ static void report_openings(gw_report *report, const gw_openings *openings)
 						 percent > 0.0 ? ", through no narrow opening" : "");
 }
 
-/* Sees to it that narrow openings are sampled where a sky shines through them. */
 static gw_status open_to_sky(gw_relight *relight, gw_error *error)
 {
-	gw_solver *s = relight->solver;
-	gw_status status = GW_OK;
 	if (!relight->plan.sky)
 		return GW_OK;
-	if (!s->openings.looked)
-		status =
-			gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings, error);
-	if (status == GW_OK && s->further.count > 0)
-		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
-											&s->rays, &s->further_rays, error);
+	gw_status status = gw_solver_open_to_sky(relight->solver, error);
 	if (status == GW_OK)
-		report_openings(s->report, &s->openings);
-	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->openings,
-												&s->rays, error)
-						   : status;
+		report_openings(relight->solver->report, &relight->solver->openings);
+	return status;
 }
 
 static gw_status first_by_rays(gw_relight *relight, gw_error *error)

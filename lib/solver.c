@@ -302,6 +302,20 @@ gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *dens
 	return status == GW_OK ? weigh_again(solver, density, error) : status;
 }
 
+gw_status gw_solver_open_to_sky(gw_solver *s, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (!s->openings.looked)
+		status = gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings,
+								  error);
+	if (status == GW_OK && s->further.count > 0)
+		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
+											&s->rays, &s->further_rays, error);
+	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->openings,
+												&s->rays, error)
+						   : status;
+}
+
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
 {
 	gw_report_surfels(solver->report, &solver->surfels);

@@ -92,6 +92,9 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
 gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *density,
 								gw_error *error);
 
+/* Sees to it that narrow openings to the sky are known and sampled from all records. */
+gw_status gw_solver_open_to_sky(gw_solver *solver, gw_error *error);
+
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
 gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
 
