@@ -245,7 +245,8 @@ static gw_status comment_error(maker *m)
 		"glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points; edges of "
 		"shadows alone %s",
 		rms, spread, r->error.points, shadows);
-	return status == GW_OK && r->error.points ? comment(m, text) : status;
+	bool known = r->error.points > 0 || r->error.shadows > 0.0;
+	return status == GW_OK && known ? comment(m, text) : status;
 }
 
 static gw_status make_comments(maker *m)

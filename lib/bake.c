@@ -194,7 +194,7 @@ static bool needs_places(const bake *b)
 
 static bool needs_estimate(const bake *b)
 {
-	return b->light.plan.records && b->solver.options.estimate_points > 0;
+	return (b->light.plan.records || b->light.plan.lamps) && b->solver.options.estimate_points > 0;
 }
 
 static bool needs_lamps(const bake *b)

@@ -279,7 +279,8 @@ typedef struct gw_bounce {
 /* How wrong a bake's radiance is, estimated by solving some points again (error_estimate.h).
  * Relative to the mean radiance of the points that do not emit. */
 typedef struct gw_error_estimate {
-	uint32_t points;     /* solved again; 0 when no estimate was made */
+	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
+							and only their shadows are looked at */
 	double relative_rms; /* root mean square error: of gathered light and of shadows */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that: 2.3 % +- 0.3 % */

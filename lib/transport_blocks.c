@@ -43,6 +43,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.ray_seed = solver->rays.seed;
 	n.entries = solver->read_back.first[s->count];
 	n.light_samples = solver->sampled.handle ? solver->options.light_samples : 0;
+<<<<<<< HEAD
 	n.probes = solver->probes.count;
 	n.probe_points = solver->probes.points;
 	n.probe_seed = solver->probes.seed;
@@ -52,6 +53,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.escaped = solver->openings.escaped;
 	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
 	n.probes_opened = solver->probes.rays[0].through.handle != VK_NULL_HANDLE;
+=======
+>>>>>>> b4b067c (estimate: draw the points where errors are likely)
 	n.emits = s->emission != NULL;
 	n.noisy = s->lamp_normal != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -73,12 +76,18 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	return n->surfels > 0 && n->surfels <= n->points && n->points <= POINTS_MAX && n->depth >= 1 &&
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
+<<<<<<< HEAD
 		   n->probes <= n->surfels && n->probes <= n->probe_points && n->probes_sampled <= 1 &&
 		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
 		   n->probes_opened <= n->opened && n->noisy <= 1 && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
 		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
 		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+=======
+		   n->noisy <= 1 && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
+		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
+		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+>>>>>>> b4b067c (estimate: draw the points where errors are likely)
 }
 
 void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
@@ -104,6 +113,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 									.block_count = n->block_count,
 									.block_tile_first = n->block_tile_first };
 	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+<<<<<<< HEAD
 	solver->openings =
 		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
 	solver->probes = (gw_probes){ .points = n->probe_points,
@@ -112,6 +122,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 								  .place = { .count = n->probes } };
 	for (int half = 0; half < 2; half++)
 		solver->probes.rays[half] = gw_probes_rays(n->probe_seed, half);
+=======
+>>>>>>> b4b067c (estimate: draw the points where errors are likely)
 	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -246,6 +258,7 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
 }
 
+<<<<<<< HEAD
 static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
 {
 	gw_probes *p = &solver->probes;
@@ -270,6 +283,8 @@ static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *
 	}
 }
 
+=======
+>>>>>>> b4b067c (estimate: draw the points where errors are likely)
 size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
 {
@@ -278,6 +293,7 @@ size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 	list_tree(&l, &solver->octree, numbers);
 	list_leaves(&l, &solver->octree, numbers);
 	list_records(&l, solver, numbers);
-	list_probes(&l, solver, numbers);
+	if (numbers->light_samples)
+		device(&l, "light of emitters", &solver->sampled, 16 * (uint64_t)numbers->records);
 	return l.count;
 }

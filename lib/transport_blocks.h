@@ -20,10 +20,13 @@ typedef struct gw_transport_numbers {
 	uint32_t entries;       /* of the way back from the records */
 	uint32_t emits;         /* 1: there are emissions of surfels and lobes */
 	uint32_t light_samples; /* whose light is kept; 0: none are */
+<<<<<<< HEAD
 	uint32_t probes, probe_points, probe_seed, probes_sampled;
 	uint32_t looked, openings; /* to the sky: whether they were looked for, how many there are */
 	uint32_t opened, probes_opened; /* 1: they were sampled from the records, from the probes */
 	float escaped;
+=======
+>>>>>>> b4b067c (estimate: draw the points where errors are likely)
 	uint32_t noisy; /* 1: there are given normals besides those of the smoothed surface */
 } gw_transport_numbers;
 
