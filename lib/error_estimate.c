@@ -15,8 +15,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Rays, and samples of the emitters, in each of the two gathers of a point. */
-#define HALF_RAYS 64u
+/* Rays, and samples of the emitters, in each of the two gathers of a point: as many as a record has,
+ * so that fine bakes are held against something finer. */
+#define HALF_LEAST 64u
+#define HALF_MOST 512u
 
 /* Records that light a point, by their weights: 1 / sum w^2. */
 #define RECORDS_A_POINT 3.0
@@ -35,6 +37,12 @@ typedef struct estimate {
 	uint32_t *behind;       /* one a probe: rays that passed the back of a surface */
 	float *half[2];         /* 4 a probe, irradiance that the first and the second gather found */
 } estimate;
+
+uint32_t gw_estimate_rays(uint32_t rays)
+{
+	uint32_t half = rays > HALF_LEAST ? rays : HALF_LEAST;
+	return half < HALF_MOST ? half : HALF_MOST;
+}
 
 static bool emits(const gw_surfels *surfels, size_t i)
 {
@@ -194,18 +202,19 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 							  const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
 	const float black[3] = { 0 };
+	uint32_t samples = rays->rays;
 	const gw_sampled_sources emitters = { .emitters = task->emitters,
-										  .samples = HALF_RAYS,
+										  .samples = samples,
 										  .use_hits = true,
 										  .sky = task->sky,
 										  .map = task->map,
-										  .map_samples = HALF_RAYS,
+										  .map_samples = samples,
 										  .map_hits = true,
 										  .openings = task->openings,
 										  .seed = rays->seed };
 	const gw_sampled_sources reflected = { .emitters = reflectors,
 										   .samples =
-											   gw_emitters_are_small(reflectors) ? HALF_RAYS : 0,
+											   gw_emitters_are_small(reflectors) ? samples : 0,
 										   .use_hits = true,
 										   .sky = black,
 										   .seed = rays->seed };
@@ -228,8 +237,8 @@ static gw_status gather_half(const gw_estimate_task *task, int half, const gw_em
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
-	gw_status status =
-		gw_ray_gather_trace(task->passes, task->octree, &e->place, HALF_RAYS, seed, &rays, error);
+	gw_status status = gw_ray_gather_trace(task->passes, task->octree, &e->place,
+										   gw_estimate_rays(task->rays), seed, &rays, error);
 	if (status == GW_OK)
 		status = gather_along(task, &rays, half, reflectors, e, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
@@ -266,7 +275,7 @@ static void list_errors(const gw_estimate_task *task, const estimate *e, double 
 		double b = reflected(task->surfels, s, e->half[1] + 4 * i);
 		double found = reflected(task->surfels, s, task->first + 4 * s) +
 					   reflected(task->surfels, s, task->indirect + 4 * s);
-		bool sound = e->behind[i] <= BEHIND_MOST * 2 * HALF_RAYS;
+		bool sound = e->behind[i] <= BEHIND_MOST * 2 * gw_estimate_rays(task->rays);
 		double off = sound ? (found - 0.5 * (a + b)) / mean : 0.0;
 		double noise = sound ? 0.5 * (a - b) / mean : 0.0;
 		value[OFF][i] = off;
@@ -294,8 +303,8 @@ static gw_status compare(const gw_estimate_task *task, const estimate *e, double
 	result->spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
 	result->bias = gw_probe_average(c, value[OFF]).mean;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
-	double samples = fmin(task->rays, task->light_samples);
-	result->noise = fmin(sqrt(half * (double)HALF_RAYS / samples / RECORDS_A_POINT), rms);
+	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
+	result->noise = fmin(sqrt(half * own / samples / RECORDS_A_POINT), rms);
 	free(room);
 	return GW_OK;
 }

@@ -30,6 +30,7 @@ typedef struct gw_estimate_task {
 	const gw_buffer *lobe_direct;  /* irradiance of the lobes from point, spot and sun lights */
 	const float *sky;              /* 3, radiance of the environment */
 	const gw_sky_map *map;         /* of the environment, or NULL */
+	const gw_openings *openings;   /* through which it shines, or NULL */
 	bool bounces;                  /* whether light was reflected more than once */
 	const float *direct;           /* 4 a surfel or NULL, irradiance from lamps */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
@@ -38,6 +39,9 @@ typedef struct gw_estimate_task {
 	uint32_t points, seed;        /* how many points are solved again, and of their draw */
 	uint32_t threads;             /* of the host; 0: one a core */
 } gw_estimate_task;
+
+/* Rays of each of the two gathers of a point, where a record has so many. */
+uint32_t gw_estimate_rays(uint32_t rays);
 
 /*
  * Estimates the error of the bake's radiance.

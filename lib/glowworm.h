@@ -290,6 +290,12 @@ typedef struct gw_error_estimate {
 							points would lessen */
 } gw_error_estimate;
 
+/* What a smaller error would cost, predicted from what a bake measured (error_price.h). */
+typedef struct gw_price {
+	double error; /* relative_rms that could be asked for as max_error; 0 when none can be named */
+	double seconds; /* that a bake with it would take; 0 where that is not known */
+} gw_price;
+
 /* One round of a bake that refines: with which settings it solved, and how well. */
 typedef struct gw_round {
 	float record_spacing, leaf_spacing;
@@ -338,6 +344,7 @@ typedef struct gw_report {
 	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
 	uint32_t round_count;
 	gw_goal goal;
