@@ -283,7 +283,8 @@ typedef struct gw_error_estimate {
 							and only their shadows are looked at */
 	double relative_rms; /* root mean square error: of gathered light and of shadows */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
-	double spread;       /* standard error of that: 2.3 % +- 0.3 % */
+	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
+							+- 0.3 % */
 	double bias;         /* mean error of that: above 0, the bake is too bright */
 	double noise;        /* part of gathered that more rays would lessen, estimated */
 	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser

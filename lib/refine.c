@@ -34,6 +34,9 @@
 #define SHARE_MOST 0.75
 #define GROWTH_MOST 8.0
 
+/* Where that was done before, what is left is less sure to lie where records disagree. */
+#define GROWTH_AGAIN 2.0
+
 /* Cones have an error of their own that no number of records lessens, and gather at all of them
  * again for every bounce: they get there in steps that do not waste much. */
 #define GROWTH_OF_CONES 2.0
@@ -150,6 +153,16 @@ static double share_to_leave(const gw_refine_state *state)
 	return fmax(share * square - noise, 0.5 * share * square) / (square - noise);
 }
 
+/* Whether the last round has added records to those of the one before. */
+static bool has_added(const gw_refine_state *state)
+{
+	if (!state->round || state->round_count < 2)
+		return false;
+	const gw_round *last = &state->round[state->round_count - 1], *before = last - 1;
+	return last->rays == before->rays && last->record_spacing == before->record_spacing &&
+		   last->records > before->records;
+}
+
 gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
 								   char why[96])
 {
@@ -159,12 +172,14 @@ gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish
 	if (state->crowded || !(state->options->record_spacing > 0.0f) || (is_noisy(state) && !full))
 		return GW_REFINE_EXHAUSTED;
 	/* As if all of the last round had been work that grows. */
-	double most = state->options->method == GW_METHOD_RAYS ? GROWTH_MOST : GROWTH_OF_CONES;
+	double most = state->options->method != GW_METHOD_RAYS ? GROWTH_OF_CONES
+				  : has_added(state)                       ? GROWTH_AGAIN
+														   : GROWTH_MOST;
 	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), most);
 	if (work < WORK_LEAST)
 		return GW_REFINE_NO_TIME;
-	*wish = (gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST),
-							   .most_growth = work };
+	*wish =
+		(gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST), .most_growth = work };
 	snprintf(why, 96, "records disagree most where more were put");
 	return GW_REFINE_ROUND;
 }

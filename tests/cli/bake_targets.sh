@@ -33,7 +33,8 @@ bake --max-error 0.00001 --quality draft --depth 3 --estimate-points 50 -o misse
 short() {
 	sed -E 's/error is .* rounds/error is E % after N rounds/; s/[0-9.e+-]+ % are/N % are/
 		s/about [0-9.e+]+ (s|min|h)/about T/; s/[0-9.e-]+ % (would|of)/N % \1/g
-		s/alone are [0-9.]+/alone are N/; s/: [0-9.e-]+ % \+- /: N % +- /; s/error [0-9.e-]+\)/error N)/' "$@"
+		s/alone are [0-9.]+/alone are N/; s/: [0-9.e-]+ % \+- /: N % +- /
+		s/error [0-9.e-]+\)/error N)/' "$@"
 }
 short err
 figures 0.00001
@@ -46,7 +47,8 @@ bake --time 0.001 --max-error 0.00001 -o timed.ply 2>err
 short err
 bake --time 0.001 --max-error 0.03 -o timed.ply 2>err
 short err
-# Every bake says how wrong it is and what less would cost; lamps alone, how wrong their shadows are.
+# Every bake says how wrong it is and what less would cost; lamps alone, how wrong their shadows
+# are.
 glowworm bake box.ply -f -o lit.ply --report report.json 2>&1 | short
 awk -F'[:,}]' '/^ "price"/ { print ($3 > 0 && $5 > 0 ? "a price" : "none") }' report.json
 make_box --scene plane --points 4000 -o plane.ply
