@@ -24,6 +24,7 @@ typedef struct gw_transport_numbers {
 	uint32_t opened;           /* 1: they were sampled from the records */
 	float escaped;
 	uint32_t noisy; /* 1: there are given normals besides those of the smoothed surface */
+	uint32_t zero;  /* fills up to a multiple of 8 bytes, so that all of them are known */
 } gw_transport_numbers;
 
 /* One array. */
