@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define MEGABYTE 1e6
-#define LAMPS_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word */
+#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -78,8 +78,15 @@ static void write_stages(json_writer *json, const bake_facts *f)
 	json_put_close(json, '}');
 }
 
-static void write_bounces(json_writer *json, const gw_report *r)
+/* With what reading and writing take; 0 stays 0. */
+static double whole_seconds(const bake_facts *f, double seconds)
 {
+	return seconds > 0.0 ? seconds + f->read_seconds + f->write_seconds : 0.0;
+}
+
+static void write_bounces(json_writer *json, const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
 	json_put_open(json, "bounces", '[');
 	for (uint32_t i = 0; i < r->bounce_count; i++) {
 		json_put_open_flat(json, NULL, '{');
@@ -98,6 +105,10 @@ static void write_bounces(json_writer *json, const gw_report *r)
 	json_put_real(json, "noise", r->error.noise);
 	json_put_real(json, "shadows", r->error.shadows);
 	json_put_real(json, "normals", r->error.normals);
+	json_put_close(json, '}');
+	json_put_open_flat(json, "price", '{');
+	json_put_real(json, "error", r->price.error);
+	json_put_real(json, "seconds", whole_seconds(f, r->price.seconds));
 	json_put_close(json, '}');
 }
 
@@ -193,7 +204,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	write_effects(&json, r);
 	write_octree(&json, r);
 	write_stages(&json, f);
-	write_bounces(&json, r);
+	write_bounces(&json, f);
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
@@ -288,8 +299,81 @@ static void error_text(const gw_report *r, char text[64])
 	if (r->error.points)
 		snprintf(text, 64, "%.2g %% +- %.2g %%", 100.0 * r->error.relative_rms,
 				 100.0 * r->error.spread);
+	else if (r->error.shadows > 0.0)
+		snprintf(text, 64, "%.2g %%", 100.0 * r->error.shadows);
 	else
 		snprintf(text, 64, "not known");
+}
+
+/* Two digits, in the unit that people count such a time in. */
+static void time_text(double seconds, char text[32])
+{
+	if (seconds < 90.0)
+		snprintf(text, 32, "%.2g s", seconds);
+	else if (seconds < 5400.0)
+		snprintf(text, 32, "%.0f min", seconds / 60.0);
+	else
+		snprintf(text, 32, "%.2g h", seconds / 3600.0);
+}
+
+static void put_part(double share, const char *what, const char *remedy, char *text, size_t room)
+{
+	size_t used = strlen(text);
+	if (share > PART_LEAST)
+		snprintf(text + used, room - used, "; %s alone are %.2g %%, which only %s would lessen",
+				 what, 100.0 * share, remedy);
+}
+
+/* What no finer setting lessens. */
+static void put_parts(const gw_report *r, char *text, size_t room)
+{
+	put_part(r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
+	put_part(r->error.normals, "errors of the points' normals", "better ones", text, room);
+}
+
+/* What less would cost, as the end of a sentence. */
+static void price_text(const bake_facts *f, char *text, size_t room)
+{
+	const gw_report *r = &f->result->report;
+	double seconds = whole_seconds(f, r->price.seconds);
+	char time[32];
+	*text = '\0';
+	time_text(seconds, time);
+	if (f->settings->bake.method == GW_METHOD_CONES && r->error.points)
+		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
+	else if (r->price.error > 0.0 && seconds > 0.0)
+		snprintf(text, room, "; %.2g %% would take about %s (--max-error %.2g)",
+				 100.0 * r->price.error, time, r->price.error);
+	else if (r->price.error > 0.0)
+		snprintf(text, room, "; %.2g %% would take a bake without --transport (--max-error %.2g)",
+				 100.0 * r->price.error, r->price.error);
+	put_parts(r, text, room);
+}
+
+void bake_report_error(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	char error[64], price[256];
+	if (r->error.points == 0 && !(r->error.shadows > 0.0))
+		return;
+	error_text(r, error);
+	price_text(f, price, sizeof price);
+	fprintf(stderr, "glowworm: error: %s of the mean%s\n", error, price);
+}
+
+/* Why a target was missed and what it would take, as the end of a sentence. */
+static void missed_text(const bake_facts *f, char *text, size_t room)
+{
+	const gw_report *r = &f->result->report;
+	char time[32];
+	*text = '\0';
+	if (r->goal == GW_GOAL_TIME && r->price.seconds > 0.0) {
+		time_text(whole_seconds(f, r->price.seconds), time);
+		snprintf(text, room, "; it would take about %s in all", time);
+	} else if (r->error.points && r->goal != GW_GOAL_TIME) {
+		snprintf(text, room, "; %.2g %% are noise of the rays", 100.0 * r->error.noise);
+	}
+	put_parts(r, text, room);
 }
 
 gw_status bake_report_goal(const bake_facts *f, gw_error *error)
@@ -302,12 +386,14 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
 	};
 	const gw_report *r = &f->result->report;
-	char text[64];
+	char text[64], why[256];
 	error_text(r, text);
+	missed_text(f, why, sizeof why);
 	if (r->missed)
 		return gw_fail(error, GW_ERROR_MISSED,
-					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s", text,
-					   r->round_count, 100.0 * (double)f->settings->bake.max_error, end[r->goal]);
+					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s%s",
+					   text, r->round_count, 100.0 * (double)f->settings->bake.max_error,
+					   end[r->goal], why);
 	if (r->goal != GW_GOAL_NONE && !f->settings->quiet)
 		fprintf(stderr, "glowworm: note: the estimated error is %s after %" PRIu32 " rounds: %s\n",
 				text, r->round_count, end[r->goal]);
@@ -327,22 +413,8 @@ void bake_report_summary(const bake_facts *f)
 	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
 			r->bounce_count, r->remaining);
 	if (r->error.points)
-		fprintf(stderr,
-				"glowworm: error: %.2g %% +- %.2g %% of the mean radiance (bias %+.2g %%), from "
-				"%" PRIu32 " points solved again\n",
-				100.0 * r->error.relative_rms, 100.0 * r->error.spread, 100.0 * r->error.bias,
-				r->error.points);
-	if (r->error.points && r->error.shadows > LAMPS_LEAST)
-		fprintf(stderr,
-				"glowworm: error: of that, %.2g %% are edges of lamps' shadows, which only denser "
-				"points would lessen, and %.2g %% is gathered light\n",
-				100.0 * r->error.shadows, 100.0 * r->error.gathered);
-	if (r->error.points && r->error.normals > LAMPS_LEAST)
-		fprintf(
-			stderr,
-			"glowworm: error: of that, %.2g %% are errors of the points' normals, in the light of "
-			"lamps\n",
-			100.0 * r->error.normals);
+		fprintf(stderr, "glowworm: error: bias %+.2g %%, from %" PRIu32 " points solved again\n",
+				100.0 * r->error.bias, r->error.points);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
 			f->bake_seconds, f->write_seconds);
 }

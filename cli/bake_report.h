@@ -30,6 +30,10 @@ void bake_report_profile(const gw_report *report);
 /* Prints what was repaired or left out, to standard error. */
 void bake_report_notes(const bake_facts *facts);
 
+/* Prints to standard error how wrong the bake is, and what less would cost, in one line; nothing
+ * where no error was estimated. */
+void bake_report_error(const bake_facts *facts);
+
 /* Prints a summary of the bake to standard error. */
 void bake_report_summary(const bake_facts *facts);
 

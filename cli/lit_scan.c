@@ -248,7 +248,8 @@ static gw_status comment_error(maker *m)
 		rms, spread, r->error.points, shadows);
 	if (r->error.normals > 0)
 		snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s", normals);
-	return status == GW_OK && r->error.points ? comment(m, text) : status;
+	bool known = r->error.points > 0 || r->error.shadows > 0.0;
+	return status == GW_OK && known ? comment(m, text) : status;
 }
 
 static gw_status make_comments(maker *m)

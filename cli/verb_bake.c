@@ -352,6 +352,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 		bake_report_notes(&b.facts);
 	if (status == GW_OK && b.result && s->verbose)
 		bake_report_summary(&b.facts);
+	if (status == GW_OK && b.result && !s->quiet && !b.result->report.missed)
+		bake_report_error(&b.facts);
 	if (status == GW_OK && b.result && s->explain)
 		bake_report_explain(&b.result->report);
 	if (status == GW_OK && b.result && s->profile)

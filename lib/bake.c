@@ -4,6 +4,7 @@
  */
 #include "clock.h"
 #include "direct_light.h"
+#include "error_price.h"
 #include "memory.h"
 #include "record_fields.h"
 #include "refine.h"
@@ -15,6 +16,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Records that would become less than so many times as many stand as close as they may. */
 #define GROWTH_LEAST 1.02
@@ -200,7 +202,7 @@ static bool needs_places(const bake *b)
 
 static bool needs_estimate(const bake *b)
 {
-	return b->light.plan.records && b->solver.options.estimate_points > 0;
+	return (b->light.plan.records || b->light.plan.lamps) && b->solver.options.estimate_points > 0;
 }
 
 static bool needs_lamps(const bake *b)
@@ -408,8 +410,12 @@ static gw_status refine(bake *b, gw_error *error)
 		else
 			status = refine_once(b, error);
 	}
-	r->missed = b->solver.options.max_error > 0.0f && b->light.plan.records &&
-				!gw_refine_reached(&b->solver.options, &r->error);
+	/* Of lamps alone the edges of their shadows are all that is known to be wrong. */
+	r->missed = b->solver.options.max_error > 0.0f &&
+				(b->light.plan.records ? !gw_refine_reached(&b->solver.options, &r->error)
+									   : r->error.shadows > (double)b->solver.options.max_error);
+	if (r->missed && !b->light.plan.records)
+		r->goal = GW_GOAL_EXHAUSTED;
 	b->refining = false;
 	return status;
 }
@@ -435,17 +441,78 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
 }
 
+/* Seconds of the stages of that name. */
+static double stage_seconds(const gw_report *report, const char *name)
+{
+	double seconds = 0.0;
+	for (uint32_t i = 0; i < report->stage_count; i++)
+		seconds += strcmp(report->stage[i].name, name) == 0 ? report->stage[i].seconds : 0.0;
+	return seconds;
+}
+
+/* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */
+static double ray_seconds(const bake *b)
+{
+	static const gw_pass_id of_rays[] = { GW_PASS_RECORD_RAYS, GW_PASS_RECORD_EMITTERS,
+										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
+										  GW_PASS_RECORD_GATHER };
+	const gw_report *r = b->report;
+	uint32_t rounds = r->round_count > 0 ? r->round_count - b->first_round : 1;
+	double seconds = 0.0;
+	double probes = 2.0 * gw_estimate_rays(b->solver.options.rays) * r->error.points * rounds;
+	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
+		seconds += b->solver.passes.device_seconds[of_rays[i]];
+	return r->rays > 0 ? seconds / ((double)r->rays + probes) : 0.0;
+}
+
+/* What a smaller error would cost. Of cones it is not known: theirs has parts that stay. */
+static void set_price(bake *b, const gw_bake_options *first, double ray)
+{
+	static const char *const of_round[] = { "records", "first gather", "bounces", "read back",
+											"estimate" };
+	gw_report *r = b->report;
+	if (b->solver.options.method != GW_METHOD_RAYS || r->error.points == 0 ||
+		!(first->record_spacing > 0.0f))
+		return;
+	double whole = 0.0, round = 0.0;
+	for (uint32_t i = 0; i < r->stage_count; i++)
+		whole += r->stage[i].seconds;
+	for (size_t i = 0; i < sizeof of_round / sizeof *of_round; i++)
+		round += stage_seconds(r, of_round[i]);
+	double records = (double)(r->round_count > 0 ? r->round[0].records : r->records);
+	const gw_price_task task = {
+		.error = r->error,
+		.rays = b->solver.options.rays,
+		.records = (double)r->records,
+		.spacing = (double)b->solver.options.record_spacing,
+		.refined = b->density.lobe_spacing != NULL,
+		.fixed_seconds = whole - round - stage_seconds(r, "refining"),
+		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
+		.ray_seconds = ray,
+	};
+	r->price = r->missed ? gw_price_of(&task, (double)first->max_error) : gw_price_of_less(&task);
+	if (has_transport(b))
+		r->price.seconds = 0.0; /* another bake made what this one began with */
+}
+
 static gw_status run(bake *b, gw_error *error)
 {
+	const gw_bake_options first = b->solver.options;
+	double ray = 0.0;
+
 	gw_status status = gw_options_check(&b->solver.options, b->points->count, b->light.lights,
 										b->light.light_count, error);
 	if (status == GW_OK)
 		status = run_steps(b, 0, AFTER_ROUND, error);
 	if (status == GW_OK && gw_options_refine(&b->solver.options))
 		status = refine(b, error);
-	if (status == GW_OK)
+	if (status == GW_OK) {
+		ray = ray_seconds(b);
 		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);
+	}
 	gw_report_stage(b->report, b->solver.gpu, NULL);
+	if (status == GW_OK)
+		set_price(b, &first, ray);
 	report_profile(&b->solver.passes, b->report);
 	if (b->solver.gpu)
 		b->report->peak_bytes = gw_gpu_read_account(b->solver.gpu).peak_bytes;

@@ -279,10 +279,12 @@ typedef struct gw_bounce {
 /* How wrong a bake's radiance is, estimated by solving some points again (error_estimate.h).
  * Relative to the mean radiance of the points that do not emit. */
 typedef struct gw_error_estimate {
-	uint32_t points;     /* solved again; 0 when no estimate was made */
+	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
+							and only their shadows are looked at */
 	double relative_rms; /* root mean square error: of gathered light, shadows and normals */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
-	double spread;       /* standard error of that: 2.3 % +- 0.3 % */
+	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
+							+- 0.3 % */
 	double bias;         /* mean error of that: above 0, the bake is too bright */
 	double noise;        /* part of gathered that more rays would lessen, estimated */
 	double shadows;      /* of misplaced edges of lamps' shadows (shadow_error.h), which only denser
@@ -290,6 +292,12 @@ typedef struct gw_error_estimate {
 	double normals;      /* of the normals that lamps shine on, where points are noisy or had none
 							(normal_error.h); not of those that point the wrong way */
 } gw_error_estimate;
+
+/* What a smaller error would cost, predicted from what a bake measured (error_price.h). */
+typedef struct gw_price {
+	double error; /* relative_rms that could be asked for as max_error; 0 when none can be named */
+	double seconds; /* that a bake with it would take; 0 where that is not known */
+} gw_price;
 
 /* One round of a bake that refines: with which settings it solved, and how well. */
 typedef struct gw_round {
@@ -339,6 +347,7 @@ typedef struct gw_report {
 	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
 	uint32_t round_count;
 	gw_goal goal;
@@ -352,9 +361,9 @@ typedef struct gw_report {
 	double spacing;   /* metres between neighbouring points, median */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
-	uint64_t octree_bytes; /* tiles, keys, neighbour pointers, leaves, planes */
-	uint64_t brick_bytes;  /* 3D images */
-	uint64_t peak_bytes;   /* device memory at its highest */
+	uint64_t octree_bytes;      /* tiles, keys, neighbour pointers, leaves, planes */
+	uint64_t brick_bytes;       /* 3D images */
+	uint64_t peak_bytes;        /* device memory at its highest */
 } gw_report;
 
 /* ------------------------------------------------------------------------------------ results */
@@ -386,12 +395,12 @@ typedef struct gw_bake_result {
 								   rest they add up to radiance but for roundings, which for
 								   GW_METHOD_CONES are of 16-bit numbers */
 	size_t lamp_count;
-	float *rest;                /* 3 * count, what points that emit add to L; NULL when none does */
-	float *openness;            /* count, 0..1: cosine-weighted share of the hemisphere in which
-								   nothing is nearer than occlusion_distance; NULL unless asked */
-	float *error;               /* count, see gw_bake_options.errors; NULL unless asked */
-	float *roi;                 /* count, side of the region of influence in leaf cells */
-	gw_voxels voxels;           /* empty unless gw_bake_options.voxels */
+	float *rest;      /* 3 * count, what points that emit add to L; NULL when none does */
+	float *openness;  /* count, 0..1: cosine-weighted share of the hemisphere in which
+						 nothing is nearer than occlusion_distance; NULL unless asked */
+	float *error;     /* count, see gw_bake_options.errors; NULL unless asked */
+	float *roi;       /* count, side of the region of influence in leaf cells */
+	gw_voxels voxels; /* empty unless gw_bake_options.voxels */
 	gw_report report;
 } gw_bake_result;
 

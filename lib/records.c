@@ -57,12 +57,6 @@ gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error
 	return status;
 }
 
-gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error)
-{
-	return texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count,
-				 "record gathered irradiance", &records->gathered, error);
-}
-
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {

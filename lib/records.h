@@ -72,9 +72,6 @@ gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
 /* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
 gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
 
-/* Room for gathered alone. */
-gw_status gw_records_make_gathered(gw_gpu *gpu, gw_records *records, gw_error *error);
-
 /*
  * Puts records where the caller says, to gather there; they are not listed, so that nothing can be
  * read back from them.

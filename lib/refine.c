@@ -21,6 +21,8 @@
 /* After so many rounds that have not helped, no more are made. */
 #define VAIN_MOST 2u
 
+#define RAYS_MOST 4096u
+
 /* A round asks at most for so many times the work of the last one; below SMALLEST it is not worth
  * its fixed costs. */
 #define WORK_MOST 16.0
@@ -29,12 +31,21 @@
 /* Records are aimed at this share of the error that is wanted, since what the estimate says has a
  * spread of its own; and no round makes them more than so many times as many. */
 #define AIM 0.9
-#define SHARE_MOST 0.65
+#define SHARE_MOST 0.75
 #define GROWTH_MOST 8.0
+
+/* Where that was done before, what is left is less sure to lie where records disagree. */
+#define GROWTH_AGAIN 2.0
 
 /* Cones have an error of their own that no number of records lessens, and gather at all of them
  * again for every bounce: they get there in steps that do not waste much. */
 #define GROWTH_OF_CONES 2.0
+
+/* Records leave the noise of the rays about as it is: they come closer, but as many speak for a
+ * point. So when noise alone is more than this share of the mean square error that is wanted, rays
+ * come first, as long as records are few; and then they are so many that it is this share. */
+#define NOISE_MOST 0.6
+#define NOISE_AIM 0.4
 
 /* By how much the parts of the settings are to grow; 1 leaves them alone. */
 typedef struct growth {
@@ -60,10 +71,10 @@ static uint32_t scaled(uint32_t count, double factor, uint32_t most)
 
 static void grow_rays(gw_bake_options *next, double factor)
 {
-	uint32_t most = next->method == GW_METHOD_RAYS ? 4096 : 256;
+	uint32_t most = next->method == GW_METHOD_RAYS ? RAYS_MOST : 256;
 	uint32_t *rays = rays_of(next);
 	*rays = scaled(*rays, factor, most);
-	next->light_samples = scaled(next->light_samples, factor, 4096);
+	next->light_samples = scaled(next->light_samples, factor, RAYS_MOST);
 }
 
 /* First the records move together, then the leaves get narrower; what there is no room for in the
@@ -94,6 +105,30 @@ static double excess(const gw_refine_state *state)
 	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
 }
 
+/* Mean square error of gathered light that is wanted; 0 where none is, or shadows alone are more.
+ */
+static double wanted_square(const gw_refine_state *state)
+{
+	double wanted = (double)state->options->max_error, shadows = state->error.shadows;
+	return fmax(wanted * wanted - shadows * shadows, 0.0);
+}
+
+/* Whether rays are too few, whatever records there are. */
+static bool is_noisy(const gw_refine_state *state)
+{
+	double noise = state->error.noise, wanted = wanted_square(state);
+	return state->options->method == GW_METHOD_RAYS && wanted > 0.0 &&
+		   noise * noise > NOISE_MOST * wanted;
+}
+
+/* How many times as many rays leave as little noise as what else there is allows. */
+static double rays_against_noise(const gw_refine_state *state)
+{
+	double noise = state->error.noise * state->error.noise, wanted = wanted_square(state);
+	double rest = fmax(state->error.gathered * state->error.gathered - noise, 0.0);
+	return noise / fmax(AIM * AIM * wanted - rest, NOISE_AIM * wanted);
+}
+
 /* How many of the last rounds, one after the other, have not helped. */
 static uint32_t rounds_in_vain(const gw_refine_state *state)
 {
@@ -107,20 +142,45 @@ static uint32_t rounds_in_vain(const gw_refine_state *state)
 	return vain;
 }
 
+/* Of the square error that records can lessen, what is to be left: noise stays, or half of what is
+ * wanted is had from the rest. */
+static double share_to_leave(const gw_refine_state *state)
+{
+	double factor = AIM / excess(state), share = factor * factor;
+	double square = state->error.gathered * state->error.gathered;
+	double noise = state->error.noise * state->error.noise;
+	if (!(square > noise) || state->options->method != GW_METHOD_RAYS)
+		return share;
+	return fmax(share * square - noise, 0.5 * share * square) / (square - noise);
+}
+
+/* Whether the last round has added records to those of the one before. */
+static bool has_added(const gw_refine_state *state)
+{
+	if (!state->round || state->round_count < 2)
+		return false;
+	const gw_round *last = &state->round[state->round_count - 1], *before = last - 1;
+	return last->rays == before->rays && last->record_spacing == before->record_spacing &&
+		   last->records > before->records;
+}
+
 gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
 								   char why[96])
 {
 	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
 		return GW_REFINE_STALLED;
-	if (state->crowded || !(state->options->record_spacing > 0.0f))
+	bool full = state->options->rays >= RAYS_MOST;
+	if (state->crowded || !(state->options->record_spacing > 0.0f) || (is_noisy(state) && !full))
 		return GW_REFINE_EXHAUSTED;
 	/* As if all of the last round had been work that grows. */
-	double most = state->options->method == GW_METHOD_RAYS ? GROWTH_MOST : GROWTH_OF_CONES;
+	double most = state->options->method != GW_METHOD_RAYS ? GROWTH_OF_CONES
+				  : has_added(state)                       ? GROWTH_AGAIN
+														   : GROWTH_MOST;
 	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), most);
 	if (work < WORK_LEAST)
 		return GW_REFINE_NO_TIME;
-	double factor = AIM / excess(state);
-	*wish = (gw_density_wish){ .share = fmin(factor * factor, SHARE_MOST), .most_growth = work };
+	*wish =
+		(gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST), .most_growth = work };
 	snprintf(why, 96, "records disagree most where more were put");
 	return GW_REFINE_ROUND;
 }
@@ -135,6 +195,9 @@ static growth wanted_growth(const gw_refine_state *state, char why[96])
 	bool rays = vain || noise > SHARE_LEAST, density = vain || 1.0 - noise > SHARE_LEAST;
 	snprintf(why, 96, "%.0f %% of the square error is noise of the rays%s", 100.0 * noise,
 			 vain ? "; the last round did not help" : "");
+	if (is_noisy(state) && !vain)
+		return (growth){ .rays = fmin(fmax(rays_against_noise(state), 1.5), WORK_MOST),
+						 .density = 1.0 };
 	return (growth){ .rays = rays ? fmin(fmax(factor * factor, 2.0), 8.0) : 1.0,
 					 .density = density ? fmin(fmax(factor, 1.4142135623730951), 2.0) : 1.0 };
 }

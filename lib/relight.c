@@ -423,8 +423,8 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 		const gw_estimate_task task = { .passes = &s->passes,
 										.octree = &s->octree,
 										.surfels = &s->surfels,
-										.probes = &s->probes,
-										.records = &s->records,
+										.records = relight->plan.records ? &s->records : NULL,
+										.read_back = &s->read_back,
 										.emitters = &relight->emitters,
 										.lobe_direct = &relight->lobe_direct,
 										.sky = relight->plan.sky_radiance,
@@ -438,6 +438,8 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
 																			: o->light_samples,
 										.light_samples = o->light_samples,
+										.points = o->estimate_points,
+										.seed = (uint32_t)o->seed,
 										.threads = o->threads };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}

@@ -194,19 +194,6 @@ static gw_status make_pools(gw_solver *solver, gw_error *error)
 	return status;
 }
 
-/* The probes of the estimate, unless they are there. */
-static gw_status make_probes(gw_solver *solver, gw_error *error)
-{
-	const gw_bake_options *o = &solver->options;
-	const gw_probes *p = &solver->probes;
-	if (o->estimate_points == 0 ||
-		(p->points == o->estimate_points && p->seed == (uint32_t)o->seed))
-		return GW_OK;
-	gw_probes_destroy(solver->gpu, &solver->probes);
-	return gw_probes_make(&solver->passes, &solver->octree, &solver->surfels, o->estimate_points,
-						  (uint32_t)o->seed, &solver->probes, error);
-}
-
 /* What emitters brought is not so any more. */
 void gw_solver_forget_further(gw_solver *solver)
 {
@@ -218,8 +205,6 @@ void gw_solver_forget_samples(gw_solver *solver)
 {
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
 	gw_solver_forget_further(solver);
-	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[0]);
-	gw_buffer_destroy(solver->gpu, &solver->probes.sampled[1]);
 }
 
 gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
@@ -238,7 +223,7 @@ gw_status gw_solver_place_records(gw_solver *solver, gw_error *error)
 	if (status == GW_OK)
 		status = gw_read_back_make(&solver->passes, &solver->octree, &solver->records,
 								   solver->surfels.count, &solver->read_back, error);
-	return status == GW_OK ? make_probes(solver, error) : status;
+	return status;
 }
 
 /* The records from `first` on, by themselves. */
@@ -322,11 +307,7 @@ gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
 	gw_solver_report_octree(solver);
 	solver->report->records = solver->records.count;
 	gw_status status = gw_records_make_room(solver->gpu, &solver->records, error);
-	if (status == GW_OK)
-		status = make_pools(solver, error);
-	if (status == GW_OK)
-		status = gw_records_make_gathered(solver->gpu, &solver->probes.place, error);
-	return status == GW_OK ? make_probes(solver, error) : status;
+	return status == GW_OK ? make_pools(solver, error) : status;
 }
 
 gw_status gw_solver_keep_hits(gw_solver *solver, gw_kept_hits *kept, gw_error *error)
@@ -353,7 +334,6 @@ void gw_solver_drop_records(gw_solver *solver)
 	gw_solver_forget_further(solver);
 	gw_read_back_clear(&solver->read_back);
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
-	gw_probes_destroy(solver->gpu, &solver->probes);
 	memset(solver->passes.device_seconds, 0, sizeof solver->passes.device_seconds);
 }
 

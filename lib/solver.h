@@ -39,7 +39,6 @@ typedef struct gw_solver {
 	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where cones gather */
 	gw_cone_gather cones; /* empty for GW_METHOD_RAYS */
 	gw_read_back read_back;
-	gw_probes probes; /* empty when no estimate is asked for */
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;

@@ -47,15 +47,10 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.ray_seed = solver->rays.seed;
 	n.entries = solver->read_back.first[s->count];
 	n.light_samples = solver->sampled.handle ? solver->options.light_samples : 0;
-	n.probes = solver->probes.count;
-	n.probe_points = solver->probes.points;
-	n.probe_seed = solver->probes.seed;
-	n.probes_sampled = solver->probes.sampled[0].handle != VK_NULL_HANDLE;
 	n.looked = solver->openings.looked;
 	n.openings = solver->openings.count;
 	n.escaped = solver->openings.escaped;
 	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
-	n.probes_opened = solver->probes.rays[0].through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -77,12 +72,10 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	return n->surfels > 0 && n->surfels <= n->points && n->points <= POINTS_MAX && n->depth >= 1 &&
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
-		   n->probes <= n->surfels && n->probes <= n->probe_points && n->probes_sampled <= 1 &&
 		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
-		   n->probes_opened <= n->opened && n->noisy <= (NOISY | OFF) && isfinite(n->leaf_size) &&
-		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
-		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
-		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+		   n->noisy <= (NOISY | OFF) && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
+		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
+		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
 
 void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
@@ -110,12 +103,6 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
 	solver->openings =
 		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
-	solver->probes = (gw_probes){ .points = n->probe_points,
-								  .seed = n->probe_seed,
-								  .count = n->probes,
-								  .place = { .count = n->probes } };
-	for (int half = 0; half < 2; half++)
-		solver->probes.rays[half] = gw_probes_rays(n->probe_seed, half);
 	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -252,30 +239,6 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
 }
 
-static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
-{
-	gw_probes *p = &solver->probes;
-	uint64_t rows = 16 * (uint64_t)n->probes;
-	if (n->light_samples)
-		device(l, "light of emitters", &solver->sampled, 16 * (uint64_t)n->records);
-	if (n->probes == 0)
-		return;
-	index_below(host(l, "probes", &p->surfel, 4 * (uint64_t)n->probes), 0, n->surfels, UINT32_MAX,
-				1);
-	device(l, "probe position", &p->place.position, rows);
-	device(l, "probe normal", &p->place.normal, rows);
-	for (int half = 0; half < 2; half++) {
-		uint64_t hits = (uint64_t)p->rays[half].rays * n->probes;
-		words(l, "probe hit", &p->rays[half].lobe, 4 * hits, 2 * (uint64_t)n->leaves);
-		scalars(l, "probe distance", &p->rays[half].distance, 4 * hits);
-		if (n->probes_sampled)
-			device(l, "light of emitters at probes", &p->sampled[half], rows);
-		if (n->probes_opened)
-			words(l, "sky through openings at probes", &p->rays[half].through,
-				  4 * (uint64_t)n->probes, WORDS_LIMIT);
-	}
-}
-
 size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
 {
@@ -284,6 +247,7 @@ size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 	list_tree(&l, &solver->octree, numbers);
 	list_leaves(&l, &solver->octree, numbers);
 	list_records(&l, solver, numbers);
-	list_probes(&l, solver, numbers);
+	if (numbers->light_samples)
+		device(&l, "light of emitters", &solver->sampled, 16 * (uint64_t)numbers->records);
 	return l.count;
 }

@@ -30,7 +30,13 @@ figures 0.2
 # Finer than what an octree, records and rays at their limits of this small scene can give.
 bake --max-error 0.00001 --quality draft --depth 3 --estimate-points 50 -o missed.ply \
 	--report report.json 2>err
-sed 's/error is .* rounds/error is E % after N rounds/' err
+short() {
+	sed -E 's/error is .* rounds/error is E % after N rounds/; s/[0-9.e+-]+ % are/N % are/
+		s/about [0-9.e+]+ (s|min|h)/about T/; s/[0-9.e-]+ % (would|of)/N % \1/g
+		s/alone are [0-9.]+/alone are N/; s/: [0-9.e-]+ % \+- /: N % +- /
+		s/error [0-9.e-]+\)/error N)/' "$@"
+}
+short err
 figures 0.00001
 [ "$(grep -c '"record_spacing": .*"why"' report.json)" -gt 2 ] && echo "several rounds"
 glowworm info missed.ply | grep -c radiance_r
@@ -38,7 +44,24 @@ glowworm info missed.ply | grep -c radiance_r
 bake --time 0.001 -o timed.ply --report report.json
 grep '^ "goal"' report.json
 bake --time 0.001 --max-error 0.00001 -o timed.ply 2>err
-sed 's/error is .* rounds/error is E % after N rounds/' err
+short err
+bake --time 0.001 --max-error 0.03 -o timed.ply 2>err
+short err
+# Every bake says how wrong it is and what less would cost; lamps alone, how wrong their shadows
+# are.
+glowworm bake box.ply -f -o lit.ply --report report.json 2>&1 | short
+awk -F'[:,}]' '/^ "price"/ { print ($3 > 0 && $5 > 0 ? "a price" : "none") }' report.json
+make_box --scene plane --points 4000 -o plane.ply
+# Half of the plane lies in the other's shadow.
+cat >shadow.json <<'EOF'
+{"version": 1, "inputs": [{"file": "plane.ply"}, {"file": "plane.ply",
+ "matrix": [0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0.4, 0,0,0,1]}],
+ "lights": [{"type": "point", "position": [0.25, 0.25, 2], "intensity": 3}]}
+EOF
+glowworm bake shadow.json -f -o shadow.ply --bounces 1 --report report.json 2>&1 | short
+awk -F'[:,}]' '/^ "price"/ { print ($3 > 0 && $5 > 0 ? "a price" : "none") }' report.json
+glowworm bake box.ply -q -f -o lit.ply 2>&1 | short
+glowworm bake box.ply -f -o lit.ply --estimate-points 0 2>&1 | short
 bake --max-error 0.1 --estimate-points 0 -o none.ply
 bake --max-error 5 -o none.ply
 ls

@@ -43,7 +43,7 @@ static void assert_mean(const char *what, double found, double expected, double 
 {
 	if (!(fabs(found / expected - 1.0) <= relative))
 		fail_msg("%s: %.6g, not %.6g: off by %.2f %%, allowed %.2f %%", what, found, expected,
-		         100.0 * (found / expected - 1.0), 100.0 * relative);
+				 100.0 * (found / expected - 1.0), 100.0 * relative);
 }
 
 /* Successive reflections never gain energy: their ratio is at most the albedo, and 0.001 for the
@@ -53,8 +53,8 @@ static void assert_decay(const gw_report *report, double albedo)
 	for (uint32_t n = 1; n < report->bounce_count; n++) {
 		double before = report->bounce[n - 1].energy, now = report->bounce[n].energy;
 		if (!(now <= before && now <= before * (albedo + 1e-3)))
-			fail_msg("bounce %u has %.6g W after %.6g W: ratio %.5f, albedo %g", n + 1, now,
-			         before, now / before, albedo);
+			fail_msg("bounce %u has %.6g W after %.6g W: ratio %.5f, albedo %g", n + 1, now, before,
+					 now / before, albedo);
 	}
 }
 
@@ -84,7 +84,7 @@ static void check_bounces(gw_method method, float albedo, uint32_t bounces)
 	snprintf(what, sizeof what, "%s, albedo %g, %u bounces", gw_method_name(method), rho, bounces);
 	for (size_t c = 0; c < 3; c++)
 		assert_mean(what, scene_mean(result->radiance, s.count, c), expected,
-		            bounces == 0 ? 0.0 : allowed(method));
+					bounces == 0 ? 0.0 : allowed(method));
 	assert_int_equal(result->report.bounce_count, bounces);
 	assert_decay(&result->report, rho);
 	gw_bake_result_destroy(&result);
@@ -125,7 +125,7 @@ static void furnace_until_tolerance(void **state)
 		/* What every bounce may lose (see assert_no_leak) adds up to this over all of them. */
 		double leak = 0.0025 * rho / (1.0 - rho);
 		assert_mean("automatic", scene_mean(result->radiance, s.count, 0), 1.0 / (1.0 - rho),
-		            fmax(allowed(GW_METHOD_RAYS), leak) + (double)options.tolerance);
+					fmax(allowed(GW_METHOD_RAYS), leak) + (double)options.tolerance);
 		assert_no_leak(&result->report, rho);
 		assert_decay(&result->report, rho);
 		gw_bake_result_destroy(&result);
@@ -161,7 +161,7 @@ static void check_integrating_sphere(gw_method method, float albedo)
 	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
 	double expected = rho * 2.0 / (1.0 - rho);
 	assert_mean(gw_method_name(method), scene_mean(result->indirect_irradiance, s.count, 0),
-	            expected, allowed(method));
+				expected, allowed(method));
 	double squares = 0.0;
 	for (size_t i = 0; i < s.count; i++) {
 		double off = (double)result->indirect_irradiance[3 * i] - expected;
@@ -172,7 +172,7 @@ static void check_integrating_sphere(gw_method method, float albedo)
 	double bound = record_spread(result, rho, samples) + allowed(method) * expected;
 	if (!(spread <= bound))
 		fail_msg("%s, albedo %g: indirect light spreads by %.4g of %.4g, allowed %.4g",
-		         gw_method_name(method), rho, spread, expected, bound);
+				 gw_method_name(method), rho, spread, expected, bound);
 	assert_decay(&result->report, rho);
 	gw_bake_result_destroy(&result);
 	scene_clear(&s);
@@ -265,7 +265,8 @@ static void thin_wall_keeps_light_in(void **state)
  * A half-lit sphere whose records gather with 8 rays: the bake's own estimate of its error against
  * its true one, of which every value is known. Both are of some 1000 samples of a distribution that
  * is near normal, so 1 / sqrt(2 * 1000) = 2.2 % of either is chance; three times that, and what the
- * estimate cannot see of the octree's planes, under 15 % on scenes with known answers.
+ * estimate cannot see of the octree's planes, under 15 % on scenes with known answers. Its spread
+ * has a tenth for that, and beside it what 1000 points leave.
  */
 static void error_is_estimated(void **state)
 {
@@ -285,7 +286,7 @@ static void error_is_estimated(void **state)
 	double n = (double)s.count, true_error = sqrt(squares / n) / (sum / n);
 	const gw_error_estimate *e = &result->report.error;
 	assert_true(e->points > 900 && e->points <= 1000);
-	assert_true(e->spread > 0.0 && e->spread < 0.1 * e->relative_rms);
+	assert_true(e->spread >= 0.1 * e->gathered && e->spread < 0.15 * e->relative_rms);
 	if (!(fabs(e->relative_rms / true_error - 1.0) <= 3 * 0.022 + 0.15))
 		fail_msg("estimated %.3f %% +- %.3f %%, truly %.3f %%", 100 * e->relative_rms,
 				 100 * e->spread, 100 * true_error);
@@ -301,8 +302,10 @@ static void error_is_estimated(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(furnace_by_rays),         cmocka_unit_test(furnace_by_cones),
-		cmocka_unit_test(furnace_until_tolerance), cmocka_unit_test(integrating_sphere),
+		cmocka_unit_test(furnace_by_rays),
+		cmocka_unit_test(furnace_by_cones),
+		cmocka_unit_test(furnace_until_tolerance),
+		cmocka_unit_test(integrating_sphere),
 		cmocka_unit_test(closed_cube),
 		cmocka_unit_test(thin_wall_keeps_light_in),
 		cmocka_unit_test(error_is_estimated),

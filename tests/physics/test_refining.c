@@ -209,7 +209,7 @@ static void beats_even_records(void **state)
 	const gw_report *r = &result->report;
 	/* The number of records goes with the square of their spacing, less where rooms are narrow. */
 	even.max_error = 0.0f;
-	even.record_spacing *= 0.75f * (float)sqrt((double)r->round[0].records / (double)r->records);
+	even.record_spacing *= 0.72f * (float)sqrt((double)r->round[0].records / (double)r->records);
 	gw_bake_result *other = scene_bake(&points, NULL, 0, &even);
 	assert_true(other->report.records >= r->records);
 	const gw_error_estimate *a = &r->error, *b = &other->report.error;

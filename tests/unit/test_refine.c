@@ -1,4 +1,5 @@
-/* Presets of quality, and what a bake that has a target tries next. */
+/* Presets of quality, what a bake that has a target tries next, and what it would cost. */
+#include "error_price.h"
 #include "refine.h"
 
 #include <math.h>
@@ -10,14 +11,13 @@
 
 static gw_refine_state state_of(const gw_bake_options *options, double rms, double noise)
 {
-	return (gw_refine_state){ .options = options,
-							  .error = { .points = 1000,
-										 .relative_rms = rms,
-										 .gathered = rms,
-										 .noise = noise },
-							  .round_seconds = 1.0,
-							  .octree_seconds = 1.0,
-							  .seconds_left = INFINITY };
+	return (gw_refine_state){
+		.options = options,
+		.error = { .points = 1000, .relative_rms = rms, .gathered = rms, .noise = noise },
+		.round_seconds = 1.0,
+		.octree_seconds = 1.0,
+		.seconds_left = INFINITY
+	};
 }
 
 static void presets_get_finer(void **state)
@@ -60,8 +60,9 @@ static void noise_asks_for_rays(void **state)
 	o.max_error = 0.01f;
 	gw_refine_state all_noise = state_of(&o, 0.02, 0.02);
 	assert_int_equal(gw_refine_next(&all_noise, &next, why), GW_REFINE_ROUND);
-	/* Half the noise takes four times the rays. */
-	assert_in_range(next.rays, 4 * o.rays - 2, 4 * o.rays + 2);
+	/* Half the noise takes four times the rays, and nine tenths of that is aimed at. */
+	assert_in_range(next.rays, (uint32_t)(4 * o.rays / 0.81) - 2,
+					(uint32_t)(4 * o.rays / 0.81) + 2);
 	assert_int_equal(next.rays, next.light_samples);
 	assert_true(next.record_spacing == o.record_spacing && next.leaf_spacing == o.leaf_spacing);
 	o.method = GW_METHOD_CONES;
@@ -167,8 +168,9 @@ static void records_come_first(void **state)
 	o.max_error = 0.02f;
 	gw_refine_state s = state_of(&o, 0.06, 0.01);
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
-	/* Squares of a third; 0.02f is 0.02 within 1e-8. */
-	assert_true(fabs(wish.share - 0.9 * 0.9 / 9.0) < 1e-6);
+	/* Squares, and noise stays; 0.02f is 0.02 within 1e-8. */
+	double left = 0.81 * 0.02 * 0.02 - 0.01 * 0.01, rest = 0.06 * 0.06 - 0.01 * 0.01;
+	assert_true(fabs(wish.share - left / rest) < 1e-6);
 	assert_true(wish.most_growth > 4.0 && wish.most_growth < 100.0);
 	/* Cones go in small steps. */
 	o.method = GW_METHOD_CONES;
@@ -181,10 +183,19 @@ static void records_come_first(void **state)
 	s.seconds_left = 1.0;
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_NO_TIME);
 	s.seconds_left = INFINITY;
+	/* After a round that added, steps are smaller. */
+	gw_round added[2] = { { .records = 100, .rays = 64, .error = { .relative_rms = 0.1 } },
+						  { .records = 400, .rays = 64, .error = { .relative_rms = 0.06 } } };
+	s.round = added;
+	s.round_count = 2;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	assert_true(wish.most_growth == 2.0);
+	s.round_count = 0;
+	s.round = NULL;
 	/* Nearly there: still a step that is worth its fixed costs. */
 	s.error.relative_rms = s.error.gathered = 0.0201;
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
-	assert_true(wish.share < 0.7);
+	assert_true(wish.share < 0.8);
 	/* Settings have to help where no record can be added. */
 	s.crowded = true;
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_EXHAUSTED);
@@ -200,6 +211,99 @@ static void records_come_first(void **state)
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_STALLED);
 }
 
+/* Noise that alone is too much asks for rays before records are many, as no record lessens it. */
+static void rays_come_before_records(void **state)
+{
+	(void)state;
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	o.max_error = 0.01f;
+	gw_refine_state s = state_of(&o, 0.03, 0.011);
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_EXHAUSTED);
+	assert_int_equal(gw_refine_next(&s, &next, why), GW_REFINE_ROUND);
+	/* The rest is large, so noise is left 0.4 of what is wanted: 1.21 / 0.4 times the rays. */
+	assert_in_range(next.rays, (uint32_t)(3.025 * o.rays) - 1, (uint32_t)(3.025 * o.rays) + 2);
+	assert_true(next.record_spacing == o.record_spacing);
+	s.error.noise = 0.007;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	/* No more than there can be. */
+	s.error.noise = 0.011;
+	o.rays = 4096;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+	o.rays = 64;
+	o.method = GW_METHOD_CONES;
+	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
+}
+
+static gw_price_task priced(double gathered, double noise, double shadows)
+{
+	return (gw_price_task){ .error = { .points = 1000,
+									   .relative_rms = hypot(gathered, shadows),
+									   .gathered = gathered,
+									   .noise = noise,
+									   .shadows = shadows },
+							.rays = 64,
+							.records = 8000,
+							.spacing = 5.0,
+							.fixed_seconds = 3.0,
+							.round_seconds = 0.5,
+							.ray_seconds = 1e-6 };
+}
+
+/* Where all is noise of 64 rays, half of it takes 2^2 times as many, and twice that and a little
+ * because the rest is to have its share; one round finds that out. */
+static void price_of_noise(void **state)
+{
+	(void)state;
+	gw_price_task t = priced(0.02, 0.02, 0.0);
+	gw_price price = gw_price_of_less(&t);
+	assert_true(price.error == 0.01);
+	double rays = 64 * 4 / (0.5 * 0.85 * 0.85);
+	double seconds = 3.0 + 2 * 0.5 + 1e-6 * 8000 * (rays + 64);
+	/* Sums and products of a few doubles. */
+	assert_true(fabs(price.seconds - seconds) < 1e-9);
+	/* Denser records to begin with are not needed for it. */
+	t.spacing = 2.5;
+	assert_true(gw_price_of_less(&t).seconds < price.seconds);
+	/* More rays than there can be. */
+	assert_true(gw_price_of(&t, 0.02 / 12).seconds == 0.0);
+}
+
+static void less_error_costs_more(void **state)
+{
+	(void)state;
+	gw_price_task t = priced(0.04, 0.01, 0.002);
+	double last = 0.0;
+	for (double error = 0.04; error > 0.008; error *= 0.8) {
+		gw_price price = gw_price_of(&t, error);
+		assert_true(price.error == error && price.seconds > last);
+		last = price.seconds;
+	}
+	/* What was refined has no more to win by putting records where they are needed. */
+	double even = gw_price_of(&t, 0.015).seconds;
+	t.refined = true;
+	assert_true(gw_price_of(&t, 0.015).seconds > even);
+}
+
+/* Edges of shadows are a floor: half of 3.2 % is below 3 %, and so is all that can be had. */
+static void shadows_are_a_floor(void **state)
+{
+	(void)state;
+	gw_price_task t = priced(0.011, 0.008, 0.03);
+	gw_price price = gw_price_of_less(&t);
+	assert_true(price.error == 0.0 && price.seconds == 0.0);
+	assert_true(gw_price_of(&t, 0.03).seconds == 0.0);
+	/* With more besides, half of that can go; two digits, never less than it is. */
+	t = priced(0.04, 0.008, 0.02);
+	price = gw_price_of_less(&t);
+	assert_true(price.error >= hypot(0.02 / 0.85, 0.02) && price.error < 0.0321);
+	assert_true(fabs(price.error * 1000 - round(price.error * 1000)) < 1e-9);
+	assert_true(price.seconds > 0.0);
+	t = priced(0.0, 0.0, 0.05);
+	assert_true(gw_price_of_less(&t).error == 0.0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -211,6 +315,10 @@ int main(void)
 		cmocka_unit_test(what_does_not_help_ends),
 		cmocka_unit_test(time_makes_steps_smaller),
 		cmocka_unit_test(records_come_first),
+		cmocka_unit_test(rays_come_before_records),
+		cmocka_unit_test(price_of_noise),
+		cmocka_unit_test(less_error_costs_more),
+		cmocka_unit_test(shadows_are_a_floor),
 	};
 	return cmocka_run_group_tests_name("refine", tests, NULL, NULL);
 }
