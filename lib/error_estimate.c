@@ -147,11 +147,8 @@ static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw
 		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 						 16 * (uint64_t)records->count, "record irradiance", &total, error);
 	const gw_buffer *parts[2] = { &records->first, &records->indirect };
-	for (int i = 0; i < 2 && status == GW_OK; i++) {
-		const gw_binding bindings[] = { gw_window(parts[i], 16), gw_window(&total, 16) };
-		status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 },
-							   records->count, error);
-	}
+	for (int i = 0; i < 2 && status == GW_OK; i++)
+		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  32 * (uint64_t)task->octree->leaf_count, "final lobe radiance",
@@ -225,8 +222,8 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										   .seed = rays->seed };
 	gw_status status = count_behind(task->passes->gpu, rays, e, error);
 	if (status == GW_OK && task->openings)
-		status = gw_ray_gather_open(task->passes, task->octree, &e->place, task->openings, rays,
-									error);
+		status =
+			gw_ray_gather_open(task->passes, task->octree, &e->place, task->openings, rays, error);
 	if (status == GW_OK)
 		status = gather_from(task, rays, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)

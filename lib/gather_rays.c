@@ -248,6 +248,37 @@ gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, 
 						 error);
 }
 
+/* What the rays themselves meet, and what was sampled. */
+static gw_status gather_hits(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, const gw_sampled_sources *sources,
+							 gw_record_push push, const gw_buffer *sampled, gw_buffer *irradiance,
+							 gw_error *error)
+{
+	const gw_buffer *radiance = sources->emitters->radiance;
+	/* The directions of the rays are made again, from their seed. */
+	push.seed = gather->seed;
+	if (push.openings > 0) {
+		push.sky = (vec4){ 0 };
+		push.sky_hits = 0;
+	}
+	if (gw_gpu_is_host(passes->gpu) && push.sky_hits == 0) {
+		gw_host_record_first(passes, octree, records, gather, sources, &push, sampled, irradiance);
+		return GW_OK;
+	}
+	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+									gw_whole(&gather->distance),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(radiance),
+									gw_window(sampled, 16),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(irradiance, 16),
+									gw_whole(sources->part ? sources->part : radiance),
+									gw_whole(push.sky_width > 0 ? &sources->map->texel
+																: radiance) };
+	return gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
+}
+
 /* All sources at once. */
 static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								const gw_ray_gather *gather, const gw_sampled_sources *sources,
@@ -281,28 +312,9 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 		status = sample_sky(passes, octree, records, sources, push, &sampled, error);
 	if (status == GW_OK && push.openings > 0)
 		status = add_opened(passes, records, gather, sources, push, &sampled, error);
-	if (status == GW_OK) {
-		/* The directions of the rays are made again, from their seed. */
-		push.seed = gather->seed;
-		if (push.openings > 0) {
-			push.sky = (vec4){ 0 };
-			push.sky_hits = 0;
-		}
-		const gw_binding bindings[] = {
-			gw_whole(&gather->lobe),
-			gw_whole(&gather->distance),
-			gw_whole(&octree->lobe_plane),
-			gw_whole(emitters->radiance),
-			gw_window(&sampled, 16),
-			gw_window(&records->position, 16),
-			gw_window(&records->normal, 16),
-			gw_window(irradiance, 16),
-			gw_whole(sources->part ? sources->part : emitters->radiance),
-			gw_whole(push.sky_width > 0 ? &sources->map->texel : emitters->radiance)
-		};
-		status =
-			gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
-	}
+	if (status == GW_OK)
+		status = gather_hits(passes, octree, records, gather, sources, push, &sampled, irradiance,
+							 error);
 	gw_buffer_destroy(passes->gpu, &sampled);
 	return status;
 }

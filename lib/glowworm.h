@@ -222,7 +222,7 @@ typedef struct gw_bake_options {
 						.light_samples = 64,                                                       \
 						.cones = 16,                                                               \
 						.record_spacing = 2.5f,                                                    \
-						.estimate_points = 1000,                                                   \
+						.estimate_points = 500,                                                    \
 						.shadow_map_size = 1024 })
 
 /* How good a bake is to be, as settings that go together. */

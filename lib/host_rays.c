@@ -246,6 +246,97 @@ void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_rec
 				 sample_skies, &job);
 }
 
+/* -------------------------------------------------------------------------------- first light */
+
+typedef struct first_light {
+	gw_record_push push;
+	const uint32_t *lobe;
+	const float *distance, *plane, *radiance, *part, *sampled;
+	float *position, *normal, *irradiance;
+} first_light;
+
+/* Share of an emitter's light that the hit of gather ray k stands for. */
+static float hit_share(const first_light *job, size_t record, uint32_t k, size_t lobe, float t)
+{
+	const gw_record_push *push = &job->push;
+	gw_vec3 g = gw_xyz(job->position + 4 * record), normal = gw_xyz(job->normal + 4 * record);
+	gw_vec3 direction = gw_record_ray(g, normal, k, push->rays, push->seed);
+	float cosine = gw_larger(0.0f, gw_dot(normal, direction));
+	float cosine_emitter = gw_larger(1e-4f, -gw_dot(gw_xyz(job->plane + 4 * lobe), direction));
+	float emission = gw_luminance_of(gw_xyz(job->radiance + 4 * lobe));
+	float density = emission / push->emitter_power * t * t / cosine_emitter;
+	float by_rays = (float)push->rays * cosine / GW_PI;
+	return by_rays / (by_rays + (float)push->light_samples * density);
+}
+
+/* What ray k brings. */
+static gw_vec3 light_of_ray(const first_light *job, size_t record, uint32_t k)
+{
+	const gw_record_push *push = &job->push;
+	size_t ray = record * push->rays + k, lobe = job->lobe[ray];
+	if (lobe == GW_NONE)
+		return gw_xyz(&push->sky.x);
+	if (!push->use_hits || !(gw_luminance_of(gw_xyz(job->radiance + 4 * lobe)) > 0.0f))
+		return (gw_vec3){ 0 };
+	float share =
+		push->light_samples ? hit_share(job, record, k, lobe, fabsf(job->distance[ray])) : 1.0f;
+	return gw_times(gw_xyz(job->part + 4 * lobe), share);
+}
+
+/* The nearest thing that a record sees, and whether it lies inside something solid. */
+static void look_around(const first_light *job, size_t record)
+{
+	const float *distance = job->distance + record * job->push.rays;
+	float nearest = FAR;
+	uint32_t behind = 0;
+	for (uint32_t k = 0; k < job->push.rays; k++) {
+		behind += distance[k] < 0.0f;
+		nearest = gw_smaller(nearest, fabsf(distance[k]));
+	}
+	job->position[4 * record + 3] = nearest;
+	job->normal[4 * record + 3] = 2 * behind > job->push.rays ? 0.0f : 1.0f;
+}
+
+static void add_first(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const first_light *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		gw_vec3 sum = { 0 };
+		float *own = job->irradiance + 4 * i;
+		for (uint32_t k = 0; k < job->push.rays; k++)
+			sum = gw_plus(sum, light_of_ray(job, i, k));
+		if (!job->push.looked)
+			look_around(job, i);
+		sum = gw_times(sum, GW_PI / (float)job->push.rays);
+		sum = gw_times(gw_plus(sum, gw_xyz(job->sampled + 4 * i)), job->normal[4 * i + 3]);
+		own[0] = sum.x;
+		own[1] = sum.y;
+		own[2] = sum.z;
+		own[3] = 0.0f;
+	}
+}
+
+void gw_host_record_first(gw_passes *passes, const gw_octree *octree, gw_records *records,
+						  const gw_ray_gather *gather, const gw_sampled_sources *sources,
+						  const gw_record_push *push, const gw_buffer *sampled,
+						  gw_buffer *irradiance)
+{
+	const gw_buffer *radiance = sources->emitters->radiance;
+	first_light job = { .push = *push,
+						.lobe = gather->lobe.mapped,
+						.distance = gather->distance.mapped,
+						.plane = octree->lobe_plane.mapped,
+						.radiance = radiance->mapped,
+						.part = (sources->part ? sources->part : radiance)->mapped,
+						.sampled = sampled->mapped,
+						.position = records->position.mapped,
+						.normal = records->normal.mapped,
+						.irradiance = irradiance->mapped };
+	gw_host_loop(passes, GW_PASS_RECORD_FIRST, records->count, chunk_of(push->rays), add_first,
+				 &job);
+}
+
 /* ------------------------------------------------------------------------------- shadow rays */
 
 typedef struct shadows {

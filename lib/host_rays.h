@@ -30,6 +30,14 @@ void gw_host_record_emitters(gw_passes *passes, const gw_octree *octree, const g
 void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						const gw_sky_map *map, const gw_record_push *push, gw_buffer *sampled);
 
+/* record_first.comp, where rays see no map of the sky.
+ *   sampled      vec4 a record, what the samples brought
+ *   irradiance   receives vec4 a record */
+void gw_host_record_first(gw_passes *passes, const gw_octree *octree, gw_records *records,
+						  const gw_ray_gather *gather, const gw_sampled_sources *sources,
+						  const gw_record_push *push, const gw_buffer *sampled,
+						  gw_buffer *irradiance);
+
 /* light_visibility.comp, of `count` surfels.
  *   normal       vec4 a surfel: what octree->surfel_normal holds, for lamps
  *   visibility   receives a float a surfel */

@@ -346,12 +346,12 @@ static float *sampled(fixture *f, const gw_emitters *emitters, const gw_sky_map 
 {
 	gw_solver *s = &f->solver;
 	gw_error error = { 0 };
-	const float black[3] = { 0 };
+	const float sky[3] = { 0.1f, 0.2f, 0.4f };
 	gw_buffer irradiance = random_vectors(f, s->records.count);
 	const gw_sampled_sources sources = { .emitters = emitters,
 										 .samples = 64,
 										 .use_hits = true,
-										 .sky = black,
+										 .sky = sky,
 										 .map = map,
 										 .map_samples = 64,
 										 .map_hits = true,
@@ -396,6 +396,36 @@ static void samples_alike(void **state)
 	compare_light(sampled(&f, &none, &map, true), sampled(&f, &none, &map, false), count);
 	gw_emitters_destroy(s->gpu, &emitters);
 	gw_sky_map_destroy(s->gpu, &map);
+	tear_down(&f);
+}
+
+/* What lies nearest to each record, and which are buried, all of it by the same hits. */
+static void looks_alike(void **state)
+{
+	(void)state;
+	fixture f;
+	gw_error error = { 0 };
+	float *place[2], *facing[2];
+	set_up(&f);
+	gw_solver *s = &f.solver;
+	for (int host = 0; host < 2; host++) {
+		s->gpu->may_map = host;
+		assert_ok(gw_ray_gather_look(&s->passes, &s->octree, &s->records, &s->rays, &error),
+				  &error);
+		s->gpu->may_map = true;
+		place[host] = contents(&f, &s->records.position);
+		facing[host] = contents(&f, &s->records.normal);
+		assert_ok(gw_buffer_fill(s->gpu, &s->records.position, 0, &error), &error);
+		assert_ok(gw_buffer_fill(s->gpu, &s->records.normal, 0, &error), &error);
+	}
+	for (size_t i = 3; i < 4 * (size_t)s->records.count; i += 4) {
+		assert_true(place[0][i] == place[1][i] && facing[0][i] == facing[1][i]);
+		assert_true(place[0][i] > 0.0f);
+	}
+	for (int host = 0; host < 2; host++) {
+		free(place[host]);
+		free(facing[host]);
+	}
 	tear_down(&f);
 }
 
@@ -620,9 +650,9 @@ int main(void)
 		cmocka_unit_test(shade_alike),   cmocka_unit_test(gather_alike),
 		cmocka_unit_test(average_alike), cmocka_unit_test(add_alike),
 		cmocka_unit_test(rays_alike),    cmocka_unit_test(listed_rays),
-		cmocka_unit_test(samples_alike), cmocka_unit_test(shadows_alike),
-		cmocka_unit_test(lookups_alike), cmocka_unit_test(bounce_alike),
-		cmocka_unit_test(views),
+		cmocka_unit_test(looks_alike),   cmocka_unit_test(samples_alike),
+		cmocka_unit_test(shadows_alike), cmocka_unit_test(lookups_alike),
+		cmocka_unit_test(bounce_alike),  cmocka_unit_test(views),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
