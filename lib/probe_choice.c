@@ -9,8 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define ORDER_REACH 24u   /* surfels after one in Morton order that are looked at */
-#define SAME_SURFACE 0.9f /* least cosine between normals */
+#define ORDER_REACH 24u /* surfels after one in Morton order that are looked at */
 #define CHUNK 4096u
 
 /* So often, or until it cuts off less than the rest of this, a part is clipped. */
@@ -152,15 +151,6 @@ typedef struct contrast_work {
 	double *contrast;
 } contrast_work;
 
-static bool are_neighbours(const gw_surfels *s, size_t i, size_t j)
-{
-	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
-	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
-	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
-		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > SAME_SURFACE;
-}
-
 static void contrast_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const contrast_work *w = user;
@@ -172,7 +162,7 @@ static void contrast_chunk(void *user, size_t first, size_t last, uint32_t worke
 		double sum = 0.0, neighbours = 0.0;
 		for (size_t j = from; j < to; j++) {
 			double off = (double)w->light[i] - (double)w->light[j];
-			if (j == i || !are_neighbours(w->surfels, i, j))
+			if (j == i || !gw_surfels_adjoin(w->surfels, i, j))
 				continue;
 			sum += off * off;
 			neighbours += 1.0;

@@ -10,10 +10,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define ORDER_REACH 12u   /* surfels after one in Morton order that are looked at */
-#define SAME_SURFACE 0.9f /* least cosine between normals */
-#define EDGE_RATIO 0.5    /* light on the dark side of an edge is less than this of the other's */
-#define CHUNK 4096u       /* surfels whose errors are added up at a time */
+#define ORDER_REACH 12u /* surfels after one in Morton order that are looked at */
+#define EDGE_RATIO 0.5  /* light on the dark side of an edge is less than this of the other's */
+#define CHUNK 4096u     /* surfels whose errors are added up at a time */
 
 static const double pi = 3.14159265358979323846;
 
@@ -34,15 +33,6 @@ static double reflected(const shadow_edges *e, size_t surfel, size_t at)
 		   pi;
 }
 
-static bool are_neighbours(const gw_surfels *s, size_t i, size_t j)
-{
-	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
-	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
-	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
-		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > SAME_SURFACE;
-}
-
 /* How far off the edge between two surfels is, in spacings: is anything hidden from the darker one,
  * and does what hides it end at a crease? */
 static double offset_between(const shadow_edges *e, size_t i, size_t j)
@@ -60,7 +50,7 @@ static double edge_at(const shadow_edges *e, size_t i)
 	double own = reflected(e, i, i), sum = 0.0;
 	uint32_t neighbours = 0;
 	for (size_t j = i + 1; j < s->count && j <= i + ORDER_REACH; j++) {
-		if (!are_neighbours(s, i, j))
+		if (!gw_surfels_adjoin(s, i, j))
 			continue;
 		double other = reflected(e, i, j);
 		neighbours++;

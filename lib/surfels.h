@@ -38,17 +38,17 @@ typedef struct gw_surfels {
 	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */
 	float *nearest;       /* count, maximum-norm distance to the nearest other surfel, metres
 							 (Salm 4.3.4); infinity for a cloud of one */
-	float *radius; /* count, metres, of the disc: distance to the 8th neighbour on the surface,
-					  or half that to the furthest where scan lines are far apart */
-	float *area;   /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */
-	float *clip;   /* 6 * count: two half-planes in the disc's plane that cut it at edges:
-					  direction x, y in the disc's tangent frame (gw_tangent_frame) and the
-					  distance beyond which nothing of it lies; (0, 0, 0): none */
-	float *bend;        /* 3 * count or NULL, per metre: how the surface curves away from the disc,
-						   which is bent by it: at (x, y) of the tangent frame it is
-						   (bend[0] x^2 + 2 bend[1] x y + bend[2] y^2) / 2 above its plane */
-	uint8_t *creased;   /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
-						   place is known from both sides */
+	float *radius;    /* count, metres, of the disc: distance to the 8th neighbour on the surface,
+						 or half that to the furthest where scan lines are far apart */
+	float *area;      /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */
+	float *clip;      /* 6 * count: two half-planes in the disc's plane that cut it at edges:
+						 direction x, y in the disc's tangent frame (gw_tangent_frame) and the
+						 distance beyond which nothing of it lies; (0, 0, 0): none */
+	float *bend;      /* 3 * count or NULL, per metre: how the surface curves away from the disc,
+						 which is bent by it: at (x, y) of the tangent frame it is
+						 (bend[0] x^2 + 2 bend[1] x y + bend[2] y^2) / 2 above its plane */
+	uint8_t *creased; /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
+						 place is known from both sides */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */
@@ -97,6 +97,9 @@ typedef struct gw_surfels_options {
 gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
 						  gw_surfels *surfels, gw_error *error);
 void gw_surfels_clear(gw_surfels *surfels);
+
+/* Does surfel j lie on the disc of surfel i, on the same smooth surface? */
+bool gw_surfels_adjoin(const gw_surfels *surfels, size_t i, size_t j);
 
 /*
  * Two unit tangents of a unit normal, right-handed (tangent x bitangent = normal), continuous but

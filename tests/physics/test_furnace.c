@@ -276,6 +276,7 @@ static void error_is_estimated(void **state)
 	gw_light light = scene_point_light(0.5, 0.3, -0.2, 2.0f);
 	gw_bake_options options = options_of(GW_METHOD_RAYS, GW_BOUNCES_AUTO);
 	options.rays = 8;
+	options.estimate_points = 1000;
 	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
 	double squares = 0.0, sum = 0.0;
 	for (size_t i = 0; i < s.count; i++) {
