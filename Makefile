@@ -197,10 +197,10 @@ gallery: deps  ## pictures of the three sample scenes, with and without each eff
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
 		samples/gallery.sh $(BUILD)/gallery
 
-tradeoff: deps  ## error, seconds and memory of many settings, into samples/tradeoff.md
+tradeoff: deps  ## error, seconds and memory of many settings, into the README
 	@$(build_quietly) all
 	@GLOWWORM=$(BUILD)/glowworm MAKE_CAVE=$(BUILD)/samples/make_cave \
-		samples/tradeoff.sh $(BUILD)/tradeoff samples/tradeoff.md
+		samples/tradeoff.sh $(BUILD)/tradeoff README.md
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
