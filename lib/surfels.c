@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Least cosine between the normals of a smooth surface at places a disc apart. */
-#define SMOOTH_LEAST 0.9f
-
 void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3])
 {
 	float s = normal[2] >= 0.0f ? 1.0f : -1.0f;
@@ -132,15 +129,6 @@ gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *opt
 						  gw_surfels *surfels, gw_error *error)
 {
 	return gw_surfels_make_with_gaps(points, options, surfels, NULL, error);
-}
-
-bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
-{
-	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
-	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
-	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
-		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > SMOOTH_LEAST;
 }
 
 void gw_surfels_clear(gw_surfels *surfels)

@@ -98,8 +98,19 @@ gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *opt
 						  gw_surfels *surfels, gw_error *error);
 void gw_surfels_clear(gw_surfels *surfels);
 
-/* Does surfel j lie on the disc of surfel i, on the same smooth surface? */
-bool gw_surfels_adjoin(const gw_surfels *surfels, size_t i, size_t j);
+/* Least cosine between the normals of a smooth surface at places a disc apart. */
+#define GW_SMOOTH_LEAST 0.9f
+
+/* Does surfel j lie on the disc of surfel i, on the same smooth surface? Here because it is asked
+ * of millions of pairs. */
+static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
+{
+	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
+	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
+	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
+		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > GW_SMOOTH_LEAST;
+}
 
 /*
  * Two unit tangents of a unit normal, right-handed (tangent x bitangent = normal), continuous but
