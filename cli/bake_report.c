@@ -232,21 +232,13 @@ void bake_report_explain(const gw_report *r)
 				*r->effect[i].method ? "]" : "");
 }
 
-static double stage_seconds(const gw_report *r, const char *name)
-{
-	double seconds = 0.0;
-	for (uint32_t i = 0; i < r->stage_count; i++)
-		seconds += strcmp(r->stage[i].name, name) == 0 ? r->stage[i].seconds : 0.0;
-	return seconds;
-}
-
 /* The rows of Salm's tables 5.1 to 5.4: what is built once, and what each bounce costs. */
 static void profile_bounces(const gw_report *r)
 {
 	double bounces = r->bounce_count > 1 ? (double)(r->bounce_count - 1) : 1.0;
 	double inject = r->inject_seconds * 1e3, gather = r->gather_seconds * 1e3;
 	fprintf(stderr, "%-18s %9s %12s\n", "thesis's terms", "ms", "ms a bounce");
-	fprintf(stderr, "%-18s %9.1f\n", "static", stage_seconds(r, "octree") * 1e3);
+	fprintf(stderr, "%-18s %9.1f\n", "static", gw_report_seconds(r, "octree") * 1e3);
 	fprintf(stderr, "%-18s %9.1f %12.2f\n", "inj./mip.", inject, inject / bounces);
 	fprintf(stderr, "%-18s %9.1f\n", "rays, traced once", r->trace_seconds * 1e3);
 	fprintf(stderr, "%-18s %9.1f %12.2f\n", "gather", gather, gather / bounces);

@@ -16,7 +16,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Records that would become less than so many times as many stand as close as they may. */
 #define GROWTH_LEAST 1.02
@@ -441,15 +440,6 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
 }
 
-/* Seconds of the stages of that name. */
-static double stage_seconds(const gw_report *report, const char *name)
-{
-	double seconds = 0.0;
-	for (uint32_t i = 0; i < report->stage_count; i++)
-		seconds += strcmp(report->stage[i].name, name) == 0 ? report->stage[i].seconds : 0.0;
-	return seconds;
-}
-
 /* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */
 static double ray_seconds(const bake *b)
 {
@@ -478,7 +468,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 	for (uint32_t i = 0; i < r->stage_count; i++)
 		whole += r->stage[i].seconds;
 	for (size_t i = 0; i < sizeof of_round / sizeof *of_round; i++)
-		round += stage_seconds(r, of_round[i]);
+		round += gw_report_seconds(r, of_round[i]);
 	double records = (double)(r->round_count > 0 ? r->round[0].records : r->records);
 	const gw_price_task task = {
 		.error = r->error,
@@ -486,7 +476,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 		.records = (double)r->records,
 		.spacing = (double)b->solver.options.record_spacing,
 		.refined = b->density.lobe_spacing != NULL,
-		.fixed_seconds = whole - round - stage_seconds(r, "refining"),
+		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
 		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
 		.ray_seconds = ray,
 	};

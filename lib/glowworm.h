@@ -366,6 +366,9 @@ typedef struct gw_report {
 	uint64_t peak_bytes;        /* device memory at its highest */
 } gw_report;
 
+/* Seconds of all stages of that name together; 0 where there are none. */
+double gw_report_seconds(const gw_report *report, const char *stage);
+
 /* ------------------------------------------------------------------------------------ results */
 
 /* The leaves of the octree as voxels, for volume grids. */

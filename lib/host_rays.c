@@ -5,6 +5,7 @@
 
 #include "host_loop.h"
 #include "host_trace.h"
+#include "trace_constants.h"
 #include "transport_layout.h"
 
 #define CHUNK_RAYS 4096u /* that a thread follows at a time */
@@ -154,7 +155,7 @@ static void sample_emitters(void *user, size_t first, size_t last, uint32_t work
 	(void)worker;
 	for (size_t i = first; i < last; i++)
 		sample_record(job, i, sample_emitter, job->push.light_samples,
-					  job->push.seed ^ 0x68bc21ebu);
+					  job->push.seed ^ GW_EMITTER_SEED);
 }
 
 static size_t chunk_of(uint32_t samples)
@@ -227,7 +228,7 @@ static void sample_skies(void *user, size_t first, size_t last, uint32_t worker)
 	const sampling *job = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++)
-		sample_record(job, i, sample_sky, job->push.sky_samples, job->push.seed ^ 0x5851f42du);
+		sample_record(job, i, sample_sky, job->push.sky_samples, job->push.seed ^ GW_SKY_SEED);
 }
 
 void gw_host_record_sky(gw_passes *passes, const gw_octree *octree, const gw_records *records,
@@ -380,8 +381,6 @@ static bool ends_at_crease(const gw_tracer *tracer, uint32_t lobe)
 	return votes > 0;
 }
 
-#define RIM 5u /* rays to the rim of a light: as light_visibility.comp */
-
 /* Aims the s-th ray at a place of the disc that the light shows; `towards` is its middle. */
 static void aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards, float distance,
 				gw_ray *ray)
@@ -424,8 +423,8 @@ static float share_seen(const shadows *job, size_t surfel)
 			seen += 1.0f;
 		else if (ends_at_crease(&job->tracer, lobe))
 			hidden = GW_HIDDEN_BY_CREASE;
-		if (s + 1 == RIM && (seen == 0.0f || seen == (float)RIM))
-			rays = RIM;
+		if (s + 1 == GW_LIGHT_RIM && (seen == 0.0f || seen == (float)GW_LIGHT_RIM))
+			rays = GW_LIGHT_RIM;
 	}
 	return seen / (float)rays + hidden;
 }

@@ -1,21 +1,11 @@
 /*
  * host_trace.c - see host_trace.h. What is done, and why, octree_trace.glsl and octree_discs.glsl
- * say; constants are theirs.
+ * say.
  */
 #include "host_trace.h"
 
+#include "trace_constants.h"
 #include "transport_layout.h"
-
-#define WALK_STEPS 4096u
-
-#define NEAR 2.0f        /* leaf cells */
-#define NEAR_HEIGHT 0.1f /* leaf cells */
-#define LIKE_LEAST 0.1f
-
-#define DISC_SLACK 0.02f /* leaf cells */
-#define DISC_FRAGMENTS 256u
-#define COVER_LEAST 0.2f
-#define SHARE_LEAST 0.05f
 
 gw_tracer gw_tracer_of(const gw_passes *passes, const gw_octree *octree)
 {
@@ -56,7 +46,7 @@ static float disc_density(const float *size, const float *clip)
 {
 	float left = share_left(size[2], size[3], clip[0] / size[0]) +
 				 share_left(clip[1], clip[2], clip[3] / size[0]) - 1.0f;
-	return size[1] / (GW_PI * size[0] * size[0] * gw_larger(left, SHARE_LEAST));
+	return size[1] / (GW_PI * size[0] * size[0] * gw_larger(left, GW_SHARE_LEAST));
 }
 
 /* What a disc says about a place: its vote, and how much it adds to the cover; 0 where it does not
@@ -67,13 +57,13 @@ static int disc_vote(const gw_tracer *tracer, size_t surfel, gw_vec3 at, float *
 	gw_vec3 off = gw_minus(at, gw_xyz(tracer->place + 4 * surfel));
 	gw_vec3 normal = gw_xyz(tracer->facing + 4 * surfel), t, b;
 	off = gw_minus(off, gw_times(normal, gw_dot(normal, off)));
-	float radius = size[0] + DISC_SLACK;
+	float radius = size[0] + GW_DISC_SLACK;
 	if (gw_dot(off, off) > radius * radius)
 		return 0;
 	gw_frame_of(normal, &t, &b);
 	float x = gw_dot(t, off), y = gw_dot(b, off);
 	if (gw_larger(size[2] * x + size[3] * y - clip[0], clip[1] * x + clip[2] * y - clip[3]) >
-		DISC_SLACK)
+		GW_DISC_SLACK)
 		return -1;
 	*cover += disc_density(size, clip);
 	return 2;
@@ -83,7 +73,7 @@ static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 {
 	uint32_t first = tracer->leaf_fragment[slot >> 1],
 			 last = tracer->leaf_fragment[(slot >> 1) + 1];
-	if (last - first > DISC_FRAGMENTS)
+	if (last - first > GW_DISC_FRAGMENTS)
 		return true;
 	int votes = 0;
 	float cover = 0.0f;
@@ -92,7 +82,7 @@ static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 		if (word >> 31 == 0 && (word >> 30 & 1) == (slot & 1))
 			votes += disc_vote(tracer, word & 0x3fffffffu, at, &cover);
 	}
-	return votes > 0 && cover > COVER_LEAST;
+	return votes > 0 && cover > GW_COVER_LEAST;
 }
 
 /* -------------------------------------------------------------------------------------- planes */
@@ -114,11 +104,11 @@ static bool hit_plane(const gw_tracer *tracer, const gw_ray *ray, uint32_t slot,
 	gw_vec3 off = gw_minus(at, centre);
 	if (gw_larger(fabsf(off.x), gw_larger(fabsf(off.y), fabsf(off.z))) > 0.5f + tracer->slack)
 		return false;
-	if (distance < NEAR) {
+	if (distance < GW_NEAR) {
 		gw_vec3 middle = gw_xyz(tracer->lobe_centre + 4 * (size_t)slot);
 		float height = gw_dot(ray->facing, middle) - gw_dot(ray->facing, ray->foot);
 		if (approach > 0.0f ||
-			height < NEAR_HEIGHT * gw_larger(gw_dot(n, ray->facing), LIKE_LEAST))
+			height < GW_NEAR_HEIGHT * gw_larger(gw_dot(n, ray->facing), GW_LIKE_LEAST))
 			return false;
 	}
 	if (approach > 0.0f) {
@@ -237,7 +227,7 @@ gw_ray_hit gw_trace(const gw_tracer *tracer, const gw_ray *ray)
 	float_lanes enter = (side * (1.0f - w.far) - w.origin) * w.inverse;
 	float t_end = gw_smaller(ray->t_max, smallest((side * w.far - w.origin) * w.inverse));
 	float t = gw_larger(0.0f, gw_larger(enter[0], gw_larger(enter[1], enter[2])));
-	for (uint32_t step = 0; step < WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++)
+	for (uint32_t step = 0; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++)
 		t = gw_larger(look_around(tracer, ray, &w, cell_at(&w, t + tracer->nudge), &hit),
 					  t + tracer->nudge);
 	return hit;

@@ -42,6 +42,14 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 
+double gw_report_seconds(const gw_report *report, const char *stage)
+{
+	double seconds = 0.0;
+	for (uint32_t i = 0; i < report->stage_count; i++)
+		seconds += strcmp(report->stage[i].name, stage) == 0 ? report->stage[i].seconds : 0.0;
+	return seconds;
+}
+
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
 					  ...)
 {

@@ -45,10 +45,6 @@ layout(push_constant) uniform Push
 #include "octree_trace.glsl"
 #include "light.glsl"
 
-/* Rays to the rim. The outermost points of the spiral lie less than a quarter of a turn apart, so
- * that a straight edge that all of them miss cuts at most 9 % off the disc. */
-const uint RIM = 5u;
-
 /* Do most of the discs in the lobe's leaf that end there do so at a crease? */
 bool ends_at_crease(uint lobe)
 {
@@ -96,8 +92,8 @@ void main()
 				seen += 1.0;
 			else if (ends_at_crease(lobe))
 				hidden = GW_HIDDEN_BY_CREASE;
-			if (s + 1u == RIM && (seen == 0.0 || seen == float(RIM)))
-				rays = RIM;
+			if (s + 1u == GW_LIGHT_RIM && (seen == 0.0 || seen == float(GW_LIGHT_RIM)))
+				rays = GW_LIGHT_RIM;
 		}
 		seen /= float(rays);
 	}

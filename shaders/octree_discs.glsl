@@ -15,19 +15,7 @@
 #define TRACE_DISCS
 
 #include "sampling.glsl"
-
-/* A ray may pass between two discs that were cut at the same crease. */
-const float DISC_SLACK = 0.02; /* leaf cells */
-
-/* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
-const uint DISC_FRAGMENTS = 256u;
-
-/* Inside a surface the densities of the discs at a place add up to about 1. Where one of some eight
- * is alone, it sticks out over a ridge, and there is no surface. */
-const float COVER_LEAST = 0.2;
-
-/* Two cuts leave no less of a disc than this. */
-const float SHARE_LEAST = 0.05;
+#include "trace_constants.h"
 
 /* Share of a disc that a cut leaves, by the cut's distance in radii; a cut without direction leaves
  * all. */
@@ -41,14 +29,14 @@ float share_left(vec2 direction, float distance)
 float disc_density(vec4 size, vec4 clip)
 {
 	float left = share_left(size.zw, clip.x / size.x) + share_left(clip.yz, clip.w / size.x) - 1.0;
-	return size.y / (PI * size.x * size.x * max(left, SHARE_LEAST));
+	return size.y / (PI * size.x * size.x * max(left, GW_SHARE_LEAST));
 }
 
 bool is_covered(int slot, vec3 at)
 {
 	uint first = texelFetch(leaf_fragment, slot >> 1).x;
 	uint last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
-	if (last - first > DISC_FRAGMENTS)
+	if (last - first > GW_DISC_FRAGMENTS)
 		return true;
 	int votes = 0;
 	float cover = 0.0;
@@ -61,18 +49,18 @@ bool is_covered(int slot, vec3 at)
 		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
 		vec3 normal = texelFetch(surfel_facing, surfel).xyz, t, b;
 		off -= normal * dot(normal, off);
-		float radius = size.x + DISC_SLACK;
+		float radius = size.x + GW_DISC_SLACK;
 		if (dot(off, off) > radius * radius)
 			continue;
 		vec4 clip = texelFetch(surfel_clip, surfel);
 		tangent_frame(normal, t, b);
 		vec2 p = vec2(dot(t, off), dot(b, off));
 		vec2 over = vec2(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w);
-		bool kept = max(over.x, over.y) <= DISC_SLACK;
+		bool kept = max(over.x, over.y) <= GW_DISC_SLACK;
 		votes += kept ? 2 : -1;
 		cover += kept ? disc_density(size, clip) : 0.0;
 	}
-	return votes > 0 && cover > COVER_LEAST;
+	return votes > 0 && cover > GW_COVER_LEAST;
 }
 
 #endif

@@ -6,14 +6,10 @@
 #ifndef OCTREE_TRACE_GLSL
 #define OCTREE_TRACE_GLSL
 
+#include "trace_constants.h"
+
 /* A plane holds a little beyond its cell, so that neighbouring planes leave no crack. */
 layout(constant_id = 3) const float cell_slack = 0.02;
-
-const uint WALK_STEPS = 4096u;
-
-const float NEAR = 2.0;        /* leaf cells */
-const float NEAR_HEIGHT = 0.1; /* leaf cells */
-const float LIKE_LEAST = 0.1;
 
 /* Distance along the ray to where it leaves the box from low to high (cells of that size). */
 float exit_distance(vec3 origin, vec3 inverse, bvec3 forward, vec3 low, vec3 high)
@@ -32,10 +28,10 @@ vec4 tangent_plane_at(vec3 g, vec3 normal)
  * Does the ray meet a lobe's plane within its cell, nearer than t?
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
- * planes that stick out of their cells' surface. So within NEAR cells a plane counts only if its
+ * planes that stick out of their cells' surface. So within GW_NEAR cells a plane counts only if its
  * lobe's centre lies above the tangent plane of that surface, and only its front side. A plane
  * that is not like that surface, as the wall at whose foot it ends, is not one of its own: there
- * NEAR_HEIGHT is less, since the floor may leave but a strip of the wall in its cell.
+ * GW_NEAR_HEIGHT is less, since the floor may leave but a strip of the wall in its cell.
  */
 bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent_plane,
 			   vec3 direction, vec3 centre, inout float t, inout bool behind)
@@ -50,11 +46,11 @@ bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent
 	vec3 off = abs(origin + direction * distance - centre);
 	if (max(off.x, max(off.y, off.z)) > 0.5 + cell_slack)
 		return false;
-	if (distance < NEAR) {
+	if (distance < GW_NEAR) {
 		if (approach > 0.0)
 			return false;
 		float height = dot(tangent_plane.xyz, texelFetch(lobe_centre, slot).xyz) - tangent_plane.w;
-		if (height < NEAR_HEIGHT * max(dot(plane.xyz, tangent_plane.xyz), LIKE_LEAST))
+		if (height < GW_NEAR_HEIGHT * max(dot(plane.xyz, tangent_plane.xyz), GW_LIKE_LEAST))
 			return false;
 	}
 	if (approach > 0.0) {
@@ -93,7 +89,7 @@ bool trace(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool bo
 	t_hit = t_max;
 	behind = false;
 
-	for (uint step = 0u; step < WALK_STEPS && t < t_end; step++) {
+	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end; step++) {
 		vec3 g = origin + direction * (t + nudge);
 		uvec3 cell = uvec3(clamp(g, vec3(0.0), vec3(side - 1.0)));
 		uvec3 c = cell >> coarse_shift;

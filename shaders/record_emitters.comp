@@ -89,7 +89,7 @@ void main()
 		return;
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;
-	uint own = hash2(hash_place(g), push.seed ^ 0x68bc21ebu);
+	uint own = hash2(hash_place(g), push.seed ^ GW_EMITTER_SEED);
 	vec3 sum = vec3(0.0);
 	for (uint m = 0u; m < push.batch_count; m++)
 		sum += sample_emitter(g, normal, push.batch_first + m, hash2(own, push.batch_first + m));

@@ -85,7 +85,7 @@ void main()
 		return;
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;
-	uint own = hash2(hash_place(g), push.seed ^ 0x5851f42du);
+	uint own = hash2(hash_place(g), push.seed ^ GW_SKY_SEED);
 	float openings = openings_weight(g, normal);
 	vec3 sum = vec3(0.0);
 	for (uint k = 0u; k < push.batch_count; k++) {

@@ -1,0 +1,40 @@
+/*
+ * trace_constants.h - numbers by which rays are traced and samples drawn, the same for passes and
+ * for the loops of the host that stand in for them.
+ */
+#ifndef TRACE_CONSTANTS_H
+#define TRACE_CONSTANTS_H
+
+/* Cells that a ray visits, at most. */
+#define GW_WALK_STEPS 4096u
+
+/* Within so many leaf cells of its start a ray may meet the surface that it leaves; planes that
+ * rise less than that height over it are its own. */
+#define GW_NEAR 2.0f
+#define GW_NEAR_HEIGHT 0.1f
+
+/* Of that height, what a plane across that surface needs. */
+#define GW_LIKE_LEAST 0.1f
+
+/* Leaf cells: a ray may pass between two discs that were cut at the same crease. */
+#define GW_DISC_SLACK 0.02f
+
+/* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
+#define GW_DISC_FRAGMENTS 256u
+
+/* Inside a surface the densities of the discs at a place add up to about 1. Where one of some eight
+ * is alone, it sticks out over a ridge, and there is no surface. */
+#define GW_COVER_LEAST 0.2f
+
+/* Two cuts leave no less of a disc than this. */
+#define GW_SHARE_LEAST 0.05f
+
+/* Rays to the rim of a light. The outermost points of the spiral lie less than a quarter of a turn
+ * apart, so that a straight edge that all of them miss cuts at most 9 % off the disc. */
+#define GW_LIGHT_RIM 5u
+
+/* Set the random numbers of a record's samples apart from those of its rays. */
+#define GW_EMITTER_SEED 0x68bc21ebu
+#define GW_SKY_SEED 0x5851f42du
+
+#endif
