@@ -1,7 +1,8 @@
-/* normals.c - normals for points that come without; see surfel_steps.h. */
+/* normals.c - normals for points that come without; see surfel_steps.h and normal_sides.h. */
 #include "surfel_steps.h"
 
 #include "memory.h"
+#include "normal_sides.h"
 #include "plane_normal.h"
 
 #include <math.h>
@@ -22,6 +23,11 @@
 
 #define VOTES 2
 
+/* A neighbour's plane is taken when it leaves less than this of what the own plane leaves: noise
+ * alone, whose squares over 14 degrees of freedom vary by 0.38, rarely does. */
+#define BETTER_PLANE 0.15f
+#define PLANE_ROUNDS 2
+
 /* What is known of one estimated normal. */
 enum {
 	GIVEN = 0, /* nothing was estimated */
@@ -31,80 +37,17 @@ enum {
 	NEGATIVE = 8,  /* the vote's result: points the other way */
 };
 
-typedef enum orientation {
-	TO_POSITIONS, /* the scanner that saw it, or the nearest of several scanners or lights */
-	AGAINST_SUN,
-	UPWARDS,
-	TO_MIDDLE,
-} orientation;
-
 typedef struct normal_step {
 	gw_surfels *surfels;
 	gw_neighbours *search;
-	orientation orientation;
-	double *target; /* 3 * target_count, local; of TO_POSITIONS and TO_MIDDLE */
-	size_t target_count;
-	uint32_t *target_of; /* count, the one that saw each surfel, or NULL: the nearest */
-	double direction[3]; /* of AGAINST_SUN and UPWARDS */
-	bool guessed;        /* nothing in the scene says where the outside is */
-	uint8_t *state;      /* count, bits as above */
-	uint8_t *next;       /* count, state after the vote */
+	double *scanner; /* 3 * scanner_count, local */
+	size_t scanner_count;
+	uint32_t *scanner_of; /* count, the one that saw each surfel, or NULL: the nearest */
+	uint8_t *state;       /* count, bits as above */
+	uint8_t *next;        /* count, state after the vote */
+	float *plane;         /* 4 * count: normal, and what of its neighbours' spread it leaves */
+	float *better;        /* 4 * count, planes after a round of choosing */
 } normal_step;
-
-static bool has_power(const float value[3])
-{
-	return value[0] > 0 || value[1] > 0 || value[2] > 0;
-}
-
-static bool is_lamp(const gw_light *light)
-{
-	return (light->type == GW_LIGHT_POINT || light->type == GW_LIGHT_SPOT) &&
-		   has_power(light->intensity);
-}
-
-static bool add_target(normal_step *step, const double position[3])
-{
-	double *target = gw_resize_array(step->target, step->target_count + 1, 3 * sizeof *target);
-	if (!target)
-		return false;
-	step->target = target;
-	for (size_t k = 0; k < 3; k++)
-		target[3 * step->target_count + k] = position[k] - step->surfels->origin[k];
-	step->target_count++;
-	return true;
-}
-
-static bool find_sun(normal_step *step, const gw_surfels_options *options)
-{
-	for (size_t i = 0; i < options->light_count; i++) {
-		const gw_light *light = options->lights + i;
-		if (light->type != GW_LIGHT_SUN || !has_power(light->irradiance))
-			continue;
-		for (int k = 0; k < 3; k++)
-			step->direction[k] = -light->direction[k];
-		step->orientation = AGAINST_SUN;
-		return true;
-	}
-	return false;
-}
-
-static bool guess_outside(normal_step *step)
-{
-	const gw_surfels *s = step->surfels;
-	float size[3];
-	double middle[3];
-	for (int k = 0; k < 3; k++) {
-		size[k] = s->maximum[k] - s->minimum[k];
-		middle[k] = 0.5 * ((double)s->maximum[k] + (double)s->minimum[k]) + s->origin[k];
-	}
-	step->guessed = true;
-	step->orientation = UPWARDS;
-	step->direction[2] = 1;
-	if (size[2] < 0.5f * fminf(size[0], size[1]))
-		return true;
-	step->orientation = TO_MIDDLE;
-	return add_target(step, middle);
-}
 
 /* Points that became one surfel may have been seen by several scanners: the first one counts. */
 static bool assign_scanners(normal_step *step, const gw_points *points)
@@ -112,14 +55,14 @@ static bool assign_scanners(normal_step *step, const gw_points *points)
 	const gw_surfels *s = step->surfels;
 	if (!points->scanner_of)
 		return true;
-	step->target_of = gw_allocate_array(s->count, sizeof *step->target_of);
-	if (!step->target_of)
+	step->scanner_of = gw_allocate_array(s->count, sizeof *step->scanner_of);
+	if (!step->scanner_of)
 		return false;
-	memset(step->target_of, 0xff, s->count * sizeof *step->target_of);
+	memset(step->scanner_of, 0xff, s->count * sizeof *step->scanner_of);
 	for (size_t i = 0; i < s->point_count; i++) {
 		uint32_t surfel = s->surfel_of_point[i];
-		if (surfel != UINT32_MAX && points->scanner_of[i] < step->target_of[surfel])
-			step->target_of[surfel] = points->scanner_of[i];
+		if (surfel != UINT32_MAX && points->scanner_of[i] < step->scanner_of[surfel])
+			step->scanner_of[surfel] = points->scanner_of[i];
 	}
 	return true;
 }
@@ -133,34 +76,31 @@ static bool has_scanners(const gw_points *points)
 	return points->scanner_count > 0;
 }
 
-static bool choose_orientation(normal_step *step, const gw_points *points,
-							   const gw_surfels_options *options)
+static bool find_scanners(normal_step *step, const gw_points *points)
 {
-	step->orientation = TO_POSITIONS;
-	if (has_scanners(points)) {
-		for (size_t i = 0; i < points->scanner_count; i++)
-			if (!add_target(step, points->scanner + 3 * i))
-				return false;
-		return assign_scanners(step, points);
-	}
-	for (size_t i = 0; i < options->light_count; i++)
-		if (is_lamp(options->lights + i) && !add_target(step, options->lights[i].position))
-			return false;
-	return step->target_count > 0 || find_sun(step, options) || guess_outside(step);
+	if (!has_scanners(points))
+		return true;
+	step->scanner = gw_allocate_array(points->scanner_count, 3 * sizeof *step->scanner);
+	if (!step->scanner)
+		return false;
+	step->scanner_count = points->scanner_count;
+	for (size_t k = 0; k < 3 * points->scanner_count; k++)
+		step->scanner[k] = points->scanner[k] - step->surfels->origin[k % 3];
+	return assign_scanners(step, points);
 }
 
-/* Unit vector the normal of a surfel should point along. */
-static void outside_of(const normal_step *step, size_t surfel, double way[3])
+/* Unit vector to the scanner that saw a surfel; upwards when there is none. */
+static void way_to_scanner(const normal_step *step, size_t surfel, double way[3])
 {
 	const float *p = step->surfels->position + 3 * surfel;
-	double best = INFINITY;
-	memcpy(way, step->direction, 3 * sizeof *way);
-	size_t own = step->target_of ? step->target_of[surfel] : step->target_count;
-	bool known = own < step->target_count;
-	for (size_t i = known ? own : 0; i < (known ? own + 1 : step->target_count); i++) {
+	double best = INFINITY, up[3] = { 0, 0, 1 };
+	memcpy(way, up, sizeof up);
+	size_t own = step->scanner_of ? step->scanner_of[surfel] : step->scanner_count;
+	bool known = own < step->scanner_count;
+	for (size_t i = known ? own : 0; i < (known ? own + 1 : step->scanner_count); i++) {
 		double d[3], squared = 0;
 		for (size_t k = 0; k < 3; k++) {
-			d[k] = step->target[3 * i + k] - (double)p[k];
+			d[k] = step->scanner[3 * i + k] - (double)p[k];
 			squared += d[k] * d[k];
 		}
 		if (squared < best) {
@@ -214,7 +154,7 @@ static bool spans_plane(const float *point, size_t count, const float normal[3])
 	return half - root > LINE_RATIO * (half + root);
 }
 
-/* Where there is no plane: the outside's direction, made perpendicular to the line on which the
+/* Where there is no plane: the way to the scanner, made perpendicular to the line on which the
  * neighbours lie, if they lie on one. */
 static void fallback_normal(const float *point, size_t count, const double way[3], float normal[3])
 {
@@ -231,7 +171,7 @@ static void fallback_normal(const float *point, size_t count, const double way[3
 		n[k] = way[k] - along * axis[k];
 		n_length += n[k] * n[k];
 	}
-	if (n_length < 1e-6) { /* the line points outside: any perpendicular */
+	if (n_length < 1e-6) { /* the line points there: any perpendicular */
 		float along_axis[3] = { (float)way[0], (float)way[1], (float)way[2] }, bitangent[3];
 		gw_tangent_frame(along_axis, normal, bitangent);
 		return;
@@ -243,27 +183,84 @@ static void fallback_normal(const float *point, size_t count, const double way[3
 static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	normal_step *step = user;
-	float *normal = step->surfels->normal + 3 * surfel;
-	float point[3 * (GW_NEIGHBOURS + 1)], curvature = 0;
-	double way[3], cosine = 0;
+	const float *normal = step->surfels->normal + 3 * surfel;
+	float point[3 * (GW_NEIGHBOURS + 1)], *plane = step->plane + 4 * surfel;
+	double way[3];
+	memcpy(plane, normal, 3 * sizeof *plane);
+	plane[3] = INFINITY;
 	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
 		return;
 	size_t count = gather_points(step->surfels, surfel, list, point);
-	uint8_t state = ESTIMATED;
-	outside_of(step, surfel, way);
-	if (!gw_plane_normal(point, count, normal, &curvature) || !spans_plane(point, count, normal)) {
-		fallback_normal(point, count, way, normal);
-		state |= UNTRUSTED;
+	step->state[surfel] = ESTIMATED;
+	if (gw_plane_normal(point, count, plane, plane + 3) && spans_plane(point, count, plane))
+		return;
+	way_to_scanner(step, surfel, way);
+	fallback_normal(point, count, way, plane);
+	plane[3] = INFINITY;
+	step->state[surfel] |= UNTRUSTED;
+}
+
+/*
+ * Near a crease the neighbours lie on both of its faces, and the plane through them on neither.
+ * Such a surfel takes the plane of a neighbour that knows one face alone, if it lies on that one,
+ * too: its own height above it counts like the spread of the neighbour's points, both squared and
+ * in units of the reach.
+ */
+static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	normal_step *step = user;
+	const float *p = step->surfels->position + 3 * surfel, *own = step->plane + 4 * surfel;
+	float *better = step->better + 4 * surfel;
+	memcpy(better, own, 4 * sizeof *better);
+	if (!(step->state[surfel] & ESTIMATED) || step->state[surfel] & UNTRUSTED)
+		return;
+	float reach = list->distance[list->count - 1], least = BETTER_PLANE * own[3];
+	for (uint32_t j = 0; j < list->count; j++) {
+		const float *q = step->surfels->position + 3 * (size_t)list->index[j];
+		const float *plane = step->plane + 4 * (size_t)list->index[j];
+		float height = 0;
+		for (size_t k = 0; k < 3; k++)
+			height += plane[k] * (p[k] - q[k]) / reach;
+		if (plane[3] + height * height < least) {
+			least = plane[3] + height * height;
+			memcpy(better, plane, 3 * sizeof *better);
+			better[3] = least;
+		}
 	}
-	for (int k = 0; k < 3; k++)
-		cosine += way[k] * (double)normal[k];
-	for (int k = 0; k < 3; k++)
-		normal[k] = cosine < 0 ? -normal[k] : normal[k];
-	if (fabs(cosine) < (double)SURE_COSINE || step->guessed)
-		state |= UNSURE;
-	if (fabs(cosine) <= (double)UNTRUSTED_COSINE || curvature > CURVATURE_MAX || step->guessed)
-		state |= UNTRUSTED;
-	step->state[surfel] = state;
+}
+
+/* A neighbour of a neighbour may know the face where no neighbour does. */
+static gw_status choose_planes(normal_step *step, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (int round = 0; round < PLANE_ROUNDS && status == GW_OK; round++) {
+		status = gw_neighbours_visit(step->search, choose_plane, step, error);
+		float *swap = step->plane;
+		step->plane = step->better;
+		step->better = swap;
+	}
+	return status;
+}
+
+/* Takes the planes' normals, to the scanner where there is one. */
+static void set_normals(normal_step *step)
+{
+	for (size_t i = 0; i < step->surfels->count; i++) {
+		const float *plane = step->plane + 4 * i;
+		double way[3], cosine = 0;
+		if (!(step->state[i] & ESTIMATED))
+			continue;
+		way_to_scanner(step, i, way);
+		for (int k = 0; k < 3; k++)
+			cosine += way[k] * (double)plane[k];
+		for (size_t k = 0; k < 3; k++)
+			step->surfels->normal[3 * i + k] = cosine < 0 ? -plane[k] : plane[k];
+		if (step->scanner_count && fabs(cosine) < (double)SURE_COSINE)
+			step->state[i] |= UNSURE;
+		if ((step->scanner_count && fabs(cosine) <= (double)UNTRUSTED_COSINE) ||
+			plane[3] > CURVATURE_MAX)
+			step->state[i] |= UNTRUSTED;
+	}
 }
 
 /* Neighbours on the same surface vote on the sign of an unsure normal; sure ones count four times.
@@ -320,6 +317,23 @@ static void apply_states(normal_step *step)
 	}
 }
 
+/* Without a scanner: the front of every piece of surface as a whole. */
+static gw_status choose_sides(normal_step *step, const gw_surfels_options *options, gw_error *error)
+{
+	size_t count = step->surfels->count;
+	uint8_t *doubtful = gw_allocate_array(count, sizeof *doubtful);
+	for (size_t i = 0; doubtful && i < count; i++)
+		step->next[i] = (step->state[i] & ESTIMATED) != 0;
+	gw_status status =
+		doubtful
+			? gw_normal_sides(options, step->search, step->surfels, step->next, doubtful, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
+	for (size_t i = 0; status == GW_OK && i < count; i++)
+		step->state[i] |= doubtful[i] ? UNTRUSTED : 0;
+	free(doubtful);
+	return status;
+}
+
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
 {
@@ -329,18 +343,26 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 	step.state = gw_allocate_zeros(surfels->count, sizeof *step.state);
 	step.next = gw_allocate_zeros(surfels->count, sizeof *step.next);
 	gw_status status = GW_OK;
-	if (!step.state || !step.next || !choose_orientation(&step, points, options))
+	step.plane = gw_allocate_array(surfels->count, 4 * sizeof *step.plane);
+	step.better = gw_allocate_array(surfels->count, 4 * sizeof *step.better);
+	if (!step.state || !step.next || !step.plane || !step.better || !find_scanners(&step, points))
 		status =
 			gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, estimate_normal, &step, error);
 	if (status == GW_OK)
-		status = run_votes(&step, error);
+		status = choose_planes(&step, error);
+	if (status == GW_OK)
+		set_normals(&step);
+	if (status == GW_OK)
+		status = step.scanner_count ? run_votes(&step, error) : choose_sides(&step, options, error);
 	if (status == GW_OK)
 		apply_states(&step);
 	free(step.state);
 	free(step.next);
-	free(step.target);
-	free(step.target_of);
+	free(step.plane);
+	free(step.better);
+	free(step.scanner);
+	free(step.scanner_of);
 	return status;
 }

@@ -27,12 +27,29 @@
  * the squared distance, y the squared height. */
 typedef struct line_sums {
 	float count, x, y, xx, xy;
+	float others, height, turn; /* of neighbours on another face: sums of the surfel's height over
+								   it and of the squared difference of the normals */
 } line_sums;
 
 typedef struct plane_step {
 	const gw_surfels *surfels;
 	line_sums *sums; /* count */
 } plane_step;
+
+static void add_other(const gw_surfels *s, size_t surfel, size_t other, double reach,
+					  line_sums *sums)
+{
+	const float *p = s->position + 3 * surfel, *q = s->position + 3 * other;
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	double height = 0, cosine = 0;
+	for (size_t k = 0; k < 3; k++) {
+		height += (double)m[k] * ((double)p[k] - (double)q[k]) / reach;
+		cosine += (double)n[k] * (double)m[k];
+	}
+	sums->others += 1;
+	sums->height += (float)height;
+	sums->turn += (float)(2 - 2 * cosine);
+}
 
 /* Heights are taken along the mean of both normals: they are 0 on circles, and the sign of the
  * neighbour's is made to fit. */
@@ -48,8 +65,10 @@ static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *
 		size_t other = list->index[j];
 		const float *q = s->position + 3 * other, *m = s->normal + 3 * other;
 		double sign, height = 0, near = (double)list->distance[j] / reach;
-		if (isnan(gw_normal_difference(s, surfel, other, &sign)))
+		if (isnan(gw_normal_difference(s, surfel, other, &sign))) {
+			add_other(s, surfel, other, reach, sums);
 			continue;
+		}
 		for (size_t k = 0; k < 3; k++)
 			height += 0.5 * ((double)n[k] + sign * (double)m[k]) * ((double)q[k] - (double)p[k]);
 		float x = (float)(near * near), y = (float)(height * height / (reach * reach));
@@ -105,11 +124,26 @@ static region_line fit_line(const line_sums *sums, size_t count)
 	return line;
 }
 
+/*
+ * What a surfel's normal is off because it may be the other face's of a crease: it can lie on that
+ * face when it is no higher above than noise makes it. Halves of the variance between two heights
+ * are of each of the two; of the others here the mean is taken.
+ */
+static double other_turn(const line_sums *sums, const region_line *line)
+{
+	if (!(sums->others > 0) || !(line->noise > 0))
+		return 0;
+	double count = (double)sums->others, height = (double)sums->height / count;
+	double variance = 0.5 * line->noise * (1 + 1 / count);
+	double wrong = 0.5 * exp(-0.5 * height * height / variance);
+	return wrong * (double)sums->turn / count;
+}
+
 /* The slope is shared out by where the heights are: beside creases. */
 static float error_of(const line_sums *sums, const region_line *line)
 {
 	double share = line->excess > 0 ? excess_of(sums, line->noise) / line->excess : 1;
-	return (float)sqrt(SLOPE_FACTOR * line->slope * share + line->turn);
+	return (float)sqrt(SLOPE_FACTOR * line->slope * share + line->turn + other_turn(sums, line));
 }
 
 gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *error)

@@ -55,6 +55,7 @@ static const char usage[] =
 	"      --noise X          standard deviation along the normal, in point spacings (0)\n"
 	"      --normal-noise X   standard deviation of the normals' turns, degrees (0)\n"
 	"      --even             spread points evenly over each triangle, not at random\n"
+	"      --uneven X         densest over sparsest, as from a scanner amid the scene (all the same)\n"
 	"      --float            write positions as float32\n"
 	"      --no-normals       write no normals\n"
 	"      --origin X,Y,Z     add this to all coordinates\n"
@@ -107,6 +108,8 @@ static bool set_option(maker *m, int option, const char *text)
 		m->paths = (uint32_t)value;
 	} else if (option == 'j') {
 		m->threads = (uint32_t)value;
+	} else if (option == 'u') {
+		m->sampling.uneven = value;
 	} else {
 		m->sampling.seed = (uint64_t)value;
 	}
@@ -124,6 +127,7 @@ static bool read_arguments(maker *m, int count, char **argument)
 		{ "noise", required_argument, NULL, 'x' },
 		{ "normal-noise", required_argument, NULL, 'd' },
 		{ "even", no_argument, NULL, 'e' },
+		{ "uneven", required_argument, NULL, 'u' },
 		{ "float", no_argument, NULL, 'f' },
 		{ "no-normals", no_argument, NULL, 'N' },
 		{ "origin", required_argument, NULL, 'O' },

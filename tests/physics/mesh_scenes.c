@@ -478,6 +478,23 @@ static void place_on(const mesh_triangle *t, double a, double b, double out[3])
 				 b * (t->corner[2][k] - t->corner[0][k]);
 }
 
+/* The share of points that a scanner in the middle of the scene finds at a place: they thin out
+ * with the square of the distance and the cosine; what it cannot see is seen from elsewhere. */
+static double scanned_share(const mesh_scene *s, double uneven, const double p[3],
+							const double normal[3])
+{
+	double across = 0.0, square = 0.0, facing = 0.0;
+	for (size_t k = 0; k < 3; k++) {
+		double side = s->high[k] - s->low[k], to = 0.5 * (s->low[k] + s->high[k]) - p[k];
+		across += side * side;
+		square += to * to;
+		facing += to * normal[k];
+	}
+	/* Whole at a fifth of the scene's diagonal. */
+	double share = 0.04 * across * facing / (square * sqrt(square));
+	return share > 1.0 ? 1.0 : share > 1.0 / uneven ? share : 1.0 / uneven;
+}
+
 /* Places on all triangles, `density` a square metre before hidden ones are left out. With out NULL
  * they are only counted. */
 static size_t place_points(const mesh_scene *s, const mesh_sampling *how, double density,
@@ -497,6 +514,9 @@ static size_t place_points(const mesh_scene *s, const mesh_sampling *how, double
 			double place[3];
 			place_on(triangle, a - floor(a), b - floor(b), place);
 			if (is_hidden(s, place, triangle->normal))
+				continue;
+			if (how->uneven > 0.0 && random_number(&state) >= scanned_share(s, how->uneven, place,
+																			triangle->normal))
 				continue;
 			if (out && n == out->count)
 				return n;

@@ -70,6 +70,7 @@ typedef struct mesh_sampling {
 	bool even;           /* on each triangle along a low-discrepancy sequence, else independent */
 	double noise;        /* standard deviation along the normal, in spacings */
 	double normal_noise; /* standard deviation of each normal's turn about two axes, degrees */
+	double uneven;       /* densest over sparsest, as from a scanner amid the scene, or 0 */
 	uint64_t seed;
 } mesh_sampling;
 
@@ -83,8 +84,8 @@ typedef struct mesh_points {
 	double spacing;     /* root of the area that each point stands for, metres */
 } mesh_points;
 
-/* Samples the visible surface, the same number of points on each unit of area; freed with
- * mesh_points_clear. GW_ERROR_MEMORY. */
+/* Samples the visible surface, the same number of points on each unit of area unless uneven; freed
+ * with mesh_points_clear. GW_ERROR_MEMORY. */
 gw_status mesh_points_make(const mesh_scene *scene, const mesh_sampling *sampling,
 						   mesh_points *points, gw_error *error);
 void mesh_points_clear(mesh_points *points);

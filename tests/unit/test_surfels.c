@@ -541,7 +541,7 @@ static double share_right(const gw_surfels *s, const float *normal, float sign)
 	return (double)right / (double)s->point_count;
 }
 
-static void estimated_normals_face_scanner_light_or_sun(void **state)
+static void estimated_normals_face_scanner_or_lamp(void **state)
 {
 	(void)state;
 	cloud c = make_sphere(4000, true, 0.1, 0);
@@ -554,7 +554,6 @@ static void estimated_normals_face_scanner_light_or_sun(void **state)
 		{ .type = GW_LIGHT_POINT, .position = { 0, 0, 0 }, .intensity = { 0, 1, 0 } },
 		{ .type = GW_LIGHT_SUN, .direction = { 0, 0, -2 }, .irradiance = { 1, 1, 1 } },
 	};
-	gw_surfels_options with_lights = { .lights = lights, .light_count = 3 };
 
 	points.scanner = centre;
 	points.scanner_count = 1;
@@ -579,27 +578,84 @@ static void estimated_normals_face_scanner_light_or_sun(void **state)
 	free(seen_by);
 
 	points.scanner_count = 0;
-	gw_surfels lit = make_with(&points, &with_lights);
+	gw_surfels lit =
+		make_with(&points, &(gw_surfels_options){ .lights = lights, .light_count = 3 });
 	assert_same_surfels(&inside, &lit);
-
-	with_lights.lights = lights + 2;
-	with_lights.light_count = 1;
-	gw_surfels sunny = make_with(&points, &with_lights);
-	size_t wrong = 0;
-	for (size_t i = 0; i < sunny.count; i++)
-		wrong += !sunny.two_sided[i] && sunny.normal[3 * i + 2] < 0;
-	/* |cos| <= 0.1 to the sun is a tenth of the sphere: those are the untrusted ones. Noise of the
-	 * normals, some 5 degrees, leaves wrong ones beyond only by chance. */
-	assert_in_range(sunny.normals_untrusted, 300, 500);
-	assert_true(wrong < 10);
 	gw_surfels_clear(&inside);
 	gw_surfels_clear(&lit);
-	gw_surfels_clear(&sunny);
 	free(truth);
 	clear_cloud(&c);
 }
 
-static void guessed_normals_are_lit_from_both_sides(void **state)
+/* Whether a point of the unit cube's surface lies on two faces, nearly. */
+static bool lies_on_edge(const cloud *c, size_t i)
+{
+	int near = 0;
+	for (size_t k = 0; k < 3; k++) {
+		double at = fabs(c->position[3 * i + k]);
+		near += fmin(at, fabs(1 - at)) < 1e-3;
+	}
+	return near > 1;
+}
+
+/* How many points have a normal that is not that of the box they were taken from, to a degree.
+ * Points on an edge itself may have that of either face. */
+static size_t count_wrong(const gw_surfels *s, const cloud *c, const float *normal, float sign)
+{
+	size_t wrong = 0;
+	for (size_t i = 0; i < s->point_count; i++) {
+		const float *n = s->normal + 3 * (size_t)s->surfel_of_point[i], *m = normal + 3 * i;
+		wrong += !lies_on_edge(c, i) && sign * (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]) < 0.9998f;
+	}
+	return wrong;
+}
+
+/*
+ * Signs are of a whole piece of surface: a lamp or the sun that lights part of it turns all of it,
+ * and what encloses the scene is a room. Faces of a box keep their own normals up to the edge. A
+ * corner's three faces may leave a point without a neighbour that knows one of them alone: as many
+ * as have one of the 8 corners within half a spacing, 8 * 3 * pi / 16 = 4.7 on average.
+ */
+static void estimated_normals_are_of_one_side(void **state)
+{
+	(void)state;
+	const struct {
+		gw_light light;
+		float sign; /* 1: out of the box */
+	} lit[] = {
+		{ { .type = GW_LIGHT_POINT, .position = { 0.7, 0.2, 0.9 }, .intensity = { 1, 1, 1 } }, -1 },
+		{ { .type = GW_LIGHT_SUN, .direction = { 1, 0.3, -1 }, .irradiance = { 1, 1, 1 } }, -1 },
+		{ { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } }, -1 },
+	};
+	cloud c = make_box(12000, true, 0, 0);
+	float *truth = c.normal;
+	c.normal = NULL;
+	gw_points points = points_of(&c);
+	for (size_t i = 0; i < sizeof lit / sizeof *lit; i++) {
+		gw_surfels s = make_with(
+			&points, &(gw_surfels_options){ .lights = &lit[i].light, .light_count = 1 });
+		assert_in_range(count_wrong(&s, &c, truth, lit[i].sign), 0, 10);
+		assert_in_range(s.normals_untrusted, 0, 10);
+		gw_surfels_clear(&s);
+	}
+	/* Without its bottom it is a house that stands in the sun: its shaded walls face away, too. */
+	size_t kept = 0;
+	for (size_t i = 0; i < c.count; i++) {
+		if (truth[3 * i + 2] < -0.5f)
+			continue;
+		memmove(c.position + 3 * kept, c.position + 3 * i, 3 * sizeof *c.position);
+		memmove(truth + 3 * kept++, truth + 3 * i, 3 * sizeof *truth);
+	}
+	points.count = kept;
+	gw_surfels house =
+		make_with(&points, &(gw_surfels_options){ .lights = &lit[1].light, .light_count = 1 });
+	assert_in_range(count_wrong(&house, &c, truth, 1), 0, 10);
+	gw_surfels_clear(&house);
+	free(truth);
+	clear_cloud(&c);
+}
+
+static void estimated_normals_point_up_or_inwards(void **state)
 {
 	(void)state;
 	cloud c = make_grid(20);
@@ -607,9 +663,23 @@ static void guessed_normals_are_lit_from_both_sides(void **state)
 	c.normal = NULL;
 	gw_surfels flat = make(&c);
 	for (size_t i = 0; i < flat.count; i++)
-		assert_true(flat.two_sided[i] && flat.normal[3 * i + 2] > 0.99f);
-	assert_int_equal(flat.normals_untrusted, 400);
+		assert_true(!flat.two_sided[i] && flat.normal[3 * i + 2] > 0.99f);
 	gw_surfels_clear(&flat);
+	clear_cloud(&c);
+
+	/* A wall through the middle of all there is has no front. */
+	c = make_grid(20);
+	for (size_t i = 0; i < c.count; i++) {
+		c.position[3 * i + 2] = c.position[3 * i];
+		c.position[3 * i] = 0;
+	}
+	free(c.normal);
+	c.normal = NULL;
+	gw_surfels wall = make(&c);
+	assert_int_equal(wall.normals_untrusted, 400);
+	for (size_t i = 0; i < wall.count; i++)
+		assert_true(wall.two_sided[i] && fabs((double)wall.normal[3 * i]) > 0.99);
+	gw_surfels_clear(&wall);
 	clear_cloud(&c);
 
 	c = make_sphere(2000, true, 0, 0);
@@ -837,9 +907,9 @@ static void errors_of_normals_are_known(void **state)
 }
 
 /*
- * Estimated normals are off beside creases, and where places are noisy. How far is told to a
- * quarter; seen: 3 to 15 % too little. On a plane without noise there is nothing but rounding of
- * float32: 1e-7 of a height, in degrees.
+ * Estimated normals are off where places are noisy, and beside creases those of points that may
+ * lie on either face. How far is told to a quarter; seen: 7 % too much, 9 and 4 % too little. On a
+ * plane there is nothing but rounding of float32: 1e-7 of a height, in degrees.
  */
 static void errors_of_estimated_normals_are_known(void **state)
 {
@@ -857,7 +927,8 @@ static void errors_of_estimated_normals_are_known(void **state)
 			double cosine = 0;
 			for (size_t k = 0; k < 3; k++)
 				cosine += (double)n[k] * (double)truth[3 * i + k];
-			squared += 2 - 2 * fabs(cosine);
+			if (noise[t] > 0 || !lies_on_edge(&c, i))
+				squared += 2 - 2 * fabs(cosine);
 		}
 		double tilt = sqrt(squared / (double)c.count) * 180 / PI;
 		if (!(fabs(expected - tilt) < 0.25 * tilt))
@@ -1412,8 +1483,9 @@ int main(void)
 		cmocka_unit_test(neighbours_are_the_nearest),
 		cmocka_unit_test(nearest_is_exact_in_the_maximum_norm),
 		cmocka_unit_test(given_normals_are_kept),
-		cmocka_unit_test(estimated_normals_face_scanner_light_or_sun),
-		cmocka_unit_test(guessed_normals_are_lit_from_both_sides),
+		cmocka_unit_test(estimated_normals_face_scanner_or_lamp),
+		cmocka_unit_test(estimated_normals_are_of_one_side),
+		cmocka_unit_test(estimated_normals_point_up_or_inwards),
 		cmocka_unit_test(tangent_frame_is_right_handed),
 		cmocka_unit_test(areas_add_up),
 		cmocka_unit_test(scan_lines_are_one_surface),
