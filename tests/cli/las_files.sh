@@ -29,5 +29,5 @@ for axis in x y z; do
 done
 fields back.ply | grep -E 'infrared|albedo_g|intensity'
 head -c 1000 lit.las >cut.las
-glowworm info cut.las
-[ $? -eq 65 ]
+glowworm info cut.las 2>errors
+[ $? -eq 65 ] && sed 's/begin at byte [0-9]*/begin at byte N/' errors >&2
