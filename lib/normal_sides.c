@@ -16,12 +16,15 @@
 /* Least share of the agreement across a seam that has to point one way. */
 #define SEAM_LEAST 0.5
 
-/* Evidence counts where at least this share of it points one way. */
+/* Evidence counts where at least this share of it points one way: of lamps, sky and ground, which
+ * two floors of a house may see differently, and of the space that is enclosed. */
 #define CLEAR 0.3
+#define CLEAR_SPACE 0.15
 /* Of surface that lies across a direction as a whole, least area projected to it. */
 #define SLOPING 0.3
 /* Or where the fronts fill at least this solid angle around a lamp. */
 #define CLEAR_ANGLE 1.0
+#define AREA_MOST 16.0f
 /* Emitting points that stand for all. */
 #define EMITTERS 16
 /* Part of the scene's diagonal from which on a closed piece is a room, not a body within one. */
@@ -344,6 +347,15 @@ static void add_surfel(const side_work *w, size_t surfel, double sign, bool give
 	add_evidence(&to->middle, &to->middle_size, far > 0 ? area * middle / sqrt(far) : 0);
 }
 
+/* A point far from all others stands for no more than this many times what most do. */
+static void limit_areas(side_work *w)
+{
+	size_t count = w->surfels->count;
+	float most = AREA_MOST * gw_rank_float(w->area, count, count / 2);
+	for (size_t i = 0; i < count; i++)
+		w->area[i] = fminf(w->area[i], most);
+}
+
 /* Numbers the pieces; their bounds and centres. */
 static gw_status measure_pieces(side_work *w, gw_error *error)
 {
@@ -384,6 +396,11 @@ static bool is_clear(double sum, double size)
 	return fabs(sum) > CLEAR * size;
 }
 
+static bool is_clear_space(double sum, double size)
+{
+	return fabs(sum) > CLEAR_SPACE * size;
+}
+
 static void decide(const side_work *w, double scene, piece *p)
 {
 	double says = p->middle;
@@ -395,10 +412,10 @@ static void decide(const side_work *w, double scene, piece *p)
 		says = p->up;
 	else if (!w->lamp_count && is_clear(p->sun, fmax(p->sun_size, SLOPING * p->area)))
 		says = p->sun;
-	else if (is_clear(p->inwards, p->inwards_size))
+	else if (is_clear_space(p->inwards, p->inwards_size))
 		says = diagonal(p->low, p->high) > ROOM_LEAST * scene ? p->inwards : -p->inwards;
 	else
-		p->doubtful = !is_clear(p->middle, p->middle_size);
+		p->doubtful = !is_clear_space(p->middle, p->middle_size);
 	p->sign = says < 0 ? -1 : 1;
 }
 
@@ -412,12 +429,13 @@ static gw_status decide_pieces(side_work *w, const uint8_t *estimated, gw_error 
 		high[k] = (double)s->maximum[k];
 		w->middle[k] = 0.5 * (low[k] + high[k]);
 	}
+	find_sun(w);
+	limit_areas(w);
 	gw_status status = find_lamps(w, error);
 	if (status == GW_OK)
 		status = measure_pieces(w, error);
 	if (status != GW_OK)
 		return status;
-	find_sun(w);
 	for (uint32_t i = 0; i < s->count; i++) {
 		find_root(w, i, &opposite);
 		add_surfel(w, i, opposite ? -1 : 1, !estimated[i], w->pieces + w->piece_of[i]);
