@@ -155,7 +155,8 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 									gw_window(&records->position, 16),
 									gw_window(&records->normal, 16),
 									gw_window(sampled, 16),
-									gw_whole(sources->part ? sources->part : emitters->radiance) };
+									gw_whole(sources->part ? sources->part : emitters->radiance),
+									GW_DISC_BINDINGS(octree) };
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;

@@ -92,7 +92,8 @@ static void sample_record(const sampling *job, size_t record, sample *take, uint
 						  uint32_t seed)
 {
 	gw_ray ray = { .origin = gw_xyz(job->position + 4 * record),
-				   .facing = gw_xyz(job->normal + 4 * record) };
+				   .facing = gw_xyz(job->normal + 4 * record),
+				   .discs = true };
 	ray.foot = ray.origin;
 	uint32_t own = gw_mix2(gw_mix_place(ray.origin), seed);
 	float *total = job->sampled + 4 * record;
@@ -212,7 +213,6 @@ static gw_vec3 sample_sky(const sampling *job, gw_ray *ray, uint32_t m, uint32_t
 	if (cosine <= 0.0f)
 		return (gw_vec3){ 0 };
 	ray->t_max = FAR;
-	ray->discs = true;
 	if (gw_trace(&job->tracer, ray).lobe != GW_NONE)
 		return (gw_vec3){ 0 };
 	gw_vec3 radiance = gw_xyz(job->radiance + 4 * (size_t)texel);

@@ -31,11 +31,18 @@ layout(binding = 9) buffer Sum
 	vec4 record_sampled[];
 };
 layout(binding = 10) uniform samplerBuffer lobe_part; /* of lobe_emission: what is gathered */
+layout(binding = 11) uniform usamplerBuffer leaf_fragment;
+layout(binding = 12) uniform usamplerBuffer fragment_surfel;
+layout(binding = 13) uniform samplerBuffer surfel_place;
+layout(binding = 14) uniform samplerBuffer surfel_facing;
+layout(binding = 15) uniform samplerBuffer surfel_disc;
+layout(binding = 16) uniform samplerBuffer surfel_clip;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
 };
 
+#include "octree_discs.glsl"
 #include "octree_trace.glsl"
 
 /* Sample m of push.light_samples. The emitters lie in Morton order, so that a stretch of the table
