@@ -334,7 +334,8 @@ const option options[] = {
 	  .help = "texels a side of a shadow map, for --shadows maps" },
 	{ "estimate-points", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.estimate_points),
 	  RANGE(0.0, 1e6), .group = "Light",
-	  .help = "points that are solved again, to say how wrong the result is; 0 leaves it out" },
+	  .help = "points that are solved again, to say how wrong the result is; where records are "
+			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
 	{ "seed", 0, "N", OPTION_SEED, SWEPT, .scene = true, AT(bake.seed), .group = "Light",
 	  .help = "of all random numbers" },
 

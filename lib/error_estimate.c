@@ -21,6 +21,10 @@
 #define HALF_LEAST 64u
 #define HALF_MOST 512u
 
+/* Points that are solved again: see gw_estimate_points. */
+#define RECORDS_A_PROBE 20u
+#define POINTS_MOST 4u
+
 /* Records that light a point, by their weights: 1 / sum w^2. */
 #define RECORDS_A_POINT 3.0
 
@@ -47,6 +51,15 @@ uint32_t gw_estimate_rays(uint32_t rays)
 {
 	uint32_t half = rays > HALF_LEAST ? rays : HALF_LEAST;
 	return half < HALF_MOST ? half : HALF_MOST;
+}
+
+uint32_t gw_estimate_points(uint32_t wanted, uint32_t records)
+{
+	uint64_t points = records / RECORDS_A_PROBE, most = POINTS_MOST * (uint64_t)wanted;
+	points = points < most ? points : most;
+	if (points < wanted)
+		points = wanted;
+	return points < UINT32_MAX ? (uint32_t)points : UINT32_MAX;
 }
 
 static bool emits(const gw_surfels *surfels, size_t i)

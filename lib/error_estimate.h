@@ -48,6 +48,10 @@ typedef struct gw_estimate_task {
 /* Rays of each of the two gathers of a point, where a record has so many. */
 uint32_t gw_estimate_rays(uint32_t rays);
 
+/* How many points are solved again where `wanted` are asked for: fine bakes, whose errors lie in
+ * few places, can afford one for every 20 records, up to four times as many. */
+uint32_t gw_estimate_points(uint32_t wanted, uint32_t records);
+
 /*
  * Estimates the error of the bake's radiance.
  *   estimate   receives it; all zeros where nothing is lit or no point can be compared. Where lamps

@@ -438,7 +438,8 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.rays = o->method == GW_METHOD_RAYS ? o->rays
 																			: o->light_samples,
 										.light_samples = o->light_samples,
-										.points = o->estimate_points,
+										.points = gw_estimate_points(o->estimate_points,
+																	 s->records.count),
 										.seed = (uint32_t)o->seed,
 										.threads = o->threads };
 		status = gw_estimate_error(&task, &s->report->error, error);

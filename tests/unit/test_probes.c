@@ -1,4 +1,5 @@
 /* Which points are solved again, and how much each of them counts. */
+#include "error_estimate.h"
 #include "probe_choice.h"
 
 #include <math.h>
@@ -205,6 +206,17 @@ static void contrast_is_where_light_changes(void **state)
 		assert_true(contrast[i] == 0.0);
 }
 
+/* One for 20 records, within one and four times what is asked for. */
+static void fine_bakes_draw_more(void **state)
+{
+	(void)state;
+	assert_int_equal(gw_estimate_points(500, 6000), 500);
+	assert_int_equal(gw_estimate_points(500, 30000), 1500);
+	assert_int_equal(gw_estimate_points(500, 1000000), 2000);
+	assert_int_equal(gw_estimate_points(0, 1000000), 0);
+	assert_int_equal(gw_estimate_points(UINT32_MAX, UINT32_MAX), UINT32_MAX);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -213,6 +225,7 @@ int main(void)
 		cmocka_unit_test(few_points_are_all_taken),
 		cmocka_unit_test(one_point_is_not_all),
 		cmocka_unit_test(contrast_is_where_light_changes),
+		cmocka_unit_test(fine_bakes_draw_more),
 	};
 	return cmocka_run_group_tests_name("probes", tests, NULL, NULL);
 }
