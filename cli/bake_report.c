@@ -105,6 +105,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "noise", r->error.noise);
 	json_put_real(json, "shadows", r->error.shadows);
 	json_put_real(json, "normals", r->error.normals);
+	json_put_real(json, "emission", r->error.emission);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "price", '{');
 	json_put_real(json, "error", r->price.error);
@@ -130,6 +131,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "noise", round->error.noise);
 		json_put_real(json, "shadows", round->error.shadows);
 		json_put_real(json, "normals", round->error.normals);
+		json_put_real(json, "emission", round->error.emission);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
 		json_put_close(json, '}');
@@ -321,6 +323,7 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 {
 	put_part(r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
 	put_part(r->error.normals, "errors of the points' normals", "better ones", text, room);
+	put_part(r->error.emission, "edges of what emits", "denser points", text, room);
 }
 
 /* What less would cost, as the end of a sentence. */

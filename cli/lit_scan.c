@@ -231,12 +231,13 @@ static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
 	char text[256], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
-	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT];
+	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
 	number_print_float(shadows, (float)r->error.shadows);
 	number_print_float(normals, (float)r->error.normals);
+	number_print_float(emission, (float)r->error.emission);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -247,7 +248,10 @@ static gw_status comment_error(maker *m)
 		"shadows alone %s",
 		rms, spread, r->error.points, shadows);
 	if (r->error.normals > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s", normals);
+		length += snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s",
+						   normals);
+	if (r->error.emission > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s", emission);
 	bool known = r->error.points > 0 || r->error.shadows > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }

@@ -4,6 +4,7 @@
 #include "error_estimate.h"
 
 #include "bounces.h"
+#include "emission_error.h"
 #include "luminance.h"
 #include "memory.h"
 #include "normal_error.h"
@@ -365,8 +366,39 @@ static gw_status add_lamps(const gw_estimate_task *task, const estimate *e, doub
 	if (status == GW_OK && task->turned)
 		result->normals =
 			sqrt(gw_normal_error(task->surfels, task->direct, task->turned, e->counts)) / mean;
-	result->relative_rms = hypot(result->gathered, hypot(result->shadows, result->normals));
+	result->relative_rms = hypot(result->relative_rms, hypot(result->shadows, result->normals));
 	return status;
+}
+
+/* What emitters that are too bright or too dark add: as much as points have their light from them.
+ * Of light that reached a surface for the first time, theirs is at most what they send out; a sky
+ * may have brought the rest, as lamps did beside that. */
+static void add_emission(const gw_estimate_task *task, const estimate *e, double mean,
+						 gw_error_estimate *result)
+{
+	const gw_surfels *s = task->surfels;
+	double sent = 0.0, first = 0.0, lamps = 0.0, square = 0.0;
+	size_t used = 0;
+	if (!task->records || !s->emission || !(mean > 0.0))
+		return;
+	for (size_t i = 0; i < s->count; i++) {
+		double area = (double)s->area[i];
+		sent += area * gw_luminance(s->emission + 3 * i) / reciprocal_pi;
+		first += area * gw_luminance(task->first + 4 * i);
+		lamps += task->direct ? area * gw_luminance(task->direct + 4 * i) : 0.0;
+	}
+	double share = first > 0.0 ? fmin(sent / first, 1.0) : 0.0;
+	double share_reflected = share > 0.0 ? share * first / (first + lamps) : 0.0;
+	for (size_t i = 0; i < s->count; i++) {
+		if (!e->counts[i])
+			continue;
+		double light = share * reflected(s, i, task->first + 4 * i) +
+					   share_reflected * reflected(s, i, task->indirect + 4 * i);
+		square += light * light;
+		used++;
+	}
+	result->emission = used ? gw_emission_error(s) * sqrt(square / (double)used) / mean : 0.0;
+	result->relative_rms = hypot(result->relative_rms, result->emission);
 }
 
 /* What the points find, and what that says of the bake. */
@@ -412,6 +444,8 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 		status = solve_again(task, &e, mean, result, error);
 	if (status == GW_OK)
 		status = add_lamps(task, &e, mean, result, error);
+	if (status == GW_OK)
+		add_emission(task, &e, mean, result);
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_probe_choice_clear(&e.choice);
 	free(e.behind);

@@ -14,7 +14,8 @@
  * square error.
  *
  * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
- * lamps shine on are off where points are noisy or had none (normal_error.h).
+ * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
+ * emitters do to their power (emission_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H

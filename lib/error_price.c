@@ -38,7 +38,7 @@
 /* What stays whatever is paid. */
 static double floor_of(const gw_error_estimate *e)
 {
-	return hypot(e->shadows, e->normals);
+	return hypot(hypot(e->shadows, e->normals), e->emission);
 }
 
 gw_price gw_price_of(const gw_price_task *t, double error)

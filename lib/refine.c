@@ -98,7 +98,7 @@ static bool differs(const gw_bake_options *a, const gw_bake_options *b)
 static double excess(const gw_refine_state *state)
 {
 	double wanted = (double)state->options->max_error;
-	double lamps = hypot(state->error.shadows, state->error.normals);
+	double lamps = hypot(hypot(state->error.shadows, state->error.normals), state->error.emission);
 	double found = state->error.gathered + state->error.spread;
 	if (lamps < wanted)
 		wanted = sqrt(wanted * wanted - lamps * lamps);
@@ -109,8 +109,9 @@ static double excess(const gw_refine_state *state)
  */
 static double wanted_square(const gw_refine_state *state)
 {
-	double wanted = (double)state->options->max_error, shadows = state->error.shadows;
-	return fmax(wanted * wanted - shadows * shadows, 0.0);
+	double wanted = (double)state->options->max_error;
+	double stays = hypot(state->error.shadows, state->error.emission);
+	return fmax(wanted * wanted - stays * stays, 0.0);
 }
 
 /* Whether rays are too few, whatever records there are. */
