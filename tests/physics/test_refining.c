@@ -132,6 +132,10 @@ static void added_records_see_the_same(void **state)
 
 /* --------------------------------------------------------------------------------------- bakes */
 
+/* The lamp of 64 points has a power that is known to 4 %, with light near it that is 10 % of the
+ * mean: no round lessens that, and what is gathered has to be so much better. */
+#define WITH_LAMP(gathered) (float)hypot(gathered, 0.105)
+
 static gw_bake_options refining(float error, gw_method method)
 {
 	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
@@ -174,7 +178,8 @@ static void reaches_what_is_asked(void **state)
 	scene s = { 0 };
 	make_passage(&s);
 	gw_points points = scene_points(&s);
-	gw_bake_options options = refining(0.06f, GW_METHOD_RAYS), fine = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = refining(WITH_LAMP(0.06), GW_METHOD_RAYS),
+					fine = GW_BAKE_OPTIONS_DEFAULT;
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
 	const gw_report *r = &result->report;
 	assert_int_equal(r->goal, GW_GOAL_REACHED);
@@ -192,7 +197,7 @@ static void reaches_what_is_asked(void **state)
 	gw_bake_result *reference = scene_bake(&points, NULL, 0, &fine);
 	const gw_error_estimate *e = &reference->report.error;
 	double found = difference(&s, result, reference);
-	if (found > 0.06 + e->relative_rms + 2.0 * (e->spread + r->error.spread))
+	if (found > 0.06 + e->gathered + 2.0 * (e->spread + r->error.spread))
 		fail_msg("off by %g", found);
 	gw_bake_result_destroy(&result);
 	gw_bake_result_destroy(&reference);
@@ -207,7 +212,7 @@ static void beats_even_records(void **state)
 	scene s = { 0 };
 	make_passage(&s);
 	gw_points points = scene_points(&s);
-	gw_bake_options options = refining(0.06f, GW_METHOD_RAYS), even = options;
+	gw_bake_options options = refining(WITH_LAMP(0.06), GW_METHOD_RAYS), even = options;
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
 	const gw_report *r = &result->report;
 	/* The number of records goes with the square of their spacing, less where rooms are narrow. */
@@ -216,9 +221,9 @@ static void beats_even_records(void **state)
 	gw_bake_result *other = scene_bake(&points, NULL, 0, &even);
 	assert_true(other->report.records >= r->records);
 	const gw_error_estimate *a = &r->error, *b = &other->report.error;
-	if (!(a->relative_rms + a->spread < b->relative_rms - b->spread))
-		fail_msg("%g +- %g with %u records, %g +- %g with %u even ones", a->relative_rms, a->spread,
-				 (unsigned)r->records, b->relative_rms, b->spread, (unsigned)other->report.records);
+	if (!(a->gathered + a->spread < b->gathered - b->spread))
+		fail_msg("%g +- %g with %u records, %g +- %g with %u even ones", a->gathered, a->spread,
+				 (unsigned)r->records, b->gathered, b->spread, (unsigned)other->report.records);
 	gw_bake_result_destroy(&result);
 	gw_bake_result_destroy(&other);
 	scene_clear(&s);
@@ -235,7 +240,7 @@ static void always_the_same(void **state)
 		gw_bake_result *result[2];
 		for (uint32_t i = 0; i < 2; i++) {
 			gw_bake_options options =
-				refining(method == GW_METHOD_RAYS ? 0.09f : 0.2f, (gw_method)method);
+				refining(WITH_LAMP(method == GW_METHOD_RAYS ? 0.09 : 0.2), (gw_method)method);
 			options.threads = 1 + 2 * i;
 			result[i] = scene_bake(&points, NULL, 0, &options);
 		}
