@@ -55,7 +55,7 @@ static const char usage[] =
 	"      --noise X          standard deviation along the normal, in point spacings (0)\n"
 	"      --normal-noise X   standard deviation of the normals' turns, degrees (0)\n"
 	"      --even             spread points evenly over each triangle, not at random\n"
-	"      --uneven X         densest over sparsest, as from a scanner amid the scene (all the same)\n"
+	"      --uneven X         densest over sparsest, as from a scanner amid the scene\n"
 	"      --float            write positions as float32\n"
 	"      --no-normals       write no normals\n"
 	"      --origin X,Y,Z     add this to all coordinates\n"
