@@ -20,6 +20,7 @@
 #define ERROR_ESTIMATE_H
 
 #include "gather_rays.h"
+#include "probe_hits.h"
 #include "read_back.h"
 
 typedef struct gw_estimate_task {
@@ -43,10 +44,15 @@ typedef struct gw_estimate_task {
 	uint32_t rays, light_samples; /* of a record, above 0 */
 	uint32_t points, seed;        /* how many points are solved again, and of their draw */
 	uint32_t threads;             /* of the host; 0: one a core */
+	gw_probe_hits *hits;          /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */
 uint32_t gw_estimate_rays(uint32_t rays);
+
+/* Finds what points see that an estimate of so many points may ask for, whatever will shine. */
+gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
+							  gw_error *error);
 
 /*
  * Estimates the error of the bake's radiance.

@@ -19,18 +19,18 @@
 /* Of a point for which one record speaks, as in record_density.c. */
 #define LONELY_SHARE 0.25
 
-static uint64_t next_random(uint64_t *state)
+static uint64_t mixed(uint64_t z)
 {
-	uint64_t z = *state += 0x9e3779b97f4a7c15u;
-	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
 	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
 	return z ^ z >> 31;
 }
 
-/* [0, 1) */
-static double next_unit(uint64_t *state)
+/* A point's own number in [0, 1). Of points that follow each other they are spread evenly, as
+ * multiples of the golden ratio are, so that every stretch gets its share of the draws. */
+static double number_of(uint64_t point, uint64_t seed)
 {
-	return (double)(next_random(state) >> 11) * 0x1p-53;
+	return (double)((mixed(seed) + point * 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
 }
 
 /* ------------------------------------------------------------------------------------ drawing */
@@ -63,24 +63,61 @@ static bool add_part(const bool *counts, const double *part, size_t points, uint
 	return true;
 }
 
-/* One point in each of `wanted` equal stretches of the summed probabilities. */
-static void draw(const double *probability, double whole, size_t points, size_t counted,
-				 uint32_t wanted, uint64_t seed, gw_probe_choice *choice)
+typedef struct candidate {
+	double ratio; /* of the point's own number to how often it is to be drawn */
+	double times; /* the latter */
+	uint32_t point;
+} candidate;
+
+/* Lists points whose ratio is below `most`; returns how many there are. list may be NULL. */
+static size_t list_candidates(const double *times, size_t points, uint64_t seed, double most,
+							  candidate *list)
 {
-	uint64_t state = seed;
-	double below = 0.0;
-	size_t at = 0;
+	size_t count = 0;
+	for (size_t i = 0; i < points; i++) {
+		double number = number_of(i, seed);
+		if (number >= most * times[i])
+			continue;
+		if (list)
+			list[count] = (candidate){ number / times[i], times[i], (uint32_t)i };
+		count++;
+	}
+	return count;
+}
+
+static int by_ratio(const void *a, const void *b)
+{
+	const candidate *x = a, *y = b;
+	int order = (x->ratio > y->ratio) - (x->ratio < y->ratio);
+	return order != 0 ? order : (x->point > y->point) - (x->point < y->point);
+}
+
+static int by_point(const void *a, const void *b)
+{
+	const candidate *x = a, *y = b;
+	return (x->point > y->point) - (x->point < y->point);
+}
+
+/* The `wanted` points of the lowest ratios. False where there is no memory. */
+static bool draw(const double *times, size_t points, size_t counted, uint32_t wanted, uint64_t seed,
+				 gw_probe_choice *choice)
+{
+	double most = 1.25;
+	while (list_candidates(times, points, seed, most, NULL) < wanted)
+		most *= 2.0;
+	candidate *list =
+		gw_allocate_array(list_candidates(times, points, seed, most, NULL), sizeof *list);
+	if (!list)
+		return false;
+	qsort(list, list_candidates(times, points, seed, most, list), sizeof *list, by_ratio);
+	qsort(list, wanted, sizeof *list, by_point);
 	for (uint32_t k = 0; k < wanted; k++) {
-		double target = whole * (k + next_unit(&state)) / wanted;
-		while (at + 1 < points && (below + probability[at] <= target || probability[at] == 0.0))
-			below += probability[at++];
-		/* Roundings may lead past the last point that counts. */
-		while (probability[at] == 0.0)
-			at--;
-		choice->point[k] = (uint32_t)at;
-		choice->weight[k] = whole / (probability[at] * (double)counted * wanted);
+		choice->point[k] = list[k].point;
+		choice->weight[k] = 1.0 / (list[k].times * (double)counted);
 	}
 	choice->count = wanted;
+	free(list);
+	return true;
 }
 
 static void take_all(const bool *counts, size_t points, size_t counted, gw_probe_choice *choice)
@@ -116,12 +153,18 @@ gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t 
 		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
 	for (size_t k = 0; k < part_count; k++)
 		whole += add_part(counts, part[k], points, wanted, probability) ? 1.0 : 0.0;
-	if (counted <= wanted)
+	for (size_t i = 0; i < points; i++)
+		probability[i] *= wanted / whole;
+	bool drawn = counted > wanted;
+	if (!drawn)
 		take_all(counts, points, counted, choice);
 	else
-		draw(probability, whole, points, counted, wanted, seed, choice);
+		drawn = draw(probability, points, counted, wanted, seed, choice);
 	free(probability);
-	return GW_OK;
+	if (drawn || counted <= wanted)
+		return GW_OK;
+	gw_probe_choice_clear(choice);
+	return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
 }
 
 void gw_probe_choice_clear(gw_probe_choice *choice)

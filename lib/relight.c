@@ -411,6 +411,26 @@ gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, 
 	return download(relight, &relight->surfel_direct, direct, error);
 }
 
+/* Rays that light comes along to what an estimate is held against. */
+static uint32_t rays_of(const gw_bake_options *o)
+{
+	return o->method == GW_METHOD_RAYS ? o->rays : o->light_samples;
+}
+
+gw_status gw_relight_foresee(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_probe_task task = { .passes = &s->passes,
+								 .octree = &s->octree,
+								 .surfels = &s->surfels,
+								 .emitters = &relight->emitters,
+								 .rays = gw_estimate_rays(rays_of(&s->options)),
+								 .seed = (uint32_t)s->options.seed };
+	return s->probed.count > 0
+			   ? GW_OK
+			   : gw_estimate_foresee(&task, s->options.estimate_points, &s->probed, error);
+}
+
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
@@ -435,12 +455,12 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.turned = turned,
 										.first = relight->surfel_first,
 										.indirect = relight->surfel_indirect,
-										.rays = o->method == GW_METHOD_RAYS ? o->rays
-																			: o->light_samples,
+										.rays = rays_of(o),
 										.light_samples = o->light_samples,
 										.points = o->estimate_points,
 										.seed = (uint32_t)o->seed,
-										.threads = o->threads };
+										.threads = o->threads,
+										.hits = &s->probed };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
 	free(turned);

@@ -16,7 +16,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 4u
+#define VERSION 5u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
