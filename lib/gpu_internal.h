@@ -56,6 +56,8 @@ struct gw_gpu {
 	uint64_t storage_range;      /* bytes of one storage binding; tests make it smaller */
 	bool may_map;                /* copies map memory where they can; tests forbid it */
 
+	bool imports; /* the device can make buffers of memory of the host */
+
 	VkDevice handle;
 	VkQueue queue;
 	VkCommandPool pool;
