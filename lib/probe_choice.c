@@ -194,24 +194,51 @@ typedef struct contrast_work {
 	double *contrast;
 } contrast_work;
 
+/* A chunk's surfels, and how many neighbours of each were found so far. */
+typedef struct contrast_part {
+	const contrast_work *work;
+	size_t first, last;
+	uint8_t neighbours[CHUNK];
+} contrast_part;
+
+/* Adds what surfels i < j say of each other, to those of them that are in the chunk. */
+static inline void compare_pair(contrast_part *part, size_t i, size_t j)
+{
+	const contrast_work *w = part->work;
+	const gw_surfels *s = w->surfels;
+	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
+	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+	float squared = x * x + y * y + z * z;
+	bool reach[2] = { i >= part->first && squared < s->radius[i] * s->radius[i],
+					  j < part->last && squared < s->radius[j] * s->radius[j] };
+	if (!(reach[0] || reach[1]) || !gw_surfels_alike(s, i, j))
+		return;
+	double off = (double)w->light[i] - (double)w->light[j];
+	for (size_t k = 0; k < 2; k++) {
+		size_t surfel = k ? j : i;
+		if (!reach[k])
+			continue;
+		w->contrast[surfel] += off * off;
+		part->neighbours[surfel - part->first]++;
+	}
+}
+
 static void contrast_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const contrast_work *w = user;
-	size_t count = w->surfels->count;
+	contrast_part part = { .work = w, .first = first, .last = last };
+	size_t from = first > ORDER_REACH ? first - ORDER_REACH : 0, count = w->surfels->count;
 	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		size_t from = i > ORDER_REACH ? i - ORDER_REACH : 0;
-		size_t to = i + ORDER_REACH < count ? i + ORDER_REACH + 1 : count;
-		double sum = 0.0, neighbours = 0.0;
-		for (size_t j = from; j < to; j++) {
-			double off = (double)w->light[i] - (double)w->light[j];
-			if (j == i || !gw_surfels_adjoin(w->surfels, i, j))
-				continue;
-			sum += off * off;
-			neighbours += 1.0;
-		}
-		w->contrast[i] = neighbours > 0.0 ? sum / neighbours : 0.0;
+	for (size_t i = first; i < last; i++)
+		w->contrast[i] = 0.0;
+	for (size_t i = from; i < last; i++) {
+		size_t end = i + ORDER_REACH < count ? i + ORDER_REACH + 1 : count;
+		for (size_t j = i < first ? first : i + 1; j < end; j++)
+			compare_pair(&part, i, j);
 	}
+	for (size_t i = first; i < last; i++)
+		if (part.neighbours[i - first] > 0)
+			w->contrast[i] /= part.neighbours[i - first];
 }
 
 void gw_probe_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,

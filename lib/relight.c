@@ -436,7 +436,8 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 	gw_solver *s = relight->solver;
 	const gw_bake_options *o = &s->options;
 	float *direct = NULL, *turned = NULL;
-	gw_status status = gw_relight_download_direct(relight, &direct, error);
+	gw_status status =
+		relight->plan.lamps ? gw_relight_download_direct(relight, &direct, error) : GW_OK;
 	if (status == GW_OK && relight->surfel_turned.handle != VK_NULL_HANDLE)
 		status = download(relight, &relight->surfel_turned, &turned, error);
 	if (status == GW_OK) {
