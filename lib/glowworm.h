@@ -169,6 +169,9 @@ typedef struct gw_transport {
 	void *user;
 } gw_transport;
 
+/* Drivers that are being loaded, see gw_drivers_load. */
+typedef struct gw_drivers gw_drivers;
+
 /* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
 typedef struct gw_bake_options {
 	gw_method method;
@@ -209,6 +212,8 @@ typedef struct gw_bake_options {
 					geometry */
 	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
 									  not together with max_error or time_limit */
+	gw_drivers *drivers; /* NULL, or those that gw_drivers_load began to load, for one bake
+							at a time: its device is opened sooner */
 } gw_bake_options;
 
 #define GW_BAKE_OPTIONS_DEFAULT                                                                    \
@@ -523,17 +528,15 @@ typedef struct gw_device_info {
  */
 gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
 
-/* Drivers that are being loaded. */
-typedef struct gw_drivers gw_drivers;
-
 /*
  * Begins to load the drivers of all devices on a thread of its own, which takes some 40 ms, so that
- * a bake finds them loaded that begins later: call it before reading files. Nothing depends on it,
- * so it never fails; NULL is returned where there are no threads or memory.
+ * a bake finds them loaded that begins later (gw_bake_options.drivers): call it before reading
+ * files. Nothing depends on it, so it never fails; NULL is returned where there are no threads or
+ * memory.
  */
 gw_drivers *gw_drivers_load(void);
 
-/* Waits until they are loaded and gives them back; after the bake. NULL is accepted. */
+/* Waits until they are loaded and gives them back; after all bakes. NULL is accepted. */
 void gw_drivers_release(gw_drivers **drivers);
 
 /* ---------------------------------------------------------------------------------------- names */

@@ -27,6 +27,8 @@ typedef struct gw_gpu_options {
 	bool validate_synchronization;
 	bool validate_gpu_assisted;  /* not together with validate_synchronization */
 	uint32_t workgroup_size;     /* threads a workgroup, power of two; 0: the layer chooses */
+	gw_drivers *drivers;         /* NULL, or loaded before: used when there is no validation; they
+	                                outlive the device */
 	double slice_seconds;        /* target length of one dispatch; 0: 0.05 */
 } gw_gpu_options;
 

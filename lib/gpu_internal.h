@@ -18,6 +18,7 @@ typedef struct gw_instance {
 	VkDebugUtilsMessengerEXT messenger;
 	PFN_vkSetDebugUtilsObjectNameEXT set_name;
 	PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+	bool lent; /* it belongs to drivers that were loaded before */
 } gw_instance;
 
 /* Messages of the validation layer; the layer's callback fills it. */

@@ -70,6 +70,7 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 {
 	gw_gpu_options options = { .device = solver->options.device,
 							   .memory = solver->options.memory,
+							   .drivers = solver->options.drivers,
 							   .validate = solver->options.validate };
 	gw_status status = gw_gpu_create(&options, &solver->gpu, error);
 	if (status == GW_OK) {
