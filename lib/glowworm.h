@@ -153,8 +153,10 @@ typedef enum gw_shadows {
 
 /*
  * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
- * octree, and what the places where light is gathered see. A second bake of the same points begins
- * with it and only lights them. The bytes are for the same version of the library.
+ * octree, and what the places see where light is gathered and where the error was estimated. A
+ * second bake of the same points begins with it and only lights them. The bytes are for the same
+ * version of the library, and stay as they are until gw_bake returns: where they begin at a page of
+ * memory, as a mapped file does, the software driver uses them in place.
  *
  * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
  * positions, normals, albedo, scanners and the other settings of light have to be the same. Where

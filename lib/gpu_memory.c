@@ -513,7 +513,8 @@ static gw_status allocate_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, image->name);
 	VkMemoryRequirements needs;
 	vkGetImageMemoryRequirements(gpu->handle, image->handle, &needs);
-	GW_TRY(allocate(gpu, needs, false, NULL, image->name, &image->memory, &image->allocated, error));
+	GW_TRY(
+		allocate(gpu, needs, false, NULL, image->name, &image->memory, &image->allocated, error));
 	GW_VULKAN(gpu, error, image->name,
 			  vkBindImageMemory(gpu->handle, image->handle, image->memory, 0));
 	return GW_OK;
