@@ -1,6 +1,7 @@
 #include "lit_scan.h"
 #include "lamp_columns.h"
 #include "number_text.h"
+#include "parallel.h"
 #include "preview.h"
 #include "scan_color.h"
 
@@ -8,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define CHUNK_POINTS 8192u /* that a thread colours at a time */
 
 /* Columns of an earlier bake. */
 static const char *const stale[] = {
@@ -131,25 +134,37 @@ static gw_status make_normals(maker *m)
 
 /* ------------------------------------------------------------------------------- colours */
 
+typedef struct coloring {
+	const float *radiance;
+	double scale;
+	uint8_t *data[3];
+} coloring;
+
+static void color_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const coloring *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint8_t rgb[3];
+		preview_color(job->radiance + 3 * i, job->scale, rgb);
+		for (int k = 0; k < 3; k++)
+			job->data[k][i] = rgb[k];
+	}
+}
+
 static gw_status make_colors(maker *m)
 {
 	if (m->settings->colors == 1)
 		return move_triple(m, scan_color_names);
-	uint8_t *data[3];
+	coloring job = { .radiance = m->result->radiance, .scale = preview_scale(m->exposure) };
 	for (int k = 0; k < 3; k++) {
 		scan_remove_column(m->from, scan_color_names[k]);
 		scan_column *column = scan_add_column(m->lit, scan_color_names[k], SCAN_UINT8, m->error);
 		if (!column)
 			return GW_ERROR_MEMORY;
-		data[k] = column->data;
+		job.data[k] = column->data;
 	}
-	double scale = preview_scale(m->exposure);
-	for (size_t i = 0; i < m->lit->count; i++) {
-		uint8_t rgb[3];
-		preview_color(m->result->radiance + 3 * i, scale, rgb);
-		for (int k = 0; k < 3; k++)
-			data[k][i] = rgb[k];
-	}
+	gw_parallel_for(m->settings->bake.threads, m->lit->count, CHUNK_POINTS, color_points, &job);
 	return GW_OK;
 }
 

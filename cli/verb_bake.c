@@ -324,7 +324,7 @@ static gw_status run(bake *b)
 	if (status == GW_OK)
 		status = open_outputs(b);
 	if (status == GW_OK)
-		b->drivers = gw_drivers_load();
+		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	if (status == GW_OK)
 		status = read_inputs(b);
 	if (status == GW_OK && b->settings->transport)
@@ -364,6 +364,7 @@ gw_status verb_bake(settings *s, gw_error *error)
 	output_file_abandon(&b.report);
 	output_file_abandon(&b.transport);
 	input_file_close(&b.reused);
+	s->bake.drivers = NULL;
 	gw_drivers_release(&b.drivers);
 	gw_bake_result_destroy(&b.result);
 	loaded_scene_clear(&b.scene);

@@ -83,6 +83,8 @@ static gw_status save_transport(bake *b, gw_error *error)
 	gw_status status = b->solver.options.method == GW_METHOD_RAYS
 						   ? gw_solver_open_to_sky(&b->solver, error)
 						   : GW_OK;
+	if (status == GW_OK)
+		status = gw_relight_foresee(&b->light, error);
 	return status == GW_OK
 			   ? gw_transport_save(&b->solver, b->points, b->solver.options.transport, error)
 			   : status;
@@ -412,11 +414,13 @@ static gw_status confirm(bake *b, gw_error *error)
 {
 	gw_bake_options *o = &b->solver.options, asked = *o;
 	gw_report *r = b->report;
+	gw_probe_hits_forget(&b->solver.probed);
 	o->seed ^= CONFIRM_SEED;
 	o->estimate_points = asked.estimate_points < UINT32_MAX / CONFIRM_POINTS
 							 ? CONFIRM_POINTS * asked.estimate_points
 							 : asked.estimate_points;
 	gw_status status = gw_relight_estimate(&b->light, error);
+	gw_probe_hits_forget(&b->solver.probed);
 	o->seed = asked.seed;
 	o->estimate_points = asked.estimate_points;
 	r->round[r->round_count - 1].error = r->error;
@@ -480,9 +484,7 @@ static double ray_seconds(const bake *b)
 										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
 										  GW_PASS_RECORD_GATHER };
 	const gw_report *r = b->report;
-	uint32_t rounds = r->round_count > 0 ? r->round_count - b->first_round : 1;
-	double seconds = 0.0;
-	double probes = 2.0 * gw_estimate_rays(b->solver.options.rays) * r->error.points * rounds;
+	double seconds = 0.0, probes = (double)b->solver.probed.traced;
 	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
 		seconds += b->solver.passes.device_seconds[of_rays[i]];
 	return r->rays > 0 ? seconds / ((double)r->rays + probes) : 0.0;

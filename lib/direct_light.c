@@ -224,6 +224,11 @@ static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
 								const gw_light_push *push, uint64_t count, const gw_buffer *normal,
 								const gw_buffer *visibility, gw_buffer *irradiance, gw_error *error)
 {
+	if (gw_gpu_is_host(passes->gpu)) {
+		gw_host_light_irradiance(passes, octree, push, normal, visibility, (size_t)count,
+								 irradiance);
+		return GW_OK;
+	}
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
 									gw_window(visibility, 4), gw_window(irradiance, 16) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);

@@ -129,28 +129,6 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts, gw_probe
 	return status;
 }
 
-static gw_status place(const gw_estimate_task *task, const gw_probe_choice *choice,
-					   gw_records *probes, gw_error *error)
-{
-	const gw_octree *octree = task->octree;
-	const gw_surfels *s = task->surfels;
-	float *rows = gw_allocate_zeros(choice->count, 8 * sizeof *rows);
-	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", choice->count);
-	float *normal = rows + 4 * (size_t)choice->count;
-	for (size_t i = 0; i < choice->count; i++) {
-		size_t surfel = choice->point[i];
-		for (size_t k = 0; k < 3; k++)
-			rows[4 * i + k] =
-				(s->position[3 * surfel + k] - octree->cube_minimum[k]) / octree->leaf_size;
-		memcpy(normal + 4 * i, s->normal + 3 * surfel, 3 * sizeof *normal);
-	}
-	gw_status status =
-		gw_records_put(task->passes->gpu, rows, normal, choice->count, probes, error);
-	free(rows);
-	return status;
-}
-
 /* What the lobes send out in the end, their own emission left out. */
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
@@ -199,23 +177,17 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 						   : status;
 }
 
-static gw_status count_behind(gw_gpu *gpu, gw_ray_gather *rays, estimate *e, gw_error *error)
+static void count_behind(const gw_probe_hits *hits, uint32_t *behind)
 {
-	size_t count = (size_t)rays->rays * e->place.count;
-	float *distance = gw_allocate_array(count, sizeof *distance);
-	if (!distance)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu rays", count);
-	gw_status status =
-		gw_buffer_download(gpu, &rays->distance, 0, distance, 4 * (uint64_t)count, error);
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		e->behind[i / rays->rays] += distance[i] < 0.0f;
-	free(distance);
-	return status;
+	size_t rows = GW_PROBE_GATHERS * (size_t)hits->count;
+	for (size_t i = 0; i < rows * hits->rays; i++)
+		behind[i / hits->rays % hits->count] += hits->distance[i] < 0.0f;
 }
 
 /* All that reaches the points along these rays, into e->half[half]. */
 static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays, int half,
-							  const gw_emitters *reflectors, estimate *e, gw_error *error)
+							  gw_buffer *emitted, const gw_emitters *reflectors, estimate *e,
+							  gw_error *error)
 {
 	const float black[3] = { 0 };
 	uint32_t samples = rays->rays;
@@ -227,15 +199,16 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										  .map_samples = samples,
 										  .map_hits = true,
 										  .openings = task->openings,
-										  .seed = rays->seed };
+										  .seed = rays->seed,
+										  .kept = task->hits->emitted ? emitted : NULL };
 	const gw_sampled_sources reflected = { .emitters = reflectors,
 										   .samples =
 											   gw_emitters_are_small(reflectors) ? samples : 0,
 										   .use_hits = true,
 										   .sky = black,
 										   .seed = rays->seed };
-	gw_status status = count_behind(task->passes->gpu, rays, e, error);
-	if (status == GW_OK && task->openings)
+	gw_status status = GW_OK;
+	if (task->openings)
 		status =
 			gw_ray_gather_open(task->passes, task->octree, &e->place, task->openings, rays, error);
 	if (status == GW_OK)
@@ -245,19 +218,20 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 	return status;
 }
 
-static gw_status gather_half(const gw_estimate_task *task, int half, const gw_emitters *reflectors,
-							 estimate *e, gw_error *error)
+static gw_status gather_half(const gw_estimate_task *task, const gw_probe_task *probes, int half,
+							 const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
 	gw_ray_gather rays = { 0 };
-	uint32_t seed = task->seed ^ (half ? 0xb5297a4du : 0x68e31da4u);
+	gw_buffer emitted = { 0 };
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
-	gw_status status = gw_ray_gather_trace(task->passes, task->octree, &e->place,
-										   gw_estimate_rays(task->rays), seed, &rays, error);
+	gw_status status =
+		gw_probe_hits_gather(probes, task->hits, &e->place, (uint32_t)half, &rays, &emitted, error);
 	if (status == GW_OK)
-		status = gather_along(task, &rays, half, reflectors, e, error);
+		status = gather_along(task, &rays, half, &emitted, reflectors, e, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
+	gw_buffer_destroy(task->passes->gpu, &emitted);
 	return status;
 }
 
@@ -401,6 +375,21 @@ static void add_emission(const gw_estimate_task *task, const estimate *e, double
 	result->relative_rms = hypot(result->relative_rms, result->emission);
 }
 
+/* Where the points stand, and what they see. */
+static gw_status look(const gw_estimate_task *task, const gw_probe_task *probes, estimate *e,
+					  gw_error *error)
+{
+	const gw_probe_choice *c = &e->choice;
+	gw_status status = gw_probe_hits_find(probes, c->point, c->count, task->hits, error);
+	if (status != GW_OK)
+		return status;
+	e->behind = gw_allocate_zeros(c->count, sizeof *e->behind);
+	if (!e->behind)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
+	count_behind(task->hits, e->behind);
+	return gw_probe_hits_place(probes, c->point, c->count, &e->place, error);
+}
+
 /* What the points find, and what that says of the bake. */
 static gw_status solve_again(const gw_estimate_task *task, estimate *e, double mean,
 							 gw_error_estimate *result, gw_error *error)
@@ -408,23 +397,44 @@ static gw_status solve_again(const gw_estimate_task *task, estimate *e, double m
 	gw_gpu *gpu = task->passes->gpu;
 	gw_buffer radiance = { 0 };
 	gw_emitters reflectors = { 0 };
+	const gw_probe_task probes = { .passes = task->passes,
+								   .octree = task->octree,
+								   .surfels = task->surfels,
+								   .emitters = task->emitters,
+								   .rays = gw_estimate_rays(task->rays),
+								   .seed = task->seed };
 	gw_status status = draw(task, e->counts, &e->choice, error);
 	if (status != GW_OK || e->choice.count == 0)
 		return status;
-	e->behind = gw_allocate_zeros(e->choice.count, sizeof *e->behind);
-	status = e->behind
-				 ? place(task, &e->choice, &e->place, error)
-				 : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->choice.count);
+	status = look(task, &probes, e, error);
 	if (status == GW_OK && task->bounces)
 		status = shade_all(task, &radiance, error);
 	if (status == GW_OK && task->bounces)
 		status = gw_emitters_make(gpu, task->octree, &radiance, false, &reflectors, error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
-		status = gather_half(task, half, &reflectors, e, error);
+		status = gather_half(task, &probes, half, &reflectors, e, error);
 	if (status == GW_OK)
 		status = compare(task, e, mean, result, error);
 	gw_emitters_destroy(gpu, &reflectors);
 	gw_buffer_destroy(gpu, &radiance);
+	return status;
+}
+
+gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
+							  gw_error *error)
+{
+	const gw_surfels *s = task->surfels;
+	gw_probe_choice choice = { 0 };
+	bool *counts = gw_allocate_array(s->count, sizeof *counts);
+	if (!counts)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
+	choose_points(s, counts);
+	gw_status status =
+		gw_probe_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
+	if (status == GW_OK && choice.count > 0)
+		status = gw_probe_hits_find(task, choice.point, choice.count, hits, error);
+	gw_probe_choice_clear(&choice);
+	free(counts);
 	return status;
 }
 

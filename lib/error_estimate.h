@@ -5,9 +5,9 @@
  * own place and normal, with directions that the records did not use. What the bake says at these
  * points is then compared with what they found. That sees the noise of the records and what
  * interpolating between them and stopping the bounces cost. It does not see what the octree's
- * planes leave of the geometry, because these rays meet the same planes: 0.25 to 0.4 % RMS on scenes
- * of 100,000 points with known answers; the spread has a tenth of the error for that. The points are drawn at
- * random, more of them where errors are likely (probe_choice.h).
+ * planes leave of the geometry, because these rays meet the same planes: 0.25 to 0.4 % RMS on
+ * scenes of 100,000 points with known answers; the spread has a tenth of the error for that. The
+ * points are drawn at random, more of them where errors are likely (probe_choice.h).
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
@@ -21,6 +21,7 @@
 #define ERROR_ESTIMATE_H
 
 #include "gather_rays.h"
+#include "probe_hits.h"
 #include "read_back.h"
 
 typedef struct gw_estimate_task {
@@ -44,6 +45,7 @@ typedef struct gw_estimate_task {
 	uint32_t rays, light_samples; /* of a record, above 0 */
 	uint32_t points, seed;        /* how many points are solved again, and of their draw */
 	uint32_t threads;             /* of the host; 0: one a core */
+	gw_probe_hits *hits;          /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */
@@ -52,6 +54,10 @@ uint32_t gw_estimate_rays(uint32_t rays);
 /* How many points are solved again where `wanted` are asked for: fine bakes, whose errors lie in
  * few places, can afford one for every 20 records, up to four times as many. */
 uint32_t gw_estimate_points(uint32_t wanted, uint32_t records);
+
+/* Finds what points see that an estimate of so many points may ask for, whatever will shine. */
+gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
+							  gw_error *error);
 
 /*
  * Estimates the error of the bake's radiance.

@@ -153,8 +153,10 @@ typedef enum gw_shadows {
 
 /*
  * What of a bake does not depend on the light, as a block of bytes: the surface of the points, the
- * octree, and what the places where light is gathered see. A second bake of the same points begins
- * with it and only lights them. The bytes are for the same version of the library.
+ * octree, and what the places see where light is gathered and where the error was estimated. A
+ * second bake of the same points begins with it and only lights them. The bytes are for the same
+ * version of the library, and stay as they are until gw_bake returns: where they begin at a page of
+ * memory, as a mapped file does, the software driver uses them in place.
  *
  * Lights, emission, shadows, bounces, tolerance and light_samples may differ between the two bakes;
  * positions, normals, albedo, scanners and the other settings of light have to be the same. Where
@@ -168,6 +170,9 @@ typedef struct gw_transport {
 	gw_status (*write)(void *user, const void *bytes, size_t length, gw_error *error);
 	void *user;
 } gw_transport;
+
+/* Drivers that are being loaded, see gw_drivers_load. */
+typedef struct gw_drivers gw_drivers;
 
 /* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
 typedef struct gw_bake_options {
@@ -211,6 +216,8 @@ typedef struct gw_bake_options {
 					geometry */
 	const gw_transport *transport; /* NULL, or begin with an earlier bake's and write this one's;
 									  not together with max_error or time_limit */
+	gw_drivers *drivers; /* NULL, or those that gw_drivers_load began to load, for one bake
+							at a time: its device is opened sooner */
 } gw_bake_options;
 
 #define GW_BAKE_OPTIONS_DEFAULT                                                                    \
@@ -527,17 +534,15 @@ typedef struct gw_device_info {
  */
 gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
 
-/* Drivers that are being loaded. */
-typedef struct gw_drivers gw_drivers;
-
 /*
  * Begins to load the drivers of all devices on a thread of its own, which takes some 40 ms, so that
- * a bake finds them loaded that begins later: call it before reading files. Nothing depends on it,
- * so it never fails; NULL is returned where there are no threads or memory.
+ * a bake finds them loaded that begins later (gw_bake_options.drivers): call it before reading
+ * files. Nothing depends on it, so it never fails; NULL is returned where there are no threads or
+ * memory.
  */
 gw_drivers *gw_drivers_load(void);
 
-/* Waits until they are loaded and gives them back; after the bake. NULL is accepted. */
+/* Waits until they are loaded and gives them back; after all bakes. NULL is accepted. */
 void gw_drivers_release(gw_drivers **drivers);
 
 /* ---------------------------------------------------------------------------------------- names */

@@ -27,6 +27,8 @@ typedef struct gw_gpu_options {
 	bool validate_synchronization;
 	bool validate_gpu_assisted;  /* not together with validate_synchronization */
 	uint32_t workgroup_size;     /* threads a workgroup, power of two; 0: the layer chooses */
+	gw_drivers *drivers;         /* NULL, or loaded before: used when there is no validation; they
+	                                outlive the device */
 	double slice_seconds;        /* target length of one dispatch; 0: 0.05 */
 } gw_gpu_options;
 
@@ -88,6 +90,22 @@ gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, ui
  * not defined. */
 gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
                                  const char *name, gw_buffer *buffer, gw_error *error);
+
+/* What is lent begins at a multiple of this, and can be read up to the next one after its end. */
+#define GW_LENT_ALIGNMENT 4096u
+
+/* Whether a buffer can be made of bytes that lie there already: on a device that is the host, whose
+ * driver can do it, if they begin at such a multiple. */
+bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes);
+
+/*
+ * A texel buffer of bytes that lie there already, without a copy: for gw_buffer_may_borrow.
+ *   lent   stays the caller's, and as it is until the buffer is destroyed: nothing may write to it,
+ *          no pass either
+ * For the rest as gw_buffer_create.
+ */
+gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
+                           const char *name, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.

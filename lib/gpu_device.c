@@ -110,8 +110,28 @@ void gw_gpu_name(gw_gpu *gpu, VkObjectType type, uint64_t handle, const char *na
 
 /* ------------------------------------------------------------------------------ opening */
 
+/* Whether the device is the host's processor and can use its memory as it lies. */
+static bool can_import(const gw_candidate *device)
+{
+	uint32_t count = 0;
+	bool found = false;
+	if (device->properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU ||
+		vkEnumerateDeviceExtensionProperties(device->handle, NULL, &count, NULL) != VK_SUCCESS)
+		return false;
+	VkExtensionProperties *list = gw_allocate_array(count, sizeof *list);
+	if (list == NULL ||
+		vkEnumerateDeviceExtensionProperties(device->handle, NULL, &count, list) != VK_SUCCESS)
+		count = 0;
+	for (uint32_t i = 0; i < count; i++)
+		found |= strcmp(list[i].extensionName, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME) == 0;
+	free(list);
+	return found;
+}
+
 static gw_status create_device(gw_gpu *gpu, gw_error *error)
 {
+	static const char *const extension[] = { VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME };
+	gpu->imports = can_import(&gpu->device);
 	float priority = 1.0f;
 	VkDeviceQueueCreateInfo queue = {
 		.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -133,6 +153,8 @@ static gw_status create_device(gw_gpu *gpu, gw_error *error)
 		.pNext = &features,
 		.queueCreateInfoCount = 1,
 		.pQueueCreateInfos = &queue,
+		.enabledExtensionCount = gpu->imports ? 1 : 0,
+		.ppEnabledExtensionNames = extension,
 	};
 	GW_VULKAN(gpu, error, gpu->device.info.name,
 			  vkCreateDevice(gpu->device.handle, &info, NULL, &gpu->handle));

@@ -170,10 +170,40 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 	return GW_OK;
 }
 
+struct gw_drivers {
+	pthread_t thread;
+	bool loaded; /* and the thread gone */
+	gw_messages messages;
+	gw_instance instance; /* an instance keeps its drivers loaded */
+};
+
+static void wait_for(gw_drivers *drivers)
+{
+	if (!drivers->loaded)
+		pthread_join(drivers->thread, NULL);
+	drivers->loaded = true;
+}
+
+/* That of drivers that were loaded before, for devices that need no validation; else NULL. */
+static const gw_instance *loaded_instance(const gw_gpu_options *options)
+{
+	if (options->drivers == NULL || options->validate || options->validate_synchronization ||
+		options->validate_gpu_assisted)
+		return NULL;
+	wait_for(options->drivers);
+	const gw_instance *instance = &options->drivers->instance;
+	return instance->handle != VK_NULL_HANDLE ? instance : NULL;
+}
+
 gw_status gw_instance_create(const gw_gpu_options *options, gw_messages *messages,
 							 gw_instance *instance, gw_error *error)
 {
+	const gw_instance *loaded = loaded_instance(options);
 	*instance = (gw_instance){ 0 };
+	if (loaded != NULL) {
+		*instance = (gw_instance){ .handle = loaded->handle, .lent = true };
+		return GW_OK;
+	}
 	gw_status status = create_instance(options, messages, instance, error);
 	if (status != GW_OK)
 		gw_instance_destroy(instance);
@@ -184,7 +214,7 @@ void gw_instance_destroy(gw_instance *instance)
 {
 	if (instance->messenger != VK_NULL_HANDLE)
 		instance->destroy_messenger(instance->handle, instance->messenger, NULL);
-	if (instance->handle != VK_NULL_HANDLE)
+	if (instance->handle != VK_NULL_HANDLE && !instance->lent)
 		vkDestroyInstance(instance->handle, NULL);
 	*instance = (gw_instance){ 0 };
 }
@@ -455,12 +485,6 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
 
 /* ----------------------------------------------------------------------------- drivers */
 
-struct gw_drivers {
-	pthread_t thread;
-	gw_messages messages;
-	gw_instance instance; /* an instance keeps its drivers loaded */
-};
-
 static void *load_drivers(void *user)
 {
 	gw_drivers *drivers = user;
@@ -494,7 +518,7 @@ void gw_drivers_release(gw_drivers **drivers)
 {
 	if (*drivers == NULL)
 		return;
-	pthread_join((*drivers)->thread, NULL);
+	wait_for(*drivers);
 	gw_instance_destroy(&(*drivers)->instance);
 	free(*drivers);
 	*drivers = NULL;

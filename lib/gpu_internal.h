@@ -18,6 +18,7 @@ typedef struct gw_instance {
 	VkDebugUtilsMessengerEXT messenger;
 	PFN_vkSetDebugUtilsObjectNameEXT set_name;
 	PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+	bool lent; /* it belongs to drivers that were loaded before */
 } gw_instance;
 
 /* Messages of the validation layer; the layer's callback fills it. */
@@ -55,6 +56,8 @@ struct gw_gpu {
 	uint64_t largest_allocation; /* bytes of one vkAllocateMemory */
 	uint64_t storage_range;      /* bytes of one storage binding; tests make it smaller */
 	bool may_map;                /* copies map memory where they can; tests forbid it */
+
+	bool imports; /* the device can make buffers of memory of the host */
 
 	VkDevice handle;
 	VkQueue queue;

@@ -22,6 +22,9 @@ static const VkMemoryPropertyFlags mappable = VK_MEMORY_PROPERTY_HOST_VISIBLE_BI
 											  VK_MEMORY_PROPERTY_HOST_COHERENT_BIT |
 											  VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
+static const VkExternalMemoryHandleTypeFlagBits host_memory =
+	VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
+
 /* ------------------------------------------------------------------------------- formats */
 
 /* Bytes of a texel; 0 for formats that the layer does not know. */
@@ -115,8 +118,12 @@ static gw_status check_budget(const gw_gpu *gpu, uint64_t bytes, const char *nam
 	return GW_OK;
 }
 
-static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging, const char *name,
-						  VkDeviceMemory *memory, uint64_t *allocated, gw_error *error)
+/*
+ *   lent   NULL, or where the memory lies that is to be used in place of new one
+ */
+static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging, const void *lent,
+						  const char *name, VkDeviceMemory *memory, uint64_t *allocated,
+						  gw_error *error)
 {
 	GW_TRY(check_budget(gpu, needs.size, name, error));
 	int type = choose_memory_type(gpu, needs.memoryTypeBits, staging);
@@ -129,9 +136,17 @@ static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging,
 					   "\"%s\" needs %" PRIu64 " bytes of a memory of \"%s\" that holds %" PRIu64
 					   ": bake with fewer points or a coarser octree",
 					   name, needs.size, gpu->device.info.name, heap);
+	VkImportMemoryHostPointerInfoEXT import = {
+		.sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT,
+		.handleType = host_memory,
+		.pHostPointer = (void *)(uintptr_t)lent,
+	};
 	VkMemoryAllocateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-		.allocationSize = needs.size,
+		.pNext = lent != NULL ? &import : NULL,
+		.allocationSize = lent != NULL ? (needs.size + GW_LENT_ALIGNMENT - 1) / GW_LENT_ALIGNMENT *
+											 GW_LENT_ALIGNMENT
+									   : needs.size,
 		.memoryTypeIndex = (uint32_t)type,
 	};
 	GW_VULKAN(gpu, error, name, vkAllocateMemory(gpu->handle, &info, NULL, memory));
@@ -152,11 +167,16 @@ static void release(gw_gpu *gpu, VkDeviceMemory memory, uint64_t allocated)
 
 /* A buffer with memory bound to it. */
 static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t bytes, bool staging,
-							   const char *name, VkBuffer *handle, VkDeviceMemory *memory,
-							   uint64_t *allocated, gw_error *error)
+							   const void *lent, const char *name, VkBuffer *handle,
+							   VkDeviceMemory *memory, uint64_t *allocated, gw_error *error)
 {
+	VkExternalMemoryBufferCreateInfo external = {
+		.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO,
+		.handleTypes = host_memory,
+	};
 	VkBufferCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+		.pNext = lent != NULL ? &external : NULL,
 		.size = bytes,
 		.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
 		.sharingMode = VK_SHARING_MODE_EXCLUSIVE,
@@ -165,7 +185,7 @@ static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t b
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_BUFFER, (uint64_t)*handle, name);
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, *handle, &needs);
-	GW_TRY(allocate(gpu, needs, staging, name, memory, allocated, error));
+	GW_TRY(allocate(gpu, needs, staging, lent, name, memory, allocated, error));
 	GW_VULKAN(gpu, error, name, vkBindBufferMemory(gpu->handle, *handle, *memory, 0));
 	return GW_OK;
 }
@@ -179,7 +199,7 @@ static gw_status need_staging(gw_gpu *gpu, gw_error *error)
 	if (staging->mapped != NULL)
 		return GW_OK;
 	gw_status status =
-		create_buffer(gpu, 0, STAGING_BYTES, true, "staging buffer", &staging->handle,
+		create_buffer(gpu, 0, STAGING_BYTES, true, NULL, "staging buffer", &staging->handle,
 					  &staging->memory, &staging->allocated, error);
 	VkResult result = VK_SUCCESS;
 	if (status == GW_OK)
@@ -239,8 +259,8 @@ static gw_status create_view(gw_gpu *gpu, VkFormat format, gw_buffer *buffer, gw
 	return GW_OK;
 }
 
-static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, gw_buffer *buffer,
-							 gw_error *error)
+static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, const void *lent,
+							 gw_buffer *buffer, gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	const char *name = buffer->name;
@@ -253,12 +273,13 @@ static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, 
 	VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 	if (kind == GW_BUFFER_TEXEL)
 		usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
-	GW_TRY(create_buffer(gpu, usage, size, false, name, &buffer->handle, &buffer->memory,
+	GW_TRY(create_buffer(gpu, usage, size, false, lent, name, &buffer->handle, &buffer->memory,
 						 &buffer->allocated, error));
 	if (kind == GW_BUFFER_TEXEL)
 		GW_TRY(create_view(gpu, format, buffer, error));
+	buffer->mapped = (void *)(uintptr_t)lent;
 	/* Stays mapped until the memory is freed. */
-	if (gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+	if (lent == NULL && gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
 		is_mappable(gpu, UINT32_MAX))
 		GW_VULKAN(gpu, error, name,
 				  vkMapMemory(gpu->handle, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped));
@@ -270,7 +291,23 @@ gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat form
 {
 	assert(name != NULL);
 	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
-	gw_status status = make_buffer(gpu, kind, format, buffer, error);
+	gw_status status = make_buffer(gpu, kind, format, NULL, buffer, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(gpu, buffer);
+	return status;
+}
+
+bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes)
+{
+	return gpu->imports && gw_gpu_is_host(gpu) && (uintptr_t)bytes % GW_LENT_ALIGNMENT == 0;
+}
+
+gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
+						   const char *name, gw_buffer *buffer, gw_error *error)
+{
+	assert(name != NULL && gw_buffer_may_borrow(gpu, lent));
+	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
+	gw_status status = make_buffer(gpu, GW_BUFFER_TEXEL, format, lent, buffer, error);
 	if (status != GW_OK)
 		gw_buffer_destroy(gpu, buffer);
 	return status;
@@ -409,8 +446,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 	}
 	void *copy = gw_allocate_array((size_t)bytes, 1);
 	if (copy == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a copy of the %s",
-					   buffer->name);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a copy of the %s", buffer->name);
 	gw_status status = gw_buffer_download(gpu, buffer, 0, copy, bytes, error);
 	if (status == GW_OK)
 		*view = (gw_view){ .bytes = copy, .copy = copy };
@@ -477,7 +513,8 @@ static gw_status allocate_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, image->name);
 	VkMemoryRequirements needs;
 	vkGetImageMemoryRequirements(gpu->handle, image->handle, &needs);
-	GW_TRY(allocate(gpu, needs, false, image->name, &image->memory, &image->allocated, error));
+	GW_TRY(
+		allocate(gpu, needs, false, NULL, image->name, &image->memory, &image->allocated, error));
 	GW_VULKAN(gpu, error, image->name,
 			  vkBindImageMemory(gpu->handle, image->handle, image->memory, 0));
 	return GW_OK;

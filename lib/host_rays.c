@@ -347,24 +347,28 @@ typedef struct shadows {
 	float *visibility;
 } shadows;
 
-/* Whether a light shines on a place, where it is from there, and how far: light.glsl. */
-static bool shines(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
+/* Share of its power that a light sends towards a place, where it is from there, and how far:
+ * light.glsl. */
+static float share_of_power(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
 {
 	if (push->type == GW_PUSH_SUN) {
 		*towards = (gw_vec3){ -push->direction.x, -push->direction.y, -push->direction.z };
 		*distance = FAR;
-		return true;
+		return 1.0f;
 	}
 	const gw_vec3 axis = { push->direction.x, push->direction.y, push->direction.z };
 	gw_vec3 to = gw_minus((gw_vec3){ push->position.x, push->position.y, push->position.z }, g);
-	float squared = gw_dot(to, to);
+	float squared = gw_dot(to, to), inner = push->cos_inner, outer = push->cos_outer;
 	/* Nearer than the light's own radius, or on the light itself, the distance stops falling. */
 	*distance = sqrtf(gw_larger(squared, gw_larger(push->position.w * push->position.w, 1e-12f)));
 	*towards = gw_times(to, squared > 0.0f ? 1.0f / sqrtf(squared) : 0.0f);
+	if (push->type != GW_PUSH_SPOT)
+		return 1.0f;
 	float cosine = -gw_dot(*towards, axis);
-	return push->type != GW_PUSH_SPOT ||
-		   (push->cos_inner > push->cos_outer ? cosine > push->cos_outer
-											  : cosine >= push->cos_outer);
+	if (!(inner > outer))
+		return cosine >= outer ? 1.0f : 0.0f;
+	float x = gw_smaller(gw_larger((cosine - outer) / (inner - outer), 0.0f), 1.0f);
+	return x * x * (3.0f - 2.0f * x);
 }
 
 /* Do most of the discs in the lobe's leaf that end there do so at a crease? */
@@ -406,7 +410,7 @@ static float share_seen(const shadows *job, size_t surfel)
 	gw_ray ray = { .origin = gw_xyz(job->tracer.place + 4 * surfel),
 				   .both_sides = true,
 				   .discs = true };
-	if (!shines(push, ray.origin, &towards, &distance))
+	if (!(share_of_power(push, ray.origin, &towards, &distance) > 0.0f))
 		return 0.0f;
 	float cosine = gw_dot(normal, towards);
 	if (!((own[3] > 0.5f ? fabsf(cosine) : cosine) > 0.0f))
@@ -446,4 +450,53 @@ void gw_host_light_visibility(gw_passes *passes, const gw_octree *octree, const 
 					.visibility = visibility->mapped };
 	gw_host_loop(passes, GW_PASS_LIGHT_VISIBILITY, count, chunk_of(push->samples), look_at_light,
 				 &job);
+}
+
+/* --------------------------------------------------------------------------- light of a lamp */
+
+typedef struct lamp_light {
+	gw_light_push push;
+	const float *place, *normal, *visibility;
+	float *irradiance;
+} lamp_light;
+
+static void add_lamp(const lamp_light *job, size_t surfel)
+{
+	const gw_light_push *push = &job->push;
+	const float *own = job->normal + 4 * surfel;
+	float distance, seen = push->shadows ? job->visibility[surfel] : 1.0f, sign = 1.0f;
+	gw_vec3 towards, power = gw_xyz(&push->power.x);
+	float share = share_of_power(push, gw_xyz(job->place + 4 * surfel), &towards, &distance);
+	float cosine = gw_dot(gw_xyz(own), towards);
+	float e = share * (own[3] > 0.5f ? fabsf(cosine) : gw_larger(cosine, 0.0f));
+	if (push->type != GW_PUSH_SUN)
+		e /= distance * distance;
+	if (seen >= GW_HIDDEN_BY_CREASE) {
+		seen -= GW_HIDDEN_BY_CREASE;
+		sign = push->samples > 1 ? 0.0f : -1.0f;
+	}
+	float *sum = job->irradiance + 4 * surfel;
+	sum[0] += e * power.x * seen;
+	sum[1] += e * power.y * seen;
+	sum[2] += e * power.z * seen;
+	sum[3] += e * gw_luminance_of(power) * (sign * (1.0f - seen));
+}
+
+static void add_lamps(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		add_lamp(user, i);
+}
+
+void gw_host_light_irradiance(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
+							  const gw_buffer *normal, const gw_buffer *visibility, size_t count,
+							  gw_buffer *irradiance)
+{
+	lamp_light job = { .push = *push,
+					   .place = octree->surfel_position.mapped,
+					   .normal = normal->mapped,
+					   .visibility = visibility->mapped,
+					   .irradiance = irradiance->mapped };
+	gw_host_loop(passes, GW_PASS_LIGHT_IRRADIANCE, count, CHUNK_RAYS, add_lamps, &job);
 }

@@ -44,4 +44,10 @@ void gw_host_record_first(gw_passes *passes, const gw_octree *octree, gw_records
 void gw_host_light_visibility(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
 							  const gw_buffer *normal, size_t count, gw_buffer *visibility);
 
+/* light_irradiance.comp, of `count` surfels.
+ *   irradiance   vec4 a surfel: what the light brings is added */
+void gw_host_light_irradiance(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
+							  const gw_buffer *normal, const gw_buffer *visibility, size_t count,
+							  gw_buffer *irradiance);
+
 #endif

@@ -19,18 +19,18 @@
 /* Of a point for which one record speaks, as in record_density.c. */
 #define LONELY_SHARE 0.25
 
-static uint64_t next_random(uint64_t *state)
+static uint64_t mixed(uint64_t z)
 {
-	uint64_t z = *state += 0x9e3779b97f4a7c15u;
-	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+	z = (z + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
 	z = (z ^ z >> 27) * 0x94d049bb133111ebu;
 	return z ^ z >> 31;
 }
 
-/* [0, 1) */
-static double next_unit(uint64_t *state)
+/* A point's own number in [0, 1). Of points that follow each other they are spread evenly, as
+ * multiples of the golden ratio are, so that every stretch gets its share of the draws. */
+static double number_of(uint64_t point, uint64_t seed)
 {
-	return (double)(next_random(state) >> 11) * 0x1p-53;
+	return (double)((mixed(seed) + point * 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
 }
 
 /* ------------------------------------------------------------------------------------ drawing */
@@ -63,24 +63,61 @@ static bool add_part(const bool *counts, const double *part, size_t points, uint
 	return true;
 }
 
-/* One point in each of `wanted` equal stretches of the summed probabilities. */
-static void draw(const double *probability, double whole, size_t points, size_t counted,
-				 uint32_t wanted, uint64_t seed, gw_probe_choice *choice)
+typedef struct candidate {
+	double ratio; /* of the point's own number to how often it is to be drawn */
+	double times; /* the latter */
+	uint32_t point;
+} candidate;
+
+/* Lists points whose ratio is below `most`; returns how many there are. list may be NULL. */
+static size_t list_candidates(const double *times, size_t points, uint64_t seed, double most,
+							  candidate *list)
 {
-	uint64_t state = seed;
-	double below = 0.0;
-	size_t at = 0;
+	size_t count = 0;
+	for (size_t i = 0; i < points; i++) {
+		double number = number_of(i, seed);
+		if (number >= most * times[i])
+			continue;
+		if (list)
+			list[count] = (candidate){ number / times[i], times[i], (uint32_t)i };
+		count++;
+	}
+	return count;
+}
+
+static int by_ratio(const void *a, const void *b)
+{
+	const candidate *x = a, *y = b;
+	int order = (x->ratio > y->ratio) - (x->ratio < y->ratio);
+	return order != 0 ? order : (x->point > y->point) - (x->point < y->point);
+}
+
+static int by_point(const void *a, const void *b)
+{
+	const candidate *x = a, *y = b;
+	return (x->point > y->point) - (x->point < y->point);
+}
+
+/* The `wanted` points of the lowest ratios. False where there is no memory. */
+static bool draw(const double *times, size_t points, size_t counted, uint32_t wanted, uint64_t seed,
+				 gw_probe_choice *choice)
+{
+	double most = 1.25;
+	while (list_candidates(times, points, seed, most, NULL) < wanted)
+		most *= 2.0;
+	candidate *list =
+		gw_allocate_array(list_candidates(times, points, seed, most, NULL), sizeof *list);
+	if (!list)
+		return false;
+	qsort(list, list_candidates(times, points, seed, most, list), sizeof *list, by_ratio);
+	qsort(list, wanted, sizeof *list, by_point);
 	for (uint32_t k = 0; k < wanted; k++) {
-		double target = whole * (k + next_unit(&state)) / wanted;
-		while (at + 1 < points && (below + probability[at] <= target || probability[at] == 0.0))
-			below += probability[at++];
-		/* Roundings may lead past the last point that counts. */
-		while (probability[at] == 0.0)
-			at--;
-		choice->point[k] = (uint32_t)at;
-		choice->weight[k] = whole / (probability[at] * (double)counted * wanted);
+		choice->point[k] = list[k].point;
+		choice->weight[k] = 1.0 / (list[k].times * (double)counted);
 	}
 	choice->count = wanted;
+	free(list);
+	return true;
 }
 
 static void take_all(const bool *counts, size_t points, size_t counted, gw_probe_choice *choice)
@@ -116,12 +153,18 @@ gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t 
 		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
 	for (size_t k = 0; k < part_count; k++)
 		whole += add_part(counts, part[k], points, wanted, probability) ? 1.0 : 0.0;
-	if (counted <= wanted)
+	for (size_t i = 0; i < points; i++)
+		probability[i] *= wanted / whole;
+	bool drawn = counted > wanted;
+	if (!drawn)
 		take_all(counts, points, counted, choice);
 	else
-		draw(probability, whole, points, counted, wanted, seed, choice);
+		drawn = draw(probability, points, counted, wanted, seed, choice);
 	free(probability);
-	return GW_OK;
+	if (drawn || counted <= wanted)
+		return GW_OK;
+	gw_probe_choice_clear(choice);
+	return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
 }
 
 void gw_probe_choice_clear(gw_probe_choice *choice)
@@ -151,24 +194,51 @@ typedef struct contrast_work {
 	double *contrast;
 } contrast_work;
 
+/* A chunk's surfels, and how many neighbours of each were found so far. */
+typedef struct contrast_part {
+	const contrast_work *work;
+	size_t first, last;
+	uint8_t neighbours[CHUNK];
+} contrast_part;
+
+/* Adds what surfels i < j say of each other, to those of them that are in the chunk. */
+static inline void compare_pair(contrast_part *part, size_t i, size_t j)
+{
+	const contrast_work *w = part->work;
+	const gw_surfels *s = w->surfels;
+	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
+	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+	float squared = x * x + y * y + z * z;
+	bool reach[2] = { i >= part->first && squared < s->radius[i] * s->radius[i],
+					  j < part->last && squared < s->radius[j] * s->radius[j] };
+	if (!(reach[0] || reach[1]) || !gw_surfels_alike(s, i, j))
+		return;
+	double off = (double)w->light[i] - (double)w->light[j];
+	for (size_t k = 0; k < 2; k++) {
+		size_t surfel = k ? j : i;
+		if (!reach[k])
+			continue;
+		w->contrast[surfel] += off * off;
+		part->neighbours[surfel - part->first]++;
+	}
+}
+
 static void contrast_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const contrast_work *w = user;
-	size_t count = w->surfels->count;
+	contrast_part part = { .work = w, .first = first, .last = last };
+	size_t from = first > ORDER_REACH ? first - ORDER_REACH : 0, count = w->surfels->count;
 	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		size_t from = i > ORDER_REACH ? i - ORDER_REACH : 0;
-		size_t to = i + ORDER_REACH < count ? i + ORDER_REACH + 1 : count;
-		double sum = 0.0, neighbours = 0.0;
-		for (size_t j = from; j < to; j++) {
-			double off = (double)w->light[i] - (double)w->light[j];
-			if (j == i || !gw_surfels_adjoin(w->surfels, i, j))
-				continue;
-			sum += off * off;
-			neighbours += 1.0;
-		}
-		w->contrast[i] = neighbours > 0.0 ? sum / neighbours : 0.0;
+	for (size_t i = first; i < last; i++)
+		w->contrast[i] = 0.0;
+	for (size_t i = from; i < last; i++) {
+		size_t end = i + ORDER_REACH < count ? i + ORDER_REACH + 1 : count;
+		for (size_t j = i < first ? first : i + 1; j < end; j++)
+			compare_pair(&part, i, j);
 	}
+	for (size_t i = first; i < last; i++)
+		if (part.neighbours[i - first] > 0)
+			w->contrast[i] /= part.neighbours[i - first];
 }
 
 void gw_probe_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,

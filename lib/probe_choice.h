@@ -7,6 +7,11 @@
  * probability that is a mixture: a third even, a third by how much its records disagree, a third by
  * how much its light differs from its neighbours'. What is found at a point counts by the inverse
  * of its probability (Horvitz and Thompson), so that the mean stays right whatever the shares are.
+ *
+ * Every point has a number of its own between 0 and 1, and is taken where that is small beside its
+ * probability, until there are as many as wanted (sequential Poisson sampling, Ohlsson 1998). So
+ * another lighting, with other probabilities, takes as many of the same points as it can: of those
+ * it is known what they see (probe_hits.h).
  */
 #ifndef PROBE_CHOICE_H
 #define PROBE_CHOICE_H
@@ -17,7 +22,7 @@
 /* The mean over all points that count is about sum weight[i] * value(point[i]). */
 typedef struct gw_probe_choice {
 	uint32_t count;
-	uint32_t *point; /* count, ascending; some may be there twice */
+	uint32_t *point; /* count, ascending */
 	double *weight;  /* count */
 } gw_probe_choice;
 

@@ -411,12 +411,35 @@ gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, 
 	return download(relight, &relight->surfel_direct, direct, error);
 }
 
+/* Rays that light comes along to what an estimate is held against. */
+static uint32_t rays_of(const gw_bake_options *o)
+{
+	return o->method == GW_METHOD_RAYS ? o->rays : o->light_samples;
+}
+
+gw_status gw_relight_foresee(gw_relight *relight, gw_error *error)
+{
+	gw_solver *s = relight->solver;
+	const gw_probe_task task = { .passes = &s->passes,
+								 .octree = &s->octree,
+								 .surfels = &s->surfels,
+								 .emitters = &relight->emitters,
+								 .rays = gw_estimate_rays(rays_of(&s->options)),
+								 .seed = (uint32_t)s->options.seed };
+	return s->probed.count > 0
+			   ? GW_OK
+			   : gw_estimate_foresee(
+					 &task, gw_estimate_points(s->options.estimate_points, s->records.count),
+					 &s->probed, error);
+}
+
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 {
 	gw_solver *s = relight->solver;
 	const gw_bake_options *o = &s->options;
 	float *direct = NULL, *turned = NULL;
-	gw_status status = gw_relight_download_direct(relight, &direct, error);
+	gw_status status =
+		relight->plan.lamps ? gw_relight_download_direct(relight, &direct, error) : GW_OK;
 	if (status == GW_OK && relight->surfel_turned.handle != VK_NULL_HANDLE)
 		status = download(relight, &relight->surfel_turned, &turned, error);
 	if (status == GW_OK) {
@@ -435,13 +458,13 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.turned = turned,
 										.first = relight->surfel_first,
 										.indirect = relight->surfel_indirect,
-										.rays = o->method == GW_METHOD_RAYS ? o->rays
-																			: o->light_samples,
+										.rays = rays_of(o),
 										.light_samples = o->light_samples,
 										.points = gw_estimate_points(o->estimate_points,
 																	 s->records.count),
 										.seed = (uint32_t)o->seed,
-										.threads = o->threads };
+										.threads = o->threads,
+										.hits = &s->probed };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
 	free(turned);

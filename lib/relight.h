@@ -62,6 +62,10 @@ gw_status gw_relight_run(gw_relight *relight, gw_error *error);
 /* How wrong the light is, into the report. */
 gw_status gw_relight_estimate(gw_relight *relight, gw_error *error);
 
+/* Where no error was estimated: finds what points see that an estimate of another lighting may ask
+ * for. */
+gw_status gw_relight_foresee(gw_relight *relight, gw_error *error);
+
 /* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel. */
 gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error);
 

@@ -70,6 +70,7 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 {
 	gw_gpu_options options = { .device = solver->options.device,
 							   .memory = solver->options.memory,
+							   .drivers = solver->options.drivers,
 							   .validate = solver->options.validate };
 	gw_status status = gw_gpu_create(&options, &solver->gpu, error);
 	if (status == GW_OK) {
@@ -204,6 +205,7 @@ void gw_solver_forget_further(gw_solver *solver)
 void gw_solver_forget_samples(gw_solver *solver)
 {
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_probe_hits_forget_emitted(&solver->probed);
 	gw_solver_forget_further(solver);
 }
 
@@ -291,8 +293,8 @@ gw_status gw_solver_open_to_sky(gw_solver *s, gw_error *error)
 {
 	gw_status status = GW_OK;
 	if (!s->openings.looked)
-		status = gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings,
-								  error);
+		status =
+			gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings, error);
 	if (status == GW_OK && s->further.count > 0)
 		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
 											&s->rays, &s->further_rays, error);
@@ -334,6 +336,7 @@ void gw_solver_drop_records(gw_solver *solver)
 	gw_solver_forget_further(solver);
 	gw_read_back_clear(&solver->read_back);
 	gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_probe_hits_clear(&solver->probed);
 	memset(solver->passes.device_seconds, 0, sizeof solver->passes.device_seconds);
 }
 

@@ -42,6 +42,7 @@ typedef struct gw_solver {
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
+	gw_probe_hits probed;       /* what the points see that estimates solve again */
 	gw_openings openings;       /* looked for when a sky first shines */
 	gw_records further;         /* places of records that were added and are not in it yet */
 	gw_ray_gather further_rays; /* and their hits */

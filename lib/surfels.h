@@ -101,15 +101,20 @@ void gw_surfels_clear(gw_surfels *surfels);
 /* Least cosine between the normals of a smooth surface at places a disc apart. */
 #define GW_SMOOTH_LEAST 0.9f
 
+/* Do two surfels face about the same way? */
+static inline bool gw_surfels_alike(const gw_surfels *s, size_t i, size_t j)
+{
+	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
+	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > GW_SMOOTH_LEAST;
+}
+
 /* Does surfel j lie on the disc of surfel i, on the same smooth surface? Here because it is asked
  * of millions of pairs. */
 static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
 {
 	const float *p = s->position + 3 * i, *q = s->position + 3 * j;
-	const float *n = s->normal + 3 * i, *m = s->normal + 3 * j;
 	float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-	return x * x + y * y + z * z < s->radius[i] * s->radius[i] &&
-		   n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > GW_SMOOTH_LEAST;
+	return x * x + y * y + z * z < s->radius[i] * s->radius[i] && gw_surfels_alike(s, i, j);
 }
 
 /*

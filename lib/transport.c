@@ -77,14 +77,15 @@ static fixed_settings settle(const gw_bake_options *o)
 							 .seed = (double)o->seed };
 }
 
+/* To where the next part begins. */
 static uint64_t padded(uint64_t bytes)
 {
-	return (bytes + 7) / 8 * 8;
+	return (bytes + GW_LENT_ALIGNMENT - 1) / GW_LENT_ALIGNMENT * GW_LENT_ALIGNMENT;
 }
 
 static uint64_t length_of(const gw_transport_block *blocks, size_t count)
 {
-	uint64_t length = sizeof(head) + sizeof(uint64_t);
+	uint64_t length = padded(sizeof(head)) + sizeof(uint64_t);
 	for (size_t i = 0; i < count; i++)
 		length += padded(blocks[i].bytes);
 	return length;
@@ -106,10 +107,16 @@ static void hash_pieces(const gw_transport_block *block, const unsigned char *by
 	}
 }
 
+/* Writes the zeros after so many bytes. */
+static gw_status pad(const gw_transport *transport, uint64_t bytes, gw_error *error)
+{
+	static const char zeros[GW_LENT_ALIGNMENT];
+	return transport->write(transport->user, zeros, (size_t)(padded(bytes) - bytes), error);
+}
+
 static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
 							 const gw_transport *transport, uint64_t *hash, gw_error *error)
 {
-	const char zeros[8] = { 0 };
 	gw_view view = { 0 };
 	const void *bytes = block->host ? *block->host : NULL;
 	gw_status status = GW_OK;
@@ -122,8 +129,7 @@ static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
 		status = transport->write(transport->user, bytes, block->bytes, error);
 	}
 	if (status == GW_OK)
-		status = transport->write(transport->user, zeros,
-								  (size_t)(padded(block->bytes) - block->bytes), error);
+		status = pad(transport, block->bytes, error);
 	gw_view_close(&view);
 	return status;
 }
@@ -149,6 +155,8 @@ gw_status gw_transport_save(gw_solver *solver, const gw_points *points,
 	h.length = length_of(blocks, count);
 	h.hash = gw_hash(0, &h, offsetof(head, hash));
 	gw_status status = transport->write(transport->user, &h, sizeof h, error);
+	if (status == GW_OK)
+		status = pad(transport, sizeof h, error);
 	for (size_t i = 0; i < count && status == GW_OK; i++)
 		status = write_block(solver, &blocks[i], transport, &hash, error);
 	return status == GW_OK ? transport->write(transport->user, &hash, sizeof hash, error) : status;
@@ -224,10 +232,10 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 	return GW_OK;
 }
 
-/* Blocks are filled up with zeros. */
-static bool padding_fits(const gw_transport_block *block, const unsigned char *bytes)
+/* Parts are filled up with zeros. */
+static bool padding_fits(uint64_t length, const unsigned char *bytes)
 {
-	for (uint64_t at = block->bytes; at < padded(block->bytes); at++)
+	for (uint64_t at = length; at < padded(length); at++)
 		if (bytes[at] != 0)
 			return false;
 	return true;
@@ -237,7 +245,8 @@ static bool padding_fits(const gw_transport_block *block, const unsigned char *b
 typedef struct arrival {
 	const gw_transport_block *block;
 	const unsigned char *from;
-	unsigned char *to; /* NULL: it is uploaded when it is known to be good */
+	unsigned char *to; /* NULL: it stays, or is uploaded when it is known to be good */
+	bool lent;
 	size_t first_piece;
 } arrival;
 
@@ -289,6 +298,10 @@ static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
 		a->to = *block->host = gw_allocate_array(block->bytes, 1);
 		if (!a->to)
 			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
+	} else if (gw_buffer_may_borrow(solver->gpu, a->from) && block->bytes > 0) {
+		a->lent = true;
+		status = gw_buffer_borrow(solver->gpu, block->format, a->from, block->bytes, block->name,
+								  block->buffer, error);
 	} else {
 		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
 										block->name, block->buffer, error);
@@ -318,7 +331,7 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 	}
 	for (size_t i = 0; i < all->count && status == GW_OK; i++) {
 		const arrival *a = &all->arrival[i];
-		if (!a->to)
+		if (!a->to && !a->lent)
 			status =
 				gw_buffer_upload(solver->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
 	}
@@ -353,14 +366,17 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 											 : "this transport has another length than it says",
 					   error);
 	arrivals all = { .count = count };
-	const unsigned char *at = (const unsigned char *)t->data + sizeof *h;
+	const unsigned char *at = t->data;
+	bool fits = padding_fits(sizeof *h, at);
+	at += padded(sizeof *h);
 	for (size_t i = 0; i < count; i++) {
-		if (!padding_fits(&blocks[i], at))
-			return damaged(t, "this transport is damaged", error);
+		fits = fits && padding_fits(blocks[i].bytes, at);
 		all.arrival[i] = (arrival){ .block = &blocks[i], .from = at, .first_piece = all.pieces };
 		all.pieces += piece_count(&blocks[i]);
 		at += padded(blocks[i].bytes);
 	}
+	if (!fits)
+		return damaged(t, "this transport is damaged", error);
 	gw_status status = take_blocks(solver, t, &all, error);
 	if (status == GW_OK && !rows_fit(solver, &h->numbers))
 		status = damaged(t, "this transport is damaged", error);

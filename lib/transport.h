@@ -6,9 +6,11 @@
  *   head      magic, version, length of the whole, what was baked (hashes of positions, normals,
  *             albedo, emission, scanners), the settings that have to be the same, the solver's
  *             numbers (transport_blocks.h), and a hash of all that
- *   blocks    the arrays in the order of gw_transport_list, each filled up with zeros to a multiple
- *             of 8 bytes
+ *   blocks    the arrays in the order of gw_transport_list
  *   tail      a hash of the hashes of all pieces that the blocks are cut into, 1 MiB each
+ *
+ * Head and blocks are filled up with zeros to multiples of GW_LENT_ALIGNMENT bytes, so that a
+ * device that is the host can use the blocks where they lie, as in a file that is mapped.
  *
  * Every length follows from the head, so the whole is refused before anything is allocated when its
  * length differs. Indices are checked, so that no bytes make a pass or a loop leave its arrays.

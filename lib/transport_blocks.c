@@ -53,6 +53,9 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
+	n.probes = solver->probed.count;
+	n.probe_rays = solver->probed.rays;
+	n.probes_lit = solver->probed.emitted != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -73,9 +76,11 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
-		   n->noisy <= (NOISY | OFF) && isfinite(n->leaf_size) && n->leaf_size > 0.0f &&
-		   n->block_level < n->depth && n->leaves > 0 && n->leaves <= INT32_MAX / 2 &&
-		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+		   n->noisy <= (NOISY | OFF) && n->probes <= n->surfels && n->probe_rays <= 4096 &&
+		   n->probes_lit <= (n->emits && n->probes > 0) && isfinite(n->leaf_size) &&
+		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
+		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
+		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
 
 void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
@@ -103,6 +108,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
 	solver->openings =
 		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
+	solver->probed = (gw_probe_hits){ .count = n->probes, .rays = n->probe_rays };
 	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -239,6 +245,21 @@ static void list_records(list *l, gw_solver *solver, const gw_transport_numbers 
 	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
 }
 
+static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
+{
+	gw_probe_hits *p = &solver->probed;
+	uint64_t gathers = GW_PROBE_GATHERS * (uint64_t)n->probes, hits = gathers * n->probe_rays;
+	if (n->probes == 0)
+		return;
+	index_below(host(l, "points of the estimate", &p->point, 4 * (uint64_t)n->probes), 0,
+				n->surfels, UINT32_MAX, 1);
+	index_below(host(l, "what they see", &p->lobe, 4 * hits), 0, 2 * (uint64_t)n->leaves,
+				UINT32_MAX, 1);
+	host(l, "how far that is", &p->distance, 4 * hits);
+	if (n->probes_lit)
+		host(l, "light of emitters there", &p->emitted, 16 * gathers);
+}
+
 size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
 {
@@ -247,6 +268,7 @@ size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
 	list_tree(&l, &solver->octree, numbers);
 	list_leaves(&l, &solver->octree, numbers);
 	list_records(&l, solver, numbers);
+	list_probes(&l, solver, numbers);
 	if (numbers->light_samples)
 		device(&l, "light of emitters", &solver->sampled, 16 * (uint64_t)numbers->records);
 	return l.count;

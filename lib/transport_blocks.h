@@ -24,7 +24,8 @@ typedef struct gw_transport_numbers {
 	uint32_t opened;           /* 1: they were sampled from the records */
 	float escaped;
 	uint32_t noisy; /* bits: 1 given normals are there besides smooth ones, 2 and their errors */
-	uint32_t zero;  /* fills up to a multiple of 8 bytes, so that all of them are known */
+	uint32_t probes, probe_rays; /* points whose error was estimated, and rays of a gather there */
+	uint32_t probes_lit;         /* 1: what emitters brought them is kept */
 } gw_transport_numbers;
 
 /* One array. */
@@ -39,7 +40,7 @@ typedef struct gw_transport_block {
 	uint32_t step;  /* in words, from one index to the next */
 } gw_transport_block;
 
-#define GW_TRANSPORT_BLOCKS 55u
+#define GW_TRANSPORT_BLOCKS 59u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver);
 

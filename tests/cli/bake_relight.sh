@@ -20,8 +20,9 @@ bake --light "$sky" --transport t.gwt -o other.ply
 cmp fresh.ply other.ply
 echo "a transport alone, through a pipe:"
 glowworm bake box.ply -q --save-transport - | cat >piped.gwt
-cmp t.gwt piped.gwt
-bake --light "$sky" --transport - -o from-pipe.ply <t.gwt
+glowworm bake box.ply -q --save-transport unlit.gwt
+cmp piped.gwt unlit.gwt
+bake --light "$sky" --transport - -o from-pipe.ply <piped.gwt
 cmp fresh.ply from-pipe.ply
 
 echo "lamps:"

@@ -200,6 +200,51 @@ static void test_empty_buffer(void **state)
 	gw_gpu_destroy(&gpu);
 }
 
+/* A pass reads what lies in memory of the test itself, which stays as it is. */
+static void test_borrowed(void **state)
+{
+	(void)state;
+	enum { WORDS = 3 * GW_LENT_ALIGNMENT / 4 - 5, BYTES = 3 * GW_LENT_ALIGNMENT };
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gw_error error = { 0 };
+	uint32_t *word = aligned_alloc(GW_LENT_ALIGNMENT, BYTES), got[WORDS];
+	assert_non_null(word);
+	assert_false(gw_buffer_may_borrow(gpu, word + 1));
+	if (!gw_buffer_may_borrow(gpu, word)) {
+		assert_false(gpu->imports && gw_gpu_is_host(gpu));
+		free(word);
+		gw_gpu_destroy(&gpu);
+		skip();
+	}
+	for (uint32_t i = 0; i < BYTES / 4; i++)
+		word[i] = scramble(i);
+	gw_buffer in, out = new_buffer(gpu, UINT64_C(4) * WORDS, "out");
+	assert_ok(gw_buffer_borrow(gpu, VK_FORMAT_R32_UINT, word, 4 * WORDS, "lent", &in, &error),
+			  &error);
+	assert_ptr_equal(in.mapped, word);
+	gw_pass *pass = new_pass(gpu, "test_affine",
+							 (gw_pass_description){ .bindings = two_buffers,
+													.binding_count = 2,
+													.push_bytes = 12,
+													.constant = (uint32_t[]){ 3, 1 },
+													.constant_count = 2 });
+	const gw_binding bindings[] = { { .buffer = &in }, { .buffer = &out } };
+	assert_ok(gw_pass_run(gpu, pass, bindings, (uint32_t[]){ 0, 0, 5 }, WORDS, &error), &error);
+	assert_ok(gw_buffer_download(gpu, &out, 0, got, sizeof got, &error), &error);
+	for (uint32_t i = 0; i < WORDS; i++)
+		assert_int_equal(got[i], word[i] * 3 + i + 5);
+	assert_ok(gw_buffer_download(gpu, &in, 0, got, sizeof got, &error), &error);
+	assert_memory_equal(got, word, sizeof got);
+	gw_pass_destroy(gpu, &pass);
+	gw_buffer_destroy(gpu, &in);
+	gw_buffer_destroy(gpu, &out);
+	assert_int_equal(gw_gpu_read_account(gpu).bytes, 0);
+	for (uint32_t i = 0; i < BYTES / 4; i++)
+		assert_int_equal(word[i], scramble(i));
+	free(word);
+	gw_gpu_destroy(&gpu);
+}
+
 /* -------------------------------------------------------------------------------- passes */
 
 /* Not a multiple of any workgroup; many slices at the window below. */
@@ -586,6 +631,7 @@ int main(void)
 		cmocka_unit_test(test_pass_windows),
 		cmocka_unit_test(test_pass_short_slices),
 		cmocka_unit_test(test_workgroup_sizes),
+		cmocka_unit_test(test_borrowed),
 		cmocka_unit_test(test_images),
 		cmocka_unit_test(test_large_image),
 		cmocka_unit_test(test_budget),

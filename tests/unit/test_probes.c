@@ -28,7 +28,7 @@ static void make_field(field *f)
 	double sum = 0.0;
 	srand(7);
 	for (size_t i = 0; i < POINTS; i++) {
-		bool large = i % 100 == 17, known = i % 200 == 17;
+		bool large = rand() % 100 == 17, known = rand() % 2 == 0;
 		double off = (large ? 30.0 : 1.0) * (double)(rand() % 1000 + 1) / 1000.0;
 		f->counts[i] = i % 7 != 3;
 		f->square[i] = off * off;
@@ -67,7 +67,7 @@ static trials try_seeds(const field *f, size_t parts)
 						 GW_OK);
 		assert_int_equal(c.count, DRAWS);
 		for (uint32_t i = 0; i < c.count; i++)
-			assert_true(f->counts[c.point[i]] && (i == 0 || c.point[i] >= c.point[i - 1]));
+			assert_true(f->counts[c.point[i]] && (i == 0 || c.point[i] > c.point[i - 1]));
 		gw_probe_mean found = average(f, &c);
 		sum += found.mean;
 		square += found.mean * found.mean;
@@ -97,11 +97,11 @@ static void weighted_mean_is_right(void **state)
 	mixed = try_seeds(f, 1);
 	assert_true(fabs(mixed.mean - f->mean) < 4.0 * sqrt(mixed.variance / SEEDS));
 	assert_true(mixed.variance < 0.4 * even.variance);
-	/* What it says of its own variance is as if each draw were from all points: one from each
-	 * stretch is steadier, here by up to a half. A variance of 200 trials is known to 10 % and,
-	 * with the tail of this field, twice that. */
-	assert_true(even.said > 0.8 * even.variance && even.said < 2.4 * even.variance);
-	assert_true(mixed.said > 0.8 * mixed.variance && mixed.said < 2.4 * mixed.variance);
+	/* What it says of its own variance is as if each draw were from all points: draws that are
+	 * spread evenly, of which some are certain, are steadier, here by up to 1.6 times. A variance
+	 * of 200 trials is known to 10 % and, with the tail of this field, twice that. */
+	assert_true(even.said > 0.8 * even.variance && even.said < 3.2 * even.variance);
+	assert_true(mixed.said > 0.8 * mixed.variance && mixed.said < 3.2 * mixed.variance);
 	free(f);
 }
 
@@ -167,7 +167,7 @@ static void one_point_is_not_all(void **state)
 		GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		times += c.point[i] == 1234;
-	assert_true(times <= 2); /* at both ends of a stretch */
+	assert_true(times <= 1);
 	gw_probe_choice_clear(&c);
 }
 
