@@ -103,7 +103,7 @@ static void scale_positions(gw_neighbours *search)
 }
 
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
-							 bool keep, gw_neighbours **search, gw_error *error)
+							 gw_neighbours **search, gw_error *error)
 {
 	size_t count = surfels->count;
 	uint64_t index_bytes = count * (uint64_t)INDEX_BYTES;
@@ -122,7 +122,7 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 	s->scratch = gw_allocate_array(s->threads, sizeof *s->scratch);
 	s->scaled = gw_allocate_array(count, 3 * sizeof *s->scaled);
 	uint64_t stored_bytes = count * (uint64_t)(GW_NEIGHBOURS * sizeof *s->stored);
-	if (keep && (!options->memory || stored_bytes <= options->memory - index_bytes))
+	if (!options->memory || stored_bytes <= options->memory - index_bytes)
 		s->stored = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *s->stored);
 	if (s->scratch && s->scaled) {
 		scale_positions(s);

@@ -19,9 +19,9 @@
 
 #include "surfels.h"
 
-/* Mean distance of an edge from its true place, in spacings of the points: 9 mm on the sides of a
- * square opening among random points 25 mm apart, and a little less at its corners. */
-#define GW_EDGE_OFFSET 0.3
+/* Mean distance of an edge from its true place, in spacings of the points: measured on the sides of
+ * square openings among random points. */
+#define GW_EDGE_OFFSET 0.24
 
 /* The same of a crease: measured on blocks that stand in the sun. */
 #define GW_CREASE_OFFSET 0.025

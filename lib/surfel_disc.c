@@ -5,10 +5,10 @@
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
  * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
  * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
- * disc are cut there. Where it curves, the disc is bent to follow it, so that it does not stick
- * out.
+ * disc are cut there, at an empty side once more by what surfel_rims.c finds. Where it curves, the
+ * disc is bent to follow it, so that it does not stick out.
  */
-#include "surfel_steps.h"
+#include "surfel_plane.h"
 
 #include "memory.h"
 
@@ -17,45 +17,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DIRECTIONS 16    /* in which the neighbours' extent is looked at */
 #define DISC_RANK 8      /* the disc reaches to this neighbour on the surface */
 #define SAME_SURFACE 0.6 /* least cosine between normals */
-#define SLAB 0.35        /* half thickness of the plane, in distances of the furthest neighbour */
-#define SLAB_MAX 0.8     /* the same with noise */
 #define VOID_STEP 0.75   /* how far behind an edge the surface is looked for, of the reach */
 #define VOID_WIDTH 1.8   /* most width of a void, of the reach */
 #define VOID_SLOPE 0.7
-#define FIT_SLAB 0.6      /* half thickness within which noise is measured */
 #define CREASE_VOTES 3    /* neighbours that have to agree on a crease */
-#define CREASE_NOISE 0.02 /* of the reach, up to which planes tell where their crease is */
 #define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
 #define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
-#define COS_60 0.5001     /* a little more, so that 60 degrees are enough */
 #define BEND_POINTS 6     /* neighbours from which on a bend is looked for */
 #define BEND_RIDGE 1e-5   /* keeps neighbours on a line from telling about the other direction */
 #define BEND_MOST 0.5     /* slope of a disc's rim against its plane */
-/* Cells end at this share of the distance of the furthest neighbour. A corner further out than half
- * of it may be nearer to a point that is no neighbour: without this limit cells of random points
- * overlap by 0.6 % of their area, and all that emits is as much too bright. With it they add up to
- * the surface's; those of regular points and of lines do not get as far. */
-#define CELL_REACH 0.59
-#define CORNERS 34 /* of a cell: DIRECTIONS, and one more for each of 16 + 2 cuts */
 
 static const double pi = 3.14159265358979323846;
-
-/* Cosine and sine of the directions. */
-static const double direction_x[DIRECTIONS] = {
-	1,  0.92387953251128674,  0.70710678118654752,  0.38268343236508977,
-	0,  -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
-	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
-	0,  0.38268343236508977,  0.70710678118654752,  0.92387953251128674,
-};
-static const double direction_y[DIRECTIONS] = {
-	0,  0.38268343236508977,  0.70710678118654752,  0.92387953251128674,
-	1,  0.92387953251128674,  0.70710678118654752,  0.38268343236508977,
-	0,  -0.38268343236508977, -0.70710678118654752, -0.92387953251128674,
-	-1, -0.92387953251128674, -0.70710678118654752, -0.38268343236508977,
-};
 
 /*
  * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
@@ -67,19 +41,9 @@ static const double open_extent[GW_NEIGHBOURS + 1] = {
 	0, 0, 0, 0, 0.15, 0.15, 0.15, 0.15, 0.16, 0.22, 0.27, 0.31, 0.34, 0.37, 0.40, 0.43, 0.45,
 };
 
-/* A neighbour in the plane of the surfel's normal. */
-typedef struct flat_point {
-	double x, y, height; /* along tangent, bitangent, normal, metres */
-	double distance;     /* in the plane */
-} flat_point;
-
-typedef struct half_plane {
-	double x, y, offset; /* unit direction; inside is x u + y v <= offset */
-} half_plane;
-
 /* Where the surfel's plane meets other surfaces: one line a neighbour on such a surface. */
 typedef struct crease_lines {
-	half_plane line[GW_NEIGHBOURS];
+	gw_half_plane line[GW_NEIGHBOURS];
 	uint32_t count;
 } crease_lines;
 
@@ -88,37 +52,9 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	uint8_t *rim;      /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
-
-/* Neighbours with a normal like the surfel's; unoriented normals may be opposite. */
-static uint32_t flatten(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-						flat_point *flat)
-{
-	const float *n = s->normal + 3 * surfel;
-	float t[3], b[3];
-	uint32_t count = 0;
-	gw_tangent_frame(n, t, b);
-	for (uint32_t j = 0; j < list->count; j++) {
-		size_t other = list->index[j];
-		const float *m = s->normal + 3 * other;
-		double cosine = (double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
-		if (s->two_sided[surfel] || s->two_sided[other])
-			cosine = fabs(cosine);
-		if (!(cosine > SAME_SURFACE))
-			continue;
-		flat_point p = { 0, 0, 0, 0 };
-		for (size_t k = 0; k < 3; k++) {
-			double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
-			p.x += d * (double)t[k];
-			p.y += d * (double)b[k];
-			p.height += d * (double)n[k];
-		}
-		p.distance = sqrt(p.x * p.x + p.y * p.y);
-		flat[count++] = p;
-	}
-	return count;
-}
 
 /*
  * The line in the surfel's plane where that of a neighbour on another surface crosses it. In a
@@ -126,7 +62,7 @@ static uint32_t flatten(const gw_surfels *s, size_t surfel, const gw_neighbour_l
  * the two disagree by more than doubt allows, the surfaces do not meet there.
  */
 static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double reach,
-						half_plane *line)
+						gw_half_plane *line)
 {
 	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
 	float t[3], b[3];
@@ -145,7 +81,7 @@ static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double
 	double side = ahead + facing < 0 ? -1 : 1, slope = sqrt(x * x + y * y);
 	if (fmin(side * ahead, side * facing) < -CREASE_DOUBT * reach)
 		return false;
-	*line = (half_plane){ -side * x / slope, -side * y / slope, fmax(side * facing, 0) / slope };
+	*line = (gw_half_plane){ -side * x / slope, -side * y / slope, fmax(side * facing, 0) / slope };
 	return line->offset < reach;
 }
 
@@ -158,55 +94,8 @@ static void find_creases(const gw_surfels *s, size_t surfel, const gw_neighbour_
 			find_crease(s, surfel, list->index[j], reach, creases->line + creases->count);
 }
 
-/* Sums of a least-squares plane height = c + a x + b y. */
-typedef struct plane_fit {
-	double n, x, y, xx, xy, yy, h, hx, hy, hh;
-} plane_fit;
-
-static void add_to_fit(plane_fit *fit, const flat_point *p)
-{
-	fit->n += 1;
-	fit->x += p->x;
-	fit->y += p->y;
-	fit->xx += p->x * p->x;
-	fit->xy += p->x * p->y;
-	fit->yy += p->y * p->y;
-	fit->h += p->height;
-	fit->hx += p->height * p->x;
-	fit->hy += p->height * p->y;
-	fit->hh += p->height * p->height;
-}
-
-/*
- * Tilt of the neighbours' plane against the normal, and their RMS distance from it; three degrees
- * of freedom are the plane's own. Without enough neighbours, or when they lie on a line, the plane
- * is the normal's.
- */
-static double measure_noise(const flat_point *flat, uint32_t count, double reach, double tilt[2])
-{
-	plane_fit f = { .n = 1 }; /* the surfel itself, at 0 */
-	for (uint32_t j = 0; j < count; j++)
-		if (fabs(flat[j].height) <= FIT_SLAB * reach)
-			add_to_fit(&f, flat + j);
-	tilt[0] = tilt[1] = 0;
-	if (f.n < 6)
-		return 0;
-	double xx = f.xx - f.x * f.x / f.n, yy = f.yy - f.y * f.y / f.n, xy = f.xy - f.x * f.y / f.n;
-	double hx = f.hx - f.h * f.x / f.n, hy = f.hy - f.h * f.y / f.n, hh = f.hh - f.h * f.h / f.n;
-	double determinant = xx * yy - xy * xy;
-	if (!(determinant > 1e-3 * (xx + yy) * (xx + yy)))
-		return sqrt(fmax(hh, 0) / (f.n - 1));
-	double a = (hx * yy - hy * xy) / determinant, b = (hy * xx - hx * xy) / determinant;
-	if (a * a + b * b > 1)
-		return sqrt(fmax(hh, 0) / (f.n - 1));
-	tilt[0] = a;
-	tilt[1] = b;
-	double rest = hh - a * hx - b * hy;
-	return sqrt(fmax(rest, 0) / ((f.n - 3) * (1 + a * a + b * b)));
-}
-
 /* What a neighbour's height is made of: its products with a bend are the bent disc's height. */
-static void bend_terms(const flat_point *p, double reach, double term[3])
+static void bend_terms(const gw_flat_point *p, double reach, double term[3])
 {
 	double x = p->x / reach, y = p->y / reach;
 	term[0] = 0.5 * x * x;
@@ -231,7 +120,7 @@ static void solve_three(double m[3][4])
 }
 
 /* Sum of squares of what a bend leaves of the neighbours' heights. */
-static double unexplained(const flat_point *kept, uint32_t count, const double bend[3])
+static double unexplained(const gw_flat_point *kept, uint32_t count, const double bend[3])
 {
 	double sum = 0, reach = kept[count - 1].distance, term[3];
 	for (uint32_t j = 0; j < count; j++) {
@@ -249,7 +138,7 @@ static double unexplained(const flat_point *kept, uint32_t count, const double b
  * least squares over the neighbours. Of what it explains that part is kept which is not noise, as
  * their variances tell.
  */
-static void fit_bend(const flat_point *kept, uint32_t count, double radius, float bend[3])
+static void fit_bend(const gw_flat_point *kept, uint32_t count, double radius, float bend[3])
 {
 	double reach = kept[count - 1].distance, m[3][4] = { 0 }, term[3];
 	if (count < BEND_POINTS)
@@ -276,49 +165,29 @@ static void fit_bend(const flat_point *kept, uint32_t count, double radius, floa
 		bend[k] = (float)(share * found[k] / reach / reach);
 }
 
-/* Keeps the neighbours near the plane, nearest in the plane first; returns how many. */
-static uint32_t keep_surface(flat_point *flat, uint32_t count, double slab, const double tilt[2])
-{
-	uint32_t kept = 0;
-	for (uint32_t j = 0; j < count; j++) {
-		flat_point p = flat[j];
-		if (fabs(p.height - tilt[0] * p.x - tilt[1] * p.y) > slab)
-			continue;
-		uint32_t at = kept++;
-		for (; at > 0 && p.distance < flat[at - 1].distance; at--)
-			flat[at] = flat[at - 1];
-		flat[at] = p;
-	}
-	return kept;
-}
-
 /*
  * How far the surface goes on beyond its last point. On average this is half the distance between
  * points: for regular points the distance to the nearest, for random ones the mean distance to the
  * nearest is half a spacing and the last point of an edge a quarter of a spacing from it.
  */
-static double edge_margin(const flat_point *kept, double reach)
+static double edge_margin(const gw_flat_point *kept, double reach)
 {
 	return fmin(fmax(0.5 * kept[0].distance, 0.06 * reach), 0.25 * reach);
 }
 
-static double along(const half_plane *h, double x, double y)
-{
-	return h->x * x + h->y * y;
-}
-
 /* The mean of the lines that agree with the nearest one, which are then taken off the list. */
-static uint32_t merge_lines(crease_lines *creases, double reach, half_plane *mean)
+static uint32_t merge_lines(crease_lines *creases, double reach, gw_half_plane *mean)
 {
 	uint32_t left = 0, votes = 0;
-	half_plane nearest = creases->line[0];
-	*mean = (half_plane){ 0, 0, 0 };
+	gw_half_plane nearest = creases->line[0];
+	*mean = (gw_half_plane){ 0, 0, 0 };
 	for (uint32_t j = 1; j < creases->count; j++)
 		if (creases->line[j].offset < nearest.offset)
 			nearest = creases->line[j];
 	for (uint32_t j = 0; j < creases->count; j++) {
-		half_plane line = creases->line[j];
-		if (along(&nearest, line.x, line.y) < 0.7 || line.offset - nearest.offset > 0.35 * reach) {
+		gw_half_plane line = creases->line[j];
+		if (gw_along(&nearest, line.x, line.y) < 0.7 ||
+			line.offset - nearest.offset > 0.35 * reach) {
 			creases->line[left++] = line;
 			continue;
 		}
@@ -329,12 +198,12 @@ static uint32_t merge_lines(crease_lines *creases, double reach, half_plane *mea
 	}
 	creases->count = left;
 	double length = hypot(mean->x, mean->y);
-	*mean = (half_plane){ mean->x / length, mean->y / length, mean->offset / votes };
+	*mean = (gw_half_plane){ mean->x / length, mean->y / length, mean->offset / votes };
 	return votes;
 }
 
 /* At most two creases, the nearest ones on which enough neighbours agree. */
-static uint32_t take_creases(crease_lines *creases, double reach, half_plane edge[2])
+static uint32_t take_creases(crease_lines *creases, double reach, gw_half_plane edge[2])
 {
 	uint32_t found = 0;
 	while (creases->count > 0 && found < 2) {
@@ -344,31 +213,18 @@ static uint32_t take_creases(crease_lines *creases, double reach, half_plane edg
 	return found;
 }
 
-/* The surfels nearest to a place in the surfel's plane. */
-static void look_at(const disc_step *step, size_t surfel, double x, double y,
-					gw_neighbour_list *list)
-{
-	const gw_surfels *s = step->surfels;
-	double place[3];
-	float t[3], b[3];
-	gw_tangent_frame(s->normal + 3 * surfel, t, b);
-	for (size_t k = 0; k < 3; k++)
-		place[k] = (double)s->position[3 * surfel + k] + x * (double)t[k] + y * (double)b[k];
-	gw_neighbours_at(step->search, place, list);
-}
-
 /* Do the surface's points lie all around a place in the surfel's plane? */
 static bool is_surrounded(const disc_step *step, size_t surfel, double x, double y)
 {
 	gw_neighbour_list list;
-	flat_point flat[GW_NEIGHBOURS];
-	look_at(step, surfel, x, y, &list);
-	uint32_t count = flatten(step->surfels, surfel, &list, flat), seen = 0;
+	gw_flat_point flat[GW_NEIGHBOURS];
+	gw_plane_look_at(step->search, step->surfels, surfel, x, y, &list);
+	uint32_t count = gw_plane_flatten(step->surfels, surfel, &list, flat), seen = 0;
 	for (uint32_t j = 0; j < count; j++)
-		for (int d = 0; d < DIRECTIONS; d++)
-			if (direction_x[d] * (flat[j].x - x) + direction_y[d] * (flat[j].y - y) > 0)
+		for (int d = 0; d < GW_DIRECTIONS; d++)
+			if (gw_direction[d][0] * (flat[j].x - x) + gw_direction[d][1] * (flat[j].y - y) > 0)
 				seen |= 1u << d;
-	return seen == (1u << DIRECTIONS) - 1;
+	return seen == (1u << GW_DIRECTIONS) - 1;
 }
 
 /*
@@ -377,12 +233,12 @@ static bool is_surrounded(const disc_step *step, size_t surfel, double x, double
  *   list   what lies around the void
  */
 static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_list *list,
-					const half_plane *edge, double reach)
+					const gw_half_plane *edge, double reach)
 {
-	flat_point flat[GW_NEIGHBOURS];
-	uint32_t count = flatten(step->surfels, surfel, list, flat);
+	gw_flat_point flat[GW_NEIGHBOURS];
+	uint32_t count = gw_plane_flatten(step->surfels, surfel, list, flat);
 	for (uint32_t j = 0; j < count; j++) {
-		double ahead = along(edge, flat[j].x, flat[j].y);
+		double ahead = gw_along(edge, flat[j].x, flat[j].y);
 		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
 		if (ahead > edge->offset && ahead <= VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
 			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
@@ -390,16 +246,15 @@ static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_lis
 	return false;
 }
 
-/* Does the surface end where it meets another one behind such a void? Then that is its edge. */
-static bool meets_crease(const disc_step *step, size_t surfel, const gw_neighbour_list *list,
-						 half_plane *edge, double reach)
+bool gw_plane_meets_crease(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						   gw_half_plane *edge, double reach)
 {
 	crease_lines creases;
-	half_plane line;
-	find_creases(step->surfels, surfel, list, VOID_WIDTH * reach, &creases);
+	gw_half_plane line;
+	find_creases(s, surfel, list, VOID_WIDTH * reach, &creases);
 	while (creases.count > 0)
 		if (merge_lines(&creases, reach, &line) >= CREASE_VOTES &&
-			along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
+			gw_along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
 			*edge = line;
 			return true;
 		}
@@ -408,11 +263,11 @@ static bool meets_crease(const disc_step *step, size_t surfel, const gw_neighbou
 
 /* The direction, away from the edge that was found, in which the surface's points reach least far.
  * `extent` is theirs in all directions. */
-static int find_open_side(const double *extent, const half_plane *edge, uint32_t found)
+static int find_open_side(const double *extent, const gw_half_plane *edge, uint32_t found)
 {
 	int best = -1;
-	for (int d = 0; d < DIRECTIONS; d++) {
-		if (found == 1 && along(edge, direction_x[d], direction_y[d]) > COS_60)
+	for (int d = 0; d < GW_DIRECTIONS; d++) {
+		if (found == 1 && gw_along(edge, gw_direction[d][0], gw_direction[d][1]) > GW_COS_60)
 			continue;
 		if (best < 0 || extent[d] < extent[best])
 			best = d;
@@ -422,104 +277,42 @@ static int find_open_side(const double *extent, const half_plane *edge, uint32_t
 
 /* Adds half-planes beyond which the surface has no points, up to two with those already found, from
  * which they are turned by 60 degrees or more.
- *   at_creases   how many there are already; those of them that lie at creases, too, are counted */
-static uint32_t find_edges(const disc_step *step, size_t surfel, const flat_point *kept,
-						   uint32_t count, half_plane edge[2], uint32_t *at_creases)
+ *   at_creases   how many there are already; those of them that lie at creases, too, are counted,
+ *                and for the others bits are set in step->rim */
+static uint32_t find_edges(const disc_step *step, size_t surfel, const gw_flat_point *kept,
+						   uint32_t count, gw_half_plane edge[2], uint32_t *at_creases)
 {
 	uint32_t found = *at_creases;
-	double reach = kept[count - 1].distance, extent[DIRECTIONS] = { 0 };
+	double reach = kept[count - 1].distance, extent[GW_DIRECTIONS] = { 0 };
 	for (uint32_t j = 0; j < count; j++)
-		for (int d = 0; d < DIRECTIONS / 2; d++) {
-			double way = direction_x[d] * kept[j].x + direction_y[d] * kept[j].y;
-			double *back = extent + DIRECTIONS / 2; /* the opposite directions */
+		for (int d = 0; d < GW_DIRECTIONS / 2; d++) {
+			double way = gw_direction[d][0] * kept[j].x + gw_direction[d][1] * kept[j].y;
+			double *back = extent + GW_DIRECTIONS / 2; /* the opposite directions */
 			extent[d] = way > extent[d] ? way : extent[d];
 			back[d] = -way > back[d] ? -way : back[d];
 		}
 	while (found < 2) {
 		int d = find_open_side(extent, edge, found);
-		half_plane side = { direction_x[d], direction_y[d], extent[d] };
+		gw_half_plane side = { gw_direction[d][0], gw_direction[d][1], extent[d] };
 		gw_neighbour_list behind;
 		if (!(side.offset < open_extent[count] * reach))
 			break;
-		look_at(step, surfel, VOID_STEP * reach * side.x, VOID_STEP * reach * side.y, &behind);
+		gw_plane_look_at(step->search, step->surfels, surfel, VOID_STEP * reach * side.x,
+						 VOID_STEP * reach * side.y, &behind);
 		if (goes_on(step, surfel, &behind, &side, reach)) {
 			extent[d] = reach;
 			continue;
 		}
 		edge[found] = side;
-		if (meets_crease(step, surfel, &behind, edge + found, reach))
+		if (gw_plane_meets_crease(step->surfels, surfel, &behind, edge + found, reach)) {
 			(*at_creases)++;
-		else
+		} else {
 			edge[found].offset += edge_margin(kept, reach);
+			step->rim[surfel] |= (uint8_t)(1u << found);
+		}
 		found++;
 	}
 	return found;
-}
-
-/* Cuts a convex polygon by a half-plane; returns its number of corners. */
-static int cut_polygon(double (*corner)[2], int count, const half_plane *h)
-{
-	double cut[2 * CORNERS][2]; /* rounding may add corners to thin slivers */
-	int left = 0;
-	for (int i = 0; i < count; i++) {
-		const double *a = corner[i], *b = corner[(i + 1) % count];
-		double over_a = h->x * a[0] + h->y * a[1] - h->offset;
-		double over_b = h->x * b[0] + h->y * b[1] - h->offset;
-		if (over_a <= 0) {
-			cut[left][0] = a[0];
-			cut[left++][1] = a[1];
-		}
-		if ((over_a < 0 && over_b > 0) || (over_a > 0 && over_b < 0)) {
-			double at = over_a / (over_a - over_b);
-			cut[left][0] = a[0] + at * (b[0] - a[0]);
-			cut[left++][1] = a[1] + at * (b[1] - a[1]);
-		}
-	}
-	if (left > CORNERS)
-		left = CORNERS;
-	memcpy(corner, cut, (size_t)left * sizeof *cut);
-	return left;
-}
-
-static double polygon_radius(double (*corner)[2], int count)
-{
-	double squared = 0;
-	for (int i = 0; i < count; i++) {
-		double own = corner[i][0] * corner[i][0] + corner[i][1] * corner[i][1];
-		squared = own > squared ? own : squared;
-	}
-	return sqrt(squared);
-}
-
-/* Area of the Voronoi cell, within the disc, the edges and where the furthest neighbour, `reach`
- * away, lets it be known. */
-static double cell_area(const flat_point *kept, uint32_t count, double radius, double reach,
-						const half_plane *edge, uint32_t edges)
-{
-	double corner[CORNERS][2], area = 0;
-	/* A regular polygon of the disc's area: n/2 sin(2 pi/n) R^2 = pi r^2, for 16 corners. */
-	double outer = 1.0130112 * fmin(radius, CELL_REACH * reach);
-	int corners = DIRECTIONS;
-	for (int d = 0; d < DIRECTIONS; d++) {
-		corner[d][0] = outer * direction_x[d];
-		corner[d][1] = outer * direction_y[d];
-	}
-	for (uint32_t e = 0; e < edges; e++)
-		corners = cut_polygon(corner, corners, edge + e);
-	for (uint32_t j = 0; j < count; j++) {
-		if (0.5 * kept[j].distance >= polygon_radius(corner, corners))
-			break;
-		if (!(kept[j].distance > 0))
-			continue;
-		half_plane bisector = { kept[j].x / kept[j].distance, kept[j].y / kept[j].distance,
-								0.5 * kept[j].distance };
-		corners = cut_polygon(corner, corners, &bisector);
-	}
-	for (int i = 0; i < corners; i++) {
-		const double *a = corner[i], *b = corner[(i + 1) % corners];
-		area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
-	}
-	return area;
 }
 
 static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
@@ -535,25 +328,22 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	disc_step *step = user;
 	gw_surfels *s = step->surfels;
-	flat_point flat[GW_NEIGHBOURS];
-	double tilt[2];
+	gw_flat_point flat[GW_NEIGHBOURS];
+	double noise;
 	/* Smoothing may bring points together. */
 	s->nearest[surfel] = fmaxf(gw_neighbours_nearest(step->search, surfel, list), FLT_MIN);
 	if (step->gap)
 		step->gap[surfel] = list->count ? list->distance[0] : INFINITY;
 
 	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
-	uint32_t count = flatten(s, surfel, list, flat);
-	double noise = measure_noise(flat, count, reach, tilt);
-	double slab = fmin(SLAB * reach + 2 * noise, SLAB_MAX * reach);
-	uint32_t kept = keep_surface(flat, count, slab, tilt);
+	uint32_t kept = gw_plane_surface(s, surfel, list, flat, &noise);
 	if (step->measure_noise)
 		s->noise[surfel] = (float)noise;
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, list);
 		return;
 	}
-	half_plane edge[2];
+	gw_half_plane edge[2];
 	/* Half the reach is less than the 8th neighbour's distance but where scan lines are far apart:
 	 * there it closes the gaps between them. */
 	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
@@ -563,17 +353,13 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	uint32_t at_creases = take_creases(&creases, reach, edge);
 	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
 	double area = step->rough_area ? pi * radius * radius / DISC_RANK
-								   : cell_area(flat, kept, radius, reach, edge, edges);
+								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
 	s->creased[surfel] =
-		edges > 0 && edges == at_creases && (double)s->noise[surfel] < CREASE_NOISE * reach;
+		edges > 0 && edges == at_creases && (double)s->noise[surfel] < GW_CREASE_NOISE * reach;
 	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
-	for (uint32_t e = 0; e < edges; e++) {
-		s->clip[6 * surfel + 3 * e] = (float)edge[e].x;
-		s->clip[6 * surfel + 3 * e + 1] = (float)edge[e].y;
-		s->clip[6 * surfel + 3 * e + 2] = (float)edge[e].offset;
-	}
+	gw_plane_store_clips(s, surfel, edge, edges);
 }
 
 /* Isolated surfels are lit from both sides and no larger than the median of the others. */
@@ -618,14 +404,18 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
+	step.rim = gw_allocate_zeros(n, sizeof *step.rim);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated)
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.rim)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
 	if (status == GW_OK)
+		status = gw_rims_settle(search, surfels, rough_area, step.rim, error);
+	if (status == GW_OK)
 		status = finish(&step, error);
 	free(step.isolated);
+	free(step.rim);
 	return status;
 }

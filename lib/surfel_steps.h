@@ -73,13 +73,13 @@ typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour
 
 /*
  * Builds the search structure over surfels->position, which must stay unchanged until it is closed.
- *   keep      whether lists will be visited more than once: they are then stored (64 bytes a
- *             surfel) when options->memory allows, and searched again each time when not
+ * Lists are kept for further visits (64 bytes a surfel) when options->memory allows, and searched
+ * again each time when not.
  *   search    on success to be closed with gw_neighbours_close
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
-							 bool keep, gw_neighbours **search, gw_error *error);
+							 gw_neighbours **search, gw_error *error);
 void gw_neighbours_close(gw_neighbours *search);
 
 /* Calls visit for every surfel. Fails with GW_ERROR_CANCELLED or GW_ERROR_MEMORY. */
@@ -131,6 +131,16 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
  */
 gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
 						gw_error *error);
+
+/*
+ * Settles where surfaces end that border on nothing: replaces the clips of discs near such rims,
+ * and forgets rims that few surfels see. Part of gw_discs_make; see surfel_rims.c.
+ *   surfels   with all that gw_discs_make fills per surfel; clip, area and creased may change
+ *   rim       count, a bit for each clip of a surfel that was taken for a rim
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_rims_settle(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
+						 const uint8_t *rim, gw_error *error);
 
 /* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,

@@ -50,7 +50,7 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 	gw_neighbours *search = NULL;
 	gw_status status = GW_OK;
 	if (surfels->normals_given < surfels->count && !options->choose_by_place) {
-		status = gw_neighbours_open(surfels, options, true, &search, error);
+		status = gw_neighbours_open(surfels, options, &search, error);
 		if (status == GW_OK)
 			status = gw_normals_complete(points, options, search, surfels, error);
 		gw_neighbours_close(search);
@@ -89,8 +89,7 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 		if (!*gap)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
-	/* Lists are visited more than once when normals are missing or the points are noisy. */
-	status = gw_neighbours_open(surfels, options, true, &search, error);
+	status = gw_neighbours_open(surfels, options, &search, error);
 	if (status != GW_OK)
 		return status;
 	bool smoothed = false;
@@ -100,7 +99,7 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	if (smoothed) {
 		gw_neighbours_close(search);
 		search = NULL;
-		status = gw_neighbours_open(surfels, options, false, &search, error);
+		status = gw_neighbours_open(surfels, options, &search, error);
 	}
 	if (status == GW_OK)
 		status = gw_discs_make(search, surfels, options->rough_area, gap ? *gap : NULL, error);

@@ -448,9 +448,9 @@ static double shadow_error_of(bool block)
 	return shadows;
 }
 
-/* A sheet's edges are off by twelve times what creases are, and squares of errors are in
- * proportion to that and to the edges' length, which is half as long again for the block: an
- * eighth. Up to half is allowed, since not every edge of the block's shadow is known to come from a
+/* A sheet's edges are off by ten times what creases are, and squares of errors are in
+ * proportion to that and to the edges' length, which is half as long again for the block: a
+ * sixth. Up to half is allowed, since not every edge of the block's shadow is known to come from a
  * crease; without telling creases apart it is one and a half. */
 static void creases_cast_sharper_shadows(void **state)
 {

@@ -59,13 +59,16 @@ static double compare(const scene *s, const gw_bake_result *r, double *scatter)
 }
 
 /*
- * The hole is 8 spacings wide, and points tell to a spacing where a surface ends that borders on
- * nothing: its light is that of a hole of 6 to 10 spacings.
+ * The hole is 8 spacings wide, and points tell to half a spacing where a surface ends that borders
+ * on nothing, and to two points at each corner: its light is that of a hole of 7 to 9 spacings,
+ * less an eighth.
  *
  * Scatter: of a record's 32 samples about a third find the hole (spheres around cells of a grid
- * stick out of it), a binomial of 11 +- 2.7, and four records speak for a point: 12 %; 4.5 standard
- * errors of a scatter that is known from some 100 records are 1.3 times that. Rays alone would find
- * the hole with 1.3 of 64: 88 % a record, 44 % a point.
+ * stick out of it), a binomial of 11 +- 2.7, and four records speak for a point: 12 %. Where three
+ * walls meet, of which a leaf has two planes, six rays in 10,000 get out of the closed cellar, so
+ * of 100 records with 64 rays four have one, which brings pi / 64, 1.3 times the mean: 13 %, or
+ * 20 % where ten do (three standard deviations more). That makes 24 %, times 1.3. Seen: 11 to 30 %.
+ * Rays alone would find the hole with 1.3 of 64: 88 % a record, 44 % a point, and the leaks.
  */
 static void floor_below_a_hole(void **state)
 {
@@ -77,7 +80,7 @@ static void floor_below_a_hole(void **state)
 	double scatter, ratio = compare(&s, r, &scatter);
 	print_message("hole: %.3f of the light, scatter %.3f\n", ratio, scatter);
 	assert_true(scene_effect(&r->report, "openings")->called_for);
-	if (!(ratio >= 0.5625 && ratio <= 1.5625 && scatter <= 0.16))
+	if (!(ratio >= 0.6406 && ratio <= 1.2656 && scatter <= 0.32))
 		fail_msg("%.3f of the light, scatter %.3f", ratio, scatter);
 	gw_bake_result_destroy(&r);
 	scene_clear(&s);

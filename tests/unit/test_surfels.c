@@ -447,7 +447,7 @@ static void assert_neighbours_are_nearest(cloud c, bool lines)
 	gw_surfels_options options = { .threads = 2 };
 	gw_neighbours *search = NULL;
 	comparison compare = { &s, must_allocate(s.count, 1), lines };
-	assert_int_equal(gw_neighbours_open(&s, &options, true, &search, NULL), GW_OK);
+	assert_int_equal(gw_neighbours_open(&s, &options, &search, NULL), GW_OK);
 	for (int visit = 0; visit < 2; visit++) /* searched, then from the stored lists */
 		assert_int_equal(gw_neighbours_visit(search, compare_with_brute_force, &compare, NULL),
 						 GW_OK);
@@ -1106,7 +1106,9 @@ static void discs_end_at_edges(void **state)
 			assert_near((double)area, 1, 1e-6); /* roundings of doubles of metres to float32 */
 		if (x > 2 && y > 2 && x < side - 3 && y < side - 3)
 			assert_true(clip[0] == 0 && clip[1] == 0 && clip[2] == 0);
-		if (x == 0 && y > 2 && y < side - 3) { /* the margin is half a point distance */
+		/* The margin is half a point distance. Beside corners edges are what surfels see on
+		 * average, and some see the corner. */
+		if (x == 0 && y > 4 && y < side - 5) {
 			assert_near((double)clip[0], -1, 1e-6);
 			assert_near((double)clip[2], 0.5, 1e-6);
 			assert_near((double)area, 1, 1e-6);
