@@ -107,8 +107,8 @@ gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
 {
 	const float black[3] = { 0 };
 	*scale = largest > 0.0f ? STORED_LARGEST / largest : 1.0f;
-	return inject(passes, octree, gather, lobe_radiance,
-				  gw_cone_gather_push(gather, *scale, black), error);
+	return inject(passes, octree, gather, lobe_radiance, gw_cone_gather_push(gather, *scale, black),
+				  error);
 }
 
 gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,

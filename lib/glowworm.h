@@ -191,9 +191,9 @@ typedef struct gw_bake_options {
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
-	uint32_t estimate_points; /* points solved again to estimate the error, or, where records are
-								 many, one for 20 of these up to four times as many; three times as
-								 many anew before max_error counts as reached; 0 makes no estimate */
+	uint32_t estimate_points; /* points solved again to estimate the error; where records are many,
+								 one for 20 of them, up to four times as many. Three times as many
+								 anew before max_error counts as reached. 0 makes no estimate */
 	float max_error;          /* above 0: refines until the estimated relative_rms and its spread
 								 together are at most this; below 1. The settings above are where it
 								 starts */

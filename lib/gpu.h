@@ -19,17 +19,17 @@
 typedef struct gw_gpu gw_gpu;
 
 typedef struct gw_gpu_options {
-	const char *device;          /* NULL: the best; else index, type name or part of a name */
-	uint64_t memory;             /* bytes of device memory that may be allocated; 0, or more than
-	                                there is: the heap's size, or on a CPU device 3/4 of the
-	                                machine's available memory */
-	bool validate;               /* core validation; messages become errors of the next call */
+	const char *device; /* NULL: the best; else index, type name or part of a name */
+	uint64_t memory;    /* bytes of device memory that may be allocated; 0, or more than
+						   there is: the heap's size, or on a CPU device 3/4 of the
+						   machine's available memory */
+	bool validate;      /* core validation; messages become errors of the next call */
 	bool validate_synchronization;
-	bool validate_gpu_assisted;  /* not together with validate_synchronization */
-	uint32_t workgroup_size;     /* threads a workgroup, power of two; 0: the layer chooses */
-	gw_drivers *drivers;         /* NULL, or loaded before: used when there is no validation; they
-	                                outlive the device */
-	double slice_seconds;        /* target length of one dispatch; 0: 0.05 */
+	bool validate_gpu_assisted; /* not together with validate_synchronization */
+	uint32_t workgroup_size;    /* threads a workgroup, power of two; 0: the layer chooses */
+	gw_drivers *drivers;        /* NULL, or loaded before: used when there is no validation; they
+								   outlive the device */
+	double slice_seconds;       /* target length of one dispatch; 0: 0.05 */
 } gw_gpu_options;
 
 gw_status gw_gpu_create(const gw_gpu_options *options, gw_gpu **gpu, gw_error *error);
@@ -48,11 +48,11 @@ uint32_t gw_gpu_validation_messages(const gw_gpu *gpu, const char **first);
 
 /* Running totals since the device was opened; take differences around a stage. */
 typedef struct gw_gpu_account {
-	uint64_t bytes;          /* device memory allocated now */
-	uint64_t peak_bytes;     /* at its highest */
+	uint64_t bytes;      /* device memory allocated now */
+	uint64_t peak_bytes; /* at its highest */
 	uint64_t dispatches;
-	double device_seconds;   /* by timestamps, all passes */
-	double compile_seconds;  /* creating pipelines and their first dispatch */
+	double device_seconds;  /* by timestamps, all passes */
+	double compile_seconds; /* creating pipelines and their first dispatch */
 } gw_gpu_account;
 
 gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu);
@@ -62,16 +62,16 @@ gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu);
 typedef enum gw_buffer_kind {
 	GW_BUFFER_STORAGE, /* read and written by passes as a storage buffer */
 	GW_BUFFER_TEXEL,   /* the same, and readable as a texel buffer (quick random access on the
-	                      software driver) through the view of its format */
+						  software driver) through the view of its format */
 } gw_buffer_kind;
 
 typedef struct gw_buffer {
 	VkBuffer handle;
-	VkBufferView view;     /* of GW_BUFFER_TEXEL, whole buffer */
+	VkBufferView view; /* of GW_BUFFER_TEXEL, whole buffer */
 	VkDeviceMemory memory;
-	uint64_t bytes;        /* as asked for */
+	uint64_t bytes; /* as asked for */
 	uint64_t allocated;
-	void *mapped;          /* where its bytes lie, of a device that is the host; else NULL */
+	void *mapped; /* where its bytes lie, of a device that is the host; else NULL */
 	const char *name;
 } gw_buffer;
 
@@ -84,12 +84,12 @@ typedef struct gw_buffer {
  * sentence holds the bytes needed. On failure *buffer is zeroed.
  */
 gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-                           const char *name, gw_buffer *buffer, gw_error *error);
+						   const char *name, gw_buffer *buffer, gw_error *error);
 
 /* The same without zeros, for a buffer that is written as a whole next: what it holds till then is
  * not defined. */
 gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-                                 const char *name, gw_buffer *buffer, gw_error *error);
+								 const char *name, gw_buffer *buffer, gw_error *error);
 
 /* What is lent begins at a multiple of this, and can be read up to the next one after its end. */
 #define GW_LENT_ALIGNMENT 4096u
@@ -105,15 +105,15 @@ bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes);
  * For the rest as gw_buffer_create.
  */
 gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
-                           const char *name, gw_buffer *buffer, gw_error *error);
+						   const char *name, gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.
  * A range past the end of the buffer fails. */
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
-                           uint64_t bytes, gw_error *error);
+						   uint64_t bytes, gw_error *error);
 gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *data,
-                             uint64_t bytes, gw_error *error);
+							 uint64_t bytes, gw_error *error);
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error);
 
 /*
@@ -133,7 +133,7 @@ typedef struct gw_view {
 /* Opens a view of the first `bytes` bytes; the buffer is left alone until it is closed. On failure
  * the view is empty. */
 gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_view *view,
-                       gw_error *error);
+					   gw_error *error);
 void gw_view_close(gw_view *view); /* empties it; an empty one is accepted */
 
 /* ------------------------------------------------------------------------------------ 3D images */
@@ -152,11 +152,11 @@ typedef struct gw_image {
  * VK_IMAGE_LAYOUT_GENERAL. Fails with GW_ERROR_MEMORY when the device's largest side or the budget
  * is too small. */
 gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3], const char *name,
-                          gw_image *image, gw_error *error);
+						  gw_image *image, gw_error *error);
 void gw_image_destroy(gw_gpu *gpu, gw_image *image);
 /* Copies the whole image to the host, tightly packed, x fastest. */
 gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t bytes,
-                            gw_error *error);
+							gw_error *error);
 
 /* --------------------------------------------------------------------------------------- passes */
 
@@ -165,7 +165,7 @@ typedef enum gw_binding_kind {
 	GW_BIND_TEXEL,         /* gw_buffer as uniform texel buffer */
 	GW_BIND_STORAGE_IMAGE, /* gw_image, imageLoad/imageStore */
 	GW_BIND_SAMPLED_IMAGE, /* gw_image with a linear, clamp-to-edge sampler; nearest for formats
-	                          that the device cannot filter, as integers */
+							  that the device cannot filter, as integers */
 } gw_binding_kind;
 
 /*
@@ -207,16 +207,16 @@ typedef struct gw_pass_description {
 	size_t spirv_words;
 	const gw_binding_kind *bindings;
 	uint32_t binding_count;
-	uint32_t push_bytes;          /* with the span; at most 128 */
-	const uint32_t *constant;     /* specialisation constants 1, 2, ... */
+	uint32_t push_bytes;      /* with the span; at most 128 */
+	const uint32_t *constant; /* specialisation constants 1, 2, ... */
 	uint32_t constant_count;
-	uint32_t workgroup_size;      /* 0: the device's choice; else exactly this, or an error */
+	uint32_t workgroup_size; /* 0: the device's choice; else exactly this, or an error */
 	uint32_t elements_per_invocation;
 	uint32_t loop_bound;
 } gw_pass_description;
 
 gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw_pass **pass,
-                         gw_error *error);
+						 gw_error *error);
 void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass);
 uint32_t gw_pass_workgroup_size(const gw_pass *pass);
 
@@ -232,7 +232,7 @@ uint32_t gw_pass_workgroup_size(const gw_pass *pass);
  * follows the time measured. Between slices there is a full barrier.
  */
 gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, const void *push,
-                      uint64_t count, gw_error *error);
+					  uint64_t count, gw_error *error);
 
 /* ------------------------------------------------------------------------------------- shaders */
 

@@ -8,8 +8,8 @@
 #define BINDINGS_MAX 32u
 
 gw_status gw_named_pass_create(gw_gpu *gpu, const char *shader, const char *bindings,
-                               uint32_t push_bytes, uint32_t loop_bound, gw_pass **pass,
-                               gw_error *error)
+							   uint32_t push_bytes, uint32_t loop_bound, gw_pass **pass,
+							   gw_error *error)
 {
 	const gw_shader *code = gw_shader_find(shader);
 	gw_binding_kind kind[BINDINGS_MAX];

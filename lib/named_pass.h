@@ -26,7 +26,7 @@
  * Fails as gw_pass_create.
  */
 gw_status gw_named_pass_create(gw_gpu *gpu, const char *shader, const char *bindings,
-                               uint32_t push_bytes, uint32_t loop_bound, gw_pass **pass,
-                               gw_error *error);
+							   uint32_t push_bytes, uint32_t loop_bound, gw_pass **pass,
+							   gw_error *error);
 
 #endif

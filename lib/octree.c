@@ -52,6 +52,15 @@ gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes
 	return gw_buffer_create(work->gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
 }
 
+gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, size_t count,
+							gw_error *error)
+{
+	for (size_t i = 0; i < count; i++)
+		GW_TRY(gw_octree_buffer(work, parts[i].format, parts[i].bytes, parts[i].name,
+								parts[i].buffer, error));
+	return GW_OK;
+}
+
 static double extent_of(const gw_surfels *surfels)
 {
 	double extent = 0;
@@ -119,7 +128,7 @@ static gw_status make_fragments(gw_octree_work *work, gw_error *error)
 
 /* The fragments of surfels that stay are made once; those of the others now. */
 static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octree_kept *kept,
-                                     gw_error *error)
+									 gw_error *error)
 {
 	gw_fragment_list moving = { 0 };
 	gw_status status = GW_OK;
@@ -141,7 +150,7 @@ static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octr
 }
 
 static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_octree_kept *kept,
-                       gw_error *error)
+					   gw_error *error)
 {
 	if (work->sort.count == NULL)
 		GW_TRY(gw_radix_sort_create(work->gpu, &work->sort, error));
@@ -158,20 +167,13 @@ static void destroy_work(gw_octree_work *work)
 {
 	gw_gpu *gpu = work->gpu;
 	gw_buffer *buffer[] = {
-		&work->surfel_albedo,
-		&work->surfel_bend,
-		&work->surfel_emission,
-		&work->surfel_offset,
-		&work->surfel_samples,
-		&work->unsorted_surfel,
-		&work->unsorted_weight,
-		&work->unsorted_centroid,
-		&work->marks,
-		&work->fragment_centroid,
-		&work->first,
-		&work->seed,
-		&work->ray_mark,
-		&work->distance,
+		&work->surfel_albedo,   &work->surfel_bend,
+		&work->surfel_emission, &work->surfel_offset,
+		&work->surfel_samples,  &work->unsorted_surfel,
+		&work->unsorted_weight, &work->unsorted_centroid,
+		&work->marks,           &work->fragment_centroid,
+		&work->first,           &work->seed,
+		&work->ray_mark,        &work->distance,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
@@ -202,11 +204,14 @@ static void give_back(gw_octree_work *work, gw_octree_kept *kept)
 }
 
 static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, size_t still,
-                            gw_octree_kept *kept, uint32_t depth, double leaf_size,
-                            gw_octree *octree, gw_error *error)
+							gw_octree_kept *kept, uint32_t depth, double leaf_size,
+							gw_octree *octree, gw_error *error)
 {
-	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree,
-		                    .leaf_size = leaf_size, .some = surfels->count };
+	gw_octree_work work = { .gpu = gpu,
+							.surfels = surfels,
+							.octree = octree,
+							.leaf_size = leaf_size,
+							.some = surfels->count };
 	if (kept != NULL)
 		borrow(&work, kept);
 	gw_status status = build(&work, depth, still, kept, error);
@@ -255,15 +260,15 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 }
 
 static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
-                             float leaf_spacing, gw_octree_kept *kept, gw_octree *octree,
-                             gw_error *error)
+							 float leaf_spacing, gw_octree_kept *kept, gw_octree *octree,
+							 gw_error *error)
 {
 	bool given = depth != GW_DEPTH_AUTO;
 	kept->leaf_size = given ? 0 : (double)leaf_spacing * (double)surfels->spacing;
 	for (;;) {
 		kept->depth = given ? depth : depth_of(extent_of(surfels) / kept->leaf_size);
-		gw_status status = build_once(gpu, surfels, still, kept, kept->depth, kept->leaf_size,
-		                              octree, error);
+		gw_status status =
+			build_once(gpu, surfels, still, kept, kept->depth, kept->leaf_size, octree, error);
 		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
 			return status;
 		gw_fragment_list_clear(&kept->still);
@@ -272,20 +277,19 @@ static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t stil
 }
 
 gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
-                               float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
-                               gw_error *error)
+							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
+							   gw_error *error)
 {
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
 	if (*kept != NULL)
 		return build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
-		                  error);
+						  error);
 	*kept = gw_allocate_zeros(1, sizeof **kept);
 	if (*kept == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
-	gw_status status =
-		build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error);
+	gw_status status = build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error);
 	if (status != GW_OK)
 		gw_octree_kept_destroy(gpu, kept);
 	return status;

@@ -50,8 +50,8 @@ static void choose_cube(const gw_surfels *surfels, double leaf_size, gw_octree *
 		double middle = 0.5 * ((double)surfels->minimum[k] + (double)surfels->maximum[k]);
 		octree->cube_minimum[k] = (float)(middle - 0.5 * side * (double)octree->leaf_size);
 	}
-	octree->directory_level = octree->depth - 1 < GW_DIRECTORY_LEVEL_MAX ? octree->depth - 1
-	                                                                    : GW_DIRECTORY_LEVEL_MAX;
+	octree->directory_level =
+		octree->depth - 1 < GW_DIRECTORY_LEVEL_MAX ? octree->depth - 1 : GW_DIRECTORY_LEVEL_MAX;
 }
 
 /* Converts one surfel's `k`-th array of what goes to the device. */
@@ -63,8 +63,9 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 	switch (which) {
 	case 0:
 		for (int k = 0; k < 3; k++)
-			out[k] = (float)(((double)s->position[3 * i + (size_t)k] -
-			                  (double)octree->cube_minimum[k]) / leaf);
+			out[k] =
+				(float)(((double)s->position[3 * i + (size_t)k] - (double)octree->cube_minimum[k]) /
+						leaf);
 		out[3] = (float)fmin(1, (double)s->nearest[i] / leaf);
 		out[3] = larger(out[3], ROI_MIN);
 		break;
@@ -98,7 +99,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 }
 
 static gw_status upload_array(gw_octree_work *work, int which, gw_buffer *buffer, float *chunk,
-                              gw_error *error)
+							  gw_error *error)
 {
 	const gw_surfels *s = work->surfels;
 	for (size_t first = 0; first < s->count; first += UPLOAD_SURFELS) {
@@ -129,7 +130,7 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 	for (int i = 0; i < 7; i++) {
 		bool there = i < 6 || work->surfels->emission != NULL;
 		GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, there ? bytes : 16,
-		                        array[i].name, array[i].buffer, error));
+								array[i].name, array[i].buffer, error));
 		if (there)
 			GW_TRY(upload_array(work, i, array[i].buffer, chunk, error));
 	}
@@ -155,15 +156,11 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 
 void gw_octree_forget_upload(gw_octree_work *work)
 {
-	gw_buffer *buffer[] = { &work->octree->surfel_position,
-		                    &work->octree->surfel_normal,
-		                    &work->octree->surfel_disc,
-		                    &work->octree->surfel_clip,
-		                    &work->surfel_bend,
-		                    &work->surfel_albedo,
-		                    &work->surfel_emission,
-		                    &work->surfel_offset,
-		                    &work->surfel_samples };
+	gw_buffer *buffer[] = {
+		&work->octree->surfel_position, &work->octree->surfel_normal, &work->octree->surfel_disc,
+		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_albedo,
+		&work->surfel_emission,         &work->surfel_offset,         &work->surfel_samples
+	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(work->gpu, buffer[i]);
 }
@@ -180,9 +177,9 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 	gw_buffer *stand_in = &work->surfel_offset;
 	gw_buffer *high = gw_octree_is_wide(work) ? &work->keys.high : &work->keys.low;
 	gw_fragments_push push = { .side = 1u << octree->depth,
-		                       .emit = emit,
-		                       .wide = gw_octree_is_wide(work),
-		                       .base = (uint32_t)work->from };
+							   .emit = emit,
+							   .wide = gw_octree_is_wide(work),
+							   .base = (uint32_t)work->from };
 	gw_binding bindings[] = {
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),
@@ -204,12 +201,12 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 {
 	uint64_t bytes = 4 * (uint64_t)work->some;
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "fragments of surfels",
-	                        &work->surfel_offset, error));
+							&work->surfel_offset, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
-	                        &work->surfel_samples, error));
+							&work->surfel_samples, error));
 	GW_TRY(run_fragments(work, false, error));
 	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->surfel_offset, work->some, total,
-	                         error);
+							 error);
 }
 
 /* octree_gather.comp as a loop of the host. */
@@ -235,23 +232,23 @@ static gw_status gather(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
-	                        &octree->fragment_surfel, error));
+							&octree->fragment_surfel, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
-	                        &octree->fragment_weight, error));
+							&octree->fragment_weight, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
-	                        &work->fragment_centroid, error));
+							&work->fragment_centroid, error));
 	if (gw_gpu_is_host(work->gpu)) {
 		gw_parallel_for(0, octree->fragment_count, GATHERED_AT_ONCE, gather_some, work);
 		return GW_OK;
 	}
 	gw_binding bindings[] = {
-		GW_WINDOW(&work->keys.payload, 4),          GW_WHOLE(&work->unsorted_surfel),
-		GW_WHOLE(&work->unsorted_weight),           GW_WHOLE(&work->unsorted_centroid),
-		GW_WINDOW(&octree->fragment_surfel, 4),     GW_WINDOW(&octree->fragment_weight, 4),
+		GW_WINDOW(&work->keys.payload, 4),      GW_WHOLE(&work->unsorted_surfel),
+		GW_WHOLE(&work->unsorted_weight),       GW_WHOLE(&work->unsorted_centroid),
+		GW_WINDOW(&octree->fragment_surfel, 4), GW_WINDOW(&octree->fragment_weight, 4),
 		GW_WINDOW(&work->fragment_centroid, 4),
 	};
 	return gw_octree_run(work, GW_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
-	                     octree->fragment_count, error);
+						 octree->fragment_count, error);
 }
 
 gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
@@ -259,13 +256,13 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
 	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
-	                           &work->keys, error));
+							   &work->keys, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
-	                        &work->unsorted_surfel, error));
+							&work->unsorted_surfel, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments, unsorted",
-	                        &work->unsorted_weight, error));
+							&work->unsorted_weight, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments, unsorted",
-	                        &work->unsorted_centroid, error));
+							&work->unsorted_centroid, error));
 	GW_TRY(run_fragments(work, true, error));
 	gw_buffer_destroy(work->gpu, &work->surfel_offset);
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);

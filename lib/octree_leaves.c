@@ -17,7 +17,7 @@ static gw_status find_longest(gw_octree_work *work, uint32_t *longest, gw_error 
 	uint32_t *first = gw_allocate_array(words, sizeof *first);
 	if (first == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %u leaves",
-		               octree->leaf_count);
+					   octree->leaf_count);
 	gw_status status =
 		gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first, 4 * words, error);
 	*longest = 0;
@@ -34,12 +34,7 @@ static gw_status create_leaves(gw_octree_work *work, gw_error *error)
 	uint64_t leaves = octree->leaf_count, cells = UINT64_C(1) << 3 * octree->directory_level;
 	VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
 	uint64_t emission = work->surfels->emission != NULL ? 32 * leaves : 16;
-	const struct {
-		gw_buffer *buffer;
-		VkFormat format;
-		uint64_t bytes;
-		const char *name;
-	} part[] = {
+	const gw_octree_part part[] = {
 		{ &octree->leaf_geometry, floats, 32 * leaves, "geometry of leaves" },
 		{ &octree->lobe_plane, floats, 32 * leaves, "planes of lobes" },
 		{ &octree->lobe_centre, floats, 32 * leaves, "centroids of lobes" },
@@ -50,10 +45,7 @@ static gw_status create_leaves(gw_octree_work *work, gw_error *error)
 		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
 		{ &work->distance, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells" },
 	};
-	for (size_t i = 0; i < sizeof part / sizeof *part; i++)
-		GW_TRY(gw_octree_buffer(work, part[i].format, part[i].bytes, part[i].name, part[i].buffer,
-		                        error));
-	return GW_OK;
+	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
 }
 
 /* Lobes' emission; when there is none, a buffer of one texel that the passes leave alone. */
@@ -63,13 +55,13 @@ static gw_binding emission_binding(gw_octree *octree, bool emissive)
 }
 
 static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
-                        gw_error *error)
+						gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	gw_binding seeding[] = {
-		GW_WHOLE(&octree->leaf_fragment),   GW_WHOLE(&octree->fragment_surfel),
-		GW_WHOLE(&octree->fragment_weight), GW_WHOLE(&octree->surfel_normal),
-		GW_WHOLE(&work->surfel_albedo),     GW_WINDOW(&work->seed, 16),
+		GW_WHOLE(&octree->leaf_fragment),      GW_WHOLE(&octree->fragment_surfel),
+		GW_WHOLE(&octree->fragment_weight),    GW_WHOLE(&octree->surfel_normal),
+		GW_WHOLE(&work->surfel_albedo),        GW_WINDOW(&work->seed, 16),
 		GW_WINDOW(&octree->leaf_geometry, 32),
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
@@ -77,14 +69,21 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 		GW_TRY(gw_octree_run(work, GW_OCTREE_SEED, seeding, &push, octree->leaf_count, error));
 	}
 	gw_binding adding[] = {
-		GW_WHOLE(&octree->leaf_fragment),     GW_WHOLE(&octree->leaf_cell),
-		GW_WHOLE(&octree->fragment_weight),   GW_WHOLE(&work->fragment_centroid),
-		GW_WHOLE(&octree->surfel_position),   GW_WHOLE(&octree->surfel_normal),
-		GW_WHOLE(&work->surfel_albedo),       GW_WHOLE(&work->surfel_emission),
+		GW_WHOLE(&octree->leaf_fragment),
+		GW_WHOLE(&octree->leaf_cell),
+		GW_WHOLE(&octree->fragment_weight),
+		GW_WHOLE(&work->fragment_centroid),
+		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->surfel_normal),
+		GW_WHOLE(&work->surfel_albedo),
+		GW_WHOLE(&work->surfel_emission),
 		GW_WHOLE(&work->surfel_bend),
-		GW_WHOLE(&octree->fragment_surfel),   GW_WINDOW(&work->seed, 16),
-		GW_WINDOW(&octree->lobe_plane, 32),   GW_WINDOW(&octree->lobe_centre, 32),
-		GW_WINDOW(&octree->lobe_albedo, 32),  emission_binding(octree, push.emissive),
+		GW_WHOLE(&octree->fragment_surfel),
+		GW_WINDOW(&work->seed, 16),
+		GW_WINDOW(&octree->lobe_plane, 32),
+		GW_WINDOW(&octree->lobe_centre, 32),
+		GW_WINDOW(&octree->lobe_albedo, 32),
+		emission_binding(octree, push.emissive),
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
@@ -97,11 +96,16 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 {
 	gw_octree *octree = work->octree;
 	gw_binding bindings[] = {
-		GW_WHOLE(&octree->leaf_cell),        GW_WHOLE(&octree->fragment_surfel),
-		GW_WHOLE(&octree->surfel_position),  GW_WHOLE(&octree->surfel_normal),
-		GW_WINDOW(&work->seed, 16),          GW_WINDOW(&octree->lobe_plane, 32),
-		GW_WINDOW(&octree->lobe_centre, 32), GW_WINDOW(&octree->lobe_albedo, 32),
-		emission_binding(octree, push.emissive), GW_WHOLE(&octree->leaf_tile),
+		GW_WHOLE(&octree->leaf_cell),
+		GW_WHOLE(&octree->fragment_surfel),
+		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->surfel_normal),
+		GW_WINDOW(&work->seed, 16),
+		GW_WINDOW(&octree->lobe_plane, 32),
+		GW_WINDOW(&octree->lobe_centre, 32),
+		GW_WINDOW(&octree->lobe_albedo, 32),
+		emission_binding(octree, push.emissive),
+		GW_WHOLE(&octree->leaf_tile),
 		GW_WHOLE(&work->ray_mark),
 	};
 	return gw_octree_run(work, GW_OCTREE_FINISH, bindings, &push, octree->leaf_count, error);
@@ -135,7 +139,7 @@ static void spread_distances(uint8_t *grid, size_t side)
 		for (size_t n = 0; n < side * side * side; n++) {
 			size_t i = pass == 0 ? n : side * side * side - 1 - n;
 			uint8_t *cell = grid + (i / (side * side) + 1) * (size_t)layer +
-			                (i / side % side + 1) * (size_t)row + i % side + 1;
+							(i / side % side + 1) * (size_t)row + i % side + 1;
 			unsigned least = *cell > 1 ? least_before(cell, row, layer, step) + 1 : *cell;
 			*cell = (uint8_t)(least < *cell ? least : *cell);
 		}
@@ -156,8 +160,8 @@ static bool make_distances(uint32_t *cells, size_t side)
 				0;
 	spread_distances(grid, side);
 	for (size_t i = 0; i < side * side * side; i++)
-		cells[i] = grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row +
-		                i % side + 1];
+		cells[i] =
+			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1];
 	free(grid);
 	return true;
 }
@@ -181,7 +185,7 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 		return status;
 	gw_distance_push push = { .level = octree->directory_level };
 	gw_binding bindings[] = { GW_WHOLE(&work->distance), GW_WHOLE(&octree->level_directory),
-		                      GW_WINDOW(&octree->ray_directory, 4) };
+							  GW_WINDOW(&octree->ray_directory, 4) };
 	return gw_octree_run(work, GW_OCTREE_DISTANCE, bindings, &push, cells, error);
 }
 

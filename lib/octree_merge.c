@@ -51,12 +51,11 @@ gw_status gw_octree_fetch_fragments(gw_octree_work *work, gw_fragment_list *list
 {
 	gw_buffer *buffer[GW_FRAGMENT_WORDS];
 	find_buffers(work, buffer);
-	gw_status status =
-		allocate(work->octree->fragment_count, gw_octree_is_wide(work), list, error);
+	gw_status status = allocate(work->octree->fragment_count, gw_octree_is_wide(work), list, error);
 	for (size_t w = 0; w < GW_FRAGMENT_WORDS && status == GW_OK; w++)
 		if (list->word[w] != NULL)
 			status = gw_buffer_download(work->gpu, buffer[w], 0, list->word[w],
-			                            4 * (uint64_t)list->count, error);
+										4 * (uint64_t)list->count, error);
 	if (status != GW_OK)
 		gw_fragment_list_clear(list);
 	gw_sort_list_destroy(work->gpu, &work->keys);
@@ -85,7 +84,7 @@ static uint32_t after_key(const gw_fragment_list *list, uint32_t from, uint64_t 
 }
 
 static void copy(gw_fragment_list *to, uint32_t at, const gw_fragment_list *from, uint32_t first,
-                 uint32_t count)
+				 uint32_t count)
 {
 	for (size_t w = 0; w < GW_FRAGMENT_WORDS && count > 0; w++)
 		if (to->word[w] != NULL)
@@ -93,7 +92,7 @@ static void copy(gw_fragment_list *to, uint32_t at, const gw_fragment_list *from
 }
 
 static void merge(const gw_fragment_list *still, const gw_fragment_list *moving,
-                  gw_fragment_list *all)
+				  gw_fragment_list *all)
 {
 	uint32_t done = 0, last;
 	for (uint32_t first = 0; first < moving->count; first = last) {
@@ -110,33 +109,33 @@ static void merge(const gw_fragment_list *still, const gw_fragment_list *moving,
 static gw_status upload(gw_octree_work *work, const gw_fragment_list *list, gw_error *error)
 {
 	static const char *const name[GW_FRAGMENT_WORDS] = { "keys", "high words of keys",
-		                                                 "surfels of fragments",
-		                                                 "weights of fragments",
-		                                                 "centroids of fragments" };
+														 "surfels of fragments",
+														 "weights of fragments",
+														 "centroids of fragments" };
 	gw_buffer *buffer[GW_FRAGMENT_WORDS];
 	uint64_t bytes = 4 * (uint64_t)list->count;
 	find_buffers(work, buffer);
 	if (bytes > gw_gpu_limits(work->gpu)->maxStorageBufferRange ||
-	    list->count > gw_gpu_limits(work->gpu)->maxTexelBufferElements)
+		list->count > gw_gpu_limits(work->gpu)->maxTexelBufferElements)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "a frame's octree needs a list of %llu bytes, but \"%s\" binds at most %u: "
-		               "use a larger --leaf-spacing, a smaller --depth or fewer points",
-		               (unsigned long long)bytes, gw_gpu_device(work->gpu)->name,
-		               gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+					   "a frame's octree needs a list of %llu bytes, but \"%s\" binds at most %u: "
+					   "use a larger --leaf-spacing, a smaller --depth or fewer points",
+					   (unsigned long long)bytes, gw_gpu_device(work->gpu)->name,
+					   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 	work->keys = (gw_sort_list){ .count = list->count, .wide = gw_octree_is_wide(work) };
 	work->octree->fragment_count = list->count;
 	for (size_t w = 0; w < GW_FRAGMENT_WORDS; w++) {
 		if (list->word[w] == NULL)
 			continue;
 		GW_TRY(gw_octree_buffer(work, w == WEIGHT ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R32_UINT,
-		                        bytes, name[w], buffer[w], error));
+								bytes, name[w], buffer[w], error));
 		GW_TRY(gw_buffer_upload(work->gpu, buffer[w], 0, list->word[w], bytes, error));
 	}
 	return GW_OK;
 }
 
 gw_status gw_octree_merge_fragments(gw_octree_work *work, const gw_fragment_list *still,
-                                    const gw_fragment_list *moving, gw_error *error)
+									const gw_fragment_list *moving, gw_error *error)
 {
 	gw_fragment_list all;
 	if ((uint64_t)still->count + moving->count > UINT32_MAX)

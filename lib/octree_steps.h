@@ -56,7 +56,7 @@ typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
-	double leaf_size; /* metres; leaves are at least this wide */
+	double leaf_size;  /* metres; leaves are at least this wide */
 	size_t from, some; /* surfels whose fragments are made: the first, and how many */
 	gw_pass *pass[GW_OCTREE_PASSES];
 	gw_radix_sort sort;
@@ -74,7 +74,7 @@ typedef struct gw_octree_work {
 	gw_buffer fragment_centroid; /* R32_UINT: three times 10 bits, place in the leaf */
 
 	/* Keys, R32G32_UINT, by level of the cells. At level depth, cells are leaves. */
-	gw_buffer real[GW_DEPTH_MAX + 1];   /* cells that hold leaves, or are some */
+	gw_buffer real[GW_DEPTH_MAX + 1]; /* cells that hold leaves, or are some */
 	uint32_t real_count[GW_DEPTH_MAX + 1];
 	gw_buffer parent[GW_DEPTH_MAX + 1]; /* cells whose children are a tile, with border tiles */
 	uint32_t parent_count[GW_DEPTH_MAX + 1];
@@ -88,7 +88,7 @@ typedef struct gw_octree_work {
 
 /* Runs a pass, made if need be. */
 gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
-                        const void *push, uint64_t count, gw_error *error);
+						const void *push, uint64_t count, gw_error *error);
 
 /* Bindings: a whole buffer, or a window of `stride` bytes an element. */
 #define GW_WHOLE(address) ((gw_binding){ .buffer = (address) })
@@ -96,7 +96,18 @@ gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_bind
 
 /* Allocates a texel buffer. */
 gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
-                           gw_buffer *buffer, gw_error *error);
+						   gw_buffer *buffer, gw_error *error);
+
+/* One of several texel buffers to allocate. */
+typedef struct gw_octree_part {
+	gw_buffer *buffer;
+	VkFormat format;
+	uint64_t bytes;
+	const char *name;
+} gw_octree_part;
+
+gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, size_t count,
+							gw_error *error);
 
 /*
  * Picks the cube and uploads the surfels: fills depth to directory_level, surfel_position,
@@ -124,7 +135,7 @@ void gw_fragment_list_clear(gw_fragment_list *list);
 /* Puts two lists together as if they had been sorted as one, surfels of `still` before those of
  * `moving`, and back on the device. Fails when they do not fit there. */
 gw_status gw_octree_merge_fragments(gw_octree_work *work, const gw_fragment_list *still,
-                                    const gw_fragment_list *moving, gw_error *error);
+									const gw_fragment_list *moving, gw_error *error);
 
 /*
  * Distinct keys of a sorted list.
@@ -133,8 +144,8 @@ gw_status gw_octree_merge_fragments(gw_octree_work *work, const gw_fragment_list
  *   result      receives a new buffer, R32G32_UINT; work->first is made anew
  */
 gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
-                           uint32_t shift, const char *name, gw_buffer *result,
-                           uint32_t *result_count, gw_error *error);
+						   uint32_t shift, const char *name, gw_buffer *result,
+						   uint32_t *result_count, gw_error *error);
 
 /* Leaves, tiles, pointers, level_directory. */
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);

@@ -46,7 +46,7 @@ static uint64_t go_through(const key_list *list, uint32_t *result, uint32_t *fir
 /* -------------------------------------------------------------------------------- distinct keys */
 
 static gw_status count_distinct(gw_octree_work *work, const key_list *list, uint64_t *distinct,
-                                gw_error *error)
+								gw_error *error)
 {
 	uint32_t count = list->push.total;
 	if (gw_gpu_is_host(work->gpu)) {
@@ -54,43 +54,43 @@ static gw_status count_distinct(gw_octree_work *work, const key_list *list, uint
 		return GW_OK;
 	}
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
-	                        error));
+							error));
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
-		                      GW_WHOLE(list->high != NULL ? list->high : list->keys),
-		                      GW_WINDOW(&work->marks, 4) };
+							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
+							  GW_WINDOW(&work->marks, 4) };
 	GW_TRY(gw_octree_run(work, GW_OCTREE_MARK, bindings, &list->push, count, error));
 	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, count, distinct, error);
 }
 
 static gw_status write_distinct(gw_octree_work *work, const key_list *list, gw_buffer *result,
-                                gw_error *error)
+								gw_error *error)
 {
 	if (gw_gpu_is_host(work->gpu)) {
 		go_through(list, result->mapped, work->first.mapped);
 		return GW_OK;
 	}
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
-		                      GW_WHOLE(list->high != NULL ? list->high : list->keys),
-		                      GW_WINDOW(&work->marks, 4), GW_WHOLE(result),
-		                      GW_WHOLE(&work->first) };
+							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
+							  GW_WINDOW(&work->marks, 4), GW_WHOLE(result),
+							  GW_WHOLE(&work->first) };
 	return gw_octree_run(work, GW_OCTREE_UNIQUE, bindings, &list->push, list->push.total, error);
 }
 
 gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
-                           uint32_t shift, const char *name, gw_buffer *result,
-                           uint32_t *result_count, gw_error *error)
+						   uint32_t shift, const char *name, gw_buffer *result,
+						   uint32_t *result_count, gw_error *error)
 {
 	key_list list = { .keys = keys,
-		              .high = high,
-		              .pairs = keys->bytes == 8 * (uint64_t)count,
-		              .push = { .shift = shift, .split = high != NULL, .total = count } };
+					  .high = high,
+					  .pairs = keys->bytes == 8 * (uint64_t)count,
+					  .push = { .shift = shift, .split = high != NULL, .total = count } };
 	gw_buffer_destroy(work->gpu, &work->marks);
 	gw_buffer_destroy(work->gpu, &work->first);
 	uint64_t distinct;
 	GW_TRY(count_distinct(work, &list, &distinct, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32_UINT, 8 * distinct, name, result, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (distinct + 1), "first of equal keys",
-	                        &work->first, error));
+							&work->first, error));
 	GW_TRY(gw_buffer_upload(work->gpu, &work->first, 4 * distinct, &count, 4, error));
 	GW_TRY(write_distinct(work, &list, result, error));
 	*result_count = (uint32_t)distinct;
@@ -126,28 +126,30 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 	bool leaf_tiles = t + 1 == octree->depth, wide = 3 * t > 32;
 	gw_buffer *below = leaf_tiles ? &work->real[t] : &work->parent[t + 1];
 	uint32_t below_count = leaf_tiles ? work->real_count[t] : work->parent_count[t + 1];
-	gw_border_push push = { .cells = work->real_count[t + 1], .tiles = work->real_count[t],
-		                    .wide = wide, .base = below_count };
+	gw_border_push push = { .cells = work->real_count[t + 1],
+							.tiles = work->real_count[t],
+							.wide = wide,
+							.base = below_count };
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)push.tiles,
-	                        "border tiles of tiles", &work->marks, error));
+							"border tiles of tiles", &work->marks, error));
 	GW_TRY(run_border(work, t, push, error));
 	uint64_t borders;
 	GW_TRY(gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, push.tiles, &borders,
-	                         error));
+							 error));
 	GW_TRY(gw_sort_list_create(work->gpu, below_count + borders, wide, &work->list, error));
 	push.emit = 1;
 	GW_TRY(run_border(work, t, push, error));
 	gw_buffer *high = wide ? &work->list.high : &work->list.low;
 	gw_keys_push copy = { .shift = leaf_tiles ? 0 : 3, .total = wide };
 	gw_binding copying[] = { GW_WHOLE(below), GW_WHOLE(below), GW_WINDOW(&work->list.low, 4),
-		                     GW_WINDOW(high, 4) };
+							 GW_WINDOW(high, 4) };
 	GW_TRY(gw_octree_run(work, GW_OCTREE_PARENTS, copying, &copy, below_count, error));
 	if (t > 0)
 		GW_TRY(gw_radix_sort_run(work->gpu, &work->sort, &work->list, 3 * t, error));
 	gw_sort_list_trim(work->gpu, &work->list);
 	GW_TRY(gw_octree_unique(work, &work->list.low, wide ? high : NULL, (uint32_t)work->list.count,
-	                        0, "tile keys of a level", &work->parent[t], &work->parent_count[t],
-	                        error));
+							0, "tile keys of a level", &work->parent[t], &work->parent_count[t],
+							error));
 	gw_sort_list_destroy(work->gpu, &work->list);
 	return GW_OK;
 }
@@ -157,7 +159,7 @@ static gw_status make_levels(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	for (uint32_t t = octree->depth; t-- > 0;) {
 		GW_TRY(gw_octree_unique(work, &work->real[t + 1], NULL, work->real_count[t + 1], 3,
-		                        "cells of a level", &work->real[t], &work->real_count[t], error));
+								"cells of a level", &work->real[t], &work->real_count[t], error));
 		GW_TRY(add_parents(work, t, error));
 		octree->border_tile_count += work->parent_count[t] - work->real_count[t];
 		/* Leaf keys are needed further. */
@@ -174,8 +176,10 @@ static gw_status make_levels(gw_octree_work *work, gw_error *error)
 	octree->tile_first[octree->depth] = octree->tile_count = (uint32_t)tiles;
 	octree->leaf_tile_count = work->parent_count[octree->depth - 1];
 	if (tiles > UINT32_MAX / 8)
-		return gw_fail(error, GW_ERROR_MEMORY, "%llu tiles are more than can be addressed: use a "
-		               "smaller --depth than %u", (unsigned long long)tiles, octree->depth);
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "%llu tiles are more than can be addressed: use a "
+					   "smaller --depth than %u",
+					   (unsigned long long)tiles, octree->depth);
 	return GW_OK;
 }
 
@@ -184,12 +188,7 @@ static gw_status create_tree(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint64_t tiles = octree->tile_count, leaf_tiles = octree->leaf_tile_count;
 	uint64_t entries = ((UINT64_C(8) << 3 * octree->directory_level) - 1) / 7;
-	const struct {
-		gw_buffer *buffer;
-		VkFormat format;
-		uint64_t bytes;
-		const char *name;
-	} part[] = {
+	const gw_octree_part part[] = {
 		{ &octree->node, VK_FORMAT_R32_UINT, 32 * tiles, "nodes" },
 		{ &octree->tile_key, VK_FORMAT_R32G32_UINT, 8 * tiles, "tile keys" },
 		{ &octree->tile_neighbour, VK_FORMAT_R32_UINT, 32 * tiles, "tile neighbours" },
@@ -201,10 +200,7 @@ static gw_status create_tree(gw_octree_work *work, gw_error *error)
 		  "leaf cells" },
 		{ &octree->level_directory, VK_FORMAT_R32_UINT, 4 * entries, "directory of levels" },
 	};
-	for (size_t i = 0; i < sizeof part / sizeof *part; i++)
-		GW_TRY(gw_octree_buffer(work, part[i].format, part[i].bytes, part[i].name, part[i].buffer,
-		                        error));
-	return GW_OK;
+	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
 }
 
 /* Pointers of the tiles whose parent cells are of level t. */
@@ -236,8 +232,8 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	uint32_t depth = octree->depth;
 	GW_TRY(gw_octree_unique(work, &work->keys.low, work->keys.wide ? &work->keys.high : NULL,
-	                        octree->fragment_count, 0, "leaf keys", &work->real[depth],
-	                        &work->real_count[depth], error));
+							octree->fragment_count, 0, "leaf keys", &work->real[depth],
+							&work->real_count[depth], error));
 	octree->leaf_count = work->real_count[depth];
 	gw_sort_list_destroy(work->gpu, &work->keys);
 	octree->leaf_fragment = work->first;
@@ -249,9 +245,9 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 		GW_TRY(link_level(work, t, error));
 	gw_leaves_push push = { .leaves = octree->leaf_count };
 	gw_binding bindings[] = { GW_WHOLE(&work->parent[depth - 1]), GW_WHOLE(&work->real[depth]),
-		                      GW_WINDOW(&octree->leaf_tile, 8), GW_WHOLE(&octree->leaf_cell) };
-	GW_TRY(gw_octree_run(work, GW_OCTREE_LEAF_TILES, bindings, &push, octree->leaf_tile_count,
-	                     error));
+							  GW_WINDOW(&octree->leaf_tile, 8), GW_WHOLE(&octree->leaf_cell) };
+	GW_TRY(
+		gw_octree_run(work, GW_OCTREE_LEAF_TILES, bindings, &push, octree->leaf_tile_count, error));
 	for (uint32_t t = 0; t <= depth; t++) {
 		gw_buffer_destroy(work->gpu, &work->real[t]);
 		gw_buffer_destroy(work->gpu, &work->parent[t]);

@@ -5,8 +5,8 @@
  * sharply, at creases, long before they are reached. How much shows in the heights of neighbours
  * over the surface that the normals tell of: their squares grow with the squared distance, from
  * what is noise of the places. Noise turns the plane itself besides, by its variance over the
- * plane's moment of inertia. And of a surfel that lies no further from another face of a crease than
- * noise moves it, it is not known whose normal it has.
+ * plane's moment of inertia. And of a surfel that lies no further from another face of a crease
+ * than noise moves it, it is not known whose normal it has.
  */
 #ifndef PLANE_ERROR_H
 #define PLANE_ERROR_H

@@ -25,7 +25,7 @@ gw_status gw_prefix_sum_create(gw_gpu *gpu, gw_prefix_sum *prefix, gw_error *err
 	if (gw_gpu_is_host(gpu))
 		return GW_OK;
 	return gw_named_pass_create(gpu, "prefix_sum", "SS", sizeof(gw_prefix_push), GW_PREFIX_RUN,
-	                            &prefix->pass, error);
+								&prefix->pass, error);
 }
 
 void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix)
@@ -35,8 +35,8 @@ void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix)
 }
 
 static gw_status run_level(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words,
-                           const level *levels, uint32_t i, bool scan, bool offsets,
-                           gw_error *error)
+						   const level *levels, uint32_t i, bool scan, bool offsets,
+						   gw_error *error)
 {
 	gw_prefix_push push = {
 		.source = i == 0 ? 0 : levels[i].first,
@@ -46,7 +46,7 @@ static gw_status run_level(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words,
 		.offsets = offsets,
 	};
 	gw_binding bindings[] = { { .buffer = i == 0 ? words : &prefix->sums },
-		                      { .buffer = &prefix->sums } };
+							  { .buffer = &prefix->sums } };
 	return gw_pass_run(gpu, prefix->pass, bindings, &push, levels[i + 1].count, error);
 }
 
@@ -66,13 +66,13 @@ static uint32_t plan_levels(uint64_t count, level levels[LEVELS_MAX], uint32_t *
 }
 
 static gw_status add_up(gw_gpu *gpu, gw_prefix_sum *prefix, level runs, uint64_t *total,
-                        gw_error *error)
+						gw_error *error)
 {
 	uint32_t *sum = gw_allocate_array(runs.count, sizeof *sum);
 	if (sum == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %u sums", runs.count);
 	gw_status status = gw_buffer_download(gpu, &prefix->sums, UINT64_C(4) * runs.first, sum,
-	                                      UINT64_C(4) * runs.count, error);
+										  UINT64_C(4) * runs.count, error);
 	for (uint32_t i = 0; i < runs.count && status == GW_OK; i++)
 		*total += sum[i];
 	free(sum);
@@ -93,7 +93,7 @@ static void run_on_host(uint32_t *word, uint64_t count, uint64_t *total)
 }
 
 gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words, uint64_t count,
-                            uint64_t *total, gw_error *error)
+							uint64_t *total, gw_error *error)
 {
 	if (total != NULL)
 		*total = 0;
@@ -101,9 +101,9 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 		return GW_OK;
 	if (count > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake "
-		               "with fewer points or a coarser octree",
-		               words->name, (unsigned long long)count);
+					   "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake "
+					   "with fewer points or a coarser octree",
+					   words->name, (unsigned long long)count);
 	if (prefix->pass == NULL) {
 		run_on_host(words->mapped, count, total);
 		return GW_OK;
@@ -113,7 +113,7 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 	if (prefix->sums.bytes < UINT64_C(4) * needed) {
 		gw_buffer_destroy(gpu, &prefix->sums);
 		GW_TRY(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, UINT64_C(4) * needed,
-		                        "sums of runs", &prefix->sums, error));
+								"sums of runs", &prefix->sums, error));
 	}
 	for (uint32_t i = 0; i < last; i++)
 		if (i + 1 < last || total != NULL)

@@ -27,6 +27,6 @@ void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix); /* a zeroed one 
  * Fails as gw_buffer_create and gw_pass_run.
  */
 gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words, uint64_t count,
-                            uint64_t *total, gw_error *error);
+							uint64_t *total, gw_error *error);
 
 #endif

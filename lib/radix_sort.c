@@ -27,10 +27,10 @@ gw_status gw_radix_sort_create(gw_gpu *gpu, gw_radix_sort *sort, gw_error *error
 	gw_status status = gw_prefix_sum_create(gpu, &sort->prefix, error);
 	if (status == GW_OK)
 		status = gw_named_pass_create(gpu, "radix_count", "TS", sizeof(gw_radix_push), RUN_MAX,
-		                              &sort->count, error);
+									  &sort->count, error);
 	if (status == GW_OK)
 		status = gw_named_pass_create(gpu, "radix_scatter", "TTTSSSS", sizeof(gw_radix_push),
-		                              RUN_MAX, &sort->scatter, error);
+									  RUN_MAX, &sort->scatter, error);
 	if (status != GW_OK)
 		gw_radix_sort_destroy(gpu, sort);
 	return status;
@@ -45,7 +45,7 @@ void gw_radix_sort_destroy(gw_gpu *gpu, gw_radix_sort *sort)
 }
 
 gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_list *list,
-                              gw_error *error)
+							  gw_error *error)
 {
 	memset(list, 0, sizeof *list);
 	list->count = count;
@@ -66,7 +66,7 @@ gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_li
 		if (!part[i].needed)
 			continue;
 		gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-		                                    part[i].name, part[i].buffer, error);
+											part[i].name, part[i].buffer, error);
 		if (status != GW_OK) {
 			gw_sort_list_destroy(gpu, list);
 			return status;
@@ -105,7 +105,7 @@ static void swap_copies(gw_sort_list *list)
 }
 
 static gw_status sort_digit(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list,
-                            gw_radix_push push, gw_error *error)
+							gw_radix_push push, gw_error *error)
 {
 	gw_buffer *word = push.high ? &list->high : &list->low;
 	/* A narrow list has no high words; the shader doesn't touch what stands in. */
@@ -116,10 +116,10 @@ static gw_status sort_digit(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 	GW_TRY(gw_pass_run(gpu, sort->count, counting, &push, push.runs, error));
 	uint64_t counts = (uint64_t)push.runs * GW_RADIX_DIGITS;
 	GW_TRY(gw_prefix_sum_run(gpu, &sort->prefix, &sort->counts, counts, NULL, error));
-	gw_binding scattering[] = { { .buffer = &list->low },      { .buffer = high },
-		                        { .buffer = &list->payload },  { .buffer = &sort->counts },
-		                        { .buffer = &list->low_copy }, { .buffer = high_copy },
-		                        { .buffer = &list->payload_copy } };
+	gw_binding scattering[] = { { .buffer = &list->low },         { .buffer = high },
+								{ .buffer = &list->payload },     { .buffer = &sort->counts },
+								{ .buffer = &list->low_copy },    { .buffer = high_copy },
+								{ .buffer = &list->payload_copy } };
 	GW_TRY(gw_pass_run(gpu, sort->scatter, scattering, &push, push.runs, error));
 	swap_copies(list);
 	return GW_OK;
@@ -183,16 +183,16 @@ static void scatter_run(void *user, size_t first, size_t last, uint32_t worker)
 static void sort_digit_on_host(gw_sort_list *list, uint32_t bit)
 {
 	host_digit d = { .word = bit < 32 ? list->low.mapped : list->high.mapped,
-		             .low = list->low.mapped,
-		             .high = list->high.mapped,
-		             .payload = list->payload.mapped,
-		             .low_out = list->low_copy.mapped,
-		             .high_out = list->high_copy.mapped,
-		             .payload_out = list->payload_copy.mapped,
-		             .shift = bit % 32,
-		             .wide = list->wide,
-		             .index = bit == 0,
-		             .run = (size_t)list->count / HOST_RUNS + 1 };
+					 .low = list->low.mapped,
+					 .high = list->high.mapped,
+					 .payload = list->payload.mapped,
+					 .low_out = list->low_copy.mapped,
+					 .high_out = list->high_copy.mapped,
+					 .payload_out = list->payload_copy.mapped,
+					 .shift = bit % 32,
+					 .wide = list->wide,
+					 .index = bit == 0,
+					 .run = (size_t)list->count / HOST_RUNS + 1 };
 	gw_parallel_for(0, (size_t)list->count, d.run, count_run, &d);
 	make_places(&d);
 	gw_parallel_for(0, (size_t)list->count, d.run, scatter_run, &d);
@@ -200,16 +200,16 @@ static void sort_digit_on_host(gw_sort_list *list, uint32_t bit)
 }
 
 gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list, uint32_t bits,
-                            gw_error *error)
+							gw_error *error)
 {
 	assert(bits >= 1 && bits <= (list->wide ? 64u : 32u));
 	if (list->count == 0)
 		return GW_OK;
 	if (list->count > UINT32_MAX)
 		return gw_fail(error, GW_ERROR_MEMORY,
-		               "%llu keys cannot be sorted at once: bake with fewer points or a coarser "
-		               "octree",
-		               (unsigned long long)list->count);
+					   "%llu keys cannot be sorted at once: bake with fewer points or a coarser "
+					   "octree",
+					   (unsigned long long)list->count);
 	for (uint32_t bit = 0; bit < bits && sort->count == NULL; bit += DIGIT_BITS)
 		sort_digit_on_host(list, bit);
 	if (sort->count == NULL)
@@ -226,7 +226,7 @@ gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 	if (sort->counts.bytes < counts) {
 		gw_buffer_destroy(gpu, &sort->counts);
 		GW_TRY(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, counts,
-		                        "counts of digits", &sort->counts, error));
+								"counts of digits", &sort->counts, error));
 	}
 	for (uint32_t bit = 0; bit < bits; bit += DIGIT_BITS) {
 		push.shift = bit % 32;

@@ -29,7 +29,7 @@ void gw_radix_sort_destroy(gw_gpu *gpu, gw_radix_sort *sort); /* a zeroed one is
 
 /* Allocates a list of zeros. Fails as gw_buffer_create; zeroed then. */
 gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_list *list,
-                              gw_error *error);
+							  gw_error *error);
 void gw_sort_list_destroy(gw_gpu *gpu, gw_sort_list *list);
 /* Frees the copies, which only sorting needs. */
 void gw_sort_list_trim(gw_gpu *gpu, gw_sort_list *list);
@@ -41,6 +41,6 @@ void gw_sort_list_trim(gw_gpu *gpu, gw_sort_list *list);
  * Fails as gw_pass_run, also when a buffer is too large to be bound as a whole.
  */
 gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list, uint32_t bits,
-                            gw_error *error);
+							gw_error *error);
 
 #endif
