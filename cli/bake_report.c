@@ -9,7 +9,8 @@
 #include <string.h>
 
 #define MEGABYTE 1e6
-#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word */
+#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
+#define PART_SHARE 0.25  /* and of the whole error */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -310,20 +311,21 @@ static void time_text(double seconds, char text[32])
 		snprintf(text, 32, "%.2g h", seconds / 3600.0);
 }
 
-static void put_part(double share, const char *what, const char *remedy, char *text, size_t room)
+static void put_part(const gw_report *r, double part, const char *what, const char *remedy,
+					 char *text, size_t room)
 {
 	size_t used = strlen(text);
-	if (share > PART_LEAST)
+	if (part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms))
 		snprintf(text + used, room - used, "; %s alone are %.2g %%, which only %s would lessen",
-				 what, 100.0 * share, remedy);
+				 what, 100.0 * part, remedy);
 }
 
 /* What no finer setting lessens. */
 static void put_parts(const gw_report *r, char *text, size_t room)
 {
-	put_part(r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
-	put_part(r->error.normals, "errors of the points' normals", "better ones", text, room);
-	put_part(r->error.emission, "edges of what emits", "denser points", text, room);
+	put_part(r, r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
+	put_part(r, r->error.normals, "errors of the points' normals", "better ones", text, room);
+	put_part(r, r->error.emission, "edges of what emits", "denser points", text, room);
 }
 
 /* What less would cost, as the end of a sentence. */
