@@ -8,8 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#define DISC_RANK 8     /* of the neighbour to which a disc reaches */
-#define ORDER_REACH 12u /* surfels after one in Morton order that are looked at */
+#define DISC_RANK 8 /* of the neighbour to which a disc reaches */
 
 static const double pi = 3.14159265358979323846;
 
@@ -21,7 +20,7 @@ static bool differ(const gw_surfels *s, size_t i, size_t j)
 /* Mean over the neighbours of the squared difference of what is emitted. */
 static double difference_at(const gw_surfels *s, size_t i)
 {
-	size_t last = i + ORDER_REACH < s->count ? i + ORDER_REACH : s->count - 1, j = i + 1;
+	size_t last = i + GW_ADJOIN_REACH < s->count ? i + GW_ADJOIN_REACH : s->count - 1, j = i + 1;
 	double own = gw_luminance(s->emission + 3 * i), sum = 0.0;
 	uint32_t neighbours = 0;
 	while (j <= last && !differ(s, i, j))

@@ -35,8 +35,7 @@
 /* Less than this share of the error taken off is not worth a word. */
 #define WORTH 0.07
 
-/* What stays whatever is paid. */
-static double floor_of(const gw_error_estimate *e)
+double gw_error_floor(const gw_error_estimate *e)
 {
 	return hypot(hypot(e->shadows, e->normals), e->emission);
 }
@@ -45,7 +44,7 @@ gw_price gw_price_of(const gw_price_task *t, double error)
 {
 	const gw_error_estimate *e = &t->error;
 	gw_price price = { .error = error };
-	double square = MARGIN * MARGIN * error * error - floor_of(e) * floor_of(e);
+	double square = MARGIN * MARGIN * error * error - gw_error_floor(e) * gw_error_floor(e);
 	if (!(square > 0.0) || !(t->records > 0.0) || !(t->ray_seconds > 0.0))
 		return price;
 	double noise = e->noise * e->noise * t->rays; /* of one ray a record */
@@ -84,7 +83,7 @@ gw_price gw_price_of_less(const gw_price_task *t)
 	if (!(e->gathered > 0.0))
 		return (gw_price){ 0 };
 	/* Beside edges of shadows and errors of normals there has to be room for what is gathered. */
-	double least = hypot(floor_of(e) / MARGIN, 0.5 * e->gathered);
+	double least = hypot(gw_error_floor(e) / MARGIN, 0.5 * e->gathered);
 	double wanted = two_digits(fmax(0.5 * e->relative_rms, least));
 	if (wanted > (1.0 - WORTH) * e->relative_rms)
 		return (gw_price){ 0 };

@@ -25,6 +25,9 @@ typedef struct gw_price_task {
 	double ray_seconds;   /* a ray of a record, with all that is done for it */
 } gw_price_task;
 
+/* What of an error stays whatever is paid: that of shadows' edges, normals and emitters' power. */
+double gw_error_floor(const gw_error_estimate *error);
+
 /* What half of the error would cost, or where edges of shadows do not allow that, half of the
  * error of gathered light. All 0 where that would be hardly less, or nothing is known. */
 gw_price gw_price_of_less(const gw_price_task *task);

@@ -178,19 +178,6 @@ static gw_status trace_some(const gw_probe_task *task, some_points *some, uint32
 	return status;
 }
 
-static gw_status trace_missing(const gw_probe_task *task, const uint32_t *missing, uint32_t count,
-							   gw_probe_hits *hits, gw_error *error)
-{
-	some_points some = { 0 };
-	if (count == 0)
-		return GW_OK;
-	gw_status status = choose_some(task, hits, missing, count, &some, error);
-	for (uint32_t g = 0; g < GW_PROBE_GATHERS && status == GW_OK; g++)
-		status = trace_some(task, &some, g, hits, error);
-	free_some(task, &some);
-	return status;
-}
-
 /* ---------------------------------------------------------------------------------- emitters */
 
 /* What emitters bring to these points along rays whose hits are known. */
@@ -222,15 +209,21 @@ static gw_status light_some(const gw_probe_task *task, some_points *some, uint32
 	return status;
 }
 
-static gw_status light_missing(const gw_probe_task *task, const uint32_t *missing, uint32_t count,
-							   gw_probe_hits *hits, gw_error *error)
+/* ------------------------------------------------------------------------------- all of both */
+
+/* Fills in one gather of some points. */
+typedef gw_status fill_some(const gw_probe_task *task, some_points *some, uint32_t gather,
+							gw_probe_hits *hits, gw_error *error);
+
+static gw_status fill_missing(const gw_probe_task *task, const uint32_t *missing, uint32_t count,
+							  fill_some *fill, gw_probe_hits *hits, gw_error *error)
 {
 	some_points some = { 0 };
-	if (!hits->emitted || count == 0)
+	if (count == 0)
 		return GW_OK;
 	gw_status status = choose_some(task, hits, missing, count, &some, error);
 	for (uint32_t g = 0; g < GW_PROBE_GATHERS && status == GW_OK; g++)
-		status = light_some(task, &some, g, hits, error);
+		status = fill(task, &some, g, hits, error);
 	free_some(task, &some);
 	return status;
 }
@@ -247,13 +240,13 @@ gw_status gw_probe_hits_find(const gw_probe_task *task, const uint32_t *point, u
 		memcpy(next.point, point, count * sizeof *point);
 		next.traced = hits->traced;
 		found = list_missing(hits, &next, missing);
-		status = trace_missing(task, missing, found, &next, error);
+		status = fill_missing(task, missing, found, trace_some, &next, error);
 	}
 	if (status == GW_OK && !hits->emitted)
 		for (found = 0; found < count; found++)
 			missing[found] = found;
-	if (status == GW_OK)
-		status = light_missing(task, missing, found, &next, error);
+	if (status == GW_OK && next.emitted)
+		status = fill_missing(task, missing, found, light_some, &next, error);
 	free(missing);
 	if (status != GW_OK) {
 		gw_probe_hits_clear(&next);

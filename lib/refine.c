@@ -3,6 +3,8 @@
  */
 #include "refine.h"
 
+#include "error_price.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -93,24 +95,23 @@ static bool differs(const gw_bake_options *a, const gw_bake_options *b)
 		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
 }
 
-/* How much larger the error of gathered light is than what is wanted beside that of lamps; twice,
+/* How much larger the error of gathered light is than what is wanted beside what stays; twice,
  * where nothing is said. */
 static double excess(const gw_refine_state *state)
 {
 	double wanted = (double)state->options->max_error;
-	double lamps = hypot(hypot(state->error.shadows, state->error.normals), state->error.emission);
+	double stays = gw_error_floor(&state->error);
 	double found = state->error.gathered + state->error.spread;
-	if (lamps < wanted)
-		wanted = sqrt(wanted * wanted - lamps * lamps);
+	if (stays < wanted)
+		wanted = sqrt(wanted * wanted - stays * stays);
 	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
 }
 
-/* Mean square error of gathered light that is wanted; 0 where none is, or shadows alone are more.
- */
+/* Mean square error of gathered light that is wanted; 0 where none is, or what stays is more. */
 static double wanted_square(const gw_refine_state *state)
 {
 	double wanted = (double)state->options->max_error;
-	double stays = hypot(state->error.shadows, state->error.emission);
+	double stays = gw_error_floor(&state->error);
 	return fmax(wanted * wanted - stays * stays, 0.0);
 }
 

@@ -10,9 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define ORDER_REACH 12u /* surfels after one in Morton order that are looked at */
-#define EDGE_RATIO 0.5  /* light on the dark side of an edge is less than this of the other's */
-#define CHUNK 4096u     /* surfels whose errors are added up at a time */
+#define EDGE_RATIO 0.5 /* light on the dark side of an edge is less than this of the other's */
+#define CHUNK 4096u    /* surfels whose errors are added up at a time */
 
 static const double pi = 3.14159265358979323846;
 
@@ -49,7 +48,7 @@ static double edge_at(const shadow_edges *e, size_t i)
 	const gw_surfels *s = e->surfels;
 	double own = reflected(e, i, i), sum = 0.0;
 	uint32_t neighbours = 0;
-	for (size_t j = i + 1; j < s->count && j <= i + ORDER_REACH; j++) {
+	for (size_t j = i + 1; j < s->count && j <= i + GW_ADJOIN_REACH; j++) {
 		if (!gw_surfels_adjoin(s, i, j))
 			continue;
 		double other = reflected(e, i, j);

@@ -108,6 +108,11 @@ static inline bool gw_surfels_alike(const gw_surfels *s, size_t i, size_t j)
 	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > GW_SMOOTH_LEAST;
 }
 
+/* So many surfels after one in Morton order hold enough of those that adjoin it for a mean over
+ * them.
+ */
+#define GW_ADJOIN_REACH 12u
+
 /* Does surfel j lie on the disc of surfel i, on the same smooth surface? Here because it is asked
  * of millions of pairs. */
 static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
