@@ -85,55 +85,45 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	return status;
 }
 
-/* Puts a record on each of the chosen lobes. */
-static gw_status put_on_lobes(gw_passes *passes, const gw_octree *octree, const uint32_t *chosen,
+/* Puts a record on each of the lobes that are listed. */
+static gw_status put_on_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
 							  gw_records *records, gw_error *error)
 {
-	gw_gpu *gpu = passes->gpu;
-	gw_buffer lobe = { 0 };
-	uint64_t bytes = 4 * (uint64_t)records->count;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"record lobe", &lobe, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &lobe, 0, chosen, bytes, error);
-	if (status == GW_OK) {
-		const gw_binding bindings[] = {
-			gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
-			gw_whole(&octree->surfel_position), gw_whole(&octree->lobe_plane),
-			gw_whole(&octree->lobe_centre),     gw_window(&lobe, 4),
-			gw_window(&records->position, 16),  gw_window(&records->normal, 16)
-		};
-		status = gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
-							   records->count, error);
-	}
-	gw_buffer_destroy(gpu, &lobe);
-	return status;
+	const gw_binding bindings[] = {
+		gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
+		gw_whole(&octree->surfel_position), gw_whole(&octree->lobe_plane),
+		gw_whole(&octree->lobe_centre),     gw_window(lobe, 4),
+		gw_window(&records->position, 16),  gw_window(&records->normal, 16)
+	};
+	return gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
+						 records->count, error);
 }
 
-/* Counting sort of the records by block: block_first is where each block's list starts. */
-static void sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_count,
+/* Counting sort of the records by block: block_first is where each block's list starts. False when
+ * a record has none, which only a faulty device says. */
+static bool sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_count,
 						  uint32_t *first, uint32_t *sorted)
 {
 	memset(first, 0, ((size_t)block_count + 1) * sizeof *first);
 	for (uint32_t i = 0; i < count; i++) {
-		if (block[i] < block_count)
-			first[block[i] + 1]++;
+		if (block[i] >= block_count)
+			return false;
+		first[block[i] + 1]++;
 	}
 	for (uint32_t b = 0; b < block_count; b++)
 		first[b + 1] += first[b];
-	for (uint32_t i = count; i-- > 0;) {
-		/* Backwards from each list's end, so that records stay in ascending order. */
-		if (block[i] < block_count)
-			sorted[--first[block[i] + 1]] = i;
-	}
+	/* Backwards from each list's end, so that records stay in ascending order. */
+	for (uint32_t i = count; i-- > 0;)
+		sorted[--first[block[i] + 1]] = i;
 	/* first[b + 1] has moved to the start of list b: move the starts into place. */
 	for (uint32_t b = 0; b < block_count; b++)
 		first[b] = first[b + 1];
 	first[block_count] = count;
+	return true;
 }
 
-static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							   gw_error *error)
+static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
+							   gw_records *records, gw_error *error)
 {
 	gw_gpu *gpu = passes->gpu;
 	gw_buffer block_of = { 0 };
@@ -148,9 +138,12 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_re
 		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 								  4 * (uint64_t)records->count, "record block", &block_of, error);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&octree->level_directory), gw_whole(&octree->node),
+		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
+										gw_whole(&octree->node),
 										gw_window(&records->position, 16),
-										gw_window(&block_of, 4) };
+										gw_window(&block_of, 4),
+										gw_window(lobe, 4),
+										gw_whole(&octree->leaf_cell) };
 		gw_lookup_push push = { .block_level = records->block_level,
 								.tile_first = records->block_tile_first };
 		status =
@@ -158,11 +151,15 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, gw_re
 	}
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)records->count, error);
-	if (status == GW_OK) {
-		sort_by_block(block, records->count, records->block_count, first, sorted);
+	if (status == GW_OK &&
+		!sort_by_block(block, records->count, records->block_count, first, sorted))
+		status = gw_fail(error, GW_ERROR_INTERNAL,
+						 "the device found no place in the octree for some of %u records; update "
+						 "its driver or choose another with --device",
+						 records->count);
+	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &records->block_first, 0, first,
 								  4 * ((uint64_t)records->block_count + 1), error);
-	}
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &records->block_record, 0, sorted,
 								  4 * (uint64_t)records->count, error);
@@ -199,6 +196,25 @@ static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_tas
 	return status;
 }
 
+/* Puts the records on their lobes, and lists them. */
+static gw_status put_and_list(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							  gw_error *error)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_buffer lobe = { 0 };
+	uint64_t bytes = 4 * (uint64_t)records->count;
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+										"record lobe", &lobe, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &lobe, 0, records->lobe, bytes, error);
+	if (status == GW_OK)
+		status = put_on_lobes(passes, octree, &lobe, records, error);
+	if (status == GW_OK)
+		status = list_by_block(passes, octree, &lobe, records, error);
+	gw_buffer_destroy(gpu, &lobe);
+	return status;
+}
+
 /* What *records has of lobe weights stays. */
 static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
 					   gw_records *records, gw_error *error)
@@ -209,9 +225,7 @@ static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_plac
 	if (status == GW_OK)
 		status = create_buffers(passes->gpu, octree, records, error);
 	if (status == GW_OK && records->count > 0)
-		status = put_on_lobes(passes, octree, records->lobe, records, error);
-	if (status == GW_OK && records->count > 0)
-		status = list_by_block(passes, octree, records, error);
+		status = put_and_list(passes, octree, records, error);
 	if (status != GW_OK)
 		gw_records_destroy(passes->gpu, records);
 	return status;

@@ -2,6 +2,7 @@
  * Compared with brute force over all pairs. Where more go: as many as lessen the error most. */
 #include "record_density.h"
 #include "record_places.h"
+#include "scenes.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -340,6 +341,88 @@ static void nothing_to_place(void **state)
 	clear_lobes(&l);
 }
 
+/* ------------------------------------------------------------------------------------- listing */
+
+static void assert_ok(gw_status status, const gw_error *error)
+{
+	if (status != GW_OK)
+		fail_msg("%s", error->text);
+}
+
+static uint32_t *words_of(gw_solver *s, const gw_buffer *buffer)
+{
+	gw_error error = { 0 };
+	uint32_t *words = malloc((size_t)buffer->bytes);
+	assert_non_null(words);
+	assert_ok(gw_buffer_download(s->gpu, buffer, 0, words, buffer->bytes, &error), &error);
+	return words;
+}
+
+/* Points anywhere in a cube that face anywhere: planes of lobes lead far away from their leaves. */
+static void make_cloud(scene *s, size_t count)
+{
+	*s = (scene){ .state = 1 };
+	for (size_t i = 0; i < count; i++) {
+		double place[3], normal[3];
+		for (int k = 0; k < 3; k++)
+			place[k] = 2.0 * scene_random(s);
+		double z = 2.0 * scene_random(s) - 1.0, turn = 2.0 * SCENE_PI * scene_random(s);
+		normal[0] = sqrt(1.0 - z * z) * cos(turn);
+		normal[1] = sqrt(1.0 - z * z) * sin(turn);
+		normal[2] = z;
+		scene_add(s, place, normal, 0.5f);
+	}
+}
+
+/* A solver of the cloud, up to its records. */
+static void place_records(gw_solver *solver, const scene *cloud)
+{
+	gw_error error = { 0 };
+	gw_points points = scene_points(cloud);
+	gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
+	solver->options = GW_BAKE_OPTIONS_DEFAULT;
+	solver->options.estimate_points = 0;
+	solver->options.depth = 7;
+	solver->options.record_spacing = 0.5f;
+	gw_status status = gw_solver_open_device(solver, &error);
+	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL)
+		skip();
+	assert_ok(status, &error);
+	assert_ok(gw_solver_make_surfels(solver, &points, &light, 1, &error), &error);
+	assert_ok(gw_solver_build_octree(solver, &error), &error);
+	assert_ok(gw_solver_place_records(solver, &error), &error);
+}
+
+static void every_record_is_listed_once(void **state)
+{
+	(void)state;
+	scene cloud;
+	gw_report report = { 0 };
+	gw_solver solver = { .report = &report };
+	make_cloud(&cloud, 3000);
+	place_records(&solver, &cloud);
+	uint32_t count = solver.records.count, blocks = solver.records.block_count, listed = 0;
+	uint32_t *first = words_of(&solver, &solver.records.block_first);
+	uint32_t *record = words_of(&solver, &solver.records.block_record);
+	bool *seen = calloc(count, sizeof *seen);
+	assert_non_null(seen);
+	assert_true(count > 1000);
+	assert_int_equal(first[blocks], count);
+	for (uint32_t i = 0; i < count; i++) {
+		if (record[i] < count && !seen[record[i]]) {
+			seen[record[i]] = true;
+			listed++;
+		}
+	}
+	assert_int_equal(listed, count);
+	free(seen);
+	free(first);
+	free(record);
+	gw_solver_close(&solver);
+	free(report.bounce);
+	scene_clear(&cloud);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -348,6 +431,7 @@ int main(void)
 		cmocka_unit_test(separate_surfaces),       cmocka_unit_test(nothing_to_place),
 		cmocka_unit_test(closer_in_places),        cmocka_unit_test(factors_follow_the_root),
 		cmocka_unit_test(factors_keep_their_limits),
+		cmocka_unit_test(every_record_is_listed_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
