@@ -1,5 +1,6 @@
 #include "bake_report.h"
 #include "json_writer.h"
+#include "octree_note.h"
 #include "options.h"
 #include "preview.h"
 #include "scene_file.h"
@@ -149,6 +150,10 @@ static void write_octree(json_writer *json, const gw_report *r)
 	json_put_open_flat(json, "octree", '{');
 	json_put_count(json, "depth", r->depth);
 	json_put_real(json, "leaf_size", r->leaf_size);
+	if (r->wanted_leaf_size > 0.0) {
+		json_put_real(json, "wanted_leaf_size", r->wanted_leaf_size);
+		json_put_text(json, "why_coarser", r->why_coarser);
+	}
 	json_put_reals(json, "origin", r->origin, 3);
 	json_put_count(json, "leaves", r->leaves);
 	json_put_count(json, "tiles", r->tiles);
@@ -281,6 +286,7 @@ void bake_report_notes(const bake_facts *f)
 		if (r->count[i].points)
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
+	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "

@@ -2,6 +2,7 @@
 #include "json_writer.h"
 #include "lit_scan.h"
 #include "number_text.h"
+#include "octree_note.h"
 #include "preview.h"
 #include "scene_file.h"
 #include "signals.h"
@@ -356,6 +357,8 @@ static double mean_luminance(const gw_bake_result *result)
 static void say(const frame_run *r, const frame_facts *f)
 {
 	progress_clear(r->progress);
+	if (r->at == r->first && !r->settings->quiet)
+		octree_note_print(f->report.leaf_size, f->report.wanted_leaf_size, f->report.why_coarser);
 	if (r->settings->verbose && !r->settings->quiet)
 		fprintf(stderr, "glowworm: frame %u: %.2f s baking, %.2f s writing, %u bounces%s%s\n",
 				f->frame, f->bake_seconds, f->write_seconds, f->report.bounce_count,
@@ -433,6 +436,10 @@ static void put_report(const frame_run *r, json_writer *json)
 	json_put_text(json, "driver", report->driver);
 	json_put_count(json, "depth", report->depth);
 	json_put_real(json, "leaf_size", report->leaf_size);
+	if (report->wanted_leaf_size > 0.0) {
+		json_put_real(json, "wanted_leaf_size", report->wanted_leaf_size);
+		json_put_text(json, "why_coarser", report->why_coarser);
+	}
 	json_put_bool(json, "rebuild", s->rebuild);
 	json_put_bool(json, "independent", s->independent);
 	json_put_real(json, "read_seconds", r->facts->read_seconds);

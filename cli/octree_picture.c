@@ -2,6 +2,7 @@
 #include "clock.h"
 #include "gloss_filter.h"
 #include "glossy_points.h"
+#include "octree_note.h"
 #include "signals.h"
 
 #include <math.h>
@@ -89,6 +90,10 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");
 	p->build_seconds = gw_seconds() - start;
+	if (status == GW_OK && !s->quiet)
+		octree_note_print((double)p->octree->octree.leaf_size,
+						  (double)p->octree->octree.wanted_leaf_size,
+						  p->octree->octree.why_coarser);
 	return status;
 }
 

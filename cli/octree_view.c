@@ -2,6 +2,7 @@
 #include "direct_light.h"
 #include "nearest_name.h"
 #include "octree_cells.h"
+#include "octree_note.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -285,6 +286,9 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 		radiance ? gw_render_octree_create(&scene->surfels, radiance, &options, &octree, error)
 				 : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light");
 	free(radiance);
+	if (status == GW_OK && !s->quiet)
+		octree_note_print((double)octree->octree.leaf_size,
+						  (double)octree->octree.wanted_leaf_size, octree->octree.why_coarser);
 	if (status == GW_OK)
 		status = make(s, scene, v, octree, error);
 	gw_render_octree_destroy(&octree);

@@ -366,10 +366,12 @@ typedef struct gw_report {
 	double remaining; /* bound on the light of the bounces not computed, relative */
 	char device[256];
 	char driver[256];
-	uint32_t depth;   /* of the octree */
-	double leaf_size; /* metres */
-	double origin[3]; /* of the local frame, metres */
-	double spacing;   /* metres between neighbouring points, median */
+	uint32_t depth;          /* of the octree */
+	double leaf_size;        /* metres */
+	double wanted_leaf_size; /* 0; or what leaf_size was to be, but for memory or the device */
+	char why_coarser[512];   /* then, a sentence */
+	double origin[3];        /* of the local frame, metres */
+	double spacing;          /* metres between neighbouring points, median */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
 	uint64_t octree_bytes;      /* tiles, keys, neighbour pointers, leaves, planes */

@@ -6,6 +6,7 @@
 #include "memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -229,18 +230,35 @@ static gw_status fail_count(const gw_surfels *surfels, gw_error *error)
 				   surfels->count, GW_FRAGMENT_SURFEL);
 }
 
+/* Notes why a build with leaves of a width was given up; the first one counts. */
+static void note_coarser(double leaf_size, const gw_error *reason, float *wanted,
+						 char why[GW_OCTREE_WHY])
+{
+	if (*wanted > 0.0f)
+		return;
+	*wanted = (float)leaf_size;
+	snprintf(why, GW_OCTREE_WHY, "%.*s", GW_OCTREE_WHY - 1, reason->text);
+}
+
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error)
 {
 	double leaf_size = (double)leaf_spacing * (double)surfels->spacing;
+	float wanted = 0.0f;
+	char why[GW_OCTREE_WHY] = "";
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
 	for (;;) {
 		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
 		gw_status status = build_once(gpu, surfels, 0, NULL, depth, leaf_size, octree, error);
+		if (status == GW_OK) {
+			octree->wanted_leaf_size = wanted;
+			memcpy(octree->why_coarser, why, sizeof why);
+		}
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
+		note_coarser(leaf_size, error, &wanted, why);
 		leaf_size *= 1.4142135623730951;
 	}
 }
@@ -272,6 +290,7 @@ static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t stil
 		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
 			return status;
 		gw_fragment_list_clear(&kept->still);
+		note_coarser(kept->leaf_size, error, &kept->wanted_leaf_size, kept->why_coarser);
 		kept->leaf_size *= 1.4142135623730951;
 	}
 }
@@ -283,15 +302,21 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t st
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
-	if (*kept != NULL)
-		return build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
-						  error);
-	*kept = gw_allocate_zeros(1, sizeof **kept);
+	bool first = *kept == NULL;
+	if (first)
+		*kept = gw_allocate_zeros(1, sizeof **kept);
 	if (*kept == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
-	gw_status status = build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error);
-	if (status != GW_OK)
+	gw_status status =
+		first ? build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error)
+			  : build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
+						   error);
+	if (status == GW_OK) {
+		octree->wanted_leaf_size = (*kept)->wanted_leaf_size;
+		memcpy(octree->why_coarser, (*kept)->why_coarser, sizeof octree->why_coarser);
+	} else if (first) {
 		gw_octree_kept_destroy(gpu, kept);
+	}
 	return status;
 }
 

@@ -26,10 +26,17 @@
  * the root. */
 #define GW_DIRECTORY_LEVEL_MAX 7u
 
+/* Room for a sentence. */
+#define GW_OCTREE_WHY 512
+
 typedef struct gw_octree {
 	uint32_t depth;
 	/* metres */
 	float leaf_size;
+	/* metres; 0 where leaves are as wide as they were to be, else how wide that is: memory or a
+	 * limit of the device did not allow for it, and why says which */
+	float wanted_leaf_size;
+	char why_coarser[GW_OCTREE_WHY];
 	/* local frame, metres; at least two leaf cells below the bounds */
 	float cube_minimum[3];
 	/* T = min(depth - 1, GW_DIRECTORY_LEVEL_MAX) */
@@ -132,7 +139,7 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 
 /*
  * Builds the octree of a cloud with leaves of a width, or as much wider as memory and the device's
- * limits ask for.
+ * limits ask for; then the octree says so.
  *   leaf_spacing  the width, in surfels->spacing
  */
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,

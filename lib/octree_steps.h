@@ -45,7 +45,9 @@ typedef struct gw_fragment_list {
 /* What builds of surfels of which some stay have in common. */
 struct gw_octree_kept {
 	uint32_t depth;
-	double leaf_size; /* as of gw_octree_work */
+	double leaf_size;       /* as of gw_octree_work */
+	float wanted_leaf_size; /* as of gw_octree */
+	char why_coarser[GW_OCTREE_WHY];
 	gw_fragment_list still;
 	gw_pass *pass[GW_OCTREE_PASSES];
 	gw_radix_sort sort;

@@ -123,6 +123,8 @@ void gw_solver_report_octree(const gw_solver *solver)
 	r->records = solver->records.count;
 	r->depth = octree->depth;
 	r->leaf_size = (double)octree->leaf_size;
+	r->wanted_leaf_size = (double)octree->wanted_leaf_size;
+	snprintf(r->why_coarser, sizeof r->why_coarser, "%s", octree->why_coarser);
 	r->leaves = octree->leaf_count;
 	r->tiles = octree->tile_count;
 	r->leaf_tiles = octree->leaf_tile_count;

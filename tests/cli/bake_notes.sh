@@ -13,3 +13,12 @@ grep albedo notes
 grep 'finite' notes
 glowworm info lit.ply --json | tr '{' '\n' | grep '"x"\|radiance_r'
 glowworm bake a.ply --light 'sky radiance 1' -o quiet.ply --quiet
+# An octree for which memory is too short is made coarser, and note and report say so.
+make_box --scene plane --points 20000 -o plane.ply
+for memory in 1G 6M; do
+	glowworm bake plane.ply --albedo constant:0 --light 'point at 0.5,0.5,1 intensity 1' \
+		--memory "$memory" --report "$memory.json" -o "$memory.ply" 2>notes
+	sed -n 's/.*note: the octree was made coarser, .* in place of .* m: ".*" needs .*/coarser/p' \
+		notes
+	grep -o '"wanted_leaf_size": 0\.0\|"why_coarser": ' "$memory.json"
+done
