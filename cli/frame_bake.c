@@ -1,4 +1,5 @@
 #include "frame_bake.h"
+#include "file_roles.h"
 #include "json_writer.h"
 #include "lit_scan.h"
 #include "number_text.h"
@@ -81,6 +82,30 @@ static char *name_frame(const char *path, uint32_t frame)
 	return written < 0 ? NULL : name;
 }
 
+static char *name_of_series(const void *user, size_t index)
+{
+	const settings *s = user;
+	uint32_t first, last;
+	find_range(s, &first, &last, NULL);
+	return name_frame(s->output, first + (uint32_t)index);
+}
+
+/* No file is an input, or there already. */
+static gw_status check_files(const settings *s, uint32_t first, uint32_t last, gw_error *error)
+{
+	const file_series frames = { s->output ? last - first + 1 : 0, name_of_series, s };
+	gw_status status = file_roles_check(VERB_BAKE, s, &frames, error);
+	for (uint32_t f = first; status == GW_OK && s->output && f <= last; f++) {
+		char *name = name_frame(s->output, f);
+		if (!name)
+			status = gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
+		else if (!s->force && access(name, F_OK) == 0)
+			status = gw_fail(error, GW_ERROR_CREATE, "%s exists; --force overwrites it", name);
+		free(name);
+	}
+	return status;
+}
+
 gw_status frame_bake_check(const settings *s, gw_error *error)
 {
 	uint32_t first, last;
@@ -107,15 +132,7 @@ gw_status frame_bake_check(const settings *s, gw_error *error)
 					   "%s: a frame's number is put in place of %%d or %%04d; this %% is neither",
 					   s->output);
 	gw_status status = find_range(s, &first, &last, error);
-	for (uint32_t f = first; status == GW_OK && s->output && f <= last; f++) {
-		char *name = name_frame(s->output, f);
-		if (!name)
-			status = gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
-		else if (!s->force && access(name, F_OK) == 0)
-			status = gw_fail(error, GW_ERROR_CREATE, "%s exists; --force overwrites it", name);
-		free(name);
-	}
-	return status;
+	return status == GW_OK ? check_files(s, first, last, error) : status;
 }
 
 /* ------------------------------------------------------------------------------------- motion */

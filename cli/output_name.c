@@ -4,13 +4,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-bool output_name_same(const char *a, const char *b)
-{
-	struct stat one, other;
-	return stat(a, &one) == 0 && stat(b, &other) == 0 && S_ISREG(one.st_mode) &&
-		   one.st_dev == other.st_dev && one.st_ino == other.st_ino;
-}
-
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error)
 {

@@ -1,5 +1,5 @@
 /*
- * output_name.h - what the name of an output says: its format, and whether it is an input as well.
+ * output_name.h - what the name of an output says: its format.
  */
 #ifndef OUTPUT_NAME_H
 #define OUTPUT_NAME_H
@@ -14,8 +14,5 @@
  */
 gw_status output_name_format(const char *path, const char *name, const format **found,
 							 gw_error *error);
-
-/* True when both names lead to the same regular file. */
-bool output_name_same(const char *a, const char *b);
 
 #endif

@@ -748,12 +748,11 @@ gw_status scene_read_all(settings *s, gw_error *error)
 			return gw_fail(error, GW_ERROR_USAGE, "%s is a second scene file; one is enough",
 						   s->input[i].path);
 		any = true;
-		char *path = strdup(s->input[i].path);
-		if (!path)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
+		s->scene = settings_keep(s, s->input[i].path, error);
+		if (!s->scene)
+			return GW_ERROR_MEMORY;
 		size_t before = s->input_count;
-		gw_status status = scene_read(path, i, s, error);
-		free(path);
+		gw_status status = scene_read(s->scene, i, s, error);
 		if (status != GW_OK)
 			return status;
 		i += s->input_count - before;

@@ -1,5 +1,6 @@
 #include "verbs.h"
 #include "bake_report.h"
+#include "file_roles.h"
 #include "frame_bake.h"
 #include "glossy_points.h"
 #include "input_file.h"
@@ -71,23 +72,6 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status check_names(const settings *s, gw_error *error)
-{
-	const char *const out[] = { s->output, s->vdb, s->report, s->save_transport };
-	for (size_t k = 0; k < 4; k++) {
-		if (out[k] && s->transport && output_name_same(out[k], s->transport))
-			return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name", out[k]);
-		for (size_t i = 0; out[k] && i < s->input_count; i++)
-			if (output_name_same(out[k], s->input[i].path))
-				return gw_fail(error, GW_ERROR_USAGE, "%s is an input; write to another name",
-							   out[k]);
-		for (size_t j = 0; out[k] && j < k; j++)
-			if (out[j] && strcmp(out[j], out[k]) == 0 && strcmp(out[k], "-") != 0)
-				return gw_fail(error, GW_ERROR_USAGE, "two outputs are called %s", out[k]);
-	}
-	return GW_OK;
-}
-
 static gw_status check(bake *b)
 {
 	const settings *s = b->settings;
@@ -109,9 +93,9 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
 	gw_status status = check_streams(s, b->error);
 	if (status == GW_OK)
-		status = check_names(s, b->error);
-	if (status == GW_OK)
 		status = frame_bake_check(s, b->error);
+	if (status == GW_OK && !s->frames)
+		status = file_roles_check(VERB_BAKE, s, NULL, b->error);
 	if (status == GW_OK && s->output)
 		status = output_name_format(s->output, s->output_format, &b->format, b->error);
 	return status;

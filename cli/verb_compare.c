@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "file_roles.h"
 #include "loaded_scene.h"
 #include "output_file.h"
 #include "output_name.h"
@@ -27,7 +28,6 @@ static bool is_stream(const char *path)
 static gw_status check_outputs(comparison *c)
 {
 	const settings *s = c->settings;
-	const char *const out[] = { s->worst, s->json_file };
 	if (is_stream(s->worst) && is_stream(s->json_file))
 		return gw_fail(c->error, GW_ERROR_USAGE,
 					   "standard output can hold one of --worst and --json, not both");
@@ -35,14 +35,10 @@ static gw_status check_outputs(comparison *c)
 		return gw_fail(c->error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with --worst");
-	for (size_t k = 0; k < 2; k++)
-		for (size_t i = 0; out[k] && i < s->input_count; i++)
-			if (output_name_same(out[k], s->input[i].path))
-				return gw_fail(c->error, GW_ERROR_USAGE, "%s is an input; write to another name",
-							   out[k]);
-	if (s->worst && s->json_file && strcmp(s->worst, s->json_file) == 0)
-		return gw_fail(c->error, GW_ERROR_USAGE, "two outputs are called %s", s->worst);
-	return s->worst ? output_name_format(s->worst, NULL, &c->format, c->error) : GW_OK;
+	gw_status status = file_roles_check(VERB_COMPARE, s, NULL, c->error);
+	return status == GW_OK && s->worst
+			   ? output_name_format(s->worst, NULL, &c->format, c->error)
+			   : status;
 }
 
 static gw_status check(comparison *c)

@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "file_roles.h"
 #include "output_file.h"
 #include "output_name.h"
 #include "signals.h"
@@ -13,9 +14,9 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 					   "convert what into what? Name an input and an output; - is standard input "
 					   "or output");
 	const char *out = s->input[1].path;
-	if (output_name_same(s->input[0].path, out))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is the input; write to another name", out);
-	gw_status status = output_name_format(out, s->output_format, to, error);
+	gw_status status = file_roles_check(VERB_CONVERT, s, NULL, error);
+	if (status == GW_OK)
+		status = output_name_format(out, s->output_format, to, error);
 	bool binary =
 		status == GW_OK && strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
 	if (binary && strcmp(out, "-") == 0 && isatty(STDOUT_FILENO))

@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "file_roles.h"
 #include "light_mix.h"
 #include "loaded_scene.h"
 #include "number_text.h"
@@ -39,10 +40,10 @@ static gw_status check(mixing *m)
 		return gw_fail(m->error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with -o");
-	if (output_name_same(s->output, s->input[0].path))
-		return gw_fail(m->error, GW_ERROR_USAGE, "%s is the input; write to another name",
-					   s->output);
-	return output_name_format(s->output, s->output_format, &m->format, m->error);
+	gw_status status = file_roles_check(VERB_MIX, s, NULL, m->error);
+	return status == GW_OK
+			   ? output_name_format(s->output, s->output_format, &m->format, m->error)
+			   : status;
 }
 
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */

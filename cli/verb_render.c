@@ -1,5 +1,6 @@
 #include "verbs.h"
 #include "clock.h"
+#include "file_roles.h"
 #include "number_text.h"
 #include "octree_picture.h"
 #include "octree_view.h"
@@ -138,8 +139,9 @@ static gw_status check_inputs(const render *r)
 }
 
 /* The name of a picture: FILE.png, or FILE-0001.png when there are several. For free(). */
-static char *name_picture(const render *r, size_t picture)
+static char *name_picture(const void *user, size_t picture)
 {
+	const render *r = user;
 	const char *path = r->settings->output;
 	char *name = NULL;
 	if (camera_plan_count(&r->plan) == 1)
@@ -182,6 +184,9 @@ static gw_status check(render *r)
 		status = octree_view_check(r->settings, &r->inner, r->error);
 	if (status == GW_OK)
 		status = check_output(r);
+	const file_series pictures = { camera_plan_count(&r->plan), name_picture, r };
+	if (status == GW_OK)
+		status = file_roles_check(VERB_RENDER, r->settings, &pictures, r->error);
 	return status == GW_OK ? probe_outputs(r) : status;
 }
 

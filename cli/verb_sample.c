@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "file_roles.h"
 #include "loaded_scene.h"
 #include "mesh_notes.h"
 #include "options.h"
@@ -37,9 +38,8 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
 					   "name a file with -o");
-	if (output_name_same(s->output, s->input[0].path))
-		return gw_fail(error, GW_ERROR_USAGE, "%s is the input; write to another name", s->output);
-	return output_name_format(s->output, s->output_format, to, error);
+	gw_status status = file_roles_check(VERB_SAMPLE, s, NULL, error);
+	return status == GW_OK ? output_name_format(s->output, s->output_format, to, error) : status;
 }
 
 /* Points for the density, or as many as were asked for. */

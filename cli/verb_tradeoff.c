@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "file_roles.h"
 #include "glossy_points.h"
 #include "output_file.h"
 #include "scene_file.h"
@@ -33,8 +34,8 @@ static gw_status check(sweep *w)
 	if (is_stream(s->csv) && is_stream(s->svg))
 		return gw_fail(w->error, GW_ERROR_USAGE,
 					   "standard output can hold one of --csv and --svg, not both");
-	gw_status status = GW_OK;
-	if (s->csv)
+	gw_status status = file_roles_check(VERB_TRADEOFF, s, NULL, w->error);
+	if (status == GW_OK && s->csv)
 		status = output_file_create(&w->csv, s->csv, s->force, w->error);
 	if (status == GW_OK && s->svg)
 		status = output_file_create(&w->svg, s->svg, s->force, w->error);

@@ -80,6 +80,15 @@ gw_status mesh_glb_read(const struct input_file *in, mesh *mesh, gw_error *error
 
 /* Whether a file that is OBJ, or GLB, has faces; true for a GLB file that is damaged. */
 bool mesh_obj_has_faces(const struct input_file *in);
+
+/*
+ * Names the files of materials that an OBJ file asks for, whether they are there or not. A line
+ * with blanks may be one name or several: each is named, and all of it.
+ *   path    of the OBJ file
+ *   named   is handed each path; ends the search with its failure
+ */
+typedef gw_status mesh_obj_named(void *user, const char *path, gw_error *error);
+gw_status mesh_obj_libraries(const char *path, mesh_obj_named *named, void *user, gw_error *error);
 bool mesh_glb_has_faces(const struct input_file *in);
 
 /* True when the first bytes of a file are those of an OFF file. */

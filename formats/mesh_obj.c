@@ -99,20 +99,25 @@ static gw_status take_normal(reader *r)
 
 /* ------------------------------------------------------------------------- material files */
 
-/* Opens a file that the OBJ file names, from its folder. Only regular files: a name out of a file
- * must not make us wait for a device. */
-static bool open_beside(const reader *r, mesh_word name, input_file *in)
+/* The path of a file that the OBJ file names, from its folder. */
+static bool name_beside(const char *obj, mesh_word name, char path[PATH_MAX])
 {
-	const char *slash = strrchr(r->path, '/');
-	char path[PATH_MAX];
-	if (name.length == 0 || name.length >= sizeof path || memchr(name.text, '\0', name.length))
+	const char *slash = strrchr(obj, '/');
+	if (name.length == 0 || name.length >= PATH_MAX || memchr(name.text, '\0', name.length))
 		return false;
 	bool own = *name.text == '/' || !slash;
-	int length = snprintf(path, sizeof path, "%.*s%.*s", own ? 0 : (int)(slash - r->path) + 1,
-						  r->path, (int)name.length, name.text);
+	int length = snprintf(path, PATH_MAX, "%.*s%.*s", own ? 0 : (int)(slash - obj) + 1, obj,
+						  (int)name.length, name.text);
+	return length > 0 && length < PATH_MAX;
+}
+
+/* Only regular files: a name out of a file must not make us wait for a device. */
+static bool open_beside(const reader *r, mesh_word name, input_file *in)
+{
+	char path[PATH_MAX];
 	struct stat info;
-	return length > 0 && (size_t)length < sizeof path && stat(path, &info) == 0 &&
-		   S_ISREG(info.st_mode) && input_file_open(in, path, NULL) == GW_OK;
+	return name_beside(r->path, name, path) && stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
+		   input_file_open(in, path, NULL) == GW_OK;
 }
 
 /* One name with blanks in it, else several names. */
@@ -318,6 +323,33 @@ bool mesh_obj_has_faces(const input_file *in)
 		if (mesh_word_is(mesh_text_word(&text), "f"))
 			return true;
 	return false;
+}
+
+/* Every name on the line, and all of it as one. */
+static gw_status name_libraries(mesh_text *line, const char *obj, mesh_obj_named *named, void *user,
+								gw_error *error)
+{
+	char path[PATH_MAX];
+	mesh_word word = mesh_text_rest(line);
+	gw_status status = GW_OK;
+	for (; status == GW_OK && word.length > 0; word = mesh_text_word(line))
+		if (name_beside(obj, word, path))
+			status = named(user, path, error);
+	return status;
+}
+
+gw_status mesh_obj_libraries(const char *path, mesh_obj_named *named, void *user, gw_error *error)
+{
+	input_file in;
+	gw_status status = input_file_open(&in, path, error);
+	if (status != GW_OK)
+		return status;
+	mesh_text text = mesh_text_start(&in);
+	while (status == GW_OK && mesh_text_next(&text))
+		if (mesh_word_is(mesh_text_word(&text), "mtllib"))
+			status = name_libraries(&text, path, named, user, error);
+	input_file_close(&in);
+	return status;
 }
 
 static const char *const extensions[] = { "obj", NULL };
