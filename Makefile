@@ -51,9 +51,12 @@ TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
 BENCH_TOOLS     := $(wildcard tests/bench/make_*.c tests/fuzz/make_*.c)
 PCL_LOADERS     := tests/bench/pcl_loaders.cpp
-TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS) $(PCL_LOADERS),$(wildcard tests/*/*.c tests/*/*.cpp))
+TORTURE_SHIM    := tests/torture/fault_shim.c
+TORTURE_SOURCES := $(filter-out $(TORTURE_SHIM),$(wildcard tests/torture/*.c))
+TEST_HELPERS    := $(filter-out $(TESTS) $(BENCHES) $(BENCH_TOOLS) $(PCL_LOADERS) $(TORTURE_SHIM) $(TORTURE_SOURCES),$(wildcard tests/*/*.c tests/*/*.cpp))
 TEST_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(TESTS)))
 BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
+TORTURE         := $(addprefix $(BUILD)/tests/torture/,torture fault_shim.so)
 TOOL_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(BENCH_TOOLS)))
 SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 
@@ -61,7 +64,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -147,7 +150,15 @@ $(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
 $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
 		reallocarray strdup strndup free)
 
-test-programs: all $(TEST_PROGRAMS)
+# The campaign uses nothing of the program, so that it sees what the program does not; its shim is
+# loaded before the C library.
+$(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))
+	$(CC) $(LDFLAGS) -o $@ $^ -ljansson -lm
+
+$(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
+	$(CC) $(LDFLAGS) -shared -o $@ $^
+
+test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
 # Recipes below run make again, silently and in parallel, so that only what is wrong is printed.
 build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
@@ -156,12 +167,17 @@ SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:hostile build:cli build:lint $(SANITIZED) \
+	@tests/suite.sh build:unit build:physics build:hostile build:cli build:torture build:lint $(SANITIZED) \
 		$(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files
 	@$(build_quietly) all
 	@tests/suite.sh build:interop
+
+torture: deps  ## hard clouds, faults, kills, fuzzing, for hours: make torture MINUTES=60 SEED=2
+	@$(build_quietly) all $(TORTURE)
+	@$(BUILD)/tests/torture/torture --seed $(or $(SEED),1) --minutes $(or $(MINUTES),0) \
+		--jobs $(JOBS) $(if $(CASE),--case $(CASE)) --program $(BUILD)/glowworm
 
 test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@$(build_quietly) config=sanitize test-programs

@@ -5,6 +5,7 @@
 #   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
 #   interop                tests/cli/run with the scripts of tests/interop
 #   cli                    tests/cli/run with BUILD/glowworm; each script is a test
+#   torture                the short run of the campaign of tests/torture
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
 #
 # Prints one line a group, the output of what failed, and at the end `N passed, N failed`. The
@@ -95,6 +96,29 @@ run_cli() { # build script...
 	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
 }
 
+# A failure's first line names it, its second the command that repeats it.
+run_torture() { # build
+	local status closing
+	if [ ! -x "$1/tests/torture/torture" ]; then
+		echo "FAIL $1/tests/torture/torture was not built"
+		group_failed=1
+		return
+	fi
+	timeout --kill-after=10 "$limit" "$1/tests/torture/torture" --slice --jobs "$(nproc)" \
+		--program "$1/glowworm" --folder "$scratch/torture" >"$scratch/log" 2>&1
+	status=$?
+	closing=$(tail -n 1 "$scratch/log" | sed -n 's/^\([0-9]*\) passed, \([0-9]*\) failed.*/\1 \2/p')
+	grep -a -A 1 '^FAIL' "$scratch/log" | head -n 60
+	if [ -n "$closing" ]; then
+		group_passed=${closing% *}
+		group_failed=${closing#* }
+	else
+		tail -n 5 "$scratch/log"
+		group_failed=1
+	fi
+	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
+}
+
 run_lint() { # build
 	local script
 	for script in tests/lint/check_*.sh tests/lint/test_*.sh; do
@@ -120,6 +144,7 @@ for item in "$@"; do
 	unit | physics | hostile) run_programs "$build" "$group" ;;
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;
+	torture) run_torture "$build" ;;
 	lint) run_lint "$build" ;;
 	*)
 		echo "tests/suite.sh: there is no group $group" >&2
