@@ -158,6 +158,10 @@ $(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))
 $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 	$(CC) $(LDFLAGS) -shared -o $@ $^
 
+# It makes calls of the system fail.
+$(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
+		close rename renameat2 gw_available_memory)
+
 test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
 # Recipes below run make again, silently and in parallel, so that only what is wrong is printed.

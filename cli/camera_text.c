@@ -148,7 +148,7 @@ gw_status camera_text_read_file(const char *path, camera_text **cameras, size_t 
 	gw_status status = input_file_open(&in, path, error);
 	if (status != GW_OK)
 		return status;
-	status = read_lines(&in, cameras, count, error);
+	status = input_file_check(&in, read_lines(&in, cameras, count, error), error);
 	input_file_close(&in);
 	if (status != GW_OK) {
 		free(*cameras);

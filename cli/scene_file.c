@@ -721,7 +721,7 @@ gw_status scene_read(const char *path, size_t index, settings *s, gw_error *erro
 		return status;
 	size_t inputs = s->input_count, lights = s->light_count;
 	reader r = { .path = path, .in = &in, .settings = s, .error = error };
-	status = parse(&r);
+	status = input_file_check(&in, parse(&r), error);
 	input_file_close(&in);
 	if (status == GW_OK)
 		status = move_last(s->input, sizeof *s->input, s->input_count, s->input_count - inputs,

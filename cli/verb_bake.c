@@ -312,7 +312,7 @@ static gw_status run(bake *b)
 	if (status == GW_OK)
 		status = read_inputs(b);
 	if (status == GW_OK && b->settings->transport)
-		status = input_file_open(&b->reused, b->settings->transport, b->error);
+		status = input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error);
 	if (status == GW_OK)
 		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
 	if (status == GW_OK && b->settings->frames)

@@ -122,7 +122,9 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 	in.threads = o->threads;
 	if (!found)
 		found = recognise(path, &in);
-	status = read_as(found, &in, cloud, error);
+	status = input_file_check(&in, read_as(found, &in, cloud, error), error);
+	if (status != GW_OK)
+		scan_clear(cloud);
 	input_file_close(&in);
 	if (recognised)
 		*recognised = found;

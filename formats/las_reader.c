@@ -107,7 +107,7 @@ static void take_block(void *user, size_t first, size_t last, uint32_t worker)
 	(void)worker;
 	const uint8_t *begin = r->in->data + r->header.points + first * r->header.record;
 	take_points(user, first, last - first, begin);
-	input_file_release(r->in, begin, begin + (last - first) * r->header.record);
+	input_file_discard(r->in, begin, begin + (last - first) * r->header.record);
 }
 
 /* The system would promise more than it has, and then end us. Columns that may stay zero count as

@@ -74,6 +74,9 @@ gw_status mesh_read(const char *path, mesh *m, gw_error *error)
 		status = mesh_glb_read(&in, m, error);
 	else
 		status = mesh_obj_read(&in, path, m, error);
+	status = input_file_check(&in, status, error);
+	if (status != GW_OK)
+		mesh_clear(m);
 	input_file_close(&in);
 	return status;
 }

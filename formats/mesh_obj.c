@@ -130,7 +130,7 @@ static gw_status take_library(reader *r)
 	gw_status status = GW_OK;
 	while (status == GW_OK && (one || (word = mesh_text_word(&r->text)).length > 0)) {
 		if (one || open_beside(r, word, &in)) {
-			status = mesh_mtl_read(&in, r->mesh, r->error);
+			status = input_file_check(&in, mesh_mtl_read(&in, r->mesh, r->error), r->error);
 			input_file_close(&in);
 		} else {
 			status = mesh_add_note(r->mesh, r->error, "%s: its materials, '%s', cannot be read",
@@ -348,6 +348,7 @@ gw_status mesh_obj_libraries(const char *path, mesh_obj_named *named, void *user
 	while (status == GW_OK && mesh_text_next(&text))
 		if (mesh_word_is(mesh_text_word(&text), "mtllib"))
 			status = name_libraries(&text, path, named, user, error);
+	status = input_file_check(&in, status, error);
 	input_file_close(&in);
 	return status;
 }

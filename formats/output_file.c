@@ -295,17 +295,25 @@ static bool rename_onto_nothing(const char *from, const char *to)
 	return rename(from, to) == 0;
 }
 
-/* Without this a crash of the machine could undo the rename. A failure does not unmake the file. */
-static void sync_folder(const output_file *out)
+/* Without this a crash of the machine could undo the rename. Folders that may not be read and file
+ * systems without such a thing are left alone. A failure does not unmake the file. */
+static gw_status sync_folder(const output_file *out, gw_error *error)
 {
 	size_t length = folder_length(out->target);
 	char *folder = length ? strndup(out->target, length) : strdup(".");
 	int descriptor = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-	if (descriptor >= 0) {
-		fsync(descriptor);
+	bool good = descriptor >= 0 ? fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP
+								: errno == EACCES;
+	int reason = errno;
+	if (descriptor >= 0)
 		close(descriptor);
-	}
 	free(folder);
+	if (good)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_IO,
+				   "%s is written, but may not outlast a crash of this machine, because its folder "
+				   "cannot be synced: %s",
+				   out->name, strerror(reason));
 }
 
 static gw_status rename_temporary(output_file *out, gw_error *error)
@@ -315,13 +323,12 @@ static gw_status rename_temporary(output_file *out, gw_error *error)
 	if (!done && errno == EEXIST)
 		return fail_existing(out, error);
 	if (!done)
-		return gw_fail(error, GW_ERROR_CREATE, "cannot rename %s to %s: %s", out->temporary,
+		return gw_fail(error, GW_ERROR_IO, "cannot rename %s to %s: %s", out->temporary,
 					   out->target, strerror(errno));
-	sync_folder(out);
 	if (unregister_temporary(out->temporary))
 		free(out->temporary);
 	out->temporary = NULL;
-	return GW_OK;
+	return sync_folder(out, error);
 }
 
 gw_status output_file_commit(output_file **out, gw_error *error)

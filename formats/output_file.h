@@ -53,7 +53,8 @@ const char *output_file_temporary(const output_file *out);
 
 /*
  * Ends an output: flush, sync, rename, sync of the folder. Frees it and sets *out to NULL, whether
- * it succeeds or not; on failure the temporary file is removed and the target untouched.
+ * it succeeds or not; on failure the temporary file is removed and the target untouched, but for a
+ * folder that cannot be synced: then the file is there, whole, and GW_ERROR_IO says so.
  */
 gw_status output_file_commit(output_file **out, gw_error *error);
 

@@ -38,7 +38,7 @@ gw_status panorama_read(const char *path, panorama *map, gw_error *error)
 {
 	input_file in;
 	*map = (panorama){ 0 };
-	gw_status status = input_file_open(&in, path, error);
+	gw_status status = input_file_open_as(&in, path, UINT64_MAX, 0, error);
 	if (status != GW_OK)
 		return status;
 	if (in.length >= 4 && memcmp(in.data, "\x76\x2f\x31\x01", 4) == 0)

@@ -172,7 +172,7 @@ static void take_points(void *user, size_t first, size_t last, uint32_t worker)
 			take_values(&r->item[i], from, r->header->stride, first, last);
 		from += r->item[i].size;
 	}
-	input_file_release(r->in, r->body + first * r->header->stride,
+	input_file_discard(r->in, r->body + first * r->header->stride,
 					   r->body + last * r->header->stride);
 }
 

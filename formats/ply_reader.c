@@ -227,7 +227,7 @@ static void take_rows(void *user, size_t first, size_t last, uint32_t worker)
 			take_value(to + i * size, from + i * stride, size, r->swap);
 		from += size;
 	}
-	input_file_release(r->in, begin, begin + (last - first) * stride);
+	input_file_discard(r->in, begin, begin + (last - first) * stride);
 }
 
 static gw_status read_binary(reader *r)

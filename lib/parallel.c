@@ -60,9 +60,13 @@ void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_w
 	threads = gw_thread_count(threads);
 	threads = chunks < threads ? (uint32_t)chunks : threads;
 
-	/* Signals belong to the program's own threads: its handlers run there. */
+	/* Signals belong to the program's own threads: its handlers run there. What a thread does to
+	 * itself is its own: blocked, it would end the process. */
+	static const int own[] = { SIGBUS, SIGSEGV, SIGFPE, SIGILL, SIGTRAP };
 	sigset_t all, before;
 	sigfillset(&all);
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+		sigdelset(&all, own[i]);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	worker workers[GW_THREADS_MAX];
 	uint32_t started = 1;
