@@ -30,7 +30,7 @@ CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN) -fPIC -pthread -ffp-contract=o
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE $(OPT) -Wall -Wextra -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
-LDLIBS   += -lvulkan -lflann -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
+LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
 
 # OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
 # run path is the old kind, which is also seen when a sanitizer calls dlopen for us.

@@ -16,7 +16,7 @@ typedef struct gw_neighbour_index gw_neighbour_index;
 /*
  * Builds a tree over count (1..2^30) finite points of about unit size.
  *   position  3 * count; borrowed until gw_neighbour_index_free
- * Returns NULL when memory is short.
+ * Returns NULL when memory is short, or points are not finite after all.
  */
 gw_neighbour_index *gw_neighbour_index_build(float *position, size_t count);
 void gw_neighbour_index_free(gw_neighbour_index *index);
@@ -27,10 +27,10 @@ void gw_neighbour_index_free(gw_neighbour_index *index);
  *   k         1..number of points in the tree
  *   found     k * query_count indices
  *   squared   k * query_count squared distances
- * Returns false when memory is short.
+ * Returns false when memory is short, or a query is not finite.
  */
-bool gw_neighbour_index_search(const gw_neighbour_index *index, float *query, size_t query_count,
-							   size_t k, int *found, float *squared);
+bool gw_neighbour_index_search(const gw_neighbour_index *index, const float *query,
+							   size_t query_count, size_t k, int *found, float *squared);
 
 #ifdef __cplusplus
 }

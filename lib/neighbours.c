@@ -344,6 +344,11 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
+void gw_neighbours_run_short(gw_neighbours *search)
+{
+	atomic_store(&search->out_of_memory, true);
+}
+
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
 							  gw_error *error)
 {

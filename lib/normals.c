@@ -192,7 +192,10 @@ static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *
 		return;
 	size_t count = gather_points(step->surfels, surfel, list, point);
 	step->state[surfel] = ESTIMATED;
-	if (gw_plane_normal(point, count, plane, plane + 3) && spans_plane(point, count, plane))
+	gw_plane found = gw_plane_normal(point, count, plane, plane + 3);
+	if (found == GW_PLANE_NO_MEMORY)
+		gw_neighbours_run_short(step->search);
+	if (found == GW_PLANE_FOUND && spans_plane(point, count, plane))
 		return;
 	way_to_scanner(step, surfel, way);
 	fallback_normal(point, count, way, plane);

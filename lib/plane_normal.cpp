@@ -7,7 +7,8 @@
 
 #include <cmath>
 
-extern "C" bool gw_plane_normal(const float *point, size_t count, float normal[3], float *curvature)
+extern "C" gw_plane gw_plane_normal(const float *point, size_t count, float normal[3],
+									float *curvature)
 {
 	try {
 		pcl::PointCloud<pcl::PointXYZ> cloud;
@@ -16,14 +17,14 @@ extern "C" bool gw_plane_normal(const float *point, size_t count, float normal[3
 			cloud.push_back(pcl::PointXYZ(point[3 * i], point[3 * i + 1], point[3 * i + 2]));
 		Eigen::Vector4f plane;
 		if (!pcl::computePointNormal(cloud, plane, *curvature))
-			return false;
+			return GW_PLANE_NONE;
 		const float length = plane.head<3>().norm();
 		if (!std::isfinite(length) || length < 0.5f || !std::isfinite(*curvature))
-			return false;
+			return GW_PLANE_NONE;
 		for (int k = 0; k < 3; k++)
 			normal[k] = plane[k] / length;
-		return true;
+		return GW_PLANE_FOUND;
 	} catch (...) {
-		return false;
+		return GW_PLANE_NO_MEMORY;
 	}
 }

@@ -82,6 +82,9 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 							 gw_neighbours **search, gw_error *error);
 void gw_neighbours_close(gw_neighbours *search);
 
+/* For a visitor that finds no memory: the visit that calls it then fails. Thread-safe. */
+void gw_neighbours_run_short(gw_neighbours *search);
+
 /* Calls visit for every surfel. Fails with GW_ERROR_CANCELLED or GW_ERROR_MEMORY. */
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
 							  gw_error *error);
