@@ -29,6 +29,17 @@
 /* Two cuts leave no less of a disc than this. */
 #define GW_SHARE_LEAST 0.05f
 
+/* Of a tree of discs: texels of a disc, and nodes that a ray visits, at most. */
+#define GW_DISC_TEXELS 5u
+#define GW_DISC_STEPS 16384u
+
+/* Radii of a disc: how near a ray's start it may be one of the surface that the ray leaves; how far
+ * above that surface its centre has to lie to be none; and how far it reaches beyond its cuts, so
+ * that no ray passes between two discs that were cut at the same crease. */
+#define GW_DISC_NEAR 1.25f
+#define GW_DISC_HEIGHT 0.02f
+#define GW_DISC_CUT_SLACK 0.02f
+
 /* Rays to the rim of a light. The outermost points of the spiral lie less than a quarter of a turn
  * apart, so that a straight edge that all of them miss cuts at most 9 % off the disc. */
 #define GW_LIGHT_RIM 5u
