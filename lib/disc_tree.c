@@ -9,6 +9,9 @@
 
 #include <stdlib.h>
 
+/* Numbers of texels stay below 2^31, which GLSL's int holds. */
+#define DISCS_MAX (1u << 27)
+
 /* Places at which a range of discs may be split. */
 #define CUTS 16u
 
@@ -16,9 +19,6 @@
  * ray miss a disc. */
 #define PAD_RADIUS 1e-4f
 #define PAD_PLACE 1e-6f
-
-/* A ray meets a bent disc within this times its radius, squared, of its centre. */
-#define REACH_SQUARED 1.1f
 
 typedef struct box {
 	float low[3], high[3];
@@ -172,8 +172,9 @@ gw_status gw_disc_tree_build(const gw_disc *discs, size_t count, gw_disc_tree *t
 	*tree = (gw_disc_tree){ 0 };
 	if (count == 0)
 		return GW_OK;
-	uint64_t nodes = 2 * (uint64_t)count - 1, texels = 1 + 2 * nodes + GW_DISC_TEXELS * count;
-	uint32_t *word = texels < UINT32_MAX ? gw_allocate_zeros(texels, 4 * sizeof *word) : NULL;
+	uint64_t nodes = 2 * (uint64_t)count - 1;
+	uint64_t texels = count < DISCS_MAX ? gw_disc_tree_texels((uint32_t)count) : 0;
+	uint32_t *word = texels ? gw_allocate_zeros(texels, 4 * sizeof *word) : NULL;
 	if (!word)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a tree of %zu discs", count);
 	build b = { .discs = discs, .word = word, .first_texel = (uint32_t)(1 + 2 * nodes) };
@@ -183,6 +184,31 @@ gw_status gw_disc_tree_build(const gw_disc *discs, size_t count, gw_disc_tree *t
 		.discs = (uint32_t)count, .nodes = (uint32_t)nodes, .texels = (size_t)texels, .word = word
 	};
 	return GW_OK;
+}
+
+uint64_t gw_disc_tree_texels(uint32_t discs)
+{
+	return discs ? 1 + 2 * (2 * (uint64_t)discs - 1) + GW_DISC_TEXELS * (uint64_t)discs : 1;
+}
+
+bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t lobes)
+{
+	uint64_t nodes = discs ? 2 * (uint64_t)discs - 1 : 0, first = 1 + 2 * nodes;
+	if (discs >= DISCS_MAX || word[0] != nodes)
+		return false;
+	for (uint64_t at = 0; at < nodes; at++) {
+		const uint32_t *node = word + 4 * (1 + 2 * at);
+		if (node[3] <= at || node[3] > nodes)
+			return false;
+		if (node[7] == GW_NONE)
+			continue;
+		if (node[7] < first || (node[7] - first) % GW_DISC_TEXELS != 0 ||
+			(node[7] - first) / GW_DISC_TEXELS >= discs)
+			return false;
+		if (word[4 * ((uint64_t)node[7] + 1) + 3] >= lobes)
+			return false;
+	}
+	return true;
 }
 
 void gw_disc_tree_clear(gw_disc_tree *tree)
@@ -221,17 +247,24 @@ static float bent(gw_vec3 bend, float ax, float ay, float bx, float by)
 	return bend.x * ax * bx + bend.y * (ax * by + ay * bx) + bend.z * ay * by;
 }
 
+/* Where a ray meets a disc. */
+typedef struct meeting {
+	float t;
+	float approach; /* how fast it comes nearer to the front; above 0: from behind */
+	float yields;
+} meeting;
+
 /*
- * Where a ray meets a disc: the distance, and how fast it comes nearer to its front, above 0 from
- * behind. From the ray's place nearest to the centre on, so that rounding does not depend on how
- * far away the ray starts: the height over the bent disc is C + B s + A s^2 there.
+ * Where a ray meets a disc. From the ray's place nearest to the centre on, so that rounding does
+ * not depend on how far away the ray starts: the height over the bent disc is C + B s + A s^2
+ * there.
  */
-static bool meets_disc(const uint32_t *disc, const gw_disc_ray *ray, float *t, float *approach)
+static bool meets_disc(const uint32_t *disc, const gw_disc_ray *ray, meeting *m)
 {
 	gw_vec3 off = gw_minus(ray->origin, vector_at(disc)), tangent, bitangent;
 	float radius = gw_float_of(disc[3]), start = -gw_dot(off, ray->direction);
 	off = gw_plus(off, gw_times(ray->direction, start));
-	if (gw_dot(off, off) > REACH_SQUARED * radius * radius)
+	if (gw_dot(off, off) > GW_DISC_REACH_SQUARED * radius * radius)
 		return false;
 	gw_vec3 normal = vector_at(disc + 4), bend = vector_at(disc + 16);
 	gw_frame_of(normal, &tangent, &bitangent);
@@ -249,8 +282,10 @@ static bool meets_disc(const uint32_t *disc, const gw_disc_ray *ray, float *t, f
 	float s = -2.0f * height / root;
 	x += a * s;
 	y += b * s;
-	*t = start + s;
-	*approach = first + 2.0f * second * s;
+	m->t = start + s;
+	m->approach = first + 2.0f * second * s;
+	float dish = GW_DISC_DISH * (x * x + y * y) / radius + GW_DISC_YIELD * radius;
+	m->yields = m->t + dish / gw_larger(fabsf(m->approach), GW_DISC_GRAZING);
 	float over =
 		gw_larger(gw_float_of(disc[8]) * x + gw_float_of(disc[9]) * y - gw_float_of(disc[10]),
 				  gw_float_of(disc[12]) * x + gw_float_of(disc[13]) * y - gw_float_of(disc[14]));
@@ -270,30 +305,36 @@ static bool is_own(const uint32_t *disc, const gw_disc_ray *ray, float approach)
 /* The disc of a leaf. */
 static void hit_disc(const uint32_t *disc, const gw_disc_ray *ray, gw_disc_hit *hit)
 {
-	float t, approach;
-	if (!meets_disc(disc, ray, &t, &approach) || t < 0.0f || t >= hit->t)
+	meeting m;
+	if (!meets_disc(disc, ray, &m) || m.t < 0.0f || m.t >= ray->t_max)
 		return;
-	if (t < GW_DISC_NEAR * gw_float_of(disc[3]) && is_own(disc, ray, approach))
+	if (m.t < GW_DISC_NEAR * gw_float_of(disc[3]) && is_own(disc, ray, m.approach))
 		return;
-	if (approach > 0.0f) {
-		hit->behind = gw_smaller(hit->behind, t);
+	if (m.approach > 0.0f) {
+		hit->behind = gw_smaller(hit->behind, m.t);
 		if (!ray->both_sides)
 			return;
 	}
-	hit->t = t;
+	if (hit->disc != GW_NONE && m.yields >= hit->yields)
+		return;
+	hit->t = m.t;
+	hit->yields = m.yields;
 	hit->lobe = disc[7];
 	hit->disc = disc[11];
 }
 
 static gw_disc_hit walk(const gw_disc_tree *tree, const gw_disc_ray *ray, bool any)
 {
-	gw_disc_hit hit = { .disc = GW_NONE, .lobe = GW_NONE, .t = ray->t_max, .behind = ray->t_max };
+	const float most = ray->t_max;
+	gw_disc_hit hit = {
+		.disc = GW_NONE, .lobe = GW_NONE, .t = most, .yields = most, .behind = most
+	};
 	gw_vec3 d = ray->direction;
 	gw_vec3 inverse = { inverse_of(d.x), inverse_of(d.y), inverse_of(d.z) };
 	uint32_t at = 0;
 	for (uint32_t step = 0; step < GW_DISC_STEPS && at < tree->nodes; step++) {
 		const uint32_t *node = tree->word + 4 * (1 + 2 * (size_t)at);
-		if (!meets_box(node, ray->origin, inverse, hit.t)) {
+		if (!meets_box(node, ray->origin, inverse, hit.yields)) {
 			at = node[3];
 			continue;
 		}

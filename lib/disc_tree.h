@@ -57,6 +57,16 @@ gw_status gw_disc_tree_build(const gw_disc *discs, size_t count, gw_disc_tree *t
 							 gw_error *error);
 void gw_disc_tree_clear(gw_disc_tree *tree);
 
+/* Texels of a tree of so many discs; 1 when there are none. */
+uint64_t gw_disc_tree_texels(uint32_t discs);
+
+/*
+ * Whether words from a file are a tree of so many discs whose walk ends and stays within it.
+ *   word    4 * gw_disc_tree_texels(discs)
+ *   lobes   numbers of lobes are below this
+ */
+bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t lobes);
+
 /* One ray. */
 typedef struct gw_disc_ray {
 	gw_vec3 origin, direction; /* unit */
@@ -69,13 +79,16 @@ typedef struct gw_disc_hit {
 	uint32_t disc; /* number of the disc, or GW_NONE */
 	uint32_t lobe; /* of the disc, or GW_NONE */
 	float t;       /* t_max when nothing is hit */
+	float yields;  /* what of finer surface a ray meets up to here takes precedence: t and a bit
+					  more, or t_max */
 	float behind;  /* distance to the nearest back of a disc before t_max, or t_max */
 } gw_disc_hit;
 
 /*
- * The nearest disc that the ray meets before t_max. Within GW_DISC_NEAR of a disc's radii from its
- * start a ray meets the surface that it leaves: there backs of discs are not seen, and fronts only
- * of discs whose centre rises above that surface. Thread-safe.
+ * The nearest disc that the ray meets before t_max; where several lie about as near, as those of
+ * one surface do, about the one whose centre is nearest. Within GW_DISC_NEAR of a disc's radii from
+ * its start a ray meets the surface that it leaves: there backs of discs are not seen, and fronts
+ * only of discs whose centre rises above that surface. Thread-safe.
  */
 gw_disc_hit gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray);
 

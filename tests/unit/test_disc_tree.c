@@ -54,9 +54,10 @@ static void scatter(gw_disc *disc)
 	}
 }
 
-/* Distance to where a ray meets a flat disc, or infinity; `edge` becomes true where that is so near
+/* Distance to where a ray meets a flat disc, or infinity, and from where on finer surface does not
+ * matter, by which discs are compared; `edge` becomes true where that is so near
  * to an edge that rounding decides. */
-static double meet(const gw_disc *d, const gw_disc_ray *ray, bool *edge)
+static double meet(const gw_disc *d, const gw_disc_ray *ray, double *yields, bool *edge)
 {
 	float t[3], b[3], n[3] = { d->normal.x, d->normal.y, d->normal.z };
 	double w[3] = { (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z };
@@ -81,6 +82,8 @@ static double meet(const gw_disc *d, const gw_disc_ray *ray, bool *edge)
 	if (distance < 0 || beyond > doubt || (!ray->both_sides && approach > 0))
 		return INFINITY;
 	*edge |= fabs(beyond) <= doubt || distance < doubt;
+	double dish = (double)GW_DISC_DISH * (x * x + y * y) / radius + (double)GW_DISC_YIELD * radius;
+	*yields = distance + dish / fmax(fabs(approach), (double)GW_DISC_GRAZING);
 	return distance;
 }
 
@@ -101,14 +104,17 @@ static void test_brute_force(void **state)
 		/* A surface far below: nothing is one of it but by being near and seen from behind. */
 		ray.facing = ray.direction;
 		ray.foot = gw_minus(ray.origin, gw_times(ray.direction, 100.0f));
-		double nearest = INFINITY;
+		double nearest = INFINITY, least = INFINITY, yields;
 		uint32_t which = GW_NONE;
 		bool edge = false;
 		for (uint32_t i = 0; i < DISCS; i++) {
-			double t = meet(disc + i, &ray, &edge);
+			double t = meet(disc + i, &ray, &yields, &edge);
 			edge |= isfinite(t) && t < 1.3 * (double)disc[i].radius;
-			which = t < nearest ? i : which;
-			nearest = fmin(nearest, t);
+			if (!isfinite(t) || yields >= least)
+				continue;
+			which = i;
+			nearest = t;
+			least = yields;
 		}
 		if (edge)
 			continue;
