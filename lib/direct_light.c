@@ -201,9 +201,11 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 		gw_host_light_visibility(passes, octree, push, normal, (size_t)count, visibility);
 		return GW_OK;
 	}
-	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
-									gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
-									gw_window(visibility, 4), GW_DISC_BINDINGS(octree) };
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(octree), gw_window(&octree->surfel_position, 16),
+		gw_window(normal, 16),     gw_window(visibility, 4),
+		GW_DISC_BINDINGS(octree),  GW_TREE_BINDING(octree)
+	};
 	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
 }
 

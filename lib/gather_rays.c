@@ -47,7 +47,8 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
 			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
-			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree)
+			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree),
+			GW_TREE_BINDING(octree)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
@@ -116,7 +117,8 @@ gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const g
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),   gw_whole(&records->position),   gw_whole(&records->normal),
-			gw_whole(&openings->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree)
+			gw_whole(&openings->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree),
+			GW_TREE_BINDING(octree)
 		};
 		gw_record_push push = { .seed = gather->seed, .openings = openings->count };
 		status =
@@ -156,7 +158,8 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 									gw_window(&records->normal, 16),
 									gw_window(sampled, 16),
 									gw_whole(sources->part ? sources->part : emitters->radiance),
-									GW_DISC_BINDINGS(octree) };
+									GW_DISC_BINDINGS(octree),
+									GW_TREE_BINDING(octree) };
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
 		push.batch_first = m;
@@ -188,7 +191,7 @@ static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_recor
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
 		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
-		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources))
+		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources)),   GW_TREE_BINDING(octree)
 	};
 	gw_status status = GW_OK;
 	for (uint32_t m = 0; m < push.sky_samples && status == GW_OK; m += LIGHT_BATCH) {

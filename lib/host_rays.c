@@ -137,8 +137,10 @@ static gw_vec3 sample_emitter(const sampling *job, gw_ray *ray, uint32_t m, uint
 	float cosine_emitter = -gw_dot(plane, ray->direction);
 	if (cosine <= 0.0f || cosine_emitter <= 1e-4f || squared < 1e-8f)
 		return none;
-	/* The emitter's own plane, or one within a cell of the point, does not shadow it. */
-	ray->t_max = sqrtf(squared) - 1.0f;
+	/* The emitter's own plane, or one within a cell of the point, does not shadow it; of a large
+	 * one, what lies within its extent. */
+	float extent = centre[3] > GW_LOBE_LARGE ? sqrtf(centre[3] / GW_PI) : 1.0f;
+	ray->t_max = sqrtf(squared) - extent;
 	uint32_t seen = gw_trace(&job->tracer, ray).lobe;
 	if (seen != GW_NONE && seen != lobe)
 		return none;

@@ -25,7 +25,10 @@ gw_tracer gw_tracer_of(const gw_passes *passes, const gw_octree *octree)
 						.place = octree->surfel_position.mapped,
 						.facing = octree->surfel_normal.mapped,
 						.disc = octree->surfel_disc.mapped,
-						.clip = octree->surfel_clip.mapped };
+						.clip = octree->surfel_clip.mapped,
+						.large = { .discs = octree->tree_discs,
+								   .nodes = octree->tree_discs ? 2 * octree->tree_discs - 1 : 0,
+								   .word = octree->disc_tree.mapped } };
 }
 
 typedef float float_lanes __attribute__((vector_size(16)));
@@ -219,7 +222,7 @@ static inline float look_around(const gw_tracer *tracer, const gw_ray *ray, cons
 	return leaving(w, cell, 0, 0);
 }
 
-gw_ray_hit gw_trace(const gw_tracer *tracer, const gw_ray *ray)
+static gw_ray_hit trace_octree(const gw_tracer *tracer, const gw_ray *ray)
 {
 	gw_ray_hit hit = { .lobe = GW_NONE, .t = ray->t_max };
 	const walk w = walk_of(tracer, ray);
@@ -230,5 +233,28 @@ gw_ray_hit gw_trace(const gw_tracer *tracer, const gw_ray *ray)
 	for (uint32_t step = 0; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++)
 		t = gw_larger(look_around(tracer, ray, &w, cell_at(&w, t + tracer->nudge), &hit),
 					  t + tracer->nudge);
+	return hit;
+}
+
+/* Where both have the surface that is hit, the octree's is the finer one. */
+gw_ray_hit gw_trace(const gw_tracer *tracer, const gw_ray *ray)
+{
+	if (tracer->large.nodes == 0)
+		return trace_octree(tracer, ray);
+	gw_disc_hit disc =
+		gw_disc_tree_trace(&tracer->large, &(gw_disc_ray){ .origin = ray->origin,
+														   .direction = ray->direction,
+														   .facing = ray->facing,
+														   .foot = ray->foot,
+														   .t_max = ray->t_max,
+														   .both_sides = ray->both_sides });
+	gw_ray nearer = *ray;
+	nearer.t_max = gw_smaller(disc.yields, ray->t_max);
+	gw_ray_hit hit = trace_octree(tracer, &nearer);
+	if (hit.lobe == GW_NONE) {
+		hit.lobe = disc.lobe;
+		hit.t = disc.t;
+	}
+	hit.behind |= disc.behind < hit.t;
 	return hit;
 }

@@ -1,6 +1,6 @@
 /*
  * host_trace.h - rays through the octree as a function of the host: octree_trace.glsl and
- * octree_discs.glsl, step by step, but for roundings.
+ * octree_discs.glsl, and disc_tree.glsl, step by step, but for roundings.
  *
  * For devices that are the host's own processor (gw_gpu_is_host). There eight rays of a pass walk
  * in step and fetch lane by lane; one ray after the other takes a fraction of their time.
@@ -8,6 +8,7 @@
 #ifndef HOST_TRACE_H
 #define HOST_TRACE_H
 
+#include "disc_tree.h"
 #include "passes.h"
 #include "shader_math.h"
 
@@ -19,6 +20,7 @@ typedef struct gw_tracer {
 	const uint32_t *ray_directory, *node, *leaf_tile, *leaf_fragment, *fragment_surfel;
 	const float *lobe_plane, *lobe_centre;
 	const float *place, *facing, *disc, *clip; /* of surfels */
+	gw_disc_tree large;                        /* not its own */
 } gw_tracer;
 
 /* One ray, in grid coordinates. */

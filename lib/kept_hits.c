@@ -216,7 +216,7 @@ static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const 
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
 									gw_whole(&records->normal), gw_whole(&tables->list),
 									gw_whole(&gather->lobe),    gw_whole(&gather->distance),
-									GW_DISC_BINDINGS(octree) };
+									GW_DISC_BINDINGS(octree),   GW_TREE_BINDING(octree) };
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
 }

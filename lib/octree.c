@@ -161,7 +161,8 @@ static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_oc
 	else
 		GW_TRY(make_fragments(work, error));
 	GW_TRY(gw_octree_make_tiles(work, error));
-	return gw_octree_reduce_leaves(work, error);
+	GW_TRY(gw_octree_reduce_leaves(work, error));
+	return gw_octree_plant_discs(work, error);
 }
 
 static void destroy_work(gw_octree_work *work)
@@ -356,6 +357,7 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 		&octree->surfel_normal,
 		&octree->surfel_disc,
 		&octree->surfel_clip,
+		&octree->disc_tree,
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);

@@ -50,8 +50,8 @@ typedef struct gw_octree {
 	/* of both kinds */
 	uint32_t border_tile_count;
 	uint32_t fragment_count;
-	/* surfels whose disc was cut to a radius of 16 leaf cells */
-	uint64_t discs_clamped;
+	/* surfels whose disc is larger than GW_DISC_MAX leaf cells */
+	uint32_t tree_discs;
 	/* tiles of level l (whose nodes are of level l) are tile_first[l] .. tile_first[l + 1] -
 	 * 1; l = 1..depth - 1 */
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
@@ -122,6 +122,12 @@ typedef struct gw_octree {
 	gw_buffer surfel_disc;
 	/* R32G32B32A32_SFLOAT: distance of the first clip; direction and distance of the second */
 	gw_buffer surfel_clip;
+
+	/* Large discs. Such a surfel contributes all of its area to the leaf of its centre, so that
+	 * there is a lobe that stands for it; where its surface is, only this tree knows. */
+	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, lobes are slots. One texel, 0,
+	 * when there are none */
+	gw_buffer disc_tree;
 } gw_octree;
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */

@@ -20,9 +20,10 @@
 /* The least RoI; keeps shares of it finite. */
 #define ROI_MIN 1e-6f
 
-/* Areas of discs in leaf cells^2: more than the largest disc cannot be placed, and less than the
- * least would leave the range of float32 when means are divided by it. */
-#define AREA_MAX (3.14159265358979 * GW_DISC_MAX * GW_DISC_MAX)
+/* Discs in leaf cells and their areas in leaf cells^2: no more than what keeps squares within
+ * float32; and less than the least would leave its range when means are divided by it. */
+#define RADIUS_MAX 1e12
+#define AREA_MAX 1e24
 #define AREA_MIN 1e-12
 
 static float larger(float a, float b)
@@ -75,7 +76,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 		out[3] = s->two_sided[i] ? 1 : s->creased && s->creased[i] ? -1 : 0;
 		break;
 	case 2:
-		out[0] = (float)fmin(GW_DISC_MAX, (double)s->radius[i] / leaf);
+		out[0] = (float)fmin(RADIUS_MAX, (double)s->radius[i] / leaf);
 		out[1] = (float)fmin(AREA_MAX, fmax(AREA_MIN, (double)s->area[i] / (leaf * leaf)));
 		out[2] = clip[0];
 		out[3] = clip[1];
@@ -142,10 +143,6 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 	const gw_surfels *s = work->surfels;
 	work->octree->depth = depth;
 	choose_cube(s, work->leaf_size, work->octree);
-	work->octree->discs_clamped = 0;
-	for (size_t i = 0; i < s->count; i++)
-		work->octree->discs_clamped +=
-			(double)s->radius[i] > GW_DISC_MAX * (double)work->octree->leaf_size;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (chunk == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", s->count);

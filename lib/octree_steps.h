@@ -5,6 +5,7 @@
  *   octree_merge.c      fragments that are kept, merged with those of surfels that move
  *   octree_tiles.c      leaves, tiles of all levels with border tiles, pointers
  *   octree_leaves.c     what lies in each leaf; the directory of rays
+ *   octree_large.c      the tree of discs that are too large for leaves
  *
  * Only these files include it. Every step frees what it took beyond its results when it succeeds;
  * gw_octree_build frees the rest when one fails.
@@ -113,8 +114,7 @@ gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, s
 
 /*
  * Picks the cube and uploads the surfels: fills depth to directory_level, surfel_position,
- * surfel_normal, surfel_disc, surfel_clip and discs_clamped of the octree, and the surfel_ buffers
- * of the work.
+ * surfel_normal, surfel_disc and surfel_clip of the octree, and the surfel_ buffers of the work.
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
 
@@ -154,5 +154,8 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);
 
 /* Geometry, lobes, ray_directory. */
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error);
+
+/* tree_discs, disc_tree. */
+gw_status gw_octree_plant_discs(gw_octree_work *work, gw_error *error);
 
 #endif

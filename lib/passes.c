@@ -15,7 +15,7 @@
 #define CELL_SLACK 0.1f
 
 /* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
-#define BINDINGS 17u
+#define BINDINGS 18u
 
 /* Bindings by letter, in binding order: t texel buffer, s storage buffer, i storage image,
  * m sampled image. */
@@ -27,7 +27,7 @@ typedef struct pass_row {
 } pass_row;
 
 static const pass_row table[GW_PASS_COUNT] = {
-	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttssstttttt", sizeof(gw_light_push),
+	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsssttttttt", sizeof(gw_light_push),
 								   4096 },
 	[GW_PASS_SHADOW_MAP_SPLAT] = { "shadow_map_splat", "ttss", sizeof(gw_shadow_push),
 								   (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE },
@@ -37,26 +37,26 @@ static const pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048 },
 	[GW_PASS_RECORD_PLACE] = { "record_place", "tttttsss", sizeof(gw_record_push), 2048 },
 	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttssst", sizeof(gw_lookup_push), 32 },
-	[GW_PASS_RECORD_RAYS] = { "record_rays", "tttttttsstttttt", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_RAYS] = { "record_rays", "tttttttssttttttt", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_KEEP] = { "record_keep", "tttttttsss", sizeof(gw_keep_push), 1024 },
-	[GW_PASS_RECORD_AGAIN] = { "record_again", "ttttttttsstttttt", sizeof(gw_keep_push), 4096 },
-	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttsssttttttt", sizeof(gw_record_push),
+	[GW_PASS_RECORD_AGAIN] = { "record_again", "ttttttttssttttttt", sizeof(gw_keep_push), 4096 },
+	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttssstttttttt", sizeof(gw_record_push),
 								  4096 },
-	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttsssttttttt", sizeof(gw_record_push), 4096 },
+	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttttt", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push), 0 },
 	[GW_PASS_OPENING_LIGHT] = { "opening_light", "ttttsss", sizeof(gw_record_push), 4096 },
-	[GW_PASS_RECORD_OPENINGS] = { "record_openings", "ttttttttstttttt", sizeof(gw_record_push),
+	[GW_PASS_RECORD_OPENINGS] = { "record_openings", "ttttttttsttttttt", sizeof(gw_record_push),
 								  4096 },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096 },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), 0 },
-	[GW_PASS_LOBE_WEIGHTS] = { "lobe_weights", "ttttttttttsst", sizeof(gw_lookup_push), 4096 },
+	[GW_PASS_LOBE_WEIGHTS] = { "lobe_weights", "ttttttttttsstt", sizeof(gw_lookup_push), 4096 },
 	[GW_PASS_LOBE_SHADE] = { "lobe_shade", "ssttts", sizeof(gw_record_push), GW_WEIGHTS },
 	[GW_PASS_BRICK_INJECT] = { "brick_inject", "ttttti", sizeof(gw_cone_push), 8 },
 	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48 },
 	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096 },
-	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsst", sizeof(gw_lookup_push), 4096 },
-	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttsss", sizeof(gw_pixel_push), 4096 },
+	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsstt", sizeof(gw_lookup_push), 4096 },
+	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttssst", sizeof(gw_pixel_push), 4096 },
 	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmsss", sizeof(gw_cone_push), 256 },
 	[GW_PASS_CELL_BRICKS] = { "cell_bricks", "ttmmss", sizeof(gw_cone_push), 0 },
 	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64 },
@@ -67,12 +67,19 @@ void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)
 	const float slack = CELL_SLACK;
 	*passes = (gw_passes){ .gpu = gpu, .constant = { octree->depth, octree->directory_level } };
 	memcpy(&passes->constant[2], &slack, sizeof slack);
+	passes->constant[3] = octree->tree_discs > 0;
 }
 
 void gw_passes_destroy(gw_passes *passes)
 {
 	for (int i = 0; i < GW_PASS_COUNT; i++)
 		gw_pass_destroy(passes->gpu, &passes->pass[i]);
+	*passes = (gw_passes){ 0 };
+}
+
+bool gw_passes_fit(const gw_passes *passes, const gw_octree *octree)
+{
+	return passes->constant[3] == (octree->tree_discs > 0);
 }
 
 static gw_binding_kind binding_kind(char letter)
@@ -107,7 +114,7 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 												  .binding_count = count,
 												  .push_bytes = row->push_bytes,
 												  .constant = passes->constant,
-												  .constant_count = 3,
+												  .constant_count = 4,
 												  .loop_bound = row->loop_bound },
 						  &passes->pass[id], error);
 }

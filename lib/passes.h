@@ -41,7 +41,7 @@ typedef enum gw_pass_id {
 
 typedef struct gw_passes {
 	gw_gpu *gpu;
-	uint32_t constant[3]; /* octree depth, directory level, bits of the cell slack */
+	uint32_t constant[4]; /* octree depth, directory level, bits of the cell slack, large discs */
 	gw_pass *pass[GW_PASS_COUNT];
 	double device_seconds[GW_PASS_COUNT]; /* by timestamps, so far */
 	uint32_t threads; /* of the host's loops that stand in for passes; 0: one a processor */
@@ -49,7 +49,10 @@ typedef struct gw_passes {
 
 /* A set of passes for an octree of that shape; nothing is created yet. */
 void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree);
-void gw_passes_destroy(gw_passes *passes);
+void gw_passes_destroy(gw_passes *passes); /* empty afterwards */
+
+/* Do passes that there are fit another octree of the same shape? */
+bool gw_passes_fit(const gw_passes *passes, const gw_octree *octree);
 
 /* Runs a pass over count elements, see gw_pass_run; bindings are as the shader lists them. */
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
@@ -79,5 +82,7 @@ static inline gw_binding gw_voxels_of(const gw_image *image)
 	gw_whole(&(octree)->leaf_fragment), gw_whole(&(octree)->fragment_surfel),                      \
 		gw_whole(&(octree)->surfel_position), gw_whole(&(octree)->surfel_normal),                  \
 		gw_whole(&(octree)->surfel_disc), gw_whole(&(octree)->surfel_clip)
+/* And disc_tree.glsl, which comes last. */
+#define GW_TREE_BINDING(octree) gw_whole(&(octree)->disc_tree)
 
 #endif

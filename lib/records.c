@@ -337,7 +337,8 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
 									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
-									gw_whole(reach ? reach : &records->position) };
+									gw_whole(reach ? reach : &records->position),
+									GW_TREE_BINDING(octree) };
 	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
 						 2 * (uint64_t)octree->leaf_count, error);
 }
@@ -358,7 +359,8 @@ gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
 									gw_whole(&octree->surfel_normal),
 									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
 									gw_window(weight, 4 * GW_SURFEL_WEIGHTS),
-									gw_whole(reach ? reach : &records->position) };
+									gw_whole(reach ? reach : &records->position),
+									GW_TREE_BINDING(octree) };
 	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
 }
 

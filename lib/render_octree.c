@@ -200,9 +200,11 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 						   .pixel_first = (uint32_t)first,
 						   .eye = eye_of(o, pixels, 0.0f),
 						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
-	const gw_binding bindings[] = { GW_TRACE_BINDINGS(t),          GW_DISC_BINDINGS(t),
-									gw_whole(&o->surfel_radiance), gw_window(&b->position, 16),
-									gw_window(&b->normal, 16),     gw_window(&b->result, 16) };
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(t),        GW_DISC_BINDINGS(t),       gw_whole(&o->surfel_radiance),
+		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
+		GW_TREE_BINDING(t)
+	};
 	gw_status status = GW_OK;
 	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
 		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);

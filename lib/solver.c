@@ -150,7 +150,9 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 			: gw_octree_build(solver->gpu, &solver->surfels, o->depth, &solver->octree, error);
 	if (status != GW_OK)
 		return status;
-	/* Octrees that keep what they can are all of one shape. */
+	/* Octrees that keep what they can are all of one shape, but for large discs. */
+	if (solver->passes.gpu != NULL && !gw_passes_fit(&solver->passes, &solver->octree))
+		gw_passes_destroy(&solver->passes);
 	if (solver->passes.gpu == NULL)
 		gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
 	solver->passes.threads = o->threads;

@@ -5,6 +5,7 @@
 
 #include "direct_light.h"
 #include "hash.h"
+#include "disc_tree.h"
 #include "memory.h"
 #include "parallel.h"
 #include "transport_blocks.h"
@@ -16,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 5u
+#define VERSION 6u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
@@ -339,7 +340,17 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 	return status;
 }
 
-/* What bounds of single indices do not say: rows follow each other. */
+/* What bounds of single indices do not say: a walk through the tree of large discs ends. */
+static bool tree_fits(const gw_solver *solver, const arrivals *all)
+{
+	const gw_octree *o = &solver->octree;
+	const arrival *a = all->arrival;
+	while (a->block->buffer != &o->disc_tree)
+		a++;
+	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, 2 * (uint64_t)o->leaf_count);
+}
+
+/* And rows follow each other. */
 static bool rows_fit(const gw_solver *solver, const gw_transport_numbers *n)
 {
 	const gw_read_back *b = &solver->read_back;
@@ -378,7 +389,7 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
 	gw_status status = take_blocks(solver, t, &all, error);
-	if (status == GW_OK && !rows_fit(solver, &h->numbers))
+	if (status == GW_OK && (!tree_fits(solver, &all) || !rows_fit(solver, &h->numbers)))
 		status = damaged(t, "this transport is damaged", error);
 	return status;
 }

@@ -3,6 +3,7 @@
  */
 #include "transport_blocks.h"
 
+#include "disc_tree.h"
 #include "transport_layout.h"
 
 #include <assert.h>
@@ -31,7 +32,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.record_radius = r->radius;
 	n.surfels = s->count;
 	n.points = s->point_count;
-	n.discs_clamped = o->discs_clamped;
+	n.tree_discs = o->tree_discs;
 	n.depth = o->depth;
 	n.directory_level = o->directory_level;
 	n.leaves = o->leaf_count;
@@ -72,10 +73,11 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	for (int k = 0; k < 3; k++)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
-	return n->surfels > 0 && n->surfels <= n->points && n->points <= POINTS_MAX && n->depth >= 1 &&
-		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
-		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
-		   n->looked <= 1 && n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
+	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= n->points &&
+		   n->points <= POINTS_MAX && n->depth >= 1 && n->depth <= GW_DEPTH_MAX &&
+		   n->directory_level == directory && n->rays > 0 && n->rays <= 4096 &&
+		   (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 && n->looked <= 1 &&
+		   n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
 		   n->noisy <= (NOISY | OFF) && n->probes <= n->surfels && n->probe_rays <= 4096 &&
 		   n->probes_lit <= (n->emits && n->probes > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
@@ -99,7 +101,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 					  .tile_count = n->tiles,
 					  .border_tile_count = n->border_tiles,
 					  .fragment_count = n->fragments,
-					  .discs_clamped = n->discs_clamped };
+					  .tree_discs = (uint32_t)n->tree_discs };
 	solver->records = (gw_records){ .count = n->records,
 									.radius = n->record_radius,
 									.block_level = n->block_level,
@@ -220,6 +222,9 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 	device(l, "normals of surfels", &o->surfel_normal, surfels);
 	device(l, "discs of surfels", &o->surfel_disc, surfels);
 	device(l, "edges of surfels", &o->surfel_clip, surfels);
+	device(l, "tree of large discs", &o->disc_tree,
+		   16 * gw_disc_tree_texels((uint32_t)n->tree_discs))
+		->format = VK_FORMAT_R32G32B32A32_UINT;
 }
 
 static void list_records(list *l, gw_solver *solver, const gw_transport_numbers *n)

@@ -13,7 +13,7 @@ typedef struct gw_transport_numbers {
 	float spacing, leaf_size, record_radius;
 	uint64_t surfels, points;
 	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
-	uint64_t discs_clamped;
+	uint64_t tree_discs;
 	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;
@@ -40,7 +40,7 @@ typedef struct gw_transport_block {
 	uint32_t step;  /* in words, from one index to the next */
 } gw_transport_block;
 
-#define GW_TRANSPORT_BLOCKS 59u
+#define GW_TRANSPORT_BLOCKS 60u
 
 gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver);
 

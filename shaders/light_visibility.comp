@@ -36,6 +36,7 @@ layout(binding = 10) uniform samplerBuffer surfel_place;
 layout(binding = 11) uniform samplerBuffer surfel_facing;
 layout(binding = 12) uniform samplerBuffer surfel_disc;
 layout(binding = 13) uniform samplerBuffer surfel_clip;
+layout(binding = 14) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_light_push push;
@@ -43,6 +44,7 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 #include "light.glsl"
 
 /* Do most of the discs in the lobe's leaf that end there do so at a crease? */

@@ -26,6 +26,7 @@ layout(binding = 11) buffer Weight
 	float lobe_weight[];
 };
 layout(binding = 12) uniform samplerBuffer lobe_reach;
+layout(binding = 13) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
@@ -49,6 +50,7 @@ void use_record(uint record, float weight)
 
 #include "octree_tiles.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 #include "record_lookup.glsl"
 
 void main()

@@ -9,6 +9,7 @@
  * Disc fragments: the cells which the surfel's disc, bent as the surface is, overlaps get its area
  * by their shares of the disc. A small disc is looked at in 16 fixed points of equal area, a larger
  * one in a lattice of 4 x 4 points in each column of cells along the axis nearest to its normal.
+ * One too large for that gives all its area to the cell of its centre; see disc_tree.h.
  *
  * The same shader counts and writes, so that both always agree.
  */
@@ -255,7 +256,7 @@ void main()
 	add_roi(disc.cell, disc.place, position.w);
 	if (disc.radius <= GW_DISC_SMALL)
 		add_small_disc(disc);
-	else
+	else if (disc.radius <= GW_DISC_MAX)
 		add_large_disc(disc, known);
 	if (inside_count == 0u)
 		add_fragment(disc.cell, 0u, disc.area, disc.place);

@@ -17,7 +17,8 @@
 /* Fragments of one leaf that are reduced by one invocation. */
 #define GW_REDUCE_RUN 2048u
 
-/* Disc radius in leaf cells: the largest, and the largest that is sampled by fixed points. */
+/* Disc radius in leaf cells: the largest that leaves hold, larger ones are in a tree of their own;
+ * and the largest that is sampled by fixed points. */
 #define GW_DISC_MAX 16.0
 #define GW_DISC_SMALL 1.0
 

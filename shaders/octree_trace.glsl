@@ -72,8 +72,8 @@ bool hit_plane(int slot, bool filled, bool both_sides, vec3 origin, vec4 tangent
  * that one was met first; with `both_sides` they stop the ray. tangent_plane is that of the surface
  * it leaves.
  */
-bool trace(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool both_sides,
-		   out uint lobe, out float t_hit, out bool behind)
+bool trace_octree(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool both_sides,
+				  out uint lobe, out float t_hit, out bool behind)
 {
 	float side = exp2(float(depth));
 	float nudge = 1e-5 + side * 4e-7;

@@ -35,6 +35,7 @@ layout(binding = 14) buffer Reflected
 {
 	vec4 pixel_reflected[];
 };
+layout(binding = 15) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_pixel_push push;
@@ -42,6 +43,7 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 
 /* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
  * rough one takes. */

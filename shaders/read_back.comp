@@ -28,6 +28,7 @@ layout(binding = 13) buffer Weight
 	float row_weight[];
 };
 layout(binding = 14) uniform samplerBuffer surfel_reach;
+layout(binding = 15) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_lookup_push push;
@@ -53,6 +54,7 @@ void use_record(uint record, float weight)
 
 #include "octree_tiles.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 #include "record_lookup.glsl"
 
 void main()

@@ -37,6 +37,7 @@ layout(binding = 13) uniform samplerBuffer surfel_place;
 layout(binding = 14) uniform samplerBuffer surfel_facing;
 layout(binding = 15) uniform samplerBuffer surfel_disc;
 layout(binding = 16) uniform samplerBuffer surfel_clip;
+layout(binding = 17) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -44,6 +45,7 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 
 /* Sample m of push.light_samples. The emitters lie in Morton order, so that a stretch of the table
  * for each sample spreads the samples over them. */
@@ -72,13 +74,15 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 	if (cosine <= 0.0 || cosine_emitter <= 1e-4 || squared < 1e-8)
 		return vec3(0.0);
 
-	/* The emitter's own plane, or one within a cell of the point, does not shadow it. */
+	/* The emitter's own plane, or one within a cell of the point, does not shadow it; of a large
+	 * one, what lies within its extent. */
+	float extent = centre.w > GW_LOBE_LARGE ? sqrt(centre.w / PI) : 1.0;
 	uint seen;
 	float t_hit;
 	bool behind;
 	float distance = sqrt(squared);
-	if (trace(g, tangent_plane_at(g, normal), direction, distance - 1.0, false, seen, t_hit,
-			  behind) &&
+	if (trace(g, tangent_plane_at(g, normal), direction, distance - extent, false, seen,
+			  t_hit, behind) &&
 		seen != uint(lobe))
 		return vec3(0.0);
 

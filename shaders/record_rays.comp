@@ -30,6 +30,7 @@ layout(binding = 11) uniform samplerBuffer surfel_place;
 layout(binding = 12) uniform samplerBuffer surfel_facing;
 layout(binding = 13) uniform samplerBuffer surfel_disc;
 layout(binding = 14) uniform samplerBuffer surfel_clip;
+layout(binding = 15) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -37,6 +38,7 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 #include "record_ray.glsl"
 
 void main()

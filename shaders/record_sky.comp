@@ -39,6 +39,7 @@ layout(binding = 13) uniform samplerBuffer surfel_facing;
 layout(binding = 14) uniform samplerBuffer surfel_disc;
 layout(binding = 15) uniform samplerBuffer surfel_clip;
 layout(binding = 16) uniform samplerBuffer opening;
+layout(binding = 17) uniform usamplerBuffer disc_tree;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
@@ -46,6 +47,7 @@ layout(push_constant) uniform Push
 
 #include "octree_discs.glsl"
 #include "octree_trace.glsl"
+#include "disc_tree.glsl"
 #include "openings.glsl"
 #include "sky_map.glsl"
 

@@ -29,9 +29,33 @@
 /* Two cuts leave no less of a disc than this. */
 #define GW_SHARE_LEAST 0.05f
 
+/* Of a tree of discs: texels of a disc, and nodes that a ray visits, at most. */
+#define GW_DISC_TEXELS 5u
+#define GW_DISC_STEPS 16384u
+
+/* A ray meets a bent disc within this times its radius, squared, of its centre. */
+#define GW_DISC_REACH_SQUARED 1.1f
+
+/* Radii of a disc: how near a ray's start it may be one of the surface that the ray leaves; how far
+ * above that surface its centre has to lie to be none; and how far it reaches beyond its cuts, so
+ * that no ray passes between two discs that were cut at the same crease. */
+#define GW_DISC_NEAR 1.25f
+#define GW_DISC_HEIGHT 0.02f
+#define GW_DISC_CUT_SLACK 0.02f
+
+/* Of the discs of one surface that a ray meets the one is taken whose centre is nearest: they count
+ * as dished, by this share of the radius at the rim. Finer surface takes precedence over them where
+ * it lies up to so much, and this share of the radius, behind. Seen at least at this sine. */
+#define GW_DISC_DISH 0.1f
+#define GW_DISC_YIELD 0.02f
+#define GW_DISC_GRAZING 0.05f
+
 /* Rays to the rim of a light. The outermost points of the spiral lie less than a quarter of a turn
  * apart, so that a straight edge that all of them miss cuts at most 9 % off the disc. */
 #define GW_LIGHT_RIM 5u
+
+/* Leaf cells^2: a lobe with more area than planes have in a cell is one of large discs. */
+#define GW_LOBE_LARGE 8.0f
 
 /* Set the random numbers of a record's samples apart from those of its rays. */
 #define GW_EMITTER_SEED 0x68bc21ebu

@@ -897,7 +897,7 @@ static void test_odd_surfels(void **state)
 		for (int k = 0; k < 3; k++) {
 			assert_ok(gw_octree_build(gpu, &s, depth[k], &octree, &error), &error);
 			bool clamped = i == 2 || (i == 1 && depth[k] == 16);
-			assert_int_equal(octree.discs_clamped, clamped ? count : 0);
+			assert_int_equal(octree.tree_discs, clamped ? count : 0);
 			compare_topology(gpu, &octree);
 			float *plane = download(gpu, &octree.lobe_plane);
 			for (uint64_t f = 0; f < octree.lobe_plane.bytes / 4; f++)
