@@ -21,15 +21,25 @@ CXX     := clang++
 OPT     := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined \
            -Wno-string-conversion
 else
-OPT     := -O2 -g -D_FORTIFY_SOURCE=2 -fstack-protector-strong
+# What stands between a fault of ours and a hostile file that finds it, as far as the compiler and
+# the processor know it; tests/lint/check_hardening.sh looks for each in the program.
+known   = $(shell for flag in $(1); do \
+	$(CC) $$flag -Werror -fsyntax-only -x c /dev/null 2>/dev/null && echo $$flag; done)
+FORTIFY := $(shell $(CC) -O2 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3 -Werror -include stdio.h \
+	-fsyntax-only -x c /dev/null 2>/dev/null && echo 3 || echo 2)
+HARDEN  := $(call known,-fstack-protector-strong -fstack-clash-protection -fcf-protection) \
+	-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=$(FORTIFY)
+OPT     := -O2 -g $(HARDEN)
 endif
 
-WARN     := -Wall -Wextra -Wshadow -Wconversion
-INCLUDE  := -Ilib -Iformats -Icli -Ishaders -I$(BUILD)/shaders
-CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE)
-CXXFLAGS += -std=c++17 -D_GNU_SOURCE $(OPT) -Wall -Wextra -fPIC -pthread -ffp-contract=off $(INCLUDE) \
+WARN     := -Wall -Wextra -Wformat=2
+WARN_C   := $(WARN) -Wshadow -Wconversion -Wvla -Wstrict-prototypes \
+            -Werror=implicit-function-declaration
+INCLUDE  := -Ilib -Iformats -Icli -Ishaders -I$(BUILD)/shaders -I$(BUILD)
+CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract=off $(INCLUDE)
+CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
-LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now
+LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
 LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
 
 # OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
@@ -64,11 +74,11 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
-	$(CXX) $(LDFLAGS) $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
+	$(CXX) $(LDFLAGS) -pie $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
@@ -77,11 +87,18 @@ $(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
-$(BUILD)/%.o: %.c
+# How all is built, for `glowworm doctor`; what was built otherwise is built anew.
+BUILD_FLAGS := $(BUILD)/build_flags.inc
+$(BUILD_FLAGS): FORCE
+	@mkdir -p $(@D)
+	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS) $(LDFLAGS)))"' >$@.new
+	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+
+$(BUILD)/%.o: %.c $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/%.o: %.cpp
+$(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
@@ -169,7 +186,7 @@ build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
 SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
 
 test: deps  ## build and run all tests, then most of them again under sanitizers
-	@$(build_quietly) config=release test-programs
+	@$(build_quietly) config=release test-programs analysis
 	@$(build_quietly) config=sanitize test-programs
 	@tests/suite.sh build:unit build:physics build:hostile build:cli build:torture build:lint $(SANITIZED) \
 		$(if $(WITH_INTEROP),build:interop)
@@ -191,7 +208,25 @@ fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
 	@$(build_quietly) config=fuzz $(addprefix build/fuzz/tests/fuzz/,fuzz make_corpus)
 	@tests/fuzz/fuzz.sh build/fuzz "$(READER)" $(or $(MINUTES),5)
 
-lint: $(BUILD)/libglowworm.a  ## style, layers, symbols and the folders' READMEs
+# What clang's analyzer says of each file, kept until the file or what it includes changes.
+ANALYSED := $(patsubst %,$(BUILD)/analysis/%.txt,$(LIB_SOURCES) $(FORMATS_SOURCES) $(VDB_SOURCE) \
+	$(CLI_SOURCES) $(wildcard samples/*.c))
+ANALYSE   = clang --analyze -Xclang -analyzer-output=text -Xclang -analyzer-config \
+	-Xclang max-nodes=75000 $(filter -std=% -D% -I%,$(1)) \
+	$(addprefix -isystem ,$(filter /usr/include/%,$(1))) -MD -MP -MF $@.d -MT $@ -o $@.new $<
+
+$(BUILD)/analysis/%.c.txt: %.c | $(SPIRV) $(BUILD)/shaders/shader_list.inc $(BUILD_FLAGS)
+	@mkdir -p $(@D)
+	@$(call ANALYSE,$(CFLAGS)) 2>$@.new; mv $@.new $@
+
+$(BUILD)/analysis/%.cpp.txt: %.cpp
+	@mkdir -p $(@D)
+	@$(call ANALYSE,$(CXXFLAGS)) 2>$@.new; mv $@.new $@
+
+analysis: $(ANALYSED)
+
+lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the folders' READMEs
+	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis
 	@tests/suite.sh $(BUILD):lint
 
 bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error

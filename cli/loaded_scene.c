@@ -4,6 +4,7 @@
 #include "signals.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -203,7 +204,8 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	bool colors = !from->has_albedo;
 	memcpy(facts->albedo_source, points->albedo_source, sizeof facts->albedo_source);
 	if (from->has_albedo)
-		strcpy(facts->albedo_source, "a constant, as the scene file says");
+		snprintf(facts->albedo_source, sizeof facts->albedo_source,
+				 "a constant, as the scene file says");
 	scan_color color;
 	facts->albedo_missing = !from->has_albedo && !facts->is_mesh &&
 							s->points.albedo == SCAN_ALBEDO_AUTO &&

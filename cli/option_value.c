@@ -49,12 +49,12 @@ void option_legal(const option *o, char text[OPTION_VALUE])
 				 : choice(i + 1) ? ", "
 								 : " or ",
 				 choice(i));
-	if (o->type == OPTION_COUNT || o->type == OPTION_REAL) {
-		const char *form = o->open                   ? "above %g and below %g"
-						   : o->type == OPTION_COUNT ? "a whole number, %g to %g"
-													 : "%g to %g";
-		snprintf(text, OPTION_VALUE, form, o->minimum, o->maximum);
-	}
+	if (o->type == OPTION_COUNT || o->type == OPTION_REAL)
+		snprintf(text, OPTION_VALUE,
+				 o->open                   ? "above %g and below %g"
+				 : o->type == OPTION_COUNT ? "a whole number, %g to %g"
+										   : "%g to %g",
+				 o->minimum, o->maximum);
 	if (o->type == OPTION_SEED)
 		snprintf(text, OPTION_VALUE, "a whole number");
 	if (o->type == OPTION_SIZE)

@@ -186,7 +186,7 @@ static gw_status take_light_value(const reader *r, const char *key, json_t *valu
 	int which = 0;
 	while (status == GW_OK && !(given & 1u << which))
 		which++;
-	size_t count, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	size_t count = 0, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
 	if (status == GW_OK)
 		status = take_numbers(r, value, to->value[which], most, true, &count);
 	for (size_t k = count; k < most && status == GW_OK; k++)
@@ -452,7 +452,7 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 		const char *name = json_string_value(value);
 		if (!name || strlen(name) >= sizeof light->light.name)
 			return fail_here(r, "a text of at most 63 bytes is needed");
-		strcpy(light->light.name, name);
+		snprintf(light->light.name, sizeof light->light.name, "%s", name);
 		return GW_OK;
 	}
 	if (id == LIGHT_KEY_MAP)
@@ -701,7 +701,7 @@ static gw_status parse(reader *r)
 static gw_status move_last(void *table, size_t size, size_t total, size_t count, size_t to,
 						   gw_error *error)
 {
-	char *base = table, *kept = malloc(count * size + 1);
+	char *base = table, *kept = reallocarray(NULL, count + 1, size);
 	if (!kept)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to join two lists");
 	if (count > 0) {

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "scene_file.h"
 
+#include <assert.h>
 #include <string.h>
 
 static void write_key(json_writer *json, const lamp *light, light_key_id id)
@@ -62,6 +63,7 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 static void write_value(json_writer *json, const motion_key *key, int which, bool of_light)
 {
 	static const char *const name[MOTION_VALUES] = { "move", "rotate", "scale" };
+	assert(of_light || which < MOTION_VALUES);
 	bool one = of_light ? light_keys[which].value == LIGHT_VALUE_NUMBER : which == MOTION_SCALE;
 	const char *own = of_light ? light_keys[which].name : name[which];
 	if (one)

@@ -191,6 +191,7 @@ static gw_status describe(const settings *s, facts *f, gw_error *error)
 		print_json(f);
 	else
 		print_text(f);
+	f->points = NULL;
 	scan_points_clear(&points);
 	return status;
 }

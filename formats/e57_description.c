@@ -4,6 +4,7 @@
 
 #include <expat.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -195,7 +196,7 @@ static void XMLCALL open_element(void *user, const char *element, const char **a
 		fail(p, element, "is too deep within others");
 		return;
 	}
-	strncpy(p->name[p->depth], element, NAME - 1);
+	snprintf(p->name[p->depth], NAME, "%s", element);
 	p->depth++;
 	p->value_length = 0;
 	if (is_at(p, 0, NULL, NULL))

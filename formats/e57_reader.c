@@ -421,7 +421,8 @@ static gw_status place_points(const reader *r, const source *s, size_t index)
 	if (!make_rotation(q, m))
 		return fail_scan(r, index, "has a pose whose rotation makes no sense");
 	bool turned = q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0;
-	aim(r, s, position, v);
+	if (!aim(r, s, position, v))
+		return fail_scan(r, index, "has no coordinates");
 	for (size_t i = 0; i < s->kept && s->kind == SPHERICAL; i++)
 		from_sphere(v, i);
 	for (size_t i = 0; i < s->kept && s->scan->has_pose; i++)

@@ -8,6 +8,7 @@
 #include "ply_format.h"
 #include "text_formats.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -57,7 +58,7 @@ static const char *list_formats(char text[256])
 	for (size_t f = 0; formats[f]; f++) {
 		size_t used = strlen(text);
 		if (formats[f]->read && used + strlen(formats[f]->name) + 3 < 256)
-			strcat(strcat(text, used ? ", " : ""), formats[f]->name);
+			snprintf(text + used, 256 - used, "%s%s", used ? ", " : "", formats[f]->name);
 	}
 	return text;
 }

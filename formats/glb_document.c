@@ -1,6 +1,7 @@
 #include "glb_document.h"
 #include "little_endian.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -214,6 +215,7 @@ static gw_status place_values(const glb_document *d, size_t index, size_t view, 
 {
 	size_t size = component_size(v->component) * v->width, length = 0;
 	const uint8_t *bytes = NULL;
+	assert(size > 0 && v->count > 0);
 	gw_status status = find_view(d, view, &bytes, &length, &v->stride);
 	if (status != GW_OK)
 		return status;

@@ -219,7 +219,7 @@ static void name_field(const las_layout *layout, las_field *field, const char *n
 	snprintf(field->name, sizeof field->name, "%.40s", name);
 	const las_field *other = find(layout, field->name);
 	if (other && strlen(name) < sizeof field->standard)
-		strcpy(field->standard, name);
+		snprintf(field->standard, sizeof field->standard, "%s", name);
 	for (unsigned n = 2; find(layout, field->name); n++)
 		snprintf(field->name, sizeof field->name, "%.40s_%u", name, n);
 }
@@ -245,7 +245,7 @@ static void copy_name(char name[LAS_EXTRA_NAME + 1], const uint8_t *from)
 	while (length > 0 && name[length - 1] == ' ')
 		name[--length] = '\0';
 	if (length == 0)
-		strcpy(name, "extra");
+		memcpy(name, "extra", sizeof "extra");
 }
 
 /* One value of a description; those with several (types 11 to 30, deprecated) are numbered. */

@@ -139,7 +139,7 @@ static gw_status note_header(parser *p)
 static gw_status note_geo(parser *p, const char *key, las_vlr body, size_t size)
 {
 	size_t count = body.length / size, used = 0;
-	char *text = malloc(count * NUMBER_TEXT + 1);
+	char *text = reallocarray(NULL, count + 1, NUMBER_TEXT);
 	if (!text)
 		return gw_fail(p->error, GW_ERROR_MEMORY, "no memory for the header of %s", p->in->name);
 	for (size_t i = 0; i < count; i++) {

@@ -93,14 +93,14 @@ gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_erro
 			break;
 		if (!part)
 			continue;
-		size_t had = *text ? strlen(*text) : 0;
-		char *grown = realloc(*text, had + strlen(part) + 1);
+		size_t had = *text ? strlen(*text) : 0, length = strlen(part);
+		char *grown = realloc(*text, had + length + 1);
 		if (!grown) {
 			free(*text);
 			*text = NULL;
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the text '%s'", key);
 		}
-		strcpy(grown + had, part);
+		memcpy(grown + had, part, length + 1);
 		*text = grown;
 	}
 	return GW_OK;

@@ -263,7 +263,7 @@ static void put_records(const writer *w, size_t first, size_t count, uint8_t *re
 static gw_status write_records(writer *w)
 {
 	size_t record = w->layout.bytes, rows = BLOCK_BYTES / record;
-	uint8_t *block = malloc(rows * record);
+	uint8_t *block = reallocarray(NULL, rows, record);
 	if (!block)
 		return fail_memory(w);
 	gw_status status = GW_OK;

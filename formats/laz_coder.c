@@ -1,5 +1,6 @@
 #include "laz_coder.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -81,6 +82,7 @@ static void update_model(laz_model *m)
 			m->total += m->count[s];
 		}
 	}
+	assert(m->total > 0); /* the cycle is, and so is a count */
 	uint32_t sum = 0, scale = 0x80000000u / m->total;
 	for (uint32_t s = 0; s < m->symbols; s++) {
 		m->start[s] = (uint16_t)(scale * sum >> (31 - MODEL_BITS));
@@ -263,6 +265,7 @@ static uint32_t read_corrector(laz_decoder *d, laz_integer *integer, uint32_t si
 int32_t laz_near(laz_decoder *d, laz_integer *integer, laz_model **context, uint32_t width,
 				 int32_t prediction)
 {
+	assert(width <= 32);
 	integer->size = laz_symbol(d, context, width + 1);
 	uint32_t sum = (uint32_t)prediction + read_corrector(d, integer, integer->size);
 	if (width == 32)

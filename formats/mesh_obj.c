@@ -33,12 +33,11 @@ typedef struct reader {
 	char undefined_name[44];
 } reader;
 
-static gw_status fail_line(const reader *r, const char *form, mesh_word word)
+static gw_status fail_line(const reader *r, mesh_word word, const char *wrong)
 {
-	char sentence[300], shown[44];
-	snprintf(sentence, sizeof sentence, form, mesh_word_show(word, shown));
-	return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: %s", r->in->name, r->text.line,
-				   sentence);
+	char shown[44];
+	return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: '%s' %s", r->in->name, r->text.line,
+				   mesh_word_show(word, shown), wrong);
 }
 
 static gw_status fail_memory(const reader *r)
@@ -56,9 +55,10 @@ static gw_status take_vertex(reader *r)
 	size_t count = 0;
 	for (mesh_word word; (word = mesh_text_word(&r->text)).length > 0; count++)
 		if (count == 6 || number_read(word.text, word.length, &v[count]) != word.length)
-			return fail_line(r, "'%s' where a coordinate was expected", word);
+			return fail_line(r, word, "where a coordinate was expected");
 	if (count < 3)
-		return fail_line(r, "a vertex needs x, y and z%.0s", (mesh_word){ 0 });
+		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: a vertex needs x, y and z",
+					   r->in->name, r->text.line);
 	double *position = growing_table_room(m->position, m->position_count, 3 * sizeof *position);
 	if (!position)
 		return fail_memory(r);
@@ -84,8 +84,8 @@ static gw_status take_normal(reader *r)
 	for (int k = 0; k < 3; k++) {
 		mesh_text before = r->text;
 		if (!mesh_text_number(&r->text, &v[k]))
-			return fail_line(r, "'%s' where a normal's coordinate was expected",
-							 mesh_text_word(&before));
+			return fail_line(r, mesh_text_word(&before),
+							 "where a normal's coordinate was expected");
 	}
 	float *normal = growing_table_room(m->normal, m->normal_count, 3 * sizeof *normal);
 	if (!normal)
@@ -155,12 +155,13 @@ static gw_status take_index(const reader *r, mesh_word word, const char **at, si
 	for (; *at < end && **at >= '0' && **at <= '9' && value < UINT32_MAX; ++*at)
 		value = 10 * value + (uint64_t)(**at - '0');
 	if (*at == first || (*at < end && **at != '/'))
-		return fail_line(r, "'%s' where the indices of a corner were expected", word);
-	char form[120];
-	snprintf(form, sizeof form, "'%%s' leads to no %s; there are %zu%s", what,
-			 negative ? above : count, negative ? " above this line" : "");
-	if (value == 0 || value > (negative ? above : count))
-		return fail_line(r, form, word);
+		return fail_line(r, word, "where the indices of a corner were expected");
+	if (value == 0 || value > (negative ? above : count)) {
+		char wrong[120];
+		snprintf(wrong, sizeof wrong, "leads to no %s; there are %zu%s", what,
+				 negative ? above : count, negative ? " above this line" : "");
+		return fail_line(r, word, wrong);
+	}
 	*index = (uint32_t)(negative ? above - value : value - 1);
 	return GW_OK;
 }
@@ -180,7 +181,7 @@ static gw_status take_corner(reader *r, mesh_word word)
 			status = take_index(r, word, &at, r->normals, r->mesh->normal_count, "normal", &normal);
 	}
 	if (status == GW_OK && at < end)
-		return fail_line(r, "'%s' where the indices of a corner were expected", word);
+		return fail_line(r, word, "where the indices of a corner were expected");
 	return status == GW_OK ? mesh_polygon_add(&r->polygon, corner, normal, r->error) : status;
 }
 
@@ -211,7 +212,7 @@ static gw_status first_pass(reader *r)
 	while (status == GW_OK && mesh_text_next(&r->text)) {
 		mesh_word key = mesh_text_word(&r->text);
 		if (memchr(key.text, '\0', key.length))
-			return fail_line(r, "'%s' is no text; this is no OBJ file", key);
+			return fail_line(r, key, "is no text; this is no OBJ file");
 		if (mesh_word_is(key, "v"))
 			status = take_vertex(r);
 		else if (mesh_word_is(key, "vn"))

@@ -134,9 +134,9 @@ static gw_status take_vertices(reader *r)
 		if (count < needed)
 			return fail_line(r, "a vertex has too few numbers");
 		memcpy(m->position + 3 * i, v, 3 * sizeof *v);
-		for (size_t k = 0; k < 3 && r->normals; k++)
+		for (size_t k = 0; k < 3 && m->normal; k++)
 			m->normal[3 * i + k] = (float)v[3 + k];
-		if (r->colors)
+		if (m->color)
 			put_color(m->color + 3 * i, v + needed - 3);
 	}
 	return GW_OK;

@@ -4,6 +4,7 @@
  */
 #include "mesh.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -123,6 +124,7 @@ static bool cut_ears(mesh_polygon *p, uint32_t *out)
 	size_t left = p->count, at = 0, tried = 0;
 	double area = 0.0;
 	bool simple = true;
+	assert(left >= 3);
 	for (uint32_t i = 0; i < left; i++)
 		ring[i] = i;
 	while (left > 3) {

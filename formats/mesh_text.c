@@ -1,6 +1,7 @@
 #include "mesh_text.h"
 #include "number_text.h"
 
+#include <stdio.h>
 #include <string.h>
 
 mesh_text mesh_text_start(const input_file *in)
@@ -103,6 +104,6 @@ const char *mesh_word_show(mesh_word word, char shown[44])
 	size_t length = word.length < 40 ? word.length : 40;
 	for (size_t i = 0; i < length; i++)
 		shown[i] = word.text[i] >= ' ' && word.text[i] <= '~' ? word.text[i] : '?';
-	strcpy(shown + length, word.length > length ? "..." : "");
+	snprintf(shown + length, 44 - length, "%s", word.length > length ? "..." : "");
 	return shown;
 }

@@ -1,6 +1,7 @@
 #include "ply_header.h"
 #include "growing_table.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,7 +57,7 @@ static const char *shown(const word *w, char text[44])
 	size_t length = w->length < 40 ? w->length : 40;
 	for (size_t i = 0; i < length; i++)
 		text[i] = w->text[i] >= ' ' && w->text[i] <= '~' ? w->text[i] : '?';
-	strcpy(text + length, w->length > length ? "..." : "");
+	snprintf(text + length, 44 - length, "%s", w->length > length ? "..." : "");
 	return text;
 }
 

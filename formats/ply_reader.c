@@ -8,8 +8,10 @@
 #include "parallel.h"
 #include "ply_header.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -187,8 +189,10 @@ static gw_status take_binary(reader *r, const ply_element *element, size_t i)
 		}
 		if (size > left(r))
 			return fail_short(r, element, size);
-		if (element == r->vertex)
+		if (element == r->vertex) {
+			assert(r->data);
 			take_value((char *)r->data[k] + i * size, r->at, size, r->swap);
+		}
 		r->at += size;
 	}
 	return GW_OK;
@@ -363,8 +367,10 @@ static gw_status take_integer(reader *r, const ply_property *property, scan_type
 	skip_blanks(&before);
 	bool fits = *value >= limits[type][0] && *value <= limits[type][1] && *value == trunc(*value);
 	if (!fits) {
-		char expected[80] = "a whole number that fits into ";
-		return fail_value(r, property, &before, strcat(expected, ply_type_name(type)));
+		char expected[80];
+		snprintf(expected, sizeof expected, "a whole number that fits into %s",
+				 ply_type_name(type));
+		return fail_value(r, property, &before, expected);
 	}
 	return GW_OK;
 }

@@ -8,6 +8,7 @@
 #include "text_formats.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -184,9 +185,9 @@ static gw_status name_columns(reader *r, text_names *names)
 		intensity = intensity || r->grid[i].rows.width % 3 == 1;
 		color = color || r->grid[i].rows.width >= 6;
 	}
-	char line[64] = "x y z";
-	strcat(line, intensity ? " intensity" : "");
-	strcat(line, color ? " red green blue" : "");
+	char line[64];
+	snprintf(line, sizeof line, "x y z%s%s", intensity ? " intensity" : "",
+			 color ? " red green blue" : "");
 	return text_names_split(names, line, strlen(line), r->error);
 }
 

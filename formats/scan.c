@@ -2,6 +2,7 @@
 #include "growing_table.h"
 #include "scan_color.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@ size_t scan_type_size(scan_type type)
 		[SCAN_INT8] = 1,  [SCAN_UINT8] = 1,  [SCAN_INT16] = 2,   [SCAN_UINT16] = 2,
 		[SCAN_INT32] = 4, [SCAN_UINT32] = 4, [SCAN_FLOAT32] = 4, [SCAN_FLOAT64] = 8,
 	};
+	assert((unsigned)type < SCAN_TYPE_COUNT);
 	return size[type];
 }
 

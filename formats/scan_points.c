@@ -60,7 +60,7 @@ static gw_status albedo_of_color(const scan_color *color, size_t count, bool lin
 		scan_type type = color->column[k]->type;
 		size_t entries = (size_t)color->range + 1;
 		bool small = type != SCAN_FLOAT32 && type != SCAN_FLOAT64;
-		float *decoded = small ? malloc(entries * sizeof *decoded) : NULL;
+		float *decoded = small ? reallocarray(NULL, entries, sizeof *decoded) : NULL;
 		if (small && !decoded)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a table of colours");
 		for (size_t e = 0; e < entries && small; e++) {

@@ -205,11 +205,10 @@ static gw_status guess(text_names *names, const text_rows *rows, const triple *t
 			status = add_names(names, color, error);
 		} else {
 			bool before_color = c + 3 < rows->width && (t[c + 1].bytes || t[c + 1].fractions);
+			bool is_intensity = c == 3 && (rows->width == 4 || before_color || intensity_first);
 			char name[32];
 			snprintf(name, sizeof name, "field_%zu", c + 1);
-			if (c == 3 && (rows->width == 4 || before_color || intensity_first))
-				strcpy(name, "intensity");
-			status = text_names_add(names, name, error);
+			status = text_names_add(names, is_intensity ? "intensity" : name, error);
 		}
 	}
 	return status;

@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#undef gw_fail
 gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 {
 	if (error != NULL) {

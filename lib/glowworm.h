@@ -69,6 +69,11 @@ typedef struct gw_error {
 gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* What clang's analyzer cannot see from outside: a failure is never GW_OK. */
+#ifdef __clang_analyzer__
+#define gw_fail(error, status, ...) (gw_fail((error), (status), __VA_ARGS__), (status))
+#endif
+
 /* --------------------------------------------------------------------------------- points in */
 
 /* The points of one scene. Nothing here is modified or kept after gw_bake returns. */

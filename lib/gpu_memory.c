@@ -337,6 +337,7 @@ static void fill_mapped(gw_buffer *buffer, uint32_t word)
 {
 	uint64_t bytes = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
 	bytes = (bytes + 3) / 4 * 4;
+	assert(buffer->mapped != NULL);
 	if (word == 0)
 		memset(buffer->mapped, 0, (size_t)bytes);
 	for (uint32_t *at = buffer->mapped, *end = at + bytes / 4; word != 0 && at < end; at++)
@@ -608,6 +609,7 @@ gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t b
 	const uint32_t *extent = image->extent;
 	uint64_t row = (uint64_t)texel_bytes(image->format) * extent[0];
 	uint64_t layer = row * extent[1];
+	assert(layer > 0);
 	if (bytes != layer * extent[2])
 		return gw_fail(error, GW_ERROR_INTERNAL,
 					   "\"%s\" holds %" PRIu64 " bytes, but %" PRIu64 " were asked for",

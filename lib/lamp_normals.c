@@ -67,13 +67,13 @@ static void join_alike(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const lamp_step *step = user;
 	double noise = (double)step->noise[surfel / GW_NOISE_REGION];
-	kernel k;
-	if (noise > 0)
-		weigh(step, step->surfels->normal, GIVEN_WIDTH * noise, surfel, list, &k);
 	for (size_t c = 0; c < 3; c++)
 		step->first[3 * surfel + c] = step->surfels->normal[3 * surfel + c];
-	if (noise > 0)
-		put_unit(k.mean, step->first + 3 * surfel);
+	if (!(noise > 0))
+		return;
+	kernel k;
+	weigh(step, step->surfels->normal, GIVEN_WIDTH * noise, surfel, list, &k);
+	put_unit(k.mean, step->first + 3 * surfel);
 }
 
 /*

@@ -6,6 +6,7 @@
 
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define TILE 64u        /* samples a side of a tile, at least; 4096 samples fit into a cache */
 #define TILE_PIXELS 16u /* pixels a side of a tile, at least */
@@ -212,5 +213,5 @@ void gw_gbuffer_clear(gw_gbuffer *gbuffer)
 	free(gbuffer->normal);
 	free(gbuffer->channel);
 	free(gbuffer->id);
-	*gbuffer = (gw_gbuffer){ .width = 0 };
+	memset(gbuffer, 0, sizeof *gbuffer);
 }

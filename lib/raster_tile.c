@@ -1,6 +1,7 @@
 /* raster_tile.c - one tile of the picture; see raster_steps.h. */
 #include "raster_steps.h"
 
+#include <assert.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -287,6 +288,7 @@ static void resolve_pixel(const tile_job *job, int32_t x, int32_t y, gw_gbuffer 
 	pixel_sum sure = nothing, beyond = nothing;
 	int32_t samples = (int32_t)job->view->options->samples;
 	const gw_raster_layer *layer = job->scratch->layer;
+	assert(samples > 0);
 	for (int32_t j = 0; j < samples; j++)
 		for (int32_t i = 0; i < samples; i++) {
 			size_t slot = slot_of(job, x + i, y + j);

@@ -8,6 +8,7 @@
 #include "parallel.h"
 #include "transport_layout.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,6 +64,7 @@ static void put_row(gw_read_back *b, size_t surfel, const uint32_t *record, cons
 					size_t count)
 {
 	uint32_t used = b->first[surfel];
+	assert(b->record != NULL && b->weight != NULL);
 	memcpy(b->record + used, record, count * sizeof *record);
 	memcpy(b->weight + used, weight, count * sizeof *weight);
 	b->first[surfel + 1] = used + (uint32_t)count;

@@ -6,6 +6,7 @@
 #include "memory.h"
 #include "surfel_steps.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,6 +237,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 /* Surfels of the points that some part has: `of` are the part's own, `base` its first surfel. */
 static void number_points(uint32_t *all, const uint32_t *of, size_t count, size_t base)
 {
+	assert(of != NULL || count == 0);
 	for (size_t i = 0; i < count; i++)
 		all[i] = of[i] == UINT32_MAX ? UINT32_MAX : (uint32_t)(base + of[i]);
 }

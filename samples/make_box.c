@@ -9,6 +9,7 @@
  */
 #include "sample_points.h"
 
+#include <assert.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdbool.h>
@@ -201,6 +202,7 @@ static void sample_scene(const scene *s, size_t count, uint64_t seed, const floa
 		if (s->sphere) {
 			sample_sphere(&random, &point);
 		} else {
+			assert(s->patch_count > 0);
 			double at = sample_random(&random) * sum[s->patch_count - 1];
 			int chosen = 0;
 			while (chosen < s->patch_count - 1 && at >= sum[chosen])

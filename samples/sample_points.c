@@ -14,7 +14,7 @@ void sample_add(sample_list *list, const sample_point *point)
 {
 	if (list->count == list->capacity) {
 		size_t capacity = list->capacity ? list->capacity * 2 : 1024;
-		sample_point *grown = realloc(list->point, capacity * sizeof *grown);
+		sample_point *grown = reallocarray(list->point, capacity, sizeof *grown);
 		if (!grown) {
 			fprintf(stderr, "no memory for %zu points; ask for fewer\n", capacity);
 			exit(SAMPLE_EXIT_MEMORY);

@@ -18,12 +18,33 @@ make_tree() {
 	printf '# formats\n- `two.h` two\n' >formats/README.md
 	printf '# Prints one.\necho 1\n' >tests/cli/prints.sh
 	printf '#!/bin/sh\necho 1\n' >tests/cli/run
+	mkdir -p build/analysis/lib && : >build/analysis/lib/one.c.txt
 	chmod +x tests/cli/run
 }
 
 build_library() {
 	gcc -c -o build/one.o lib/one.c && rm -f build/libglowworm.a &&
 		ar rcs build/libglowworm.a build/one.o
+}
+
+# A program and a plugin that are built as the real ones are; flags that follow undo one.
+safe='-g -O2 -fPIC -fstack-protector-strong -fstack-clash-protection -fcf-protection'
+safe+=' -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3'
+linked='-Wl,-z,relro,-z,now,-z,noexecstack'
+build_program() { # compiling linking
+	cat >cli/main.c <<-'END'
+		#include <stdio.h>
+		#include <string.h>
+		int main(int count, char **argument)
+		{
+			char text[16];
+			strcpy(text, argument[count - 1]);
+			return puts(text) + puts(FLAGS);
+		}
+	END
+	# shellcheck disable=SC2086
+	gcc -DFLAGS="\"$safe $1\"" $safe $1 -pie $linked $2 -o build/glowworm cli/main.c 2>/dev/null &&
+		gcc -DFLAGS='""' $safe $linked -shared -o build/libglowworm-vdb.so cli/main.c
 }
 
 run_check() { # check
@@ -57,9 +78,11 @@ expect_fault() { # check words command...
 
 make_tree
 build_library
-for check in readme layers style symbols scripts; do
+for check in readme layers style symbols scripts banned analysis; do
 	expect_clean "$check"
 done
+build_program '' ''
+expect_clean hardening
 
 expect_fault readme 'does not name three.c' 'echo "int x;" >lib/three.c'
 expect_fault readme 'names one.c, which is not' 'rm lib/one.c'
@@ -89,6 +112,30 @@ expect_fault style 'a function of 103 lines' \
 expect_fault symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c'
 expect_fault symbols 'no function' 'echo "static int x;" >lib/one.c'
 expect_fault symbols 'counter: a global' 'echo "int counter = 1;" >>lib/one.c'
+
+expect_fault hardening 'not position independent' 'build_program "" -no-pie'
+expect_fault hardening 'no read-only relocations' 'build_program "" -Wl,-z,norelro'
+expect_fault hardening 'binds lazily' 'build_program "" -Wl,-z,lazy'
+expect_fault hardening 'an executable stack' 'build_program "" -Wl,-z,execstack'
+for flag in -fstack-protector-strong -fstack-clash-protection -fcf-protection; do
+	expect_fault hardening "code without $flag" \
+		"whole=\$safe; safe=\${safe/$flag/}; build_program '' ''; safe=\$whole"
+done
+expect_fault hardening 'no guarded stacks' 'build_program -fno-stack-protector ""'
+expect_fault hardening 'calls no checked copies' 'build_program -D_FORTIFY_SOURCE=0 ""'
+expect_fault hardening 'less than -D_FORTIFY_SOURCE=3' \
+	'safe=${safe/=3/=2}; build_program "" ""; safe=${safe/=2/=3}'
+expect_fault hardening 'how it was compiled' 'build_program -g0 ""'
+expect_fault hardening 'is not there' 'rm -f build/glowworm'
+
+expect_fault banned 'lib/one.c:8' 'echo "void f(char *a, char *b) { strcpy(a, b); }" >>lib/one.c'
+expect_fault banned 'banned' 'echo "int f(void) { return system(\"ls\"); }" >>cli/three.c'
+expect_fault banned 'a product as a size' \
+	'echo "void *f(int a, int b) { return malloc(a * b); }" >>formats/three.c'
+
+expect_fault analysis 'Division by zero' 'echo "lib/one.c:6:10: warning: Division by zero" \
+	>build/analysis/lib/one.c.txt'
+expect_fault analysis 'lib/two.c: was not analysed' 'echo "int x;" >lib/two.c'
 
 expect_fault scripts 'not executable' 'chmod -x tests/cli/run'
 expect_fault scripts 'unexpected' 'echo "if true; then" >>tests/cli/prints.sh'
