@@ -3,6 +3,7 @@
 
 #include "memory.h"
 #include "neighbour_index.h"
+#include "neighbour_scales.h"
 #include "parallel.h"
 
 #include <math.h>
@@ -24,7 +25,8 @@
 #define NEAREST_KEPT (GW_NEIGHBOURS / 2)
 #define SPREAD 0.37
 
-/* Marks the first index of a stored list that was widened; indices are below 2^30. */
+/* Marks the first index of a stored list that was widened, and the second one where that was done
+ * to the surfel's own scale; indices are below 2^30. */
 #define WIDENED (1u << 31)
 #define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
 
@@ -54,6 +56,7 @@ struct gw_neighbours {
 	const gw_surfels *surfels;
 	const gw_surfels_options *options;
 	gw_neighbour_index *index;
+	gw_neighbour_scales *scales;
 	double scale;          /* a power of two */
 	float *scaled;         /* 3 * count, positions times scale: about unit size */
 	uint32_t per_surfel;   /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
@@ -127,8 +130,9 @@ gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options
 	if (s->scratch && s->scaled) {
 		scale_positions(s);
 		s->index = gw_neighbour_index_build(s->scaled, count);
+		s->scales = s->index ? gw_neighbour_scales_open(surfels, s->index, s->scale) : NULL;
 	}
-	if (!s->index) {
+	if (!s->scales) {
 		gw_neighbours_close(s);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the search tree of %zu points",
 					   count);
@@ -142,6 +146,7 @@ void gw_neighbours_close(gw_neighbours *search)
 	if (!search)
 		return;
 	gw_neighbour_index_free(search->index);
+	gw_neighbour_scales_close(search->scales);
 	free(search->scaled);
 	free(search->stored);
 	free(search->scratch);
@@ -297,6 +302,8 @@ static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_
 		stored[j] = j < list->count ? list->index[j] : NO_NEIGHBOUR;
 	if (list->complete < list->count)
 		stored[0] |= WIDENED;
+	if (list->complete == GW_SCALED_NEAREST && list->count > GW_SCALED_NEAREST)
+		stored[1] |= WIDENED;
 }
 
 static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
@@ -312,7 +319,8 @@ static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbou
 		list->count++;
 	}
 	bool widened = list->count > 0 && (stored[0] & WIDENED);
-	list->complete = widened ? NEAREST_KEPT : list->count;
+	bool scaled = widened && (stored[1] & WIDENED);
+	list->complete = scaled ? GW_SCALED_NEAREST : widened ? NEAREST_KEPT : list->count;
 }
 
 static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
@@ -334,7 +342,10 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		gw_neighbour_list list;
 		if (searching) {
 			fill_list(search, i, result->found + (i - first) * k, &list);
-			widen_list(search, i, &result->wide, &list);
+			if (!gw_neighbour_scales_widen(search->scales, i, &list))
+				atomic_store(&search->out_of_memory, true);
+			if (list.complete == list.count)
+				widen_list(search, i, &result->wide, &list);
 		} else {
 			restore_list(search, i, &list);
 		}
