@@ -1,6 +1,7 @@
 /*
  * glowworm - finds the verb, reads its options, runs it, says what went wrong.
  */
+#include "crash.h"
 #include "exit_code.h"
 #include "nearest_name.h"
 #include "option_text.h"
@@ -9,6 +10,7 @@
 
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What was printed must have arrived: a full disk or a closed pipe is a failure. */
 static gw_status flush_output(gw_error *error)
@@ -98,9 +100,8 @@ static gw_status run(int count, char **argument, gw_error *error)
 	return run_verb(count, argument, error);
 }
 
-int main(int count, char **argument)
+static int run_program(int count, char **argument)
 {
-	signals_install();
 	if (count < 2) {
 		option_text_usage(stderr);
 		return EXIT_CODE_USAGE;
@@ -112,4 +113,18 @@ int main(int count, char **argument)
 	if (status != GW_OK)
 		fprintf(stderr, "glowworm: %s\n", error.text);
 	return exit_code_of(status, signals_pending());
+}
+
+int main(int count, char **argument)
+{
+	signals_install();
+	crash_install();
+	int code = run_program(count, argument);
+	crash_finish();
+	/* A loader that got no memory may hold its lock for ever, and wait for it at a normal end. */
+	if (code == EXIT_CODE_MEMORY) {
+		fflush(NULL);
+		_exit(code);
+	}
+	return code;
 }

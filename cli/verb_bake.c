@@ -243,6 +243,7 @@ static gw_status stopped(const bake *b)
 	return signals_pending() ? gw_fail(b->error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
 }
 
+/* What takes hours to bake is not lost with the grids: the other outputs are written. */
 static gw_status write_results(bake *b)
 {
 	double start = now();
@@ -251,8 +252,11 @@ static gw_status write_results(bake *b)
 		lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error);
 	if (status == GW_OK && b->output)
 		status = b->format->write(b->output, &b->lit, b->error);
+	gw_status grids = GW_OK;
 	if (status == GW_OK && b->settings->vdb)
-		status = write_grids(b);
+		grids = write_grids(b);
+	if (status == GW_OK && grids == GW_ERROR_CANCELLED)
+		status = grids;
 	if (status == GW_OK)
 		status = stopped(b);
 	if (status == GW_OK && b->output)
@@ -265,7 +269,7 @@ static gw_status write_results(bake *b)
 	if (status == GW_OK && b->report)
 		status = output_file_commit(&b->report, b->error);
 	progress_end(&b->progress);
-	return status;
+	return status == GW_OK ? grids : status;
 }
 
 static gw_status light_frames(bake *b)

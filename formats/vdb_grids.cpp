@@ -579,6 +579,9 @@ template <typename Work> gw_status guarded(const char *what, gw_error *error, Wo
 	} catch (const std::bad_alloc &) {
 		return fail(error, GW_ERROR_MEMORY, "no memory to %s the grids", what);
 	} catch (const std::exception &e) {
+		/* TBB has no type for it. */
+		if (std::strstr(e.what(), "pthread_create"))
+			return fail(error, GW_ERROR_MEMORY, "no thread to %s the grids: %s", what, e.what());
 		return fail(error, GW_ERROR_IO, "cannot %s the grids: %s", what, e.what());
 	} catch (...) {
 		return fail(error, GW_ERROR_INTERNAL, "cannot %s the grids", what);

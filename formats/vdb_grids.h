@@ -57,15 +57,17 @@ typedef struct vdb_metadata {
 } vdb_metadata;
 
 /*
- * Writes the grids. The same voxels and metadata give the same bytes.
+ * Writes the grids, in a child process: OpenVDB ends its process where memory or threads run out.
+ * The same voxels and metadata give the same bytes.
  *
  *   path      "-" is standard output. A file is read back before it appears under its name
  *   force     overwrite an existing file
  *   voxels    at least one; all arrays present, values finite
  *   error     GW_ERROR_MEMORY, before anything is built, when the grids would need more than
  *             metadata->memory (isolated voxels take 50 KB each and more: the sentence holds the
- *             numbers), and so for the point grid; GW_ERROR_DATA for a cell out of range or a size
- * that is not above 0; GW_ERROR_CREATE, GW_ERROR_IO, GW_ERROR_INTERNAL
+ *             numbers), and so for the point grid, or when OpenVDB dies; GW_ERROR_DATA for a cell
+ *             out of range or a size that is not above 0; GW_ERROR_CREATE, GW_ERROR_IO,
+ *             GW_ERROR_CANCELLED when a signal came that has a handler, GW_ERROR_INTERNAL
  */
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
 					const vdb_metadata *metadata, gw_error *error);

@@ -10,6 +10,7 @@
 #include "refine.h"
 #include "report.h"
 #include "result.h"
+#include "scaled_scene.h"
 #include "transport.h"
 #include "voxels.h"
 
@@ -525,10 +526,7 @@ static gw_status run(bake *b, gw_error *error)
 	const gw_bake_options first = b->solver.options;
 	double ray = 0.0;
 
-	gw_status status = gw_options_check(&b->solver.options, b->points->count, b->light.lights,
-										b->light.light_count, error);
-	if (status == GW_OK)
-		status = run_steps(b, 0, AFTER_ROUND, error);
+	gw_status status = run_steps(b, 0, AFTER_ROUND, error);
 	if (status == GW_OK && gw_options_refine(&b->solver.options))
 		status = refine(b, error);
 	if (status == GW_OK) {
@@ -546,9 +544,9 @@ static gw_status run(bake *b, gw_error *error)
 	return status;
 }
 
-gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-				  gw_bake_result **result, gw_error *error)
+static gw_status bake_in_units(const gw_points *points, const gw_light *lights, size_t light_count,
+							   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+							   gw_bake_result **result, gw_error *error)
 {
 	*result = NULL;
 	bake b = { .points = points };
@@ -572,6 +570,27 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 		*result = b.result;
 	else
 		gw_bake_result_destroy(&b.result);
+	return status;
+}
+
+gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+				  gw_bake_result **result, gw_error *error)
+{
+	gw_scaled_scene scaled;
+	*result = NULL;
+	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
+	if (status != GW_OK)
+		return status;
+	status = gw_scaled_scene_make(points, lights, light_count, options, &scaled, error);
+	if (status == GW_OK)
+		status = bake_in_units(&scaled.points, scaled.lights ? scaled.lights : lights, light_count,
+							   &scaled.options, callbacks, result, error);
+	if (status == GW_OK)
+		status = gw_scaled_scene_undo(&scaled, *result, error);
+	if (status != GW_OK)
+		gw_bake_result_destroy(result);
+	gw_scaled_scene_clear(&scaled);
 	return status;
 }
 

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of clouds narrower than this, metres, not even distances fit a float32. */
+#define EXTENT_MIN 1e-30
+
 #define GRID_BITS 21
 #define RADIX_BITS 11
 #define RADIX (1u << RADIX_BITS)
@@ -394,6 +397,14 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 					   "or use fewer points",
 					   f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
 
+	double extent =
+		fmax(fmax(maximum[0] - minimum[0], maximum[1] - minimum[1]), maximum[2] - minimum[2]);
+	if (extent > 0 && extent < EXTENT_MIN)
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"all points lie within %.3g m, which is too little to tell them apart: check "
+			"the unit of their coordinates",
+			extent);
 	choose_frame(&f, minimum, maximum);
 	surfels->point_count = points->count;
 	surfels->non_finite = points->count - f.finite;

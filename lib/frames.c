@@ -258,7 +258,7 @@ static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_er
 		status = make_surfels(f, error);
 	if (status != GW_OK)
 		return status;
-	gw_report_surfels(f->solver.report, &f->solver.surfels);
+	gw_report_surfels(f->solver.report, &f->solver.surfels, f->points);
 	gw_relight_plan(&f->light);
 	status = build(f, frame, error);
 	if (status == GW_OK)

@@ -4,11 +4,18 @@
 #include "gpu_internal.h"
 #include "clock.h"
 #include "memory.h"
+#include "parallel.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A software driver starts no more of a kind, of which it has two, and two besides. */
+#define DRIVER_THREADS 32u
+
+/* Between two looks at whether it waits in vain. */
+#define WAIT_NANOSECONDS UINT64_C(1000000000)
 
 #define SLICE_SECONDS_DEFAULT 0.05
 #define WORKGROUP_SIZE_DEFAULT 64u
@@ -128,8 +135,25 @@ static bool can_import(const gw_candidate *device)
 	return found;
 }
 
+/* Software drivers start threads without looking whether they run, and wait for them for ever. */
+static gw_status check_threads(const gw_gpu *gpu, gw_error *error)
+{
+	uint32_t wanted = gw_thread_count(0), started;
+	wanted = 2 * (wanted < DRIVER_THREADS ? wanted : DRIVER_THREADS) + 2;
+	if (gpu->device.properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU)
+		return GW_OK;
+	started = gw_threads_startable(wanted);
+	return started == wanted
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY,
+						 "\"%s\" needs %u threads, and %u can be started: allow more (see ulimit "
+						 "-u), or more memory",
+						 gpu->device.info.name, wanted, started);
+}
+
 static gw_status create_device(gw_gpu *gpu, gw_error *error)
 {
+	GW_TRY(check_threads(gpu, error));
 	static const char *const extension[] = { VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME };
 	gpu->imports = can_import(&gpu->device);
 	float priority = 1.0f;
@@ -156,8 +180,11 @@ static gw_status create_device(gw_gpu *gpu, gw_error *error)
 		.enabledExtensionCount = gpu->imports ? 1 : 0,
 		.ppEnabledExtensionNames = extension,
 	};
-	GW_VULKAN(gpu, error, gpu->device.info.name,
-			  vkCreateDevice(gpu->device.handle, &info, NULL, &gpu->handle));
+	VkResult result = vkCreateDevice(gpu->device.handle, &info, NULL, &gpu->handle);
+	if (result != VK_SUCCESS) {
+		GW_TRY(check_threads(gpu, error)); /* drivers have no result of their own for that */
+		return gw_vulkan_fail(gpu, error, "vkCreateDevice", gpu->device.info.name, result);
+	}
 	vkGetDeviceQueue(gpu->handle, gpu->device.queue_family, 0, &gpu->queue);
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_QUEUE, (uint64_t)(uintptr_t)gpu->queue, "queue");
 	return GW_OK;
@@ -297,6 +324,9 @@ void gw_gpu_destroy(gw_gpu **gpu_address)
 	gw_gpu *gpu = *gpu_address;
 	if (gpu == NULL)
 		return;
+	*gpu_address = NULL;
+	if (gpu->stuck)
+		return;
 	if (gpu->handle != VK_NULL_HANDLE) {
 		gw_staging_destroy(gpu);
 		vkDestroySampler(gpu->handle, gpu->linear, NULL);
@@ -308,7 +338,6 @@ void gw_gpu_destroy(gw_gpu **gpu_address)
 	}
 	gw_instance_destroy(&gpu->instance);
 	free(gpu);
-	*gpu_address = NULL;
 }
 
 const gw_device_info *gw_gpu_device(const gw_gpu *gpu)
@@ -386,6 +415,25 @@ static double read_timestamps(gw_gpu *gpu, double fallback)
 		   (double)((tick[1] - tick[0]) & mask);
 }
 
+/* Waits until the device is done. Threads of a software driver may have failed to start after all:
+ * then it would wait for ever. */
+static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
+{
+	VkResult result;
+	while ((result = vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, WAIT_NANOSECONDS)) ==
+		   VK_TIMEOUT) {
+		gpu->stuck = gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+					 gw_threads_startable(1) == 0;
+		if (gpu->stuck)
+			return gw_fail(error, GW_ERROR_MEMORY,
+						   "no thread can be started for \"%s\" on \"%s\": allow more (see ulimit "
+						   "-u), or more memory",
+						   what, gpu->device.info.name);
+	}
+	return result == VK_SUCCESS ? GW_OK
+								: gw_vulkan_fail(gpu, error, "vkWaitForFences", what, result);
+}
+
 gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
 {
 	if (gpu->timestamps != VK_NULL_HANDLE)
@@ -400,7 +448,7 @@ gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_
 	};
 	double start = gw_seconds();
 	GW_VULKAN(gpu, error, what, vkQueueSubmit(gpu->queue, 1, &info, gpu->fence));
-	GW_VULKAN(gpu, error, what, vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, UINT64_MAX));
+	GW_TRY(wait_for_device(gpu, what, error));
 	GW_VULKAN(gpu, error, what, vkResetFences(gpu->handle, 1, &gpu->fence));
 	double wall = gw_seconds() - start;
 	if (seconds != NULL)

@@ -3,6 +3,7 @@
  */
 #include "gpu_internal.h"
 #include "memory.h"
+#include "parallel.h"
 
 #include <assert.h>
 #include <ctype.h>
@@ -14,6 +15,9 @@
 #include <strings.h>
 
 #define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+/* Where less can be taken, drivers may not load: a software one and its compiler take about that.
+ */
+#define DRIVER_BYTES (UINT64_C(384) << 20)
 #define VULKAN_VERSION VK_API_VERSION_1_2
 
 /* ---------------------------------------------------------------------------- messages */
@@ -109,6 +113,25 @@ static void load_debug_functions(gw_instance *instance,
 		instance->handle, "vkSetDebugUtilsObjectNameEXT");
 }
 
+/* There is no driver, or no device where the result is VK_SUCCESS: perhaps because loading drivers
+ * found no memory. */
+static gw_status fail_drivers(VkResult result, gw_error *error)
+{
+	static const char remedy[] = "install a driver, for example the package mesa-vulkan-drivers, "
+								 "which also runs without a GPU";
+	uint64_t available = gw_available_memory();
+	if (available > 0 && available < DRIVER_BYTES)
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "no Vulkan driver could be loaded, most likely because no more than %llu MB "
+					   "of memory may be taken (see ulimit -v): allow more",
+					   (unsigned long long)(available >> 20));
+	if (result == VK_SUCCESS)
+		return gw_fail(error, GW_ERROR_NO_DEVICE, "there is no Vulkan device: %s", remedy);
+	return gw_fail(error, GW_ERROR_NO_DEVICE,
+				   "there is no working Vulkan driver (vkCreateInstance: %s): %s",
+				   gw_vulkan_result_name(result), remedy);
+}
+
 static gw_status create_instance(const gw_gpu_options *options, gw_messages *messages,
 								 gw_instance *instance, gw_error *error)
 {
@@ -154,10 +177,7 @@ static gw_status create_instance(const gw_gpu_options *options, gw_messages *mes
 		result = vkCreateInstance(&info, NULL, &instance->handle);
 	}
 	if (result == VK_ERROR_INCOMPATIBLE_DRIVER || result == VK_ERROR_INITIALIZATION_FAILED)
-		return gw_fail(error, GW_ERROR_NO_DEVICE,
-					   "there is no working Vulkan driver (vkCreateInstance: %s): install one, for "
-					   "example the package mesa-vulkan-drivers, which also runs without a GPU",
-					   gw_vulkan_result_name(result));
+		return fail_drivers(result, error);
 	if (result != VK_SUCCESS)
 		return gw_vulkan_fail(NULL, error, "vkCreateInstance", "the Vulkan instance", result);
 
@@ -441,9 +461,7 @@ gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char
 			return GW_OK;
 		}
 	if (count == 0)
-		return gw_fail(error, GW_ERROR_NO_DEVICE,
-					   "there is no Vulkan device: install a driver, for example the package "
-					   "mesa-vulkan-drivers, which also runs without a GPU");
+		return fail_drivers(VK_SUCCESS, error);
 	char text[GW_ERROR_TEXT - 200];
 	print_list(list, count, text, sizeof text);
 	if (wanted == NULL)
@@ -504,7 +522,7 @@ gw_drivers *gw_drivers_load(void)
 		return NULL;
 	/* Signals belong to the program's own threads: its handlers run there. */
 	sigset_t all, before;
-	sigfillset(&all);
+	gw_signals_to_block(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	int failure = pthread_create(&drivers->thread, NULL, load_drivers, drivers);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);

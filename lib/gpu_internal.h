@@ -72,6 +72,7 @@ struct gw_gpu {
 	uint32_t workgroup_size;
 	double slice_seconds;
 	gw_gpu_account account;
+	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
 	bool lost;
 	char lost_text[GW_ERROR_TEXT];
 };

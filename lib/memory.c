@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 void *gw_allocate_array(size_t count, size_t size)
 {
@@ -100,10 +102,24 @@ static uint64_t memory_of_groups(void)
 	return least;
 }
 
+/* What the limit of the address space (ulimit -v) leaves; UINT64_MAX when there is none. */
+static uint64_t memory_of_addresses(void)
+{
+	struct rlimit limit;
+	uint64_t pages = 0, used;
+	if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+		return UINT64_MAX;
+	read_number("/proc/self/statm", &pages);
+	used = pages * (uint64_t)sysconf(_SC_PAGESIZE);
+	return used < limit.rlim_cur ? limit.rlim_cur - used : 1; /* 0 would be unknown */
+}
+
 uint64_t gw_available_memory(void)
 {
-	uint64_t system = memory_of_the_system(), group = memory_of_groups();
+	uint64_t system = memory_of_the_system(), least = memory_of_groups();
+	uint64_t addresses = memory_of_addresses();
+	least = addresses < least ? addresses : least;
 	if (system == 0)
-		return group == UINT64_MAX ? 0 : group;
-	return group < system ? group : system;
+		return least == UINT64_MAX ? 0 : least;
+	return least < system ? least : system;
 }

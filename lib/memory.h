@@ -31,7 +31,8 @@ void *gw_resize_array(void *array, size_t count, size_t size);
 
 /*
  * Bytes of host memory that can be taken now without swapping: what the system reports as
- * available, and not more than the control group of this process leaves. 0 when unknown.
+ * available, and not more than the control group of this process and the limit of its addresses
+ * leave. 0 when unknown.
  */
 uint64_t gw_available_memory(void);
 

@@ -51,6 +51,41 @@ static void *run_worker(void *argument)
 	return NULL;
 }
 
+void gw_signals_to_block(sigset_t *set)
+{
+	static const int own[] = { SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGTRAP };
+	sigfillset(set);
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+		sigdelset(set, own[i]);
+}
+
+static void *wait_for_end(void *user)
+{
+	pthread_mutex_t *running = user;
+	pthread_mutex_lock(running);
+	pthread_mutex_unlock(running);
+	return NULL;
+}
+
+uint32_t gw_threads_startable(uint32_t wanted)
+{
+	pthread_t thread[GW_THREADS_MAX];
+	pthread_mutex_t running = PTHREAD_MUTEX_INITIALIZER;
+	uint32_t started = 0;
+	wanted = wanted < GW_THREADS_MAX ? wanted : GW_THREADS_MAX;
+	sigset_t blocked, before;
+	gw_signals_to_block(&blocked);
+	pthread_sigmask(SIG_SETMASK, &blocked, &before);
+	pthread_mutex_lock(&running);
+	while (started < wanted && pthread_create(&thread[started], NULL, wait_for_end, &running) == 0)
+		started++;
+	pthread_mutex_unlock(&running);
+	for (uint32_t i = 0; i < started; i++)
+		pthread_join(thread[i], NULL);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return started;
+}
+
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
 					 void *user)
 {
@@ -60,13 +95,8 @@ void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_w
 	threads = gw_thread_count(threads);
 	threads = chunks < threads ? (uint32_t)chunks : threads;
 
-	/* Signals belong to the program's own threads: its handlers run there. What a thread does to
-	 * itself is its own: blocked, it would end the process. */
-	static const int own[] = { SIGBUS, SIGSEGV, SIGFPE, SIGILL, SIGTRAP };
 	sigset_t all, before;
-	sigfillset(&all);
-	for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-		sigdelset(&all, own[i]);
+	gw_signals_to_block(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	worker workers[GW_THREADS_MAX];
 	uint32_t started = 1;

@@ -4,6 +4,7 @@
 #ifndef PARALLEL_H
 #define PARALLEL_H
 
+#include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -36,6 +37,14 @@ typedef void gw_parallel_work(void *user, size_t first, size_t last, uint32_t wo
  */
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
 					 void *user);
+
+/* What threads block that are not the program's own, so that its handlers run there: all signals
+ * but those of a thread's own faults, which would end the process unheard. */
+void gw_signals_to_block(sigset_t *set);
+
+/* How many of so many threads, at most GW_THREADS_MAX, can be started at the same time. For those
+ * who start threads without looking whether they run. */
+uint32_t gw_threads_startable(uint32_t wanted);
 
 #ifdef __cplusplus
 }

@@ -6,7 +6,9 @@
 #include "direct_light.h"
 #include "memory.h"
 #include "report.h"
+#include "surfel_steps.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,10 +83,25 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 	return status;
 }
 
-void gw_report_surfels(gw_report *r, const gw_surfels *s)
+/* Of those that are left out. */
+static uint64_t count_far(const gw_points *points)
 {
-	gw_report_count(r, "left_out_non_finite", s->non_finite,
+	uint64_t far = 0;
+	for (size_t i = 0; i < points->count; i++) {
+		const double *p = points->position + 3 * i;
+		double most = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2]));
+		far += isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && most > GW_COORDINATE_MAX;
+	}
+	return far;
+}
+
+void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
+{
+	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
+	gw_report_count(r, "left_out_non_finite", s->non_finite - far,
 					"points without finite coordinates: left out, written as dark");
+	gw_report_count(r, "left_out_far", far,
+					"points with a coordinate beyond 1e12 m: left out, written as dark");
 	gw_report_count(r, "duplicates_merged", s->duplicates,
 					"points at the place of another: they share its light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
@@ -112,7 +129,7 @@ gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, con
 								   .user = solver->user };
 	gw_status status = gw_surfels_make(points, &options, &solver->surfels, error);
 	if (status == GW_OK)
-		gw_report_surfels(solver->report, &solver->surfels);
+		gw_report_surfels(solver->report, &solver->surfels, points);
 	return status;
 }
 
@@ -307,9 +324,9 @@ gw_status gw_solver_open_to_sky(gw_solver *s, gw_error *error)
 						   : status;
 }
 
-gw_status gw_solver_complete(gw_solver *solver, gw_error *error)
+gw_status gw_solver_complete(gw_solver *solver, const gw_points *points, gw_error *error)
 {
-	gw_report_surfels(solver->report, &solver->surfels);
+	gw_report_surfels(solver->report, &solver->surfels, points);
 	gw_solver_report_octree(solver);
 	solver->report->records = solver->records.count;
 	gw_status status = gw_records_make_room(solver->gpu, &solver->records, error);

@@ -75,7 +75,7 @@ gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, con
 								 size_t light_count, gw_error *error);
 
 /* Writes what was repaired into a report. */
-void gw_report_surfels(gw_report *report, const gw_surfels *surfels);
+void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
 
 gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
 
@@ -96,7 +96,7 @@ gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *dens
 gw_status gw_solver_open_to_sky(gw_solver *solver, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
-gw_status gw_solver_complete(gw_solver *solver, gw_error *error);
+gw_status gw_solver_complete(gw_solver *solver, const gw_points *points, gw_error *error);
 
 /* To be called when the emission of surfels changes. */
 void gw_solver_forget_samples(gw_solver *solver);

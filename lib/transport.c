@@ -499,5 +499,5 @@ gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
 		gw_buffer_destroy(solver->gpu, &solver->sampled);
 	if (own.emission != h.identity.emission)
 		status = replace_emission(solver, points, error);
-	return status == GW_OK ? gw_solver_complete(solver, error) : status;
+	return status == GW_OK ? gw_solver_complete(solver, points, error) : status;
 }

@@ -311,10 +311,9 @@ static void duplicates_do_not_brighten(void **state)
 	with_hall(compare_duplicated);
 }
 
-static void compare_scaled(gw_method method, const scene *hall, const gw_light *lights,
-                           const gw_bake_result *plain)
+static void compare_scaled_by(float scale, gw_method method, const scene *hall,
+                              const gw_light *lights, const gw_bake_result *plain)
 {
-	const float scale = 4.0f;
 	gw_light scaled[LIGHTS];
 	memcpy(scaled, lights, sizeof scaled);
 	for (size_t i = 0; i < 3 * hall->count; i++)
@@ -333,13 +332,64 @@ static void compare_scaled(gw_method method, const scene *hall, const gw_light *
 	            hall->count, 1e-4);
 	assert_mean("scaled", result->radiance, plain->radiance, hall->count, hall->count, 1e-4);
 	gw_bake_result_destroy(&result);
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->position[i] /= (double)scale;
 }
 
-/* Lengths times 4 and intensities times 16: the same irradiance. */
+/* In the small hall, areas in square metres would be no float32. */
+static void compare_scaled(gw_method method, const scene *hall, const gw_light *lights,
+                           const gw_bake_result *plain)
+{
+	compare_scaled_by(4.0f, method, hall, lights, plain);
+	compare_scaled_by(0x1p-62f, method, hall, lights, plain);
+}
+
+/* Lengths times a factor and intensities times its square: the same irradiance. */
 static void scale_of_the_scene(void **state)
 {
 	(void)state;
 	with_hall(compare_scaled);
+}
+
+static void compare_blinding(gw_method method, const scene *hall, const gw_light *lights,
+                             const gw_bake_result *plain)
+{
+	gw_light bright[LIGHTS];
+	memcpy(bright, lights, sizeof bright);
+	for (size_t i = 0; i < LIGHTS; i++)
+		brighten(&bright[i], 0x1p110f);
+	for (size_t i = 0; i < 3 * hall->count; i++)
+		hall->emission[i] *= 0x1p110f;
+	gw_bake_result *result = bake_hall(hall, bright, LIGHTS, method);
+	assert_same_light(result, plain, 0x1p110f, NULL);
+	gw_bake_result_destroy(&result);
+}
+
+/* Light whose squares and sums are no float32. */
+static void light_of_any_strength(void **state)
+{
+	(void)state;
+	with_hall(compare_blinding);
+}
+
+/* Light that is more than a float32 holds is an error with a sentence. */
+static void light_beyond_numbers(void **state)
+{
+	(void)state;
+	scene hall = { 0 };
+	scene_make_hall(&hall);
+	gw_points points = scene_points(&hall);
+	gw_light light = scene_point_light(2.0, 1.5, 0.5, 3e38f);
+	gw_bake_options options = options_of(GW_METHOD_RAYS);
+	gw_bake_result *result = NULL;
+	gw_error error = { 0 };
+	gw_status status = gw_bake(&points, &light, 1, &options, NULL, &result, &error);
+	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL)
+		skip();
+	assert_int_equal(status, GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "weaker lamps"));
+	assert_null(result);
+	scene_clear(&hall);
 }
 
 static void compare_sum(gw_method method, const scene *hall, const gw_light *lights,
@@ -541,6 +591,8 @@ int main(void)
 		cmocka_unit_test(red_light_stays_red),
 		cmocka_unit_test(duplicates_do_not_brighten),
 		cmocka_unit_test(scale_of_the_scene),
+		cmocka_unit_test(light_of_any_strength),
+		cmocka_unit_test(light_beyond_numbers),
 		cmocka_unit_test(superposition),
 		cmocka_unit_test(density_does_not_brighten),
 		cmocka_unit_test(no_records_without_need),

@@ -1,0 +1,38 @@
+/*
+ * scaled_scene.h - scenes whose lengths or lights float32 could not hold, baked in other units.
+ *
+ * Areas of a cloud of 1e-20 m are 1e-40 m^2 and the irradiance near a lamp of 1e38 W/sr more than
+ * there are numbers for. Such a scene is baked with lengths and light multiplied by powers of two,
+ * which rounds nothing, and its result is brought back. Ordinary scenes are left as they are.
+ */
+#ifndef SCALED_SCENE_H
+#define SCALED_SCENE_H
+
+#include "glowworm.h"
+
+typedef struct gw_scaled_scene {
+	int length; /* lengths are multiplied by 2^length, */
+	int light;  /* and radiance and irradiance by 2^light */
+	gw_points points;
+	gw_light *lights; /* NULL when both are 0: all is as it was given */
+	gw_bake_options options;
+	double *position, *scanner; /* of points, where they are copies */
+	float *emission;
+} gw_scaled_scene;
+
+/*
+ * Chooses the units, and copies what changes with them.
+ *   scaled   to be freed with gw_scaled_scene_clear, also on failure; refers to what was given
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, size_t light_count,
+							   const gw_bake_options *options, gw_scaled_scene *scaled,
+							   gw_error *error);
+
+/* Brings a result back into the units that were given. Fails with GW_ERROR_DATA where its light is
+ * more than a float32 holds. */
+gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *result,
+							   gw_error *error);
+void gw_scaled_scene_clear(gw_scaled_scene *scaled);
+
+#endif
