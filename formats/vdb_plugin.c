@@ -104,7 +104,9 @@ static void write_in_child(output_file *out, const gw_voxels *voxels, const vdb_
 	if (told->status == GW_OK)
 		told->status = encode_and_verify(&vdb, out, voxels, &own, &told->error);
 	told->given = true;
-	_exit(0);
+	/* No buffer, handler or library of the parent's shall notice this end. */
+	for (;;)
+		raise(SIGKILL);
 }
 
 /* Waits for the child. A signal that asks the program to stop ends it. */
