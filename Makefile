@@ -42,6 +42,8 @@ CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC 
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
 LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
 
+comma    := ,
+
 # OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
 # run path is the old kind, which is also seen when a sanitizer calls dlopen for us.
 VDB_SOURCE      := formats/vdb_grids.cpp
@@ -50,7 +52,6 @@ VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glow
 LIB_SOURCES     := $(wildcard lib/*.c lib/*.cpp)
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*.c formats/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*.c)
-comma           := ,
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*.comp)
 SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
@@ -91,7 +92,7 @@ $(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
 BUILD_FLAGS := $(BUILD)/build_flags.inc
 $(BUILD_FLAGS): FORCE
 	@mkdir -p $(@D)
-	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS) $(LDFLAGS)))"' >$@.new
+	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS)) $(filter -Wl$(comma)%,$(LDFLAGS)))"' >$@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
 $(BUILD)/%.o: %.c $(BUILD_FLAGS)

@@ -24,7 +24,7 @@ static gw_status flush_output(gw_error *error)
 
 static gw_status find_verb(const char *word, verb *found, gw_error *error)
 {
-	char hint[NEAREST_NAME_HINT], known[128] = "";
+	char hint[NEAREST_NAME_HINT], known[160] = "";
 	const char *name[VERB_COUNT];
 	for (int v = 0; v < VERB_COUNT; v++) {
 		name[v] = verb_name(v);
@@ -58,6 +58,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_render(s, error);
 	case VERB_TRADEOFF:
 		return verb_tradeoff(s, error);
+	case VERB_DOCTOR:
+		return verb_doctor(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -129,6 +129,7 @@ static const char *format_name(int i)
 #define COMPARE .verbs = 1u << VERB_COMPARE
 #define MIX .verbs = 1u << VERB_MIX
 #define RENDER .verbs = 1u << VERB_RENDER
+#define DOCTOR 1u << VERB_DOCTOR
 #define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
 #define SHOWS .verbs = 1u << VERB_BAKE | 1u << VERB_RENDER
 #define MESHES .verbs = 1u << VERB_BAKE | 1u << VERB_SAMPLE
@@ -349,14 +350,14 @@ const option options[] = {
 	{ "rebuild", 0, NULL, OPTION_FLAG, BAKE, AT(rebuild), .group = "Frames",
 	  .help = "bake every frame from scratch, to check and to compare" },
 
-	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED, .scene = true, AT(bake.threads),
-	  RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED | DOCTOR, .scene = true,
+	  AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED, .scene = true, AT(bake.memory),
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED | DOCTOR, .scene = true, AT(bake.memory),
 	  AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, PICTURED, .scene = true, AT(bake.device),
+	{ "device", 0, "NAME", OPTION_TEXT, PICTURED | DOCTOR, .scene = true, AT(bake.device),
 	  .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
@@ -367,6 +368,8 @@ const option options[] = {
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, .verbs = DOCTOR, AT(json), .group = "Messages",
+	  .help = "print JSON" },
 	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWN, AT(progress), .choice = progress_name,
 	  .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
@@ -420,7 +423,7 @@ const option *option_find_key(const char *key)
 const char *verb_name(int v)
 {
 	static const char *const name[] = { "bake",    "info",   "compare",  "mix", "sample",
-										"convert", "render", "tradeoff", NULL };
+										"convert", "render", "tradeoff", "doctor", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -434,7 +437,8 @@ const char *verb_summary(verb v)
 										   "make a point cloud of a mesh",
 										   "write a point cloud in another format",
 										   "make pictures of a point cloud",
-										   "show what error costs in seconds and memory" };
+										   "show what error costs in seconds and memory",
+										   "say whether this machine can bake, and what is wrong" };
 	return summary[v];
 }
 
@@ -447,7 +451,8 @@ const char *verb_synopsis(verb v)
 											"sample MESH -o POINTS [option]...",
 											"convert INPUT OUTPUT [option]...",
 											"render INPUT... -o PICTURE [option]...",
-											"tradeoff INPUT... --light LIGHT... [option]..." };
+											"tradeoff INPUT... --light LIGHT... [option]...",
+											"doctor [--device NAME] [--json]" };
 	return synopsis[v];
 }
 

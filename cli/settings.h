@@ -16,6 +16,7 @@ typedef enum verb {
 	VERB_CONVERT,
 	VERB_RENDER,
 	VERB_TRADEOFF,
+	VERB_DOCTOR,
 	VERB_COUNT,
 } verb;
 

@@ -23,6 +23,10 @@ gw_status verb_compare(const settings *settings, gw_error *error);
  * Changes the settings as verb_bake does. GW_ERROR_MISSED when none is as good as asked. */
 gw_status verb_tradeoff(settings *settings, gw_error *error);
 
+/* Looks at everything that a bake needs and prints what it found. GW_ERROR_NO_DEVICE when no device
+ * can bake, GW_ERROR_MISSED when something else is not good. */
+gw_status verb_doctor(const settings *settings, gw_error *error);
+
 /* Makes lamps of a lit cloud stronger or weaker without baking, and writes it. */
 gw_status verb_mix(const settings *settings, gw_error *error);
 /* Reads one file and writes another. */

@@ -29,6 +29,9 @@ void panorama_clear(panorama *map);
 gw_status panorama_hdr_read(const input_file *in, panorama *map, gw_error *error);
 gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error);
 
+/* Version of the library that reads OpenEXR files. */
+void panorama_openexr_version(int version[3]);
+
 /* Pixels that are compressed by DWA, into a map that has the size of the picture's data window.
  * rgb: they are in R, G and B, else Y goes to the first of three. */
 gw_status panorama_dwa_pixels(const input_file *in, bool rgb, panorama *map, gw_error *error);

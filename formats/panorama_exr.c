@@ -260,3 +260,9 @@ gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error
 		panorama_clear(map);
 	return status;
 }
+
+void panorama_openexr_version(int version[3])
+{
+	const char *extra;
+	exr_get_library_version(&version[0], &version[1], &version[2], &extra);
+}

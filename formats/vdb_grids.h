@@ -72,6 +72,10 @@ typedef struct vdb_metadata {
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
 					const vdb_metadata *metadata, gw_error *error);
 
+/* Loads the shared object, as vdb_write does. A library that it needs may end the process when
+ * memory or threads are short. GW_ERROR_INTERNAL when it is not there. */
+gw_status vdb_load(gw_error *error);
+
 /* Takes the next bytes of the file; false when they could not be written, which ends the encoding.
  */
 typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);

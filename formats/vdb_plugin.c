@@ -55,6 +55,12 @@ static gw_status load(plugin *vdb, gw_error *error)
 	return GW_OK;
 }
 
+gw_status vdb_load(gw_error *error)
+{
+	plugin vdb;
+	return load(&vdb, error);
+}
+
 static bool sink(void *user, const void *bytes, size_t length)
 {
 	return output_file_write(user, bytes, length, NULL) == GW_OK;

@@ -525,14 +525,24 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 
 /* ------------------------------------------------------------------------------------- devices */
 
+/* A limit of a device, and what a bake of a million points needs of it. */
+typedef struct gw_device_limit {
+	const char *name; /* "storage buffers": of a pass */
+	uint64_t needed, there;
+} gw_device_limit;
+
+#define GW_DEVICE_LIMITS 9
+
 typedef struct gw_device_info {
 	char name[256];
 	char driver[256];
 	const char *type; /* "discrete", "integrated", "virtual", "cpu" or "other" */
 	uint64_t memory;  /* bytes of the largest device-local heap */
 	uint32_t subgroup_size;
-	bool usable;       /* has all that a bake needs */
-	char missing[128]; /* when not usable: what it lacks */
+	uint32_t version[3]; /* of Vulkan */
+	bool usable;         /* has all that a bake needs */
+	char missing[128];   /* when not usable: what it lacks */
+	gw_device_limit limit[GW_DEVICE_LIMITS];
 } gw_device_info;
 
 /*
@@ -540,6 +550,27 @@ typedef struct gw_device_info {
  *   devices  receives an array that the caller frees with free(); NULL when *count is 0
  */
 gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error);
+
+/* Version of the Vulkan loader; all 0 when it does not say. */
+void gw_vulkan_version(uint32_t version[3]);
+
+/* What a device does that its description does not say. */
+typedef struct gw_device_trial {
+	char name[256];
+	uint64_t budget;                     /* bytes of its memory that a bake may take */
+	uint32_t loops_asked, loops_run;     /* steps of a loop; drivers may end it before */
+	uint32_t loops_needed;               /* most steps that a pass of a bake takes */
+	bool reckons;                        /* the steps that were run have the right outcome */
+	double open_seconds, compile_seconds;
+} gw_device_trial;
+
+/*
+ * Opens a device as a bake does and runs a loop on it that software drivers are known to cut. A
+ * driver may end the process: call it in one that is not needed.
+ *   device, memory   as of gw_bake_options
+ */
+gw_status gw_device_try(const char *device, uint64_t memory, gw_device_trial *trial,
+						gw_error *error);
 
 /*
  * Begins to load the drivers of all devices on a thread of its own, which takes some 40 ms, so that

@@ -246,4 +246,7 @@ typedef struct gw_shader {
 /* The shader of that name; asserts that it exists. */
 const gw_shader *gw_shader_find(const char *name);
 
+/* The i-th of all, or NULL behind the last. */
+const gw_shader *gw_shader_at(size_t i);
+
 #endif

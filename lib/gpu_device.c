@@ -18,7 +18,6 @@
 #define WAIT_NANOSECONDS UINT64_C(1000000000)
 
 #define SLICE_SECONDS_DEFAULT 0.05
-#define WORKGROUP_SIZE_DEFAULT 64u
 
 /* ------------------------------------------------------------------------------ results */
 
@@ -298,7 +297,7 @@ static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_erro
 	gpu->slice_seconds =
 		options->slice_seconds > 0 ? options->slice_seconds : SLICE_SECONDS_DEFAULT;
 	gpu->workgroup_size =
-		options->workgroup_size > 0 ? options->workgroup_size : WORKGROUP_SIZE_DEFAULT;
+		options->workgroup_size > 0 ? options->workgroup_size : GW_WORKGROUP_SIZE;
 	GW_TRY(check_workgroup_size(gpu, error));
 	GW_TRY(create_device(gpu, error));
 	GW_TRY(create_commands(gpu, error));

@@ -353,12 +353,20 @@ static void read_features(gw_candidate *candidate)
 	candidate->int64_atomics = candidate->int64 && features12.shaderBufferInt64Atomics;
 }
 
+static void split_version(uint32_t packed, uint32_t version[3])
+{
+	version[0] = VK_API_VERSION_MAJOR(packed);
+	version[1] = VK_API_VERSION_MINOR(packed);
+	version[2] = VK_API_VERSION_PATCH(packed);
+}
+
 static void describe(VkPhysicalDevice handle, gw_candidate *candidate)
 {
 	*candidate = (gw_candidate){ .handle = handle };
 	vkGetPhysicalDeviceProperties(handle, &candidate->properties);
 	gw_device_info *info = &candidate->info;
 	snprintf(info->name, sizeof info->name, "%s", candidate->properties.deviceName);
+	split_version(candidate->properties.apiVersion, info->version);
 	info->type = type_name(candidate->properties.deviceType);
 	info->memory = largest_local_heap(handle);
 	if (candidate->properties.apiVersion >= VULKAN_VERSION) {
@@ -492,13 +500,23 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
 		if (*devices == NULL)
 			status =
 				gw_fail(error, GW_ERROR_MEMORY, "not enough memory to list %zu devices", found);
-		for (size_t i = 0; status == GW_OK && i < found; i++)
+		for (size_t i = 0; status == GW_OK && i < found; i++) {
 			(*devices)[i] = list[i].info;
+			gw_limits_list(&list[i], (*devices)[i].limit);
+		}
 		*count = status == GW_OK ? found : 0;
 	}
 	free(list);
 	gw_instance_destroy(&instance);
 	return status;
+}
+
+void gw_vulkan_version(uint32_t version[3])
+{
+	uint32_t packed = 0;
+	if (vkEnumerateInstanceVersion(&packed) != VK_SUCCESS)
+		packed = 0;
+	split_version(packed, version);
 }
 
 /* ----------------------------------------------------------------------------- drivers */

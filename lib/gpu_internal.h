@@ -6,6 +6,7 @@
  *   gpu_device.c     opening and closing a device, submissions, results, account
  *   gpu_memory.c     buffers, images, transfers
  *   gpu_pass.c       passes
+ *   gpu_trial.c      trials of a device, for those who look for what is wrong
  */
 #ifndef GPU_INTERNAL_H
 #define GPU_INTERNAL_H
@@ -124,6 +125,9 @@ gw_status gw_candidates_find(VkInstance instance, gw_candidate **list, size_t *c
 gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char *wanted,
 							  gw_candidate *chosen, gw_error *error);
 
+/* What is asked of a device's limits, for gw_device_info. */
+void gw_limits_list(const gw_candidate *device, gw_device_limit limit[GW_DEVICE_LIMITS]);
+
 /* ------------------------------------------------------------------------------ submissions */
 
 /* Names an object for validation messages and debuggers. */
@@ -154,6 +158,19 @@ typedef struct gw_slice {
 	uint32_t first;
 	uint32_t count;
 } gw_slice;
+
+/* Bytes of push constants that a pass has at most: what every Vulkan device has. */
+#define GW_PUSH_BYTES_MAX 128u
+
+/* Threads of a workgroup, unless a pass or the caller asks for another number. */
+#define GW_WORKGROUP_SIZE 64u
+
+/*
+ * The software driver ends all loops of a group of 8 lanes after 65,535 iterations, summed over
+ * branches that diverge, and says nothing: 8 * 8000 stays below that.
+ */
+#define GW_LOOP_BOUND_MAX 8000u
+#define GW_LOOP_LANES 8u
 
 /* Slices that one submission holds at most, when windows force them to be short. */
 #define GW_SLICES_MAX 16u

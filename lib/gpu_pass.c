@@ -15,15 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PUSH_BYTES_MAX 128u
 #define CONSTANTS_MAX 16u
 #define BINDINGS_MAX 32u
-
-/*
- * The software driver ends all loops of a group of 8 lanes after 65,535 iterations, summed over
- * branches that diverge, and says nothing: 8 * 8000 stays below that.
- */
-#define LOOP_BOUND_MAX 8000u
 
 /* Elements of a pass's first submission, when its speed is not known, and the step of growth. */
 #define FIRST_ELEMENTS 4096u
@@ -125,11 +118,11 @@ static gw_status check_description(const gw_gpu *gpu, const gw_pass_description 
 								   const gw_pass *pass, gw_error *error)
 {
 	const VkPhysicalDeviceLimits *limits = gw_gpu_limits(gpu);
-	if (description->loop_bound > LOOP_BOUND_MAX)
+	if (description->loop_bound > GW_LOOP_BOUND_MAX)
 		return gw_fail(error, GW_ERROR_INTERNAL,
 					   "pass \"%s\" may loop %u times in one invocation, but software drivers end "
 					   "loops silently: split it so that it stays within %u",
-					   pass->name, description->loop_bound, LOOP_BOUND_MAX);
+					   pass->name, description->loop_bound, GW_LOOP_BOUND_MAX);
 	if (pass->workgroup_size > limits->maxComputeWorkGroupSize[0] ||
 		pass->workgroup_size > limits->maxComputeWorkGroupInvocations)
 		return gw_fail(error, GW_ERROR_NO_DEVICE,
@@ -262,7 +255,7 @@ gw_status gw_pass_create(gw_gpu *gpu, const gw_pass_description *description, gw
 	assert(description->binding_count > 0 && description->binding_count <= BINDINGS_MAX);
 	assert(description->constant_count <= CONSTANTS_MAX);
 	assert(description->push_bytes >= sizeof(gw_span) && description->push_bytes % 4 == 0);
-	assert(description->push_bytes <= PUSH_BYTES_MAX);
+	assert(description->push_bytes <= GW_PUSH_BYTES_MAX);
 	*pass = gw_allocate_zeros(1, sizeof **pass);
 	if (*pass == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for pass \"%s\"",
@@ -367,7 +360,7 @@ gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_bind
 {
 	assert(set < GW_SLICES_MAX);
 	write_descriptors(gpu, pass, pass->set[set], bindings, slice);
-	unsigned char block[PUSH_BYTES_MAX];
+	unsigned char block[GW_PUSH_BYTES_MAX];
 	if (push != NULL)
 		memcpy(block, push, pass->push_bytes);
 	else

@@ -9,6 +9,11 @@
 
 #include "shader_list.inc"
 
+const gw_shader *gw_shader_at(size_t i)
+{
+	return i < sizeof shader_list / sizeof *shader_list ? &shader_list[i] : NULL;
+}
+
 const gw_shader *gw_shader_find(const char *name)
 {
 	for (size_t i = 0; i < sizeof shader_list / sizeof *shader_list; i++)

@@ -50,11 +50,11 @@ check_code() {
 }
 
 # README.md is in every folder. Makefile, LICENSE and the like at the root have the names that
-# tools look for, as .ci/run has.
+# tools look for, as .ci/run and .github/SECURITY.md have.
 check_names() {
 	list_files | grep -vE '(^|/)README\.md$|^[^/]*$|^\.ci/' | sed 's|.*/||' | sort | uniq -d |
 		sed 's|$|: more than one file has this name|'
-	list_files | grep -vE '(^|/)README\.md$|^[^/]*$' | grep -E '[A-Z]' |
+	list_files | grep -vE '(^|/)README\.md$|^[^/]*$|^\.github/' | grep -E '[A-Z]' |
 		sed 's|$|: a file name with upper case|'
 	list_files | grep -E '[^A-Za-z0-9_./-]' | sed 's|$|: a file name with odd characters|'
 }
