@@ -61,7 +61,7 @@ static const fault_kind kinds[] = {
 	{ "read", "program", 1, 50, 0, true },     { "write", "program", 1, 50, 0, true },
 	{ "open", "program", 1, 50, 0, true },     { "close", "program", 1, 50, 0, true },
 	{ "fsync", "program", 1, 50, 0, true },    { "rename", "program", 1, 50, 0, true },
-	{ "thread", "program", 1, 100, 0, true },  { "vulkan", "any", 4, 300, -1, false },
+	{ "thread", "program", 1, 100, 0, true },  { "vulkan", "any", 4, 300, -1, true },
 	{ "vulkan", "any", 4, 300, -2, false },    { "vulkan", "any", 4, 300, -4, true },
 	{ "alloc", "library", 40, 100, 0, false }, { "mmap", "library", 1, 100, 0, false },
 	{ "read", "library", 1, 150, 0, false },   { "open", "library", 1, 150, 0, false },
