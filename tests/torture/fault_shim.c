@@ -2,7 +2,8 @@
  * fault_shim.c - makes the n-th call of one kind fail, ours or a library's: a shared object for
  * LD_PRELOAD. Counting begins when main does; nothing that the loader does before counts.
  *
- *   FAULT_KIND     alloc, mmap, read, write, open, close, fsync, rename, thread, vulkan, or shrink
+ *   FAULT_KIND     alloc, mmap, read, write, open, close, fsync (of files), folder (fsync of
+ *                  folders), rename, thread, vulkan, or shrink
  *   FAULT_AT       which call fails, from 1; 0 only counts
  *   FAULT_ONWARDS  1: all calls from that one on fail
  *   FAULT_OWNER    program: only calls that the program itself makes count; library: only others
@@ -41,6 +42,7 @@ typedef enum fault_kind {
 	OPEN,
 	CLOSE,
 	FSYNC,
+	FOLDER,
 	RENAME,
 	THREAD,
 	VULKAN,
@@ -48,8 +50,8 @@ typedef enum fault_kind {
 } fault_kind;
 
 static const char *const kind_name[] = {
-	"",      "alloc", "mmap",   "read",   "write",  "open",
-	"close", "fsync", "rename", "thread", "vulkan", "shrink",
+	"",      "alloc",  "mmap",   "read",   "write",  "open",   "close",
+	"fsync", "folder", "rename", "thread", "vulkan", "shrink",
 };
 
 enum { ANY_OWNER, PROGRAM_OWNER, LIBRARY_OWNER };
@@ -350,7 +352,10 @@ EXPORT int close(int descriptor)
 EXPORT int fsync(int descriptor)
 {
 	NEXT(fsync);
-	return fails_on(FSYNC, CALLER, "fsync", descriptor, EIO) ? -1 : next(descriptor);
+	struct stat info;
+	bool folder = fstatat(descriptor, "", &info, AT_EMPTY_PATH) == 0 && S_ISDIR(info.st_mode);
+	bool failing = fails_on(folder ? FOLDER : FSYNC, CALLER, "fsync", descriptor, EIO);
+	return failing ? -1 : next(descriptor);
 }
 
 EXPORT int rename(const char *from, const char *to)

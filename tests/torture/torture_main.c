@@ -316,24 +316,32 @@ static bool is_done(const part_sum *sum, long number)
 	return false;
 }
 
-/* Cases of all parts, one of each in turn, so that a run that is stopped has seen some of all. */
+/* Cases of all parts that are to be done, shuffled, so that a run that is stopped has seen some of
+ * all. */
 static case_id *list_cases(const part_sum *sum, long *count)
 {
-	long most = 0, total = 0, each[PART_COUNT];
+	long total = 0, each[PART_COUNT];
 	for (int p = 0; p < PART_COUNT; p++) {
 		bool wanted = !wish.only_part || strcmp(wish.only_part, parts[p]->name) == 0;
 		each[p] = wanted ? parts[p]->count(wish.slice) : 0;
-		most = each[p] > most ? each[p] : most;
 		total += each[p];
 	}
 	case_id *list = malloc(sizeof *list * (size_t)(total + 1));
 	if (!list)
 		exit(71);
 	*count = 0;
-	for (long i = 0; i < most; i++)
-		for (int p = 0; p < PART_COUNT; p++)
-			if (i < each[p] && !is_done(&sum[p], i))
+	for (int p = 0; p < PART_COUNT; p++)
+		for (long i = 0; i < each[p]; i++)
+			if (!is_done(&sum[p], i))
 				list[(*count)++] = (case_id){ p, i };
+	uint64_t state = wish.seed;
+	for (long i = *count; i > 1; i--) {
+		state = mix(state);
+		long k = (long)(state % (uint64_t)i);
+		case_id kept = list[i - 1];
+		list[i - 1] = list[k];
+		list[k] = kept;
+	}
 	return list;
 }
 
