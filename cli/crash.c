@@ -21,6 +21,13 @@
 /* Where a crash with less free address space than this counts as one for want of memory. */
 #define SCARCE_BYTES ((size_t)64 << 20)
 
+/* Sanitizers have handlers of their own, which say more. */
+#ifdef __SANITIZE_ADDRESS__
+#define SANITIZED true
+#else
+#define SANITIZED false
+#endif
+
 typedef struct range {
 	uintptr_t first, last;
 } range;
@@ -127,12 +134,13 @@ static void on_exit_of_others(void)
 
 void crash_install(void)
 {
-#ifndef __SANITIZE_ADDRESS__ /* it has handlers of its own, which say more */
 	static const int fatal[] = { SIGSEGV, SIGABRT, SIGFPE, SIGILL };
 	static char room[STACK_BYTES];
 	stack_t stack = { .ss_sp = room, .ss_size = sizeof room };
 	struct sigaction action = { .sa_handler = handle, .sa_flags = SA_ONSTACK | SA_NODEFER };
 	void *frame[1];
+	if (SANITIZED)
+		return;
 	process = getpid();
 	backtrace(frame, 1); /* loads what it needs */
 	dl_iterate_phdr(note_runtime, NULL);
@@ -140,7 +148,6 @@ void crash_install(void)
 	for (size_t i = 0; i < sizeof fatal / sizeof *fatal; i++)
 		sigaction(fatal[i], &action, NULL);
 	atexit(on_exit_of_others);
-#endif
 }
 
 void crash_finish(void)
