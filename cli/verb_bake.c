@@ -161,6 +161,23 @@ static gw_status read_inputs(bake *b)
 	return status;
 }
 
+/* What is known of the results before hours of work: whether their format can hold the points, and
+ * the disk the file. */
+static gw_status check_results(const bake *b)
+{
+	const settings *s = b->settings;
+	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
+	if (!b->format)
+		return GW_OK;
+	gw_status status =
+		b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK;
+	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
+	/* Of frames, at least one. */
+	return status == GW_OK
+			   ? output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error)
+			   : status;
+}
+
 static void on_progress(void *user, const char *stage, double done)
 {
 	progress_show(user, stage, done);
@@ -315,6 +332,8 @@ static gw_status run(bake *b)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	if (status == GW_OK)
 		status = read_inputs(b);
+	if (status == GW_OK)
+		status = check_results(b);
 	if (status == GW_OK && b->settings->transport)
 		status = input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error);
 	if (status == GW_OK)
