@@ -11,6 +11,7 @@
 #include "quality_preset.h"
 #include "scene_file.h"
 #include "signals.h"
+#include "text_quote.h"
 #include "vdb_grids.h"
 #include "voxel_merge.h"
 
@@ -136,12 +137,12 @@ static void note_inputs(const bake *b)
 						 b->settings->points.albedo != SCAN_ALBEDO_AUTO ||
 							 b->settings->input[i].has_albedo);
 		if (input->albedo_missing)
-			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
-					loaded_scene_input_name(input->path), input->albedo_source);
+			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
+						 loaded_scene_input_name(input->path), input->albedo_source);
 	}
 	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
 		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
-			fprintf(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
+			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
 	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
 		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
 						"luminance\n");
