@@ -4,6 +4,7 @@
 #include "options.h"
 #include "preview.h"
 #include "scene_file.h"
+#include "text_quote.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -295,15 +296,16 @@ void bake_report_notes(const bake_facts *f)
 }
 
 /* "3.1 % +- 0.4 %", or that nothing is known. */
-static void error_text(const gw_report *r, char text[64])
+static void error_text(const gw_report *r, char text[80])
 {
+	char error[TEXT_PERCENT], spread[TEXT_PERCENT];
 	if (r->error.points)
-		snprintf(text, 64, "%.2g %% +- %.2g %%", 100.0 * r->error.relative_rms,
-				 100.0 * r->error.spread);
+		snprintf(text, 80, "%s %% +- %s %%", text_percent(r->error.relative_rms, error),
+				 text_percent(r->error.spread, spread));
 	else if (r->error.shadows > 0.0)
-		snprintf(text, 64, "%.2g %%", 100.0 * r->error.shadows);
+		snprintf(text, 80, "%s %%", text_percent(r->error.shadows, error));
 	else
-		snprintf(text, 64, "not known");
+		snprintf(text, 80, "not known");
 }
 
 /* Two digits, in the unit that people count such a time in. */
@@ -321,9 +323,10 @@ static void put_part(const gw_report *r, double part, const char *what, const ch
 					 char *text, size_t room)
 {
 	size_t used = strlen(text);
+	char percent[TEXT_PERCENT];
 	if (part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms))
-		snprintf(text + used, room - used, "; %s alone are %.2g %%, which only %s would lessen",
-				 what, 100.0 * part, remedy);
+		snprintf(text + used, room - used, "; %s alone are %s %%, which only %s would lessen", what,
+				 text_percent(part, percent), remedy);
 }
 
 /* What no finer setting lessens. */
@@ -339,42 +342,43 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 {
 	const gw_report *r = &f->result->report;
 	double seconds = whole_seconds(f, r->price.seconds);
-	char time[32];
+	char time[32], percent[TEXT_PERCENT];
 	*text = '\0';
 	time_text(seconds, time);
 	if (f->settings->bake.method == GW_METHOD_CONES && r->error.points)
 		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
 	else if (r->price.error > 0.0 && seconds > 0.0)
-		snprintf(text, room, "; %.2g %% would take about %s (--max-error %.2g)",
-				 100.0 * r->price.error, time, r->price.error);
+		snprintf(text, room, "; %s %% would take about %s (--max-error %.2g)",
+				 text_percent(r->price.error, percent), time, r->price.error);
 	else if (r->price.error > 0.0)
-		snprintf(text, room, "; %.2g %% would take a bake without --transport (--max-error %.2g)",
-				 100.0 * r->price.error, r->price.error);
+		snprintf(text, room, "; %s %% would take a bake without --transport (--max-error %.2g)",
+				 text_percent(r->price.error, percent), r->price.error);
 	put_parts(r, text, room);
 }
 
 void bake_report_error(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
-	char error[64], price[256];
+	char error[80], price[256];
 	if (r->error.points == 0 && !(r->error.shadows > 0.0))
 		return;
 	error_text(r, error);
 	price_text(f, price, sizeof price);
-	fprintf(stderr, "glowworm: error: %s of the mean%s\n", error, price);
+	fprintf(stderr, "glowworm: estimated error: %s of the mean%s\n", error, price);
 }
 
 /* Why a target was missed and what it would take, as the end of a sentence. */
 static void missed_text(const bake_facts *f, char *text, size_t room)
 {
 	const gw_report *r = &f->result->report;
-	char time[32];
+	char time[32], percent[TEXT_PERCENT];
 	*text = '\0';
 	if (r->goal == GW_GOAL_TIME && r->price.seconds > 0.0) {
 		time_text(whole_seconds(f, r->price.seconds), time);
 		snprintf(text, room, "; it would take about %s in all", time);
 	} else if (r->error.points && r->goal != GW_GOAL_TIME) {
-		snprintf(text, room, "; %.2g %% are noise of the rays", 100.0 * r->error.noise);
+		snprintf(text, room, "; %s %% are noise of the rays",
+				 text_percent(r->error.noise, percent));
 	}
 	put_parts(r, text, room);
 }
@@ -389,7 +393,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
 	};
 	const gw_report *r = &f->result->report;
-	char text[64], why[256];
+	char text[80], why[256];
 	error_text(r, text);
 	missed_text(f, why, sizeof why);
 	if (r->missed)
@@ -405,19 +409,22 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 
 void bake_report_summary(const bake_facts *f)
 {
+	char bias[TEXT_PERCENT];
 	const gw_report *r = &f->result->report;
 	for (size_t i = 0; i < f->scene->input_count; i++)
-		fprintf(stderr, "glowworm: %s: %s, %zu points; albedo from %s\n",
-				loaded_scene_input_name(f->scene->input[i].path), f->scene->input[i].format->name,
-				f->scene->input[i].points, f->scene->input[i].albedo_source);
+		text_message(stderr, "glowworm: %s: %s, %zu points; albedo from %s\n",
+					 loaded_scene_input_name(f->scene->input[i].path),
+					 f->scene->input[i].format->name, f->scene->input[i].points,
+					 f->scene->input[i].albedo_source);
 	fprintf(stderr, "glowworm: device: %s\n", r->device);
 	fprintf(stderr, "glowworm: octree: depth %" PRIu32 ", leaves of %.4g m, %" PRIu64 " of them\n",
 			r->depth, r->leaf_size, r->leaves);
 	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
 			r->bounce_count, r->remaining);
 	if (r->error.points)
-		fprintf(stderr, "glowworm: error: bias %+.2g %%, from %" PRIu32 " points solved again\n",
-				100.0 * r->error.bias, r->error.points);
+		fprintf(stderr,
+				"glowworm: estimated error: bias %s %%, from %" PRIu32 " points solved again\n",
+				text_percent(r->error.bias, bias), r->error.points);
 	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
 			f->bake_seconds, f->write_seconds);
 }

@@ -37,6 +37,7 @@ int exit_code_describe(int i, const char **meaning)
 		{ EXIT_CODE_MEMORY, "not enough memory, or a limit of the device" },
 		{ EXIT_CODE_CREATE, "an output that cannot be created" },
 		{ EXIT_CODE_IO, "reading or writing failed half way: full disk, closed pipe" },
+		{ EXIT_CODE_SIGNAL + SIGHUP, "stopped because the terminal was closed" },
 		{ EXIT_CODE_SIGNAL + SIGINT, "stopped by an interrupt (Ctrl-C)" },
 		{ EXIT_CODE_SIGNAL + SIGTERM, "stopped by a request to terminate" },
 	};

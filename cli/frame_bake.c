@@ -99,8 +99,8 @@ static gw_status check_files(const settings *s, uint32_t first, uint32_t last, g
 		char *name = name_frame(s->output, f);
 		if (!name)
 			status = gw_fail(error, GW_ERROR_MEMORY, "no memory for a name");
-		else if (!s->force && access(name, F_OK) == 0)
-			status = gw_fail(error, GW_ERROR_CREATE, "%s exists; --force overwrites it", name);
+		else
+			status = output_file_check(name, s->force, error);
 		free(name);
 	}
 	return status;

@@ -335,3 +335,21 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 		scan_clear(lit);
 	return status;
 }
+
+size_t lit_scan_row_bytes(const loaded_scene *scene, const settings *s, size_t *columns)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	static const size_t floats[SETTINGS_FIELD_COUNT] = {
+		[SETTINGS_FIELD_DIRECT] = 3, [SETTINGS_FIELD_INDIRECT] = 3, [SETTINGS_FIELD_IRRADIANCE] = 3,
+		[SETTINGS_FIELD_ROI] = 1,    [SETTINGS_FIELD_AO] = 1,       [SETTINGS_FIELD_NORMALS] = 3,
+		[SETTINGS_FIELD_ERROR] = 1,
+	};
+	size_t bytes = 6, count = 7; /* normals, the luminance and radiance; colours and albedo */
+	for (int k = 0; k < 3; k++)
+		bytes += scan_type_size(scan_find(&scene->cloud, position[k])->type);
+	for (size_t f = 0; f < SETTINGS_FIELD_COUNT; f++)
+		count += s->fields >> f & 1u ? floats[f] : 0;
+	bytes += count * sizeof(float);
+	*columns = count + 9;
+	return bytes;
+}

@@ -6,6 +6,7 @@
 #include "nearest_name.h"
 #include "option_text.h"
 #include "signals.h"
+#include "text_quote.h"
 #include "verbs.h"
 
 #include <errno.h>
@@ -113,7 +114,7 @@ static int run_program(int count, char **argument)
 	if (status == GW_OK)
 		status = flush_output(&error);
 	if (status != GW_OK)
-		fprintf(stderr, "glowworm: %s\n", error.text);
+		text_message(stderr, "glowworm: %s\n", error.text);
 	return exit_code_of(status, signals_pending());
 }
 

@@ -3,6 +3,7 @@
 #include "gloss_filter.h"
 #include "glossy_points.h"
 #include "octree_note.h"
+#include "panorama.h"
 #include "signals.h"
 
 #include <math.h>
@@ -41,12 +42,41 @@ static bool is_glossy(const render_scene *scene)
 	return false;
 }
 
-/* The sky that the lights speak of, for rays that meet nothing. */
-static void find_sky(const settings *s, float sky[3])
+/* The mean of a map over all directions. */
+static gw_status average_map(const char *path, double mean[3], gw_error *error)
 {
-	for (size_t i = 0; i < s->light_count; i++)
-		for (int k = 0; k < 3 && s->light[i].light.type == GW_LIGHT_ENVIRONMENT; k++)
-			sky[k] += s->light[i].light.radiance[k];
+	panorama map;
+	gw_status status = panorama_read(path, &map, error);
+	double weights = 0.0;
+	for (uint32_t y = 0; status == GW_OK && y < map.height; y++) {
+		double weight = sin(3.14159265358979323846 * (y + 0.5) / map.height);
+		for (size_t x = 0; x < map.width; x++)
+			for (size_t k = 0; k < 3; k++)
+				mean[k] += weight * (double)map.pixels[3 * ((size_t)y * map.width + x) + k];
+		weights += weight * map.width;
+	}
+	for (int k = 0; k < 3 && status == GW_OK; k++)
+		mean[k] /= weights;
+	panorama_clear(&map);
+	return status;
+}
+
+/* The sky that the lights speak of, for rays that meet nothing: one colour, of maps their mean. */
+static gw_status find_sky(const settings *s, float sky[3], gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+		double mean[3] = { 1.0, 1.0, 1.0 };
+		if (s->light[i].light.type != GW_LIGHT_ENVIRONMENT)
+			continue;
+		if (s->light[i].map[0]) {
+			mean[0] = mean[1] = mean[2] = 0.0;
+			status = average_map(s->light[i].map, mean, error);
+		}
+		for (int k = 0; k < 3; k++)
+			sky[k] += s->light[i].light.radiance[k] * (float)mean[k];
+	}
+	return status;
 }
 
 static gw_status build(octree_picture *p, const settings *s, const render_scene *scene,
@@ -81,11 +111,12 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
 	p->glossy = s->render.glossy != SETTINGS_GLOSSY_OFF && is_glossy(scene);
 	p->reflection.cone = p->reflection.cone && p->glossy;
-	find_sky(s, p->reflection.sky);
 	if (!p->glossy && !p->voxels)
 		return GW_OK;
 	double start = gw_seconds();
-	gw_status status = build(p, s, scene, error);
+	gw_status status = p->glossy ? find_sky(s, p->reflection.sky, error) : GW_OK;
+	if (status == GW_OK)
+		status = build(p, s, scene, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");

@@ -6,17 +6,40 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
+
+/* Where the work asks too seldom, in libraries and drivers, it is ended after this. */
+#define PATIENCE_MICROSECONDS 500000
 
 static volatile sig_atomic_t pending;
 
+static void end_now(void)
+{
+	output_file_remove_temporaries();
+	_exit(EXIT_CODE_SIGNAL + pending);
+}
+
 static void handle(int signal)
 {
-	if (pending) {
-		output_file_remove_temporaries();
-		_exit(EXIT_CODE_SIGNAL + signal);
-	}
+	if (pending)
+		end_now();
 	pending = signal;
+	/* Unlike timers made with timer_create, this one also works in a process that was forked. */
+	struct itimerval once = { .it_value = { .tv_usec = PATIENCE_MICROSECONDS } };
+	setitimer(ITIMER_REAL, &once, NULL);
+}
+
+static void handle_patience(int signal)
+{
+	static const char text[] = "glowworm: stopped\n";
+	(void)signal;
+	if (!pending)
+		return;
+	if (write(STDERR_FILENO, text, sizeof text - 1) < 0) {
+		/* Nobody is there to be told. */
+	}
+	end_now();
 }
 
 /* Only reading a file raises it where nothing is wrong with the program. */
@@ -38,6 +61,11 @@ void signals_install(void)
 	sigaction(SIGBUS, &lost, NULL);
 	sigaction(SIGINT, &stop, NULL);
 	sigaction(SIGTERM, &stop, NULL);
+	struct sigaction patience = { .sa_handler = handle_patience }, hangup;
+	sigaction(SIGALRM, &patience, NULL);
+	/* Under nohup the terminal may close. */
+	if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN)
+		sigaction(SIGHUP, &stop, NULL);
 	sigaction(SIGPIPE, &ignore, NULL);
 	sigaction(SIGXFSZ, &ignore, NULL);
 	/* A file that we open must not become standard output. Read-only: writes to it then fail. */

@@ -1,9 +1,10 @@
 /*
  * signals.h - being asked to stop.
  *
- * The first SIGINT or SIGTERM asks; the work stops at its next step and cleans up. The second one
- * removes temporary files and ends the process at once. SIGPIPE and SIGXFSZ are ignored, so that a
- * closed pipe is a failed write like a full disk.
+ * The first SIGINT, SIGTERM or SIGHUP asks; the work stops at its next step and cleans up. The
+ * second one, or half a second in which no step came, removes temporary files and ends the process
+ * at once. SIGPIPE and SIGXFSZ are ignored, so that a closed pipe is a failed write like a full
+ * disk.
  */
 #ifndef SIGNALS_H
 #define SIGNALS_H

@@ -1,4 +1,5 @@
 #include "tradeoff_plot.h"
+#include "text_quote.h"
 
 #include <math.h>
 #include <string.h>
@@ -221,6 +222,7 @@ static void draw_marks(const tradeoff *t, const panel *p, FILE *out)
 void tradeoff_plot_write(const tradeoff *t, FILE *out)
 {
 	const gw_error_estimate *e = &t->run[0].estimate;
+	char error[TEXT_PERCENT];
 	double width = 2.0 * PANEL_WIDTH + LEFT + GAP + 30.0, height = PANEL_HEIGHT + TOP + 60.0;
 	fprintf(out,
 			"<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" "
@@ -238,8 +240,8 @@ void tradeoff_plot_write(const tradeoff *t, FILE *out)
 		"joins "
 		"what nothing beats in both axes of its panel.</text>\n"
 		"<text class=\"axis\" x=\"%.0f\" y=\"44\">The reference took %.3g s and estimates its own "
-		"error as %.2g %%.</text>\n",
-		LEFT, LEFT, t->run[0].seconds, 100.0 * e->relative_rms);
+		"error as %s %%.</text>\n",
+		LEFT, LEFT, t->run[0].seconds, text_percent(e->relative_rms, error));
 	for (int k = 0; k < 2; k++) {
 		panel p = fit(t, k ? LEFT + PANEL_WIDTH + GAP : LEFT, k == 1);
 		draw_axes(&p, out);

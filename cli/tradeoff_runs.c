@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -122,6 +123,7 @@ static gw_status run_one(const loaded_scene *scene, const gw_light *lights, size
 		return gw_fail(error, GW_ERROR_MEMORY, "no process for '%s': %s", run->name,
 					   strerror(errno));
 	if (child == 0) {
+		prctl(PR_SET_PDEATHSIG, SIGTERM); /* who is asked to stop may not wait for us */
 		bake_here(scene, lights, light_count, &run->bake, back);
 		_exit(0);
 	}

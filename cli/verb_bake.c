@@ -11,6 +11,7 @@
 #include "quality_preset.h"
 #include "scene_file.h"
 #include "signals.h"
+#include "text_quote.h"
 #include "vdb_grids.h"
 #include "voxel_merge.h"
 
@@ -136,12 +137,12 @@ static void note_inputs(const bake *b)
 						 b->settings->points.albedo != SCAN_ALBEDO_AUTO ||
 							 b->settings->input[i].has_albedo);
 		if (input->albedo_missing)
-			fprintf(stderr, "glowworm: note: %s: the albedo is %s\n",
-					loaded_scene_input_name(input->path), input->albedo_source);
+			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
+						 loaded_scene_input_name(input->path), input->albedo_source);
 	}
 	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
 		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
-			fprintf(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
+			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
 	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
 		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
 						"luminance\n");
@@ -159,6 +160,23 @@ static gw_status read_inputs(bake *b)
 		note_inputs(b);
 	b->facts.read_seconds = now() - start;
 	return status;
+}
+
+/* What is known of the results before hours of work: whether their format can hold the points, and
+ * the disk the file. */
+static gw_status check_results(const bake *b)
+{
+	const settings *s = b->settings;
+	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
+	if (!b->format)
+		return GW_OK;
+	gw_status status =
+		b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK;
+	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
+	/* Of frames, at least one. */
+	return status == GW_OK
+			   ? output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error)
+			   : status;
 }
 
 static void on_progress(void *user, const char *stage, double done)
@@ -315,6 +333,8 @@ static gw_status run(bake *b)
 		b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	if (status == GW_OK)
 		status = read_inputs(b);
+	if (status == GW_OK)
+		status = check_results(b);
 	if (status == GW_OK && b->settings->transport)
 		status = input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error);
 	if (status == GW_OK)

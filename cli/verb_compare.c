@@ -36,9 +36,8 @@ static gw_status check_outputs(comparison *c)
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with --worst");
 	gw_status status = file_roles_check(VERB_COMPARE, s, NULL, c->error);
-	return status == GW_OK && s->worst
-			   ? output_name_format(s->worst, NULL, &c->format, c->error)
-			   : status;
+	return status == GW_OK && s->worst ? output_name_format(s->worst, NULL, &c->format, c->error)
+									   : status;
 }
 
 static gw_status check(comparison *c)

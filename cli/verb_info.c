@@ -1,4 +1,5 @@
 #include "verbs.h"
+#include "text_quote.h"
 #include "json_writer.h"
 #include "loaded_scene.h"
 
@@ -132,7 +133,7 @@ static void print_columns(const facts *f)
 	for (size_t c = 0; c < f->cloud->column_count; c++) {
 		const scan_column *column = &f->cloud->column[c];
 		column_range range = find_range(column, f->cloud->count);
-		printf("  %-24s %-8s ", column->name, type_name(column->type));
+		text_message(stdout, "  %-24s %-8s ", column->name, type_name(column->type));
 		if (range.bad < f->cloud->count)
 			printf("%14.12g %14.12g %" PRIu64 "\n", range.minimum, range.maximum, range.bad);
 		else
@@ -143,7 +144,7 @@ static void print_columns(const facts *f)
 static void print_text(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
-	printf("%s\n", f->name);
+	text_message(stdout, "%s\n", f->name);
 	printf("  format     %s, %c up\n", f->format->name, f->cloud->up);
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
@@ -164,11 +165,11 @@ static void print_text(const facts *f)
 			   s->normals_given, f->normal_length, s->normals_bad);
 	else
 		printf("  normals    none; they would be estimated\n");
-	printf("  albedo     mean %.3g %.3g %.3g, from %s\n", f->albedo[0], f->albedo[1], f->albedo[2],
-		   f->points->albedo_source);
+	text_message(stdout, "  albedo     mean %.3g %.3g %.3g, from %s\n", f->albedo[0], f->albedo[1],
+				 f->albedo[2], f->points->albedo_source);
 	for (size_t c = 0; c < f->cloud->comment_count; c++)
 		if (strncmp(f->cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
-			printf("  note       %s\n", f->cloud->comment[c] + strlen(SCAN_NOTE));
+			text_message(stdout, "  note       %s\n", f->cloud->comment[c] + strlen(SCAN_NOTE));
 	printf("  bake       depth %" PRIu32 ", about %.2f GB\n", s->depth, (double)s->memory * 1e-9);
 	print_columns(f);
 }

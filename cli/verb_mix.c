@@ -41,9 +41,8 @@ static gw_status check(mixing *m)
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with -o");
 	gw_status status = file_roles_check(VERB_MIX, s, NULL, m->error);
-	return status == GW_OK
-			   ? output_name_format(s->output, s->output_format, &m->format, m->error)
-			   : status;
+	return status == GW_OK ? output_name_format(s->output, s->output_format, &m->format, m->error)
+						   : status;
 }
 
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */

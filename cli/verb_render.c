@@ -431,6 +431,20 @@ static gw_status make_picture(render *r, size_t picture)
 	return status;
 }
 
+/* Lamps light nothing in a picture; their shadows can be shown, and a sky is reflected. */
+static void note_lamps(const render *r)
+{
+	const settings *s = r->settings;
+	size_t idle = 0;
+	for (size_t i = 0; i < s->light_count; i++)
+		idle += !(r->octree.glossy && s->light[i].light.type == GW_LIGHT_ENVIRONMENT);
+	if (idle > 0 && r->look.view != SETTINGS_VIEW_SHADOW && !s->quiet)
+		fprintf(stderr,
+				"glowworm: note: lamps that change nothing here: %zu; a picture shows the light "
+				"that is in the points, which glowworm bake puts there\n",
+				idle);
+}
+
 static gw_status run(render *r)
 {
 	gw_status status = scene_read_all(r->settings, r->error);
@@ -438,6 +452,8 @@ static gw_status run(render *r)
 		status = check(r);
 	if (status == GW_OK)
 		status = read_scene(r);
+	if (status == GW_OK)
+		note_lamps(r);
 	double start = gw_seconds();
 	if (status == GW_OK)
 		status = choose_exposure(r);

@@ -7,6 +7,7 @@
 #include "output_name.h"
 #include "scene_file.h"
 #include "signals.h"
+#include "text_quote.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -61,11 +62,11 @@ static gw_status add_comment(const settings *s, scan *cloud, gw_error *error)
 
 static void print_summary(const mesh *m, const char *name, uint64_t count)
 {
-	fprintf(stderr,
-			"glowworm: %s: %zu faces, %zu triangles, %zu materials, %.6g m^2; %llu points, "
-			"%.6g a square metre\n",
-			name, m->faces, m->triangle_count, m->material_count, m->area,
-			(unsigned long long)count, (double)count / m->area);
+	text_message(stderr,
+				 "glowworm: %s: %zu faces, %zu triangles, %zu materials, %.6g m^2; %llu points, "
+				 "%.6g a square metre\n",
+				 name, m->faces, m->triangle_count, m->material_count, m->area,
+				 (unsigned long long)count, (double)count / m->area);
 }
 
 static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error)

@@ -3,6 +3,7 @@
 #include "glossy_points.h"
 #include "output_file.h"
 #include "scene_file.h"
+#include "text_quote.h"
 #include "tradeoff_plot.h"
 
 #include <stdlib.h>
@@ -63,6 +64,7 @@ static void print_row(const tradeoff_run *run, bool reference, FILE *out)
 static void print_table(const tradeoff *t, FILE *out)
 {
 	const gw_error_estimate *e = &t->run[0].estimate;
+	char error[TEXT_PERCENT], spread[TEXT_PERCENT];
 	fprintf(out, "Difference of the luminance from the reference, %% of its mean\n\n");
 	fprintf(out, "%-24s %8s %8s %8s %9s %9s %9s  %s\n", "", "relRMSE", "best 99%", "bias",
 			"seconds", "MB", "device MB", "best");
@@ -71,9 +73,9 @@ static void print_table(const tradeoff *t, FILE *out)
 	fprintf(out, "\n* no other setting is both as fast and as near.\n");
 	if (e->points)
 		fprintf(out,
-				"The reference estimates its own error as %.2g %% +- %.2g %%; differences of that "
+				"The reference estimates its own error as %s %% +- %s %%; differences of that "
 				"size say little.\n",
-				100.0 * e->relative_rms, 100.0 * e->spread);
+				text_percent(e->relative_rms, error), text_percent(e->spread, spread));
 }
 
 /* What reaches an error, the fastest first; the reference counts by its own estimate. */

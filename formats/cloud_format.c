@@ -75,33 +75,37 @@ typedef struct sources {
 	bool turn; /* z up to y up */
 } sources;
 
-static gw_status find_sources(const scan *cloud, sources *from, const output_file *out,
-							  gw_error *error)
+static gw_status cloud_accept(const scan *cloud, const char *name, gw_error *error)
 {
-	static const char *const position[3] = { "x", "y", "z" };
-	static const char *const normal[3] = { "nx", "ny", "nz" };
+	static const char *const names[3] = { "x", "y", "z" };
+	const scan_column *position[3];
 	if (cloud->count > INT32_MAX)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "%s: a .cloud file holds at most 2147483647 points, not %zu; write PLY",
-					   output_file_name(out), cloud->count);
-	if (!scan_find_triple(cloud, position, from->position))
-		return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinates x, y and z",
-					   output_file_name(out));
-	from->has_normal = scan_find_triple(cloud, normal, from->normal);
-	from->has_color = scan_color_find(cloud, scan_color_names, &from->color);
-	from->turn = cloud->up == 'z';
+					   name, cloud->count);
+	if (!scan_find_triple(cloud, names, position))
+		return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinates x, y and z", name);
 	for (int k = 0; k < 3; k++) {
 		for (size_t i = 0; i < cloud->count; i++) {
-			double value = scan_value(from->position[k], i);
+			double value = scan_value(position[k], i);
 			if (isfinite(value) && fabs(value - (double)(float)value) > 1e-3)
 				return gw_fail(error, GW_ERROR_DATA,
 							   "%s: the coordinate %.3f of point %zu would move by over a "
-							   "millimetre in the 32-bit numbers of a .cloud file; write "
-							   "PLY",
-							   output_file_name(out), value, i);
+							   "millimetre in the 32-bit numbers of a .cloud file; write PLY",
+							   name, value, i);
 		}
 	}
 	return GW_OK;
+}
+
+static void find_sources(const scan *cloud, sources *from)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	static const char *const normal[3] = { "nx", "ny", "nz" };
+	scan_find_triple(cloud, position, from->position);
+	from->has_normal = scan_find_triple(cloud, normal, from->normal);
+	from->has_color = scan_color_find(cloud, scan_color_names, &from->color);
+	from->turn = cloud->up == 'z';
 }
 
 static void put_vector(uint8_t *to, const scan_column *const column[3], size_t i, bool turn)
@@ -141,9 +145,10 @@ static void put_sample(uint8_t *to, const sources *from, size_t i)
 gw_status cloud_write(output_file *out, const scan *cloud, gw_error *error)
 {
 	sources from = { 0 };
-	gw_status status = find_sources(cloud, &from, out, error);
+	gw_status status = cloud_accept(cloud, output_file_name(out), error);
 	if (status != GW_OK)
 		return status;
+	find_sources(cloud, &from);
 	uint8_t bytes[SAMPLE_BYTES];
 	store_32(bytes, (uint32_t)cloud->count);
 	status = output_file_write(out, bytes, 4, error);
@@ -161,5 +166,7 @@ const format cloud_format = {
 	.description = "point cloud of Salm's thesis, y up",
 	.extensions = extensions,
 	.read = cloud_read,
+	.accept = cloud_accept,
+	.row_bytes = SAMPLE_BYTES,
 	.write = cloud_write,
 };

@@ -24,6 +24,14 @@ typedef struct format {
 	 * count is checked against the bytes that are there before anything is allocated. */
 	gw_status (*read)(struct input_file *in, scan *scan, gw_error *error);
 
+	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
+	 *   name   of the file, for messages */
+	gw_status (*accept)(const scan *scan, const char *name, gw_error *error);
+
+	/* What a point takes at least when it is written. */
+	size_t row_bytes; /* 0: what its columns take, */
+	bool text;        /* or a digit and a separator for each of them */
+
 	/* Writes a scan: all columns in order. NULL when the format cannot be written. */
 	gw_status (*write)(struct output_file *out, const scan *scan, gw_error *error);
 } format;

@@ -1,4 +1,5 @@
 #include "las_format.h"
+#include "las_grid.h"
 
 #include <string.h>
 
@@ -21,12 +22,23 @@ static bool probe_laz(const uint8_t *head, size_t length)
 static const char *const las_extensions[] = { "las", NULL };
 static const char *const laz_extensions[] = { "laz", NULL };
 
+static gw_status las_accept(const scan *cloud, const char *name, gw_error *error)
+{
+	las_grid grid;
+	gw_status status = GW_OK;
+	for (int axis = 0; axis < 3 && status == GW_OK; axis++)
+		status = las_grid_find(cloud, axis, name, &grid, error);
+	return status;
+}
+
 const format las_format = {
 	.name = "las",
 	.description = "ASPRS laser scan",
 	.extensions = las_extensions,
 	.probe = probe_las,
 	.read = las_read,
+	.accept = las_accept,
+	.row_bytes = 30, /* of the smallest record that is written */
 	.write = las_write,
 };
 

@@ -1,14 +1,19 @@
 #include "output_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #define BUFFER_BYTES ((size_t)1 << 18)
@@ -97,6 +102,67 @@ static size_t folder_length(const char *path)
 	return slash ? (size_t)(slash - path) + 1 : 0;
 }
 
+/* ---------------------------------------------------------------------- those left by the dead */
+
+/*
+ * A process that is killed, or whose machine fails, leaves its temporary file. It is removed by the
+ * next one that writes to the folder, if it is surely of a dead one: its name is one of ours, it
+ * belongs to us, the process in its name does not live here, and nobody, on this machine or where
+ * locks are shared between machines, holds the lock that its writer takes and the dead let go.
+ */
+static bool is_left(int folder, const char *name)
+{
+	long process;
+	unsigned serial;
+	int end = 0;
+	struct stat info;
+	if (sscanf(name, ".glowworm-%ld-%u.part%n", &process, &serial, &end) < 2 || end == 0 ||
+		name[end] != '\0' || process <= 0 || kill((pid_t)process, 0) == 0 || errno != ESRCH)
+		return false;
+	return fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode) &&
+		   info.st_uid == geteuid();
+}
+
+static void remove_if_unlocked(int folder, const char *name)
+{
+	int descriptor = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+	if (descriptor < 0)
+		return;
+	if (flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+		unlinkat(folder, name, 0);
+	close(descriptor);
+}
+
+/* Once for a folder, or again when another one came between: many frames go into one. */
+static void remove_left_ones(const char *target)
+{
+	static atomic_ullong last;
+	size_t length = folder_length(target);
+	char *path = length ? strndup(target, length) : strdup(".");
+	struct stat info;
+	DIR *folder = path && stat(path, &info) == 0 ? opendir(path) : NULL;
+	free(path);
+	if (!folder)
+		return;
+	unsigned long long key = info.st_ino * 31u + info.st_dev;
+	if (atomic_exchange(&last, key) != key)
+		for (struct dirent *entry; (entry = readdir(folder));)
+			if (is_left(dirfd(folder), entry->d_name))
+				remove_if_unlocked(dirfd(folder), entry->d_name);
+	closedir(folder);
+}
+
+/* The lock says that the writer lives. False when somebody who took us for dead was quicker. */
+static bool lock_temporary(int descriptor)
+{
+	struct stat info;
+	if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+		return false;
+	return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
+}
+
+/* -------------------------------------------------------------------------------- the file */
+
 /* Creates a file of a new name in the target's folder. Permissions are those of any new file (the
  * umask applies), or those of the file that will be replaced. */
 static gw_status create_temporary(output_file *out, const struct stat *replaced, gw_error *error)
@@ -107,11 +173,14 @@ static gw_status create_temporary(output_file *out, const struct stat *replaced,
 	out->temporary = malloc(size);
 	if (!out->temporary)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", out->name);
+	remove_left_ones(out->target);
 	do {
+		if (out->descriptor >= 0)
+			close(out->descriptor);
 		snprintf(out->temporary, size, "%.*s.glowworm-%ld-%u.part", (int)folder, out->target,
 				 (long)getpid(), atomic_fetch_add(&serial, 1));
 		out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-	} while (out->descriptor < 0 && errno == EEXIST);
+	} while (out->descriptor < 0 ? errno == EEXIST : !lock_temporary(out->descriptor));
 	if (out->descriptor < 0) {
 		int reason = errno;
 		free(out->temporary);
@@ -129,47 +198,92 @@ static gw_status open_directly(output_file *out, int descriptor, gw_error *error
 {
 	out->descriptor = descriptor;
 	if (descriptor < 0)
-		return gw_fail(error, GW_ERROR_CREATE, "cannot open %s for writing: %s", out->name,
-					   strerror(errno));
+		return gw_fail(error, errno == EINTR ? GW_ERROR_CANCELLED : GW_ERROR_CREATE,
+					   "cannot open %s for writing: %s", out->name, strerror(errno));
 	return GW_OK;
 }
 
-static gw_status fail_existing(const output_file *out, gw_error *error)
+static gw_status fail_existing(const char *name, gw_error *error)
 {
 	return gw_fail(error, GW_ERROR_CREATE,
-				   "%s exists already; choose another name, or overwrite it with --force",
-				   out->name);
+				   "%s exists already; choose another name, or overwrite it with --force", name);
 }
 
-/* Decides by what is there under the name: nothing, a file, or something that is no file. */
+/* What is there under a name. */
+typedef enum target_kind { TARGET_NOTHING, TARGET_FILE, TARGET_STREAM } target_kind;
+
+/* Decides by what is there whether something can be written under the name. */
+static gw_status look(const char *path, bool force, target_kind *kind, struct stat *info,
+					  gw_error *error)
+{
+	bool there = stat(path, info) == 0;
+	int reason = errno;
+	*kind = !there ? TARGET_NOTHING : S_ISREG(info->st_mode) ? TARGET_FILE : TARGET_STREAM;
+	if (there && S_ISDIR(info->st_mode))
+		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: it is a directory", path);
+	if (*kind == TARGET_FILE && !force)
+		return fail_existing(path, error);
+	if (there)
+		return GW_OK;
+	/* Too long, or behind a folder that is none or closed. */
+	if (reason != ENOENT && reason != ELOOP)
+		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", path, strerror(reason));
+	if (lstat(path, info) == 0)
+		return gw_fail(error, GW_ERROR_CREATE,
+					   "cannot create %s: it is a symbolic link that leads nowhere", path);
+	if (path[0] == '\0' || path[strlen(path) - 1] == '/')
+		return gw_fail(error, GW_ERROR_CREATE, "cannot create '%s': a file name is missing", path);
+	return GW_OK;
+}
+
+gw_status output_file_check(const char *path, bool force, gw_error *error)
+{
+	target_kind kind;
+	struct stat info;
+	return strcmp(path, "-") == 0 ? GW_OK : look(path, force, &kind, &info, error);
+}
+
+static gw_status fail_room(const char *path, uint64_t bytes, uint64_t most, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_IO,
+				   "%s will take at least %llu bytes, but there is room for %llu only", path,
+				   (unsigned long long)bytes, (unsigned long long)most);
+}
+
+gw_status output_file_check_room(const char *path, uint64_t bytes, gw_error *error)
+{
+	struct stat info;
+	struct statvfs disk;
+	struct rlimit limit;
+	if (strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode)))
+		return GW_OK;
+	if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && bytes > limit.rlim_cur)
+		return fail_room(path, bytes, limit.rlim_cur, error);
+	size_t length = folder_length(path);
+	char *folder = length ? strndup(path, length) : strdup(".");
+	bool known = folder && statvfs(folder, &disk) == 0 && disk.f_blocks > 0;
+	free(folder);
+	if (!known)
+		return GW_OK;
+	uint64_t room = (uint64_t)(geteuid() == 0 ? disk.f_bfree : disk.f_bavail) * disk.f_frsize;
+	return bytes > room ? fail_room(path, bytes, room, error) : GW_OK;
+}
+
 static gw_status open_target(output_file *out, const char *path, gw_error *error)
 {
+	struct stat info;
+	target_kind kind;
 	if (strcmp(path, "-") == 0)
 		return open_directly(out, fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3), error);
-
-	struct stat info, *replaced = NULL;
-	if (stat(path, &info) == 0) {
-		if (S_ISDIR(info.st_mode))
-			return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: it is a directory",
-						   out->name);
-		if (!S_ISREG(info.st_mode))
-			return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
-		if (!out->force)
-			return fail_existing(out, error);
-		replaced = &info;
-		out->target = realpath(path, NULL);
-	} else if (lstat(path, &info) == 0) {
-		return gw_fail(error, GW_ERROR_CREATE,
-					   "cannot create %s: it is a symbolic link that leads nowhere", out->name);
-	} else if (path[0] == '\0' || path[strlen(path) - 1] == '/') {
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create '%s': a file name is missing",
-					   out->name);
-	} else {
-		out->target = strdup(path);
-	}
+	gw_status status = look(path, out->force, &kind, &info, error);
+	if (status != GW_OK)
+		return status;
+	if (kind == TARGET_STREAM)
+		return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
+	out->target = kind == TARGET_FILE ? realpath(path, NULL) : strdup(path);
 	if (!out->target)
 		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", out->name, strerror(errno));
-	return create_temporary(out, replaced, error);
+	return create_temporary(out, kind == TARGET_FILE ? &info : NULL, error);
 }
 
 gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error)
@@ -321,7 +435,7 @@ static gw_status rename_temporary(output_file *out, gw_error *error)
 	bool done = out->force ? rename(out->temporary, out->target) == 0
 						   : rename_onto_nothing(out->temporary, out->target);
 	if (!done && errno == EEXIST)
-		return fail_existing(out, error);
+		return fail_existing(out->name, error);
 	if (!done)
 		return gw_fail(error, GW_ERROR_IO, "cannot rename %s to %s: %s", out->temporary,
 					   out->target, strerror(errno));

@@ -33,6 +33,13 @@ typedef struct output_file output_file;
  */
 gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error);
 
+/* Whether a file could be started under a name, as far as its name and what is there say it. */
+gw_status output_file_check(const char *path, bool force, gw_error *error);
+
+/* GW_ERROR_IO when that many bytes do not fit on the disk, or are more than this process may write;
+ * what cannot be known is no failure. */
+gw_status output_file_check_room(const char *path, uint64_t bytes, gw_error *error);
+
 /* Appends bytes. GW_ERROR_IO when they could not be written, now or earlier. */
 gw_status output_file_write(output_file *out, const void *bytes, size_t length, gw_error *error);
 

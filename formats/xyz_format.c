@@ -243,6 +243,7 @@ const format xyz_format = {
 	.probe = probe,
 	.unspecific = true,
 	.read = xyz_read,
+	.text = true,
 	.write = xyz_write,
 };
 
@@ -253,5 +254,6 @@ const format csv_format = {
 	.description = "table of text with a first line of names, columns parted by commas",
 	.extensions = csv_extensions,
 	.read = xyz_read,
+	.text = true,
 	.write = csv_write,
 };

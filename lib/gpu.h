@@ -30,10 +30,16 @@ typedef struct gw_gpu_options {
 	gw_drivers *drivers;        /* NULL, or loaded before: used when there is no validation; they
 								   outlive the device */
 	double slice_seconds;       /* target length of one dispatch; 0: 0.05 */
+	bool (*cancelled)(void *user); /* NULL, or asked between dispatches */
+	void *user;
 } gw_gpu_options;
 
 gw_status gw_gpu_create(const gw_gpu_options *options, gw_gpu **gpu, gw_error *error);
 void gw_gpu_destroy(gw_gpu **gpu);
+
+/* Asks whether to stop. Once the answer was yes it stays so: whatever runs or is read afterwards
+ * fails with GW_ERROR_CANCELLED, since what was to be computed is not there. */
+bool gw_gpu_stopped(gw_gpu *gpu);
 
 /* The device in use; valid as long as the gw_gpu. */
 const gw_device_info *gw_gpu_device(const gw_gpu *gpu);

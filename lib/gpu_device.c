@@ -88,10 +88,18 @@ gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const c
 				   status == GW_ERROR_MEMORY ? "; free memory, or give the bake less to do" : "");
 }
 
+bool gw_gpu_stopped(gw_gpu *gpu)
+{
+	gpu->stopped = gpu->stopped || (gpu->cancelled != NULL && gpu->cancelled(gpu->user));
+	return gpu->stopped;
+}
+
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
 {
 	if (gpu->lost)
 		return gw_fail(error, GW_ERROR_INTERNAL, "%s", gpu->lost_text);
+	if (gpu->stopped)
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped in the middle of the work");
 	gw_messages *messages = &gpu->messages;
 	if (messages->count > messages->reported) {
 		messages->reported = messages->count;
@@ -294,6 +302,8 @@ static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_erro
 		return status;
 	read_limits(gpu);
 	gpu->budget = choose_budget(gpu, options->memory);
+	gpu->cancelled = options->cancelled;
+	gpu->user = options->user;
 	gpu->slice_seconds =
 		options->slice_seconds > 0 ? options->slice_seconds : SLICE_SECONDS_DEFAULT;
 	gpu->workgroup_size =

@@ -72,6 +72,9 @@ struct gw_gpu {
 	uint64_t budget; /* bytes */
 	uint32_t workgroup_size;
 	double slice_seconds;
+	bool (*cancelled)(void *user); /* or NULL */
+	void *user;
+	bool stopped; /* it said so once */
 	gw_gpu_account account;
 	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
 	bool lost;
@@ -108,7 +111,8 @@ gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const c
 			return gw_status_;                                                                     \
 	} while (0)
 
-/* Fails when the device is lost or validation has said something that no error told yet. */
+/* Fails when the device is lost, the work was stopped, or validation has said something that no
+ * error told yet. */
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error);
 
 /* --------------------------------------------------------------------------------- instance */

@@ -441,6 +441,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 					   gw_error *error)
 {
 	*view = (gw_view){ 0 };
+	GW_TRY(gw_gpu_check(gpu, error));
 	if (gw_gpu_is_host(gpu) && bytes <= buffer->bytes) {
 		view->bytes = buffer->mapped;
 		return GW_OK;

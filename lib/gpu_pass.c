@@ -543,6 +543,8 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 		double seconds;
 		GW_TRY(submit_slices(gpu, pass, bindings, push, limit, first, asked < left ? asked : left,
 							 &done, &seconds, error));
+		if (gw_gpu_stopped(gpu))
+			return gw_gpu_check(gpu, error);
 		adapt(gpu, pass, asked, done, seconds);
 		size = pass->submission;
 		first += done;

@@ -155,6 +155,8 @@ gw_status gw_hit_lobes_find(gw_passes *passes, const gw_octree *octree, const gw
 							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error)
 {
 	*hits = (gw_hit_lobes){ 0 };
+	if (gw_gpu_stopped(passes->gpu))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped before the bounces");
 	gw_status status = find_slots(octree, records, gather, hits, error);
 	if (status == GW_OK)
 		status = find_powers(passes, octree, records, hits, error);

@@ -85,10 +85,10 @@ static void report_openings(gw_report *report, const gw_openings *openings)
 	double percent = 100.0 * (double)openings->escaped;
 	if (openings->count > 0)
 		gw_report_effect(report, "openings", "sampled beside the rays",
-						 "%.2g %% of the rays leave the scene; %u cells let most of them through",
+						 "%.3g %% of the rays leave the scene; %u cells let most of them through",
 						 percent, openings->count);
 	else
-		gw_report_effect(report, "openings", NULL, "%.2g %% of the rays leave the scene%s", percent,
+		gw_report_effect(report, "openings", NULL, "%.3g %% of the rays leave the scene%s", percent,
 						 percent > 0.0 ? ", through no narrow opening" : "");
 }
 

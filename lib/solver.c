@@ -73,7 +73,9 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 	gw_gpu_options options = { .device = solver->options.device,
 							   .memory = solver->options.memory,
 							   .drivers = solver->options.drivers,
-							   .validate = solver->options.validate };
+							   .validate = solver->options.validate,
+							   .cancelled = solver->cancelled,
+							   .user = solver->user };
 	gw_status status = gw_gpu_create(&options, &solver->gpu, error);
 	if (status == GW_OK) {
 		const gw_device_info *device = gw_gpu_device(solver->gpu);

@@ -68,6 +68,16 @@ for how in off rays; do
 	data furnace-$how.png
 done
 cmp furnace-off.png.data furnace-rays.png.data && echo "the furnace is white"
+# A map counts by its mean: 128.5 / 128 times 0.498 is 0.5. Other lamps are not reflected.
+{
+	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n'
+	printf '\200\200\200\201\200\200\200\201'
+} >even.hdr
+# shellcheck disable=SC2086
+run 0 render furnace.ply -o furnace-map.png $view --camera "$camera" \
+	--light "sky map even.hdr radiance 0.49805447" --light 'point at 0,0,0 intensity 9'
+data furnace-map.png
+cmp furnace-rays.png.data furnace-map.png.data && echo "so it is under a map"
 
 echo == bad wishes
 run 2 render lit.ply -o x.png --glossy maybe

@@ -18,7 +18,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -40,6 +43,7 @@ static struct fault {
 	bool hit;
 } fault;
 
+static long blocks_left = -1; /* on the disk; -1: as it is */
 static bool cut_short;         /* reads end before the file does */
 static bool no_memory_to_copy; /* for the next file that is opened */
 static bool cut_when_mapped;   /* the input is emptied after it was opened, before it is read */
@@ -55,6 +59,8 @@ static bool fails(call c)
 
 uint64_t __real_gw_available_memory(void);
 uint64_t __wrap_gw_available_memory(void);
+int __real_statvfs(const char *path, struct statvfs *disk);
+int __wrap_statvfs(const char *path, struct statvfs *disk);
 int __real_open(const char *path, int flags, mode_t mode);
 ssize_t __real_read(int descriptor, void *bytes, size_t length);
 ssize_t __real_pread(int descriptor, void *bytes, size_t length, off_t at);
@@ -77,6 +83,16 @@ uint64_t __wrap_gw_available_memory(void)
 	bool none = no_memory_to_copy;
 	no_memory_to_copy = false;
 	return none ? 1 : __real_gw_available_memory();
+}
+
+int __wrap_statvfs(const char *path, struct statvfs *disk)
+{
+	int status = __real_statvfs(path, disk);
+	if (status == 0 && blocks_left >= 0) {
+		disk->f_bfree = disk->f_bavail = (fsblkcnt_t)blocks_left;
+		disk->f_frsize = 4096;
+	}
+	return status;
 }
 
 int __wrap_open(const char *path, int flags, mode_t mode)
@@ -234,6 +250,87 @@ static void outputs_in_a_failing_folder(void **state)
 	assert_int_equal(write_one(false, NULL), GW_OK);
 	assert_true(fault.hit);
 	assert_int_equal(others_in_folder(), 1);
+}
+
+static void outputs_on_a_small_disk(void **state)
+{
+	(void)state;
+	gw_error error = { 0 };
+	blocks_left = 10;
+	assert_int_equal(output_file_check_room(output, 40960, &error), GW_OK);
+	assert_int_equal(output_file_check_room(output, 40961, &error), GW_ERROR_IO);
+	assert_non_null(strstr(error.text, "at least 40961 bytes"));
+	assert_int_equal(output_file_check_room("-", 40961, &error), GW_OK);
+	assert_int_equal(output_file_check_room("/dev/null", 40961, &error), GW_OK);
+	blocks_left = -1;
+	assert_int_equal(output_file_check_room(output, 40961, &error), GW_OK);
+}
+
+/* A name of ours with a process in it. */
+static const char *part_of(long process, unsigned serial)
+{
+	static char path[128];
+	snprintf(path, sizeof path, "%s/.glowworm-%ld-%u.part", folder, process, serial);
+	return path;
+}
+
+static bool put_part(long process, unsigned serial)
+{
+	FILE *file = fopen(part_of(process, serial), "w");
+	return file && fclose(file) == 0;
+}
+
+static bool there(const char *path)
+{
+	return access(path, F_OK) == 0;
+}
+
+/* Another folder comes between, so that this one is searched. */
+static void write_in_folder(void)
+{
+	output_file *elsewhere;
+	char path[64];
+	snprintf(path, sizeof path, "/tmp/glowworm-elsewhere-%ld", (long)getpid());
+	assert_int_equal(output_file_create(&elsewhere, path, false, NULL), GW_OK);
+	output_file_abandon(&elsewhere);
+	assert_int_equal(write_one(true, NULL), GW_OK);
+}
+
+/* Temporary files of the dead go, those of the living and of others stay. */
+static void outputs_left_by_the_dead(void **state)
+{
+	(void)state;
+	pid_t dead = fork();
+	if (dead == 0)
+		_exit(0);
+	assert_int_equal(waitpid(dead, NULL, 0), dead);
+	assert_true(put_part(dead, 1) && put_part(dead, 2) && put_part(getppid(), 1));
+	int locked = __real_open(part_of(dead, 2), O_RDONLY, 0);
+	assert_int_equal(flock(locked, LOCK_EX), 0);
+	char strange[160];
+	snprintf(strange, sizeof strange, "%s.ply", part_of(dead, 3));
+	assert_int_equal(symlink("in.xyz", part_of(dead, 4)), 0);
+	assert_int_equal(symlink("in.xyz", strange), 0);
+	write_in_folder();
+	assert_false(there(part_of(dead, 1)));
+	assert_true(there(part_of(dead, 2)));
+	assert_true(there(part_of(getppid(), 1)));
+	put_input(1);
+	assert_true(there(part_of(dead, 4)));
+	assert_true(there(strange));
+	__real_close(locked);
+	write_in_folder();
+	assert_false(there(part_of(dead, 2)));
+	/* A writer's own lock shows that it lives. */
+	output_file *out;
+	assert_int_equal(output_file_create(&out, output, true, NULL), GW_OK);
+	int other = __real_open(output_file_temporary(out), O_RDONLY, 0);
+	assert_int_not_equal(flock(other, LOCK_EX | LOCK_NB), 0);
+	__real_close(other);
+	output_file_abandon(&out);
+	unlink(part_of(dead, 4));
+	unlink(strange);
+	others_in_folder();
 }
 
 /* ------------------------------------------------------------------------------- programs */
@@ -452,6 +549,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(outputs_on_a_failing_disk),  cmocka_unit_test(outputs_in_a_failing_folder),
+		cmocka_unit_test(outputs_on_a_small_disk),
+		cmocka_unit_test(outputs_left_by_the_dead),
 		cmocka_unit_test(verbs_on_a_failing_disk),    cmocka_unit_test(inputs_on_a_failing_disk),
 		cmocka_unit_test(inputs_cut_after_reading),   cmocka_unit_test(inputs_cut_while_mapped),
 		cmocka_unit_test(readers_of_vanishing_files), cmocka_unit_test(inputs_changed_while_mapped),

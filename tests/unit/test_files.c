@@ -4,6 +4,7 @@
 #include "output_file.h"
 
 #include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
 #include <math.h>
@@ -226,6 +227,11 @@ static void output_without_a_place(void **state)
 	assert_non_null(strstr(error.text, "no/a"));
 	assert_int_equal(output_file_create(&out, folder, true, &error), GW_ERROR_CREATE);
 	assert_int_equal(output_file_create(&out, "", true, &error), GW_ERROR_CREATE);
+	char long_name[400];
+	snprintf(long_name, sizeof long_name, "%s/%0300d", folder, 0);
+	assert_int_equal(output_file_create(&out, long_name, true, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_check(long_name, true, &error), GW_ERROR_CREATE);
+	assert_non_null(strstr(error.text, strerror(ENAMETOOLONG)));
 	assert_int_equal(symlink("nowhere", in_folder("link")), 0);
 	assert_int_equal(output_file_create(&out, in_folder("link"), true, &error), GW_ERROR_CREATE);
 	files_in_folder(true);

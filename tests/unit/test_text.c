@@ -1,0 +1,61 @@
+/* Text for people: messages and percent. */
+#include "text_quote.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void assert_message(const char *given, const char *expected)
+{
+	char *text = NULL;
+	size_t length;
+	FILE *out = open_memstream(&text, &length);
+	assert_non_null(out);
+	text_message(out, "%s", given);
+	assert_int_equal(fclose(out), 0);
+	assert_string_equal(text, expected);
+	free(text);
+}
+
+static void messages_are_shown_not_obeyed(void **state)
+{
+	(void)state;
+	assert_message("plain\n", "plain\n");
+	assert_message("two\nlines\n", "two\\x0alines\n");
+	assert_message("\033[2J\r\t\177", "\\x1b[2J\\x0d\\x09\\x7f");
+	assert_message("h\303\266hle", "h\303\266hle");
+	assert_message("\302\233 \233 \303", "\\xc2\\x9b \\x9b \\xc3");
+	assert_message("", "");
+}
+
+static void percent_has_no_exponent(void **state)
+{
+	(void)state;
+	static const struct {
+		double share;
+		const char *text;
+	} rows[] = {
+		{ 0.0, "0" },        { 0.13, "13" },           { 0.1349, "13" },    { 0.031, "3.1" },
+		{ 0.03, "3" },       { 0.00031, "0.031" },     { 0.99499, "99" },   { 0.996, "100" },
+		{ 9.9, "990" },      { 9.94, "990" },          { 123.4, "12000" },  { -0.031, "-3.1" },
+		{ 5e-7, "0.00005" }, { 4.9e-9, "0.00000049" }, { INFINITY, "inf" },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		char text[TEXT_PERCENT];
+		assert_string_equal(text_percent(rows[i].share, text), rows[i].text);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(messages_are_shown_not_obeyed),
+		cmocka_unit_test(percent_has_no_exponent),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
