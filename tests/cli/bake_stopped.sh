@@ -40,11 +40,12 @@ exec 3>&-
 wait $program
 echo "HUP ignored: $?"
 rm -f pipe out.ply
-# Within a second, in the middle of an octree far too deep, by the program's own steps or without;
-# twice that is for a busy machine.
-make_box --scene cornell --points 3000 -o box.ply
-for after in 0.3 2 5; do
-	glowworm bake box.ply -q --depth 11 --threads 1 -o out.ply 2>message &
+# Within a second, in the middle of octree and rays, by the program's own steps or without; twice
+# that is for a busy machine.
+make_box --scene cornell --points 20000 -o box.ply
+for after in 0.3 1 3; do
+	glowworm bake box.ply -q --depth 9 --rays 4096 --light-samples 4096 --threads 1 -o out.ply \
+		2>message &
 	program=$!
 	sleep $after
 	start=$(date +%s%N)
