@@ -108,7 +108,7 @@ static gw_status take_numbers(const reader *r, json_t *value, double *to, size_t
 
 static gw_status take_color(const reader *r, json_t *value, double most, float color[3])
 {
-	double v[3];
+	double v[3] = { 0 };
 	size_t count;
 	gw_status status = take_numbers(r, value, v, 3, true, &count);
 	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
