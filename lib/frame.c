@@ -1,6 +1,7 @@
 /* frame.c - local coordinates, canonical order and merged duplicates; see surfel_steps.h. */
 #include "surfel_steps.h"
 
+#include "bulk_bounds.h"
 #include "memory.h"
 
 #include <math.h>
@@ -120,7 +121,8 @@ static uint64_t morton_key(const frame *f, const float local[3])
 	return key;
 }
 
-static void find_local_bounds(frame *f)
+/* Of the bulk; what lies outside is in the frame, but nothing is made for it. */
+static void find_local_bounds(frame *f, const double minimum[3], const double maximum[3])
 {
 	gw_surfels *s = f->surfels;
 	for (int k = 0; k < 3; k++) {
@@ -129,6 +131,8 @@ static void find_local_bounds(frame *f)
 	}
 	for (size_t i = 0; i < f->finite; i++) {
 		float local[3];
+		if (!gw_within(f->points->position + 3 * (size_t)f->order[i].point, minimum, maximum))
+			continue;
 		local_position(f, f->order[i].point, local);
 		for (int k = 0; k < 3; k++) {
 			s->minimum[k] = fminf(s->minimum[k], local[k]);
@@ -397,6 +401,7 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 					   "or use fewer points",
 					   f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
 
+	gw_bulk_bounds(points, minimum, maximum);
 	double extent =
 		fmax(fmax(maximum[0] - minimum[0], maximum[1] - minimum[1]), maximum[2] - minimum[2]);
 	if (extent > 0 && extent < EXTENT_MIN)
@@ -414,7 +419,7 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f.finite);
 	}
 	list_finite(&f);
-	find_local_bounds(&f);
+	find_local_bounds(&f, minimum, maximum);
 	gw_status status = sort_points(&f, error);
 	if (status == GW_OK) {
 		merge_points(&f);

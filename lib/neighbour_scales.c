@@ -123,8 +123,8 @@ static double offset_of(const gw_surfels *s, size_t surfel, size_t other, double
 	return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-/* How far off the surfel the middle of its neighbours is, of their mean distance. */
-static double one_sidedness(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+double gw_neighbours_one_sidedness(const gw_surfels *s, size_t surfel,
+								   const gw_neighbour_list *list)
 {
 	double d[3], sum[3] = { 0 }, length = 0;
 	for (uint32_t j = 0; j < list->count; j++) {
@@ -135,8 +135,7 @@ static double one_sidedness(const gw_surfels *s, size_t surfel, const gw_neighbo
 	return length > 0 ? sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]) / length : 0;
 }
 
-/* The median of the neighbours' distances to each the nearest other one of them. */
-static double median_gap(const gw_surfels *s, const gw_neighbour_list *list)
+double gw_neighbours_median_gap(const gw_surfels *s, const gw_neighbour_list *list)
 {
 	double gap[GW_NEIGHBOURS], d[3]; /* sorted */
 	for (uint32_t i = 0; i < list->count; i++) {
@@ -154,9 +153,9 @@ static double median_gap(const gw_surfels *s, const gw_neighbour_list *list)
 
 static bool is_beside_patch(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
 {
-	if (list->count < GW_NEIGHBOURS || one_sidedness(s, surfel, list) < ONE_SIDED)
+	if (list->count < GW_NEIGHBOURS || gw_neighbours_one_sidedness(s, surfel, list) < ONE_SIDED)
 		return false;
-	double gap = median_gap(s, list), reach = (double)list->distance[list->count - 1];
+	double gap = gw_neighbours_median_gap(s, list), reach = (double)list->distance[list->count - 1];
 	return gap < CLOSE * reach ||
 		   (gap < CLOSE_AND_OFF * reach && OFF * gap < (double)list->distance[0]);
 }
@@ -223,7 +222,7 @@ bool gw_neighbour_scales_widen(gw_neighbour_scales *scales, size_t surfel, gw_ne
 		gw_neighbour_list wider;
 		if (!list_level(scales, level, surfel, &nearest, &wider))
 			return false;
-		double side = one_sidedness(s, surfel, &wider);
+		double side = gw_neighbours_one_sidedness(s, surfel, &wider);
 		if (wider.count == GW_NEIGHBOURS && side < least) {
 			least = side;
 			*list = wider;

@@ -9,11 +9,20 @@
 
 #include <stdlib.h>
 
-/* Whose disc is too large, as convert of octree_fragments.c and its shader see it. */
+/* Whose disc is too large, as convert of octree_fragments.c and its shader see it; of what is far
+ * off all the rest none is. */
 static bool is_large(const gw_octree_work *work, size_t surfel)
 {
-	double radius = (double)work->surfels->radius[surfel] / (double)work->octree->leaf_size;
-	return (float)radius > GW_DISC_MAX;
+	const gw_octree *octree = work->octree;
+	double leaf = (double)octree->leaf_size, side = (double)(1u << octree->depth);
+	for (size_t k = 0; k < 3; k++) {
+		double cell =
+			((double)work->surfels->position[3 * surfel + k] - (double)octree->cube_minimum[k]) /
+			leaf;
+		if (!(cell >= 0 && cell <= side))
+			return false;
+	}
+	return (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
 /* Enters the lobes that stand for surfels: those of their first disc fragments. */

@@ -104,6 +104,12 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points without finite coordinates: left out, written as dark");
 	gw_report_count(r, "left_out_far", far,
 					"points with a coordinate beyond 1e12 m: left out, written as dark");
+	char meaning[sizeof r->count->meaning];
+	snprintf(
+		meaning, sizeof meaning,
+		"points far off all others, up to %.3g m: strays, which neither shade nor light the rest",
+		(double)s->stray_distance);
+	gw_report_count(r, "strays", s->strays, meaning);
 	gw_report_count(r, "duplicates_merged", s->duplicates,
 					"points at the place of another: they share its light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,

@@ -22,12 +22,17 @@
 #define VOID_STEP 0.75   /* how far behind an edge the surface is looked for, of the reach */
 #define VOID_WIDTH 1.8   /* most width of a void, of the reach */
 #define VOID_SLOPE 0.7
-#define CREASE_VOTES 3    /* neighbours that have to agree on a crease */
-#define CREASE_DOUBT 0.1  /* by how much a point may lie on the wrong side, of the reach */
-#define LONE_RADIUS 0.01f /* metres, of a scene that is one point */
-#define BEND_POINTS 6     /* neighbours from which on a bend is looked for */
-#define BEND_RIDGE 1e-5   /* keeps neighbours on a line from telling about the other direction */
-#define BEND_MOST 0.5     /* slope of a disc's rim against its plane */
+#define CREASE_VOTES 3       /* neighbours that have to agree on a crease */
+#define CREASE_DOUBT 0.1     /* by how much a point may lie on the wrong side, of the reach */
+#define LONE_RADIUS 0.01f    /* metres, of a scene that is one point */
+#define STRAY_SEEN 4         /* neighbours that tell */
+#define STRAY_CONE 0.95      /* least share of their length that their offsets have in common */
+#define STRAY_GAP 30         /* how many times further off than from each other they are */
+#define STRAY_JUMP 8.0f      /* how many times further off than the neighbours before them */
+#define STRAY_NEAREST 0.475f /* without any before them: how far, of the furthest */
+#define BEND_POINTS 6        /* neighbours from which on a bend is looked for */
+#define BEND_RIDGE 1e-5      /* keeps neighbours on a line from telling about the other direction */
+#define BEND_MOST 0.5        /* slope of a disc's rim against its plane */
 
 static const double pi = 3.14159265358979323846;
 
@@ -52,6 +57,7 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	uint8_t *stray;    /* count, 1 where that is because all others are far off */
 	uint8_t *rim;      /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
@@ -315,6 +321,29 @@ static uint32_t find_edges(const disc_step *step, size_t surfel, const gw_flat_p
 	return found;
 }
 
+/*
+ * How many of the neighbours are near, where all others are far off: they lie in one direction, so
+ * far that their distances from each other are nothing to that. A stray point has none near; a few
+ * that are together have each other. Points beside a denser patch have some of their own scale
+ * around (neighbour_scales.h).
+ */
+static uint32_t count_near(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+{
+	float last = list->count ? list->distance[list->count - 1] : 0;
+	for (uint32_t near = 0; near + STRAY_SEEN <= list->count; near++) {
+		float far = list->distance[near];
+		if (near > 0 ? far < STRAY_JUMP * list->distance[near - 1] : far < STRAY_NEAREST * last)
+			continue;
+		gw_neighbour_list others = { .count = list->count - near };
+		memcpy(others.index, list->index + near, others.count * sizeof *others.index);
+		memcpy(others.distance, list->distance + near, others.count * sizeof *others.distance);
+		if (gw_neighbours_one_sidedness(s, surfel, &others) > STRAY_CONE &&
+			(double)far > STRAY_GAP * gw_neighbours_median_gap(s, &others))
+			return near;
+	}
+	return list->count;
+}
+
 static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
 {
 	gw_surfels *s = step->surfels;
@@ -324,23 +353,27 @@ static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_li
 	step->isolated[surfel] = 1;
 }
 
-static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
+static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 {
 	disc_step *step = user;
 	gw_surfels *s = step->surfels;
+	gw_neighbour_list near = *all;
+	const gw_neighbour_list *list = &near;
+	near.count = count_near(s, surfel, all);
 	gw_flat_point flat[GW_NEIGHBOURS];
 	double noise;
 	/* Smoothing may bring points together. */
-	s->nearest[surfel] = fmaxf(gw_neighbours_nearest(step->search, surfel, list), FLT_MIN);
+	s->nearest[surfel] = fmaxf(gw_neighbours_nearest(step->search, surfel, all), FLT_MIN);
 	if (step->gap)
-		step->gap[surfel] = list->count ? list->distance[0] : INFINITY;
+		step->gap[surfel] = all->count ? all->distance[0] : INFINITY;
 
 	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
 	uint32_t kept = gw_plane_surface(s, surfel, list, flat, &noise);
 	if (step->measure_noise)
 		s->noise[surfel] = (float)noise;
 	if (kept < 3 || !(flat[0].distance > 0)) {
-		store_isolated(step, surfel, list);
+		store_isolated(step, surfel, near.count > 0 ? list : all);
+		step->stray[surfel] = near.count < all->count;
 		return;
 	}
 	gw_half_plane edge[2];
@@ -362,6 +395,18 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *list)
 	gw_plane_store_clips(s, surfel, edge, edges);
 }
 
+static void count_stray(gw_surfels *s, size_t surfel, bool stray)
+{
+	const float *p = s->position + 3 * surfel;
+	float off = 0;
+	for (int k = 0; k < 3; k++)
+		off = fmaxf(off, fmaxf(s->minimum[k] - p[k], p[k] - s->maximum[k]));
+	if (!stray && !(off > 0))
+		return;
+	s->strays++;
+	s->stray_distance = fmaxf(s->stray_distance, stray ? s->nearest[surfel] : off);
+}
+
 /* Isolated surfels are lit from both sides and no larger than the median of the others. */
 static gw_status finish(disc_step *step, gw_error *error)
 {
@@ -381,6 +426,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 			s->area[i] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
 			s->two_sided[i] = 1;
 		}
+		count_stray(s, i, step->stray[i]);
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
@@ -404,10 +450,12 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
+	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
 	step.rim = gw_allocate_zeros(n, sizeof *step.rim);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.rim)
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.stray ||
+		!step.rim)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
@@ -416,6 +464,7 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (status == GW_OK)
 		status = finish(&step, error);
 	free(step.isolated);
+	free(step.stray);
 	free(step.rim);
 	return status;
 }

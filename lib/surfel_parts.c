@@ -193,6 +193,8 @@ static void add_counts(gw_surfels *all, const gw_surfels *part)
 {
 	all->given_area += part->given_area;
 	all->non_finite += part->non_finite;
+	all->strays += part->strays;
+	all->stray_distance = fmaxf(all->stray_distance, part->stray_distance);
 	all->duplicates += part->duplicates;
 	all->albedo_clamped += part->albedo_clamped;
 	all->emission_repaired += part->emission_repaired;

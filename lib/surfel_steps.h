@@ -68,6 +68,14 @@ typedef struct gw_neighbour_list {
 	uint32_t complete;             /* the first so many are the nearest of all surfels */
 } gw_neighbour_list;
 
+/* How far off a surfel the middle of its neighbours is, of their mean distance: 0 where they lie
+ * around it, 1 where they are all in one direction. */
+double gw_neighbours_one_sidedness(const gw_surfels *surfels, size_t surfel,
+								   const gw_neighbour_list *list);
+
+/* The median of the neighbours' distances to each the nearest other one of them, metres. */
+double gw_neighbours_median_gap(const gw_surfels *surfels, const gw_neighbour_list *list);
+
 /* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
 typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
 

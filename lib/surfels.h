@@ -24,7 +24,8 @@ typedef struct gw_surfels {
 	size_t count;     /* distinct finite positions */
 	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
 						 under a metre), chosen from the bounds */
-	float minimum[3], maximum[3]; /* bounds in the local frame */
+	float minimum[3], maximum[3]; /* bounds in the local frame, without what is far off all the rest
+							  (bulk_bounds.h) */
 	float *position;              /* 3 * count, metres in the local frame; of noisy points their
 									 place on the surface that they scatter around */
 	float *normal;                /* 3 * count, unit; of noisy points that of this surface */
@@ -55,8 +56,12 @@ typedef struct gw_surfels {
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
 								  chosen */
 	size_t point_count;
-	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
-	double given_area; /* m^2, sum of area */
+	size_t strays;        /* surfels so far off all others that nothing is known of a surface
+							 there: their discs are no larger than others' are; what lies outside
+							 the bounds has no place in an octree, and only lamps light it */
+	float stray_distance; /* metres, how far off the furthest of them is, about */
+	float spacing;        /* metres, median of sqrt(area): width of a surfel's share of surface */
+	double given_area;    /* m^2, sum of area */
 	/* What was repaired, for the report. Normals count surfels, the others points. */
 	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
 		normals_estimated, normals_untrusted, albedo_defaulted;

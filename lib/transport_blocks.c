@@ -33,6 +33,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.surfels = s->count;
 	n.points = s->point_count;
 	n.tree_discs = o->tree_discs;
+	n.strays = s->strays;
+	n.stray_distance = s->stray_distance;
 	n.depth = o->depth;
 	n.directory_level = o->directory_level;
 	n.leaves = o->leaf_count;
@@ -91,6 +93,8 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 	gw_octree *o = &solver->octree;
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,
+					   .strays = (size_t)n->strays,
+					   .stray_distance = n->stray_distance,
 					   .spacing = n->spacing,
 					   .given_area = n->given_area };
 	*o = (gw_octree){ .depth = n->depth,

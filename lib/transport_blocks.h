@@ -10,10 +10,10 @@
 typedef struct gw_transport_numbers {
 	double origin[3], given_area;
 	float minimum[3], maximum[3], cube_minimum[3];
-	float spacing, leaf_size, record_radius;
+	float spacing, leaf_size, record_radius, stray_distance;
 	uint64_t surfels, points;
 	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
-	uint64_t tree_discs;
+	uint64_t tree_discs, strays;
 	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;

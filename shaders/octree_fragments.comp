@@ -253,13 +253,17 @@ void main()
 	disc.clip[1] = clip.yzw;
 	disc.bend = texelFetch(surfel_bend, int(surfel)).xyz;
 
-	add_roi(disc.cell, disc.place, position.w);
-	if (disc.radius <= GW_DISC_SMALL)
-		add_small_disc(disc);
-	else if (disc.radius <= GW_DISC_MAX)
-		add_large_disc(disc, known);
-	if (inside_count == 0u)
-		add_fragment(disc.cell, 0u, disc.area, disc.place);
+	/* What lies far off all the rest is outside the cube, and contributes to nothing. */
+	if (all(greaterThanEqual(position.xyz, vec3(0.0))) &&
+		all(lessThanEqual(position.xyz, vec3(push.side)))) {
+		add_roi(disc.cell, disc.place, position.w);
+		if (disc.radius <= GW_DISC_SMALL)
+			add_small_disc(disc);
+		else if (disc.radius <= GW_DISC_MAX)
+			add_large_disc(disc, known);
+		if (inside_count == 0u)
+			add_fragment(disc.cell, 0u, disc.area, disc.place);
+	}
 	if (push.emit == 0u) {
 		offset[local] = fragments;
 		samples[local] = inside_count;
