@@ -214,10 +214,12 @@ static gw_status find_visibility(gw_passes *passes, const gw_octree *octree,
 								 const gw_bake_options *options, const gw_buffer *normal,
 								 gw_buffer *visibility, gw_error *error)
 {
-	if (options->shadows == GW_SHADOWS_MAPS)
+	/* Maps show planes in cells, and of large discs no more than that. */
+	bool maps = options->shadows == GW_SHADOWS_MAPS && octree->tree_discs == 0;
+	if (maps)
 		return gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
 										visibility, error);
-	if (options->shadows == GW_SHADOWS_TRACED)
+	if (options->shadows != GW_SHADOWS_NONE)
 		return trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
 	return GW_OK;
 }

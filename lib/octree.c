@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Iterations of the passes' loops, see their shaders: a disc of 16 cells is looked at in 35 x 35
+/* Iterations of the passes' loops, see their shaders: a disc of 8 cells is looked at in 19 x 19
  * columns of 4 rows. Searches take 32 steps, for at most 7 neighbours. */
-#define DISC_LOOPS (35u * 35u * 5u + 27u)
+#define DISC_LOOPS (19u * 19u * 5u + 27u)
 #define SEARCH_LOOPS (7u * 34u)
 
 static const struct {

@@ -19,7 +19,7 @@
 
 /* Disc radius in leaf cells: the largest that leaves hold, larger ones are in a tree of their own;
  * and the largest that is sampled by fixed points. */
-#define GW_DISC_MAX 16.0
+#define GW_DISC_MAX 8.0
 #define GW_DISC_SMALL 1.0
 
 /* Distance where there is nothing within the octree. */

@@ -40,6 +40,16 @@ typedef struct fixture {
 	gw_solver solver;
 } fixture;
 
+/* Of the octree; one that is too deep has all discs in its tree. */
+static uint32_t depth = GW_DEPTH_AUTO;
+
+static int use_great_depth(void **state)
+{
+	(void)state;
+	depth = 11;
+	return 0;
+}
+
 static void assert_ok(gw_status status, const gw_error *error)
 {
 	if (status != GW_OK)
@@ -55,6 +65,7 @@ static void set_up(fixture *f)
 	f->points = scene_points(&f->hall);
 	s->options = GW_BAKE_OPTIONS_DEFAULT;
 	s->options.estimate_points = 0;
+	s->options.depth = depth;
 	s->report = &f->report;
 	gw_status status = gw_solver_open_device(s, &error);
 	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL)
@@ -704,5 +715,11 @@ int main(void)
 		cmocka_unit_test(lookups_alike), cmocka_unit_test(bounce_alike),
 		cmocka_unit_test(views),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	const struct CMUnitTest large[] = {
+		cmocka_unit_test(rays_alike),
+		cmocka_unit_test(samples_alike),
+		cmocka_unit_test(shadows_alike),
+	};
+	int failed = cmocka_run_group_tests(tests, NULL, NULL);
+	return failed + cmocka_run_group_tests_name("discs in a tree", large, use_great_depth, NULL);
 }

@@ -1,0 +1,144 @@
+/* Clouds much denser in one place than in others, octrees deeper than the points are dense, and
+ * points far off all others: the light has to be that of an even cloud. */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define SPARSE 600
+#define ALBEDO 0.5f
+
+/*
+ * By which light may be further from the closed form than that of the even cloud, which has to do
+ * with planes where the sphere is round: 64 rays from each of some 60 records or more, each with an
+ * error of 10 % of the gathered half of the light at most, are 0.1 % of the mean; what is measured
+ * is below 0.2 %. Where discs ended 16 leaf cells off, 7 to 96 % were missing.
+ */
+#define TOLERANCE 0.005
+
+static void add_at(scene *s, double height)
+{
+	double turn = 2 * SCENE_PI * scene_random(s), r = sqrt(fmax(0, 1 - height * height));
+	double p[3] = { r * cos(turn), r * sin(turn), height }, n[3] = { -p[0], -p[1], -p[2] };
+	scene_add(s, p, n, ALBEDO);
+}
+
+/* A sphere of SPARSE random points seen from inside, with a cap of that share of its surface where
+ * there are `ratio` times as many. */
+static scene make_sphere(double ratio, double cap)
+{
+	scene s = { 0 };
+	for (size_t i = 0; i < SPARSE; i++)
+		add_at(&s, 1 - 2 * scene_random(&s));
+	for (size_t i = 0; i < (size_t)((ratio - 1) * SPARSE * cap); i++)
+		add_at(&s, 1 - 2 * cap * scene_random(&s));
+	return s;
+}
+
+/* Mean radiance of the sparse points, of what is expected. */
+static double bake_mean(scene *s, bool lamp, uint32_t depth)
+{
+	gw_light light = scene_point_light(0, 0, 0, 1.0f);
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	const float radiance[3] = { 1, 1, 1 };
+	options.depth = depth;
+	options.estimate_points = 0;
+	if (!lamp)
+		scene_emit(s, 0, radiance);
+	gw_points points = scene_points(s);
+	gw_bake_result *result = scene_bake(&points, &light, lamp, &options);
+	double mean = scene_mean(result->radiance, SPARSE, 0);
+	gw_bake_result_destroy(&result);
+	/* Every bounce has ALBEDO of the light before it, and falls evenly on the sphere. */
+	double first = lamp ? (double)ALBEDO / SCENE_PI : 1;
+	return mean / (first / (1 - (double)ALBEDO));
+}
+
+static void assert_as_even(double mean, double even, const char *what)
+{
+	print_message("%s: %+.2f %%, even %+.2f %%\n", what, 100 * (mean - 1), 100 * (even - 1));
+	if (!(fabs(mean - 1) <= fabs(even - 1) + TOLERANCE))
+		fail_msg("%s: %.4f of the light, in an even cloud %.4f", what, mean, even);
+}
+
+static double even_mean(bool lamp)
+{
+	scene s = make_sphere(1, 0);
+	double mean = bake_mean(&s, lamp, GW_DEPTH_AUTO);
+	scene_clear(&s);
+	/* The even cloud itself is right to what planes through points 0.14 apart can be. */
+	assert_true(fabs(mean - 1) < 0.02);
+	return mean;
+}
+
+/* Up to a million times as dense: spacings differ a thousand times. */
+static void dense_caps_change_nothing(void **state)
+{
+	(void)state;
+	const struct {
+		double ratio, cap;
+		const char *what;
+	} row[] = { { 36, 0.05, "36 times" },
+				{ 1000, 0.01, "1,000 times" },
+				{ 1e6, 1e-5, "a million times" } };
+	double even = even_mean(true);
+	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+		scene s = make_sphere(row[i].ratio, row[i].cap);
+		assert_as_even(bake_mean(&s, true, GW_DEPTH_AUTO), even, row[i].what);
+		scene_clear(&s);
+	}
+	scene s = make_sphere(1000, 0.005);
+	assert_as_even(bake_mean(&s, false, GW_DEPTH_AUTO), even_mean(false), "1,000 times, emitting");
+	scene_clear(&s);
+}
+
+static void depth_changes_nothing(void **state)
+{
+	(void)state;
+	const uint32_t depth[] = { 7, 9, 12, 16 };
+	double even = even_mean(true);
+	for (size_t i = 0; i < sizeof depth / sizeof *depth; i++) {
+		char what[32];
+		scene s = make_sphere(1, 0);
+		snprintf(what, sizeof what, "depth %u", depth[i]);
+		assert_as_even(bake_mean(&s, true, depth[i]), even, what);
+		scene_clear(&s);
+	}
+	scene s = make_sphere(1, 0);
+	assert_as_even(bake_mean(&s, false, 12), even_mean(false), "depth 12, emitting");
+	scene_clear(&s);
+}
+
+/* One stray point, and three of them on different sides. */
+static void strays_change_nothing(void **state)
+{
+	(void)state;
+	const double far[] = { 30, 1e5, 1e7, -1e8, 1e11 };
+	double even = even_mean(true);
+	for (size_t i = 0; i <= sizeof far / sizeof *far; i++) {
+		scene s = make_sphere(1, 0);
+		bool all = i == sizeof far / sizeof *far;
+		for (int k = 0; k < (all ? 3 : 1); k++) {
+			double place[3] = { 0.1, 0.2, 0.3 };
+			place[k] = far[all ? (size_t)k + 1 : i];
+			scene_add(&s, place, (double[3]){ 0, 0, 1 }, ALBEDO);
+		}
+		assert_as_even(bake_mean(&s, true, GW_DEPTH_AUTO), even, all ? "three strays" : "a stray");
+		scene_clear(&s);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(dense_caps_change_nothing),
+		cmocka_unit_test(depth_changes_nothing),
+		cmocka_unit_test(strays_change_nothing),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
