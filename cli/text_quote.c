@@ -98,7 +98,7 @@ const char *text_percent(double share, char text[TEXT_PERCENT])
 	}
 	/* Rounded first: 99.6 has three digits. */
 	snprintf(text, TEXT_PERCENT, "%.1e", percent);
-	int decimals = 1 - atoi(strchr(text, 'e') + 1);
+	int decimals = 1 - (int)strtol(strchr(text, 'e') + 1, NULL, 10);
 	snprintf(text, TEXT_PERCENT, "%.*f", decimals > 0 ? decimals : 0, strtod(text, NULL));
 	if (decimals > 0) {
 		size_t length = strlen(text);

@@ -70,10 +70,14 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
 {
+	uint32_t i = 0;
 	if (points == 0)
 		return;
-	assert(report->count_count < GW_REPORT_COUNTS);
-	gw_count *count = &report->count[report->count_count++];
+	while (i < report->count_count && strcmp(report->count[i].name, name) != 0)
+		i++;
+	assert(i < GW_REPORT_COUNTS);
+	report->count_count += i == report->count_count;
+	gw_count *count = &report->count[i];
 	count->points = points;
 	snprintf(count->name, sizeof count->name, "%s", name);
 	snprintf(count->meaning, sizeof count->meaning, "%s", meaning);

@@ -182,6 +182,11 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 		gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
 	solver->passes.threads = o->threads;
 	gw_solver_report_octree(solver);
+	if (o->method == GW_METHOD_CONES)
+		gw_report_count(
+			solver->report, "cones_pass", solver->octree.tree_discs,
+			"points sparser than cones can see: light leaks between them; use rays, or a "
+			"larger leaf spacing or less depth");
 	return GW_OK;
 }
 

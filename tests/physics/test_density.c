@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -133,12 +134,34 @@ static void strays_change_nothing(void **state)
 	}
 }
 
+/* A stray is counted, and has light of its own: that of the sun, which shines on it alone. */
+static void strays_are_counted(void **state)
+{
+	(void)state;
+	scene s = make_sphere(1, 0);
+	gw_light sun = { .type = GW_LIGHT_SUN, .direction = { 0, 0, -1 }, .irradiance = { 1, 1, 1 } };
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	size_t stray = scene_add(&s, (double[3]){ 0, 1e8, 0 }, (double[3]){ 0, 0, 1 }, ALBEDO);
+	gw_points points = scene_points(&s);
+	options.estimate_points = 0;
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	const gw_report *report = &result->report;
+	uint64_t counted = 0;
+	for (uint32_t i = 0; i < report->count_count; i++)
+		counted += strcmp(report->count[i].name, "strays") == 0 ? report->count[i].points : 0;
+	assert_int_equal(counted, 1);
+	assert_true(fabs((double)result->radiance[3 * stray] - (double)ALBEDO / SCENE_PI) < 1e-4);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(dense_caps_change_nothing),
 		cmocka_unit_test(depth_changes_nothing),
 		cmocka_unit_test(strays_change_nothing),
+		cmocka_unit_test(strays_are_counted),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

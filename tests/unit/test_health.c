@@ -240,14 +240,14 @@ static void reads_shaders(void **state)
 	gw_shader_needs needs = gw_shader_needs_of(gw_shader_find("test_affine"));
 	assert_int_equal(needs.storage_buffers, 2);
 	assert_int_equal(needs.resources, 2);
-	/* record_rays has 13 texel buffers and 2 storage buffers, as lib/passes.c binds them. */
+	/* record_rays has 14 texel buffers and 2 storage buffers, as lib/passes.c binds them. */
 	needs = gw_shader_needs_of(gw_shader_find("record_rays"));
 	assert_int_equal(needs.storage_buffers, 2);
-	assert_int_equal(needs.sampled, 13);
+	assert_int_equal(needs.sampled, 14);
 	needs = gw_shader_needs_of(gw_shader_find("brick_mipmap"));
 	assert_true(needs.storage_images > 0);
 	gw_shader_needs most = gw_shader_needs_most();
-	assert_true(most.sampled >= 13 && most.storage_buffers >= 2 && most.resources >= 15);
+	assert_true(most.sampled >= 14 && most.storage_buffers >= 2 && most.resources >= 16);
 }
 
 /* A loop of this device is run to its end, or cut where bakes are safe; every step counts. */
