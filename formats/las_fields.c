@@ -219,7 +219,7 @@ static void name_field(const las_layout *layout, las_field *field, const char *n
 	snprintf(field->name, sizeof field->name, "%.40s", name);
 	const las_field *other = find(layout, field->name);
 	if (other && strlen(name) < sizeof field->standard)
-		snprintf(field->standard, sizeof field->standard, "%s", name);
+		memcpy(field->standard, name, strlen(name) + 1);
 	for (unsigned n = 2; find(layout, field->name); n++)
 		snprintf(field->name, sizeof field->name, "%.40s_%u", name, n);
 }
