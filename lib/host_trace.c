@@ -72,6 +72,30 @@ static int disc_vote(const gw_tracer *tracer, size_t surfel, gw_vec3 at, float *
 	return 2;
 }
 
+/* Do the lobe's discs lie all around a place? */
+static bool is_surrounded(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
+{
+	static const float way[4][2] = { { 1.0f, 0.0f },
+									 { GW_SQRT_HALF, GW_SQRT_HALF },
+									 { 0.0f, 1.0f },
+									 { -GW_SQRT_HALF, GW_SQRT_HALF } };
+	uint32_t seen = 0, last = tracer->leaf_fragment[(slot >> 1) + 1];
+	gw_vec3 t, b;
+	gw_frame_of(gw_xyz(tracer->lobe_plane + 4 * (size_t)slot), &t, &b);
+	for (uint32_t f = tracer->leaf_fragment[slot >> 1]; f < last; f++) {
+		uint32_t word = tracer->fragment_surfel[f];
+		if (word >> 31 != 0 || (word >> 30 & 1) != (slot & 1))
+			continue;
+		gw_vec3 off = gw_minus(gw_xyz(tracer->place + 4 * (size_t)(word & 0x3fffffffu)), at);
+		float x = gw_dot(off, t), y = gw_dot(off, b);
+		for (int d = 0; d < 4; d++) {
+			float along = way[d][0] * x + way[d][1] * y;
+			seen |= along > 0.0f ? 1u << d : along < 0.0f ? 16u << d : 0u;
+		}
+	}
+	return __builtin_popcount(seen) >= GW_SEEN_AROUND;
+}
+
 static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 {
 	uint32_t first = tracer->leaf_fragment[slot >> 1],
@@ -80,62 +104,160 @@ static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 		return true;
 	int votes = 0;
 	float cover = 0.0f;
+	bool cut = false;
 	for (uint32_t f = first; f < last; f++) {
 		uint32_t word = tracer->fragment_surfel[f];
-		if (word >> 31 == 0 && (word >> 30 & 1) == (slot & 1))
-			votes += disc_vote(tracer, word & 0x3fffffffu, at, &cover);
+		if (word >> 31 != 0 || (word >> 30 & 1) != (slot & 1))
+			continue;
+		int vote = disc_vote(tracer, word & 0x3fffffffu, at, &cover);
+		votes += vote;
+		cut |= vote < 0;
 	}
-	return votes > 0 && cover > GW_COVER_LEAST;
+	return (votes > 0 && cover > GW_COVER_LEAST) || (!cut && is_surrounded(tracer, slot, at));
 }
 
 /* -------------------------------------------------------------------------------------- planes */
 
-/* Does the ray meet a lobe's plane within its cell, nearer than what it has hit? */
-static bool hit_plane(const gw_tracer *tracer, const gw_ray *ray, uint32_t slot, bool filled,
-					  gw_vec3 centre, gw_ray_hit *hit)
+/* A lobe as a ray passes it: at a distance t it is approach * t - rise above the plane. */
+typedef struct passage {
+	uint32_t lobe; /* slot, or GW_NONE */
+	gw_vec3 normal;
+	float approach, rise;
+	float leave; /* distance at which the ray leaves the lobe's cell */
+} passage;
+
+/* A ray's way through a cell. */
+typedef struct stretch {
+	gw_vec3 centre;
+	float enter, leave; /* distances */
+	bool covered;       /* its lobes end nowhere in it */
+	bool concave;       /* they meet as a floor and a wall do, seen from inside */
+} stretch;
+
+static float height_over(const passage *lobe, float t)
 {
-	const float *plane = tracer->lobe_plane + 4 * (size_t)slot;
-	gw_vec3 n = gw_xyz(plane);
-	float approach = gw_dot(n, ray->direction);
-	if (fabsf(approach) < 1e-6f)
+	return lobe->approach * t - lobe->rise;
+}
+
+static bool holds(const gw_tracer *tracer, const gw_ray *ray, const stretch *in, uint32_t slot,
+				  float t)
+{
+	return !ray->discs || in->covered || in->concave ||
+		   is_covered(tracer, slot, gw_plus(ray->origin, gw_times(ray->direction, t)));
+}
+
+/* Does a lobe rise over the surface that the ray leaves? */
+static bool rises_over_start(const gw_tracer *tracer, const gw_ray *ray, const passage *own,
+							 float like_least)
+{
+	gw_vec3 middle = gw_xyz(tracer->lobe_centre + 4 * (size_t)own->lobe);
+	float height = gw_dot(ray->facing, middle) - gw_dot(ray->facing, ray->foot);
+	return height >= GW_NEAR_HEIGHT * gw_larger(like_least, GW_LIKE_LEAST);
+}
+
+/* Does the ray meet a lobe's plane in or near its cell, nearer than what it has hit? */
+static bool meets_plane(const gw_tracer *tracer, const gw_ray *ray, const stretch *in,
+						const passage *own, gw_ray_hit *hit)
+{
+	if (fabsf(own->approach) < 1e-6f)
 		return false;
-	gw_vec3 from = gw_minus(ray->origin, centre);
-	float distance = (plane[3] - gw_dot(n, from)) / approach;
+	float distance = own->rise / own->approach;
 	if (distance < 0.0f || distance >= hit->t)
 		return false;
 	gw_vec3 at = gw_plus(ray->origin, gw_times(ray->direction, distance));
-	gw_vec3 off = gw_minus(at, centre);
-	if (gw_larger(fabsf(off.x), gw_larger(fabsf(off.y), fabsf(off.z))) > 0.5f + tracer->slack)
+	gw_vec3 off = gw_minus(at, in->centre);
+	float beyond = gw_larger(fabsf(off.x), gw_larger(fabsf(off.y), fabsf(off.z))) - 0.5f;
+	float slack = own->approach < 0.0f && ray->discs ? GW_FRONT_SLACK : tracer->slack;
+	if (beyond > slack)
 		return false;
-	if (distance < GW_NEAR) {
-		gw_vec3 middle = gw_xyz(tracer->lobe_centre + 4 * (size_t)slot);
-		float height = gw_dot(ray->facing, middle) - gw_dot(ray->facing, ray->foot);
-		if (approach > 0.0f ||
-			height < GW_NEAR_HEIGHT * gw_larger(gw_dot(n, ray->facing), GW_LIKE_LEAST))
-			return false;
-	}
-	if (approach > 0.0f) {
+	if (distance < GW_NEAR &&
+		(own->approach > 0.0f ||
+		 !rises_over_start(tracer, ray, own, gw_dot(own->normal, ray->facing))))
+		return false;
+	if (own->approach > 0.0f) {
 		hit->behind = true;
 		if (!ray->both_sides)
 			return false;
 	}
-	if (ray->discs && !filled && !is_covered(tracer, slot, at))
+	stretch there = *in;
+	there.covered &= beyond <= tracer->slack;
+	if (!holds(tracer, ray, &there, own->lobe, distance))
 		return false;
 	hit->t = distance;
-	hit->lobe = slot;
 	return true;
 }
 
+/* Is the ray behind the lobe where it enters its cell, though nothing stopped it? */
+static bool came_through(const gw_tracer *tracer, const gw_ray *ray, const stretch *in,
+						 const passage *own, const passage *last, bool like)
+{
+	float height = height_over(own, in->enter);
+	if (!(height < 0.0f))
+		return false;
+	if (in->enter < GW_NEAR) {
+		if (like || height < -GW_NOISE_DEPTH || own->approach >= 0.0f ||
+			!rises_over_start(tracer, ray, own, 0.0f))
+			return false;
+	} else if (!like || last->lobe == GW_NONE || in->enter - last->leave > GW_GAP_MOST ||
+			   height_over(last, last->leave) < 0.0f) {
+		return false;
+	}
+	return holds(tracer, ray, in, own->lobe, in->enter);
+}
+
+static void meet_lobe(const gw_tracer *tracer, const gw_ray *ray, const stretch *in, uint32_t slot,
+					  passage *last, gw_ray_hit *hit)
+{
+	const float *plane = tracer->lobe_plane + 4 * (size_t)slot;
+	passage own = { .lobe = slot, .normal = gw_xyz(plane), .leave = in->leave };
+	own.approach = gw_dot(own.normal, ray->direction);
+	own.rise = plane[3] - gw_dot(own.normal, gw_minus(ray->origin, in->centre));
+	if (meets_plane(tracer, ray, in, &own, hit)) {
+		hit->lobe = slot;
+		return;
+	}
+	if (!ray->discs)
+		return;
+	bool like = gw_dot(own.normal, last->normal) > GW_LIKE_COSINE;
+	if (in->enter < hit->t && came_through(tracer, ray, in, &own, last, like)) {
+		hit->lobe = slot;
+		hit->t = gw_smaller(hit->t, in->leave);
+	} else if (like && (in->enter >= GW_NEAR || height_over(&own, in->leave) >= 0.0f ||
+						holds(tracer, ray, in, slot, in->leave))) {
+		*last = own;
+	}
+}
+
+/* Does a lobe's centre lie in front of another one's plane? */
+static bool rises_over(const gw_tracer *tracer, gw_vec3 centre, uint32_t slot, uint32_t over)
+{
+	const float *plane = tracer->lobe_plane + 4 * (size_t)over;
+	gw_vec3 middle = gw_xyz(tracer->lobe_centre + 4 * (size_t)slot);
+	return gw_dot(gw_xyz(plane), gw_minus(middle, centre)) - plane[3] > GW_CONCAVE_HEIGHT;
+}
+
 /* The lobes of a leaf that has some. */
-static void hit_leaf(const gw_tracer *tracer, const gw_ray *ray, const uint32_t *tile,
-					 uint32_t octant, int_lanes cell, gw_ray_hit *hit)
+static void meet_leaf(const gw_tracer *tracer, const gw_ray *ray, const uint32_t *tile,
+					  uint32_t octant, stretch *in, passage *last, gw_ray_hit *hit)
 {
 	uint32_t leaf = tile[0] + (uint32_t)__builtin_popcount(tile[1] & ((1u << octant) - 1));
-	gw_vec3 centre = { (float)cell[0] + 0.5f, (float)cell[1] + 0.5f, (float)cell[2] + 0.5f };
-	bool filled = tile[1] >> (24 + octant) & 1;
-	hit_plane(tracer, ray, 2 * leaf, filled, centre, hit);
-	if (tile[1] >> (16 + octant) & 1)
-		hit_plane(tracer, ray, 2 * leaf + 1, filled, centre, hit);
+	bool second = tile[1] >> (16 + octant) & 1;
+	in->covered = tile[1] >> (24 + octant) & 1;
+	in->concave = second && !in->covered &&
+				  rises_over(tracer, in->centre, 2 * leaf + 1, 2 * leaf) &&
+				  rises_over(tracer, in->centre, 2 * leaf, 2 * leaf + 1);
+	meet_lobe(tracer, ray, in, 2 * leaf, last, hit);
+	if (second)
+		meet_lobe(tracer, ray, in, 2 * leaf + 1, last, hit);
+}
+
+/* What a ray does that is still behind the surface it left when that should be behind it. */
+static void leave_start(const passage *last, float t, gw_ray_hit *hit)
+{
+	if (hit->lobe == GW_NONE && last->lobe != GW_NONE && height_over(last, t) < 0.0f) {
+		hit->lobe = last->lobe;
+		hit->t = gw_smaller(hit->t, last->leave);
+	}
 }
 
 /* ------------------------------------------------------------------------------------- walking */
@@ -202,7 +324,7 @@ static inline uint32_t octant_of(int_lanes cell, uint32_t shift)
 /* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
  * that, unless it is hit. */
 static inline float look_around(const gw_tracer *tracer, const gw_ray *ray, const walk *w,
-								int_lanes cell, gw_ray_hit *hit)
+								int_lanes cell, float t, passage *last, gw_ray_hit *hit)
 {
 	uint32_t level = tracer->directory_level, shift = tracer->depth - level;
 	int_lanes c = cell >> (int32_t)shift;
@@ -217,9 +339,13 @@ static inline float look_around(const gw_tracer *tracer, const gw_ray *ray, cons
 		return leaving(w, cell, shift, 0);
 	const uint32_t *tile = tracer->leaf_tile + 2 * (size_t)(pointer - 1);
 	uint32_t octant = octant_of(cell, 0);
+	stretch in = { .centre = { (float)cell[0] + 0.5f, (float)cell[1] + 0.5f,
+							   (float)cell[2] + 0.5f },
+				   .enter = t,
+				   .leave = leaving(w, cell, 0, 0) };
 	if (tile[1] >> (8 + octant) & 1)
-		hit_leaf(tracer, ray, tile, octant, cell, hit);
-	return leaving(w, cell, 0, 0);
+		meet_leaf(tracer, ray, tile, octant, &in, last, hit);
+	return in.leave;
 }
 
 static gw_ray_hit trace_octree(const gw_tracer *tracer, const gw_ray *ray)
@@ -230,9 +356,16 @@ static gw_ray_hit trace_octree(const gw_tracer *tracer, const gw_ray *ray)
 	float_lanes enter = (side * (1.0f - w.far) - w.origin) * w.inverse;
 	float t_end = gw_smaller(ray->t_max, smallest((side * w.far - w.origin) * w.inverse));
 	float t = gw_larger(0.0f, gw_larger(enter[0], gw_larger(enter[1], enter[2])));
-	for (uint32_t step = 0; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++)
-		t = gw_larger(look_around(tracer, ray, &w, cell_at(&w, t + tracer->nudge), &hit),
-					  t + tracer->nudge);
+	passage last = { .lobe = GW_NONE, .normal = ray->facing };
+	bool near = true;
+	for (uint32_t step = 0; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++) {
+		float next = look_around(tracer, ray, &w, cell_at(&w, t + tracer->nudge), t, &last, &hit);
+		t = gw_larger(next, t + tracer->nudge);
+		if (near && (t >= GW_NEAR || t >= t_end)) {
+			near = false;
+			leave_start(&last, gw_smaller(t_end, gw_larger(last.leave, GW_NEAR)), &hit);
+		}
+	}
 	return hit;
 }
 

@@ -32,6 +32,12 @@
 /* Of the circle's radius: distances that differ by less are the same. */
 #define TIE 0.02
 
+/* Random points leave one place in a hundred thousand free for the circle, but none in millions for
+ * one so much larger. Where that finds no room a void ends, and no surface. Where surface surrounds
+ * a corner of a hole, it stays behind by up to half as much; of the circle's radius. */
+#define WIDER 1.3
+#define WIDER_BEHIND 0.5
+
 /* How far the surface goes on beyond the circle, in spacings: with it sheets of random points end
  * where they do (measured, tests/physics/test_rims.c). Regular points are half their distance from
  * the edge. */
@@ -174,6 +180,15 @@ static double look_there(const rim_step *step, size_t surfel, const double way[2
 	return there;
 }
 
+/* Does a circle stop at a distance only because it is small? */
+static bool is_void(const rim_step *step, size_t surfel, const double way[2], double distance,
+					double circle, surrounding *around)
+{
+	double more = (WIDER - 1) * circle;
+	double there = look_there(step, surfel, way, distance + more, WIDER * circle, INFINITY, around);
+	return there > distance + more + WIDER_BEHIND * circle;
+}
+
 /* Does another surface begin where the circle stops? Then the edge becomes their crease. */
 static bool is_crease(const rim_step *step, size_t surfel, double reach, gw_half_plane *edge)
 {
@@ -198,6 +213,10 @@ static void find_rims(const rim_step *step, size_t surfel, double reach, double 
 		double there = look_there(step, surfel, way, room[d], circle, most, around);
 		if (there > room[d]) {
 			room[d] = there;
+			continue;
+		}
+		if (is_void(step, surfel, way, there, circle, around)) {
+			room[d] = most;
 			continue;
 		}
 		gw_half_plane *edge = around->edge + around->edges++;

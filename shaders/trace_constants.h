@@ -16,6 +16,20 @@
 /* Of that height, what a plane across that surface needs. */
 #define GW_LIKE_LEAST 0.1f
 
+/* Leaf cells by which planes reach beyond their cells for rays that come from in front: surface
+ * that cuts off but a corner of a cell may leave nothing in it. */
+#define GW_FRONT_SLACK 0.5f
+
+/* Lobes with at least this cosine between their normals are pieces of one surface; a ray that has
+ * left one goes on along it within so many cells. */
+#define GW_LIKE_COSINE 0.5f
+#define GW_GAP_MOST 1.75f
+
+/* Leaf cells: how far noise may put a point behind a surface that meets its own; and how far each
+ * of two lobes lies in front of the other where they meet as a floor and a wall do. */
+#define GW_NOISE_DEPTH 0.25f
+#define GW_CONCAVE_HEIGHT 0.02f
+
 /* Leaf cells: a ray may pass between two discs that were cut at the same crease. */
 #define GW_DISC_SLACK 0.02f
 
@@ -25,6 +39,10 @@
 /* Inside a surface the densities of the discs at a place add up to about 1. Where one of some eight
  * is alone, it sticks out over a ridge, and there is no surface. */
 #define GW_COVER_LEAST 0.2f
+
+/* A place has discs all around it when so many of eight half-planes hold one. */
+#define GW_SEEN_AROUND 7
+#define GW_SQRT_HALF 0.70710678f
 
 /* Two cuts leave no less of a disc than this. */
 #define GW_SHARE_LEAST 0.05f
