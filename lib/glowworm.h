@@ -91,7 +91,7 @@ typedef struct gw_points {
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */
-#define GW_ALBEDO_MAX 0.98f
+#define GW_ALBEDO_MAX 0.99f
 
 /* Albedo of points when gw_points.albedo is NULL. */
 #define GW_ALBEDO_DEFAULT 0.5f
