@@ -109,6 +109,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "shadows", r->error.shadows);
 	json_put_real(json, "normals", r->error.normals);
 	json_put_real(json, "emission", r->error.emission);
+	json_put_real(json, "geometry", r->error.geometry);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "price", '{');
 	json_put_real(json, "error", r->price.error);
@@ -135,6 +136,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "shadows", round->error.shadows);
 		json_put_real(json, "normals", round->error.normals);
 		json_put_real(json, "emission", round->error.emission);
+		json_put_real(json, "geometry", round->error.geometry);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
 		json_put_close(json, '}');
@@ -280,6 +282,23 @@ void bake_report_profile(const gw_report *r)
 	fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)r->peak_bytes / MEGABYTE);
 }
 
+/* Is a part of the error worth a word? */
+static bool is_large(const gw_report *r, double part)
+{
+	return part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms);
+}
+
+static void note_geometry(const gw_report *r)
+{
+	char percent[TEXT_PERCENT];
+	if (is_large(r, r->error.geometry))
+		fprintf(stderr,
+				"glowworm: note: the octree and the points themselves disagree by %s %% of the "
+				"mean: surfaces leak or lie elsewhere in it; another --depth or --leaf-spacing may "
+				"mend that\n",
+				text_percent(r->error.geometry, percent));
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -288,6 +307,7 @@ void bake_report_notes(const bake_facts *f)
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
+	note_geometry(r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
@@ -302,8 +322,8 @@ static void error_text(const gw_report *r, char text[80])
 	if (r->error.points)
 		snprintf(text, 80, "%s %% +- %s %%", text_percent(r->error.relative_rms, error),
 				 text_percent(r->error.spread, spread));
-	else if (r->error.shadows > 0.0)
-		snprintf(text, 80, "%s %%", text_percent(r->error.shadows, error));
+	else if (r->error.relative_rms > 0.0)
+		snprintf(text, 80, "%s %%", text_percent(r->error.relative_rms, error));
 	else
 		snprintf(text, 80, "not known");
 }
@@ -324,7 +344,7 @@ static void put_part(const gw_report *r, double part, const char *what, const ch
 {
 	size_t used = strlen(text);
 	char percent[TEXT_PERCENT];
-	if (part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms))
+	if (is_large(r, part))
 		snprintf(text + used, room - used, "; %s alone are %s %%, which only %s would lessen", what,
 				 text_percent(part, percent), remedy);
 }
@@ -360,7 +380,7 @@ void bake_report_error(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	char error[80], price[256];
-	if (r->error.points == 0 && !(r->error.shadows > 0.0))
+	if (r->error.points == 0 && !(r->error.relative_rms > 0.0))
 		return;
 	error_text(r, error);
 	price_text(f, price, sizeof price);

@@ -245,14 +245,16 @@ static gw_status comment_command(maker *m)
 static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
-	char text[256], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
 	number_print_float(shadows, (float)r->error.shadows);
 	number_print_float(normals, (float)r->error.normals);
 	number_print_float(emission, (float)r->error.emission);
+	number_print_float(geometry, (float)r->error.geometry);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -266,8 +268,11 @@ static gw_status comment_error(maker *m)
 		length += snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s",
 						   normals);
 	if (r->error.emission > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s", emission);
-	bool known = r->error.points > 0 || r->error.shadows > 0.0;
+		length += snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s",
+						   emission);
+	if (r->error.geometry > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }
 

@@ -447,10 +447,11 @@ static gw_status refine(bake *b, gw_error *error)
 		if (status == GW_OK && r->goal == GW_GOAL_NONE)
 			status = refine_once(b, error);
 	}
-	/* Of lamps alone the edges of their shadows are all that is known to be wrong. */
-	r->missed = b->solver.options.max_error > 0.0f &&
-				(b->light.plan.records ? !gw_refine_reached(&b->solver.options, &r->error)
-									   : r->error.shadows > (double)b->solver.options.max_error);
+	/* What is wrong with the light of lamps alone, no setting lessens. */
+	double wanted = (double)b->solver.options.max_error;
+	r->missed =
+		wanted > 0.0 && (b->light.plan.records ? !gw_refine_reached(&b->solver.options, &r->error)
+											   : r->error.relative_rms > wanted);
 	if (r->missed && !b->light.plan.records)
 		r->goal = GW_GOAL_EXHAUSTED;
 	b->refining = false;

@@ -25,8 +25,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* More reflections than this are never needed: 0.98^1000 is 2e-9. */
-#define BOUNCE_CEILING 1000u
+/* More reflections than this are never needed: 0.99^2000 is 2e-9. */
+#define BOUNCE_CEILING 2000u
 
 #define SUM_CHUNK 4096u /* lobes whose light is added up at a time */
 

@@ -128,10 +128,9 @@ bool gw_light_shines(const gw_light *light)
 	return light->type != GW_LIGHT_ENVIRONMENT && (power[0] > 0 || power[1] > 0 || power[2] > 0);
 }
 
-/* The light in grid coordinates: subtracting the frame's origin in double keeps large coordinates
- * exact; an intensity in W/sr becomes one per leaf cell squared. */
-static gw_light_push light_push(const gw_light *light, const gw_octree *octree,
-								const gw_surfels *surfels, const gw_bake_options *options)
+/* Subtracting the frame's origin in double keeps large coordinates exact. */
+gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
+							   const gw_surfels *surfels, const gw_bake_options *options)
 {
 	gw_light_push push = { .type = light->type == GW_LIGHT_SUN    ? GW_PUSH_SUN
 								   : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
@@ -270,7 +269,7 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))
 			continue;
-		gw_light_push push = light_push(&lights[i], octree, surfels, options);
+		gw_light_push push = gw_light_push_of(&lights[i], octree, surfels, options);
 		status =
 			find_visibility(passes, octree, surfels, &push, options, normal, &visibility, error);
 		if (status == GW_OK)
@@ -293,7 +292,7 @@ gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_su
 						 gw_error *error)
 {
 	gw_buffer visibility = { 0 };
-	const gw_light_push push = light_push(light, octree, surfels, options);
+	const gw_light_push push = gw_light_push_of(light, octree, surfels, options);
 	uint64_t bytes = 4 * (uint64_t)surfels->count;
 	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
 										"visibility", &visibility, error);

@@ -6,6 +6,7 @@
 #define DIRECT_LIGHT_H
 
 #include "passes.h"
+#include "transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
  * The sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
@@ -13,6 +14,11 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 
 /* Whether a light of these is of a type that direct_light computes and is not black. */
 bool gw_light_shines(const gw_light *light);
+
+/* A light as passes get it, in grid coordinates: an intensity in W/sr becomes one per leaf cell
+ * squared. */
+gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
+							   const gw_surfels *surfels, const gw_bake_options *options);
 
 /*
  * Adds the irradiance of every such light.

@@ -5,6 +5,7 @@
 
 #include "bounces.h"
 #include "emission_error.h"
+#include "geometry_error.h"
 #include "luminance.h"
 #include "memory.h"
 #include "normal_error.h"
@@ -390,6 +391,59 @@ static gw_status look(const gw_estimate_task *task, const gw_probe_task *probes,
 	return gw_probe_hits_place(probes, c->point, c->count, &e->place, error);
 }
 
+/* Luminance of what each surfel sends out and gathers see. */
+static float *list_radiance(const gw_estimate_task *task)
+{
+	const gw_surfels *s = task->surfels;
+	float *light = gw_allocate_array(s->count, sizeof *light);
+	for (size_t i = 0; i < s->count && light; i++) {
+		double sum = s->emission ? gw_luminance(s->emission + 3 * i) : 0.0;
+		if (task->bounces)
+			sum += reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i);
+		if (task->bounces && task->direct)
+			sum += reflected(s, i, task->direct + 4 * i);
+		light[i] = (float)sum;
+	}
+	return light;
+}
+
+/* What the geometry by itself says. */
+static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
+								const gw_buffer *lobe_radiance, double mean,
+								gw_error_estimate *result, gw_error *error)
+{
+	double rms = 0.0;
+	if (!(mean > 0.0))
+		return GW_OK;
+	float *light = task->records ? list_radiance(task) : NULL;
+	if (task->records && !light)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
+					   task->surfels->count);
+	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
+	const gw_geometry_task check = { .gpu = task->passes->gpu,
+									 .octree = task->octree,
+									 .surfels = task->surfels,
+									 .counts = e->counts,
+									 .seed = task->seed,
+									 .threads = task->threads,
+									 .records = task->records,
+									 .rays = task->rays_of_records,
+									 .read_back = task->read_back,
+									 .lobe_radiance = task->bounces ? lobe_radiance : NULL,
+									 .radiance = light,
+									 .sky = task->sky,
+									 .map = task->map,
+									 .limit = task->limit,
+									 .direct = shadows ? task->direct : NULL,
+									 .lights = task->lights,
+									 .light_count = task->light_count,
+									 .options = task->options };
+	gw_status status = gw_geometry_error(&check, &rms, error);
+	free(light);
+	result->geometry = rms / mean;
+	return status;
+}
+
 /* What the points find, and what that says of the bake. */
 static gw_status solve_again(const gw_estimate_task *task, estimate *e, double mean,
 							 gw_error_estimate *result, gw_error *error)
@@ -413,6 +467,8 @@ static gw_status solve_again(const gw_estimate_task *task, estimate *e, double m
 		status = gw_emitters_make(gpu, task->octree, &radiance, false, &reflectors, error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
 		status = gather_half(task, &probes, half, &reflectors, e, error);
+	if (status == GW_OK)
+		status = check_geometry(task, e, &radiance, mean, result, error);
 	if (status == GW_OK)
 		status = compare(task, e, mean, result, error);
 	gw_emitters_destroy(gpu, &reflectors);
@@ -452,10 +508,13 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	gw_status status = GW_OK;
 	if (task->records)
 		status = solve_again(task, &e, mean, result, error);
+	else
+		status = check_geometry(task, &e, NULL, mean, result, error);
 	if (status == GW_OK)
 		status = add_lamps(task, &e, mean, result, error);
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
+	result->relative_rms = hypot(result->relative_rms, result->geometry);
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_probe_choice_clear(&e.choice);
 	free(e.behind);

@@ -15,7 +15,8 @@
  *
  * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
  * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
- * emitters do to their power (emission_error.h).
+ * emitters do to their power (emission_error.h). What is wrong with the octree itself, rays find
+ * that meet nothing of it (geometry_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H
@@ -32,20 +33,25 @@ typedef struct gw_estimate_task {
 	 * to bounces is not looked at, nor are first and indirect. */
 	const gw_records *records;
 	const gw_read_back *read_back; /* from the records to the surfels */
-	const gw_emitters *emitters;   /* count 0 when nothing emits */
-	const gw_buffer *lobe_direct;  /* irradiance of the lobes from point, spot and sun lights */
-	const float *sky;              /* 3, radiance of the environment */
-	const gw_sky_map *map;         /* of the environment, or NULL */
-	const gw_openings *openings;   /* through which it shines, or NULL */
-	bool bounces;                  /* whether light was reflected more than once */
-	const float *direct;           /* 4 a surfel or NULL, irradiance from lamps */
-	const float *turned;           /* the same with normals that are off, or NULL */
+	const gw_ray_gather *rays_of_records;
+	const gw_emitters *emitters;  /* count 0 when nothing emits */
+	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
+	const float *sky;             /* 3, radiance of the environment */
+	const gw_sky_map *map;        /* of the environment, or NULL */
+	const gw_openings *openings;  /* through which it shines, or NULL */
+	bool bounces;                 /* whether light was reflected more than once */
+	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
+	const float *turned;          /* the same with normals that are off, or NULL */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */
 	uint32_t points, seed;        /* how many points are solved again, and of their draw */
 	uint32_t threads;             /* of the host; 0: one a core */
-	gw_probe_hits *hits;          /* what is known of what points see; theirs in the end */
+	const gw_light *lights;       /* light_count: what shines */
+	size_t light_count;
+	const gw_bake_options *options;
+	uint32_t limit;      /* reflections, or GW_BOUNCES_AUTO */
+	gw_probe_hits *hits; /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */

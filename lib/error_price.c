@@ -37,7 +37,7 @@
 
 double gw_error_floor(const gw_error_estimate *e)
 {
-	return hypot(hypot(e->shadows, e->normals), e->emission);
+	return hypot(hypot(e->shadows, e->normals), hypot(e->emission, e->geometry));
 }
 
 gw_price gw_price_of(const gw_price_task *t, double error)

@@ -91,7 +91,7 @@ typedef struct gw_points {
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */
-#define GW_ALBEDO_MAX 0.98f
+#define GW_ALBEDO_MAX 0.99f
 
 /* Albedo of points when gw_points.albedo is NULL. */
 #define GW_ALBEDO_DEFAULT 0.5f
@@ -295,7 +295,7 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the four below that are parts of it */
+	double relative_rms; /* root mean square error: of the five below that are parts of it */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -307,6 +307,8 @@ typedef struct gw_error_estimate {
 							(normal_error.h); not of those that point the wrong way */
 	double emission;     /* of the power of what emits, whose edges lie somewhere between points
 							(emission_error.h); only denser points would lessen it */
+	double geometry;     /* of the octree, which the points by themselves do not agree with
+							(geometry_error.h) */
 } gw_error_estimate;
 
 /* What a smaller error would cost, predicted from what a bake measured (error_price.h). */

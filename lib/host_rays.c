@@ -349,9 +349,7 @@ typedef struct shadows {
 	float *visibility;
 } shadows;
 
-/* Share of its power that a light sends towards a place, where it is from there, and how far:
- * light.glsl. */
-static float share_of_power(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
+float gw_lamp_share(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
 {
 	if (push->type == GW_PUSH_SUN) {
 		*towards = (gw_vec3){ -push->direction.x, -push->direction.y, -push->direction.z };
@@ -387,9 +385,8 @@ static bool ends_at_crease(const gw_tracer *tracer, uint32_t lobe)
 	return votes > 0;
 }
 
-/* Aims the s-th ray at a place of the disc that the light shows; `towards` is its middle. */
-static void aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards, float distance,
-				gw_ray *ray)
+void gw_lamp_aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards, float distance,
+				 gw_ray *ray)
 {
 	float p[2] = { 0 };
 	gw_vec3 t, b;
@@ -412,7 +409,7 @@ static float share_seen(const shadows *job, size_t surfel)
 	gw_ray ray = { .origin = gw_xyz(job->tracer.place + 4 * surfel),
 				   .both_sides = true,
 				   .discs = true };
-	if (!(share_of_power(push, ray.origin, &towards, &distance) > 0.0f))
+	if (!(gw_lamp_share(push, ray.origin, &towards, &distance) > 0.0f))
 		return 0.0f;
 	float cosine = gw_dot(normal, towards);
 	if (!((own[3] > 0.5f ? fabsf(cosine) : cosine) > 0.0f))
@@ -423,7 +420,7 @@ static float share_seen(const shadows *job, size_t surfel)
 	float turn = gw_unit_float(gw_mix2((uint32_t)surfel, push->seed));
 	uint32_t rays = push->samples;
 	for (uint32_t s = 0; s < rays; s++) {
-		aim(push, push->samples - 1 - s, turn, towards, distance, &ray);
+		gw_lamp_aim(push, push->samples - 1 - s, turn, towards, distance, &ray);
 		uint32_t lobe = gw_trace(&job->tracer, &ray).lobe;
 		if (lobe == GW_NONE)
 			seen += 1.0f;
@@ -468,7 +465,7 @@ static void add_lamp(const lamp_light *job, size_t surfel)
 	const float *own = job->normal + 4 * surfel;
 	float distance, seen = push->shadows ? job->visibility[surfel] : 1.0f, sign = 1.0f;
 	gw_vec3 towards, power = gw_xyz(&push->power.x);
-	float share = share_of_power(push, gw_xyz(job->place + 4 * surfel), &towards, &distance);
+	float share = gw_lamp_share(push, gw_xyz(job->place + 4 * surfel), &towards, &distance);
 	float cosine = gw_dot(gw_xyz(own), towards);
 	float e = share * (own[3] > 0.5f ? fabsf(cosine) : gw_larger(cosine, 0.0f));
 	if (push->type != GW_PUSH_SUN)

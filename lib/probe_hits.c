@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t seed_of(const gw_probe_task *task, uint32_t gather)
+uint32_t gw_probe_seed(uint32_t seed, uint32_t gather)
 {
-	return task->seed ^ (gather ? 0xb5297a4du : 0x68e31da4u);
+	return seed ^ (gather ? 0xb5297a4du : 0x68e31da4u);
 }
 
 static bool have_emitters(const gw_probe_task *task)
@@ -168,7 +168,7 @@ static gw_status trace_some(const gw_probe_task *task, some_points *some, uint32
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count * row;
 	gw_status status = gw_ray_gather_trace(task->passes, task->octree, &some->place, hits->rays,
-										   seed_of(task, gather), &rays, error);
+										   gw_probe_seed(task->seed, gather), &rays, error);
 	if (status == GW_OK)
 		status = fetch_rows(task, some, &rays.lobe, row, (char *)hits->lobe + first, error);
 	if (status == GW_OK)
@@ -189,7 +189,7 @@ static gw_status light_some(const gw_probe_task *task, some_points *some, uint32
 										 .samples = hits->rays,
 										 .use_hits = true,
 										 .sky = black,
-										 .seed = seed_of(task, gather) };
+										 .seed = gw_probe_seed(task->seed, gather) };
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count;
 	gw_status status = gw_ray_gather_create(task->passes->gpu, &some->place, hits->rays,
@@ -266,8 +266,8 @@ gw_status gw_probe_hits_gather(const gw_probe_task *task, const gw_probe_hits *h
 	gw_gpu *gpu = task->passes->gpu;
 	size_t first = gather * (size_t)hits->count, count = (size_t)hits->count * hits->rays;
 	*emitted = (gw_buffer){ 0 };
-	gw_status status =
-		gw_ray_gather_create(gpu, place, hits->rays, seed_of(task, gather), rays, error);
+	gw_status status = gw_ray_gather_create(gpu, place, hits->rays,
+											gw_probe_seed(task->seed, gather), rays, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &rays->lobe, 0, hits->lobe + first * hits->rays, 4 * count,
 								  error);

@@ -22,6 +22,9 @@ typedef struct gw_probe_hits {
 	uint64_t traced; /* rays so far, also for points that are not among these any more */
 } gw_probe_hits;
 
+/* Seed of the rays of one gather, where the points' is `seed`. */
+uint32_t gw_probe_seed(uint32_t seed, uint32_t gather);
+
 /* Where points gather, and from which emitters. */
 typedef struct gw_probe_task {
 	gw_passes *passes;

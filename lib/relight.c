@@ -448,6 +448,7 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 										.surfels = &s->surfels,
 										.records = relight->plan.records ? &s->records : NULL,
 										.read_back = &s->read_back,
+										.rays_of_records = &s->rays,
 										.emitters = &relight->emitters,
 										.lobe_direct = &relight->lobe_direct,
 										.sky = relight->plan.sky_radiance,
@@ -464,6 +465,10 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 																	 s->records.count),
 										.seed = (uint32_t)o->seed,
 										.threads = o->threads,
+										.lights = relight->lights,
+										.light_count = relight->light_count,
+										.options = o,
+										.limit = relight->plan.bounces ? relight->plan.limit : 1,
 										.hits = &s->probed };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}

@@ -113,7 +113,7 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	gw_report_count(r, "duplicates_merged", s->duplicates,
 					"points at the place of another: they share its light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
-					"points whose albedo was outside 0 to 0.98");
+					"points whose albedo was outside 0 to 0.99");
 	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
 					"points whose albedo was not a number: 0.5 was taken");
 	gw_report_count(r, "emission_repaired", s->emission_repaired,

@@ -512,7 +512,8 @@ static double error_on_strips(double degrees, double *said)
 		mean += (double)result->radiance[3 * i] / (double)s.count;
 	}
 	*said = e->normals;
-	assert_near(e->relative_rms, hypot(e->gathered, hypot(e->shadows, e->normals)), 1e-9, 0);
+	double parts = hypot(hypot(e->gathered, e->shadows), hypot(e->normals, e->geometry));
+	assert_near(e->relative_rms, parts, 1e-9, 0);
 	gw_bake_result_destroy(&result);
 	scene_clear(&s);
 	free(truth);

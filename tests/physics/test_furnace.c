@@ -133,6 +133,32 @@ static void furnace_until_tolerance(void **state)
 	}
 }
 
+/* Among walls of the highest albedo there is light for 2,000 bounces: each has at most the albedo's
+ * share of the one before, which float32 sums bear out to 1e-5, so that the sum is bounded by
+ * Le / (1 - rho). Below, it may miss what rays lose (see assert_no_leak), not more. */
+static void two_thousand_bounces(void **state)
+{
+	(void)state;
+	const double rho = 0.99, most = 1.0 / (1.0 - rho);
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 3000, -1, 0.99f);
+	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	gw_points points = scene_points(&s);
+	gw_bake_options options = options_of(GW_METHOD_RAYS, 2000);
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	const gw_report *r = &result->report;
+	double mean = scene_mean(result->radiance, s.count, 0);
+	assert_int_equal(r->bounce_count, 2000);
+	for (uint32_t n = 1; n < r->bounce_count; n++)
+		if (!(r->bounce[n].energy <= r->bounce[n - 1].energy * rho * (1.0 + 1e-5)))
+			fail_msg("bounce %u has %.9g W after %.9g W", n + 1, r->bounce[n].energy,
+					 r->bounce[n - 1].energy);
+	if (!(mean <= most * 1.0001 && mean >= 1.0 / (1.0 - rho * (1.0 - 0.0025))))
+		fail_msg("radiance is %.4g, at most %.4g", mean, most);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 /*
  * Spread that Monte Carlo alone gives the indirect irradiance: a record's rays fall evenly on the
  * sphere whatever the record's place, so its first gather has the variance of the reflected light
@@ -306,6 +332,7 @@ int main(void)
 		cmocka_unit_test(furnace_by_rays),
 		cmocka_unit_test(furnace_by_cones),
 		cmocka_unit_test(furnace_until_tolerance),
+		cmocka_unit_test(two_thousand_bounces),
 		cmocka_unit_test(integrating_sphere),
 		cmocka_unit_test(closed_cube),
 		cmocka_unit_test(thin_wall_keeps_light_in),

@@ -1,0 +1,293 @@
+/* Faults planted in the octree, which rays through it do not notice: the bake has to say how wrong
+ * they make the light, and to say nothing where there are none. */
+#include "luminance.h"
+#include "relight.h"
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Lengths in leaf cells. */
+typedef struct fault {
+	uint32_t depth; /* 0: the octree's own choice */
+	uint32_t holes; /* so many places lose all surface within */
+	float radius;   /* of them */
+	float disc;     /* above 0: surface further than that from every point is lost */
+} fault;
+
+typedef struct lit {
+	gw_report report;
+	size_t count;
+	double *radiance; /* count, luminance of each surfel */
+} lit;
+
+static void must(gw_status status, const gw_error *error)
+{
+	if (status == GW_ERROR_NO_DEVICE)
+		skip();
+	if (status != GW_OK)
+		fail_msg("%s", error->text);
+}
+
+/* ------------------------------------------------------------------------------------- planting */
+
+static float distance(const float *a, const uint32_t *cell)
+{
+	float x = a[0] - (float)cell[0] - 0.5f, y = a[1] - (float)cell[1] - 0.5f,
+		  z = a[2] - (float)cell[2] - 0.5f;
+	return sqrtf(x * x + y * y + z * z);
+}
+
+/* Is any of these places within reach of a cell? */
+static bool is_near(const float *place, size_t count, const uint32_t *cell, float reach)
+{
+	for (size_t i = 0; i < count; i++)
+		if (distance(place + 4 * i, cell) < reach)
+			return true;
+	return false;
+}
+
+static bool is_lost(const fault *f, const float *hole, const float *place, size_t count,
+					const uint32_t *cell)
+{
+	return is_near(hole, f->holes, cell, f->radius) ||
+		   (f->disc > 0.0f && !is_near(place, count, cell, f->disc));
+}
+
+/* Takes the lobes out of leaves, as rays see it. */
+static void plant(gw_solver *s, const fault *f)
+{
+	gw_error error;
+	gw_octree *o = &s->octree;
+	size_t tile_bytes = 8 * (size_t)o->leaf_tile_count, leaf_bytes = 16 * (size_t)o->leaf_count;
+	size_t place_bytes = 16 * s->surfels.count;
+	uint32_t *tile = malloc(tile_bytes), *leaf = malloc(leaf_bytes);
+	float *place = malloc(place_bytes), hole[64][4];
+	assert_true(tile && leaf && place && f->holes <= 64);
+	must(gw_buffer_download(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
+	must(gw_buffer_download(s->gpu, &o->leaf_cell, 0, leaf, leaf_bytes, &error), &error);
+	must(gw_buffer_download(s->gpu, &o->surfel_position, 0, place, place_bytes, &error), &error);
+	for (size_t i = 0; i < f->holes; i++)
+		memcpy(hole[i], place + 4 * (s->surfels.count * (2 * i + 1) / (2 * (size_t)f->holes)), 16);
+	for (size_t i = 0; i < o->leaf_count; i++) {
+		const uint32_t *cell = leaf + 4 * i;
+		uint32_t octant = (cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2;
+		if (is_lost(f, hole[0], place, s->surfels.count, cell))
+			tile[2 * (size_t)cell[3] + 1] &= ~(0x01010100u << octant);
+	}
+	must(gw_buffer_upload(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
+	free(tile);
+	free(leaf);
+	free(place);
+}
+
+/* -------------------------------------------------------------------------------------- baking */
+
+static double sent_out(const gw_relight *light, const float *direct, size_t i)
+{
+	const gw_surfels *s = &light->solver->surfels;
+	float sum[3];
+	for (size_t k = 0; k < 3; k++) {
+		float irradiance = direct ? direct[4 * i + k] : 0.0f;
+		if (light->plan.records)
+			irradiance += light->surfel_first[4 * i + k] + light->surfel_indirect[4 * i + k];
+		sum[k] = s->albedo[3 * i + k] / (float)SCENE_PI * irradiance +
+				 (s->emission ? s->emission[3 * i + k] : 0.0f);
+	}
+	return gw_luminance(sum);
+}
+
+static void light_points(gw_solver *s, const gw_light *lamp, lit *result)
+{
+	gw_error error;
+	float *direct = NULL;
+	gw_relight light = { .solver = s, .lights = lamp, .light_count = lamp ? 1 : 0 };
+	gw_relight_plan(&light);
+	if (light.plan.records)
+		must(gw_solver_place_records(s, &error), &error);
+	must(gw_relight_run(&light, &error), &error);
+	must(gw_relight_estimate(&light, &error), &error);
+	if (light.plan.lamps)
+		must(gw_relight_download_direct(&light, &direct, &error), &error);
+	result->count = s->surfels.count;
+	result->radiance = malloc(result->count * sizeof *result->radiance);
+	assert_non_null(result->radiance);
+	for (size_t i = 0; i < result->count; i++)
+		result->radiance[i] = sent_out(&light, direct, i);
+	free(direct);
+	gw_relight_clear(&light);
+}
+
+/* Lights the points through an octree with that fault, or without. */
+static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *result)
+{
+	gw_error error;
+	gw_points points = scene_points(cloud);
+	*result = (lit){ .count = 0 };
+	gw_solver s = { .options = GW_BAKE_OPTIONS_DEFAULT, .report = &result->report };
+	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
+	must(gw_solver_open_device(&s, &error), &error);
+	must(gw_solver_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
+	must(gw_solver_build_octree(&s, &error), &error);
+	if (f)
+		plant(&s, f);
+	light_points(&s, lamp, result);
+	gw_solver_close(&s);
+}
+
+static void clear(lit *l)
+{
+	free(l->report.bounce);
+	free(l->radiance);
+	*l = (lit){ .count = 0 };
+}
+
+/* Root mean square of the difference, relative to the mean of what was baked, as an estimate is. */
+static double true_error(const lit *found, const lit *truth, double constant)
+{
+	double squares = 0.0, sum = 0.0;
+	for (size_t i = 0; i < found->count; i++) {
+		double off = found->radiance[i] - (truth ? truth->radiance[i] : constant);
+		squares += off * off;
+		sum += found->radiance[i];
+	}
+	return sqrt(squares * (double)found->count) / sum;
+}
+
+/* A fault that matters is stated within a factor of two. */
+static void assert_stated(const char *what, const lit *found, double truth, double least)
+{
+	const gw_error_estimate *e = &found->report.error;
+	print_message("%-32s stated %6.2f %%, of it geometry %6.2f %%, true %6.2f %%\n", what,
+				  100 * e->relative_rms, 100 * e->geometry, 100 * truth);
+	if (!(truth >= least))
+		fail_msg("%s: the fault makes no difference, %.3f %%", what, 100 * truth);
+	if (!(e->relative_rms >= 0.5 * truth && e->relative_rms <= 2.0 * truth))
+		fail_msg("%s: stated %.3f %%, true %.3f %%", what, 100 * e->relative_rms, 100 * truth);
+}
+
+/* --------------------------------------------------------------------------------------- tests */
+
+static void make_sphere(scene *s, size_t points, float albedo, bool emits)
+{
+	*s = (scene){ 0 };
+	scene_add_sphere(s, (double[3]){ 0, 0, 0 }, 1.0, points, -1, albedo);
+	if (emits)
+		scene_emit(s, 0, (float[3]){ 1, 1, 1 });
+}
+
+/* Light that is lost a little in each bounce, and among white walls all the time: L = Le / (1 -
+ * rho).
+ */
+static void light_lost_in_a_white_furnace(void **state)
+{
+	(void)state;
+	const uint32_t holes[] = { 1, 4, 16 };
+	scene s;
+	make_sphere(&s, 6000, 0.97f, true);
+	for (size_t i = 0; i < 3; i++) {
+		lit found;
+		bake(&s, NULL, &(fault){ .holes = holes[i], .radius = 2.5f }, &found);
+		assert_stated("white furnace with holes", &found,
+					  true_error(&found, NULL, 1.0 / (1.0 - (double)0.97f)), 0.01);
+		clear(&found);
+	}
+	scene_clear(&s);
+}
+
+/* Sun that gets into a closed sphere: all of it is wrong. */
+static void sun_in_a_closed_sphere(void **state)
+{
+	(void)state;
+	const uint32_t holes[] = { 4, 24 };
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { 0.3, 0.4, -0.8 },
+						   .irradiance = { 3, 3, 3 } };
+	scene s;
+	make_sphere(&s, 6000, 0.5f, false);
+	for (size_t i = 0; i < 2; i++) {
+		lit found;
+		bake(&s, &sun, &(fault){ .holes = holes[i], .radius = 3.5f }, &found);
+		assert_stated("sun through holes", &found, true_error(&found, NULL, 0.0), 0.5);
+		clear(&found);
+	}
+	scene_clear(&s);
+}
+
+static void check_room(const char *what, const fault *f, double least)
+{
+	const gw_light lamp = scene_point_light(0.9, 1.1, 1.2, 2.0f);
+	scene s = { 0 };
+	lit truth, found;
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 16, 0.6f);
+	bake(&s, &lamp, NULL, &truth);
+	bake(&s, &lamp, f, &found);
+	assert_stated(what, &found, true_error(&found, &truth, 0.0), least);
+	clear(&truth);
+	clear(&found);
+	scene_clear(&s);
+}
+
+/* Sparse walls that open, since discs are cut at so many leaf cells. */
+static void discs_that_are_cut(void **state)
+{
+	(void)state;
+	check_room("discs cut", &(fault){ .depth = 7, .disc = 2.0f }, 0.05);
+	check_room("discs cut further", &(fault){ .depth = 7, .disc = 1.5f }, 0.2);
+}
+
+/* Leaves as wide as the room, as one point far away makes them. */
+static void leaves_too_wide(void **state)
+{
+	(void)state;
+	check_room("three leaves a wall", &(fault){ .depth = 3 }, 0.02);
+	check_room("six leaves a wall", &(fault){ .depth = 4 }, 0.01);
+}
+
+static void assert_little_added(const char *what, const scene *s, const gw_light *lamp)
+{
+	lit found;
+	bake(s, lamp, NULL, &found);
+	const gw_error_estimate *e = &found.report.error;
+	double others = sqrt(fmax(e->relative_rms * e->relative_rms - e->geometry * e->geometry, 0.0));
+	print_message("%-32s stated %6.2f %%, of it geometry %6.2f %%\n", what, 100 * e->relative_rms,
+				  100 * e->geometry);
+	if (!(e->relative_rms <= 1.25 * others))
+		fail_msg("%s: %.3f %% without geometry, with it %.3f %%", what, 100 * others,
+				 100 * e->relative_rms);
+	clear(&found);
+}
+
+/* Where nothing was planted the estimate is as it would be without this check. */
+static void nothing_is_added_where_all_is_right(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(0.9, 1.1, 1.2, 2.0f);
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 40, 0.6f);
+	assert_little_added("closed room, lamp", &s, &lamp);
+	scene_add_sphere(&s, (double[3]){ 1.5, 0.5, 0.75 }, 0.375, 2800, 1, 0.5f);
+	assert_little_added("closed room with a ball, lamp", &s, &lamp);
+	scene_clear(&s);
+	make_sphere(&s, 12000, 0.5f, false);
+	assert_little_added("closed sphere, lamp", &s,
+						&(gw_light){ .position = { 0.5, 0.3, -0.2 }, .intensity = { 2, 2, 2 } });
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(light_lost_in_a_white_furnace),
+		cmocka_unit_test(sun_in_a_closed_sphere),
+		cmocka_unit_test(discs_that_are_cut),
+		cmocka_unit_test(leaves_too_wide),
+		cmocka_unit_test(nothing_is_added_where_all_is_right),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
