@@ -295,9 +295,11 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
 	if (dark && sources->looked)
 		return gw_buffer_fill(passes->gpu, irradiance, 0, error);
+	bool sampled_too =
+		emitters->count > 0 && !(sources->use_hits && gw_emitters_are_everywhere(emitters));
 	gw_record_push push = { .rays = gather->rays,
 							.seed = sources->seed,
-							.light_samples = emitters->count > 0 ? sources->samples : 0,
+							.light_samples = sampled_too ? sources->samples : 0,
 							.emitters = emitters->count,
 							.emitter_power = emitters->power,
 							.use_hits = sources->use_hits && emitters->count > 0,
