@@ -133,6 +133,22 @@ static void furnace_until_tolerance(void **state)
 	}
 }
 
+/* One reflection among few points that all emit: L = Le (1 + rho). Of the half that is reflected,
+ * rays that slip between planes lose 0.3 %. */
+static void few_points_that_glow(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 3000, -1, 0.98f);
+	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	gw_points points = scene_points(&s);
+	gw_bake_options options = options_of(GW_METHOD_RAYS, 1);
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	assert_mean("few points", scene_mean(result->radiance, s.count, 0), 1.98, 0.5 * 0.003);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 /* Among walls of the highest albedo there is light for 2,000 bounces: each has at most the albedo's
  * share of the one before, which float32 sums bear out to 1e-5, so that the sum is bounded by
  * Le / (1 - rho). Below, it may miss what rays lose (see assert_no_leak), not more. */
@@ -332,6 +348,7 @@ int main(void)
 		cmocka_unit_test(furnace_by_rays),
 		cmocka_unit_test(furnace_by_cones),
 		cmocka_unit_test(furnace_until_tolerance),
+		cmocka_unit_test(few_points_that_glow),
 		cmocka_unit_test(two_thousand_bounces),
 		cmocka_unit_test(integrating_sphere),
 		cmocka_unit_test(closed_cube),
