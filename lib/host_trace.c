@@ -167,7 +167,9 @@ static bool meets_plane(const gw_tracer *tracer, const gw_ray *ray, const stretc
 	gw_vec3 at = gw_plus(ray->origin, gw_times(ray->direction, distance));
 	gw_vec3 off = gw_minus(at, in->centre);
 	float beyond = gw_larger(fabsf(off.x), gw_larger(fabsf(off.y), fabsf(off.z))) - 0.5f;
-	float slack = own->approach < 0.0f && ray->discs ? GW_FRONT_SLACK : tracer->slack;
+	float slack = !ray->discs            ? tracer->slack
+				  : own->approach < 0.0f ? GW_FRONT_SLACK
+										 : GW_BACK_SLACK;
 	if (beyond > slack)
 		return false;
 	if (distance < GW_NEAR &&
@@ -180,7 +182,7 @@ static bool meets_plane(const gw_tracer *tracer, const gw_ray *ray, const stretc
 			return false;
 	}
 	stretch there = *in;
-	there.covered &= beyond <= tracer->slack;
+	there.covered &= beyond <= GW_BACK_SLACK;
 	if (!holds(tracer, ray, &there, own->lobe, distance))
 		return false;
 	hit->t = distance;

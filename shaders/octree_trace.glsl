@@ -93,8 +93,7 @@ bool meets_plane(Ray ray, Stretch stretch, Passage own, inout float t, inout boo
 	vec3 off = abs(ray.origin + ray.direction * distance - stretch.centre);
 	float beyond = max(off.x, max(off.y, off.z)) - 0.5, slack = cell_slack;
 #ifdef TRACE_DISCS
-	if (own.approach < 0.0)
-		slack = GW_FRONT_SLACK;
+	slack = own.approach < 0.0 ? GW_FRONT_SLACK : GW_BACK_SLACK;
 #endif
 	if (beyond > slack)
 		return false;
@@ -107,7 +106,7 @@ bool meets_plane(Ray ray, Stretch stretch, Passage own, inout float t, inout boo
 		if (!ray.both_sides)
 			return false;
 	}
-	stretch.covered = stretch.covered && beyond <= cell_slack;
+	stretch.covered = stretch.covered && beyond <= GW_BACK_SLACK;
 	if (!holds(ray, stretch, own.lobe, distance))
 		return false;
 	t = distance;

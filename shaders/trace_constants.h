@@ -17,8 +17,10 @@
 #define GW_LIKE_LEAST 0.1f
 
 /* Leaf cells by which planes reach beyond their cells for rays that come from in front: surface
- * that cuts off but a corner of a cell may leave nothing in it. */
+ * that cuts off but a corner of a cell may leave nothing in it. For rays from behind it is less,
+ * since planes that stick out over convex edges would shadow what lies before them. */
 #define GW_FRONT_SLACK 0.5f
+#define GW_BACK_SLACK 0.05f
 
 /* Lobes with at least this cosine between their normals are pieces of one surface; a ray that has
  * left one goes on along it within so many cells. */
