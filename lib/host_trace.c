@@ -96,6 +96,27 @@ static bool is_surrounded(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 	return __builtin_popcount(seen) >= GW_SEEN_AROUND;
 }
 
+/* Do the lobe's discs lie on both sides of a place, along its crease with a surface of a normal?
+ * At the free end of a wall they lie on one. */
+static bool is_along_crease(const gw_tracer *tracer, uint32_t slot, gw_vec3 other, gw_vec3 at)
+{
+	gw_vec3 own = gw_xyz(tracer->lobe_plane + 4 * (size_t)slot);
+	gw_vec3 crease = { own.y * other.z - own.z * other.y, own.z * other.x - own.x * other.z,
+					   own.x * other.y - own.y * other.x };
+	uint32_t last = tracer->leaf_fragment[(slot >> 1) + 1];
+	bool before = false, after = false;
+	for (uint32_t f = tracer->leaf_fragment[slot >> 1]; f < last; f++) {
+		uint32_t word = tracer->fragment_surfel[f];
+		if (word >> 31 != 0 || (word >> 30 & 1) != (slot & 1))
+			continue;
+		gw_vec3 off = gw_minus(gw_xyz(tracer->place + 4 * (size_t)(word & 0x3fffffffu)), at);
+		float along = gw_dot(crease, off);
+		before |= along < 0.0f;
+		after |= along > 0.0f;
+	}
+	return before && after;
+}
+
 static bool is_covered(const gw_tracer *tracer, uint32_t slot, gw_vec3 at)
 {
 	uint32_t first = tracer->leaf_fragment[slot >> 1],
@@ -142,8 +163,12 @@ static float height_over(const passage *lobe, float t)
 static bool holds(const gw_tracer *tracer, const gw_ray *ray, const stretch *in, uint32_t slot,
 				  float t)
 {
-	return !ray->discs || in->covered || in->concave ||
-		   is_covered(tracer, slot, gw_plus(ray->origin, gw_times(ray->direction, t)));
+	if (!ray->discs || in->covered)
+		return true;
+	gw_vec3 at = gw_plus(ray->origin, gw_times(ray->direction, t));
+	gw_vec3 other = gw_xyz(tracer->lobe_plane + 4 * (size_t)(slot ^ 1));
+	return (in->concave && is_along_crease(tracer, slot, other, at)) ||
+		   is_covered(tracer, slot, at);
 }
 
 /* Does a lobe rise over the surface that the ray leaves? */
@@ -198,7 +223,8 @@ static bool came_through(const gw_tracer *tracer, const gw_ray *ray, const stret
 		return false;
 	if (in->enter < GW_NEAR) {
 		if (like || height < -GW_NOISE_DEPTH || own->approach >= 0.0f ||
-			!rises_over_start(tracer, ray, own, 0.0f))
+			!rises_over_start(tracer, ray, own, 0.0f) ||
+			!is_along_crease(tracer, own->lobe, ray->facing, ray->origin))
 			return false;
 	} else if (!like || last->lobe == GW_NONE || in->enter - last->leave > GW_GAP_MOST ||
 			   height_over(last, last->leave) < 0.0f) {

@@ -57,6 +57,24 @@ bool is_surrounded(int slot, vec3 at)
 	return bitCount(seen) >= GW_SEEN_AROUND;
 }
 
+/* Do the lobe's discs lie on both sides of a place, along its crease with a surface of a normal?
+ * At the free end of a wall they lie on one. */
+bool is_along_crease(int slot, vec3 other, vec3 at)
+{
+	vec3 crease = cross(texelFetch(lobe_plane, slot).xyz, other);
+	uint last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
+	bool before = false, after = false;
+	for (uint f = texelFetch(leaf_fragment, slot >> 1).x; f < last; f++) {
+		uint word = texelFetch(fragment_surfel, int(f)).x;
+		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
+			continue;
+		float along = dot(crease, texelFetch(surfel_place, int(word & 0x3fffffffu)).xyz - at);
+		before = before || along < 0.0;
+		after = after || along > 0.0;
+	}
+	return before && after;
+}
+
 bool is_covered(int slot, vec3 at)
 {
 	uint first = texelFetch(leaf_fragment, slot >> 1).x;

@@ -52,13 +52,16 @@ float height_over(Passage lobe, float t)
 	return lobe.approach * t - lobe.rise;
 }
 
-/* Is there surface on the lobe's plane where the ray is? Behind a concave crease it does not
- * matter. */
+/* Is there surface on the lobe's plane where the ray is? Behind a concave crease it goes
+ * on as far as the lobe does along it. */
 bool holds(Ray ray, Stretch stretch, uint slot, float t)
 {
 #ifdef TRACE_DISCS
-	return stretch.covered || stretch.concave ||
-		   is_covered(int(slot), ray.origin + ray.direction * t);
+	if (stretch.covered)
+		return true;
+	vec3 at = ray.origin + ray.direction * t;
+	vec3 other = texelFetch(lobe_plane, int(slot ^ 1u)).xyz;
+	return (stretch.concave && is_along_crease(int(slot), other, at)) || is_covered(int(slot), at);
 #else
 	return true;
 #endif
@@ -113,6 +116,7 @@ bool meets_plane(Ray ray, Stretch stretch, Passage own, inout float t, inout boo
 	return true;
 }
 
+#ifdef TRACE_DISCS
 /*
  * Is the ray behind the lobe where it enters its cell, though nothing stopped it?
  *
@@ -127,7 +131,8 @@ bool came_through(Ray ray, Stretch stretch, Passage own, Passage last, bool like
 		return false;
 	if (stretch.enter < GW_NEAR) {
 		if (like || height < -GW_NOISE_DEPTH || own.approach >= 0.0 ||
-			!rises_over_start(ray, own, 0.0))
+			!rises_over_start(ray, own, 0.0) ||
+			!is_along_crease(int(own.lobe), ray.tangent_plane.xyz, ray.origin))
 			return false;
 	} else if (!like || last.lobe == GW_NONE || stretch.enter - last.leave > GW_GAP_MOST ||
 			   height_over(last, last.leave) < 0.0) {
@@ -135,6 +140,7 @@ bool came_through(Ray ray, Stretch stretch, Passage own, Passage last, bool like
 	}
 	return holds(ray, stretch, own.lobe, stretch.enter);
 }
+#endif
 
 /* One lobe of a cell; `last` becomes it when it is of the surface that the ray goes along. */
 void meet_lobe(Ray ray, Stretch stretch, uint slot, inout Passage last, inout uint lobe,
