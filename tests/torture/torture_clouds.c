@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LARGEST_ALBEDO 0.98 /* what glowworm clamps to */
+#define LARGEST_ALBEDO 0.99 /* what glowworm clamps to */
 
 /* One bake and what it has to come to. */
 typedef struct bake_case {
