@@ -364,7 +364,8 @@ static void measure_closed(torture_case *c, int variant)
 	hard_cloud_shake(c, &cloud, 0.25 * noise * spacing);
 	hard_cloud_write(c, &cloud, "in.ply");
 	hard_cloud_clear(&cloud);
-	snprintf(row, sizeof row, "closed/%s noise %g", lamp_name[kind], 0.25 * noise);
+	snprintf(row, sizeof row, "closed/%s %s noise %g", hard_shape_name(shape), lamp_name[kind],
+			 0.25 * noise);
 	if (!bake(c, row, outside_lamp(c, kind), "", &lit, &report))
 		return;
 	double brightest = 0;
@@ -383,15 +384,16 @@ static void measure_closed_depth(torture_case *c, int variant)
 	hard_cloud cloud = { 0 };
 	lit_file lit;
 	lit_report report;
-	char options[100];
+	char options[100], row[60];
 	hard_cloud_add(c, &cloud, shape, 3000);
 	hard_cloud_turn(c, &cloud);
 	hard_cloud_write(c, &cloud, "in.ply");
 	hard_cloud_clear(&cloud);
 	snprintf(options, sizeof options, "--depth %d", 4 + variant / 2);
-	if (!bake(c, "closed depth", outside_lamp(c, 0), options, &lit, &report))
+	snprintf(row, sizeof row, "closed depth/%s", hard_shape_name(shape));
+	if (!bake(c, row, outside_lamp(c, 0), options, &lit, &report))
 		return;
-	case_measure(c, "closed depth", lit_share(&lit, 0, lit.count, 0.5), 0,
+	case_measure(c, row, lit_share(&lit, 0, lit.count, 0.5), 0,
 				 "%s of 3000 points under a sun, %s: percent of points lit", hard_shape_name(shape),
 				 options);
 	lit_file_clear(&lit);
@@ -460,7 +462,7 @@ static void measure_convex(torture_case *c, int variant)
 
 static const light_row rows[] = {
 	{ "bounces", measure_bounces, 4, 2 },
-	{ "furnace", measure_furnace, 24, 0 },
+	{ "furnace", measure_furnace, 24, 8 },
 	{ "slab", measure_slab, 12, 0 },
 	{ "depth", measure_depth, 18, 8 },
 	{ "density", measure_density, 6, 2 },
@@ -468,8 +470,8 @@ static const light_row rows[] = {
 	{ "shift", measure_shift, 4, 2 },
 	{ "uneven", measure_uneven, 12, 5 },
 	{ "stray", measure_stray, 8, 2 },
-	{ "closed", measure_closed, 36, 0 },
-	{ "closed depth", measure_closed_depth, 16, 0 },
+	{ "closed", measure_closed, 36, 18 },
+	{ "closed depth", measure_closed_depth, 16, 8 },
 	{ "wall", measure_wall, 36, 0 },
 	{ "convex", measure_convex, 4, 2 },
 };
