@@ -489,7 +489,10 @@ static void check_points(torture_case *c, const bake_case *b, const lit_file *li
 /*
  * A bounce sends out at most the largest albedo times what the one before sent out, as a mean over
  * all rays; 64 rays a record over the few records of a small cloud are off by a quarter of that at
- * most. All bounces together send out at most rho / (1 - rho) times the first, and a tenth.
+ * most. All later bounces together send out at most rho / (1 - rho) times the first one, and a
+ * tenth. What comes unreflected is no measure for the first: it may fall on a few points alone, of
+ * which a small cloud with noise makes a sixth of the surface or none of it, and that no record is
+ * brighter than what it sees does not bound such a mean.
  */
 static void check_energy(torture_case *c, const bake_case *b, const lit_report *report)
 {
@@ -500,16 +503,16 @@ static void check_energy(torture_case *c, const bake_case *b, const lit_report *
 			case_fail(c, what(b, "energy"), "bounce %zu sends out %g", i, e);
 			return;
 		}
-		sum += i > 0 ? e : 0;
+		sum += i > 1 ? e : 0;
 		if (i > 1 && e > most * report->energy[i - 1]) {
 			case_fail(c, what(b, "energy grows"), "bounce %zu sends out %g after %g, albedo %g", i,
 					  e, report->energy[i - 1], rho);
 			return;
 		}
 	}
-	if (report->bounces > 0 && sum > 1.1 * rho / (1 - rho) * report->energy[0])
-		case_fail(c, what(b, "energy sum"), "all reflected light is %g, of %g, albedo %g", sum,
-				  report->energy[0], rho);
+	if (report->bounces > 1 && sum > 1.1 * rho / (1 - rho) * report->energy[1])
+		case_fail(c, what(b, "energy sum"), "later bounces are %g together, after %g, albedo %g",
+				  sum, report->energy[1], rho);
 }
 
 /* Under a sky of radiance 1 alone nothing sends out more than rho times what is around it, and by
