@@ -46,18 +46,18 @@ comma    := ,
 
 # OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
 # run path is the old kind, which is also seen when a sanitizer calls dlopen for us.
-VDB_SOURCE      := formats/vdb_grids.cpp
+VDB_SOURCE      := formats/grids/vdb_grids.cpp
 VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
-LIB_SOURCES     := $(wildcard lib/*.c lib/*.cpp)
-FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*.c formats/*.cpp))
-CLI_SOURCES     := $(wildcard cli/*.c)
+LIB_SOURCES     := $(wildcard lib/*/*.c lib/*/*.cpp)
+FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
+CLI_SOURCES     := $(wildcard cli/*/*.c)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
-SHADERS         := $(wildcard shaders/*.comp)
-SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
+SHADERS         := $(wildcard shaders/*/*.comp)
+SPIRV           := $(SHADERS:%.comp=$(BUILD)/%.spv.inc)
 
 # What tests and benchmarks link: the program without its main function, and their own helpers.
-MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
+MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*/*.c)
 TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
 BENCH_TOOLS     := $(wildcard tests/bench/make_*.c tests/fuzz/make_*.c)
@@ -103,7 +103,7 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
-# Shaders become comma-separated words that lib/shaders.c includes.
+# Shaders become comma-separated words that lib/device/shaders.c includes.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
 	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
@@ -111,8 +111,8 @@ $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 # One array for each shader and a table of them; touched only when a shader comes or goes.
 $(BUILD)/shaders/shader_list.inc: FORCE
 	@mkdir -p $(@D)
-	@{ for shader in $(basename $(notdir $(SHADERS))); do \
-		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $$shader $$shader; \
+	@{ for shader in $(SHADERS:shaders/%.comp=%); do \
+		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $${shader##*/} $$shader; \
 	done; \
 	echo 'static const gw_shader shader_list[] = {'; \
 	for shader in $(basename $(notdir $(SHADERS))); do \
@@ -120,7 +120,7 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 	done; echo '};'; } > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
-$(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
+$(BUILD)/lib/device/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
 $(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o \
 		$(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)

@@ -3,7 +3,7 @@
  */
 #include "scenes.h"
 
-#include "surfels.h"
+#include "surfels/surfels.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* The glossy bounce against closed forms: surroundings of one radiance, a mirror in a sphere whose
  * radiance is linear, and radiance read back from the octree's bricks. */
 #include "scenes.h"
-#include "render_octree.h"
+#include "picture/render_octree.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* Faults planted in the octree, which rays through it do not notice: the bake has to say how wrong
  * they make the light, and to say nothing where there are none. */
-#include "luminance.h"
-#include "relight.h"
+#include "base/luminance.h"
+#include "bake/relight.h"
 #include "scenes.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Bakes that add records where the light asks for them: against bakes that trace all at once, and
  * against even records. */
-#include "record_density.h"
+#include "bake/record_density.h"
 #include "scenes.h"
 
 #include <math.h>

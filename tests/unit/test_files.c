@@ -1,7 +1,7 @@
 /* Inputs, outputs and numbers: input_file, output_file, number_text. */
-#include "input_file.h"
-#include "number_text.h"
-#include "output_file.h"
+#include "files/input_file.h"
+#include "files/number_text.h"
+#include "files/output_file.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -4,7 +4,7 @@
  *
  * Integers from the device are compared exactly; so are floats, which all stay below 2^24 here.
  */
-#include "gpu_internal.h"
+#include "device/gpu_internal.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

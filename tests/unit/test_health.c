@@ -2,9 +2,9 @@
  * test_health.c - what `glowworm doctor` makes of what it measured, each judgement both ways, and
  * work in processes of their own that end in every way a process can.
  */
-#include "child_process.h"
-#include "health.h"
-#include "shader_needs.h"
+#include "program/child_process.h"
+#include "verbs/health.h"
+#include "device/shader_needs.h"
 
 #include <math.h>
 #include <setjmp.h>

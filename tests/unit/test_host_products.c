@@ -5,13 +5,13 @@
  * Products add the same numbers, none of them negative, in any order: a sum of n terms is rounded
  * by n * 2^-24 of itself at most. Rays go the same way but for roundings, see STRAYED.
  */
-#include "bounces.h"
-#include "direct_light.h"
-#include "gpu_internal.h"
-#include "host_rays.h"
-#include "relight.h"
+#include "light/bounces.h"
+#include "light/direct_light.h"
+#include "device/gpu_internal.h"
+#include "light/host_rays.h"
+#include "bake/relight.h"
 #include "scenes.h"
-#include "transport_layout.h"
+#include "light/transport_layout.h"
 
 #include <math.h>
 #include <setjmp.h>

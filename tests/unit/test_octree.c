@@ -5,12 +5,12 @@
  * Leaves are taken from the device and compared with the host within rounding; everything above
  * them follows from their keys in integers and is compared exactly.
  */
-#include "gpu_internal.h"
-#include "octree.h"
+#include "device/gpu_internal.h"
+#include "octree/octree.h"
 #include "octree_points.h"
 #include "octree_reference.h"
-#include "prefix_sum.h"
-#include "radix_sort.h"
+#include "device/prefix_sum.h"
+#include "device/radix_sort.h"
 
 #include <math.h>
 #include <setjmp.h>

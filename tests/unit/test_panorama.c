@@ -1,5 +1,5 @@
 /* Maps of the sky, as Radiance HDR and OpenEXR, whole and damaged. */
-#include "panorama.h"
+#include "panoramas/panorama.h"
 #include "panorama_files.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Where records go: every lobe has one near, none are crowded, and the choice is always the same.
  * Compared with brute force over all pairs. Where more go: as many as lessen the error most. */
-#include "record_density.h"
-#include "record_places.h"
+#include "bake/record_density.h"
+#include "light/record_places.h"
 #include "scenes.h"
 
 #include <math.h>

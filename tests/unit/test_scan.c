@@ -1,5 +1,5 @@
 /* Scans: columns, joining, and the way to points. */
-#include "scan_color.h"
+#include "points/scan_color.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,8 @@
 /* Formats: tables of text (XYZ, CSV, PTS, PTX) and PCD, in and out. */
-#include "format.h"
-#include "lzf.h"
-#include "pcd_format.h"
-#include "text_formats.h"
+#include "table/format_table.h"
+#include "pcd/lzf.h"
+#include "pcd/pcd_format.h"
+#include "text/text_formats.h"
 
 #include <math.h>
 #include <setjmp.h>
