@@ -103,10 +103,13 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
-# Shaders become comma-separated words that lib/device/shaders.c includes.
+# Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
+# not stop the next build, so each gets an empty rule, as -MP gives those of C.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
 	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	@sed -e 's/^[^:]*://' $(@:.spv.inc=.d) | tr -s ' \\' '\n' | sed -e '/./s/$$/:/' >$@.absent
+	@cat $@.absent >>$(@:.spv.inc=.d) && rm $@.absent
 
 # One array for each shader and a table of them; touched only when a shader comes or goes.
 $(BUILD)/shaders/shader_list.inc: FORCE
