@@ -66,7 +66,8 @@ check_includes() { # folder others...
 			[ "$room" = "$known" ] || allowed=$(rooms_up_to "$folder" "$room")
 			known=$room
 			may_include "$name" "$folder" "$allowed" "$@" ||
-				echo "$file: includes $name, which is not in its room, one before it, or ${*:-nothing}"
+				echo "$file: includes $name, which is not in its room, one before it," \
+					"or ${*:-nothing}"
 		done
 }
 
