@@ -10,7 +10,8 @@
  * bytes.
  *
  * With --grid the rays of a scanner go in equal steps of azimuth and elevation about its own axis,
- * which is a little off the vertical, as tripods are; that is what PTX and E57 files hold.
+ * which is a little off the vertical, as tripods are; that is what PTX and E57 files hold. With
+ * --closed there are points on all of the rock, whether a scanner sees it or not.
  */
 #include "sample_points.h"
 #include "sample_scans.h"
@@ -640,6 +641,46 @@ static void scan_cave(size_t count, double noise_metres, uint64_t seed, sample_l
 	sample_thin(list, count, &random);
 }
 
+/* A place in the air of the cave. */
+static vector find_air(uint64_t *random)
+{
+	vector p;
+
+	do {
+		p.x = -1 + 42 * sample_random(random);
+		p.y = -10 + 25 * sample_random(random);
+		p.z = -3 + 11 * sample_random(random);
+	} while (cave_distance(p) >= -0.01);
+	return p;
+}
+
+/*
+ * Points on all of the rock, as if scanners had stood everywhere: rays from random places in the
+ * air into random directions meet every piece of surface, the more of them the deeper the air
+ * before it, so that the cave is closed.
+ */
+static void scan_everywhere(size_t count, double noise_metres, uint64_t seed, sample_list *list)
+{
+	uint64_t random = seed ^ 0x5ca11ed;
+	double range;
+
+	while (list->count < count) {
+		vector from = find_air(&random);
+		double z = 2 * sample_random(&random) - 1, across = sqrt(maximum(0, 1 - z * z));
+		double turn = TURN * sample_random(&random);
+		vector direction = { across * cos(turn), across * sin(turn), z };
+		if (!meet_rock(from, direction, &range))
+			continue;
+		vector p = add_scaled(from, direction, range);
+		sample_point point = { 0 };
+		paint(p, air_normal(p), &point);
+		if (noise_metres > 0)
+			store(point.position,
+				  add_scaled(p, direction, noise_metres * sample_gaussian(&random)));
+		sample_add(list, &point);
+	}
+}
+
 /* ----------------------------------------------------------------------------- scans as grids */
 
 #define LOWEST_ELEVATION (-65.0 / 360 * TURN) /* the tripod hides what is below */
@@ -768,7 +809,7 @@ typedef struct cave_options {
 	double noise;
 	int format;
 	const char *output;
-	bool stations, grid;
+	bool stations, grid, closed;
 } cave_options;
 
 static void print_help(void)
@@ -786,6 +827,8 @@ static void print_help(void)
 		"                      scanner, with its pose and intensity, and holes in it\n"
 		"  --grid              rays in equal steps of angle, as in ptx and e57, and only about as\n"
 		"                      many points as asked for\n"
+		"  --closed            points on all of the rock, also where no scanner sees it, so\n"
+		"                      that no light gets in from outside; PLY and cloud only\n"
 		"  --stations          print places on the visitors' path, name x y z, and stop:\n"
 		"                      they are in the air for every seed, so lamps can stand there\n"
 		"  -o FILE             where to write; - is standard output (the default)");
@@ -804,15 +847,11 @@ static int parse_format(const char *text)
 static void parse_options(int argc, char **argv, cave_options *o)
 {
 	static const struct option names[] = {
-		{ "points", required_argument, NULL, 'n' },
-		{ "seed", required_argument, NULL, 'r' },
-		{ "noise", required_argument, NULL, 's' },
-		{ "format", required_argument, NULL, 'f' },
-		{ "stations", no_argument, NULL, 'p' },
-		{ "output", required_argument, NULL, 'o' },
-		{ "grid", no_argument, NULL, 'g' },
-		{ "help", no_argument, NULL, 'h' },
-		{ 0 },
+		{ "points", required_argument, NULL, 'n' }, { "seed", required_argument, NULL, 'r' },
+		{ "noise", required_argument, NULL, 's' },  { "format", required_argument, NULL, 'f' },
+		{ "stations", no_argument, NULL, 'p' },     { "output", required_argument, NULL, 'o' },
+		{ "grid", no_argument, NULL, 'g' },         { "closed", no_argument, NULL, 'c' },
+		{ "help", no_argument, NULL, 'h' },         { 0 },
 	};
 	int c;
 
@@ -836,6 +875,9 @@ static void parse_options(int argc, char **argv, cave_options *o)
 		case 'g':
 			o->grid = true;
 			break;
+		case 'c':
+			o->closed = true;
+			break;
 		case 'o':
 			o->output = optarg;
 			break;
@@ -850,6 +892,10 @@ static void parse_options(int argc, char **argv, cave_options *o)
 		fprintf(stderr, "make_cave: too many arguments; try make_cave --help\n");
 		exit(SAMPLE_EXIT_USAGE);
 	}
+	if (o->closed && (o->grid || o->format >= PTX)) {
+		fprintf(stderr, "make_cave: --closed has no grids of scanners; choose ply or cloud\n");
+		exit(SAMPLE_EXIT_USAGE);
+	}
 }
 
 /* Scans and writes; returns the exit code. */
@@ -860,10 +906,12 @@ static int make_cave(const cave_options *o)
 	char comment[200];
 	int status;
 
-	snprintf(comment, sizeof comment, "make_cave points %zu seed %llu noise %g", o->points,
-			 (unsigned long long)o->seed, o->noise);
+	snprintf(comment, sizeof comment, "make_cave points %zu seed %llu noise %g%s", o->points,
+			 (unsigned long long)o->seed, o->noise, o->closed ? " closed" : "");
 	if (o->grid || o->format >= PTX)
 		scan_grids(o->points, o->noise, o->seed, scan, &list);
+	else if (o->closed)
+		scan_everywhere(o->points, o->noise, o->seed, &list);
 	else
 		scan_cave(o->points, o->noise, o->seed, &list);
 	if (o->format == PTX)
