@@ -32,21 +32,21 @@ static void must(gw_status status, const gw_error *error)
 		fail_msg("%s", error->text);
 }
 
-static void prepare(gw_solver *s, gw_report *report, const gw_points *points, float spacing)
+static void prepare(gw_scene *s, gw_report *report, const gw_points *points, float spacing)
 {
 	gw_error error;
 	*report = (gw_report){ 0 };
-	*s = (gw_solver){ .options = GW_BAKE_OPTIONS_DEFAULT, .report = report };
+	*s = (gw_scene){ .options = GW_BAKE_OPTIONS_DEFAULT, .report = report };
 	s->options.record_spacing = spacing;
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
-	must(gw_solver_open_device(s, &error), &error);
-	must(gw_solver_make_surfels(s, points, NULL, 0, &error), &error);
-	must(gw_solver_build_octree(s, &error), &error);
-	must(gw_solver_place_records(s, &error), &error);
+	must(gw_scene_open_device(s, &error), &error);
+	must(gw_scene_make_surfels(s, points, NULL, 0, &error), &error);
+	must(gw_scene_build_octree(s, &error), &error);
+	must(gw_scene_place_records(s, &error), &error);
 }
 
-static uint32_t *hits_of(gw_solver *s)
+static uint32_t *hits_of(gw_scene *s)
 {
 	gw_error error;
 	uint64_t bytes = 4 * (uint64_t)s->rays.rays * s->records.count;
@@ -72,7 +72,7 @@ static void added_records_see_the_same(void **state)
 	(void)state;
 	gw_error error;
 	gw_report report[2];
-	gw_solver at_once, added;
+	gw_scene at_once, added;
 	size_t some = 0;
 	scene s = { 0 };
 	make_passage(&s);
@@ -93,7 +93,7 @@ static void added_records_see_the_same(void **state)
 	uint32_t *first = malloc((added.surfels.count + 1) * sizeof *first);
 	assert_non_null(first);
 	memcpy(first, added.read_back.first, (added.surfels.count + 1) * sizeof *first);
-	must(gw_solver_add_records(&added, &density, &error), &error);
+	must(gw_scene_add_records(&added, &density, &error), &error);
 	assert_int_equal(added.records.count, at_once.records.count);
 	assert_true(before > 10 && added.records.count > 4 * before);
 	assert_int_equal(added.further.count, added.records.count - before);
@@ -125,8 +125,8 @@ static void added_records_see_the_same(void **state)
 	free(b);
 	free(first);
 	gw_record_density_clear(&density);
-	gw_solver_close(&at_once);
-	gw_solver_close(&added);
+	gw_scene_close(&at_once);
+	gw_scene_close(&added);
 	scene_clear(&s);
 }
 
