@@ -29,7 +29,6 @@
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
-	gw_bake_callbacks callbacks;
 	gw_bake_result *result;
 	gw_report *report;
 	double start;        /* of the call */
@@ -46,24 +45,12 @@ typedef struct bake {
 	bool crowded;              /* no more can be */
 } bake;
 
-static bool cancelled(void *user)
-{
-	const bake *b = user;
-	return b->callbacks.cancelled != NULL && b->callbacks.cancelled(b->callbacks.user);
-}
-
-/* Begins a stage: books it, tells the caller, asks whether to stop. All rounds after the first are
- * booked as one. */
-static gw_status stage(bake *b, const char *name, double done, gw_error *error)
+/* Begins a stage and books it. All rounds after the first are booked as one. */
+static gw_status stage(bake *b, const char *name, double done, double share, gw_error *error)
 {
 	if (!b->refining)
 		gw_report_stage(b->report, b->scene.gpu, name);
-	if (b->callbacks.progress)
-		b->callbacks.progress(b->callbacks.user, name, done);
-	if (cancelled(b))
-		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
-					   name);
-	return GW_OK;
+	return gw_scene_begin(&b->scene, name, done, share, error);
 }
 
 /* -------------------------------------------------------------------------------------- steps */
@@ -229,9 +216,9 @@ static bool needs_voxels(const bake *b)
 static const step steps[] = {
 	{ "device", 0.01, open_device, always },
 	{ "transport", 0.0, load_transport, has_transport },
-	{ "surfels", 0.35, make_surfels, needs_surface },
+	{ "surfels", 0.33, make_surfels, needs_surface },
 	{ "plan", 0.0, make_plan, always },
-	{ "octree", 0.25, build_octree, needs_surface },
+	{ "octree", 0.23, build_octree, needs_surface },
 	{ "direct light", 0.1, light_directly, always },
 	{ "records", 0.18, place_records, needs_places },
 	{ "first gather", 0.04, gather_first, needs_records },
@@ -257,7 +244,8 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < last && status == GW_OK; i++) {
 		if (i >= first && steps[i].wanted(b)) {
-			status = stage(b, steps[i].name, b->refining ? fmax(done, 0.9) : done, error);
+			status = b->refining ? stage(b, steps[i].name, fmax(done, 0.9), 0.0, error)
+								 : stage(b, steps[i].name, done, steps[i].share, error);
 			if (status == GW_OK)
 				status = steps[i].run(b, error);
 		}
@@ -550,14 +538,16 @@ static gw_status bake_in_units(const gw_points *points, const gw_light *lights, 
 {
 	*result = NULL;
 	bake b = { .points = points };
-	if (callbacks)
-		b.callbacks = *callbacks;
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	b.report = &b.result->report;
-	b.scene =
-		(gw_scene){ .options = *options, .report = b.report, .cancelled = cancelled, .user = &b };
+	b.scene = (gw_scene){
+		.options = *options,
+		.report = b.report,
+	};
+	if (callbacks)
+		b.scene.callbacks = *callbacks;
 	b.light = (gw_lighting){
 		.scene = &b.scene, .lights = lights, .light_count = light_count, .kept = options->lamps
 	};
@@ -578,7 +568,9 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 				  gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
+	const gw_bake_options ordinary = gw_bake_options_default();
 	*result = NULL;
+	options = options ? options : &ordinary;
 	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
 	if (status != GW_OK)
 		return status;

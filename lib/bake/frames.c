@@ -21,14 +21,15 @@
 /* Leaf cells beyond its discs within which a mover may change leaves. */
 #define CHANGED_MARGIN 1.5f
 
+/* Of a frame, so that stages do not run into the next: the least that lies between two of them. */
+#define STAGE_SHARE 0.02
+
 struct gw_frames {
 	const gw_points *points;
 	const gw_motion *motion;
 	const gw_light *first_lights; /* first_light_count: they orient normals */
 	size_t first_light_count;
 	gw_frames_options how;
-	gw_bake_callbacks callbacks;
-
 	gw_scene scene;
 	gw_lighting light;
 	gw_surfel_parts parts;
@@ -43,21 +44,10 @@ struct gw_frames {
 	double shared_seconds;
 };
 
-static bool cancelled(void *user)
-{
-	const gw_frames *f = user;
-	return f->callbacks.cancelled != NULL && f->callbacks.cancelled(f->callbacks.user);
-}
-
 static gw_status stage(gw_frames *f, const char *name, double done, gw_error *error)
 {
 	gw_report_stage(f->scene.report, f->scene.gpu, name);
-	if (f->callbacks.progress)
-		f->callbacks.progress(f->callbacks.user, name, done);
-	if (cancelled(f))
-		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
-					   name);
-	return GW_OK;
+	return gw_scene_begin(&f->scene, name, done, STAGE_SHARE, error);
 }
 
 /* -------------------------------------------------------------------------- what frames share */
@@ -69,8 +59,8 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 										 .lights = f->first_lights,
 										 .light_count = f->first_light_count,
 										 .memory = f->scene.options.memory,
-										 .cancelled = cancelled,
-										 .user = f };
+										 .cancelled = gw_scene_stopped,
+										 .user = &f->scene };
 	gw_status status = stage(f, "surfels", 0.05, error);
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
@@ -360,9 +350,11 @@ gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const
 	f->first_lights = lights;
 	f->first_light_count = light_count;
 	f->how = *how;
+	f->scene = (gw_scene){
+		.options = *options,
+	};
 	if (callbacks)
-		f->callbacks = *callbacks;
-	f->scene = (gw_scene){ .options = *options, .cancelled = cancelled, .user = f };
+		f->scene.callbacks = *callbacks;
 	f->light = (gw_lighting){ .scene = &f->scene };
 	*frames = f;
 	return GW_OK;

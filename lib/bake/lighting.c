@@ -319,8 +319,8 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 							 .tolerance = s->options.tolerance,
 							 .no_bound = lighting->whole != NULL,
-							 .cancelled = s->cancelled,
-							 .user = s->user };
+							 .cancelled = gw_scene_stopped,
+							 .user = s };
 	gw_buffer carried = { 0 };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
 	if (status == GW_OK && rays && lighting->carried && task.limit == GW_BOUNCES_AUTO) {
@@ -489,13 +489,18 @@ void gw_lighting_drop_gathered(gw_lighting *lighting)
 	gw_emitters_destroy(gpu, &lighting->emitters);
 }
 
+void gw_lighting_drop_map(gw_lighting *lighting)
+{
+	gw_sky_map_destroy(lighting->scene->gpu, &lighting->map);
+	lighting->map_made = false;
+}
+
 void gw_lighting_clear(gw_lighting *lighting)
 {
 	if (lighting->scene == NULL || lighting->scene->gpu == NULL)
 		return;
 	gw_lighting_drop_gathered(lighting);
-	gw_sky_map_destroy(lighting->scene->gpu, &lighting->map);
-	lighting->map_made = false;
+	gw_lighting_drop_map(lighting);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_direct);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_turned);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->lobe_direct);

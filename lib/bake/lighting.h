@@ -15,14 +15,15 @@
 #include "bake/plan.h"
 #include "bake/scene.h"
 
-typedef struct gw_lighting {
+/* What gw_lighting of glowworm.h is. */
+struct gw_lighting {
 	gw_scene *scene;        /* not owned */
 	const gw_light *lights; /* light_count, not owned */
 	size_t light_count;
 	gw_plan plan;
 	/* NULL, or this is a part of that lighting: all that depends on how much light there is, is
 	 * done as there, so that the parts add up to the whole but for roundings. */
-	const struct gw_lighting *whole;
+	const gw_lighting *whole;
 	bool kept;                /* parts will follow: keep what they need */
 	gw_emitters patches;      /* of the kept: the lit lobes, and */
 	gw_buffer patch_radiance; /* what they reflect first */
@@ -36,7 +37,8 @@ typedef struct gw_lighting {
 	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
 							 bounces by rays begin */
-} gw_lighting;
+	gw_light *own_lights; /* NULL, or lights, owned: of lightings that are kept (handles.c) */
+};
 
 /* Decides which effects these lights call for, and writes it into the scene's report. */
 void gw_lighting_plan(gw_lighting *lighting);
@@ -69,7 +71,9 @@ gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error);
 /* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel. */
 gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error);
 
-/* Forget what was gathered; all light. Before the scene drops the records, or the octree. */
+/* Forget the map of the sky, when another is to take its place; what was gathered; all light.
+ * Before the scene drops the records, or the octree. */
+void gw_lighting_drop_map(gw_lighting *lighting);
 void gw_lighting_drop_gathered(gw_lighting *lighting);
 void gw_lighting_clear(gw_lighting *lighting);
 

@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
 {
@@ -112,27 +113,39 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	}
 }
 
+/* With their emission or without. */
+static gw_status write_radiance(const gw_lighting *lighting, bool emission, float *radiance,
+								gw_error *error)
+{
+	const gw_scene *scene = lighting->scene;
+	float *direct = NULL;
+	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
+	if (status == GW_OK) {
+		part_radiance job = { lighting, direct, emission, radiance };
+		gw_parallel_for(gw_thread_count(scene->options.threads), scene->surfels.point_count, 8192,
+						scatter_radiance, &job);
+	}
+	free(direct);
+	return status;
+}
+
+gw_status gw_result_radiance(const gw_lighting *lighting, float *radiance, gw_error *error)
+{
+	memset(radiance, 0, 3 * lighting->scene->surfels.point_count * sizeof *radiance);
+	return write_radiance(lighting, true, radiance, error);
+}
+
 /* Lights one part and brings its radiance to the points. */
 static gw_status light_part(gw_lighting *part, bool emission, float **radiance, gw_error *error)
 {
-	const gw_scene *scene = part->scene;
-	size_t points = scene->surfels.point_count;
-	float *direct = NULL;
+	size_t points = part->scene->surfels.point_count;
 	*radiance = gw_allocate_zeros(points, 3 * sizeof **radiance);
 	if (!*radiance)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
 					   points);
 	gw_lighting_plan_part(part, emission);
 	gw_status status = gw_lighting_run(part, error);
-	if (status == GW_OK)
-		status = gw_lighting_download_direct(part, &direct, error);
-	if (status == GW_OK) {
-		part_radiance job = { part, direct, emission, *radiance };
-		gw_parallel_for(gw_thread_count(scene->options.threads), points, 8192, scatter_radiance,
-						&job);
-	}
-	free(direct);
-	return status;
+	return status == GW_OK ? write_radiance(part, emission, *radiance, error) : status;
 }
 
 gw_status gw_result_collect_lamps(const gw_lighting *lighting, gw_bake_result *result,
@@ -147,7 +160,7 @@ gw_status gw_result_collect_lamps(const gw_lighting *lighting, gw_bake_result *r
 					   lighting->light_count);
 	result->lamp_count = lighting->light_count;
 	for (size_t i = 0; i < lighting->light_count && status == GW_OK; i++) {
-		if (scene->cancelled && scene->cancelled(scene->user))
+		if (gw_scene_stopped(lighting->scene))
 			status =
 				gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before light %zu", i + 1);
 		part.lights = &lighting->lights[i];

@@ -4,6 +4,7 @@
 #include "bake/scene.h"
 
 #include "light/direct_light.h"
+#include "base/clock.h"
 #include "base/memory.h"
 #include "bake/report.h"
 #include "surfels/surfel_steps.h"
@@ -15,6 +16,9 @@
 
 /* Rays a record that only look for the nearest surface, when cones gather. */
 #define NEAREST_RAYS 16u
+
+/* Seconds between two questions whether to stop. */
+#define ASKED_EVERY 0.1
 
 static gw_status check_number(const char *option, double value, double low, double high,
 							  gw_error *error)
@@ -68,14 +72,58 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 	return status == GW_OK ? gw_lights_check(lights, light_count, error) : status;
 }
 
+gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
+						 gw_error *error)
+{
+	const gw_bake_callbacks *call = &scene->callbacks;
+	gw_scene_stage *stage = &scene->stage;
+	double now = gw_seconds();
+	*stage = (gw_scene_stage){ name, done,          share, now, done > 0.0 ? stage->begun : now,
+							   now,  stage->stopped };
+	if (call->progress)
+		call->progress(call->user, name, done);
+	stage->stopped = stage->stopped || (call->cancelled && call->cancelled(call->user));
+	return stage->stopped ? gw_fail(error, GW_ERROR_CANCELLED,
+									"the bake was stopped before its stage '%s'", name)
+						  : GW_OK;
+}
+
+/*
+ * How far the work is within its stage, by the clock: half when the stage has taken as long as it
+ * should, going by the stages before, and never all. Nobody knows better: how long a stage takes
+ * depends on how surfaces hide each other.
+ */
+static double done_of(const gw_scene_stage *stage, double now)
+{
+	double expected = stage->from > 0.0 ? (stage->start - stage->begun) / stage->from * stage->share
+										: stage->share;
+	double taken = now - stage->start;
+	return stage->from + stage->share * (taken / (taken + expected + ASKED_EVERY));
+}
+
+bool gw_scene_stopped(void *user)
+{
+	gw_scene *scene = user;
+	const gw_bake_callbacks *call = &scene->callbacks;
+	gw_scene_stage *stage = &scene->stage;
+	double now = gw_seconds();
+	if (stage->stopped || stage->name == NULL || now - stage->asked < ASKED_EVERY)
+		return stage->stopped;
+	stage->asked = now;
+	if (call->progress)
+		call->progress(call->user, stage->name, done_of(stage, now));
+	stage->stopped = call->cancelled && call->cancelled(call->user);
+	return stage->stopped;
+}
+
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error)
 {
 	gw_gpu_options options = { .device = scene->options.device,
 							   .memory = scene->options.memory,
 							   .drivers = scene->options.drivers,
 							   .validate = scene->options.validate,
-							   .cancelled = scene->cancelled,
-							   .user = scene->user };
+							   .cancelled = gw_scene_stopped,
+							   .user = scene };
 	gw_status status = gw_gpu_create(&options, &scene->gpu, error);
 	if (status == GW_OK) {
 		const gw_device_info *device = gw_gpu_device(scene->gpu);
@@ -133,8 +181,8 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const 
 								   .lights = lights,
 								   .light_count = light_count,
 								   .memory = scene->options.memory,
-								   .cancelled = scene->cancelled,
-								   .user = scene->user };
+								   .cancelled = gw_scene_stopped,
+								   .user = scene };
 	gw_status status = gw_surfels_make(points, &options, &scene->surfels, error);
 	if (status == GW_OK)
 		gw_report_surfels(scene->report, &scene->surfels, points);
@@ -240,6 +288,14 @@ void gw_scene_forget_samples(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
 	gw_probe_hits_forget_emitted(&scene->probed);
 	gw_scene_forget_further(scene);
+}
+
+void gw_scene_forget_light(gw_scene *scene)
+{
+	gw_scene_forget_samples(scene);
+	gw_probe_hits_clear(&scene->probed);
+	gw_openings_destroy(scene->gpu, &scene->openings);
+	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)

@@ -17,6 +17,7 @@
 #include "light/gather_cones.h"
 #include "light/kept_hits.h"
 #include "light/read_back.h"
+#include "bake/scaled_scene.h"
 
 /* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
 typedef struct gw_record_density {
@@ -25,11 +26,21 @@ typedef struct gw_record_density {
 	bool *lobe_closer, *surfel_closer; /* likewise: whose spacing has become less */
 } gw_record_density;
 
-typedef struct gw_scene {
+/* Where the work is, for those who wait. All zero: nothing has begun. */
+typedef struct gw_scene_stage {
+	const char *name;    /* of the stage under way */
+	double from, share;  /* of the whole: where it began, and how much it is */
+	double start, begun; /* seconds: of the stage, of the first one */
+	double asked;        /* when was last asked whether to stop */
+	bool stopped;        /* the answer was yes */
+} gw_scene_stage;
+
+/* What gw_scene of glowworm.h is. */
+struct gw_scene {
 	gw_bake_options options;
-	gw_report *report;             /* receives what the steps find out; not owned */
-	bool (*cancelled)(void *user); /* NULL or asked between steps */
-	void *user;
+	gw_report *report; /* receives what the steps find out; not owned */
+	gw_bake_callbacks callbacks;
+	gw_scene_stage stage;
 
 	gw_gpu *gpu;
 	gw_surfels surfels;
@@ -55,7 +66,25 @@ typedef struct gw_scene {
 	const gw_changed_box *box;   /* box_count, where that is; not owned */
 	uint32_t box_count;
 	uint64_t traced; /* rays of records that were traced, the last time */
-} gw_scene;
+
+	/* For scenes that are lit by those who made them (handles.c). */
+	gw_report *own_report;  /* owned: report */
+	gw_report prepared;     /* what of it is so for every lighting */
+	gw_scaled_scene units;  /* in which all is reckoned */
+	const gw_lighting *lit; /* whose light is in the records; not owned, maybe gone */
+};
+
+/*
+ * Begins a stage: tells the caller, and asks whether to stop.
+ *   done    share of the whole that lies behind; 0 begins another whole
+ *   share   of the stage itself
+ */
+gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
+						 gw_error *error);
+
+/* Whether to stop; scene: a gw_scene. To be asked often within stages: it asks the caller, and
+ * tells how far the work is, when the last time was a while ago. */
+bool gw_scene_stopped(void *scene);
 
 /* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
 gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
@@ -99,6 +128,9 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 
 /* To be called when the emission of surfels changes. */
 void gw_scene_forget_samples(gw_scene *scene);
+/* What lightings found out about the scene, which the next one can find out again. */
+void gw_scene_forget_light(gw_scene *scene);
+
 /* What the added records are, once they are among the others in all that is kept. */
 void gw_scene_forget_further(gw_scene *scene);
 

@@ -94,6 +94,11 @@ bool gw_gpu_stopped(gw_gpu *gpu)
 	return gpu->stopped;
 }
 
+void gw_gpu_resume(gw_gpu *gpu)
+{
+	gpu->stopped = false;
+}
+
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
 {
 	if (gpu->lost)

@@ -129,7 +129,7 @@ static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *
 	gw_error error;
 	gw_points points = scene_points(cloud);
 	*result = (lit){ .count = 0 };
-	gw_scene s = { .options = GW_BAKE_OPTIONS_DEFAULT, .report = &result->report };
+	gw_scene s = { .options = gw_bake_options_default(), .report = &result->report };
 	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
 	must(gw_scene_open_device(&s, &error), &error);
 	must(gw_scene_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
@@ -282,7 +282,7 @@ static void no_more_than_is_true(void **state)
 {
 	(void)state;
 	const gw_light lamp = scene_point_light(0.5, 0.3, -0.2, 2.0f);
-	const gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	const gw_bake_options options = gw_bake_options_default();
 	double squares = 0.0, sum = 0.0;
 	scene s;
 	make_sphere(&s, 12000, 0.5f, false);

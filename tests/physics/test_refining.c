@@ -36,7 +36,7 @@ static void prepare(gw_scene *s, gw_report *report, const gw_points *points, flo
 {
 	gw_error error;
 	*report = (gw_report){ 0 };
-	*s = (gw_scene){ .options = GW_BAKE_OPTIONS_DEFAULT, .report = report };
+	*s = (gw_scene){ .options = gw_bake_options_default(), .report = report };
 	s->options.record_spacing = spacing;
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
@@ -138,7 +138,7 @@ static void added_records_see_the_same(void **state)
 
 static gw_bake_options refining(float error, gw_method method)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.record_spacing = 5.0f;
 	options.rays = options.light_samples = 32;
@@ -179,7 +179,7 @@ static void reaches_what_is_asked(void **state)
 	make_passage(&s);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = refining(WITH_LAMP(0.06), GW_METHOD_RAYS),
-					fine = GW_BAKE_OPTIONS_DEFAULT;
+					fine = gw_bake_options_default();
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
 	const gw_report *r = &result->report;
 	assert_int_equal(r->goal, GW_GOAL_REACHED);

@@ -63,7 +63,7 @@ static void set_up(fixture *f)
 	gw_error error = { 0 };
 	scene_make_hall(&f->hall);
 	f->points = scene_points(&f->hall);
-	s->options = GW_BAKE_OPTIONS_DEFAULT;
+	s->options = gw_bake_options_default();
 	s->options.estimate_points = 0;
 	s->options.depth = depth;
 	s->report = &f->report;

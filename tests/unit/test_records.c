@@ -380,7 +380,7 @@ static void place_records(gw_scene *built, const scene *cloud)
 	gw_error error = { 0 };
 	gw_points points = scene_points(cloud);
 	gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
-	built->options = GW_BAKE_OPTIONS_DEFAULT;
+	built->options = gw_bake_options_default();
 	built->options.estimate_points = 0;
 	built->options.depth = 7;
 	built->options.record_spacing = 0.5f;
