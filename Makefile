@@ -40,7 +40,7 @@ CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
-LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
+LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lOpenEXRCore -lOpenEXR -lm
 
 comma    := ,
 
@@ -103,10 +103,13 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
-# Shaders become comma-separated words that lib/device/shaders.c includes.
+# Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
+# not stop the next build, so each gets an empty rule, as -MP gives those of C.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
 	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	@sed -e 's/^[^:]*://' $(@:.spv.inc=.d) | tr -s ' \\' '\n' | sed -e '/./s/$$/:/' >$@.absent
+	@cat $@.absent >>$(@:.spv.inc=.d) && rm $@.absent
 
 # One array for each shader and a table of them; touched only when a shader comes or goes.
 $(BUILD)/shaders/shader_list.inc: FORCE

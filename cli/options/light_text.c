@@ -73,7 +73,8 @@ static const char *key_name(const light_key *key, bool scene)
 	return key->word ? key->word : key->name;
 }
 
-void light_list_keys(gw_light_type type, bool scene, char *text, size_t size)
+/* Writes the names of a type's keys (scene: the scene file's), for messages. */
+static void list_keys(gw_light_type type, bool scene, char *text, size_t size)
 {
 	text[0] = '\0';
 	for (int k = 0; k < LIGHT_KEY_COUNT; k++) {
@@ -310,7 +311,7 @@ static light_key_id find_key(const words *w, gw_light_type type)
 		name[2 * k + 1] = key->name;
 	}
 	char sentence[GW_ERROR_TEXT], known[256], hint[NEAREST_NAME_HINT];
-	light_list_keys(type, false, known, sizeof known);
+	list_keys(type, false, known, sizeof known);
 	nearest_name_hint(hint, w->word, "", name, 2 * LIGHT_KEY_COUNT);
 	snprintf(sentence, sizeof sentence, "a %s light has no '%.60s'; it has %s%s",
 			 gw_light_type_name(type), w->word, known, hint);

@@ -66,9 +66,8 @@ extern const light_key light_keys[LIGHT_KEY_COUNT];
 /* The type called `word` ("sky" is an environment); GW_LIGHT_TYPE_COUNT when there is none. */
 gw_light_type light_type_by_name(const char *word);
 
-/* Writes the names of the types, or of a type's keys (scene: the scene file's), for messages. */
+/* Writes the names of the types, for messages. */
 void light_list_types(char *text, size_t size);
-void light_list_keys(gw_light_type type, bool scene, char *text, size_t size);
 
 /* A light of that type with the values that its keys have when they are not given: outer angle 45
  * degrees, a sun of 0.53 degrees, an environment of radiance 1 (if it has a map). */

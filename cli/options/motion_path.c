@@ -51,7 +51,11 @@ static void between(const motion_path *path, int which, size_t from, size_t to, 
 				   (3 * t2 - 2 * t3) * b[k] + (t3 - t2) * frames * v[k];
 }
 
-bool motion_path_value(const motion_path *path, int which, uint32_t frame, double value[3])
+/*
+ * A value in a frame: that of the keyframes around it which give it, interpolated; before the first
+ * and behind the last of them, theirs. False, and `value` left alone, when no keyframe gives it.
+ */
+static bool value_in_frame(const motion_path *path, int which, uint32_t frame, double value[3])
 {
 	size_t behind = find_key(path, which, 0, 1);
 	while (behind < path->key_count && path->key[behind].frame <= frame)
@@ -125,9 +129,9 @@ void motion_path_matrix(const motion_path *path, const double *matrix, uint32_t 
 		return;
 	}
 	double move[3] = { 0 }, degrees[3] = { 0 }, scale[3] = { 1 }, pivot[3];
-	motion_path_value(path, MOTION_MOVE, frame, move);
-	motion_path_value(path, MOTION_ROTATE, frame, degrees);
-	motion_path_value(path, MOTION_SCALE, frame, scale);
+	value_in_frame(path, MOTION_MOVE, frame, move);
+	value_in_frame(path, MOTION_ROTATE, frame, degrees);
+	value_in_frame(path, MOTION_SCALE, frame, scale);
 	for (int k = 0; k < 3; k++)
 		pivot[k] = path->has_pivot ? path->pivot[k] : matrix[4 * k + 3];
 	memset(result, 0, 16 * sizeof *result);
@@ -150,7 +154,7 @@ gw_status motion_path_lamp(const motion_path *path, uint32_t frame, lamp *light,
 	for (int which = 0; which < LIGHT_KEY_COUNT && status == GW_OK; which++) {
 		double value[3];
 		light_value kind = light_keys[which].value;
-		if (!motion_path_value(path, which, frame, value))
+		if (!value_in_frame(path, which, frame, value))
 			continue;
 		for (int k = 0; k < 3 && kind != LIGHT_VALUE_VECTOR; k++)
 			value[k] = fmax(value[k], 0.0);

@@ -34,12 +34,6 @@ typedef struct motion_path {
 void motion_path_clear(motion_path *path);
 
 /*
- * A value in a frame: that of the keyframes around it which give it, interpolated; before the first
- * and behind the last of them, theirs. False, and `value` left alone, when no keyframe gives it.
- */
-bool motion_path_value(const motion_path *path, int which, uint32_t frame, double value[3]);
-
-/*
  * From where an input is read to where it is in a frame, row-major.
  *   matrix   16, of the input; with a matrix a frame, the first of these
  */

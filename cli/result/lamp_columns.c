@@ -6,6 +6,9 @@
 
 static const char prefix[] = "scalar_light_";
 
+/* Room for the name of one lamp's columns, without scalar_light_ and channel. */
+#define LAMP_COLUMN_NAME 72
+
 static bool is_taken(const char *name, char (*names)[LAMP_COLUMN_NAME], size_t count)
 {
 	bool taken = strcmp(name, "rest") == 0;
@@ -24,7 +27,12 @@ static void clean(const gw_light *light, char name[64])
 		*c = strchr(plain, *c) ? *c : '_';
 }
 
-void lamp_columns_name(const settings *s, char (*name)[LAMP_COLUMN_NAME])
+/*
+ * The names of the lamps of a scene: as given, in letters that every program takes (others become
+ * _); a lamp without a name is called by its type; a name that is taken, or "rest", gets a number.
+ *   name   receives s->light_count of them
+ */
+static void name_lamps(const settings *s, char (*name)[LAMP_COLUMN_NAME])
 {
 	for (size_t i = 0; i < s->light_count; i++) {
 		char own[64];
@@ -56,7 +64,7 @@ gw_status lamp_columns_add(scan *lit, const gw_bake_result *result, const settin
 	if (!name)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the names of %zu lamps",
 					   s->light_count);
-	lamp_columns_name(s, name);
+	name_lamps(s, name);
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < result->lamp_count && status == GW_OK; i++)
 		status = add_lamp(lit, name[i], result->lamp[i], error);

@@ -8,16 +8,6 @@
 #include "points/scan.h"
 #include "options/settings.h"
 
-/* Room for the name of one lamp's columns, without scalar_light_ and channel. */
-#define LAMP_COLUMN_NAME 72
-
-/*
- * The names of the lamps of a scene: as given, in letters that every program takes (others become
- * _); a lamp without a name is called by its type; a name that is taken, or "rest", gets a number.
- *   name   receives s->light_count of them
- */
-void lamp_columns_name(const settings *s, char (*name)[LAMP_COLUMN_NAME]);
-
 /* Adds the columns of all lamps, and rest_ with the light of points that emit when there are such.
  */
 gw_status lamp_columns_add(scan *lit, const gw_bake_result *result, const settings *s,

@@ -509,7 +509,7 @@ void loaded_scene_clear(loaded_scene *scene)
 	*scene = (loaded_scene){ 0 };
 }
 
-bool loaded_scene_emits(const loaded_scene *scene)
+static bool emits(const loaded_scene *scene)
 {
 	const float *emission = scene->points.emission;
 	for (size_t i = 0; emission && i < 3 * scene->cloud.count; i++)
@@ -550,7 +550,7 @@ gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **light
 		light_resolve(&s->light[i], scene->up);
 		(*lights)[i] = s->light[i].light;
 	}
-	if (s->light_count == 0 && s->bake.bounces != 0 && !loaded_scene_emits(scene))
+	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");

@@ -54,9 +54,6 @@ bool loaded_scene_is_mesh(const settings *settings, const settings_input *from);
 gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *name,
 								  uint64_t *count, gw_error *error);
 
-/* True when a point emits light. */
-bool loaded_scene_emits(const loaded_scene *scene);
-
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
  * to free, the pixels of their maps are the scene's. GW_ERROR_USAGE when nothing in the scene gives
  * light. */

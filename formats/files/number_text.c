@@ -1,21 +1,10 @@
 #include "files/number_text.h"
+#include "files/number_chars.h"
 
-#include <locale.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-
-static locale_t c_locale; /* (locale_t)0 when the system could not make one: then the current one */
-static pthread_once_t c_locale_once = PTHREAD_ONCE_INIT;
-
-static void make_c_locale(void)
-{
-	c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-}
 
 static bool is_digit(char c)
 {
@@ -209,24 +198,6 @@ static inline bool read_exactly(const decimal *d, double *value)
 	return true;
 }
 
-/* The slow way: the C library's conversion needs a final zero, therefore a copy. */
-static bool read_by_library(const char *text, size_t length, double *value, float *single)
-{
-	char local[256], *copy = length < sizeof local ? local : malloc(length + 1);
-	if (!copy)
-		return false;
-	memcpy(copy, text, length);
-	copy[length] = '\0';
-	pthread_once(&c_locale_once, make_c_locale);
-	if (single)
-		*single = c_locale ? strtof_l(copy, NULL, c_locale) : strtof(copy, NULL);
-	else
-		*value = c_locale ? strtod_l(copy, NULL, c_locale) : strtod(copy, NULL);
-	if (copy != local)
-		free(copy);
-	return true;
-}
-
 /* Six digits go through single precision and back unchanged. */
 static inline bool is_single(const decimal *d, double value)
 {
@@ -245,8 +216,8 @@ size_t number_read_form(const char *text, size_t length, double *value, number_f
 		*form = (number_form){ .single = true };
 		return read_name(text, length, value);
 	}
-	if (!read_exactly(&d, value) && !read_by_library(text, d.length, value, NULL))
-		return 0;
+	if (!read_exactly(&d, value))
+		*value = number_from_chars(text, d.length);
 	form->whole = d.whole && !(d.negative && d.mantissa == 0);
 	form->single = is_single(&d, *value);
 	return d.length;
@@ -258,8 +229,8 @@ size_t number_read(const char *text, size_t length, double *value)
 	bool dressed = d.length > 0 && d.length < length && text[d.length] == '#';
 	if (d.length == 0 || dressed)
 		return read_name(text, length, value);
-	if (!read_exactly(&d, value) && !read_by_library(text, d.length, value, NULL))
-		return 0;
+	if (!read_exactly(&d, value))
+		*value = number_from_chars(text, d.length);
 	return d.length;
 }
 
@@ -276,8 +247,8 @@ size_t number_read_float(const char *text, size_t length, float *value)
 	memcpy(&bits, &wide, sizeof bits);
 	bool halfway = (bits & 0x1fffffff) == 0x10000000;
 	bool small = wide != 0.0 && fabs(wide) < 1.2e-38;
-	if ((halfway || small) && isfinite(wide) && !read_by_library(text, used, NULL, value))
-		return 0;
+	if ((halfway || small) && isfinite(wide))
+		*value = number_float_from_chars(text, used);
 	return used;
 }
 
@@ -305,7 +276,7 @@ static size_t print_fixed(char *text, bool negative, uint64_t digits, int decima
 /*
  * The quick way, for numbers of at most 15 digits, or 9 of single precision: whole / 10^decimals is
  * what reading the text computes, so the first number of decimals that gives the value is the
- * shortest text. Returns 0 when there is none, or when printf would have taken an exponent.
+ * shortest text. Returns 0 when there is none, or when an exponent would be shorter.
  */
 static size_t print_quickly(char *text, double value, bool single)
 {
@@ -330,62 +301,14 @@ static size_t print_quickly(char *text, double value, bool single)
 	return 0;
 }
 
-/*
- * Numbers of 16 or 17 digits, for which whole / 10^decimals is found in integers of 128 bits: with
- * 17 it always reads back. Returns 0 for what the quick way leaves out by its size.
- */
-static size_t print_exactly(char *text, double value)
-{
-	double size = fabs(value);
-	if (!(size >= 1e-4 && size < 1e15))
-		return 0;
-	int exponent, decimals = 0;
-	uint64_t mantissa = (uint64_t)ldexp(frexp(size, &exponent), 53);
-	int shift = 53 - exponent; /* value = mantissa / 2^shift, from 3 to 66 */
-	unsigned __int128 power = 1;
-	for (double whole = size; whole < 1e15; whole *= 10.0, decimals++)
-		power *= 10;
-	for (int more = 0; more < 2; more++, decimals++, power *= 10) {
-		unsigned __int128 half = (unsigned __int128)1 << (shift - 1);
-		decimal d = { .exact = true, .exponent = -decimals };
-		double back;
-		d.mantissa = (uint64_t)((mantissa * power + half) >> shift);
-		if (read_exactly(&d, &back) && back == size)
-			return print_fixed(text, value < 0.0, d.mantissa, decimals);
-	}
-	return 0;
-}
-
-static size_t print_with(char *text, double value, bool single)
-{
-	if (isnan(value))
-		return (size_t)snprintf(text, NUMBER_TEXT, "nan");
-	size_t quick = print_quickly(text, value, single);
-	if (!quick && !single)
-		quick = print_exactly(text, value);
-	if (quick)
-		return quick;
-	pthread_once(&c_locale_once, make_c_locale);
-	locale_t before = c_locale ? uselocale(c_locale) : (locale_t)0;
-	int length = 0;
-	int first = single ? 6 : 15, last = single ? 9 : 17;
-	for (int precision = first; precision <= last; precision++) {
-		length = snprintf(text, NUMBER_TEXT, "%.*g", precision, value);
-		bool same = single ? strtof(text, NULL) == (float)value : strtod(text, NULL) == value;
-		if (same)
-			break;
-	}
-	if (before)
-		uselocale(before);
-	return (size_t)length;
-}
-
 size_t number_print(char *text, double value)
 {
-	return print_with(text, value, false);
+	size_t length = print_quickly(text, value, false);
+	return length ? length : number_to_chars(text, value);
 }
 
 size_t number_print_float(char *text, float value)
 {
-	return print_with(text, (double)value, true);
+	size_t length = print_quickly(text, (double)value, true);
+	return length ? length : number_float_to_chars(text, value);
 }

@@ -3,6 +3,7 @@
  * C++ library of OpenEXR, which has no C interface to a stream of its own.
  */
 extern "C" {
+#include "files/little_endian.h"
 #include "panoramas/panorama.h"
 }
 
@@ -50,6 +51,29 @@ class bytes_stream : public Imf::IStream
 	uint64_t at_ = 0;
 };
 
+/* The library allocates what an attribute of the header claims before it reads it; so each has to
+ * fit: name and type, both ended by a zero, the size of the value, the value. An empty name ends. */
+bool attributes_fit(const input_file *in)
+{
+	size_t at = 8; /* behind magic number and version */
+	while (at < in->length && in->data[at] != 0) {
+		for (int text = 0; text < 2; text++) {
+			const void *zero = std::memchr(in->data + at, 0, in->length - at);
+			if (!zero)
+				return false;
+			at = static_cast<size_t>(static_cast<const uint8_t *>(zero) - in->data) + 1;
+		}
+		if (in->length - at < 4)
+			return false;
+		const uint32_t size = load_32(in->data + at);
+		at += 4;
+		if (size > in->length - at)
+			return false;
+		at += size;
+	}
+	return at < in->length;
+}
+
 /* A channel that goes to one of the map's three floats a pixel. */
 Imf::Slice slice_of(const panorama *map, const Imath::Box2i &window, int channel)
 {
@@ -64,6 +88,9 @@ Imf::Slice slice_of(const panorama *map, const Imath::Box2i &window, int channel
 extern "C" gw_status panorama_dwa_pixels(const input_file *in, bool rgb, panorama *map,
 										 gw_error *error)
 {
+	if (!attributes_fit(in))
+		return gw_fail(error, GW_ERROR_DATA, "%s cannot be read as EXR: its header is damaged",
+					   in->name);
 	try {
 		static const char *const colours[] = { "R", "G", "B" };
 		bytes_stream stream(in);

@@ -86,12 +86,6 @@ gw_status format_read(const char *path, const char *name, scan *cloud, gw_error 
 	return format_read_with(path, &(format_options){ .name = name }, cloud, NULL, error);
 }
 
-gw_status format_read_found(const char *path, const char *name, scan *cloud, const format **found,
-							gw_error *error)
-{
-	return format_read_with(path, &(format_options){ .name = name }, cloud, found, error);
-}
-
 static gw_status read_as(const format *found, input_file *in, scan *cloud, gw_error *error)
 {
 	char known[256];

@@ -23,7 +23,5 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 
 /* The same with nothing but the name of the format to insist on, or NULL. */
 gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
-gw_status format_read_found(const char *path, const char *name, scan *scan, const format **found,
-							gw_error *error);
 
 #endif

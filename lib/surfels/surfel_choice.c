@@ -60,7 +60,11 @@ static cells choose_cells(const gw_surfels *s)
 	return c;
 }
 
-gw_status gw_surfels_estimate(gw_surfels *s, gw_error *error)
+/*
+ * Fills area, radius and spacing roughly, from how many points share a coarse cell of space, and
+ * minds no surface: for those who choose.
+ */
+static gw_status estimate_roughly(gw_surfels *s, gw_error *error)
 {
 	cells c = choose_cells(s);
 	double width = c.per_metre > 0 ? 1 / c.per_metre : FLT_MIN;
@@ -132,7 +136,7 @@ gw_status gw_surfels_choose(const gw_surfels_options *options, gw_surfels *s, gw
 {
 	uint8_t *chosen = gw_allocate_zeros(s->count, 1);
 	bool complete = s->normals_given == s->count || !options->choose_by_place;
-	gw_status status = gw_surfels_estimate(s, error);
+	gw_status status = estimate_roughly(s, error);
 	if (status == GW_OK && !chosen)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to choose from %zu points", s->count);
 	if (status == GW_OK)

@@ -38,13 +38,6 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 						gw_surfels *surfels, gw_error *error);
 
 /*
- * Fills area, radius and spacing roughly, from how many points share a coarse cell of space, and
- * minds no surface: for those who choose.
- * Fails with GW_ERROR_MEMORY.
- */
-gw_status gw_surfels_estimate(gw_surfels *surfels, gw_error *error);
-
-/*
  * Asks options->choose and takes all other surfels off the arrays that gw_frame_make filled. Bounds
  * and origin stay. All have to have normals, which count as given from then on.
  * Fails as options->choose does, and with GW_ERROR_MEMORY.

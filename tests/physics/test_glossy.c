@@ -2,6 +2,7 @@
  * radiance is linear, and radiance read back from the octree's bricks. */
 #include "scenes.h"
 #include "picture/render_octree.h"
+#include "expected.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -45,11 +46,7 @@ static void open_world(world *w, field f, bool bricks)
 		w->radiance[i] = (float)(f.mean + f.slope * z);
 	}
 	const gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING, .bricks = bricks };
-	gw_status status = gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error);
-	if (status == GW_ERROR_NO_DEVICE && !getenv("GLOWWORM_NO_SKIP"))
-		skip();
-	if (status != GW_OK)
-		fail_msg("%s", error.text);
+	assert_ok(gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error), &error);
 }
 
 static void close_world(world *w)

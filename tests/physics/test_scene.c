@@ -1,5 +1,6 @@
 /* test_scene.c - a scene that is prepared once and lit often gives what single bakes give; what it
  * tells meanwhile, and how soon it stops. */
+#include "expected.h"
 #include "scenes.h"
 
 #include <math.h>
@@ -11,15 +12,6 @@
 #include <time.h>
 
 #include <cmocka.h>
-
-/* Fails the test, or skips it where there is no device. */
-static void must(gw_status status, const gw_error *error)
-{
-	if (status == GW_ERROR_NO_DEVICE && !getenv("GLOWWORM_NO_SKIP"))
-		skip();
-	if (status != GW_OK)
-		fail_msg("%s", error->text);
-}
 
 static void same_floats(const float *a, const float *b, size_t count)
 {
@@ -58,7 +50,7 @@ static gw_scene *make(const scene *hall, const gw_bake_options *options,
 	gw_points points = scene_points(hall);
 	gw_scene *made = NULL;
 	gw_error error = { 0 };
-	must(gw_scene_create(&points, NULL, 0, options, callbacks, &made, &error), &error);
+	assert_ok(gw_scene_create(&points, NULL, 0, options, callbacks, &made, &error), &error);
 	assert_int_equal(gw_scene_point_count(made), hall->count);
 	return made;
 }
@@ -73,12 +65,12 @@ static void expect_bake(const scene *hall, gw_lighting *lighting, const gw_light
 	gw_bake_result *baked = scene_bake(&points, lights, count, options), *read = NULL;
 	float *radiance = calloc(3 * hall->count, sizeof *radiance);
 	assert_non_null(radiance);
-	must(gw_lighting_radiance(lighting, radiance, &error), &error);
+	assert_ok(gw_lighting_radiance(lighting, radiance, &error), &error);
 	same_floats(radiance, baked->radiance, 3 * hall->count);
-	must(gw_lighting_error(lighting, &estimate, &error), &error);
+	assert_ok(gw_lighting_error(lighting, &estimate, &error), &error);
 	assert_true(estimate.points == baked->report.error.points);
 	assert_true(estimate.relative_rms == baked->report.error.relative_rms);
-	must(gw_lighting_result(lighting, &read, &error), &error);
+	assert_ok(gw_lighting_result(lighting, &read, &error), &error);
 	same_results(read, baked);
 	assert_int_equal(read->report.bounce_count, baked->report.bounce_count);
 	gw_bake_result_destroy(&read);
@@ -98,10 +90,10 @@ static void each_lighting_is_a_bake(void **state)
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
 	const gw_light lamps[2] = { scene_point_light(1.0, 1.0, 1.0, 3.0f), sky(0.5f) };
-	must(gw_lighting_create(made, lamps, 2, &lighting, &error), &error);
+	assert_ok(gw_lighting_create(made, lamps, 2, &lighting, &error), &error);
 	expect_bake(&hall, lighting, lamps, 2, &options);
 	for (size_t first = 0; first < 3; first++) {
-		must(gw_lighting_change(lighting, lamps + first, first < 2, &error), &error);
+		assert_ok(gw_lighting_change(lighting, lamps + first, first < 2, &error), &error);
 		expect_bake(&hall, lighting, lamps + first, first < 2, &options);
 	}
 	gw_lighting_destroy(&lighting);
@@ -125,9 +117,9 @@ static void lamps_come_and_go(void **state)
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
 	const gw_light lights[3] = { sky(1.0f), scene_point_light(1.0, 1.0, 1.0, 3.0f), sky(2.0f) };
-	must(gw_lighting_create(made, lights, 1, &lighting, &error), &error);
+	assert_ok(gw_lighting_create(made, lights, 1, &lighting, &error), &error);
 	for (size_t i = 0; i < 3; i++) {
-		must(gw_lighting_change(lighting, lights + i, 1, &error), &error);
+		assert_ok(gw_lighting_change(lighting, lights + i, 1, &error), &error);
 		expect_bake(&hall, lighting, lights + i, 1, &options);
 	}
 	gw_lighting_destroy(&lighting);
@@ -147,8 +139,8 @@ static void lightings_stand_side_by_side(void **state)
 	gw_lighting *one = NULL, *other = NULL;
 	gw_error error = { 0 };
 	const gw_light lamps[2] = { scene_point_light(1.0, 1.0, 1.0, 3.0f), sky(0.5f) };
-	must(gw_lighting_create(made, lamps, 1, &one, &error), &error);
-	must(gw_lighting_create(made, lamps + 1, 1, &other, &error), &error);
+	assert_ok(gw_lighting_create(made, lamps, 1, &one, &error), &error);
+	assert_ok(gw_lighting_create(made, lamps + 1, 1, &other, &error), &error);
 	expect_bake(&hall, one, lamps, 1, &options);
 	expect_bake(&hall, other, lamps + 1, 1, &options);
 	gw_lighting_destroy(&one);
@@ -171,7 +163,7 @@ static void units_come_back(void **state)
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
 	gw_light lamp = scene_point_light(ldexp(1.0, -60), ldexp(1.0, -60), ldexp(1.0, -60), 0x1p-118f);
-	must(gw_lighting_create(made, &lamp, 1, &lighting, &error), &error);
+	assert_ok(gw_lighting_create(made, &lamp, 1, &lighting, &error), &error);
 	expect_bake(&hall, lighting, &lamp, 1, &options);
 	gw_lighting_destroy(&lighting);
 	gw_scene_destroy(&made);
@@ -239,7 +231,7 @@ static void it_asks_and_tells_all_the_time(void **state)
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
 	assert_true(points.count > 90000);
-	must(gw_bake(&points, &lamp, 1, NULL, &callbacks, &result, &error), &error);
+	assert_ok(gw_bake(&points, &lamp, 1, NULL, &callbacks, &result, &error), &error);
 	assert_true(w.told > 2 * w.stages);
 	assert_true(w.longest < 0.5 / 3.0 + 0.1);
 	gw_bake_result_destroy(&result);
@@ -259,14 +251,14 @@ static void stopping_leaves_the_scene(void **state)
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
 	const gw_light lights[2] = { scene_point_light(1.0, 1.0, 1.0, 3.0f), sky(0.5f) };
-	must(gw_lighting_create(made, lights, 2, &lighting, &error), &error);
+	assert_ok(gw_lighting_create(made, lights, 2, &lighting, &error), &error);
 	for (int asked = 0; asked < 4; asked++) {
 		float radiance[3];
 		w.left = asked;
 		assert_int_equal(gw_lighting_change(lighting, lights, 2, &error), GW_ERROR_CANCELLED);
 		assert_int_equal(gw_lighting_radiance(lighting, radiance, &error), GW_ERROR_USAGE);
 		w.left = -1;
-		must(gw_lighting_change(lighting, lights, 2, &error), &error);
+		assert_ok(gw_lighting_change(lighting, lights, 2, &error), &error);
 		expect_bake(&hall, lighting, lights, 2, &options);
 	}
 	gw_lighting_destroy(&lighting);
@@ -296,7 +288,7 @@ static void bad_arguments_are_refused(void **state)
 	assert_int_equal(gw_lighting_create(made, &lamp, 1, &lighting, &error), GW_ERROR_USAGE);
 	assert_null(lighting);
 	lamp.intensity[0] = lamp.intensity[1] = lamp.intensity[2] = 1.0f;
-	must(gw_lighting_create(made, &lamp, 1, &lighting, &error), &error);
+	assert_ok(gw_lighting_create(made, &lamp, 1, &lighting, &error), &error);
 	assert_int_equal(gw_lighting_error(lighting, &estimate, &error), GW_ERROR_USAGE);
 	gw_lighting_destroy(&lighting);
 	gw_scene_destroy(&made);

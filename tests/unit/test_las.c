@@ -7,6 +7,7 @@
 #include "las/las_header.h"
 #include "laz_samples.h"
 #include "files/little_endian.h"
+#include "table/format_table.h"
 
 #include <math.h>
 #include <setjmp.h>
