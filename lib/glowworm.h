@@ -626,10 +626,10 @@ void gw_vulkan_version(uint32_t version[3]);
 /* What a device does that its description does not say. */
 typedef struct gw_device_trial {
 	char name[256];
-	uint64_t budget;                     /* bytes of its memory that a bake may take */
-	uint32_t loops_asked, loops_run;     /* steps of a loop; drivers may end it before */
-	uint32_t loops_needed;               /* most steps that a pass of a bake takes */
-	bool reckons;                        /* the steps that were run have the right outcome */
+	uint64_t budget;                 /* bytes of its memory that a bake may take */
+	uint32_t loops_asked, loops_run; /* steps of a loop; drivers may end it before */
+	uint32_t loops_needed;           /* most steps that a pass of a bake takes */
+	bool reckons;                    /* the steps that were run have the right outcome */
 	double open_seconds, compile_seconds;
 } gw_device_trial;
 

@@ -5,7 +5,7 @@
 #ifndef COMPARE_FIGURES_H
 #define COMPARE_FIGURES_H
 
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "comparison/matched_scans.h"
 #include "options/settings.h"
 

@@ -1,6 +1,5 @@
 #include "files/input_file.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 #include "meshes/glb_document.h"
 #include "files/growing_table.h"
 #include "files/input_file.h"
-#include "surfels/mesh_sample.h"
+#include "meshes/mesh_sample.h"
 #include "ply/ply_format.h"
 
 #include <math.h>

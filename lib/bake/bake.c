@@ -2,7 +2,7 @@
  * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h. Its steps are in
  * scene.h, lighting.h and result.h; here is their order, and what is done again to refine.
  */
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "bake/error_price.h"
 #include "base/memory.h"
@@ -445,16 +445,6 @@ static gw_status refine(bake *b, gw_error *error)
 	return status;
 }
 
-static gw_status check_validation(const bake *b, gw_error *error)
-{
-	const char *first;
-	uint32_t messages = gw_gpu_validation_messages(b->scene.gpu, &first);
-	if (messages > 0)
-		return gw_fail(error, GW_ERROR_INTERNAL,
-					   "the validation layer objected %u times, first: %.600s", messages, first);
-	return GW_OK;
-}
-
 /* What the bounces cost, in the terms of Salm's tables 5.1 to 5.4. */
 static void report_profile(const gw_passes *passes, gw_report *report)
 {
@@ -527,9 +517,7 @@ static gw_status run(bake *b, gw_error *error)
 	report_profile(&b->scene.passes, b->report);
 	if (b->scene.gpu)
 		b->report->peak_bytes = gw_gpu_read_account(b->scene.gpu).peak_bytes;
-	if (status == GW_OK && b->scene.options.validate)
-		status = check_validation(b, error);
-	return status;
+	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
 static gw_status bake_in_units(const gw_points *points, const gw_light *lights, size_t light_count,

@@ -6,7 +6,7 @@
  * only rays that pass where the movers are, and is lit. Frames thus depend on what stands still and
  * on themselves, not on the frames before, but for the light with which bounces begin.
  */
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
@@ -276,16 +276,6 @@ static void forget(gw_frames *f)
 	f->made = f->prepared = false;
 }
 
-static gw_status check_validation(const gw_frames *f, gw_error *error)
-{
-	const char *first;
-	uint32_t messages = gw_gpu_validation_messages(f->scene.gpu, &first);
-	if (messages > 0)
-		return gw_fail(error, GW_ERROR_INTERNAL,
-					   "the validation layer objected %u times, first: %.600s", messages, first);
-	return GW_OK;
-}
-
 gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, size_t light_count,
 						 gw_bake_result **result, gw_error *error)
 {
@@ -308,8 +298,8 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 	gw_report_stage(&r->report, f->scene.gpu, NULL);
 	if (f->scene.gpu)
 		r->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
-	if (status == GW_OK && f->scene.options.validate)
-		status = check_validation(f, error);
+	if (status == GW_OK)
+		status = gw_scene_check_validation(&f->scene, error);
 	f->scene.report = NULL;
 	if (status == GW_OK)
 		*result = r;

@@ -27,14 +27,6 @@ static gw_status begin(gw_scene *scene, const char *name, double done, double sh
 	return gw_scene_begin(scene, name, done, share, error);
 }
 
-static gw_status check_validation(const gw_scene *scene, gw_error *error)
-{
-	const char *first;
-	if (!scene->options.validate || gw_gpu_validation_messages(scene->gpu, &first) == 0)
-		return GW_OK;
-	return gw_fail(error, GW_ERROR_INTERNAL, "the validation layer objected, first: %.600s", first);
-}
-
 /* -------------------------------------------------------------------------------------- scenes */
 
 static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_light *lights,
@@ -56,7 +48,7 @@ static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_ligh
 	if (status == GW_OK)
 		status = gw_scene_place_records(scene, error);
 	gw_report_stage(scene->report, scene->gpu, NULL);
-	return status == GW_OK ? check_validation(scene, error) : status;
+	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
 }
 
 static gw_status check(const gw_points *points, const gw_light *lights, size_t light_count,
@@ -168,7 +160,7 @@ static gw_status light(gw_lighting *lighting, gw_error *error)
 			status = gw_lighting_read_back(lighting, error);
 	}
 	gw_report_stage(scene->report, scene->gpu, NULL);
-	return status == GW_OK ? check_validation(scene, error) : status;
+	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
 }
 
 /* What a call that failed may have left half done is made anew when it is asked for. */

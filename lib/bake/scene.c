@@ -4,7 +4,7 @@
 #include "bake/scene.h"
 
 #include "light/direct_light.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 #include "bake/report.h"
 #include "surfels/surfel_steps.h"
@@ -86,6 +86,17 @@ gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double 
 	return stage->stopped ? gw_fail(error, GW_ERROR_CANCELLED,
 									"the bake was stopped before its stage '%s'", name)
 						  : GW_OK;
+}
+
+gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error)
+{
+	const char *first;
+	uint32_t messages =
+		scene->options.validate ? gw_gpu_validation_messages(scene->gpu, &first) : 0;
+	return messages > 0
+			   ? gw_fail(error, GW_ERROR_INTERNAL,
+						 "the validation layer objected %u times, first: %.600s", messages, first)
+			   : GW_OK;
 }
 
 /*

@@ -82,6 +82,9 @@ struct gw_scene {
 gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
 						 gw_error *error);
 
+/* Fails when the scene was to be validated and the layer had something to say. */
+gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error);
+
 /* Whether to stop; scene: a gw_scene. To be asked often within stages: it asks the caller, and
  * tells how far the work is, when the last time was a while ago. */
 bool gw_scene_stopped(void *scene);

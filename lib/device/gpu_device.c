@@ -2,7 +2,7 @@
  * gpu_device.c - opening and closing a device, submissions, results, account.
  */
 #include "device/gpu_internal.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 

@@ -11,8 +11,8 @@
  * Seconds count from bare points to light at every point, without files. Error is over the points
  * of the truth that do not emit: relRMSE, the same over the best 99 %, and bias, in % of the mean.
  */
-#include "base/clock.h"
-#include "estimate/compare.h"
+#include "glowworm_host.h"
+#include "glowworm_picture.h"
 #include "table/format_table.h"
 #include "scene/loaded_scene.h"
 #include "comparison/matched_scans.h"

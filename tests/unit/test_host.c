@@ -2,7 +2,7 @@
  * test_host.c - the host's helpers: errors, names, checked arrays, loops over threads.
  */
 #include "glowworm.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
