@@ -83,7 +83,7 @@ SHARED  := libglowworm.so.$(VERSION)
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
@@ -214,6 +214,10 @@ test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 # Recipes below run make again, silently and in parallel, so that only what is wrong is printed.
 build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
 SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
+
+check: deps  ## what a change breaks most often, in under two minutes: unit, cli, style
+	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
+	@tests/suite.sh build:style build:unit build:cli
 
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs analysis

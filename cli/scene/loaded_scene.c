@@ -1,6 +1,7 @@
 #include "scene/loaded_scene.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "points/scan_join.h"
 #include "program/signals.h"
 #include "table/format_table.h"
 

@@ -52,7 +52,8 @@ class bytes_stream : public Imf::IStream
 };
 
 /* The library allocates what an attribute of the header claims before it reads it; so each has to
- * fit: name and type, both ended by a zero, the size of the value, the value. An empty name ends. */
+ * fit: name and type, both ended by a zero, the size of the value, the value. An empty name ends.
+ */
 bool attributes_fit(const input_file *in)
 {
 	size_t at = 8; /* behind magic number and version */

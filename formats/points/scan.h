@@ -64,6 +64,13 @@ gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
 gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
 						   gw_error *error);
 
+/* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
+ * when memory is short. A file may have a million, so that not all are compared. */
+uint32_t scan_scanner_at(scan *scan, const double position[3]);
+
+/* Makes room for which scanner saw each point: the first all of them, or none. GW_ERROR_MEMORY. */
+gw_status scan_part_scanners(scan *scan, gw_error *error);
+
 /* The column of that name, or NULL. */
 scan_column *scan_find(const scan *scan, const char *name);
 
@@ -75,11 +82,6 @@ double scan_value(const scan_column *column, size_t i);
 
 /* Stores a value that the column's type is known to hold as point i. */
 void scan_store(scan_column *column, size_t i, double value);
-
-/* Appends the points of `tail` to `scan`. Columns that both have stay (types widen to hold both;
- * colours that count to different numbers are scaled to count to the same); the others are filled
- * with zeros for the points that lack them. tail is left as it was, and so is scan on failure. */
-gw_status scan_append(scan *scan, const struct scan *tail, gw_error *error);
 
 /* ---------------------------------------------------------------------- from scan to points */
 

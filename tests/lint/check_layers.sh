@@ -26,41 +26,52 @@ check_rooms() {
 	done
 }
 
-# The paths below which a file may include: its room and those before it, and other folders whole.
-allowed_of() { # folder room others...
-	local folder=$1 own=$2 room
-	shift 2
-	for room in ${rooms[$folder]}; do
-		echo "$folder/$room"
-		[ "$room" != "$own" ] || break
+# The rooms of a folder that one of them may use: those up to itself, with blanks around each. A
+# file that stands in no room may use all of them.
+rooms_up_to() { # folder room
+	local room
+	for room in ${rooms[$1]}; do
+		printf ' %s ' "$room"
+		[ "$room" != "$2" ] || return
 	done
-	printf '%s\n' "$folder" "$@"
+}
+
+# Whether a file of a folder and its rooms may include a name: one of those rooms, of other folders
+# all, but of lib its public headers, or what the build writes.
+may_include() { # name folder rooms others...
+	local name=$1 folder=$2 allowed=$3 place
+	shift 3
+	case $name in
+	*.inc) return 0 ;;
+	*/*) [ -f "$folder/$name" ] && [[ $allowed = *" ${name%%/*} "* ]] && return 0 ;;
+	*) [ -f "$folder/$name" ] && return 0 ;;
+	esac
+	for place in "$@"; do
+		case $place:$name in
+		lib:*/*) continue ;;
+		esac
+		[ ! -f "$place/$name" ] || return 0
+	done
+	return 1
 }
 
 # Includes in quotes of a folder's files that are found in none of the places allowed.
 check_includes() { # folder others...
-	local folder=$1 file name place found allowed room
+	local folder=$1 file name room known='' allowed=''
 	shift
-	list_sources | grep -E "^$folder/.*\.(c|h|cpp|hpp|comp|glsl)$" | while read -r file; do
-		room=$(cut -d / -f 2 <<<"$file")
-		allowed=$(allowed_of "$folder" "$room" "$@")
-		sed -n 's/^[ \t]*#[ \t]*include[ \t]*"\([^"]*\)".*/\1/p' "$file" | while read -r name; do
-			case $name in
-			*.inc) continue ;; # built from shaders/
-			esac
-			found=no
-			for place in "$folder" "$@"; do
-				[ -f "$place/$name" ] || continue
-				case $place:$name in
-				"$folder":*/*) grep -qxF "$folder/${name%/*}" <<<"$allowed" && found=yes ;;
-				lib:*/*) ;;
-				*) found=yes ;;
-				esac
-			done
-			[ $found = yes ] || echo "$file: includes $name, which is not in its room," \
-				"one before it, or ${*:-nothing}"
+	list_sources | grep -E "^$folder/.*\.(c|h|cpp|hpp|comp|glsl)$" | tr '\n' '\0' |
+		xargs -0r grep -HoE '^[ 	]*#[ 	]*include[ 	]*"[^"]*"' |
+		while IFS=: read -r file name; do
+			name=${name#*\"}
+			name=${name%\"}
+			room=${file#*/}
+			room=${room%%/*}
+			[ "$room" = "$known" ] || allowed=$(rooms_up_to "$folder" "$room")
+			known=$room
+			may_include "$name" "$folder" "$allowed" "$@" ||
+				echo "$file: includes $name, which is not in its room, one before it," \
+					"or ${*:-nothing}"
 		done
-	done
 }
 
 # Comments do not count, so the preprocessor takes them out first; line numbers stay right.
