@@ -5,6 +5,7 @@
 #include "scene/octree_note.h"
 #include "panoramas/panorama.h"
 #include "program/signals.h"
+#include "panoramas/panorama_reader.h"
 
 #include <math.h>
 #include <stdio.h>

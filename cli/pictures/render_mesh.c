@@ -2,6 +2,7 @@
 #include "scene/loaded_scene.h"
 #include "meshes/mesh.h"
 #include "scene/scene_file.h"
+#include "meshes/mesh_reader.h"
 
 #include <math.h>
 #include <stdlib.h>

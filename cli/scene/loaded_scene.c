@@ -4,6 +4,8 @@
 #include "points/scan_join.h"
 #include "program/signals.h"
 #include "table/format_table.h"
+#include "meshes/mesh_reader.h"
+#include "panoramas/panorama_reader.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,6 +5,7 @@
 #include "program/nearest_name.h"
 #include "files/number_text.h"
 #include "options/options.h"
+#include "meshes/mesh_reader.h"
 
 #include <jansson.h>
 #include <math.h>

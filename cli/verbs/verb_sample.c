@@ -8,6 +8,7 @@
 #include "scene/scene_file.h"
 #include "program/signals.h"
 #include "program/text_quote.h"
+#include "meshes/mesh_reader.h"
 
 #include <math.h>
 #include <stdio.h>

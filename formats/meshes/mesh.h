@@ -55,22 +55,8 @@ gw_status obj_read(struct input_file *in, scan *cloud, gw_error *error);
 gw_status off_read(struct input_file *in, scan *cloud, gw_error *error);
 gw_status glb_read(struct input_file *in, scan *cloud, gw_error *error);
 
-/* True when the name says that a file is a mesh, unless it has no faces: it ends in .obj or .glb.
- */
-bool mesh_is_name(const char *path);
-
-/* False when an OBJ or GLB file can be read and holds points only. */
-bool mesh_has_faces(const char *path);
-
-/*
- * Reads a mesh: PLY, OFF and GLB by their content, else OBJ with the MTL files that it names.
- *   path    "-" is standard input
- *   mesh    on success owned by the caller, freed with mesh_clear; empty on failure
- *   error   as input_file_open; GW_ERROR_DATA when the content is bad or there are no faces
- */
-gw_status mesh_read(const char *path, mesh *mesh, gw_error *error);
-
-/* The same from bytes. path: of the OBJ file, from whose folder MTL files count; "-" for none. */
+/* Read one format each, from bytes; mesh_reader.h finds out which it is.
+ *   path   of the OBJ file, from whose folder MTL files count; "-" for none */
 gw_status mesh_obj_read(const struct input_file *in, const char *path, mesh *mesh, gw_error *error);
 gw_status mesh_ply_read(struct input_file *in, mesh *mesh, gw_error *error);
 gw_status mesh_off_read(const struct input_file *in, mesh *mesh, gw_error *error);

@@ -15,17 +15,10 @@ typedef struct panorama {
 	float *pixels; /* owned; 3 * width * height, rows from the top; linear RGB as in the file */
 } panorama;
 
-/*
- * Reads a map, its format found by content.
- *   path   "-" is standard input
- *   map    on success owned by the caller, freed with panorama_clear; empty on failure
- *   error  as input_file_open; GW_ERROR_DATA when it is no such picture, is cut short, or is not
- *          twice as wide as high; GW_ERROR_MEMORY
- */
-gw_status panorama_read(const char *path, panorama *map, gw_error *error);
+/* Frees the pixels and empties the map. */
 void panorama_clear(panorama *map);
 
-/* The same from bytes, for the one format and the other. */
+/* Read the one format and the other, from bytes; panorama_reader.h finds out which it is. */
 gw_status panorama_hdr_read(const input_file *in, panorama *map, gw_error *error);
 gw_status panorama_exr_read(const input_file *in, panorama *map, gw_error *error);
 

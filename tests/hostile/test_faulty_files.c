@@ -8,6 +8,7 @@
 #include "seed_files.h"
 #include "program/signals.h"
 #include "verbs/verbs.h"
+#include "meshes/mesh_reader.h"
 
 #include <dirent.h>
 #include <errno.h>
