@@ -52,6 +52,7 @@ VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glow
 LIB_SOURCES     := $(wildcard lib/*/*.c lib/*/*.cpp)
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*/*.c)
+PUBLIC_HEADERS  := $(wildcard lib/*.h)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
 SHADERS         := $(wildcard shaders/*/*.comp)
 SPIRV           := $(SHADERS:%.comp=$(BUILD)/%.spv.inc)
@@ -70,13 +71,21 @@ BENCH_PROGRAMS  := $(addprefix $(BUILD)/,$(basename $(BENCHES)))
 TORTURE         := $(addprefix $(BUILD)/tests/torture/,torture fault_shim.so)
 TOOL_PROGRAMS   := $(addprefix $(BUILD)/,$(basename $(BENCH_TOOLS)))
 SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
+LIBRARY_SAMPLE  := $(BUILD)/samples/relight_room
+
+# The shared library: until 1.0 structs may change from one minor version to the next, so that the
+# soname has both numbers.
+VERSION := $(shell sed -n 's/.*define GW_VERSION "\(.*\)"/\1/p' lib/glowworm.h)
+SONAME  := libglowworm.so.$(basename $(VERSION))
+SHARED  := libglowworm.so.$(VERSION)
 
 # Pages of the manual and completions, of which the program itself writes what repeats its options.
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
 .PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
-all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
+all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
+		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -pie $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
@@ -88,20 +97,37 @@ $(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
 	@rm -f $@
 	$(AR) rcs $@ $^
 
+# Only what the public headers declare is visible from outside.
+LIB_FLAGS := -fvisibility=hidden
+$(call objects,$(LIB_SOURCES)): OWN_FLAGS := $(LIB_FLAGS)
+
+$(BUILD)/$(SHARED): $(call objects,$(LIB_SOURCES)) lib/libglowworm.map
+	$(CXX) $(LDFLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/libglowworm.map \
+		$(if $(filter sanitize,$(config)),,-Wl$(comma)-z$(comma)defs) \
+		-o $@ $(filter %.o,$^) $(LDLIBS)
+
+$(BUILD)/libglowworm.so: $(BUILD)/$(SHARED)
+	ln -sf $(SHARED) $(BUILD)/$(SONAME)
+	ln -sf $(SONAME) $@
+
+$(LIBRARY_SAMPLE): $(LIBRARY_SAMPLE).o $(BUILD)/libglowworm.so
+	$(CC) $(LDFLAGS) -Wl,-rpath,'$$ORIGIN/..' -o $@ $< -L$(BUILD) -lglowworm -lm
+
 # How all is built, for `glowworm doctor`; what was built otherwise is built anew.
 BUILD_FLAGS := $(BUILD)/build_flags.inc
 $(BUILD_FLAGS): FORCE
 	@mkdir -p $(@D)
-	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS)) $(filter -Wl$(comma)%,$(LDFLAGS)))"' >$@.new
+	@echo '"$(strip $(filter-out -I% -W%,$(CFLAGS)) $(filter -Wl$(comma)%,$(LDFLAGS)))"' \
+		'/* lib: $(LIB_FLAGS) */' >$@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
 $(BUILD)/%.o: %.c $(BUILD_FLAGS)
 	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(CC) $(CPPFLAGS) $(CFLAGS) $(OWN_FLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -MMD -MP -c -o $@ $<
 
 # Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
 # not stop the next build, so each gets an empty rule, as -MP gives those of C.
@@ -234,7 +260,7 @@ $(BUILD)/analysis/%.cpp.txt: %.cpp
 analysis: $(ANALYSED)
 
 lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the folders' READMEs
-	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis
+	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/libglowworm.so $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis
 	@tests/suite.sh $(BUILD):lint
 
 bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
@@ -267,14 +293,23 @@ tradeoff: deps  ## error, seconds and memory of many settings, into the README
 
 bin    = $(DESTDIR)$(PREFIX)/bin
 shared = $(DESTDIR)$(PREFIX)/share
-plugin = $(DESTDIR)$(PREFIX)/lib/glowworm
-SAMPLES          = $(wildcard $(addprefix samples/,*.scene.json *.obj *.mtl *.sh README.md))
+lib    = $(DESTDIR)$(PREFIX)/lib
+plugin = $(lib)/glowworm
+header = $(DESTDIR)$(PREFIX)/include
+SAMPLES          = $(wildcard $(addprefix samples/,*.scene.json *.obj *.mtl *.sh *.py relight_room.c README.md))
 
 install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
 	install -D -t $(bin) $(BUILD)/glowworm $(SAMPLE_PROGRAMS)
 	install -D -m 644 -t $(plugin) $(BUILD)/libglowworm-vdb.so
+	install -D -m 644 -t $(lib) $(BUILD)/$(SHARED) $(BUILD)/libglowworm.a
+	ln -sf $(SHARED) $(lib)/$(SONAME)
+	ln -sf $(SONAME) $(lib)/libglowworm.so
+	install -D -m 644 -t $(header) $(PUBLIC_HEADERS)
+	mkdir -p $(lib)/pkgconfig
+	sed -e 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' lib/libglowworm.pc.in \
+		>$(lib)/pkgconfig/libglowworm.pc
 	install -D -m 644 -t $(shared)/glowworm/samples $(SAMPLES)
-	chmod 755 $(shared)/glowworm/samples/*.sh
+	chmod 755 $(shared)/glowworm/samples/*.sh $(shared)/glowworm/samples/*.py
 	install -D -m 644 -t $(shared)/man/man1 $(MAN_PAGES)
 	install -D -m 644 $(BUILD)/completion.bash $(shared)/bash-completion/completions/glowworm
 	install -D -m 644 $(BUILD)/completion.zsh $(shared)/zsh/site-functions/_glowworm
@@ -283,6 +318,8 @@ install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is giv
 uninstall:  ## remove what install put there
 	rm -f $(bin)/glowworm $(addprefix $(bin)/,$(notdir $(SAMPLE_PROGRAMS)))
 	rm -rf $(plugin) $(shared)/glowworm
+	rm -f $(addprefix $(lib)/,$(SHARED) $(SONAME) libglowworm.so libglowworm.a pkgconfig/libglowworm.pc)
+	rm -f $(addprefix $(header)/,$(notdir $(PUBLIC_HEADERS)))
 	rm -f $(addprefix $(shared)/man/man1/,$(notdir $(MAN_PAGES)))
 	rm -f $(shared)/bash-completion/completions/glowworm $(shared)/zsh/site-functions/_glowworm
 	rm -f $(shared)/fish/vendor_completions.d/glowworm.fish

@@ -1,5 +1,6 @@
 /*
- * glowworm.h - public interface of libglowworm, the lighting baker for point clouds.
+ * glowworm.h - public interface of libglowworm, the lighting baker for point clouds. Pictures of
+ * points have glowworm_picture.h.
  *
  * The library takes bare points, finds out which piece of surface each one stands for, builds a
  * sparse voxel octree on a Vulkan device, and computes the light that every point sends out.
@@ -21,6 +22,9 @@
  *
  * Thread-safety: calls that work on different objects may run at the same time. gw_bake uses
  * several threads of its own; its callbacks are called on the thread that called gw_bake.
+ *
+ * Until version 1.0 structs may grow from one minor version to the next; the library's soname
+ * changes with it.
  */
 #ifndef GLOWWORM_H
 #define GLOWWORM_H
@@ -33,11 +37,17 @@
 extern "C" {
 #endif
 
+#ifdef __GNUC__
+#pragma GCC visibility push(default)
+#endif
+
+/* The version of this header, and of the library that is running. */
 #define GW_VERSION "0.1.0"
+const char *gw_version(void);
 
 /* ---------------------------------------------------------------------------------- errors */
 
-/* What went wrong, by class; the command line maps each class to one exit code. */
+/* What went wrong, by class. */
 typedef enum gw_status {
 	GW_OK = 0,
 	GW_ERROR_USAGE,     /* an option or argument that makes no sense */
@@ -46,10 +56,9 @@ typedef enum gw_status {
 	GW_ERROR_MEMORY,    /* host memory, the memory budget or a device limit is too small */
 	GW_ERROR_INTERNAL,  /* a fault of glowworm or of the driver */
 	GW_ERROR_CANCELLED, /* a callback asked to stop */
-	GW_ERROR_NO_INPUT,  /* a file that cannot be opened for reading */
-	GW_ERROR_CREATE,    /* a file that cannot be created */
-	GW_ERROR_IO,        /* reading or writing failed half way: full disk, closed pipe */
-	GW_ERROR_MISSED,    /* all went well, but the result is not as good as asked */
+	/* From here on to 127, what those who use the library make of it: it hands on what their own
+	 * functions return (gw_transport.write) and returns none of it by itself. */
+	GW_STATUS_OF_CALLER = 64,
 } gw_status;
 
 #define GW_ERROR_TEXT 1024
@@ -179,7 +188,7 @@ typedef struct gw_transport {
 /* Drivers that are being loaded, see gw_drivers_load. */
 typedef struct gw_drivers gw_drivers;
 
-/* How to bake. Start from GW_BAKE_OPTIONS_DEFAULT and change what differs. */
+/* How to bake. Start from gw_bake_options_default and change what differs. */
 typedef struct gw_bake_options {
 	gw_method method;
 	gw_shadows shadows;
@@ -225,24 +234,13 @@ typedef struct gw_bake_options {
 							at a time: its device is opened sooner */
 } gw_bake_options;
 
-#define GW_BAKE_OPTIONS_DEFAULT                                                                    \
-	((gw_bake_options){ .method = GW_METHOD_RAYS,                                                  \
-						.shadows = GW_SHADOWS_TRACED,                                              \
-						.depth = GW_DEPTH_AUTO,                                                    \
-						.leaf_spacing = GW_LEAF_SPACING,                                           \
-						.bounces = GW_BOUNCES_AUTO,                                                \
-						.tolerance = 0.001f,                                                       \
-						.rays = 64,                                                                \
-						.light_samples = 64,                                                       \
-						.cones = 16,                                                               \
-						.record_spacing = 2.5f,                                                    \
-						.estimate_points = 500,                                                    \
-						.shadow_map_size = 1024 })
+/* Ready to use: GW_QUALITY_NORMAL, all light, no limits. */
+gw_bake_options gw_bake_options_default(void);
 
 /* How good a bake is to be, as settings that go together. */
 typedef enum gw_quality {
 	GW_QUALITY_DRAFT,
-	GW_QUALITY_NORMAL, /* what GW_BAKE_OPTIONS_DEFAULT has */
+	GW_QUALITY_NORMAL, /* what gw_bake_options_default has */
 	GW_QUALITY_HIGH,
 	GW_QUALITY_REFERENCE,
 	GW_QUALITY_COUNT
@@ -255,11 +253,14 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
  * more are needed, with as many rays as they will need in the end. */
 void gw_bake_options_set_start(gw_bake_options *options);
 
-/* What to call while a bake runs. All may be NULL. Called a few times a second at most. */
+/* What to call while work runs. All may be NULL. Called when a stage begins, and within stages some
+ * ten times a second. */
 typedef struct gw_bake_callbacks {
-	/* Progress: name of the stage and the share of the whole bake that is done, 0..1. */
+	/* Progress: name of the stage and the share of the whole that is done, 0..1, which never falls.
+	 * Within a stage it goes by the clock: by how long the stages before took for their shares. */
 	void (*progress)(void *user, const char *stage, double done);
-	/* Asked between steps; true stops the bake, which returns GW_ERROR_CANCELLED. */
+	/* Asked whether to stop; after true the call returns GW_ERROR_CANCELLED within half a second,
+	 * where nothing else keeps the machine busy. */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_bake_callbacks;
@@ -434,12 +435,13 @@ typedef struct gw_bake_result {
  * the class, fills *error and leaves *result NULL.
  *   points       what the scene is made of, see gw_points
  *   lights       light_count of them; may be NULL when light_count is 0
- *   options      how to bake
+ *   options      how to bake; NULL: gw_bake_options_default
  *   callbacks    NULL or see gw_bake_callbacks
  *   result       receives the result
  *   error        NULL or receives the failure
  *
- * The same input, options, device and driver give the same bytes, for any number of threads.
+ * What it does once, scenes and lightings below do step by step. The same input, options, device
+ * and driver give the same bytes, for any number of threads.
  */
 gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
 				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
@@ -447,6 +449,71 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
+
+/* ---------------------------------------------------------------------- scenes and lightings */
+
+/* Points that are prepared: their surface, its octree, and the places where light is gathered with
+ * what these see. All of that is there once, however often the scene is lit. */
+typedef struct gw_scene gw_scene;
+
+/*
+ * Prepares a scene.
+ *   points     may be changed or freed afterwards
+ *   lights     light_count, or NULL and 0; where nobody knows from where points were scanned, they
+ *              orient estimated normals. They need not be those that the scene is lit by, but the
+ *              brightest of those should be of about their brightness where float32 could be left
+ *   options    as of gw_bake, without max_error, time_limit and transport; NULL: the defaults
+ *   callbacks  NULL, or called during all calls for the scene and its lightings; copied
+ *   scene      on success to be given back with gw_scene_destroy; NULL on failure
+ * Fails as gw_bake.
+ *
+ * A scene with its lightings belongs to one thread at a time.
+ */
+gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+						  gw_scene **scene, gw_error *error);
+
+/* After all of its lightings. Sets *scene to NULL; an empty handle is accepted. */
+void gw_scene_destroy(gw_scene **scene);
+
+/* The number of its points: those that it was made of, in their order. */
+size_t gw_scene_point_count(const gw_scene *scene);
+
+/* What is known of the scene, and of its last lighting; stays valid and changes with every call for
+ * the scene. */
+const gw_report *gw_scene_report(const gw_scene *scene);
+
+/* A scene in the light of some lamps, sky, and its own emission. */
+typedef struct gw_lighting gw_lighting;
+
+/*
+ * Lights a scene. The result is that of gw_bake with the same lights, to the last bit, where
+ * normals do not depend on them.
+ *   lights    light_count; copied, but for maps, which have to stay as long as the lighting
+ *   lighting  on success to be given back with gw_lighting_destroy; NULL on failure
+ * A scene can have several, for those who compare; what they ask later than for their radiance is
+ * solved again when another one was lit since.
+ */
+gw_status gw_lighting_create(gw_scene *scene, const gw_light *lights, size_t light_count,
+							 gw_lighting **lighting, gw_error *error);
+
+/* Lights the scene by other lights, in the same memory. On failure nothing can be read until a
+ * change succeeds. */
+gw_status gw_lighting_change(gw_lighting *lighting, const gw_light *lights, size_t light_count,
+							 gw_error *error);
+
+/* Writes what the points send out.
+ *   radiance   3 * gw_scene_point_count, L; points that were left out are dark */
+gw_status gw_lighting_radiance(gw_lighting *lighting, float *radiance, gw_error *error);
+
+/* All that gw_bake would return, and by the scene's options. The result is the caller's. */
+gw_status gw_lighting_result(gw_lighting *lighting, gw_bake_result **result, gw_error *error);
+
+/* How wrong the radiance is, by points that are solved again: gw_bake_options.estimate_points of
+ * the scene, above 0. */
+gw_status gw_lighting_error(gw_lighting *lighting, gw_error_estimate *estimate, gw_error *error);
+
+void gw_lighting_destroy(gw_lighting **lighting); /* sets *lighting to NULL; NULL is fine */
 
 /* ------------------------------------------------------------------------------------- frames */
 
@@ -559,10 +626,10 @@ void gw_vulkan_version(uint32_t version[3]);
 /* What a device does that its description does not say. */
 typedef struct gw_device_trial {
 	char name[256];
-	uint64_t budget;                     /* bytes of its memory that a bake may take */
-	uint32_t loops_asked, loops_run;     /* steps of a loop; drivers may end it before */
-	uint32_t loops_needed;               /* most steps that a pass of a bake takes */
-	bool reckons;                        /* the steps that were run have the right outcome */
+	uint64_t budget;                 /* bytes of its memory that a bake may take */
+	uint32_t loops_asked, loops_run; /* steps of a loop; drivers may end it before */
+	uint32_t loops_needed;           /* most steps that a pass of a bake takes */
+	bool reckons;                    /* the steps that were run have the right outcome */
 	double open_seconds, compile_seconds;
 } gw_device_trial;
 
@@ -594,6 +661,10 @@ const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_quality_name(gw_quality quality);
 const char *gw_goal_name(gw_goal goal);
 const char *gw_light_type_name(gw_light_type type);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #ifdef __cplusplus
 }

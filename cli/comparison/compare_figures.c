@@ -1,4 +1,5 @@
 #include "comparison/compare_figures.h"
+#include "program/exit_code.h"
 #include "program/json_writer.h"
 #include "options/preview.h"
 #include "points/scan_color.h"
@@ -245,15 +246,15 @@ gw_status compare_figures_check(const compare_figures *f, const settings *s, gw_
 {
 	const gw_comparison *c = &f->component[0].row[COMPARE_LUMINANCE];
 	if (exceeds(c->rel_rmse, s->max_rel_rmse))
-		return gw_fail(error, GW_ERROR_MISSED,
+		return gw_fail(error, STATUS_MISSED,
 					   "relRMSE is %.3f %%, more than --max-relrmse %g allows", 100.0 * c->rel_rmse,
 					   (double)s->max_rel_rmse);
 	if (exceeds(c->best_99, s->max_best_99))
-		return gw_fail(error, GW_ERROR_MISSED,
+		return gw_fail(error, STATUS_MISSED,
 					   "the best 99 %% are off by %.3f %%, more than --max-best99 %g allows",
 					   100.0 * c->best_99, (double)s->max_best_99);
 	if (exceeds(fabs(c->bias), s->max_bias))
-		return gw_fail(error, GW_ERROR_MISSED,
+		return gw_fail(error, STATUS_MISSED,
 					   "the bias is %+.3f %%, more than --max-bias %g allows", 100.0 * c->bias,
 					   (double)s->max_bias);
 	return GW_OK;

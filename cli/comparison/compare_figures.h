@@ -5,7 +5,7 @@
 #ifndef COMPARE_FIGURES_H
 #define COMPARE_FIGURES_H
 
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "comparison/matched_scans.h"
 #include "options/settings.h"
 
@@ -52,7 +52,7 @@ void compare_figures_print(const compare_figures *figures, FILE *out);
 /* Prints one JSON object. missed: whether a limit of the settings is exceeded. */
 void compare_figures_json(const compare_figures *figures, bool missed, FILE *out);
 
-/* Holds the figures against the limits: GW_ERROR_MISSED and which one is exceeded, or GW_OK. */
+/* Holds the figures against the limits: STATUS_MISSED and which one is exceeded, or GW_OK. */
 gw_status compare_figures_check(const compare_figures *figures, const settings *settings,
 								gw_error *error);
 

@@ -1,5 +1,5 @@
 #include "comparison/matched_scans.h"
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "points/scan_color.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #ifndef TRADEOFF_RUNS_H
 #define TRADEOFF_RUNS_H
 
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "scene/loaded_scene.h"
 #include "options/progress.h"
 

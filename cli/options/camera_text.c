@@ -1,5 +1,5 @@
 #include "options/camera_text.h"
-#include "picture/camera.h"
+#include "glowworm_picture.h"
 #include "files/growing_table.h"
 #include "files/input_file.h"
 #include "program/nearest_name.h"

@@ -4,7 +4,7 @@
 #ifndef CAMERA_TEXT_H
 #define CAMERA_TEXT_H
 
-#include "picture/viewpoint.h"
+#include "glowworm_picture.h"
 
 /* What a text says. */
 typedef struct camera_text {

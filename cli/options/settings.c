@@ -6,7 +6,7 @@
 
 settings settings_default(void)
 {
-	return (settings){ .bake = GW_BAKE_OPTIONS_DEFAULT,
+	return (settings){ .bake = gw_bake_options_default(),
 					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
 					   .quality = GW_QUALITY_NORMAL,
 					   .count = 1000000,

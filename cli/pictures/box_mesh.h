@@ -4,7 +4,7 @@
 #ifndef BOX_MESH_H
 #define BOX_MESH_H
 
-#include "picture/raster.h"
+#include "glowworm_picture.h"
 
 /* Channels of each vertex: red, green, blue, and where on its face it lies, 0..1 twice. */
 enum { BOX_MESH_U = 3, BOX_MESH_V = 4, BOX_MESH_CHANNELS = 5 };

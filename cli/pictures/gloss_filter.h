@@ -5,7 +5,7 @@
 #ifndef GLOSS_FILTER_H
 #define GLOSS_FILTER_H
 
-#include "picture/render_octree.h"
+#include "glowworm_picture.h"
 
 /*
  * Smooths reflections within a picture. The reach grows with the roughness, from none at 0.2 to

@@ -1,5 +1,5 @@
 #include "pictures/octree_picture.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "pictures/gloss_filter.h"
 #include "scene/glossy_points.h"
 #include "scene/octree_note.h"
@@ -122,10 +122,10 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");
 	p->build_seconds = gw_seconds() - start;
-	if (status == GW_OK && !s->quiet)
-		octree_note_print((double)p->octree->octree.leaf_size,
-						  (double)p->octree->octree.wanted_leaf_size,
-						  p->octree->octree.why_coarser);
+	if (status == GW_OK && !s->quiet) {
+		gw_octree_width width = gw_render_octree_width(p->octree);
+		octree_note_print(width.leaf_size, width.wanted_leaf_size, width.why_coarser);
+	}
 	return status;
 }
 

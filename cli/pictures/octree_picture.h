@@ -5,8 +5,7 @@
 #ifndef OCTREE_PICTURE_H
 #define OCTREE_PICTURE_H
 
-#include "picture/camera.h"
-#include "picture/render_octree.h"
+#include "glowworm_picture.h"
 #include "pictures/render_scene.h"
 
 typedef struct octree_picture {

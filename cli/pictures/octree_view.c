@@ -1,7 +1,6 @@
 #include "pictures/octree_view.h"
-#include "light/direct_light.h"
+#include "glowworm_picture.h"
 #include "program/nearest_name.h"
-#include "picture/octree_cells.h"
 #include "scene/octree_note.h"
 
 #include <math.h>
@@ -183,39 +182,21 @@ static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *
 	return status;
 }
 
-static gw_status add_records(octree_view *v, const gw_octree *octree, const float *position,
-							 size_t count, gw_error *error)
-{
-	static const float cyan[3] = { 0.0f, 0.7f, 1.0f };
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < count && status == GW_OK; i++) {
-		float low[3];
-		for (size_t k = 0; k < 3; k++)
-			low[k] =
-				octree->cube_minimum[k] + position[4 * i + k] * octree->leaf_size - 0.5f * v->size;
-		status = box_mesh_add(&v->boxes, low, v->size, cyan, 63u, error);
-	}
-	v->shown = count;
-	return status;
-}
-
 static gw_status make_records(const settings *s, const render_scene *scene, octree_view *v,
 							  gw_render_octree *o, gw_error *error)
 {
-	gw_records records = { 0 };
-	float *position = NULL;
+	static const float cyan[3] = { 0.0f, 0.7f, 1.0f };
+	float *position;
 	v->size = RECORD_SIZE * scene->surfels.spacing;
-	gw_status status = gw_records_place(&o->passes, &o->octree, s->bake.record_spacing,
-										s->bake.seed, &records, error);
-	if (status == GW_OK && !(position = calloc((size_t)records.count + 1, 4 * sizeof *position)))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records.count);
-	if (status == GW_OK)
-		status = gw_buffer_download(o->gpu, &records.position, 0, position,
-									16 * (uint64_t)records.count, error);
-	if (status == GW_OK)
-		status = add_records(v, &o->octree, position, records.count, error);
+	gw_status status = gw_render_octree_records(o, s->bake.record_spacing, s->bake.seed, &position,
+												&v->shown, error);
+	for (size_t i = 0; i < v->shown && status == GW_OK; i++) {
+		float low[3];
+		for (size_t k = 0; k < 3; k++)
+			low[k] = position[3 * i + k] - 0.5f * v->size;
+		status = box_mesh_add(&v->boxes, low, v->size, cyan, 63u, error);
+	}
 	free(position);
-	gw_records_destroy(o->gpu, &records);
 	return status;
 }
 
@@ -230,8 +211,8 @@ static gw_status make_shadow(settings *s, render_scene *scene, const octree_view
 	if (!share)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for shadows on %zu points", count);
 	light_resolve(light, scene->up);
-	gw_status status = gw_light_share(&o->passes, &o->octree, &scene->surfels, &light->light,
-									  &s->bake, share, error);
+	gw_status status =
+		gw_render_octree_shadow(o, &scene->surfels, &light->light, &s->bake, share, error);
 	for (size_t i = 0; i < count && status == GW_OK; i++)
 		scene->channel[i * stride + (size_t)scene->offset[RENDER_SHADOW]] = share[i];
 	free(share);
@@ -286,9 +267,10 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 		radiance ? gw_render_octree_create(&scene->surfels, radiance, &options, &octree, error)
 				 : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light");
 	free(radiance);
-	if (status == GW_OK && !s->quiet)
-		octree_note_print((double)octree->octree.leaf_size,
-						  (double)octree->octree.wanted_leaf_size, octree->octree.why_coarser);
+	if (status == GW_OK && !s->quiet) {
+		gw_octree_width width = gw_render_octree_width(octree);
+		octree_note_print(width.leaf_size, width.wanted_leaf_size, width.why_coarser);
+	}
 	if (status == GW_OK)
 		status = make(s, scene, v, octree, error);
 	gw_render_octree_destroy(&octree);

@@ -6,7 +6,7 @@
 #define OCTREE_VIEW_H
 
 #include "pictures/box_mesh.h"
-#include "picture/camera.h"
+#include "glowworm_picture.h"
 #include "pictures/render_scene.h"
 
 typedef struct octree_view {

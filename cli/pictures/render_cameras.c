@@ -1,7 +1,7 @@
 #include "pictures/render_cameras.h"
 #include "options/options.h"
 
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdlib.h>

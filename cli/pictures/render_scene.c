@@ -1,5 +1,5 @@
 #include "pictures/render_scene.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "scene/loaded_scene.h"
 #include "options/preview.h"
 #include "pictures/render_mesh.h"

@@ -4,10 +4,8 @@
 #ifndef RENDER_SCENE_H
 #define RENDER_SCENE_H
 
-#include "picture/mesh_light.h"
-#include "picture/raster.h"
+#include "glowworm_picture.h"
 #include "options/settings.h"
-#include "surfels/surfels.h"
 
 /* What a surfel can carry into a picture. */
 typedef enum render_channel {

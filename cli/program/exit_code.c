@@ -4,21 +4,26 @@
 
 int exit_code_of(gw_status status, int signal)
 {
-	static const int code[] = {
-		[GW_OK] = EXIT_CODE_GOOD,
-		[GW_ERROR_USAGE] = EXIT_CODE_USAGE,
-		[GW_ERROR_DATA] = EXIT_CODE_DATA,
-		[GW_ERROR_NO_DEVICE] = EXIT_CODE_NO_DEVICE,
-		[GW_ERROR_MEMORY] = EXIT_CODE_MEMORY,
-		[GW_ERROR_INTERNAL] = EXIT_CODE_INTERNAL,
-		[GW_ERROR_NO_INPUT] = EXIT_CODE_NO_INPUT,
-		[GW_ERROR_CREATE] = EXIT_CODE_CREATE,
-		[GW_ERROR_IO] = EXIT_CODE_IO,
-		[GW_ERROR_MISSED] = EXIT_CODE_MISSED,
+	static const struct {
+		gw_status status;
+		int code;
+	} table[] = {
+		{ GW_OK, EXIT_CODE_GOOD },
+		{ GW_ERROR_USAGE, EXIT_CODE_USAGE },
+		{ GW_ERROR_DATA, EXIT_CODE_DATA },
+		{ GW_ERROR_NO_DEVICE, EXIT_CODE_NO_DEVICE },
+		{ GW_ERROR_MEMORY, EXIT_CODE_MEMORY },
+		{ FILE_ERROR_NO_INPUT, EXIT_CODE_NO_INPUT },
+		{ FILE_ERROR_CREATE, EXIT_CODE_CREATE },
+		{ FILE_ERROR_IO, EXIT_CODE_IO },
+		{ STATUS_MISSED, EXIT_CODE_MISSED },
 	};
 	if (status == GW_ERROR_CANCELLED)
 		return EXIT_CODE_SIGNAL + (signal ? signal : SIGINT);
-	return code[status];
+	for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+		if (table[i].status == status)
+			return table[i].code;
+	return EXIT_CODE_INTERNAL;
 }
 
 int exit_code_describe(int i, const char **meaning)

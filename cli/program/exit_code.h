@@ -4,7 +4,10 @@
 #ifndef EXIT_CODE_H
 #define EXIT_CODE_H
 
-#include "glowworm.h"
+#include "files/file_status.h"
+
+/* All went well, but the result is not as good as asked: a gw_status of the program's own. */
+#define STATUS_MISSED ((gw_status)FILE_STATUS_NEXT)
 
 typedef enum exit_code {
 	EXIT_CODE_GOOD = 0,

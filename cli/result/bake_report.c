@@ -1,4 +1,5 @@
 #include "result/bake_report.h"
+#include "program/exit_code.h"
 #include "program/json_writer.h"
 #include "scene/octree_note.h"
 #include "options/options.h"
@@ -417,7 +418,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 	error_text(r, text);
 	missed_text(f, why, sizeof why);
 	if (r->missed)
-		return gw_fail(error, GW_ERROR_MISSED,
+		return gw_fail(error, STATUS_MISSED,
 					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s%s",
 					   text, r->round_count, 100.0 * (double)f->settings->bake.max_error,
 					   end[r->goal], why);

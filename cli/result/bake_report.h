@@ -37,7 +37,7 @@ void bake_report_error(const bake_facts *facts);
 /* Prints a summary of the bake to standard error. */
 void bake_report_summary(const bake_facts *facts);
 
-/* Says how a bake that refines came to its end, and GW_ERROR_MISSED with that as the sentence when
+/* Says how a bake that refines came to its end, and STATUS_MISSED with that as the sentence when
  * the error is larger than asked. */
 gw_status bake_report_goal(const bake_facts *facts, gw_error *error);
 

@@ -1,7 +1,7 @@
 #include "result/lit_scan.h"
 #include "result/lamp_columns.h"
 #include "files/number_text.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "options/preview.h"
 #include "points/scan_color.h"
 

@@ -98,7 +98,7 @@ static void bake_sphere(void *user)
 	const gw_light light = { .type = GW_LIGHT_POINT,
 							 .intensity = { (float)INTENSITY, (float)INTENSITY,
 											(float)INTENSITY } };
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.device = s->device;
 	options.memory = s->asked->bake.memory;
 	options.threads = s->asked->bake.threads;

@@ -3,8 +3,7 @@
  */
 #include "program/child_process.h"
 #include "verbs/health.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <errno.h>
 #include <pthread.h>

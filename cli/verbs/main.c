@@ -19,7 +19,7 @@ static gw_status flush_output(gw_error *error)
 	errno = 0;
 	if (fflush(stdout) == 0 && !ferror(stdout))
 		return GW_OK;
-	return gw_fail(error, GW_ERROR_IO, "standard output cannot be written: %s",
+	return gw_fail(error, FILE_ERROR_IO, "standard output cannot be written: %s",
 				   strerror(errno ? errno : EIO));
 }
 

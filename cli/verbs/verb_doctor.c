@@ -1,4 +1,5 @@
 #include "verbs/verbs.h"
+#include "program/exit_code.h"
 #include "verbs/health.h"
 
 #include <stdlib.h>
@@ -26,7 +27,7 @@ gw_status verb_doctor(const settings *s, gw_error *error)
 		status = gw_fail(error, GW_ERROR_NO_DEVICE,
 						 "no Vulkan device can bake here; the lines that begin with BAD say why");
 	else if (status == GW_OK && bad > 0)
-		status = gw_fail(error, GW_ERROR_MISSED, "%zu thing%s not good; %s", bad,
+		status = gw_fail(error, STATUS_MISSED, "%zu thing%s not good; %s", bad,
 						 bad == 1 ? " is" : "s are", "the lines that begin with BAD say which");
 	free(h);
 	return status;

@@ -1,5 +1,5 @@
 #include "verbs/verbs.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "scene/file_roles.h"
 #include "files/number_text.h"
 #include "pictures/octree_picture.h"

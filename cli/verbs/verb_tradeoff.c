@@ -3,6 +3,7 @@
 #include "scene/glossy_points.h"
 #include "files/output_file.h"
 #include "scene/scene_file.h"
+#include "program/exit_code.h"
 #include "program/text_quote.h"
 #include "comparison/tradeoff_plot.h"
 
@@ -102,7 +103,7 @@ static gw_status print_reaching(const tradeoff *t, double wanted, FILE *out, gw_
 	}
 	if (found > 0)
 		return GW_OK;
-	return gw_fail(error, GW_ERROR_MISSED, "no setting that was tried is at most %.3g %% off",
+	return gw_fail(error, STATUS_MISSED, "no setting that was tried is at most %.3g %% off",
 				   100.0 * wanted);
 }
 

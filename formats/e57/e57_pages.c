@@ -1,5 +1,5 @@
 #include "e57/e57_pages.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -4,8 +4,7 @@
  */
 #include "e57/e57_description.h"
 #include "e57/e57_format.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "text/text_columns.h"
 
 #include <math.h>

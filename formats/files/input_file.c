@@ -1,6 +1,5 @@
 #include "files/input_file.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -25,12 +24,12 @@ static gw_status fail_reading(const input_file *in, int reason, gw_error *error)
 {
 	if (reason == EINTR)
 		return gw_fail(error, GW_ERROR_CANCELLED, "reading %s was interrupted", in->name);
-	return gw_fail(error, GW_ERROR_IO, "cannot read %s: %s", in->name, strerror(reason));
+	return gw_fail(error, FILE_ERROR_IO, "cannot read %s: %s", in->name, strerror(reason));
 }
 
 static gw_status fail_changed(const input_file *in, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_IO,
+	return gw_fail(error, FILE_ERROR_IO,
 				   "%s was changed or cut short while it was read; try again when nothing writes "
 				   "to it",
 				   in->name);
@@ -218,7 +217,7 @@ static gw_status load(input_file *in, int descriptor, uint64_t copied, gw_error 
 	if (fstat(descriptor, &info) != 0)
 		return fail_reading(in, errno, error);
 	if (S_ISDIR(info.st_mode))
-		return gw_fail(error, GW_ERROR_NO_INPUT, "%s is a directory, not a file", in->name);
+		return gw_fail(error, FILE_ERROR_NO_INPUT, "%s is a directory, not a file", in->name);
 	/* Files of /proc are regular, have no size, and still have content. A file on standard input
 	 * may have been read in part by the program before us. */
 	bool from_start = lseek(descriptor, 0, SEEK_CUR) == 0;
@@ -243,7 +242,7 @@ gw_status input_file_open_as(input_file *in, const char *path, uint64_t copied, 
 	if (descriptor < 0 && errno == EINTR)
 		status = fail_reading(in, errno, error);
 	else if (descriptor < 0)
-		status = gw_fail(error, GW_ERROR_NO_INPUT, "cannot open %s: %s", path, strerror(errno));
+		status = gw_fail(error, FILE_ERROR_NO_INPUT, "cannot open %s: %s", path, strerror(errno));
 	else
 		status = load(in, descriptor, copied, error);
 	if (descriptor >= 0 && !standard_input)

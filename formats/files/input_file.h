@@ -12,7 +12,7 @@
 #ifndef INPUT_FILE_H
 #define INPUT_FILE_H
 
-#include "glowworm.h"
+#include "files/file_status.h"
 
 #include <time.h>
 
@@ -44,9 +44,9 @@ typedef struct input_file {
  *
  *   in      filled on success, to be given back with input_file_close; zeroed on failure
  *   path    of a file, pipe or device; "-" is standard input, which is read but not closed
- *   error   GW_ERROR_NO_INPUT when it cannot be opened or is a directory, GW_ERROR_IO when reading
- *           fails or the file changes meanwhile, GW_ERROR_MEMORY when a pipe or device brings more
- *           than half of the free memory holds, GW_ERROR_CANCELLED when a signal interrupted it
+ *   error   FILE_ERROR_NO_INPUT when it cannot be opened or is a directory, FILE_ERROR_IO when
+ *           reading fails or the file changes meanwhile, GW_ERROR_MEMORY when a pipe or device
+ * brings more than half of the free memory holds, GW_ERROR_CANCELLED when a signal interrupted it
  *
  * Thread-safety: calls on different structs may run at the same time.
  */
@@ -73,7 +73,7 @@ gw_status input_file_open_as(input_file *in, const char *path, uint64_t copied, 
 
 /*
  * To be called when a reader is done, whether it succeeded or not: hands the status back, or fails
- * with GW_ERROR_IO when the file was cut short, changed or could not be read meanwhile.
+ * with FILE_ERROR_IO when the file was cut short, changed or could not be read meanwhile.
  */
 gw_status input_file_check(const input_file *in, gw_status status, gw_error *error);
 

@@ -185,7 +185,8 @@ static gw_status create_temporary(output_file *out, const struct stat *replaced,
 		int reason = errno;
 		free(out->temporary);
 		out->temporary = NULL;
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", out->name, strerror(reason));
+		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", out->name,
+					   strerror(reason));
 	}
 	if (replaced)
 		(void)!fchmod(out->descriptor, replaced->st_mode & 0777);
@@ -198,14 +199,14 @@ static gw_status open_directly(output_file *out, int descriptor, gw_error *error
 {
 	out->descriptor = descriptor;
 	if (descriptor < 0)
-		return gw_fail(error, errno == EINTR ? GW_ERROR_CANCELLED : GW_ERROR_CREATE,
+		return gw_fail(error, errno == EINTR ? GW_ERROR_CANCELLED : FILE_ERROR_CREATE,
 					   "cannot open %s for writing: %s", out->name, strerror(errno));
 	return GW_OK;
 }
 
 static gw_status fail_existing(const char *name, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_CREATE,
+	return gw_fail(error, FILE_ERROR_CREATE,
 				   "%s exists already; choose another name, or overwrite it with --force", name);
 }
 
@@ -220,19 +221,20 @@ static gw_status look(const char *path, bool force, target_kind *kind, struct st
 	int reason = errno;
 	*kind = !there ? TARGET_NOTHING : S_ISREG(info->st_mode) ? TARGET_FILE : TARGET_STREAM;
 	if (there && S_ISDIR(info->st_mode))
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: it is a directory", path);
+		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: it is a directory", path);
 	if (*kind == TARGET_FILE && !force)
 		return fail_existing(path, error);
 	if (there)
 		return GW_OK;
 	/* Too long, or behind a folder that is none or closed. */
 	if (reason != ENOENT && reason != ELOOP)
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", path, strerror(reason));
+		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", path, strerror(reason));
 	if (lstat(path, info) == 0)
-		return gw_fail(error, GW_ERROR_CREATE,
+		return gw_fail(error, FILE_ERROR_CREATE,
 					   "cannot create %s: it is a symbolic link that leads nowhere", path);
 	if (path[0] == '\0' || path[strlen(path) - 1] == '/')
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create '%s': a file name is missing", path);
+		return gw_fail(error, FILE_ERROR_CREATE, "cannot create '%s': a file name is missing",
+					   path);
 	return GW_OK;
 }
 
@@ -245,7 +247,7 @@ gw_status output_file_check(const char *path, bool force, gw_error *error)
 
 static gw_status fail_room(const char *path, uint64_t bytes, uint64_t most, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_IO,
+	return gw_fail(error, FILE_ERROR_IO,
 				   "%s will take at least %llu bytes, but there is room for %llu only", path,
 				   (unsigned long long)bytes, (unsigned long long)most);
 }
@@ -282,7 +284,8 @@ static gw_status open_target(output_file *out, const char *path, gw_error *error
 		return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
 	out->target = kind == TARGET_FILE ? realpath(path, NULL) : strdup(path);
 	if (!out->target)
-		return gw_fail(error, GW_ERROR_CREATE, "cannot create %s: %s", out->name, strerror(errno));
+		return gw_fail(error, FILE_ERROR_CREATE, "cannot create %s: %s", out->name,
+					   strerror(errno));
 	return create_temporary(out, kind == TARGET_FILE ? &info : NULL, error);
 }
 
@@ -323,7 +326,7 @@ static void latch(output_file *out, int reason)
 	if (reason == EINTR)
 		gw_fail(&out->failure, GW_ERROR_CANCELLED, "writing %s was interrupted", out->name);
 	else
-		gw_fail(&out->failure, GW_ERROR_IO, "cannot write %s: %s", out->name, strerror(reason));
+		gw_fail(&out->failure, FILE_ERROR_IO, "cannot write %s: %s", out->name, strerror(reason));
 }
 
 static void write_through(output_file *out, const uint8_t *bytes, size_t length)
@@ -424,7 +427,7 @@ static gw_status sync_folder(const output_file *out, gw_error *error)
 	free(folder);
 	if (good)
 		return GW_OK;
-	return gw_fail(error, GW_ERROR_IO,
+	return gw_fail(error, FILE_ERROR_IO,
 				   "%s is written, but may not outlast a crash of this machine, because its folder "
 				   "cannot be synced: %s",
 				   out->name, strerror(reason));
@@ -437,7 +440,7 @@ static gw_status rename_temporary(output_file *out, gw_error *error)
 	if (!done && errno == EEXIST)
 		return fail_existing(out->name, error);
 	if (!done)
-		return gw_fail(error, GW_ERROR_IO, "cannot rename %s to %s: %s", out->temporary,
+		return gw_fail(error, FILE_ERROR_IO, "cannot rename %s to %s: %s", out->temporary,
 					   out->target, strerror(errno));
 	if (unregister_temporary(out->temporary))
 		free(out->temporary);

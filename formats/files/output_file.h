@@ -16,7 +16,7 @@
 #ifndef OUTPUT_FILE_H
 #define OUTPUT_FILE_H
 
-#include "glowworm.h"
+#include "files/file_status.h"
 
 typedef struct output_file output_file;
 
@@ -28,7 +28,7 @@ typedef struct output_file output_file;
  *   path    where it shall appear; "-" is standard output. A symbolic link is followed: the file
  *           it leads to is replaced, the link stays
  *   force   false: an existing file is an error, now and again at the commit
- *   error   GW_ERROR_CREATE when it exists already or the folder is missing or cannot be written
+ *   error   FILE_ERROR_CREATE when it exists already or the folder is missing or cannot be written
  *           to; GW_ERROR_MEMORY
  */
 gw_status output_file_create(output_file **out, const char *path, bool force, gw_error *error);
@@ -36,11 +36,11 @@ gw_status output_file_create(output_file **out, const char *path, bool force, gw
 /* Whether a file could be started under a name, as far as its name and what is there say it. */
 gw_status output_file_check(const char *path, bool force, gw_error *error);
 
-/* GW_ERROR_IO when that many bytes do not fit on the disk, or are more than this process may write;
- * what cannot be known is no failure. */
+/* FILE_ERROR_IO when that many bytes do not fit on the disk, or are more than this process may
+ * write; what cannot be known is no failure. */
 gw_status output_file_check_room(const char *path, uint64_t bytes, gw_error *error);
 
-/* Appends bytes. GW_ERROR_IO when they could not be written, now or earlier. */
+/* Appends bytes. FILE_ERROR_IO when they could not be written, now or earlier. */
 gw_status output_file_write(output_file *out, const void *bytes, size_t length, gw_error *error);
 
 /* Appends text, formatted as printf does; numbers with a decimal point follow the locale, so print
@@ -61,7 +61,7 @@ const char *output_file_temporary(const output_file *out);
 /*
  * Ends an output: flush, sync, rename, sync of the folder. Frees it and sets *out to NULL, whether
  * it succeeds or not; on failure the temporary file is removed and the target untouched, but for a
- * folder that cannot be synced: then the file is there, whole, and GW_ERROR_IO says so.
+ * folder that cannot be synced: then the file is there, whole, and FILE_ERROR_IO says so.
  */
 gw_status output_file_commit(output_file **out, gw_error *error);
 

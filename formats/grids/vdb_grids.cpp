@@ -548,23 +548,23 @@ gw_status verify(const char *path, const vdb_digest &meant, gw_error *error)
 	std::ifstream file(path, std::ios::binary | std::ios::ate);
 	std::streamoff bytes = file.tellg();
 	if (bytes < 0 || static_cast<uint64_t>(bytes) != meant.bytes)
-		return fail(error, GW_ERROR_IO, "the file has %lld bytes instead of %llu", (long long)bytes,
-					(unsigned long long)meant.bytes);
+		return fail(error, FILE_ERROR_IO, "the file has %lld bytes instead of %llu",
+					(long long)bytes, (unsigned long long)meant.bytes);
 	file.seekg(0);
 	file.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
 	openvdb::io::Stream stream(file, false);
 	vdb_digest found = digest_grids(*stream.getGrids());
 	for (int g = 0; g < VDB_GRIDS; g++) {
 		if (found.voxels[g] != meant.voxels[g])
-			return fail(error, GW_ERROR_IO,
+			return fail(error, FILE_ERROR_IO,
 						"the grid '%s' reads back with %llu voxels instead of %llu", grid_names[g],
 						(unsigned long long)found.voxels[g], (unsigned long long)meant.voxels[g]);
 		if (found.values[g] != meant.values[g])
-			return fail(error, GW_ERROR_IO, "the grid '%s' reads back with other values",
+			return fail(error, FILE_ERROR_IO, "the grid '%s' reads back with other values",
 						grid_names[g]);
 	}
 	if (found.points != meant.points || found.point_values != meant.point_values)
-		return fail(error, GW_ERROR_IO,
+		return fail(error, FILE_ERROR_IO,
 					"the point grid reads back with %llu points instead of %llu, or with other "
 					"values",
 					(unsigned long long)found.points, (unsigned long long)meant.points);
@@ -582,7 +582,7 @@ template <typename Work> gw_status guarded(const char *what, gw_error *error, Wo
 		/* TBB has no type for it. */
 		if (std::strstr(e.what(), "pthread_create"))
 			return fail(error, GW_ERROR_MEMORY, "no thread to %s the grids: %s", what, e.what());
-		return fail(error, GW_ERROR_IO, "cannot %s the grids: %s", what, e.what());
+		return fail(error, FILE_ERROR_IO, "cannot %s the grids: %s", what, e.what());
 	} catch (...) {
 		return fail(error, GW_ERROR_INTERNAL, "cannot %s the grids", what);
 	}

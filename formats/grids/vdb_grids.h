@@ -17,7 +17,7 @@
 #ifndef VDB_GRIDS_H
 #define VDB_GRIDS_H
 
-#include "glowworm.h"
+#include "files/file_status.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -66,7 +66,7 @@ typedef struct vdb_metadata {
  *   error     GW_ERROR_MEMORY, before anything is built, when the grids would need more than
  *             metadata->memory (isolated voxels take 50 KB each and more: the sentence holds the
  *             numbers), and so for the point grid, or when OpenVDB dies; GW_ERROR_DATA for a cell
- *             out of range or a size that is not above 0; GW_ERROR_CREATE, GW_ERROR_IO,
+ *             out of range or a size that is not above 0; FILE_ERROR_CREATE, FILE_ERROR_IO,
  *             GW_ERROR_CANCELLED when a signal came that has a handler, GW_ERROR_INTERNAL
  */
 gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
@@ -95,7 +95,7 @@ typedef struct vdb_digest {
 gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata, vdb_sink sink,
 					 void *user, vdb_digest *digest, gw_error *error);
 
-/* Reads a file back: GW_ERROR_IO unless its grids hold just that. */
+/* Reads a file back: FILE_ERROR_IO unless its grids hold just that. */
 gw_status vdb_verify(const char *path, const vdb_digest *digest, gw_error *error);
 
 #ifdef __cplusplus

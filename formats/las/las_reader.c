@@ -3,8 +3,7 @@
 #include "las/las_notes.h"
 #include "las/laz_reader.h"
 #include "files/little_endian.h"
-#include "base/memory.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "points/scan_color.h"
 
 #include <inttypes.h>

@@ -1,7 +1,7 @@
 #include "las/laz_reader.h"
 #include "las/laz_points.h"
 #include "files/little_endian.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <inttypes.h>
 #include <stdatomic.h>

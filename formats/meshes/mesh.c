@@ -1,6 +1,6 @@
 #include "meshes/mesh.h"
 #include "files/growing_table.h"
-#include "surfels/mesh_sample.h"
+#include "meshes/mesh_sample.h"
 
 #include <math.h>
 #include <stdarg.h>

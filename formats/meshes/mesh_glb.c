@@ -6,7 +6,7 @@
  * The document is gone through twice: first what there is, so that memory is taken once.
  */
 #include "meshes/glb_nodes.h"
-#include "base/memory.h"
+#include "glowworm_host.h"
 #include "meshes/mesh.h"
 #include "meshes/mesh_vertices.h"
 

@@ -1,10 +1,9 @@
 /*
  * From a mesh to points: places by mesh_sample, attributes interpolated there.
  */
-#include "base/memory.h"
+#include "glowworm_host.h"
 #include "meshes/mesh.h"
-#include "surfels/mesh_sample.h"
-#include "base/parallel.h"
+#include "meshes/mesh_sample.h"
 #include "points/scan_color.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * before anything is allocated.
  */
 #include "points/column_names.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "pcd/pcd_format.h"
 #include "pcd/pcd_header.h"
 #include "text/text_rows.h"

@@ -32,7 +32,7 @@ typedef struct exr_picture {
 /*
  * Writes a picture, compressed without loss (ZIP), with the chromaticities of Rec.709. It is put
  * together in memory, because parts of a file are written out of order.
- * GW_ERROR_MEMORY; GW_ERROR_INTERNAL when OpenEXRCore refuses; GW_ERROR_IO.
+ * GW_ERROR_MEMORY; GW_ERROR_INTERNAL when OpenEXRCore refuses; FILE_ERROR_IO.
  */
 gw_status exr_picture_write(output_file *out, const exr_picture *picture, gw_error *error);
 

@@ -21,7 +21,7 @@ typedef struct png_picture {
 	size_t text_count;
 } png_picture;
 
-/* Writes a picture. GW_ERROR_MEMORY, or GW_ERROR_IO with the output's own message. */
+/* Writes a picture. GW_ERROR_MEMORY, or FILE_ERROR_IO with the output's own message. */
 gw_status png_picture_write(output_file *out, const png_picture *image, gw_error *error);
 
 #endif

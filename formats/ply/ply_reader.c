@@ -5,7 +5,7 @@
 #include "ply/ply_format.h"
 #include "points/column_names.h"
 #include "files/number_text.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "ply/ply_header.h"
 
 #include <assert.h>

@@ -1,6 +1,6 @@
 #include "text/text_rows.h"
 #include "files/number_text.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdlib.h>

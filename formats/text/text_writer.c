@@ -2,7 +2,7 @@
  * Tables of text: rows are printed on all threads, a block of them at a time, and written in order.
  */
 #include "files/number_text.h"
-#include "base/parallel.h"
+#include "glowworm_host.h"
 #include "text/text_formats.h"
 
 #include <inttypes.h>

@@ -1,8 +1,8 @@
 /*
  * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h. Its steps are in
- * solver.h, relight.h and result.h; here is their order, and what is done again to refine.
+ * scene.h, lighting.h and result.h; here is their order, and what is done again to refine.
  */
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "bake/error_price.h"
 #include "base/memory.h"
@@ -29,7 +29,6 @@
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
-	gw_bake_callbacks callbacks;
 	gw_bake_result *result;
 	gw_report *report;
 	double start;        /* of the call */
@@ -38,81 +37,68 @@ typedef struct bake {
 	double octree_seconds;
 	bool refining; /* the first round is over */
 
-	gw_solver solver;
-	gw_relight light;
+	gw_scene scene;
+	gw_lighting light;
 	gw_record_density density; /* where records were added */
 	uint32_t first_round;      /* the one that placed the first of them */
 	double whole_seconds;      /* that a round would take that does all that this one built on */
 	bool crowded;              /* no more can be */
 } bake;
 
-static bool cancelled(void *user)
-{
-	const bake *b = user;
-	return b->callbacks.cancelled != NULL && b->callbacks.cancelled(b->callbacks.user);
-}
-
-/* Begins a stage: books it, tells the caller, asks whether to stop. All rounds after the first are
- * booked as one. */
-static gw_status stage(bake *b, const char *name, double done, gw_error *error)
+/* Begins a stage and books it. All rounds after the first are booked as one. */
+static gw_status stage(bake *b, const char *name, double done, double share, gw_error *error)
 {
 	if (!b->refining)
-		gw_report_stage(b->report, b->solver.gpu, name);
-	if (b->callbacks.progress)
-		b->callbacks.progress(b->callbacks.user, name, done);
-	if (cancelled(b))
-		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
-					   name);
-	return GW_OK;
+		gw_report_stage(b->report, b->scene.gpu, name);
+	return gw_scene_begin(&b->scene, name, done, share, error);
 }
 
 /* -------------------------------------------------------------------------------------- steps */
 
 static gw_status open_device(bake *b, gw_error *error)
 {
-	return gw_solver_open_device(&b->solver, error);
+	return gw_scene_open_device(&b->scene, error);
 }
 
 static gw_status load_transport(bake *b, gw_error *error)
 {
-	return gw_transport_load(&b->solver, b->points, b->solver.options.transport, error);
+	return gw_transport_load(&b->scene, b->points, b->scene.options.transport, error);
 }
 
 static gw_status save_transport(bake *b, gw_error *error)
 {
 	/* Whatever shone this time, a sky may the next time. */
-	gw_status status = b->solver.options.method == GW_METHOD_RAYS
-						   ? gw_solver_open_to_sky(&b->solver, error)
-						   : GW_OK;
+	gw_status status =
+		b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error) : GW_OK;
 	if (status == GW_OK)
-		status = gw_relight_foresee(&b->light, error);
+		status = gw_lighting_foresee(&b->light, error);
 	return status == GW_OK
-			   ? gw_transport_save(&b->solver, b->points, b->solver.options.transport, error)
+			   ? gw_transport_save(&b->scene, b->points, b->scene.options.transport, error)
 			   : status;
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
 {
-	return gw_solver_make_surfels(&b->solver, b->points, b->light.lights, b->light.light_count,
-								  error);
+	return gw_scene_make_surfels(&b->scene, b->points, b->light.lights, b->light.light_count,
+								 error);
 }
 
 static gw_status make_plan(bake *b, gw_error *error)
 {
 	(void)error;
-	gw_relight_plan(&b->light);
+	gw_lighting_plan(&b->light);
 	return GW_OK;
 }
 
 static gw_status build_octree(bake *b, gw_error *error)
 {
 	b->octree_start = gw_seconds();
-	return gw_solver_build_octree(&b->solver, error);
+	return gw_scene_build_octree(&b->scene, error);
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
-	gw_status status = gw_relight_direct(&b->light, error);
+	gw_status status = gw_lighting_direct(&b->light, error);
 	b->octree_seconds = gw_seconds() - b->octree_start;
 	return status;
 }
@@ -121,28 +107,28 @@ static gw_status place_records(bake *b, gw_error *error)
 {
 	b->round_start = gw_seconds();
 	if (b->density.lobe_spacing)
-		return gw_solver_add_records(&b->solver, &b->density, error);
-	return gw_solver_place_records(&b->solver, error);
+		return gw_scene_add_records(&b->scene, &b->density, error);
+	return gw_scene_place_records(&b->scene, error);
 }
 
 static gw_status gather_first(bake *b, gw_error *error)
 {
-	return gw_relight_gather_first(&b->light, error);
+	return gw_lighting_gather_first(&b->light, error);
 }
 
 static gw_status bounce(bake *b, gw_error *error)
 {
-	return gw_relight_bounce(&b->light, error);
+	return gw_lighting_bounce(&b->light, error);
 }
 
 static gw_status read_back(bake *b, gw_error *error)
 {
-	return gw_relight_read_back(&b->light, error);
+	return gw_lighting_read_back(&b->light, error);
 }
 
 static gw_status estimate(bake *b, gw_error *error)
 {
-	return gw_relight_estimate(&b->light, error);
+	return gw_lighting_estimate(&b->light, error);
 }
 
 static gw_status collect_voxels(bake *b, gw_error *error)
@@ -180,13 +166,13 @@ static bool always(const bake *b)
 
 static bool has_transport(const bake *b)
 {
-	const gw_transport *transport = b->solver.options.transport;
+	const gw_transport *transport = b->scene.options.transport;
 	return transport && transport->data;
 }
 
 static bool keeps_transport(const bake *b)
 {
-	const gw_transport *transport = b->solver.options.transport;
+	const gw_transport *transport = b->scene.options.transport;
 	return transport && transport->write;
 }
 
@@ -204,35 +190,35 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->solver.options.occlusion);
+		   (b->light.plan.records || keeps_transport(b) || b->scene.options.occlusion);
 }
 
 static bool needs_estimate(const bake *b)
 {
-	return (b->light.plan.records || b->light.plan.lamps) && b->solver.options.estimate_points > 0;
+	return (b->light.plan.records || b->light.plan.lamps) && b->scene.options.estimate_points > 0;
 }
 
 static bool needs_lamps(const bake *b)
 {
-	return b->solver.options.lamps;
+	return b->scene.options.lamps;
 }
 
 static bool needs_record_fields(const bake *b)
 {
-	return b->solver.options.occlusion || b->solver.options.errors;
+	return b->scene.options.occlusion || b->scene.options.errors;
 }
 
 static bool needs_voxels(const bake *b)
 {
-	return b->solver.options.voxels;
+	return b->scene.options.voxels;
 }
 
 static const step steps[] = {
 	{ "device", 0.01, open_device, always },
 	{ "transport", 0.0, load_transport, has_transport },
-	{ "surfels", 0.35, make_surfels, needs_surface },
+	{ "surfels", 0.33, make_surfels, needs_surface },
 	{ "plan", 0.0, make_plan, always },
-	{ "octree", 0.25, build_octree, needs_surface },
+	{ "octree", 0.23, build_octree, needs_surface },
 	{ "direct light", 0.1, light_directly, always },
 	{ "records", 0.18, place_records, needs_places },
 	{ "first gather", 0.04, gather_first, needs_records },
@@ -258,7 +244,8 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < last && status == GW_OK; i++) {
 		if (i >= first && steps[i].wanted(b)) {
-			status = stage(b, steps[i].name, b->refining ? fmax(done, 0.9) : done, error);
+			status = b->refining ? stage(b, steps[i].name, fmax(done, 0.9), 0.0, error)
+								 : stage(b, steps[i].name, done, steps[i].share, error);
 			if (status == GW_OK)
 				status = steps[i].run(b, error);
 		}
@@ -272,20 +259,20 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 static void drop_records(bake *b)
 {
 	gw_record_density_clear(&b->density);
-	gw_relight_drop_gathered(&b->light);
-	gw_solver_drop_records(&b->solver);
+	gw_lighting_drop_gathered(&b->light);
+	gw_scene_drop_records(&b->scene);
 }
 
 static void drop_octree(bake *b)
 {
 	gw_record_density_clear(&b->density);
-	gw_relight_clear(&b->light);
-	gw_solver_drop_octree(&b->solver);
+	gw_lighting_clear(&b->light);
+	gw_scene_drop_octree(&b->scene);
 }
 
 static void book_round(bake *b, double seconds, const char *why)
 {
-	const gw_bake_options *o = &b->solver.options;
+	const gw_bake_options *o = &b->scene.options;
 	gw_round *round = &b->report->round[b->report->round_count++];
 	*round = (gw_round){ .record_spacing = o->record_spacing,
 						 .leaf_spacing = o->leaf_spacing,
@@ -301,9 +288,9 @@ static void book_round(bake *b, double seconds, const char *why)
 /* Solves again; surfels stay, and the octree when its leaves do. */
 static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
 {
-	bool keep = next->leaf_spacing == b->solver.options.leaf_spacing;
+	bool keep = next->leaf_spacing == b->scene.options.leaf_spacing;
 	double start = gw_seconds();
-	b->solver.options = *next;
+	b->scene.options = *next;
 	if (keep)
 		drop_records(b);
 	else
@@ -321,14 +308,14 @@ static gw_status run_round(bake *b, const gw_bake_options *next, const char *why
 static gw_status go_back(bake *b, const gw_bake_options *last, gw_error *error)
 {
 	b->report->goal = GW_GOAL_MEMORY;
-	b->solver.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
+	b->scene.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
 	return run_round(b, last, "finer settings found no memory", error);
 }
 
 static gw_status refine_settings(bake *b, const gw_bake_options *next, const char *why,
 								 gw_error *error)
 {
-	gw_bake_options last = b->solver.options;
+	gw_bake_options last = b->scene.options;
 	gw_status status = run_round(b, next, why, error);
 	return status == GW_ERROR_MEMORY ? go_back(b, &last, error) : status;
 }
@@ -336,7 +323,7 @@ static gw_status refine_settings(bake *b, const gw_bake_options *next, const cha
 /* Records of one spacing that are about as many as those that were added up. */
 static gw_bake_options as_even(const bake *b)
 {
-	gw_bake_options even = b->solver.options;
+	gw_bake_options even = b->scene.options;
 	const gw_report *r = b->report;
 	if (r->round_count > 1 && b->density.lobe_spacing && r->records > 0)
 		even.record_spacing *=
@@ -355,7 +342,7 @@ static gw_status refine_records(bake *b, const gw_density_wish *wish, const char
 		b->crowded = true;
 		return status;
 	}
-	gw_relight_drop_gathered(&b->light);
+	gw_lighting_drop_gathered(&b->light);
 	status = run_steps(b, RECORDS_STEP, AFTER_ROUND, error);
 	if (status == GW_ERROR_MEMORY)
 		return go_back(b, &even, error);
@@ -368,7 +355,7 @@ static gw_status refine_records(bake *b, const gw_density_wish *wish, const char
 
 static gw_refine_state state_of(const bake *b, const gw_bake_options *even)
 {
-	double now = gw_seconds(), limit = (double)b->solver.options.time_limit;
+	double now = gw_seconds(), limit = (double)b->scene.options.time_limit;
 	return (gw_refine_state){ .options = even,
 							  .error = b->report->error,
 							  .round_seconds = b->whole_seconds,
@@ -413,15 +400,15 @@ static gw_status refine_once(bake *b, gw_error *error)
  */
 static gw_status confirm(bake *b, gw_error *error)
 {
-	gw_bake_options *o = &b->solver.options, asked = *o;
+	gw_bake_options *o = &b->scene.options, asked = *o;
 	gw_report *r = b->report;
-	gw_probe_hits_forget(&b->solver.probed);
+	gw_probe_hits_forget(&b->scene.probed);
 	o->seed ^= CONFIRM_SEED;
 	o->estimate_points = asked.estimate_points < UINT32_MAX / CONFIRM_POINTS
 							 ? CONFIRM_POINTS * asked.estimate_points
 							 : asked.estimate_points;
-	gw_status status = gw_relight_estimate(&b->light, error);
-	gw_probe_hits_forget(&b->solver.probed);
+	gw_status status = gw_lighting_estimate(&b->light, error);
+	gw_probe_hits_forget(&b->scene.probed);
 	o->seed = asked.seed;
 	o->estimate_points = asked.estimate_points;
 	r->round[r->round_count - 1].error = r->error;
@@ -437,35 +424,25 @@ static gw_status refine(bake *b, gw_error *error)
 	gw_status status = GW_OK;
 	book_round(b, gw_seconds() - b->start, "the settings that were given");
 	b->whole_seconds = gw_seconds() - b->round_start;
-	gw_report_stage(r, b->solver.gpu, "refining");
+	gw_report_stage(r, b->scene.gpu, "refining");
 	b->refining = true;
 	while (status == GW_OK && r->goal == GW_GOAL_NONE) {
 		if (!b->light.plan.records)
 			r->goal = GW_GOAL_REACHED;
-		else if (gw_refine_reached(&b->solver.options, &r->error))
+		else if (gw_refine_reached(&b->scene.options, &r->error))
 			status = confirm(b, error);
 		if (status == GW_OK && r->goal == GW_GOAL_NONE)
 			status = refine_once(b, error);
 	}
 	/* What is wrong with the light of lamps alone, no setting lessens. */
-	double wanted = (double)b->solver.options.max_error;
+	double wanted = (double)b->scene.options.max_error;
 	r->missed =
-		wanted > 0.0 && (b->light.plan.records ? !gw_refine_reached(&b->solver.options, &r->error)
+		wanted > 0.0 && (b->light.plan.records ? !gw_refine_reached(&b->scene.options, &r->error)
 											   : r->error.relative_rms > wanted);
 	if (r->missed && !b->light.plan.records)
 		r->goal = GW_GOAL_EXHAUSTED;
 	b->refining = false;
 	return status;
-}
-
-static gw_status check_validation(const bake *b, gw_error *error)
-{
-	const char *first;
-	uint32_t messages = gw_gpu_validation_messages(b->solver.gpu, &first);
-	if (messages > 0)
-		return gw_fail(error, GW_ERROR_INTERNAL,
-					   "the validation layer objected %u times, first: %.600s", messages, first);
-	return GW_OK;
 }
 
 /* What the bounces cost, in the terms of Salm's tables 5.1 to 5.4. */
@@ -486,9 +463,9 @@ static double ray_seconds(const bake *b)
 										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
 										  GW_PASS_RECORD_GATHER };
 	const gw_report *r = b->report;
-	double seconds = 0.0, probes = (double)b->solver.probed.traced;
+	double seconds = 0.0, probes = (double)b->scene.probed.traced;
 	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
-		seconds += b->solver.passes.device_seconds[of_rays[i]];
+		seconds += b->scene.passes.device_seconds[of_rays[i]];
 	return r->rays > 0 ? seconds / ((double)r->rays + probes) : 0.0;
 }
 
@@ -498,7 +475,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 	static const char *const of_round[] = { "records", "first gather", "bounces", "read back",
 											"estimate" };
 	gw_report *r = b->report;
-	if (b->solver.options.method != GW_METHOD_RAYS || r->error.points == 0 ||
+	if (b->scene.options.method != GW_METHOD_RAYS || r->error.points == 0 ||
 		!(first->record_spacing > 0.0f))
 		return;
 	double whole = 0.0, round = 0.0;
@@ -509,9 +486,9 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 	double records = (double)(r->round_count > 0 ? r->round[0].records : r->records);
 	const gw_price_task task = {
 		.error = r->error,
-		.rays = b->solver.options.rays,
+		.rays = b->scene.options.rays,
 		.records = (double)r->records,
-		.spacing = (double)b->solver.options.record_spacing,
+		.spacing = (double)b->scene.options.record_spacing,
 		.refined = b->density.lobe_spacing != NULL,
 		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
 		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
@@ -524,25 +501,23 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 
 static gw_status run(bake *b, gw_error *error)
 {
-	const gw_bake_options first = b->solver.options;
+	const gw_bake_options first = b->scene.options;
 	double ray = 0.0;
 
 	gw_status status = run_steps(b, 0, AFTER_ROUND, error);
-	if (status == GW_OK && gw_options_refine(&b->solver.options))
+	if (status == GW_OK && gw_options_refine(&b->scene.options))
 		status = refine(b, error);
 	if (status == GW_OK) {
 		ray = ray_seconds(b);
 		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);
 	}
-	gw_report_stage(b->report, b->solver.gpu, NULL);
+	gw_report_stage(b->report, b->scene.gpu, NULL);
 	if (status == GW_OK)
 		set_price(b, &first, ray);
-	report_profile(&b->solver.passes, b->report);
-	if (b->solver.gpu)
-		b->report->peak_bytes = gw_gpu_read_account(b->solver.gpu).peak_bytes;
-	if (status == GW_OK && b->solver.options.validate)
-		status = check_validation(b, error);
-	return status;
+	report_profile(&b->scene.passes, b->report);
+	if (b->scene.gpu)
+		b->report->peak_bytes = gw_gpu_read_account(b->scene.gpu).peak_bytes;
+	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
 static gw_status bake_in_units(const gw_points *points, const gw_light *lights, size_t light_count,
@@ -551,22 +526,24 @@ static gw_status bake_in_units(const gw_points *points, const gw_light *lights, 
 {
 	*result = NULL;
 	bake b = { .points = points };
-	if (callbacks)
-		b.callbacks = *callbacks;
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	b.report = &b.result->report;
-	b.solver =
-		(gw_solver){ .options = *options, .report = b.report, .cancelled = cancelled, .user = &b };
-	b.light = (gw_relight){
-		.solver = &b.solver, .lights = lights, .light_count = light_count, .kept = options->lamps
+	b.scene = (gw_scene){
+		.options = *options,
+		.report = b.report,
+	};
+	if (callbacks)
+		b.scene.callbacks = *callbacks;
+	b.light = (gw_lighting){
+		.scene = &b.scene, .lights = lights, .light_count = light_count, .kept = options->lamps
 	};
 	b.start = gw_seconds();
 	gw_status status = run(&b, error);
 	gw_record_density_clear(&b.density);
-	gw_relight_clear(&b.light);
-	gw_solver_close(&b.solver);
+	gw_lighting_clear(&b.light);
+	gw_scene_close(&b.scene);
 	if (status == GW_OK)
 		*result = b.result;
 	else
@@ -579,7 +556,9 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 				  gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
+	const gw_bake_options ordinary = gw_bake_options_default();
 	*result = NULL;
+	options = options ? options : &ordinary;
 	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
 	if (status != GW_OK)
 		return status;

@@ -6,7 +6,7 @@
  * only rays that pass where the movers are, and is lit. Frames thus depend on what stands still and
  * on themselves, not on the frames before, but for the light with which bounces begin.
  */
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
@@ -21,16 +21,17 @@
 /* Leaf cells beyond its discs within which a mover may change leaves. */
 #define CHANGED_MARGIN 1.5f
 
+/* Of a frame, so that stages do not run into the next: the least that lies between two of them. */
+#define STAGE_SHARE 0.02
+
 struct gw_frames {
 	const gw_points *points;
 	const gw_motion *motion;
 	const gw_light *first_lights; /* first_light_count: they orient normals */
 	size_t first_light_count;
 	gw_frames_options how;
-	gw_bake_callbacks callbacks;
-
-	gw_solver solver;
-	gw_relight light;
+	gw_scene scene;
+	gw_lighting light;
 	gw_surfel_parts parts;
 	bool made;     /* the surfels are there */
 	bool prepared; /* what stands still is; of its hits, when records were called for */
@@ -43,21 +44,10 @@ struct gw_frames {
 	double shared_seconds;
 };
 
-static bool cancelled(void *user)
-{
-	const gw_frames *f = user;
-	return f->callbacks.cancelled != NULL && f->callbacks.cancelled(f->callbacks.user);
-}
-
 static gw_status stage(gw_frames *f, const char *name, double done, gw_error *error)
 {
-	gw_report_stage(f->solver.report, f->solver.gpu, name);
-	if (f->callbacks.progress)
-		f->callbacks.progress(f->callbacks.user, name, done);
-	if (cancelled(f))
-		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
-					   name);
-	return GW_OK;
+	gw_report_stage(f->scene.report, f->scene.gpu, name);
+	return gw_scene_begin(&f->scene, name, done, STAGE_SHARE, error);
 }
 
 /* -------------------------------------------------------------------------- what frames share */
@@ -65,15 +55,15 @@ static gw_status stage(gw_frames *f, const char *name, double done, gw_error *er
 static gw_status make_surfels(gw_frames *f, gw_error *error)
 {
 	double start = gw_seconds();
-	const gw_surfels_options options = { .threads = f->solver.options.threads,
+	const gw_surfels_options options = { .threads = f->scene.options.threads,
 										 .lights = f->first_lights,
 										 .light_count = f->first_light_count,
-										 .memory = f->solver.options.memory,
-										 .cancelled = cancelled,
-										 .user = f };
+										 .memory = f->scene.options.memory,
+										 .cancelled = gw_scene_stopped,
+										 .user = &f->scene };
 	gw_status status = stage(f, "surfels", 0.05, error);
 	if (status == GW_OK)
-		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->solver.surfels,
+		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
 	f->made = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
@@ -87,31 +77,31 @@ static bool shares(const gw_frames *f)
 
 static bool needs_places(const gw_frames *f)
 {
-	const gw_bake_options *o = &f->solver.options;
+	const gw_bake_options *o = &f->scene.options;
 	return f->light.plan.records || o->occlusion || o->errors;
 }
 
 static void drop_geometry(gw_frames *f)
 {
-	gw_relight_clear(&f->light);
-	gw_solver_drop_records(&f->solver);
-	gw_octree_destroy(f->solver.gpu, &f->solver.octree);
+	gw_lighting_clear(&f->light);
+	gw_scene_drop_records(&f->scene);
+	gw_octree_destroy(f->scene.gpu, &f->scene.octree);
 	f->built = f->placed = false;
 }
 
 /* The octree of what stands still, for its fragments and for what its records see. */
 static gw_status prepare_still(gw_frames *f, gw_error *error)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	size_t all = s->surfels.count;
 	double start = gw_seconds();
 	gw_status status = stage(f, "still part", 0.1, error);
 	s->surfels.count = s->still = f->parts.still;
 	s->keeps = true;
 	if (status == GW_OK)
-		status = gw_solver_build_octree(s, error);
+		status = gw_scene_build_octree(s, error);
 	if (status == GW_OK && needs_places(f))
-		status = gw_solver_keep_hits(s, &f->hits, error);
+		status = gw_scene_keep_hits(s, &f->hits, error);
 	s->surfels.count = all;
 	drop_geometry(f);
 	f->prepared = status == GW_OK;
@@ -122,7 +112,7 @@ static gw_status prepare_still(gw_frames *f, gw_error *error)
 /* ------------------------------------------------------------------------------------ a frame */
 
 /* Where the surfels first .. last - 1 may have changed leaves. */
-static gw_changed_box box_of(const gw_solver *s, size_t first, size_t last)
+static gw_changed_box box_of(const gw_scene *s, size_t first, size_t last)
 {
 	gw_changed_box box = { { INFINITY, INFINITY, INFINITY, 0 },
 						   { -INFINITY, -INFINITY, -INFINITY, 0 } };
@@ -148,12 +138,12 @@ static void find_boxes(gw_frames *f)
 	size_t base = f->parts.still, movers = f->motion->mover_count;
 	size_t boxes = movers < GW_CHANGED_BOXES ? movers : GW_CHANGED_BOXES;
 	for (size_t m = 0; m < boxes; m++) {
-		size_t end = m + 1 < boxes ? base + f->parts.own[m].count : f->solver.surfels.count;
-		f->box[m] = box_of(&f->solver, base, end);
+		size_t end = m + 1 < boxes ? base + f->parts.own[m].count : f->scene.surfels.count;
+		f->box[m] = box_of(&f->scene, base, end);
 		base = end;
 	}
-	f->solver.box = f->box;
-	f->solver.box_count = (uint32_t)boxes;
+	f->scene.box = f->box;
+	f->scene.box_count = (uint32_t)boxes;
 }
 
 static bool same_place(const gw_frames *f, size_t frame)
@@ -167,18 +157,18 @@ static bool same_place(const gw_frames *f, size_t frame)
 static gw_status build(gw_frames *f, size_t frame, gw_error *error)
 {
 	if (same_place(f, frame)) {
-		gw_solver_report_octree(&f->solver);
+		gw_scene_report_octree(&f->scene);
 		return GW_OK;
 	}
 	drop_geometry(f);
-	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->solver.surfels);
+	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->scene.surfels);
 	gw_status status = GW_OK;
 	if (shares(f) && !f->prepared)
 		status = prepare_still(f, error);
 	if (status == GW_OK)
 		status = stage(f, "octree", 0.2, error);
 	if (status == GW_OK)
-		status = gw_solver_build_octree(&f->solver, error);
+		status = gw_scene_build_octree(&f->scene, error);
 	f->built = status == GW_OK;
 	f->built_frame = frame;
 	return status;
@@ -189,10 +179,10 @@ static gw_status place_records(gw_frames *f, gw_error *error)
 	gw_status status = stage(f, "records", 0.4, error);
 	if (status != GW_OK || f->placed)
 		return status;
-	f->solver.kept = f->hits.record_count > 0 ? &f->hits : NULL;
-	if (f->solver.kept)
+	f->scene.kept = f->hits.record_count > 0 ? &f->hits : NULL;
+	if (f->scene.kept)
 		find_boxes(f);
-	status = gw_solver_place_records(&f->solver, error);
+	status = gw_scene_place_records(&f->scene, error);
 	f->placed = status == GW_OK;
 	return status;
 }
@@ -201,21 +191,21 @@ static gw_status gather(gw_frames *f, gw_error *error)
 {
 	gw_status status = stage(f, "first gather", 0.6, error);
 	if (status == GW_OK)
-		status = gw_relight_gather_first(&f->light, error);
+		status = gw_lighting_gather_first(&f->light, error);
 	if (status == GW_OK)
 		status = stage(f, "bounces", 0.7, error);
 	f->light.carried = f->how.independent || f->how.rebuild ? NULL : f->carried;
 	if (status == GW_OK)
-		status = gw_relight_bounce(&f->light, error);
+		status = gw_lighting_bounce(&f->light, error);
 	if (status == GW_OK)
 		status = stage(f, "read back", 0.9, error);
 	if (status == GW_OK)
-		status = gw_relight_read_back(&f->light, error);
-	if (status == GW_OK && f->solver.options.estimate_points > 0) {
+		status = gw_lighting_read_back(&f->light, error);
+	if (status == GW_OK && f->scene.options.estimate_points > 0) {
 		status = stage(f, "estimate", 0.92, error);
 		if (status == GW_OK)
-			status = gw_relight_estimate(&f->light, error);
-		f->solver.options.estimate_points = 0;
+			status = gw_lighting_estimate(&f->light, error);
+		f->scene.options.estimate_points = 0;
 	}
 	return status;
 }
@@ -231,7 +221,7 @@ static void carry(gw_frames *f)
 /* What is asked for besides the light. */
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
-	const gw_bake_options *o = &f->solver.options;
+	const gw_bake_options *o = &f->scene.options;
 	gw_status status = GW_OK;
 	if (o->occlusion || o->errors)
 		status = gw_record_fields_collect(&f->light, result, error);
@@ -252,19 +242,19 @@ static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
 {
 	gw_status status = stage(f, "device", 0.0, error);
-	if (status == GW_OK && !f->solver.gpu)
-		status = gw_solver_open_device(&f->solver, error);
+	if (status == GW_OK && !f->scene.gpu)
+		status = gw_scene_open_device(&f->scene, error);
 	if (status == GW_OK && !f->made)
 		status = make_surfels(f, error);
 	if (status != GW_OK)
 		return status;
-	gw_report_surfels(f->solver.report, &f->solver.surfels, f->points);
-	gw_relight_plan(&f->light);
+	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
+	gw_lighting_plan(&f->light);
 	status = build(f, frame, error);
 	if (status == GW_OK)
 		status = stage(f, "direct light", 0.35, error);
 	if (status == GW_OK)
-		status = gw_relight_direct(&f->light, error);
+		status = gw_lighting_direct(&f->light, error);
 	if (status == GW_OK && needs_places(f))
 		status = place_records(f, error);
 	if (status == GW_OK && f->light.plan.records)
@@ -275,25 +265,15 @@ static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_er
 /* Forgets all but what was asked for. */
 static void forget(gw_frames *f)
 {
-	if (f->solver.gpu) {
+	if (f->scene.gpu) {
 		drop_geometry(f);
-		gw_kept_hits_destroy(f->solver.gpu, &f->hits);
+		gw_kept_hits_destroy(f->scene.gpu, &f->hits);
 	}
-	gw_solver_close(&f->solver);
+	gw_scene_close(&f->scene);
 	gw_surfel_parts_clear(&f->parts);
 	free(f->carried);
 	f->carried = NULL;
 	f->made = f->prepared = false;
-}
-
-static gw_status check_validation(const gw_frames *f, gw_error *error)
-{
-	const char *first;
-	uint32_t messages = gw_gpu_validation_messages(f->solver.gpu, &first);
-	if (messages > 0)
-		return gw_fail(error, GW_ERROR_INTERNAL,
-					   "the validation layer objected %u times, first: %.600s", messages, first);
-	return GW_OK;
 }
 
 gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, size_t light_count,
@@ -311,16 +291,16 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	if (f->how.rebuild)
 		forget(f);
-	f->solver.report = &r->report;
+	f->scene.report = &r->report;
 	f->light.lights = lights;
 	f->light.light_count = light_count;
 	status = solve(f, frame, r, error);
-	gw_report_stage(&r->report, f->solver.gpu, NULL);
-	if (f->solver.gpu)
-		r->report.peak_bytes = gw_gpu_read_account(f->solver.gpu).peak_bytes;
-	if (status == GW_OK && f->solver.options.validate)
-		status = check_validation(f, error);
-	f->solver.report = NULL;
+	gw_report_stage(&r->report, f->scene.gpu, NULL);
+	if (f->scene.gpu)
+		r->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
+	if (status == GW_OK)
+		status = gw_scene_check_validation(&f->scene, error);
+	f->scene.report = NULL;
 	if (status == GW_OK)
 		*result = r;
 	else
@@ -360,10 +340,12 @@ gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const
 	f->first_lights = lights;
 	f->first_light_count = light_count;
 	f->how = *how;
+	f->scene = (gw_scene){
+		.options = *options,
+	};
 	if (callbacks)
-		f->callbacks = *callbacks;
-	f->solver = (gw_solver){ .options = *options, .cancelled = cancelled, .user = f };
-	f->light = (gw_relight){ .solver = &f->solver };
+		f->scene.callbacks = *callbacks;
+	f->light = (gw_lighting){ .scene = &f->scene };
 	*frames = f;
 	return GW_OK;
 }

@@ -16,6 +16,22 @@ static const struct {
 	[GW_QUALITY_REFERENCE] = { "reference", 0.8f, 1.1f, 1024, 1024, 64 },
 };
 
+gw_bake_options gw_bake_options_default(void)
+{
+	return (gw_bake_options){ .method = GW_METHOD_RAYS,
+							  .shadows = GW_SHADOWS_TRACED,
+							  .depth = GW_DEPTH_AUTO,
+							  .leaf_spacing = GW_LEAF_SPACING,
+							  .bounces = GW_BOUNCES_AUTO,
+							  .tolerance = 0.001f,
+							  .rays = 64,
+							  .light_samples = 64,
+							  .cones = 16,
+							  .record_spacing = 2.5f,
+							  .estimate_points = 500,
+							  .shadow_map_size = 1024 };
+}
+
 const char *gw_quality_name(gw_quality quality)
 {
 	return quality < GW_QUALITY_COUNT ? rows[quality].name : "unknown";
@@ -23,7 +39,7 @@ const char *gw_quality_name(gw_quality quality)
 
 void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality)
 {
-	gw_bake_options set = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options set = gw_bake_options_default();
 	if (quality != GW_QUALITY_NORMAL) {
 		set.record_spacing = rows[quality].record_spacing;
 		set.leaf_spacing = rows[quality].leaf_spacing;

@@ -76,7 +76,7 @@ double gw_density_factors(const double *mass, const float *most, size_t count,
 
 /* Every surfel's variance of radiance to the records that speak for it. Those that emit outshine
  * theirs, and of those lit from both sides the estimate knows nothing either. */
-static void spread_mass(const gw_solver *s, density_work *w)
+static void spread_mass(const gw_scene *s, density_work *w)
 {
 	const gw_surfels *surfels = &s->surfels;
 	const gw_read_back *rows = &s->read_back;
@@ -126,7 +126,7 @@ static void refine_surfels(const gw_read_back *rows, const density_work *w,
 	}
 }
 
-static gw_status begin(const gw_solver *s, gw_record_density *density, density_work *w,
+static gw_status begin(const gw_scene *s, gw_record_density *density, density_work *w,
 					   gw_error *error)
 {
 	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
@@ -159,10 +159,10 @@ static gw_status begin(const gw_solver *s, gw_record_density *density, density_w
 						   : status;
 }
 
-gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_wish *wish,
+gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density_wish *wish,
 								   gw_record_density *density, double *growth, gw_error *error)
 {
-	const gw_solver *s = relight->solver;
+	const gw_scene *s = lighting->scene;
 	density_work w;
 	*growth = 1.0;
 	gw_status status = begin(s, density, &w, error);

@@ -34,7 +34,7 @@ static gw_status to_points(const gw_surfels *surfels, const float *values, float
 
 /* Share of each record's rays that go farther than the distance; negative distances passed the back
  * of a surface. */
-static gw_status open_records(const gw_solver *s, float *open, gw_error *error)
+static gw_status open_records(const gw_scene *s, float *open, gw_error *error)
 {
 	uint64_t rays = s->rays.rays, hits = rays * s->records.count;
 	float wanted = s->options.occlusion_distance / s->octree.leaf_size;
@@ -53,7 +53,7 @@ static gw_status open_records(const gw_solver *s, float *open, gw_error *error)
 	return status;
 }
 
-static gw_status find_openness(const gw_solver *s, float **points, gw_error *error)
+static gw_status find_openness(const gw_scene *s, float **points, gw_error *error)
 {
 	const gw_read_back *rows = &s->read_back;
 	float *records = allocate(4 * (size_t)s->records.count, error);
@@ -72,17 +72,17 @@ static gw_status find_openness(const gw_solver *s, float **points, gw_error *err
 
 /* ------------------------------------------------------------------------------ disagreement */
 
-static gw_status find_errors(const gw_relight *relight, float **points, gw_error *error)
+static gw_status find_errors(const gw_lighting *lighting, float **points, gw_error *error)
 {
-	const gw_solver *s = relight->solver;
+	const gw_scene *s = lighting->scene;
 	float *surfels = allocate(s->surfels.count, error);
 	double *records = gw_allocate_zeros(s->records.count, sizeof *records);
 	gw_status status = GW_OK;
 	if (!surfels || !records)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", s->records.count);
-	if (status == GW_OK && relight->plan.records)
+	if (status == GW_OK && lighting->plan.records)
 		status = gw_records_light(s->gpu, &s->records, records, error);
-	for (size_t i = 0; i < s->surfels.count && status == GW_OK && relight->plan.records; i++)
+	for (size_t i = 0; i < s->surfels.count && status == GW_OK && lighting->plan.records; i++)
 		surfels[i] = (float)(sqrt(gw_read_back_variance(&s->read_back, records, i, 1.0)) *
 							 gw_luminance(s->surfels.albedo + 3 * i) * 0.31830988618379067);
 	if (status == GW_OK)
@@ -92,14 +92,14 @@ static gw_status find_errors(const gw_relight *relight, float **points, gw_error
 	return status;
 }
 
-gw_status gw_record_fields_collect(const gw_relight *relight, gw_bake_result *result,
+gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
 								   gw_error *error)
 {
-	const gw_bake_options *o = &relight->solver->options;
+	const gw_bake_options *o = &lighting->scene->options;
 	gw_status status = GW_OK;
 	if (o->occlusion)
-		status = find_openness(relight->solver, &result->openness, error);
+		status = find_openness(lighting->scene, &result->openness, error);
 	if (status == GW_OK && o->errors)
-		status = find_errors(relight, &result->error, error);
+		status = find_errors(lighting, &result->error, error);
 	return status;
 }

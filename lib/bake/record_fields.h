@@ -4,7 +4,7 @@
 #ifndef RECORD_FIELDS_H
 #define RECORD_FIELDS_H
 
-#include "bake/relight.h"
+#include "bake/lighting.h"
 
 /*
  * Fills in result->openness and result->error, where the options ask for them.
@@ -17,7 +17,7 @@
  * V = sum w (E - mean)^2 / (1 - sum w^2), and that of their mean V sum w^2. Where one record alone
  * speaks, all that it gathered counts as uncertain. Times rho / pi, as luminance.
  */
-gw_status gw_record_fields_collect(const gw_relight *relight, gw_bake_result *result,
+gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
 								   gw_error *error);
 
 #endif

@@ -4,7 +4,7 @@
  */
 #include "bake/report.h"
 
-#include "base/clock.h"
+#include "glowworm_host.h"
 
 #include <assert.h>
 #include <stdarg.h>

@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
 {
@@ -25,7 +26,7 @@ static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error 
 }
 
 typedef struct scatter {
-	const gw_relight *relight;
+	const gw_lighting *lighting;
 	const float *direct; /* 4 a surfel, from lamps */
 	gw_bake_result *result;
 } scatter;
@@ -39,15 +40,15 @@ static float component(const float *values, size_t surfel, size_t c)
 static void scatter_points(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const scatter *job = user;
-	const gw_relight *light = job->relight;
-	const gw_surfels *surfels = &light->solver->surfels;
+	const gw_lighting *light = job->lighting;
+	const gw_surfels *surfels = &light->scene->surfels;
 	gw_bake_result *out = job->result;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint32_t s = surfels->surfel_of_point[i];
 		if (s == UINT32_MAX)
 			continue;
-		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->solver->octree.leaf_size);
+		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->scene->octree.leaf_size);
 		for (size_t c = 0; c < 3; c++) {
 			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
 			float indirect = component(light->surfel_indirect, s, c);
@@ -63,23 +64,23 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 	}
 }
 
-gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, gw_error *error)
+gw_status gw_result_collect(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
-	const gw_solver *solver = relight->solver;
-	size_t points = solver->surfels.point_count;
+	const gw_scene *scene = lighting->scene;
+	size_t points = scene->surfels.point_count;
 	float *direct = NULL;
 	gw_status status = allocate_result(points, result, error);
 	if (status == GW_OK)
-		status = gw_relight_download_direct(relight, &direct, error);
+		status = gw_lighting_download_direct(lighting, &direct, error);
 	if (status == GW_OK) {
-		const uint32_t *row = solver->read_back.first;
+		const uint32_t *row = scene->read_back.first;
 		uint64_t lost = 0;
-		for (size_t i = 0; relight->surfel_first && i < solver->surfels.count; i++)
+		for (size_t i = 0; lighting->surfel_first && i < scene->surfels.count; i++)
 			lost += row[i] == row[i + 1];
-		gw_report_count(solver->report, "without_record", lost,
+		gw_report_count(scene->report, "without_record", lost,
 						"points with no record near: no gathered light");
-		scatter job = { relight, direct, result };
-		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_points,
+		scatter job = { lighting, direct, result };
+		gw_parallel_for(gw_thread_count(scene->options.threads), points, 8192, scatter_points,
 						&job);
 	}
 	free(direct);
@@ -88,7 +89,7 @@ gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, g
 
 /* L of the points, or of a part of the light. */
 typedef struct part_radiance {
-	const gw_relight *light;
+	const gw_lighting *light;
 	const float *direct;
 	bool emission;
 	float *radiance;
@@ -97,7 +98,7 @@ typedef struct part_radiance {
 static void scatter_radiance(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const part_radiance *job = user;
-	const gw_surfels *surfels = &job->light->solver->surfels;
+	const gw_surfels *surfels = &job->light->scene->surfels;
 	const float *emission = job->emission ? surfels->emission : NULL;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
@@ -112,63 +113,75 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	}
 }
 
-/* Lights one part and brings its radiance to the points. */
-static gw_status light_part(gw_relight *part, bool emission, float **radiance, gw_error *error)
+/* With their emission or without. */
+static gw_status write_radiance(const gw_lighting *lighting, bool emission, float *radiance,
+								gw_error *error)
 {
-	const gw_solver *solver = part->solver;
-	size_t points = solver->surfels.point_count;
+	const gw_scene *scene = lighting->scene;
 	float *direct = NULL;
-	*radiance = gw_allocate_zeros(points, 3 * sizeof **radiance);
-	if (!*radiance)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
-					   points);
-	gw_relight_plan_part(part, emission);
-	gw_status status = gw_relight_run(part, error);
-	if (status == GW_OK)
-		status = gw_relight_download_direct(part, &direct, error);
+	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
 	if (status == GW_OK) {
-		part_radiance job = { part, direct, emission, *radiance };
-		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_radiance,
-						&job);
+		part_radiance job = { lighting, direct, emission, radiance };
+		gw_parallel_for(gw_thread_count(scene->options.threads), scene->surfels.point_count, 8192,
+						scatter_radiance, &job);
 	}
 	free(direct);
 	return status;
 }
 
-gw_status gw_result_collect_lamps(const gw_relight *relight, gw_bake_result *result,
+gw_status gw_result_radiance(const gw_lighting *lighting, float *radiance, gw_error *error)
+{
+	memset(radiance, 0, 3 * lighting->scene->surfels.point_count * sizeof *radiance);
+	return write_radiance(lighting, true, radiance, error);
+}
+
+/* Lights one part and brings its radiance to the points. */
+static gw_status light_part(gw_lighting *part, bool emission, float **radiance, gw_error *error)
+{
+	size_t points = part->scene->surfels.point_count;
+	*radiance = gw_allocate_zeros(points, 3 * sizeof **radiance);
+	if (!*radiance)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
+					   points);
+	gw_lighting_plan_part(part, emission);
+	gw_status status = gw_lighting_run(part, error);
+	return status == GW_OK ? write_radiance(part, emission, *radiance, error) : status;
+}
+
+gw_status gw_result_collect_lamps(const gw_lighting *lighting, gw_bake_result *result,
 								  gw_error *error)
 {
-	gw_relight part = { .solver = relight->solver, .whole = relight };
-	const gw_solver *solver = relight->solver;
+	gw_lighting part = { .scene = lighting->scene, .whole = lighting };
+	const gw_scene *scene = lighting->scene;
 	gw_status status = GW_OK;
-	result->lamp = gw_allocate_zeros(relight->light_count, sizeof *result->lamp);
+	result->lamp = gw_allocate_zeros(lighting->light_count, sizeof *result->lamp);
 	if (!result->lamp)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
-					   relight->light_count);
-	result->lamp_count = relight->light_count;
-	for (size_t i = 0; i < relight->light_count && status == GW_OK; i++) {
-		if (solver->cancelled && solver->cancelled(solver->user))
+					   lighting->light_count);
+	result->lamp_count = lighting->light_count;
+	for (size_t i = 0; i < lighting->light_count && status == GW_OK; i++) {
+		if (gw_scene_stopped(lighting->scene))
 			status =
 				gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before light %zu", i + 1);
-		part.lights = &relight->lights[i];
+		part.lights = &lighting->lights[i];
 		part.light_count = 1;
 		if (status == GW_OK)
 			status = light_part(&part, false, &result->lamp[i], error);
 	}
 	part.light_count = 0;
-	if (status == GW_OK && solver->surfels.emission)
+	if (status == GW_OK && scene->surfels.emission)
 		status = light_part(&part, true, &result->rest, error);
-	gw_relight_clear(&part);
+	gw_lighting_clear(&part);
 	return status;
 }
 
-gw_status gw_result_collect_voxels(gw_relight *relight, gw_bake_result *result, gw_error *error)
+gw_status gw_result_collect_voxels(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
-	gw_solver *solver = relight->solver;
-	gw_voxels_task task = { .passes = &solver->passes,
-							.octree = &solver->octree,
-							.surfels = &solver->surfels,
-							.records = relight->plan.records ? &solver->records : NULL,
-							.lobe_direct = &relight->lobe_direct };
+	gw_scene *scene = lighting->scene;
+	gw_voxels_task task = { .passes = &scene->passes,
+							.octree = &scene->octree,
+							.surfels = &scene->surfels,
+							.records = lighting->plan.records ? &scene->records : NULL,
+							.lobe_direct = &lighting->lobe_direct };
 	return gw_voxels_collect(&task, &result->voxels, error);
 }

@@ -121,6 +121,16 @@ static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
 	}
 }
 
+gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count)
+{
+	gw_light *copy = gw_allocate_array(count, sizeof *copy);
+	if (copy && count > 0)
+		memcpy(copy, lights, count * sizeof *copy);
+	for (size_t i = 0; copy && i < count; i++)
+		scale_light(&copy[i], scaled);
+	return copy;
+}
+
 gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, size_t light_count,
 							   const gw_bake_options *options, gw_scaled_scene *scaled,
 							   gw_error *error)
@@ -130,7 +140,7 @@ gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, 
 	if (scaled->length == 0 && scaled->light == 0)
 		return GW_OK;
 	gw_points *p = &scaled->points;
-	scaled->lights = gw_allocate_array(light_count, sizeof *scaled->lights);
+	scaled->lights = gw_scaled_lights(scaled, lights, light_count);
 	p->position = scaled->position = scaled_places(points->position, points->count, scaled->length);
 	if (points->scanner)
 		p->scanner = scaled->scanner =
@@ -142,13 +152,16 @@ gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, 
 		(points->emission && !p->emission))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
-	if (light_count > 0)
-		memcpy(scaled->lights, lights, light_count * sizeof *lights);
-	for (size_t i = 0; i < light_count; i++)
-		scale_light(&scaled->lights[i], scaled);
 	scaled->options.occlusion_distance =
 		fminf(ldexpf(options->occlusion_distance, scaled->length), DISTANCE_MOST);
 	return GW_OK;
+}
+
+void gw_scaled_scene_let_go(gw_scaled_scene *scaled)
+{
+	gw_scaled_scene units = { .length = scaled->length, .light = scaled->light };
+	gw_scaled_scene_clear(scaled);
+	*scaled = units;
 }
 
 void gw_scaled_scene_clear(gw_scaled_scene *scaled)
@@ -171,6 +184,13 @@ static bool undo_light(float *values, size_t count, int exponent)
 		fits = fits && isfinite(values[i]);
 	}
 	return fits;
+}
+
+static gw_status fail_bright(gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA,
+				   "the light on the points is more than 3.4e38, which is all that a 32-bit "
+				   "number holds: use weaker lamps, or check the unit of lengths");
 }
 
 static void undo_report(const gw_scaled_scene *scaled, gw_report *r)
@@ -205,8 +225,13 @@ gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *re
 	for (int k = 0; k < 3; k++)
 		v->origin[k] = ldexp(v->origin[k], -scaled->length);
 	undo_report(scaled, &result->report);
-	return fits ? GW_OK
-				: gw_fail(error, GW_ERROR_DATA,
-						  "the light on the points is more than 3.4e38, which is all that a 32-bit "
-						  "number holds: use weaker lamps, or check the unit of lengths");
+	return fits ? GW_OK : fail_bright(error);
+}
+
+gw_status gw_scaled_scene_undo_radiance(const gw_scaled_scene *scaled, float *radiance,
+										size_t count, gw_error *error)
+{
+	return scaled->light == 0 || undo_light(radiance, 3 * count, scaled->light)
+			   ? GW_OK
+			   : fail_bright(error);
 }

@@ -33,6 +33,15 @@ gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, 
  * more than a float32 holds. */
 gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *result,
 							   gw_error *error);
+/* The same for radiance alone: 3 * count. */
+gw_status gw_scaled_scene_undo_radiance(const gw_scaled_scene *scaled, float *radiance,
+										size_t count, gw_error *error);
+
+/* A copy of other lights in these units, for free(); NULL when there is no memory. */
+gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count);
+
+/* Keeps the units alone, and refers to nothing any more. */
+void gw_scaled_scene_let_go(gw_scaled_scene *scaled);
 void gw_scaled_scene_clear(gw_scaled_scene *scaled);
 
 #endif

@@ -115,14 +115,14 @@ static gw_status pad(const gw_transport *transport, uint64_t bytes, gw_error *er
 	return transport->write(transport->user, zeros, (size_t)(padded(bytes) - bytes), error);
 }
 
-static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
+static gw_status write_block(gw_scene *scene, const gw_transport_block *block,
 							 const gw_transport *transport, uint64_t *hash, gw_error *error)
 {
 	gw_view view = { 0 };
 	const void *bytes = block->host ? *block->host : NULL;
 	gw_status status = GW_OK;
 	if (block->buffer) {
-		status = gw_view_open(solver->gpu, block->buffer, block->bytes, &view, error);
+		status = gw_view_open(scene->gpu, block->buffer, block->bytes, &view, error);
 		bytes = view.bytes;
 	}
 	if (status == GW_OK) {
@@ -135,8 +135,8 @@ static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
 	return status;
 }
 
-gw_status gw_transport_save(gw_solver *solver, const gw_points *points,
-							const gw_transport *transport, gw_error *error)
+gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_transport *transport,
+							gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
 	uint64_t hash = 0;
@@ -150,16 +150,16 @@ gw_status gw_transport_save(gw_solver *solver, const gw_points *points,
 	h.version = VERSION;
 	h.head_bytes = sizeof h;
 	h.identity = identify(points);
-	h.settings = settle(&solver->options);
-	h.numbers = gw_transport_numbers_of(solver);
-	size_t count = gw_transport_list(solver, &h.numbers, blocks);
+	h.settings = settle(&scene->options);
+	h.numbers = gw_transport_numbers_of(scene);
+	size_t count = gw_transport_list(scene, &h.numbers, blocks);
 	h.length = length_of(blocks, count);
 	h.hash = gw_hash(0, &h, offsetof(head, hash));
 	gw_status status = transport->write(transport->user, &h, sizeof h, error);
 	if (status == GW_OK)
 		status = pad(transport, sizeof h, error);
 	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = write_block(solver, &blocks[i], transport, &hash, error);
+		status = write_block(scene, &blocks[i], transport, &hash, error);
 	return status == GW_OK ? transport->write(transport->user, &hash, sizeof hash, error) : status;
 }
 
@@ -242,7 +242,7 @@ static bool padding_fits(uint64_t length, const unsigned char *bytes)
 	return true;
 }
 
-/* A block on its way into the solver. */
+/* A block on its way into the scene. */
 typedef struct arrival {
 	const gw_transport_block *block;
 	const unsigned char *from;
@@ -291,7 +291,7 @@ static void take_piece(void *user, size_t first, size_t last, uint32_t worker)
 }
 
 /* Room for a block, and where it is if it can be reached from here. */
-static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
+static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 {
 	const gw_transport_block *block = a->block;
 	gw_status status = GW_OK;
@@ -299,21 +299,20 @@ static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
 		a->to = *block->host = gw_allocate_array(block->bytes, 1);
 		if (!a->to)
 			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
-	} else if (gw_buffer_may_borrow(solver->gpu, a->from) && block->bytes > 0) {
+	} else if (gw_buffer_may_borrow(scene->gpu, a->from) && block->bytes > 0) {
 		a->lent = true;
-		status = gw_buffer_borrow(solver->gpu, block->format, a->from, block->bytes, block->name,
+		status = gw_buffer_borrow(scene->gpu, block->format, a->from, block->bytes, block->name,
 								  block->buffer, error);
 	} else {
-		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
+		status = gw_buffer_create_unset(scene->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
 										block->name, block->buffer, error);
-		a->to = gw_gpu_is_host(solver->gpu) ? block->buffer->mapped : NULL;
+		a->to = gw_gpu_is_host(scene->gpu) ? block->buffer->mapped : NULL;
 	}
 	return status;
 }
 
-/* Checks all blocks and brings them into the solver. */
-static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals *all,
-							 gw_error *error)
+/* Checks all blocks and brings them into the scene. */
+static gw_status take_blocks(gw_scene *scene, const gw_transport *t, arrivals *all, gw_error *error)
 {
 	gw_status status = GW_OK;
 	uint64_t hash = 0, kept;
@@ -321,9 +320,9 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 	if (!all->hash)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu pieces", all->pieces);
 	for (size_t i = 0; i < all->count && status == GW_OK; i++)
-		status = make_room(solver, &all->arrival[i], error);
+		status = make_room(scene, &all->arrival[i], error);
 	if (status == GW_OK) {
-		gw_parallel_for(solver->options.threads, all->pieces, 1, take_piece, all);
+		gw_parallel_for(scene->options.threads, all->pieces, 1, take_piece, all);
 		for (size_t i = 0; i < all->pieces; i++)
 			hash = gw_hash(hash, &all->hash[i], sizeof hash);
 		memcpy(&kept, (const char *)t->data + t->length - sizeof kept, sizeof kept);
@@ -334,16 +333,16 @@ static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals 
 		const arrival *a = &all->arrival[i];
 		if (!a->to && !a->lent)
 			status =
-				gw_buffer_upload(solver->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
+				gw_buffer_upload(scene->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
 	}
 	free(all->hash);
 	return status;
 }
 
 /* What bounds of single indices do not say: a walk through the tree of large discs ends. */
-static bool tree_fits(const gw_solver *solver, const arrivals *all)
+static bool tree_fits(const gw_scene *scene, const arrivals *all)
 {
-	const gw_octree *o = &solver->octree;
+	const gw_octree *o = &scene->octree;
 	const arrival *a = all->arrival;
 	while (a->block->buffer != &o->disc_tree)
 		a++;
@@ -351,9 +350,9 @@ static bool tree_fits(const gw_solver *solver, const arrivals *all)
 }
 
 /* And rows follow each other. */
-static bool rows_fit(const gw_solver *solver, const gw_transport_numbers *n)
+static bool rows_fit(const gw_scene *scene, const gw_transport_numbers *n)
 {
-	const gw_read_back *b = &solver->read_back;
+	const gw_read_back *b = &scene->read_back;
 	if (b->first[0] != 0 || b->first[b->count] != n->entries)
 		return false;
 	for (size_t i = 0; i < b->count; i++)
@@ -365,12 +364,11 @@ static bool rows_fit(const gw_solver *solver, const gw_transport_numbers *n)
 	return true;
 }
 
-static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const head *h,
-							 gw_error *error)
+static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head *h, gw_error *error)
 {
 	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
-	gw_transport_numbers_restore(&h->numbers, solver);
-	size_t count = gw_transport_list(solver, &h->numbers, blocks);
+	gw_transport_numbers_restore(&h->numbers, scene);
+	size_t count = gw_transport_list(scene, &h->numbers, blocks);
 	if (h->length != length_of(blocks, count) || t->length != h->length)
 		return damaged(t,
 					   t->length < h->length ? "this transport ends too early"
@@ -388,8 +386,8 @@ static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const hea
 	}
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
-	gw_status status = take_blocks(solver, t, &all, error);
-	if (status == GW_OK && (!tree_fits(solver, &all) || !rows_fit(solver, &h->numbers)))
+	gw_status status = take_blocks(scene, t, &all, error);
+	if (status == GW_OK && (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers)))
 		status = damaged(t, "this transport is damaged", error);
 	return status;
 }
@@ -428,10 +426,10 @@ static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error
 }
 
 /* The mean emission of each lobe's surfels. */
-static gw_status average_emission(gw_solver *solver, gw_error *error)
+static gw_status average_emission(gw_scene *scene, gw_error *error)
 {
-	const gw_surfels *s = &solver->surfels;
-	gw_octree *o = &solver->octree;
+	const gw_surfels *s = &scene->surfels;
+	gw_octree *o = &scene->octree;
 	gw_buffer emission = { 0 };
 	float *rows = gw_allocate_zeros(s->count, 4 * sizeof *rows);
 	gw_status status = rows ? GW_OK
@@ -440,28 +438,28 @@ static gw_status average_emission(gw_solver *solver, gw_error *error)
 	for (size_t i = 0; i < s->count && status == GW_OK; i++)
 		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
 	if (status == GW_OK)
-		status = gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+		status = gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)s->count, "emission of surfels", &emission, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(solver->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
-	gw_buffer_destroy(solver->gpu, &o->lobe_emission);
+		status = gw_buffer_upload(scene->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
+	gw_buffer_destroy(scene->gpu, &o->lobe_emission);
 	if (status == GW_OK)
-		status = gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+		status = gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  32 * (uint64_t)o->leaf_count, "emission of lobes",
 								  &o->lobe_emission, error);
 	if (status == GW_OK)
-		status = gw_average_lobes(&solver->passes, o, &emission, &o->lobe_emission, error);
-	gw_buffer_destroy(solver->gpu, &emission);
+		status = gw_average_lobes(&scene->passes, o, &emission, &o->lobe_emission, error);
+	gw_buffer_destroy(scene->gpu, &emission);
 	free(rows);
 	return status;
 }
 
-static gw_status replace_emission(gw_solver *solver, const gw_points *points, gw_error *error)
+static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_error *error)
 {
-	gw_surfels *s = &solver->surfels;
+	gw_surfels *s = &scene->surfels;
 	bool emits = false;
 	gw_status status = GW_OK;
-	gw_solver_forget_samples(solver);
+	gw_scene_forget_samples(scene);
 	free(s->emission);
 	s->emission = NULL;
 	s->emission_repaired = 0;
@@ -470,16 +468,16 @@ static gw_status replace_emission(gw_solver *solver, const gw_points *points, gw
 	for (size_t i = 0; s->emission && i < 3 * s->count && status == GW_OK; i++)
 		emits |= s->emission[i] > 0.0f;
 	if (status != GW_OK || emits)
-		return status == GW_OK ? average_emission(solver, error) : status;
+		return status == GW_OK ? average_emission(scene, error) : status;
 	free(s->emission);
 	s->emission = NULL;
-	gw_buffer_destroy(solver->gpu, &solver->octree.lobe_emission);
-	return gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16,
-							"emission of lobes", &solver->octree.lobe_emission, error);
+	gw_buffer_destroy(scene->gpu, &scene->octree.lobe_emission);
+	return gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16,
+							"emission of lobes", &scene->octree.lobe_emission, error);
 }
 
-gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
-							const gw_transport *transport, gw_error *error)
+gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_transport *transport,
+							gw_error *error)
 {
 	head h;
 	gw_status status = read_head(transport, &h, error);
@@ -488,16 +486,16 @@ gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
 	const identity own = identify(points);
 	status = check_points(transport, &h, &own, points, error);
 	if (status == GW_OK)
-		status = check_settings(transport, &h, &solver->options, error);
+		status = check_settings(transport, &h, &scene->options, error);
 	if (status == GW_OK)
-		status = read_blocks(solver, transport, &h, error);
+		status = read_blocks(scene, transport, &h, error);
 	if (status != GW_OK)
 		return status;
-	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
-	solver->passes.threads = solver->options.threads;
-	if (h.numbers.light_samples != solver->options.light_samples)
-		gw_buffer_destroy(solver->gpu, &solver->sampled);
+	gw_passes_init(&scene->passes, scene->gpu, &scene->octree);
+	scene->passes.threads = scene->options.threads;
+	if (h.numbers.light_samples != scene->options.light_samples)
+		gw_buffer_destroy(scene->gpu, &scene->sampled);
 	if (own.emission != h.identity.emission)
-		status = replace_emission(solver, points, error);
-	return status == GW_OK ? gw_solver_complete(solver, points, error) : status;
+		status = replace_emission(scene, points, error);
+	return status == GW_OK ? gw_scene_complete(scene, points, error) : status;
 }

@@ -19,11 +19,11 @@
 #define NOISY 1u /* normals for lamps */
 #define OFF 2u   /* how far normals are off */
 
-gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
+gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 {
-	const gw_surfels *s = &solver->surfels;
-	const gw_octree *o = &solver->octree;
-	const gw_records *r = &solver->records;
+	const gw_surfels *s = &scene->surfels;
+	const gw_octree *o = &scene->octree;
+	const gw_records *r = &scene->records;
 	gw_transport_numbers n;
 	memset(&n, 0, sizeof n);
 	n.given_area = s->given_area;
@@ -46,19 +46,19 @@ gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
 	n.block_level = r->block_level;
 	n.block_count = r->block_count;
 	n.block_tile_first = r->block_tile_first;
-	n.rays = solver->rays.rays;
-	n.ray_seed = solver->rays.seed;
-	n.entries = solver->read_back.first[s->count];
-	n.light_samples = solver->sampled.handle ? solver->options.light_samples : 0;
-	n.looked = solver->openings.looked;
-	n.openings = solver->openings.count;
-	n.escaped = solver->openings.escaped;
-	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
+	n.rays = scene->rays.rays;
+	n.ray_seed = scene->rays.seed;
+	n.entries = scene->read_back.first[s->count];
+	n.light_samples = scene->sampled.handle ? scene->options.light_samples : 0;
+	n.looked = scene->openings.looked;
+	n.openings = scene->openings.count;
+	n.escaped = scene->openings.escaped;
+	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
-	n.probes = solver->probed.count;
-	n.probe_rays = solver->probed.rays;
-	n.probes_lit = solver->probed.emitted != NULL;
+	n.probes = scene->probed.count;
+	n.probe_rays = scene->probed.rays;
+	n.probes_lit = scene->probed.emitted != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -87,10 +87,10 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
 
-void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
+void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene)
 {
-	gw_surfels *s = &solver->surfels;
-	gw_octree *o = &solver->octree;
+	gw_surfels *s = &scene->surfels;
+	gw_octree *o = &scene->octree;
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,
 					   .strays = (size_t)n->strays,
@@ -106,16 +106,16 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solv
 					  .border_tile_count = n->border_tiles,
 					  .fragment_count = n->fragments,
 					  .tree_discs = (uint32_t)n->tree_discs };
-	solver->records = (gw_records){ .count = n->records,
-									.radius = n->record_radius,
-									.block_level = n->block_level,
-									.block_count = n->block_count,
-									.block_tile_first = n->block_tile_first };
-	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
-	solver->openings =
+	scene->records = (gw_records){ .count = n->records,
+								   .radius = n->record_radius,
+								   .block_level = n->block_level,
+								   .block_count = n->block_count,
+								   .block_tile_first = n->block_tile_first };
+	scene->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+	scene->openings =
 		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
-	solver->probed = (gw_probe_hits){ .count = n->probes, .rays = n->probe_rays };
-	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
+	scene->probed = (gw_probe_hits){ .count = n->probes, .rays = n->probe_rays };
+	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
 	memcpy(s->maximum, n->maximum, sizeof n->maximum);
@@ -168,9 +168,9 @@ static void words(list *l, const char *name, gw_buffer *buffer, uint64_t bytes, 
 	index_below(device(l, name, buffer, bytes), VK_FORMAT_R32_UINT, limit, UINT32_MAX, 1);
 }
 
-static void list_surfels(list *l, gw_solver *solver, const gw_transport_numbers *n)
+static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
-	gw_surfels *s = &solver->surfels;
+	gw_surfels *s = &scene->surfels;
 	uint64_t count = n->surfels;
 	host(l, "positions", &s->position, 12 * count);
 	host(l, "normals", &s->normal, 12 * count);
@@ -231,32 +231,32 @@ static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 		->format = VK_FORMAT_R32G32B32A32_UINT;
 }
 
-static void list_records(list *l, gw_solver *solver, const gw_transport_numbers *n)
+static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
-	gw_records *r = &solver->records;
+	gw_records *r = &scene->records;
 	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
 	index_below(device(l, "lobe record", &r->lobe_record, 4 * GW_WEIGHTS * slots),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
 	device(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
-	words(l, "hit lobe", &solver->rays.lobe, 4 * hits, slots);
-	scalars(l, "hit distance", &solver->rays.distance, 4 * hits);
+	words(l, "hit lobe", &scene->rays.lobe, 4 * hits, slots);
+	scalars(l, "hit distance", &scene->rays.distance, 4 * hits);
 	if (n->openings)
-		device(l, "openings", &solver->openings.sphere, 16 * (uint64_t)n->openings);
+		device(l, "openings", &scene->openings.sphere, 16 * (uint64_t)n->openings);
 	if (n->opened)
-		words(l, "sky through openings", &solver->rays.through, 4 * (uint64_t)n->records,
+		words(l, "sky through openings", &scene->rays.through, 4 * (uint64_t)n->records,
 			  WORDS_LIMIT);
-	index_below(host(l, "rows of surfels", &solver->read_back.first, 4 * (n->surfels + 1)), 0,
+	index_below(host(l, "rows of surfels", &scene->read_back.first, 4 * (n->surfels + 1)), 0,
 				(uint64_t)n->entries + 1, UINT32_MAX, 1);
-	index_below(host(l, "records of surfels", &solver->read_back.record, 4 * (uint64_t)n->entries),
+	index_below(host(l, "records of surfels", &scene->read_back.record, 4 * (uint64_t)n->entries),
 				0, n->records, UINT32_MAX, 1);
-	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
+	host(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
 }
 
-static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
+static void list_probes(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
-	gw_probe_hits *p = &solver->probed;
+	gw_probe_hits *p = &scene->probed;
 	uint64_t gathers = GW_PROBE_GATHERS * (uint64_t)n->probes, hits = gathers * n->probe_rays;
 	if (n->probes == 0)
 		return;
@@ -269,16 +269,16 @@ static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *
 		host(l, "light of emitters there", &p->emitted, 16 * gathers);
 }
 
-size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
+size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
 {
 	list l = { blocks, 0 };
-	list_surfels(&l, solver, numbers);
-	list_tree(&l, &solver->octree, numbers);
-	list_leaves(&l, &solver->octree, numbers);
-	list_records(&l, solver, numbers);
-	list_probes(&l, solver, numbers);
+	list_surfels(&l, scene, numbers);
+	list_tree(&l, &scene->octree, numbers);
+	list_leaves(&l, &scene->octree, numbers);
+	list_records(&l, scene, numbers);
+	list_probes(&l, scene, numbers);
 	if (numbers->light_samples)
-		device(&l, "light of emitters", &solver->sampled, 16 * (uint64_t)numbers->records);
+		device(&l, "light of emitters", &scene->sampled, 16 * (uint64_t)numbers->records);
 	return l.count;
 }

@@ -1,12 +1,12 @@
 /*
- * transport_blocks.h - the numbers and arrays of a solver that its bytes hold, see transport.h.
+ * transport_blocks.h - the numbers and arrays of a scene that its bytes hold, see transport.h.
  */
 #ifndef TRANSPORT_BLOCKS_H
 #define TRANSPORT_BLOCKS_H
 
-#include "bake/solver.h"
+#include "bake/scene.h"
 
-/* The numbers of a solver, at fixed places and of fixed size. */
+/* The numbers of a scene, at fixed places and of fixed size. */
 typedef struct gw_transport_numbers {
 	double origin[3], given_area;
 	float minimum[3], maximum[3], cube_minimum[3];
@@ -42,16 +42,16 @@ typedef struct gw_transport_block {
 
 #define GW_TRANSPORT_BLOCKS 60u
 
-gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver);
+gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene);
 
-/* Whether these numbers can be those of a solver: no size overflows, no count is absurd. */
+/* Whether these numbers can be those of a scene: no size overflows, no count is absurd. */
 bool gw_transport_numbers_fit(const gw_transport_numbers *numbers);
 
-/* Stores the numbers in a solver without arrays. */
-void gw_transport_numbers_restore(const gw_transport_numbers *numbers, gw_solver *solver);
+/* Stores the numbers in a scene without arrays. */
+void gw_transport_numbers_restore(const gw_transport_numbers *numbers, gw_scene *scene);
 
-/* Lists the arrays that a solver of these numbers has; returns how many there are. */
-size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
+/* Lists the arrays that a scene of these numbers has; returns how many there are. */
+size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS]);
 
 #endif

@@ -1,7 +1,7 @@
 /*
  * clock.c - elapsed time.
  */
-#include "base/clock.h"
+#include "glowworm_host.h"
 
 #include <time.h>
 

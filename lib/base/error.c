@@ -1,5 +1,5 @@
 /*
- * error.c - failures as sentences, and the names of the public enums.
+ * error.c - failures as sentences, the version, and the names of the public enums.
  */
 #include "glowworm.h"
 
@@ -18,6 +18,11 @@ gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 		error->status = status;
 	}
 	return status;
+}
+
+const char *gw_version(void)
+{
+	return GW_VERSION;
 }
 
 const char *gw_method_name(gw_method method)

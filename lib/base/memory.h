@@ -7,8 +7,7 @@
 #ifndef MEMORY_H
 #define MEMORY_H
 
-#include <stddef.h>
-#include <stdint.h>
+#include "glowworm_host.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -28,13 +27,6 @@ void *gw_allocate_zeros(size_t count, size_t size);
  * content. On failure returns NULL, and the array is still the caller's.
  */
 void *gw_resize_array(void *array, size_t count, size_t size);
-
-/*
- * Bytes of host memory that can be taken now without swapping: what the system reports as
- * available, and not more than the control group of this process and the limit of its addresses
- * leave. 0 when unknown.
- */
-uint64_t gw_available_memory(void);
 
 #ifdef __cplusplus
 }

@@ -25,11 +25,11 @@ typedef struct gw_gpu_options {
 						   machine's available memory */
 	bool validate;      /* core validation; messages become errors of the next call */
 	bool validate_synchronization;
-	bool validate_gpu_assisted; /* not together with validate_synchronization */
-	uint32_t workgroup_size;    /* threads a workgroup, power of two; 0: the layer chooses */
-	gw_drivers *drivers;        /* NULL, or loaded before: used when there is no validation; they
-								   outlive the device */
-	double slice_seconds;       /* target length of one dispatch; 0: 0.05 */
+	bool validate_gpu_assisted;    /* not together with validate_synchronization */
+	uint32_t workgroup_size;       /* threads a workgroup, power of two; 0: the layer chooses */
+	gw_drivers *drivers;           /* NULL, or loaded before: used when there is no validation; they
+									  outlive the device */
+	double slice_seconds;          /* target length of one dispatch; 0: 0.05 */
 	bool (*cancelled)(void *user); /* NULL, or asked between dispatches */
 	void *user;
 } gw_gpu_options;
@@ -40,6 +40,9 @@ void gw_gpu_destroy(gw_gpu **gpu);
 /* Asks whether to stop. Once the answer was yes it stays so: whatever runs or is read afterwards
  * fails with GW_ERROR_CANCELLED, since what was to be computed is not there. */
 bool gw_gpu_stopped(gw_gpu *gpu);
+
+/* Forgets that answer: what was not computed will not be looked at. */
+void gw_gpu_resume(gw_gpu *gpu);
 
 /* The device in use; valid as long as the gw_gpu. */
 const gw_device_info *gw_gpu_device(const gw_gpu *gpu);

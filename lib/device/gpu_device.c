@@ -2,7 +2,7 @@
  * gpu_device.c - opening and closing a device, submissions, results, account.
  */
 #include "device/gpu_internal.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -92,6 +92,11 @@ bool gw_gpu_stopped(gw_gpu *gpu)
 {
 	gpu->stopped = gpu->stopped || (gpu->cancelled != NULL && gpu->cancelled(gpu->user));
 	return gpu->stopped;
+}
+
+void gw_gpu_resume(gw_gpu *gpu)
+{
+	gpu->stopped = false;
 }
 
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)

@@ -7,7 +7,7 @@
  * unit of elements that keeps windows aligned.
  */
 #include "device/gpu_internal.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/memory.h"
 
 #include <assert.h>

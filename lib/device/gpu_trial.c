@@ -2,7 +2,7 @@
  * gpu_trial.c - what a device has to have and what it does, for those who look for what is wrong.
  */
 #include "device/gpu_internal.h"
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "device/shader_needs.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -13,6 +13,7 @@
 #include "light/transport_layout.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 /* Rays of records that are looked at, half of them such that leave the scene: a tenth of what a
@@ -62,6 +63,7 @@ typedef struct check {
 	size_t lamps;
 	gw_probe_choice choice; /* the points that look at them, and */
 	double *excess;         /* radiance that each has too much */
+	atomic_bool stopped;    /* somebody asked to stop: what is found is not whole */
 } check;
 
 /* What was found of one kind of light, in radiance and its squares. */
@@ -205,10 +207,24 @@ static void check_record(const check *c, size_t record)
 	c->record[record] = sum;
 }
 
+/* Asked by the caller's own thread. */
+static bool stops(check *c, uint32_t worker)
+{
+	if (worker == 0 && gw_gpu_stopped(c->task->gpu))
+		atomic_store(&c->stopped, true);
+	return atomic_load(&c->stopped);
+}
+
+static gw_status check_whole(const check *c, gw_error *error)
+{
+	return atomic_load(&c->stopped)
+			   ? gw_fail(error, GW_ERROR_CANCELLED, "stopped while the octree was checked")
+			   : GW_OK;
+}
+
 static void check_records(void *user, size_t first, size_t last, uint32_t worker)
 {
-	(void)worker;
-	for (size_t i = first; i < last; i++)
+	for (size_t i = first; i < last && !stops(user, worker); i++)
 		check_record(user, i);
 }
 
@@ -271,7 +287,9 @@ static gw_status check_gathered(check *c, finding *found, gw_error *error)
 		choose_rays(c);
 		weigh_records(c->task, weight, weight + count);
 		gw_parallel_for(c->task->threads, count, CHUNK, check_records, c);
-		*found = sum_records(c, weight, weight + count);
+		status = check_whole(c, error);
+		if (status == GW_OK)
+			*found = sum_records(c, weight, weight + count);
 	} else {
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu records", count);
 	}
@@ -326,8 +344,7 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 static void check_points(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const check *c = user;
-	(void)worker;
-	for (size_t i = first; i < last; i++) {
+	for (size_t i = first; i < last && !stops(user, worker); i++) {
 		size_t surfel = c->choice.point[i];
 		double light[2] = { 0 }, found = gw_luminance(c->task->direct + 4 * surfel);
 		for (size_t l = 0; l < c->lamps; l++)
@@ -365,6 +382,11 @@ static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
 	if (!c->excess)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
 	gw_parallel_for(c->task->threads, count, CHUNK, check_points, c);
+	gw_status status = check_whole(c, error);
+	if (status != GW_OK) {
+		free(c->excess);
+		return status;
+	}
 	double *square = c->excess + count;
 	for (size_t i = 0; i < count; i++)
 		square[i] = c->excess[i] * c->excess[i];

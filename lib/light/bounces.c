@@ -15,7 +15,7 @@
  */
 #include "light/bounces.h"
 
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "light/host_products.h"
 #include "base/luminance.h"
 #include "base/memory.h"

@@ -4,7 +4,7 @@
 #ifndef HOST_LOOP_H
 #define HOST_LOOP_H
 
-#include "base/clock.h"
+#include "glowworm_host.h"
 #include "base/parallel.h"
 #include "light/passes.h"
 

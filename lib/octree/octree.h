@@ -170,8 +170,4 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t st
 							   gw_error *error);
 void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept); /* sets *kept to NULL */
 
-/* Morton key of a cell and back; coordinates below 2^21. */
-uint64_t gw_morton_encode(uint32_t x, uint32_t y, uint32_t z);
-void gw_morton_decode(uint64_t key, uint32_t cell[3]);
-
 #endif

@@ -1,5 +1,5 @@
-/* camera.c - setting up and turning a pinhole camera; see camera.h. */
-#include "picture/camera.h"
+/* camera.c - setting up and turning a pinhole camera; see glowworm_picture.h. */
+#include "glowworm_picture.h"
 
 #include <math.h>
 

@@ -1,5 +1,6 @@
-/* mesh_light.c - triangles that take their light from the points on them; see mesh_light.h. */
-#include "picture/mesh_light.h"
+/* mesh_light.c - triangles that take their light from the points on them; see
+ * glowworm_picture.h. */
+#include "glowworm_picture.h"
 
 #include "base/memory.h"
 #include "surfels/neighbour_index.h"

@@ -1,7 +1,7 @@
 /*
- * octree_cells.c - see octree_cells.h.
+ * octree_cells.c - see glowworm_picture.h.
  */
-#include "picture/octree_cells.h"
+#include "picture/render_octree.h"
 
 #include "base/memory.h"
 #include "device/named_pass.h"

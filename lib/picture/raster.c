@@ -1,4 +1,4 @@
-/* raster.c - drawing a scene into a G-buffer, tile by tile; see raster.h. */
+/* raster.c - drawing a scene into a G-buffer, tile by tile; see glowworm_picture.h. */
 #include "picture/raster_steps.h"
 
 #include "base/memory.h"

@@ -12,7 +12,7 @@
 #ifndef RASTER_STEPS_H
 #define RASTER_STEPS_H
 
-#include "picture/raster.h"
+#include "glowworm_picture.h"
 
 #include <math.h>
 

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "device/named_pass.h"
+#include "light/direct_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -116,6 +117,51 @@ void gw_render_octree_destroy(gw_render_octree **octree)
 		gw_gpu_destroy(&o->gpu);
 	}
 	free(o);
+}
+
+/* ------------------------------------------------------------------------- what it is like */
+
+gw_octree_width gw_render_octree_width(const gw_render_octree *octree)
+{
+	const gw_octree *o = &octree->octree;
+	return (gw_octree_width){ (double)o->leaf_size, (double)o->wanted_leaf_size, o->why_coarser };
+}
+
+gw_status gw_render_octree_records(gw_render_octree *o, float spacing, uint64_t seed,
+								   float **position, size_t *count, gw_error *error)
+{
+	gw_records records = { 0 };
+	float *cell = NULL;
+	*position = NULL;
+	*count = 0;
+	gw_status status = gw_records_place(&o->passes, &o->octree, spacing, seed, &records, error);
+	if (status == GW_OK) {
+		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
+		*position = gw_allocate_array(records.count, 3 * sizeof **position);
+		status = cell && *position ? gw_buffer_download(o->gpu, &records.position, 0, cell,
+														16 * (uint64_t)records.count, error)
+								   : gw_fail(error, GW_ERROR_MEMORY,
+											 "no host memory for %u records", records.count);
+	}
+	if (status == GW_OK) {
+		*count = records.count;
+		for (size_t i = 0; i < 3 * *count; i++)
+			(*position)[i] =
+				o->octree.cube_minimum[i % 3] + cell[i / 3 * 4 + i % 3] * o->octree.leaf_size;
+	} else {
+		free(*position);
+		*position = NULL;
+	}
+	free(cell);
+	gw_records_destroy(o->gpu, &records);
+	return status;
+}
+
+gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels,
+								  const gw_light *light, const gw_bake_options *options,
+								  float *share, gw_error *error)
+{
+	return gw_light_share(&o->passes, &o->octree, surfels, light, options, share, error);
 }
 
 /* ------------------------------------------------------------------------------- pixels */

@@ -1,7 +1,6 @@
-/* viewpoint.c - from where to look at a cloud; see viewpoint.h. */
-#include "picture/viewpoint.h"
+/* viewpoint.c - from where to look at a cloud; see glowworm_picture.h. */
+#include "glowworm_picture.h"
 
-#include "picture/camera.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -11,7 +11,6 @@
 #include <stdlib.h>
 
 #define CHUNK 1024u                  /* surfels searched by one call */
-#define BLOCK (256u * CHUNK)         /* surfels between two looks at `cancelled` */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
 
 /* Neighbours lie on a line when their squared distances from it are below this share of all squared
@@ -64,7 +63,7 @@ struct gw_neighbours {
 	bool is_stored;        /* whether the first visit has filled it */
 	chunk_result *scratch; /* one a thread */
 	uint32_t threads;
-	atomic_bool out_of_memory;
+	atomic_bool out_of_memory, stopped;
 };
 
 /* One visit. */
@@ -72,7 +71,6 @@ typedef struct visit {
 	gw_neighbours *search;
 	gw_neighbours_visitor *function;
 	void *user;
-	size_t first; /* of the block */
 } visit;
 
 static double distance_between(const gw_surfels *s, size_t a, size_t b)
@@ -323,15 +321,24 @@ static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbou
 	list->complete = scaled ? GW_SCALED_NEAREST : widened ? NEAREST_KEPT : list->count;
 }
 
+/* To be called on the thread that called the library. */
+static bool asks_to_stop(gw_neighbours *search)
+{
+	const gw_surfels_options *o = search->options;
+	return atomic_load(&search->stopped) || (o->cancelled && o->cancelled(o->user));
+}
+
 static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const visit *v = user;
 	gw_neighbours *search = v->search;
 	chunk_result *result = search->scratch + worker;
+	if (worker == 0 && asks_to_stop(search))
+		atomic_store(&search->stopped, true);
+	if (atomic_load(&search->stopped) || atomic_load(&search->out_of_memory))
+		return;
 	size_t k = search->per_surfel + 1u;
 	bool searching = !search->stored || !search->is_stored;
-	first += v->first;
-	last += v->first;
 	result->wide.count = 0;
 	if (searching && !gw_neighbour_index_search(search->index, search->scaled + 3 * first,
 												last - first, k, result->found, result->squared)) {
@@ -363,16 +370,13 @@ void gw_neighbours_run_short(gw_neighbours *search)
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
 							  gw_error *error)
 {
-	const gw_surfels_options *options = search->options;
 	visit v = { .search = search, .function = function, .user = user };
-	for (; v.first < search->surfels->count; v.first += BLOCK) {
-		if (options->cancelled && options->cancelled(options->user))
-			return gw_fail(error, GW_ERROR_CANCELLED, "stopped while describing the surface");
-		size_t left = search->surfels->count - v.first;
-		gw_parallel_for(search->threads, left < BLOCK ? left : BLOCK, CHUNK, visit_chunk, &v);
-		if (atomic_load(&search->out_of_memory))
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory to search for neighbours");
-	}
+	atomic_store(&search->stopped, asks_to_stop(search));
+	gw_parallel_for(search->threads, search->surfels->count, CHUNK, visit_chunk, &v);
+	if (atomic_load(&search->stopped))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while describing the surface");
+	if (atomic_load(&search->out_of_memory))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to search for neighbours");
 	search->is_stored = true;
 	return GW_OK;
 }

@@ -11,8 +11,8 @@
  * Seconds count from bare points to light at every point, without files. Error is over the points
  * of the truth that do not emit: relRMSE, the same over the best 99 %, and bias, in % of the mean.
  */
-#include "base/clock.h"
-#include "estimate/compare.h"
+#include "glowworm_host.h"
+#include "glowworm_picture.h"
 #include "table/format_table.h"
 #include "scene/loaded_scene.h"
 #include "comparison/matched_scans.h"
@@ -414,7 +414,7 @@ static gw_status climb_presets(problem *p, ladder *l)
 	gw_status status = GW_OK;
 	bool over = false;
 	for (int i = 0; i < 6 && !over && status == GW_OK; i++) {
-		gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+		gw_bake_options options = gw_bake_options_default();
 		char setting[64];
 		gw_bake_options_set_quality(&options, (gw_quality)(i / 2));
 		options.estimate_points = 0;
@@ -434,7 +434,7 @@ static gw_status climb_targets(problem *p, ladder *l)
 	gw_status status = GW_OK;
 	bool over = false;
 	for (int i = 0; i < 3 && !over && status == GW_OK; i++) {
-		gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+		gw_bake_options options = gw_bake_options_default();
 		char setting[64];
 		gw_bake_options_set_start(&options);
 		options.max_error = target[i];

@@ -259,7 +259,7 @@ static void outputs_on_a_small_disk(void **state)
 	gw_error error = { 0 };
 	blocks_left = 10;
 	assert_int_equal(output_file_check_room(output, 40960, &error), GW_OK);
-	assert_int_equal(output_file_check_room(output, 40961, &error), GW_ERROR_IO);
+	assert_int_equal(output_file_check_room(output, 40961, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "at least 40961 bytes"));
 	assert_int_equal(output_file_check_room("-", 40961, &error), GW_OK);
 	assert_int_equal(output_file_check_room("/dev/null", 40961, &error), GW_OK);
@@ -384,13 +384,13 @@ static void inputs_on_a_failing_disk(void **state)
 	gw_error error = { 0 };
 	put_input(1000);
 	fault = (struct fault){ .call = READ_IT, .at = 1, .reason = EIO };
-	assert_int_equal(open_input(&in, UINT64_MAX, &error), GW_ERROR_IO);
+	assert_int_equal(open_input(&in, UINT64_MAX, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, strerror(EIO)));
 	fault.at = 0;
 	cut_short = true;
 	gw_status status = open_input(&in, UINT64_MAX, &error);
 	cut_short = false;
-	assert_int_equal(status, GW_ERROR_IO);
+	assert_int_equal(status, FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "cut short"));
 	assert_null(in.data);
 }
@@ -443,7 +443,7 @@ static void inputs_cut_while_mapped(void **state)
 		gw_parallel_for(3, in.length, 50000, count_lines, &job);
 		assert_true(job.lines < LARGE / 8);
 		assert_int_equal(in.data[in.length - 1], 0);
-		assert_int_equal(input_file_check(&in, GW_ERROR_DATA, &error), GW_ERROR_IO);
+		assert_int_equal(input_file_check(&in, GW_ERROR_DATA, &error), FILE_ERROR_IO);
 		assert_non_null(strstr(error.text, "in.xyz was changed or cut short"));
 		input_file_close(&in);
 	}
@@ -482,7 +482,7 @@ static void readers_of_vanishing_files(void **state)
 			assert_int_equal(fclose(file), 0);
 			no_memory_to_copy = true;
 			cut_when_mapped = cut;
-			assert_int_equal(read_seed(&seeds[i]), cut ? GW_ERROR_IO : GW_OK);
+			assert_int_equal(read_seed(&seeds[i]), cut ? FILE_ERROR_IO : GW_OK);
 			assert_false(no_memory_to_copy || cut_when_mapped);
 		}
 	}
@@ -499,14 +499,14 @@ static void inputs_changed_while_mapped(void **state)
 	assert_int_equal(open_input(&in, 0, NULL), GW_OK);
 	assert_int_equal(input_file_check(&in, GW_ERROR_DATA, NULL), GW_ERROR_DATA);
 	put_input(1000);
-	assert_int_equal(input_file_check(&in, GW_OK, NULL), GW_ERROR_IO);
+	assert_int_equal(input_file_check(&in, GW_OK, NULL), FILE_ERROR_IO);
 	input_file_close(&in);
 	/* Cut short, and the time put back. */
 	assert_int_equal(utimensat(AT_FDCWD, input, before, 0), 0);
 	assert_int_equal(open_input(&in, 0, NULL), GW_OK);
 	assert_int_equal(truncate(input, (off_t)in.length - 1), 0);
 	assert_int_equal(utimensat(AT_FDCWD, input, before, 0), 0);
-	assert_int_equal(input_file_check(&in, GW_OK, NULL), GW_ERROR_IO);
+	assert_int_equal(input_file_check(&in, GW_OK, NULL), FILE_ERROR_IO);
 	input_file_close(&in);
 	/* Another file under the same name is none of our business. */
 	assert_int_equal(open_input(&in, 0, NULL), GW_OK);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Dependencies point one way: cli -> formats -> lib, and shaders share headers with lib; within each
-# of them a room uses only itself and the rooms before it. What lib and formats call neither prints
-# to a standard stream nor ends the process.
+# of them a room uses only itself and the rooms before it. Of lib the others use the public headers.
+# What lib and formats call neither prints to a standard stream nor ends the process.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 
@@ -37,7 +37,7 @@ rooms_up_to() { # folder room
 }
 
 # Whether a file of a folder and its rooms may include a name: one of those rooms, of other folders
-# all, or what the build writes.
+# all, but of lib its public headers, or what the build writes.
 may_include() { # name folder rooms others...
 	local name=$1 folder=$2 allowed=$3 place
 	shift 3
@@ -47,6 +47,9 @@ may_include() { # name folder rooms others...
 	*) [ -f "$folder/$name" ] && return 0 ;;
 	esac
 	for place in "$@"; do
+		case $place:$name in
+		lib:*/*) continue ;;
+		esac
 		[ ! -f "$place/$name" ] || return 0
 	done
 	return 1

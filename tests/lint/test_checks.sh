@@ -23,8 +23,9 @@ make_tree() {
 }
 
 build_library() {
-	gcc -c -o build/one.o lib/one.c && rm -f build/libglowworm.a &&
-		ar rcs build/libglowworm.a build/one.o
+	gcc -fPIC -c -o build/one.o lib/one.c && rm -f build/libglowworm.a &&
+		ar rcs build/libglowworm.a build/one.o &&
+		gcc -shared -o build/libglowworm.so build/one.o
 }
 
 # A program and a plugin that are built as the real ones are; flags that follow undo one.
@@ -92,6 +93,8 @@ expect_fault readme 'begins with no comment' 'echo "echo 1" >tests/cli/prints.sh
 expect_fault layers 'includes two.h' 'echo "#include \"two.h\"" >>lib/one.c'
 expect_fault layers 'includes light/up.h' 'mkdir lib/base lib/light
 	echo "int x;" >lib/light/up.h; echo "#include \"light/up.h\"" >lib/base/low.c'
+expect_fault layers 'includes base/low.h' 'mkdir lib/base; echo "int x;" >lib/base/low.h
+	echo "#include \"base/low.h\"" >>formats/two.h'
 expect_fault layers 'lib/attic: is not in the list' \
 	'mkdir lib/attic; echo "int x;" >lib/attic/old.c'
 expect_fault layers 'includes four.h' \
@@ -115,6 +118,9 @@ expect_fault style 'a function of 103 lines' \
 
 expect_fault symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c'
 expect_fault symbols 'no function' 'echo "static int x;" >lib/one.c'
+expect_fault symbols 'gw_two: the shared library shows it' \
+	'echo "int gw_two(void) { return 2; }" >>lib/one.c'
+expect_fault symbols 'gw_two: a public header declares it' 'echo "int gw_two(void);" >>lib/one.h'
 expect_fault symbols 'counter: a global' 'echo "int counter = 1;" >>lib/one.c'
 
 expect_fault hardening 'not position independent' 'build_program "" -no-pie'

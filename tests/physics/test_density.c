@@ -45,7 +45,7 @@ static scene make_sphere(double ratio, double cap)
 static double bake_mean(scene *s, bool lamp, uint32_t depth)
 {
 	gw_light light = scene_point_light(0, 0, 0, 1.0f);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	const float radiance[3] = { 1, 1, 1 };
 	options.depth = depth;
 	options.estimate_points = 0;
@@ -140,7 +140,7 @@ static void strays_are_counted(void **state)
 	(void)state;
 	scene s = make_sphere(1, 0);
 	gw_light sun = { .type = GW_LIGHT_SUN, .direction = { 0, 0, -1 }, .irradiance = { 1, 1, 1 } };
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	size_t stray = scene_add(&s, (double[3]){ 0, 1e8, 0 }, (double[3]){ 0, 0, 1 }, ALBEDO);
 	gw_points points = scene_points(&s);
 	options.estimate_points = 0;

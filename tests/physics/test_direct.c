@@ -34,7 +34,7 @@ static double point_light_error(const gw_report *report, double height, double d
 
 static gw_bake_options direct_only(gw_shadows shadows)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
 	options.shadows = shadows;
 	return options;
@@ -437,7 +437,7 @@ static double shadow_error_of(bool block)
 		add_random_patch(&s, (double[3]){ 1.3, 0.7, 0 }, y, z, (double[3]){ 1, 0, 0 }, 1500);
 	}
 	gw_points points = scene_points(&s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	gw_light sun = { .type = GW_LIGHT_SUN,
 					 .direction = { 0.5, 0.31, -0.8 },
 					 .irradiance = { 1, 1, 1 } };
@@ -500,7 +500,7 @@ static double error_on_strips(double degrees, double *said)
 	assert_non_null(truth);
 	add_noisy_strips(&s, degrees, sun, truth);
 	gw_points points = scene_points(&s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	gw_light light = { .type = GW_LIGHT_SUN,
 					   .direction = { sun[0], sun[1], sun[2] },
 					   .irradiance = { 1, 1, 1 } };

@@ -67,7 +67,7 @@ static void make_play(stage_play *p, double per_metre, bool lamp)
 
 static gw_bake_options options_of(void)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.estimate_points = 0;
 	return options;
 }

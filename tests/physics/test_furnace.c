@@ -23,7 +23,7 @@ static double allowed(gw_method method)
 
 static gw_bake_options options_of(gw_method method, uint32_t bounces)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.bounces = bounces;
 	return options;

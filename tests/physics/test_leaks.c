@@ -45,7 +45,7 @@ static void add_random_sphere(scene *s, size_t count, double noise)
 static size_t count_lit(const scene *s, double height, uint32_t depth)
 {
 	gw_points points = scene_points(s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
 	options.estimate_points = 0;
 	options.depth = depth;

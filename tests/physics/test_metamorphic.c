@@ -35,7 +35,7 @@ static void make_lights(gw_light lights[LIGHTS])
 
 static gw_bake_options options_of(gw_method method)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.bounces = 3;
 	return options;
@@ -536,7 +536,7 @@ static void few_points(void **state)
 				          (double[3]){ 0, 0, 1 }, 0.5f);
 			scene_emit(&s, n - 1, (float[3]){ 1, 1, 1 });
 			gw_points points = scene_points(&s);
-			gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+			gw_bake_options options = gw_bake_options_default();
 			options.method = (gw_method)method;
 			for (int normals = 0; normals < 2; normals++) {
 				points.normal = normals ? s.normal : NULL;

@@ -1,6 +1,6 @@
 /* Bakes of scenes in which much is hidden from much, against a path tracer on the triangles behind
  * the points; and that path tracer against closed forms. */
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 #include "reference_tracer.h"
 #include "scenes.h"
 
@@ -146,7 +146,7 @@ static gw_bake_result *bake(const mesh_scene *s, const mesh_points *p, const exp
 						 .normal = e->bare ? NULL : p->normal,
 						 .albedo = albedo,
 						 .emission = emits ? emission : NULL };
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = e->method;
 	gw_bake_result *result = scene_bake(&points, s->light, s->light_count, &options);
 	free(albedo);

@@ -18,7 +18,7 @@
 static gw_bake_result *bake(const scene *s, const gw_light *light)
 {
 	gw_points points = scene_points(s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.bounces = 1;
 	return scene_bake(&points, light, 1, &options);
 }

@@ -85,7 +85,7 @@ static double share_at(double x, double y)
 
 static gw_bake_result *bake(const scene *s)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	gw_points points = scene_points(s);
 	options.bounces = 1;
 	options.record_spacing = 0.0f;

@@ -1,7 +1,7 @@
 /* Faults planted in the octree, which rays through it do not notice: the bake has to say how wrong
  * they make the light, and to say nothing where there are none. */
 #include "base/luminance.h"
-#include "bake/relight.h"
+#include "bake/lighting.h"
 #include "scenes.h"
 #include "expected.h"
 
@@ -53,7 +53,7 @@ static bool is_lost(const fault *f, const float *hole, const float *place, size_
 }
 
 /* Takes the lobes out of leaves, as rays see it. */
-static void plant(gw_solver *s, const fault *f)
+static void plant(gw_scene *s, const fault *f)
 {
 	gw_error error;
 	gw_octree *o = &s->octree;
@@ -82,9 +82,9 @@ static void plant(gw_solver *s, const fault *f)
 
 /* -------------------------------------------------------------------------------------- baking */
 
-static double sent_out(const gw_relight *light, const float *direct, size_t i)
+static double sent_out(const gw_lighting *light, const float *direct, size_t i)
 {
-	const gw_surfels *s = &light->solver->surfels;
+	const gw_surfels *s = &light->scene->surfels;
 	float sum[3];
 	for (size_t k = 0; k < 3; k++) {
 		float irradiance = direct ? direct[4 * i + k] : 0.0f;
@@ -96,25 +96,25 @@ static double sent_out(const gw_relight *light, const float *direct, size_t i)
 	return gw_luminance(sum);
 }
 
-static void light_points(gw_solver *s, const gw_light *lamp, lit *result)
+static void light_points(gw_scene *s, const gw_light *lamp, lit *result)
 {
 	gw_error error;
 	float *direct = NULL;
-	gw_relight light = { .solver = s, .lights = lamp, .light_count = lamp ? 1 : 0 };
-	gw_relight_plan(&light);
+	gw_lighting light = { .scene = s, .lights = lamp, .light_count = lamp ? 1 : 0 };
+	gw_lighting_plan(&light);
 	if (light.plan.records)
-		assert_ok(gw_solver_place_records(s, &error), &error);
-	assert_ok(gw_relight_run(&light, &error), &error);
-	assert_ok(gw_relight_estimate(&light, &error), &error);
+		assert_ok(gw_scene_place_records(s, &error), &error);
+	assert_ok(gw_lighting_run(&light, &error), &error);
+	assert_ok(gw_lighting_estimate(&light, &error), &error);
 	if (light.plan.lamps)
-		assert_ok(gw_relight_download_direct(&light, &direct, &error), &error);
+		assert_ok(gw_lighting_download_direct(&light, &direct, &error), &error);
 	result->count = s->surfels.count;
 	result->radiance = malloc(result->count * sizeof *result->radiance);
 	assert_non_null(result->radiance);
 	for (size_t i = 0; i < result->count; i++)
 		result->radiance[i] = sent_out(&light, direct, i);
 	free(direct);
-	gw_relight_clear(&light);
+	gw_lighting_clear(&light);
 }
 
 /* Lights the points through an octree with that fault, or without. */
@@ -123,15 +123,15 @@ static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *
 	gw_error error;
 	gw_points points = scene_points(cloud);
 	*result = (lit){ .count = 0 };
-	gw_solver s = { .options = GW_BAKE_OPTIONS_DEFAULT, .report = &result->report };
+	gw_scene s = { .options = gw_bake_options_default(), .report = &result->report };
 	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
-	assert_ok(gw_solver_open_device(&s, &error), &error);
-	assert_ok(gw_solver_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
-	assert_ok(gw_solver_build_octree(&s, &error), &error);
+	assert_ok(gw_scene_open_device(&s, &error), &error);
+	assert_ok(gw_scene_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
+	assert_ok(gw_scene_build_octree(&s, &error), &error);
 	if (f)
 		plant(&s, f);
 	light_points(&s, lamp, result);
-	gw_solver_close(&s);
+	gw_scene_close(&s);
 }
 
 static void clear(lit *l)
@@ -276,7 +276,7 @@ static void no_more_than_is_true(void **state)
 {
 	(void)state;
 	const gw_light lamp = scene_point_light(0.5, 0.3, -0.2, 2.0f);
-	const gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	const gw_bake_options options = gw_bake_options_default();
 	double squares = 0.0, sum = 0.0;
 	scene s;
 	make_sphere(&s, 12000, 0.5f, false);

@@ -25,21 +25,21 @@ static void make_passage(scene *s)
 
 /* ---------------------------------------------------------------------------------------- hits */
 
-static void prepare(gw_solver *s, gw_report *report, const gw_points *points, float spacing)
+static void prepare(gw_scene *s, gw_report *report, const gw_points *points, float spacing)
 {
 	gw_error error;
 	*report = (gw_report){ 0 };
-	*s = (gw_solver){ .options = GW_BAKE_OPTIONS_DEFAULT, .report = report };
+	*s = (gw_scene){ .options = gw_bake_options_default(), .report = report };
 	s->options.record_spacing = spacing;
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
-	assert_ok(gw_solver_open_device(s, &error), &error);
-	assert_ok(gw_solver_make_surfels(s, points, NULL, 0, &error), &error);
-	assert_ok(gw_solver_build_octree(s, &error), &error);
-	assert_ok(gw_solver_place_records(s, &error), &error);
+	assert_ok(gw_scene_open_device(s, &error), &error);
+	assert_ok(gw_scene_make_surfels(s, points, NULL, 0, &error), &error);
+	assert_ok(gw_scene_build_octree(s, &error), &error);
+	assert_ok(gw_scene_place_records(s, &error), &error);
 }
 
-static uint32_t *hits_of(gw_solver *s)
+static uint32_t *hits_of(gw_scene *s)
 {
 	gw_error error;
 	uint64_t bytes = 4 * (uint64_t)s->rays.rays * s->records.count;
@@ -65,7 +65,7 @@ static void added_records_see_the_same(void **state)
 	(void)state;
 	gw_error error;
 	gw_report report[2];
-	gw_solver at_once, added;
+	gw_scene at_once, added;
 	size_t some = 0;
 	scene s = { 0 };
 	make_passage(&s);
@@ -86,7 +86,7 @@ static void added_records_see_the_same(void **state)
 	uint32_t *first = malloc((added.surfels.count + 1) * sizeof *first);
 	assert_non_null(first);
 	memcpy(first, added.read_back.first, (added.surfels.count + 1) * sizeof *first);
-	assert_ok(gw_solver_add_records(&added, &density, &error), &error);
+	assert_ok(gw_scene_add_records(&added, &density, &error), &error);
 	assert_int_equal(added.records.count, at_once.records.count);
 	assert_true(before > 10 && added.records.count > 4 * before);
 	assert_int_equal(added.further.count, added.records.count - before);
@@ -118,8 +118,8 @@ static void added_records_see_the_same(void **state)
 	free(b);
 	free(first);
 	gw_record_density_clear(&density);
-	gw_solver_close(&at_once);
-	gw_solver_close(&added);
+	gw_scene_close(&at_once);
+	gw_scene_close(&added);
 	scene_clear(&s);
 }
 
@@ -131,7 +131,7 @@ static void added_records_see_the_same(void **state)
 
 static gw_bake_options refining(float error, gw_method method)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.record_spacing = 5.0f;
 	options.rays = options.light_samples = 32;
@@ -172,7 +172,7 @@ static void reaches_what_is_asked(void **state)
 	make_passage(&s);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = refining(WITH_LAMP(0.06), GW_METHOD_RAYS),
-					fine = GW_BAKE_OPTIONS_DEFAULT;
+					fine = gw_bake_options_default();
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
 	const gw_report *r = &result->report;
 	assert_int_equal(r->goal, GW_GOAL_REACHED);

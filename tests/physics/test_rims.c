@@ -101,7 +101,7 @@ static void sheets_end_at_their_rims(void **state)
 	size_t floor_points = s.count;
 	add_sheet(&s, 0, SIDE, HEIGHT, true);
 	gw_points points = scene_points(&s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	gw_light sun = { .type = GW_LIGHT_SUN, .direction = { 0, 0, -1 }, .irradiance = { 1, 1, 1 } };
 	options.bounces = 1;
 	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);

@@ -64,7 +64,7 @@ static gw_bake_result *bake(const shadow_case *test)
 	gw_points points = {
 		.count = POINTS, .position = s->position, .normal = s->normal, .albedo = s->albedo
 	};
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.shadows = GW_SHADOWS_MAPS;
 	options.shadow_map_size = test->size;
 	options.bounces = 1;

@@ -45,7 +45,7 @@ static void make_floor(scene *s, bool wall)
 static gw_bake_result *bake(const scene *s, const gw_light *light, gw_method method)
 {
 	gw_points points = scene_points(s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.bounces = 1;
 	options.rays = 256;

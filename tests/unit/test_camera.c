@@ -1,7 +1,6 @@
 /* The camera and the automatic viewpoint against their definitions. */
-#include "picture/camera.h"
+#include "glowworm_picture.h"
 #include "pictures/render_cameras.h"
-#include "picture/viewpoint.h"
 
 #include <math.h>
 #include <setjmp.h>

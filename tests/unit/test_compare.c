@@ -1,5 +1,5 @@
 /* Error figures against sums done by hand, matching of points, and the worst points. */
-#include "estimate/compare.h"
+#include "glowworm_picture.h"
 
 #include <math.h>
 #include <setjmp.h>

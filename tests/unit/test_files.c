@@ -97,9 +97,9 @@ static void input_that_is_not_there(void **state)
 	(void)state;
 	input_file in;
 	gw_error error = { 0 };
-	assert_int_equal(input_file_open(&in, in_folder("none"), &error), GW_ERROR_NO_INPUT);
+	assert_int_equal(input_file_open(&in, in_folder("none"), &error), FILE_ERROR_NO_INPUT);
 	assert_non_null(strstr(error.text, "none"));
-	assert_int_equal(input_file_open(&in, folder, &error), GW_ERROR_NO_INPUT);
+	assert_int_equal(input_file_open(&in, folder, &error), FILE_ERROR_NO_INPUT);
 	assert_non_null(strstr(error.text, "directory"));
 	assert_null(in.data);
 }
@@ -187,7 +187,7 @@ static void output_overwrites_only_by_force(void **state)
 	gw_error error = { 0 };
 	put_file(in_folder("a"), "old");
 	assert_int_equal(chmod(in_folder("a"), 0640), 0);
-	assert_int_equal(output_file_create(&out, in_folder("a"), false, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, in_folder("a"), false, &error), FILE_ERROR_CREATE);
 	assert_non_null(strstr(error.text, "exists already"));
 	assert_null(out);
 
@@ -213,7 +213,7 @@ static void output_does_not_win_a_race(void **state)
 	assert_int_equal(output_file_create(&out, in_folder("a"), false, NULL), GW_OK);
 	output_file_print(out, NULL, "late");
 	put_file(in_folder("a"), "early");
-	assert_int_equal(output_file_commit(&out, NULL), GW_ERROR_CREATE);
+	assert_int_equal(output_file_commit(&out, NULL), FILE_ERROR_CREATE);
 	assert_content(in_folder("a"), "early");
 	assert_int_equal(files_in_folder(true), 1);
 }
@@ -223,17 +223,17 @@ static void output_without_a_place(void **state)
 	(void)state;
 	output_file *out;
 	gw_error error = { 0 };
-	assert_int_equal(output_file_create(&out, in_folder("no/a"), false, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, in_folder("no/a"), false, &error), FILE_ERROR_CREATE);
 	assert_non_null(strstr(error.text, "no/a"));
-	assert_int_equal(output_file_create(&out, folder, true, &error), GW_ERROR_CREATE);
-	assert_int_equal(output_file_create(&out, "", true, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, folder, true, &error), FILE_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, "", true, &error), FILE_ERROR_CREATE);
 	char long_name[400];
 	snprintf(long_name, sizeof long_name, "%s/%0300d", folder, 0);
-	assert_int_equal(output_file_create(&out, long_name, true, &error), GW_ERROR_CREATE);
-	assert_int_equal(output_file_check(long_name, true, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, long_name, true, &error), FILE_ERROR_CREATE);
+	assert_int_equal(output_file_check(long_name, true, &error), FILE_ERROR_CREATE);
 	assert_non_null(strstr(error.text, strerror(ENAMETOOLONG)));
 	assert_int_equal(symlink("nowhere", in_folder("link")), 0);
-	assert_int_equal(output_file_create(&out, in_folder("link"), true, &error), GW_ERROR_CREATE);
+	assert_int_equal(output_file_create(&out, in_folder("link"), true, &error), FILE_ERROR_CREATE);
 	files_in_folder(true);
 }
 
@@ -247,9 +247,9 @@ static void output_to_a_full_device(void **state)
 	assert_int_equal(output_file_create(&out, "/dev/full", true, NULL), GW_OK);
 	assert_null(output_file_temporary(out));
 	output_file_print(out, NULL, "x");
-	assert_int_equal(output_file_flush(out, NULL), GW_ERROR_IO);
-	assert_int_equal(output_file_write(out, "y", 1, NULL), GW_ERROR_IO);
-	assert_int_equal(output_file_commit(&out, &error), GW_ERROR_IO);
+	assert_int_equal(output_file_flush(out, NULL), FILE_ERROR_IO);
+	assert_int_equal(output_file_write(out, "y", 1, NULL), FILE_ERROR_IO);
+	assert_int_equal(output_file_commit(&out, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "/dev/full"));
 	assert_non_null(strstr(error.text, "No space left"));
 	assert_int_equal(stat("/dev/full", &after), 0);
@@ -268,7 +268,7 @@ static void output_to_a_closed_pipe(void **state)
 	assert_int_equal(output_file_create(&out, path, false, NULL), GW_OK);
 	output_file_print(out, NULL, "x");
 	close(ends[0]);
-	assert_int_equal(output_file_commit(&out, &error), GW_ERROR_IO);
+	assert_int_equal(output_file_commit(&out, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "Broken pipe"));
 	close(ends[1]);
 }
@@ -287,9 +287,9 @@ static void output_that_gets_too_large(void **state)
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
 	gw_status status = output_file_write(out, bytes, sizeof bytes, &error);
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
-	assert_int_equal(status, GW_ERROR_IO);
+	assert_int_equal(status, FILE_ERROR_IO);
 	/* The failure stays, though there would be room now. */
-	assert_int_equal(output_file_commit(&out, &error), GW_ERROR_IO);
+	assert_int_equal(output_file_commit(&out, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "File too large"));
 	assert_int_equal(files_in_folder(true), 0);
 }

@@ -692,7 +692,7 @@ static void vdb_is_written(void **state)
 	assert_int_equal(vdb_write(in_folder("b.vdb"), false, &voxels, &metadata, &error), GW_OK);
 	assert_same_file(in_folder("a.vdb"), in_folder("b.vdb"));
 	assert_int_equal(vdb_write(in_folder("b.vdb"), false, &voxels, &metadata, &error),
-					 GW_ERROR_CREATE);
+					 FILE_ERROR_CREATE);
 
 	/* One value over 65504 in each of four grids. */
 	metadata.half = true;
@@ -783,20 +783,20 @@ static void vdb_is_read_back(void **state)
 	for (int g = 0; g < VDB_GRIDS; g++) {
 		vdb_digest other = digest;
 		other.values[g] ^= 1;
-		assert_int_equal(verify(path, &other, &error), GW_ERROR_IO);
+		assert_int_equal(verify(path, &other, &error), FILE_ERROR_IO);
 		other = digest;
 		other.voxels[g]++;
-		assert_int_equal(verify(path, &other, &error), GW_ERROR_IO);
+		assert_int_equal(verify(path, &other, &error), FILE_ERROR_IO);
 	}
 	assert_int_equal(digest.points, GRID_POINTS - 1);
 	vdb_digest others[2] = { digest, digest };
 	others[0].points++;
 	others[1].point_values ^= 1;
 	for (int i = 0; i < 2; i++)
-		assert_int_equal(verify(path, &others[i], &error), GW_ERROR_IO);
+		assert_int_equal(verify(path, &others[i], &error), FILE_ERROR_IO);
 	for (int part = 7; part >= 0; part--) {
 		assert_int_equal(truncate(path, length * part / 8), 0);
-		assert_int_equal(verify(path, &digest, &error), GW_ERROR_IO);
+		assert_int_equal(verify(path, &digest, &error), FILE_ERROR_IO);
 	}
 	unlink(path);
 }
@@ -826,7 +826,7 @@ static void vdb_refuses(void **state)
 	assert_int_equal(vdb_write(in_folder("a.vdb"), true, &voxels, &metadata, &error),
 					 GW_ERROR_DATA);
 	voxels = make_voxels(1);
-	assert_int_equal(vdb_write("/dev/full", true, &voxels, &metadata, &error), GW_ERROR_IO);
+	assert_int_equal(vdb_write("/dev/full", true, &voxels, &metadata, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "No space left"));
 	assert_int_not_equal(access(in_folder("a.vdb"), F_OK), 0);
 }

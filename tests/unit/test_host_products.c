@@ -9,7 +9,7 @@
 #include "light/direct_light.h"
 #include "device/gpu_internal.h"
 #include "light/host_rays.h"
-#include "bake/relight.h"
+#include "bake/lighting.h"
 #include "scenes.h"
 #include "light/transport_layout.h"
 #include "expected.h"
@@ -38,7 +38,7 @@ typedef struct fixture {
 	gw_points points;
 	gw_light light;
 	gw_report report;
-	gw_solver solver;
+	gw_scene scene;
 } fixture;
 
 /* Of the octree; one that is too deep has all discs in its tree. */
@@ -54,27 +54,27 @@ static int use_great_depth(void **state)
 static void set_up(fixture *f)
 {
 	*f = (fixture){ .light = scene_point_light(1.0, 1.0, 1.2, 2.0f) };
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_error error = { 0 };
 	scene_make_hall(&f->hall);
 	f->points = scene_points(&f->hall);
-	s->options = GW_BAKE_OPTIONS_DEFAULT;
+	s->options = gw_bake_options_default();
 	s->options.estimate_points = 0;
 	s->options.depth = depth;
 	s->report = &f->report;
-	assert_ok(gw_solver_open_device(s, &error), &error);
+	assert_ok(gw_scene_open_device(s, &error), &error);
 	if (!gw_gpu_is_host(s->gpu)) {
 		print_message("this device is not the host\n");
 		skip();
 	}
-	assert_ok(gw_solver_make_surfels(s, &f->points, &f->light, 1, &error), &error);
-	assert_ok(gw_solver_build_octree(s, &error), &error);
-	assert_ok(gw_solver_place_records(s, &error), &error);
+	assert_ok(gw_scene_make_surfels(s, &f->points, &f->light, 1, &error), &error);
+	assert_ok(gw_scene_build_octree(s, &error), &error);
+	assert_ok(gw_scene_place_records(s, &error), &error);
 }
 
 static void tear_down(fixture *f)
 {
-	gw_solver_close(&f->solver);
+	gw_scene_close(&f->scene);
 	free(f->report.bounce);
 	scene_clear(&f->hall);
 }
@@ -87,10 +87,10 @@ static gw_buffer random_vectors(fixture *f, uint64_t count)
 	assert_non_null(values);
 	for (size_t i = 0; i < 4 * count; i++)
 		values[i] = i % 4 < 3 ? (float)scene_random(&f->hall) : 0.0f;
-	assert_ok(gw_buffer_create(f->solver.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+	assert_ok(gw_buffer_create(f->scene.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 							   16 * count, "random vectors", &buffer, &error),
 			  &error);
-	assert_ok(gw_buffer_upload(f->solver.gpu, &buffer, 0, values, 16 * count, &error), &error);
+	assert_ok(gw_buffer_upload(f->scene.gpu, &buffer, 0, values, 16 * count, &error), &error);
 	free(values);
 	return buffer;
 }
@@ -99,7 +99,7 @@ static gw_buffer dark_vectors(fixture *f, size_t count)
 {
 	gw_buffer buffer;
 	gw_error error = { 0 };
-	assert_ok(gw_buffer_create(f->solver.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+	assert_ok(gw_buffer_create(f->scene.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 							   16 * (uint64_t)count, "dark", &buffer, &error),
 			  &error);
 	return buffer;
@@ -110,7 +110,7 @@ static float *contents(fixture *f, const gw_buffer *buffer)
 	gw_error error = { 0 };
 	float *values = malloc((size_t)buffer->bytes);
 	assert_non_null(values);
-	assert_ok(gw_buffer_download(f->solver.gpu, buffer, 0, values, buffer->bytes, &error), &error);
+	assert_ok(gw_buffer_download(f->scene.gpu, buffer, 0, values, buffer->bytes, &error), &error);
 	return values;
 }
 
@@ -140,7 +140,7 @@ typedef gw_status product(fixture *f, const gw_buffer *one, const gw_buffer *oth
 static void make_alike(fixture *f, product *make, const gw_buffer *one, const gw_buffer *other,
 					   uint64_t count, double terms)
 {
-	gw_gpu *gpu = f->solver.gpu;
+	gw_gpu *gpu = f->scene.gpu;
 	gw_error error = { 0 };
 	float *found[2];
 	for (int host = 0; host < 2; host++) {
@@ -157,7 +157,7 @@ static void make_alike(fixture *f, product *make, const gw_buffer *one, const gw
 static gw_status shade(fixture *f, const gw_buffer *irradiance, const gw_buffer *direct,
 					   gw_buffer *radiance, gw_error *error)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	return gw_lobes_shade(&s->passes, &s->octree, &s->records, irradiance, direct, 0.5f, radiance,
 						  error);
 }
@@ -165,7 +165,7 @@ static gw_status shade(fixture *f, const gw_buffer *irradiance, const gw_buffer 
 static gw_status shade_undirected(fixture *f, const gw_buffer *irradiance, const gw_buffer *direct,
 								  gw_buffer *radiance, gw_error *error)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	return gw_lobes_shade(&s->passes, &s->octree, &s->records, irradiance, direct, 0.0f, radiance,
 						  error);
 }
@@ -175,13 +175,13 @@ static void shade_alike(void **state)
 	(void)state;
 	fixture f;
 	set_up(&f);
-	uint64_t slots = 2 * (uint64_t)f.solver.octree.leaf_count;
-	gw_buffer irradiance = random_vectors(&f, f.solver.records.count);
+	uint64_t slots = 2 * (uint64_t)f.scene.octree.leaf_count;
+	gw_buffer irradiance = random_vectors(&f, f.scene.records.count);
 	gw_buffer direct = random_vectors(&f, slots);
 	make_alike(&f, shade, &irradiance, &direct, slots, GW_WEIGHTS + 1.0);
 	make_alike(&f, shade_undirected, &irradiance, &direct, slots, GW_WEIGHTS + 1.0);
-	gw_buffer_destroy(f.solver.gpu, &irradiance);
-	gw_buffer_destroy(f.solver.gpu, &direct);
+	gw_buffer_destroy(f.scene.gpu, &irradiance);
+	gw_buffer_destroy(f.scene.gpu, &direct);
 	tear_down(&f);
 }
 
@@ -189,7 +189,7 @@ static void shade_alike(void **state)
 static gw_status gather(fixture *f, const gw_buffer *radiance, const gw_buffer *none,
 						gw_buffer *out, gw_error *error)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_buffer before = s->records.gathered;
 	(void)none;
 	s->records.gathered = *out;
@@ -203,9 +203,9 @@ static void gather_alike(void **state)
 	(void)state;
 	fixture f;
 	set_up(&f);
-	gw_buffer radiance = random_vectors(&f, 2 * (uint64_t)f.solver.octree.leaf_count);
-	make_alike(&f, gather, &radiance, NULL, f.solver.records.count, f.solver.rays.rays);
-	gw_buffer_destroy(f.solver.gpu, &radiance);
+	gw_buffer radiance = random_vectors(&f, 2 * (uint64_t)f.scene.octree.leaf_count);
+	make_alike(&f, gather, &radiance, NULL, f.scene.records.count, f.scene.rays.rays);
+	gw_buffer_destroy(f.scene.gpu, &radiance);
 	tear_down(&f);
 }
 
@@ -213,7 +213,7 @@ static gw_status average(fixture *f, const gw_buffer *surfels, const gw_buffer *
 						 gw_buffer *lobes, gw_error *error)
 {
 	(void)none;
-	return gw_average_lobes(&f->solver.passes, &f->solver.octree, surfels, lobes, error);
+	return gw_average_lobes(&f->scene.passes, &f->scene.octree, surfels, lobes, error);
 }
 
 /* Of a leaf, up to 2047 fragments count: one in `fragments / 1024`. */
@@ -222,9 +222,9 @@ static void average_alike(void **state)
 	(void)state;
 	fixture f;
 	set_up(&f);
-	gw_buffer surfels = random_vectors(&f, f.solver.surfels.count);
-	make_alike(&f, average, &surfels, NULL, 2 * (uint64_t)f.solver.octree.leaf_count, 2047.0);
-	gw_buffer_destroy(f.solver.gpu, &surfels);
+	gw_buffer surfels = random_vectors(&f, f.scene.surfels.count);
+	make_alike(&f, average, &surfels, NULL, 2 * (uint64_t)f.scene.octree.leaf_count, 2047.0);
+	gw_buffer_destroy(f.scene.gpu, &surfels);
 	tear_down(&f);
 }
 
@@ -234,7 +234,7 @@ static void add_alike(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	gw_buffer from = random_vectors(&f, 5000), to = random_vectors(&f, 5000);
 	float *a = contents(&f, &from), *b = contents(&f, &to);
 	assert_ok(gw_light_add(&s->passes, &from, &to, 5000, &error), &error);
@@ -260,7 +260,7 @@ static void add_alike(void **state)
 
 static gw_ray_gather trace_rays(fixture *f, bool host, uint32_t threads)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_error error = { 0 };
 	gw_ray_gather rays;
 	s->gpu->may_map = host;
@@ -274,7 +274,7 @@ static gw_ray_gather trace_rays(fixture *f, bool host, uint32_t threads)
 /* Rays whose hits differ, by lobe or by a hundredth of a cell, or that one has seen a back. */
 static size_t count_strayed(fixture *f, const gw_ray_gather *a, const gw_ray_gather *b)
 {
-	size_t count = 64 * (size_t)f->solver.records.count, strayed = 0, hits = 0;
+	size_t count = 64 * (size_t)f->scene.records.count, strayed = 0, hits = 0;
 	uint32_t *lobe[2] = { (uint32_t *)contents(f, &a->lobe), (uint32_t *)contents(f, &b->lobe) };
 	float *distance[2] = { contents(f, &a->distance), contents(f, &b->distance) };
 	for (size_t i = 0; i < count; i++) {
@@ -294,12 +294,12 @@ static void rays_alike(void **state)
 	(void)state;
 	fixture f;
 	set_up(&f);
-	gw_gpu *gpu = f.solver.gpu;
+	gw_gpu *gpu = f.scene.gpu;
 	gw_ray_gather passes = trace_rays(&f, false, 0);
 	gw_ray_gather host = trace_rays(&f, true, 3), alone = trace_rays(&f, true, 1);
 	size_t strayed = count_strayed(&f, &passes, &host);
-	if ((double)strayed > STRAYED * 64.0 * f.solver.records.count)
-		fail_msg("%zu rays of %u records go another way", strayed, f.solver.records.count);
+	if ((double)strayed > STRAYED * 64.0 * f.scene.records.count)
+		fail_msg("%zu rays of %u records go another way", strayed, f.scene.records.count);
 	assert_int_equal(count_strayed(&f, &alone, &host), 0);
 	gw_ray_gather_destroy(gpu, &passes);
 	gw_ray_gather_destroy(gpu, &host);
@@ -314,7 +314,7 @@ static void listed_rays(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	gw_ray_gather all = trace_rays(&f, true, 0), some;
 	uint32_t count = 64 * s->records.count, listed = count / 3;
 	gw_buffer list;
@@ -359,7 +359,7 @@ static void compare_light(float *a, float *b, size_t count)
 /* What records gather of the lamp in the ceiling and of a sky with a map. */
 static float *sampled(fixture *f, const gw_emitters *emitters, const gw_sky_map *map, bool host)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_error error = { 0 };
 	const float sky[3] = { 0.1f, 0.2f, 0.4f };
 	gw_buffer irradiance = random_vectors(f, s->records.count);
@@ -388,7 +388,7 @@ static void samples_alike(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	float pixel[32 * 16 * 3];
 	for (size_t i = 0; i < 32 * 16 * 3; i++)
 		pixel[i] = (float)scene_random(&f.hall);
@@ -422,7 +422,7 @@ static void looks_alike(void **state)
 	gw_error error = { 0 };
 	float *place[2], *facing[2];
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	for (int host = 0; host < 2; host++) {
 		s->gpu->may_map = host;
 		assert_ok(gw_ray_gather_look(&s->passes, &s->octree, &s->records, &s->rays, &error),
@@ -467,7 +467,7 @@ static void shadows_alike(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	gw_light light[LAMPS];
 	make_lamps(&f, light);
 	for (int i = 0; i < LAMPS; i++) {
@@ -493,7 +493,7 @@ static void lamps_alike(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	gw_light light[LAMPS];
 	float *surfels[2], *lobes[2];
 	make_lamps(&f, light);
@@ -549,7 +549,7 @@ static size_t count_changed(rows *a, rows *b)
 
 static rows lobe_rows(fixture *f, const gw_buffer *reach, bool host)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_error error = { 0 };
 	s->gpu->may_map = host;
 	assert_ok(gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, NULL, &error), &error);
@@ -562,7 +562,7 @@ static rows lobe_rows(fixture *f, const gw_buffer *reach, bool host)
 
 static rows surfel_rows(fixture *f, const gw_buffer *reach, bool host)
 {
-	gw_solver *s = &f->solver;
+	gw_scene *s = &f->scene;
 	gw_error error = { 0 };
 	uint64_t first = 100, count = s->surfels.count - first;
 	gw_buffer record, weight;
@@ -593,11 +593,11 @@ static gw_buffer uneven_reach(fixture *f, size_t count)
 	float *value = calloc(count, sizeof *value);
 	assert_non_null(value);
 	for (size_t i = 0; i < count; i++)
-		value[i] = 0.5f * (float)(i % 3) * f->solver.records.radius;
-	assert_ok(gw_buffer_create(f->solver.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
+		value[i] = 0.5f * (float)(i % 3) * f->scene.records.radius;
+	assert_ok(gw_buffer_create(f->scene.gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
 							   "reach", &reach, &error),
 			  &error);
-	assert_ok(gw_buffer_upload(f->solver.gpu, &reach, 0, value, 4 * count, &error), &error);
+	assert_ok(gw_buffer_upload(f->scene.gpu, &reach, 0, value, 4 * count, &error), &error);
 	free(value);
 	return reach;
 }
@@ -608,7 +608,7 @@ static void lookups_alike(void **state)
 	(void)state;
 	fixture f;
 	set_up(&f);
-	gw_solver *s = &f.solver;
+	gw_scene *s = &f.scene;
 	gw_buffer lobes = uneven_reach(&f, 2 * (size_t)s->octree.leaf_count);
 	gw_buffer surfels = uneven_reach(&f, s->surfels.count);
 	const struct {
@@ -635,17 +635,17 @@ static void lookups_alike(void **state)
 static float *light(fixture *f, bool host, uint32_t threads, uint32_t *bounces)
 {
 	gw_error error = { 0 };
-	gw_solver *s = &f->solver;
-	gw_relight relight = { .solver = s, .lights = &f->light, .light_count = 1 };
+	gw_scene *s = &f->scene;
+	gw_lighting lighting = { .scene = s, .lights = &f->light, .light_count = 1 };
 	s->gpu->may_map = host;
 	s->passes.threads = threads;
-	gw_relight_plan(&relight);
-	assert_ok(gw_relight_run(&relight, &error), &error);
+	gw_lighting_plan(&lighting);
+	assert_ok(gw_lighting_run(&lighting, &error), &error);
 	s->gpu->may_map = true;
 	*bounces = f->report.bounce_count;
-	float *indirect = relight.surfel_indirect;
-	relight.surfel_indirect = NULL;
-	gw_relight_clear(&relight);
+	float *indirect = lighting.surfel_indirect;
+	lighting.surfel_indirect = NULL;
+	gw_lighting_clear(&lighting);
 	return indirect;
 }
 
@@ -659,13 +659,13 @@ static void bounce_alike(void **state)
 	fixture f;
 	uint32_t bounces[3];
 	set_up(&f);
-	size_t count = 4 * f.solver.surfels.count;
+	size_t count = 4 * f.scene.surfels.count;
 	float *passes = light(&f, false, 0, &bounces[0]);
 	float *host = light(&f, true, 0, &bounces[1]), *alone = light(&f, true, 1, &bounces[2]);
 	assert_true(bounces[0] == bounces[1] && bounces[0] == bounces[2] && bounces[0] > 3);
 	assert_memory_equal(host, alone, count * sizeof *host);
 	free(alone);
-	compare(host, passes, count, 2.0 * (f.solver.rays.rays + GW_WEIGHTS + GW_SURFEL_WEIGHTS));
+	compare(host, passes, count, 2.0 * (f.scene.rays.rays + GW_WEIGHTS + GW_SURFEL_WEIGHTS));
 	tear_down(&f);
 }
 
@@ -675,7 +675,7 @@ static void views(void **state)
 	fixture f;
 	gw_error error = { 0 };
 	set_up(&f);
-	gw_gpu *gpu = f.solver.gpu;
+	gw_gpu *gpu = f.scene.gpu;
 	gw_buffer buffer = random_vectors(&f, 100);
 	float *expected = contents(&f, &buffer);
 	for (int host = 0; host < 2; host++) {

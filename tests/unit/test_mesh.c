@@ -4,7 +4,7 @@
 #include "glb_file.h"
 #include "files/input_file.h"
 #include "meshes/mesh.h"
-#include "surfels/mesh_sample.h"
+#include "meshes/mesh_sample.h"
 #include "points/scan_color.h"
 
 #include <math.h>

@@ -149,13 +149,13 @@ static void test_full_disk(void **state)
 	}
 	png_picture picture = { SIDE, SIDE, false, noise, NULL, 0 };
 	assert_int_equal(output_file_create(&out, "/dev/full", true, NULL), GW_OK);
-	assert_int_equal(png_picture_write(out, &picture, &error), GW_ERROR_IO);
+	assert_int_equal(png_picture_write(out, &picture, &error), FILE_ERROR_IO);
 	assert_non_null(strstr(error.text, "/dev/full"));
 	output_file_abandon(&out);
 	const exr_channel channel[] = { { "Y", false, values, 1 } };
 	exr_picture numbers = { SIDE, SIDE, channel, 1, NULL, 0 };
 	assert_int_equal(output_file_create(&out, "/dev/full", true, NULL), GW_OK);
-	assert_int_equal(exr_picture_write(out, &numbers, &error), GW_ERROR_IO);
+	assert_int_equal(exr_picture_write(out, &numbers, &error), FILE_ERROR_IO);
 	output_file_abandon(&out);
 	free(noise);
 	free(values);

@@ -1,6 +1,6 @@
 /* The rasteriser against closed forms: areas, depths, order, holes, and bytes of several threads.
  */
-#include "picture/raster.h"
+#include "glowworm_picture.h"
 #include "surfels/surfels.h"
 
 #include <math.h>

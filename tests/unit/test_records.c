@@ -39,8 +39,8 @@ static lobes make_lobes(size_t count)
 {
 	random_state = count;
 	lobes l = { .count = count,
-		        .centre = calloc(4 * count, sizeof(float)),
-		        .plane = calloc(4 * count, sizeof(float)) };
+				.centre = calloc(4 * count, sizeof(float)),
+				.plane = calloc(4 * count, sizeof(float)) };
 	assert_non_null(l.centre);
 	assert_non_null(l.plane);
 	return l;
@@ -95,7 +95,7 @@ static bool covers(const lobes *l, size_t a, size_t b, float spacing, float radi
 		height += off * l->plane[4 * b + k];
 	}
 	return squared < spacing * spacing && alignment > LIKE_NORMAL &&
-	       fabsf(height) < OFF_PLANE * radius;
+		   fabsf(height) < OFF_PLANE * radius;
 }
 
 static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, uint32_t **chosen)
@@ -103,11 +103,11 @@ static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, 
 	size_t count = 0;
 	gw_error error = { 0 };
 	const gw_place_task task = { .centre = l->centre,
-		                         .plane = l->plane,
-		                         .slots = l->count,
-		                         .spacing = spacing,
-		                         .radius = radius,
-		                         .seed = seed };
+								 .plane = l->plane,
+								 .slots = l->count,
+								 .spacing = spacing,
+								 .radius = radius,
+								 .seed = seed };
 	if (gw_place_records(&task, chosen, &count, &error) != GW_OK)
 		fail_msg("%s", error.text);
 	for (size_t i = 0; i < count; i++) {
@@ -127,7 +127,7 @@ static size_t check_places(const lobes *l, float spacing, float radius, uint64_t
 		if (next < count && chosen[next] == i) {
 			for (size_t j = 0; j < next; j++)
 				assert_false(covers(l, i, chosen[j], spacing, radius) &&
-				             covers(l, chosen[j], i, spacing, radius));
+							 covers(l, chosen[j], i, spacing, radius));
 			next++;
 			continue;
 		}
@@ -232,14 +232,14 @@ static void closer_in_places(void **state)
 	for (size_t i = 0; i < l.count; i++)
 		closer[i] = l.centre[4 * i] < 32.0f ? 2.0f : spacing;
 	gw_place_task task = { .centre = l.centre,
-		                   .plane = l.plane,
-		                   .slots = l.count,
-		                   .spacing = spacing,
-		                   .radius = radius,
-		                   .closer = closer,
-		                   .kept = first,
-		                   .kept_count = kept,
-		                   .seed = 5 };
+						   .plane = l.plane,
+						   .slots = l.count,
+						   .spacing = spacing,
+						   .radius = radius,
+						   .closer = closer,
+						   .kept = first,
+						   .kept_count = kept,
+						   .seed = 5 };
 	assert_int_equal(gw_place_records(&task, &chosen, &count, NULL), GW_OK);
 	assert_true(count > kept);
 	assert_memory_equal(chosen, first, kept * sizeof *first);
@@ -344,7 +344,7 @@ static void nothing_to_place(void **state)
 
 /* ------------------------------------------------------------------------------------- listing */
 
-static uint32_t *words_of(gw_solver *s, const gw_buffer *buffer)
+static uint32_t *words_of(gw_scene *s, const gw_buffer *buffer)
 {
 	gw_error error = { 0 };
 	uint32_t *words = malloc((size_t)buffer->bytes);
@@ -369,20 +369,20 @@ static void make_cloud(scene *s, size_t count)
 	}
 }
 
-/* A solver of the cloud, up to its records. */
-static void place_records(gw_solver *solver, const scene *cloud)
+/* The scene of a cloud, up to its records. */
+static void place_records(gw_scene *built, const scene *cloud)
 {
 	gw_error error = { 0 };
 	gw_points points = scene_points(cloud);
 	gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
-	solver->options = GW_BAKE_OPTIONS_DEFAULT;
-	solver->options.estimate_points = 0;
-	solver->options.depth = 7;
-	solver->options.record_spacing = 0.5f;
-	assert_ok(gw_solver_open_device(solver, &error), &error);
-	assert_ok(gw_solver_make_surfels(solver, &points, &light, 1, &error), &error);
-	assert_ok(gw_solver_build_octree(solver, &error), &error);
-	assert_ok(gw_solver_place_records(solver, &error), &error);
+	built->options = gw_bake_options_default();
+	built->options.estimate_points = 0;
+	built->options.depth = 7;
+	built->options.record_spacing = 0.5f;
+	assert_ok(gw_scene_open_device(built, &error), &error);
+	assert_ok(gw_scene_make_surfels(built, &points, &light, 1, &error), &error);
+	assert_ok(gw_scene_build_octree(built, &error), &error);
+	assert_ok(gw_scene_place_records(built, &error), &error);
 }
 
 static void every_record_is_listed_once(void **state)
@@ -390,12 +390,12 @@ static void every_record_is_listed_once(void **state)
 	(void)state;
 	scene cloud;
 	gw_report report = { 0 };
-	gw_solver solver = { .report = &report };
+	gw_scene built = { .report = &report };
 	make_cloud(&cloud, 3000);
-	place_records(&solver, &cloud);
-	uint32_t count = solver.records.count, blocks = solver.records.block_count, listed = 0;
-	uint32_t *first = words_of(&solver, &solver.records.block_first);
-	uint32_t *record = words_of(&solver, &solver.records.block_record);
+	place_records(&built, &cloud);
+	uint32_t count = built.records.count, blocks = built.records.block_count, listed = 0;
+	uint32_t *first = words_of(&built, &built.records.block_first);
+	uint32_t *record = words_of(&built, &built.records.block_record);
 	bool *seen = calloc(count, sizeof *seen);
 	assert_non_null(seen);
 	assert_true(count > 1000);
@@ -410,7 +410,7 @@ static void every_record_is_listed_once(void **state)
 	free(seen);
 	free(first);
 	free(record);
-	gw_solver_close(&solver);
+	gw_scene_close(&built);
 	free(report.bounce);
 	scene_clear(&cloud);
 }
@@ -418,12 +418,11 @@ static void every_record_is_listed_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_lobe_has_a_record), cmocka_unit_test(density_on_a_floor),
-		cmocka_unit_test(one_on_every_lobe),       cmocka_unit_test(the_seed_decides),
-		cmocka_unit_test(separate_surfaces),       cmocka_unit_test(nothing_to_place),
-		cmocka_unit_test(closer_in_places),        cmocka_unit_test(factors_follow_the_root),
-		cmocka_unit_test(factors_keep_their_limits),
-		cmocka_unit_test(every_record_is_listed_once),
+		cmocka_unit_test(every_lobe_has_a_record),   cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_lobe),         cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(separate_surfaces),         cmocka_unit_test(nothing_to_place),
+		cmocka_unit_test(closer_in_places),          cmocka_unit_test(factors_follow_the_root),
+		cmocka_unit_test(factors_keep_their_limits), cmocka_unit_test(every_record_is_listed_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

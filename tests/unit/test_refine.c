@@ -23,12 +23,12 @@ static gw_refine_state state_of(const gw_bake_options *options, double rms, doub
 static void presets_get_finer(void **state)
 {
 	(void)state;
-	gw_bake_options last = GW_BAKE_OPTIONS_DEFAULT, normal = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options last = gw_bake_options_default(), normal = gw_bake_options_default();
 	gw_bake_options_set_quality(&normal, GW_QUALITY_NORMAL);
 	assert_memory_equal(&last, &normal, sizeof last);
 	gw_bake_options_set_quality(&last, GW_QUALITY_DRAFT);
 	for (int q = GW_QUALITY_NORMAL; q < GW_QUALITY_COUNT; q++) {
-		gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT;
+		gw_bake_options o = gw_bake_options_default();
 		gw_bake_options_set_quality(&o, (gw_quality)q);
 		assert_true(o.rays > last.rays && o.light_samples > last.light_samples);
 		assert_true(o.cones > last.cones);
@@ -41,7 +41,7 @@ static void presets_get_finer(void **state)
 static void target_counts_the_spread(void **state)
 {
 	(void)state;
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options o = gw_bake_options_default();
 	gw_error_estimate e = { .points = 10, .relative_rms = 0.04, .gathered = 0.04, .spread = 0.005 };
 	assert_false(gw_refine_reached(&o, &e));
 	o.max_error = 0.05f;
@@ -56,7 +56,7 @@ static void noise_asks_for_rays(void **state)
 {
 	(void)state;
 	char why[96];
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	gw_bake_options o = gw_bake_options_default(), next;
 	o.max_error = 0.01f;
 	gw_refine_state all_noise = state_of(&o, 0.02, 0.02);
 	assert_int_equal(gw_refine_next(&all_noise, &next, why), GW_REFINE_ROUND);
@@ -74,7 +74,7 @@ static void the_rest_asks_for_records_then_leaves(void **state)
 {
 	(void)state;
 	char why[96];
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	gw_bake_options o = gw_bake_options_default(), next;
 	o.max_error = 0.01f;
 	gw_refine_state no_noise = state_of(&o, 0.02, 0.0);
 	assert_int_equal(gw_refine_next(&no_noise, &next, why), GW_REFINE_ROUND);
@@ -95,7 +95,7 @@ static void it_ends(void **state)
 	(void)state;
 	for (int method = 0; method < GW_METHOD_COUNT; method++) {
 		char why[96];
-		gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+		gw_bake_options o = gw_bake_options_default(), next;
 		o.method = (gw_method)method;
 		o.max_error = 1e-6f;
 		gw_refine_state s = state_of(&o, 0.1, 0.07);
@@ -118,7 +118,7 @@ static void what_does_not_help_ends(void **state)
 {
 	(void)state;
 	char why[96];
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	gw_bake_options o = gw_bake_options_default(), next;
 	o.max_error = 0.01f;
 	gw_round round[3] = { { .error = { .relative_rms = 0.05 } },
 						  { .error = { .relative_rms = 0.02 } },
@@ -145,7 +145,7 @@ static void time_makes_steps_smaller(void **state)
 {
 	(void)state;
 	char why[96];
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, free_choice, bound;
+	gw_bake_options o = gw_bake_options_default(), free_choice, bound;
 	gw_refine_state s = state_of(&o, 0.02, 0.02);
 	assert_int_equal(gw_refine_next(&s, &free_choice, why), GW_REFINE_ROUND);
 	s.seconds_left = 2.5;
@@ -164,7 +164,7 @@ static void records_come_first(void **state)
 	(void)state;
 	char why[96];
 	gw_density_wish wish;
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options o = gw_bake_options_default();
 	o.max_error = 0.02f;
 	gw_refine_state s = state_of(&o, 0.06, 0.01);
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_ROUND);
@@ -217,7 +217,7 @@ static void rays_come_before_records(void **state)
 	(void)state;
 	char why[96];
 	gw_density_wish wish;
-	gw_bake_options o = GW_BAKE_OPTIONS_DEFAULT, next;
+	gw_bake_options o = gw_bake_options_default(), next;
 	o.max_error = 0.01f;
 	gw_refine_state s = state_of(&o, 0.03, 0.011);
 	assert_int_equal(gw_refine_records(&s, &wish, why), GW_REFINE_EXHAUSTED);

@@ -674,8 +674,8 @@ static void estimated_normals_are_of_one_side(void **state)
 	c.normal = NULL;
 	gw_points points = points_of(&c);
 	for (size_t i = 0; i < sizeof lit / sizeof *lit; i++) {
-		gw_surfels s = make_with(
-			&points, &(gw_surfels_options){ .lights = &lit[i].light, .light_count = 1 });
+		gw_surfels s =
+			make_with(&points, &(gw_surfels_options){ .lights = &lit[i].light, .light_count = 1 });
 		assert_in_range(count_wrong(&s, &c, truth, lit[i].sign), 0, 10);
 		assert_in_range(s.normals_untrusted, 0, 10);
 		gw_surfels_clear(&s);
@@ -1455,6 +1455,29 @@ static bool always(void *user)
 	return true;
 }
 
+static bool never(void *user)
+{
+	++*(int *)user;
+	return false;
+}
+
+/* Whoever wants to stop is asked while neighbours are searched, at least once in 1024 points. */
+static void it_asks_within_each_step(void **state)
+{
+	(void)state;
+	const int count = 50 * 1024;
+	cloud c = make_sphere((size_t)count, false, 0, 0);
+	gw_points points = points_of(&c);
+	gw_surfels s;
+	gw_error error = { 0 };
+	int asked = 0;
+	gw_surfels_options options = { .threads = 1, .cancelled = never, .user = &asked };
+	assert_int_equal(gw_surfels_make(&points, &options, &s, &error), GW_OK);
+	assert_true(asked > count / 1024);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 static void stopping_and_small_memory_leave_nothing(void **state)
 {
 	(void)state;
@@ -1620,6 +1643,7 @@ int main(void)
 		cmocka_unit_test(identical_and_collinear_points_work),
 		cmocka_unit_test(scale_does_not_matter),
 		cmocka_unit_test(uneven_density_works),
+		cmocka_unit_test(it_asks_within_each_step),
 		cmocka_unit_test(stopping_and_small_memory_leave_nothing),
 		cmocka_unit_test(ranks_are_those_of_sorted_values),
 		cmocka_unit_test(chosen_surfels_are_the_same),

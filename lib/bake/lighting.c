@@ -1,7 +1,7 @@
 /*
- * relight.c - see relight.h.
+ * lighting.c - see lighting.h.
  */
-#include "bake/relight.h"
+#include "bake/lighting.h"
 #include "bake/report.h"
 
 #include "light/bounces.h"
@@ -17,22 +17,21 @@
 
 #define PATCH_SEED 0x2c1b3c6du
 
-void gw_relight_plan(gw_relight *relight)
+void gw_lighting_plan(gw_lighting *lighting)
 {
-	gw_solver *solver = relight->solver;
-	gw_plan_make(&solver->surfels, relight->lights, relight->light_count, &solver->options,
-				 &relight->plan, solver->report);
+	gw_scene *scene = lighting->scene;
+	gw_plan_make(&scene->surfels, lighting->lights, lighting->light_count, &scene->options,
+				 &lighting->plan, scene->report);
 }
 
-void gw_relight_plan_part(gw_relight *part, bool emission)
+void gw_lighting_plan_part(gw_lighting *part, bool emission)
 {
 	const gw_plan *whole = &part->whole->plan;
 	gw_plan *plan = &part->plan;
-	*plan =
-		(gw_plan){ .emitters = whole->emitters && emission,
-				   .bounces = whole->bounces,
-				   .records = whole->records,
-				   .limit = whole->bounces ? part->solver->report->bounce_count : whole->limit };
+	*plan = (gw_plan){ .emitters = whole->emitters && emission,
+					   .bounces = whole->bounces,
+					   .records = whole->records,
+					   .limit = whole->bounces ? part->scene->report->bounce_count : whole->limit };
 	for (size_t i = 0; i < part->light_count; i++) {
 		plan->lamps |= whole->lamps && gw_light_shines(&part->lights[i]);
 		bool sky = part->lights[i].type == GW_LIGHT_ENVIRONMENT;
@@ -46,35 +45,35 @@ void gw_relight_plan_part(gw_relight *part, bool emission)
 }
 
 /* A buffer of `count` dark vec4, made when there is none yet. */
-static gw_status darken(gw_relight *relight, gw_buffer_kind kind, uint64_t count, const char *name,
-						gw_buffer *buffer, gw_error *error)
+static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t count,
+						const char *name, gw_buffer *buffer, gw_error *error)
 {
-	gw_gpu *gpu = relight->solver->gpu;
+	gw_gpu *gpu = lighting->scene->gpu;
 	if (buffer->handle != VK_NULL_HANDLE)
 		return gw_buffer_fill(gpu, buffer, 0, error);
 	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
 	return gw_buffer_create(gpu, kind, format, 16 * count, name, buffer, error);
 }
 
-gw_status gw_relight_direct(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *solver = relight->solver;
-	uint64_t slots = 2 * (uint64_t)solver->octree.leaf_count;
-	gw_status status = darken(relight, GW_BUFFER_TEXEL, solver->surfels.count, "direct irradiance",
-							  &relight->surfel_direct, error);
+	gw_scene *scene = lighting->scene;
+	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
+	gw_status status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
+							  &lighting->surfel_direct, error);
 	if (status == GW_OK)
-		status = darken(relight, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
-						&relight->lobe_direct, error);
-	bool off = relight->plan.lamps && relight->whole == NULL && solver->surfels.lamp_off &&
-			   solver->options.estimate_points > 0;
+		status = darken(lighting, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
+						&lighting->lobe_direct, error);
+	bool off = lighting->plan.lamps && lighting->whole == NULL && scene->surfels.lamp_off &&
+			   scene->options.estimate_points > 0;
 	if (status == GW_OK && off)
-		status = darken(relight, GW_BUFFER_TEXEL, solver->surfels.count,
-						"irradiance of normals that are off", &relight->surfel_turned, error);
-	if (status == GW_OK && relight->plan.lamps)
+		status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
+						"irradiance of normals that are off", &lighting->surfel_turned, error);
+	if (status == GW_OK && lighting->plan.lamps)
 		status =
-			gw_direct_light(&solver->passes, &solver->octree, &solver->surfels, relight->lights,
-							relight->light_count, &solver->options, &relight->surfel_direct,
-							&relight->lobe_direct, off ? &relight->surfel_turned : NULL, error);
+			gw_direct_light(&scene->passes, &scene->octree, &scene->surfels, lighting->lights,
+							lighting->light_count, &scene->options, &lighting->surfel_direct,
+							&lighting->lobe_direct, off ? &lighting->surfel_turned : NULL, error);
 	return status;
 }
 
@@ -92,36 +91,36 @@ static void report_openings(gw_report *report, const gw_openings *openings)
 						 percent > 0.0 ? ", through no narrow opening" : "");
 }
 
-static gw_status open_to_sky(gw_relight *relight, gw_error *error)
+static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 {
-	if (!relight->plan.sky)
+	if (!lighting->plan.sky)
 		return GW_OK;
-	gw_status status = gw_solver_open_to_sky(relight->solver, error);
+	gw_status status = gw_scene_open_to_sky(lighting->scene, error);
 	if (status == GW_OK)
-		report_openings(relight->solver->report, &relight->solver->openings);
+		report_openings(lighting->scene->report, &lighting->scene->openings);
 	return status;
 }
 
-static gw_status first_by_rays(gw_relight *relight, gw_error *error)
+static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
-	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+	gw_scene *s = lighting->scene;
+	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
 										 .samples = s->options.light_samples,
 										 .use_hits = true,
-										 .sky = relight->plan.sky_radiance,
-										 .map = &relight->map,
+										 .sky = lighting->plan.sky_radiance,
+										 .map = &lighting->map,
 										 .map_samples = s->options.light_samples,
 										 .map_hits = true,
 										 .openings = &s->openings,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
-										 .kept = relight->plan.emitters ? &s->sampled : NULL };
-	gw_status status = open_to_sky(relight, error);
+										 .kept = lighting->plan.emitters ? &s->sampled : NULL };
+	gw_status status = open_to_sky(lighting, error);
 	if (status == GW_OK && s->further.count > 0 && sources.kept &&
 		s->sampled.handle != VK_NULL_HANDLE)
 		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->further_rays,
 											  &sources, error);
-	gw_solver_forget_further(s);
+	gw_scene_forget_further(s);
 	return status == GW_OK ? gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
 												   &sources, &s->records.first, error)
 						   : status;
@@ -135,23 +134,23 @@ static float largest_emission(const gw_surfels *surfels)
 	return largest;
 }
 
-static gw_status add_gathered(gw_solver *s, gw_error *error)
+static gw_status add_gathered(gw_scene *s, gw_error *error)
 {
 	return gw_light_add(&s->passes, &s->records.gathered, &s->records.first, s->records.count,
 						error);
 }
 
 /* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
-static gw_status first_by_cones(gw_relight *relight, gw_error *error)
+static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 {
 	const float black[3] = { 0 };
-	gw_solver *s = relight->solver;
-	const gw_plan *plan = &relight->plan;
-	bool in_voxels = plan->emitters && relight->emitters.area_share >= SAMPLED_SHARE;
-	const gw_sampled_sources sources = { .emitters = &relight->emitters,
+	gw_scene *s = lighting->scene;
+	const gw_plan *plan = &lighting->plan;
+	bool in_voxels = plan->emitters && lighting->emitters.area_share >= SAMPLED_SHARE;
+	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
 										 .samples = in_voxels ? 0 : s->options.light_samples,
 										 .sky = black,
-										 .map = &relight->map,
+										 .map = &lighting->map,
 										 .map_samples = s->options.light_samples,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed };
@@ -162,46 +161,46 @@ static gw_status first_by_cones(gw_relight *relight, gw_error *error)
 	if (status != GW_OK || (!in_voxels && !seen))
 		return status;
 	status = gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
-								   in_voxels ? &s->octree.lobe_emission : &relight->lobe_radiance,
+								   in_voxels ? &s->octree.lobe_emission : &lighting->lobe_radiance,
 								   in_voxels ? largest_emission(&s->surfels) : 1.0f,
 								   plan->sky_radiance, &s->records.gathered, error);
 	return status == GW_OK ? add_gathered(s, error) : status;
 }
 
 /* The map serves all rounds. */
-static gw_status make_map(gw_relight *relight, gw_error *error)
+static gw_status make_map(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
-	if (!relight->plan.map || relight->map_made)
+	gw_scene *s = lighting->scene;
+	if (!lighting->plan.map || lighting->map_made)
 		return GW_OK;
-	gw_status status = gw_sky_map_make(s->gpu, relight->plan.map, &relight->map, error);
-	relight->map_made = status == GW_OK;
-	if (relight->whole)
+	gw_status status = gw_sky_map_make(s->gpu, lighting->plan.map, &lighting->map, error);
+	lighting->map_made = status == GW_OK;
+	if (lighting->whole)
 		return status;
-	gw_report_count(s->report, "map_pixels_repaired", relight->map.repaired,
+	gw_report_count(s->report, "map_pixels_repaired", lighting->map.repaired,
 					"pixels of the sky's map that are negative or no number: taken as 0");
 	gw_report_count(
-		s->report, "map_pixels_infinite", relight->map.infinite,
+		s->report, "map_pixels_infinite", lighting->map.infinite,
 		"pixels of the sky's map that are infinite or over 1e12: taken as 65504 or 1e12");
 	return status;
 }
 
-gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
 	gw_status status =
-		darken(relight, GW_BUFFER_TEXEL, slots, "lobe radiance", &relight->lobe_radiance, error);
-	gw_emitters_destroy(s->gpu, &relight->emitters);
-	relight->emitters.radiance = &s->octree.lobe_emission;
-	if (status == GW_OK && relight->plan.emitters)
+		darken(lighting, GW_BUFFER_TEXEL, slots, "lobe radiance", &lighting->lobe_radiance, error);
+	gw_emitters_destroy(s->gpu, &lighting->emitters);
+	lighting->emitters.radiance = &s->octree.lobe_emission;
+	if (status == GW_OK && lighting->plan.emitters)
 		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, true,
-								  &relight->emitters, error);
+								  &lighting->emitters, error);
 	if (status == GW_OK)
-		status = make_map(relight, error);
+		status = make_map(lighting, error);
 	if (status == GW_OK)
-		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(relight, error)
-													 : first_by_cones(relight, error);
+		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
+													 : first_by_cones(lighting, error);
 	return status;
 }
 
@@ -210,28 +209,29 @@ gw_status gw_relight_gather_first(gw_relight *relight, gw_error *error)
 static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
 								gw_error *error)
 {
-	gw_solver *s = ((gw_relight *)self)->solver;
+	gw_scene *s = ((gw_lighting *)self)->scene;
 	(void)largest;
 	return gw_ray_gather_bounce(&s->passes, &s->rays, lobe_radiance, &s->records, error);
 }
 
 /* Parts are sampled by the radiance of the whole, so it is copied. */
-static gw_status keep_patches(gw_relight *relight, const gw_buffer *lobe_radiance, gw_error *error)
+static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *lobe_radiance,
+							  gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_status status = darken(relight, GW_BUFFER_TEXEL, slots, "radiance of patches",
-							  &relight->patch_radiance, error);
+	gw_status status = darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
+							  &lighting->patch_radiance, error);
 	if (status == GW_OK)
-		status = gw_light_add(&s->passes, lobe_radiance, &relight->patch_radiance, slots, error);
-	relight->patches.radiance = &relight->patch_radiance;
+		status = gw_light_add(&s->passes, lobe_radiance, &lighting->patch_radiance, slots, error);
+	lighting->patches.radiance = &lighting->patch_radiance;
 	return status;
 }
 
 /* Samples lit lobes, half as often as what emits: patches carry less of the light, and of all that
  * is done for other lamps this takes the longest. part is NULL, or what is gathered of their
  * radiance. */
-static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const gw_buffer *part,
+static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const gw_buffer *part,
 								gw_error *error)
 {
 	const float black[3] = { 0 };
@@ -251,22 +251,22 @@ static gw_status sample_patches(gw_solver *s, const gw_emitters *patches, const 
 static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
 								gw_error *error)
 {
-	gw_relight *relight = self;
-	gw_solver *s = relight->solver;
-	if (relight->whole)
-		return relight->whole->patches_sampled
-				   ? sample_patches(s, &relight->whole->patches, lobe_radiance, error)
+	gw_lighting *lighting = self;
+	gw_scene *s = lighting->scene;
+	if (lighting->whole)
+		return lighting->whole->patches_sampled
+				   ? sample_patches(s, &lighting->whole->patches, lobe_radiance, error)
 				   : gather_by_rays(self, lobe_radiance, largest, error);
-	gw_emitters *patches = &relight->patches;
+	gw_emitters *patches = &lighting->patches;
 	gw_emitters_destroy(s->gpu, patches);
 	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, false, patches, error);
 	if (status != GW_OK)
 		return status;
-	relight->patches_sampled = gw_emitters_are_small(patches);
-	status = relight->patches_sampled ? sample_patches(s, patches, NULL, error)
-									  : gather_by_rays(self, lobe_radiance, largest, error);
-	if (status == GW_OK && relight->kept && relight->patches_sampled)
-		status = keep_patches(relight, lobe_radiance, error);
+	lighting->patches_sampled = gw_emitters_are_small(patches);
+	status = lighting->patches_sampled ? sample_patches(s, patches, NULL, error)
+									   : gather_by_rays(self, lobe_radiance, largest, error);
+	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
+		status = keep_patches(lighting, lobe_radiance, error);
 	else
 		gw_emitters_destroy(s->gpu, patches);
 	return status;
@@ -275,22 +275,22 @@ static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, floa
 static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
 								 gw_error *error)
 {
-	gw_solver *s = ((gw_relight *)self)->solver;
+	gw_scene *s = ((gw_lighting *)self)->scene;
 	const float black[3] = { 0 };
 	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, lobe_radiance,
 								 largest, black, &s->records.gathered, error);
 }
 
 /* The guess at the surfels' light, as the mean over each lobe. */
-static gw_status carry(const gw_relight *relight, gw_buffer *lobes, gw_error *error)
+static gw_status carry(const gw_lighting *lighting, gw_buffer *lobes, gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	gw_buffer surfels = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
 	gw_status status = gw_buffer_create(s->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 										bytes, "carried irradiance", &surfels, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(s->gpu, &surfels, 0, relight->carried, bytes, error);
+		status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 								  32 * (uint64_t)s->octree.leaf_count, "carried light of lobes",
@@ -301,30 +301,30 @@ static gw_status carry(const gw_relight *relight, gw_buffer *lobes, gw_error *er
 	return status;
 }
 
-gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
 	bool rays = s->options.method == GW_METHOD_RAYS;
 	gw_bounces bounces;
 	gw_bounces_task task = { .passes = &s->passes,
 							 .octree = &s->octree,
 							 .records = &s->records,
-							 .lobe_direct = &relight->lobe_direct,
-							 .lobe_radiance = &relight->lobe_radiance,
+							 .lobe_direct = &lighting->lobe_direct,
+							 .lobe_radiance = &lighting->lobe_radiance,
 							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
 									   .gather_first = rays ? gather_patches : NULL,
 									   .hits = rays ? &s->rays : NULL,
-									   .self = relight },
-							 .limit = relight->plan.bounces ? relight->plan.limit : 1,
+									   .self = lighting },
+							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 							 .tolerance = s->options.tolerance,
-							 .no_bound = relight->whole != NULL,
-							 .cancelled = s->cancelled,
-							 .user = s->user };
+							 .no_bound = lighting->whole != NULL,
+							 .cancelled = gw_scene_stopped,
+							 .user = s };
 	gw_buffer carried = { 0 };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
-	if (status == GW_OK && rays && relight->carried && task.limit == GW_BOUNCES_AUTO) {
-		status = carry(relight, &carried, error);
+	if (status == GW_OK && rays && lighting->carried && task.limit == GW_BOUNCES_AUTO) {
+		status = carry(lighting, &carried, error);
 		task.carried = &carried;
 	}
 	if (status == GW_OK)
@@ -332,7 +332,7 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 	gw_buffer_destroy(s->gpu, &carried);
 	if (status != GW_OK)
 		return status;
-	if (relight->whole) {
+	if (lighting->whole) {
 		free(bounces.bounce);
 		return GW_OK;
 	}
@@ -346,7 +346,7 @@ gw_status gw_relight_bounce(gw_relight *relight, gw_error *error)
 /* --------------------------------------------------------------------------------- read back */
 
 /* Interpolates an irradiance of the records at every surfel. */
-static gw_status read_back(const gw_solver *s, const gw_buffer *irradiance, float *records,
+static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, float *records,
 						   float **surfels, gw_error *error)
 {
 	gw_status status =
@@ -362,37 +362,37 @@ static gw_status read_back(const gw_solver *s, const gw_buffer *irradiance, floa
 	return GW_OK;
 }
 
-gw_status gw_relight_read_back(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 {
-	const gw_solver *s = relight->solver;
+	const gw_scene *s = lighting->scene;
 	float *records = gw_allocate_array(s->records.count, 4 * sizeof *records);
 	gw_status status = records ? GW_OK
 							   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records",
 										 s->records.count);
 	if (status == GW_OK)
-		status = read_back(s, &s->records.first, records, &relight->surfel_first, error);
+		status = read_back(s, &s->records.first, records, &lighting->surfel_first, error);
 	if (status == GW_OK)
-		status = read_back(s, &s->records.indirect, records, &relight->surfel_indirect, error);
+		status = read_back(s, &s->records.indirect, records, &lighting->surfel_indirect, error);
 	free(records);
 	return status;
 }
 
-gw_status gw_relight_run(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_run(gw_lighting *lighting, gw_error *error)
 {
-	gw_status status = gw_relight_direct(relight, error);
-	if (status == GW_OK && relight->plan.records)
-		status = gw_relight_gather_first(relight, error);
-	if (status == GW_OK && relight->plan.records)
-		status = gw_relight_bounce(relight, error);
-	if (status == GW_OK && relight->plan.records)
-		status = gw_relight_read_back(relight, error);
+	gw_status status = gw_lighting_direct(lighting, error);
+	if (status == GW_OK && lighting->plan.records)
+		status = gw_lighting_gather_first(lighting, error);
+	if (status == GW_OK && lighting->plan.records)
+		status = gw_lighting_bounce(lighting, error);
+	if (status == GW_OK && lighting->plan.records)
+		status = gw_lighting_read_back(lighting, error);
 	return status;
 }
 
-static gw_status download(const gw_relight *relight, const gw_buffer *buffer, float **direct,
+static gw_status download(const gw_lighting *lighting, const gw_buffer *buffer, float **direct,
 						  gw_error *error)
 {
-	const gw_solver *s = relight->solver;
+	const gw_scene *s = lighting->scene;
 	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
 	if (!*direct)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
@@ -406,9 +406,9 @@ static gw_status download(const gw_relight *relight, const gw_buffer *buffer, fl
 	return status;
 }
 
-gw_status gw_relight_download_direct(const gw_relight *relight, float **direct, gw_error *error)
+gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error)
 {
-	return download(relight, &relight->surfel_direct, direct, error);
+	return download(lighting, &lighting->surfel_direct, direct, error);
 }
 
 /* Rays that light comes along to what an estimate is held against. */
@@ -417,13 +417,13 @@ static uint32_t rays_of(const gw_bake_options *o)
 	return o->method == GW_METHOD_RAYS ? o->rays : o->light_samples;
 }
 
-gw_status gw_relight_foresee(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	const gw_probe_task task = { .passes = &s->passes,
 								 .octree = &s->octree,
 								 .surfels = &s->surfels,
-								 .emitters = &relight->emitters,
+								 .emitters = &lighting->emitters,
 								 .rays = gw_estimate_rays(rays_of(&s->options)),
 								 .seed = (uint32_t)s->options.seed };
 	return s->probed.count > 0
@@ -433,42 +433,42 @@ gw_status gw_relight_foresee(gw_relight *relight, gw_error *error)
 					 &s->probed, error);
 }
 
-gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
+gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 {
-	gw_solver *s = relight->solver;
+	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
 	float *direct = NULL, *turned = NULL;
 	gw_status status =
-		relight->plan.lamps ? gw_relight_download_direct(relight, &direct, error) : GW_OK;
-	if (status == GW_OK && relight->surfel_turned.handle != VK_NULL_HANDLE)
-		status = download(relight, &relight->surfel_turned, &turned, error);
+		lighting->plan.lamps ? gw_lighting_download_direct(lighting, &direct, error) : GW_OK;
+	if (status == GW_OK && lighting->surfel_turned.handle != VK_NULL_HANDLE)
+		status = download(lighting, &lighting->surfel_turned, &turned, error);
 	if (status == GW_OK) {
 		const gw_estimate_task task = { .passes = &s->passes,
 										.octree = &s->octree,
 										.surfels = &s->surfels,
-										.records = relight->plan.records ? &s->records : NULL,
+										.records = lighting->plan.records ? &s->records : NULL,
 										.read_back = &s->read_back,
 										.rays_of_records = &s->rays,
-										.emitters = &relight->emitters,
-										.lobe_direct = &relight->lobe_direct,
-										.sky = relight->plan.sky_radiance,
-										.map = &relight->map,
+										.emitters = &lighting->emitters,
+										.lobe_direct = &lighting->lobe_direct,
+										.sky = lighting->plan.sky_radiance,
+										.map = &lighting->map,
 										.openings = &s->openings,
-										.bounces = relight->plan.bounces,
+										.bounces = lighting->plan.bounces,
 										.direct = direct,
 										.turned = turned,
-										.first = relight->surfel_first,
-										.indirect = relight->surfel_indirect,
+										.first = lighting->surfel_first,
+										.indirect = lighting->surfel_indirect,
 										.rays = rays_of(o),
 										.light_samples = o->light_samples,
 										.points = gw_estimate_points(o->estimate_points,
 																	 s->records.count),
 										.seed = (uint32_t)o->seed,
 										.threads = o->threads,
-										.lights = relight->lights,
-										.light_count = relight->light_count,
+										.lights = lighting->lights,
+										.light_count = lighting->light_count,
 										.options = o,
-										.limit = relight->plan.bounces ? relight->plan.limit : 1,
+										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 										.hits = &s->probed };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
@@ -477,26 +477,31 @@ gw_status gw_relight_estimate(gw_relight *relight, gw_error *error)
 	return status;
 }
 
-void gw_relight_drop_gathered(gw_relight *relight)
+void gw_lighting_drop_gathered(gw_lighting *lighting)
 {
-	gw_gpu *gpu = relight->solver->gpu;
-	free(relight->surfel_first);
-	free(relight->surfel_indirect);
-	relight->surfel_first = relight->surfel_indirect = NULL;
-	gw_buffer_destroy(gpu, &relight->lobe_radiance);
-	gw_buffer_destroy(gpu, &relight->patch_radiance);
-	gw_emitters_destroy(gpu, &relight->patches);
-	gw_emitters_destroy(gpu, &relight->emitters);
+	gw_gpu *gpu = lighting->scene->gpu;
+	free(lighting->surfel_first);
+	free(lighting->surfel_indirect);
+	lighting->surfel_first = lighting->surfel_indirect = NULL;
+	gw_buffer_destroy(gpu, &lighting->lobe_radiance);
+	gw_buffer_destroy(gpu, &lighting->patch_radiance);
+	gw_emitters_destroy(gpu, &lighting->patches);
+	gw_emitters_destroy(gpu, &lighting->emitters);
 }
 
-void gw_relight_clear(gw_relight *relight)
+void gw_lighting_drop_map(gw_lighting *lighting)
 {
-	if (relight->solver == NULL || relight->solver->gpu == NULL)
+	gw_sky_map_destroy(lighting->scene->gpu, &lighting->map);
+	lighting->map_made = false;
+}
+
+void gw_lighting_clear(gw_lighting *lighting)
+{
+	if (lighting->scene == NULL || lighting->scene->gpu == NULL)
 		return;
-	gw_relight_drop_gathered(relight);
-	gw_sky_map_destroy(relight->solver->gpu, &relight->map);
-	relight->map_made = false;
-	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_direct);
-	gw_buffer_destroy(relight->solver->gpu, &relight->surfel_turned);
-	gw_buffer_destroy(relight->solver->gpu, &relight->lobe_direct);
+	gw_lighting_drop_gathered(lighting);
+	gw_lighting_drop_map(lighting);
+	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_direct);
+	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_turned);
+	gw_buffer_destroy(lighting->scene->gpu, &lighting->lobe_direct);
 }

@@ -1,4 +1,4 @@
-#include "surfels/mesh_sample.h"
+#include "meshes/mesh_sample.h"
 
 #include <assert.h>
 #include <math.h>

@@ -23,7 +23,7 @@ static void make_lights(gw_light lights[LIGHTS])
 
 static gw_bake_options options_of(gw_method method)
 {
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.estimate_points = 100;
 	return options;
@@ -124,7 +124,7 @@ static gw_status keep(void *user, const void *bytes, size_t length, gw_error *er
 {
 	kept_bytes *kept = user;
 	if (kept->length + length > kept->limit)
-		return gw_fail(error, GW_ERROR_IO, "the disk of this test is full");
+		return gw_fail(error, GW_STATUS_OF_CALLER, "the disk of this test is full");
 	unsigned char *grown = realloc(kept->data, kept->length + length + 1);
 	assert_non_null(grown);
 	memcpy(grown + kept->length, bytes, length);
@@ -346,7 +346,7 @@ static void writes_may_fail(void **state)
 		gw_error error = { 0 };
 		options.transport = &transport;
 		assert_int_equal(gw_bake(&f.points, f.lights, LIGHTS, &options, NULL, &result, &error),
-						 GW_ERROR_IO);
+						 GW_STATUS_OF_CALLER);
 		assert_string_equal(error.text, "the disk of this test is full");
 		assert_null(result);
 		free(full.data);
@@ -376,7 +376,7 @@ static void make_wall(scene *s)
 static gw_bake_result *bake_openness(const scene *s, float distance)
 {
 	const gw_points points = scene_points(s);
-	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_bake_options options = gw_bake_options_default();
 	options.occlusion = true;
 	options.occlusion_distance = distance;
 	return scene_bake(&points, NULL, 0, &options);

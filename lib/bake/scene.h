@@ -1,22 +1,23 @@
 /*
- * solver.h - what of a bake depends on the geometry alone, so that one solver can be lit many times
- * (relight.h).
+ * scene.h - what of a bake depends on the geometry alone, so that one scene can be lit many times
+ * (lighting.h).
  *
  * The steps, in this order; each needs the ones before:
  *
  *   open device -> surfels -> octree -> records, with what their rays hit and the weights by which
  *   lobes and surfels interpolate between them
  *
- * A solver's light lies in a gw_relight; gathering also uses work space of the records here.
+ * A scene's light lies in a gw_lighting; gathering also uses work space of the records here.
  * Thread-safety: one thread at a time.
  */
-#ifndef SOLVER_H
-#define SOLVER_H
+#ifndef SCENE_H
+#define SCENE_H
 
 #include "estimate/error_estimate.h"
 #include "light/gather_cones.h"
 #include "light/kept_hits.h"
 #include "light/read_back.h"
+#include "bake/scaled_scene.h"
 
 /* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
 typedef struct gw_record_density {
@@ -25,11 +26,21 @@ typedef struct gw_record_density {
 	bool *lobe_closer, *surfel_closer; /* likewise: whose spacing has become less */
 } gw_record_density;
 
-typedef struct gw_solver {
+/* Where the work is, for those who wait. All zero: nothing has begun. */
+typedef struct gw_scene_stage {
+	const char *name;    /* of the stage under way */
+	double from, share;  /* of the whole: where it began, and how much it is */
+	double start, begun; /* seconds: of the stage, of the first one */
+	double asked;        /* when was last asked whether to stop */
+	bool stopped;        /* the answer was yes */
+} gw_scene_stage;
+
+/* What gw_scene of glowworm.h is. */
+struct gw_scene {
 	gw_bake_options options;
-	gw_report *report;             /* receives what the steps find out; not owned */
-	bool (*cancelled)(void *user); /* NULL or asked between steps */
-	void *user;
+	gw_report *report; /* receives what the steps find out; not owned */
+	gw_bake_callbacks callbacks;
+	gw_scene_stage stage;
 
 	gw_gpu *gpu;
 	gw_surfels surfels;
@@ -55,7 +66,28 @@ typedef struct gw_solver {
 	const gw_changed_box *box;   /* box_count, where that is; not owned */
 	uint32_t box_count;
 	uint64_t traced; /* rays of records that were traced, the last time */
-} gw_solver;
+
+	/* For scenes that are lit by those who made them (handles.c). */
+	gw_report *own_report;  /* owned: report */
+	gw_report prepared;     /* what of it is so for every lighting */
+	gw_scaled_scene units;  /* in which all is reckoned */
+	const gw_lighting *lit; /* whose light is in the records; not owned, maybe gone */
+};
+
+/*
+ * Begins a stage: tells the caller, and asks whether to stop.
+ *   done    share of the whole that lies behind; 0 begins another whole
+ *   share   of the stage itself
+ */
+gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
+						 gw_error *error);
+
+/* Fails when the scene was to be validated and the layer had something to say. */
+gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error);
+
+/* Whether to stop; scene: a gw_scene. To be asked often within stages: it asks the caller, and
+ * tells how far the work is, when the last time was a while ago. */
+bool gw_scene_stopped(void *scene);
 
 /* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
 gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
@@ -65,50 +97,52 @@ gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
 bool gw_options_refine(const gw_bake_options *options);
 
 /* Opens the device that the options name. */
-gw_status gw_solver_open_device(gw_solver *solver, gw_error *error);
+gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
 
 /*
  * Makes the surfels of the points.
  *   lights   light_count; they orient estimated normals when nobody knows where the scanner stood
  */
-gw_status gw_solver_make_surfels(gw_solver *solver, const gw_points *points, const gw_light *lights,
-								 size_t light_count, gw_error *error);
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
+								size_t light_count, gw_error *error);
 
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
 
-gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error);
+gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error);
 
 /* Writes what the octree is into the report; building it does so, too. */
-void gw_solver_report_octree(const gw_solver *solver);
+void gw_scene_report_octree(const gw_scene *scene);
 
 /* Places the records, finds what they see, and which of them light each lobe and each surfel. */
-gw_status gw_solver_place_records(gw_solver *solver, gw_error *error);
+gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
 
 /*
  * Adds records where the density says, finds what they see, and which records light each lobe and
  * each surfel then. What others saw stays. On failure the records are to be dropped.
  */
-gw_status gw_solver_add_records(gw_solver *solver, const gw_record_density *density,
-								gw_error *error);
+gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
 
 /* Sees to it that narrow openings to the sky are known and sampled from all records. */
-gw_status gw_solver_open_to_sky(gw_solver *solver, gw_error *error);
+gw_status gw_scene_open_to_sky(gw_scene *scene, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
-gw_status gw_solver_complete(gw_solver *solver, const gw_points *points, gw_error *error);
+gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error);
 
 /* To be called when the emission of surfels changes. */
-void gw_solver_forget_samples(gw_solver *solver);
-/* What the added records are, once they are among the others in all that is kept. */
-void gw_solver_forget_further(gw_solver *solver);
+void gw_scene_forget_samples(gw_scene *scene);
+/* What lightings found out about the scene, which the next one can find out again. */
+void gw_scene_forget_light(gw_scene *scene);
 
-/* Places records only to find what they see, as solver.kept; they are dropped again. */
-gw_status gw_solver_keep_hits(gw_solver *solver, gw_kept_hits *kept, gw_error *error);
+/* What the added records are, once they are among the others in all that is kept. */
+void gw_scene_forget_further(gw_scene *scene);
+
+/* Places records only to find what they see, as scene.kept; they are dropped again. */
+gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error);
 
 /* Forget the records; the octree and the records; everything. Options and callbacks stay. */
-void gw_solver_drop_records(gw_solver *solver);
-void gw_solver_drop_octree(gw_solver *solver);
-void gw_solver_close(gw_solver *solver);
+void gw_scene_drop_records(gw_scene *scene);
+void gw_scene_drop_octree(gw_scene *scene);
+void gw_scene_close(gw_scene *scene);
 
 #endif

@@ -1,0 +1,334 @@
+/*
+ * handles.c - the scenes and lightings of glowworm.h: what gw_bake does once, in steps that others
+ * call in their own order.
+ */
+#include "light/direct_light.h"
+#include "base/memory.h"
+#include "bake/record_fields.h"
+#include "bake/report.h"
+#include "bake/result.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Asks from anew, also where the answer was yes in an earlier call. */
+static void begin_call(gw_scene *scene)
+{
+	scene->stage.stopped = false;
+	if (scene->gpu)
+		gw_gpu_resume(scene->gpu);
+}
+
+/* The steps of a call, with where they are in it, as measured on a cave of 1.4 million points. */
+static gw_status begin(gw_scene *scene, const char *name, double done, double share,
+					   gw_error *error)
+{
+	gw_report_stage(scene->report, scene->gpu, name);
+	return gw_scene_begin(scene, name, done, share, error);
+}
+
+/* -------------------------------------------------------------------------------------- scenes */
+
+static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_light *lights,
+						 size_t light_count, gw_error *error)
+{
+	gw_status status = begin(scene, "device", 0.0, 0.01, error);
+	if (status == GW_OK)
+		status = gw_scene_open_device(scene, error);
+	if (status == GW_OK)
+		status = begin(scene, "surfels", 0.01, 0.45, error);
+	if (status == GW_OK)
+		status = gw_scene_make_surfels(scene, points, lights, light_count, error);
+	if (status == GW_OK)
+		status = begin(scene, "octree", 0.46, 0.3, error);
+	if (status == GW_OK)
+		status = gw_scene_build_octree(scene, error);
+	if (status == GW_OK)
+		status = begin(scene, "records", 0.76, 0.24, error);
+	if (status == GW_OK)
+		status = gw_scene_place_records(scene, error);
+	gw_report_stage(scene->report, scene->gpu, NULL);
+	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
+}
+
+static gw_status check(const gw_points *points, const gw_light *lights, size_t light_count,
+					   const gw_bake_options *options, gw_error *error)
+{
+	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
+	if (status != GW_OK)
+		return status;
+	if (gw_options_refine(options))
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"a scene keeps the settings that it was made with; it cannot be refined until "
+			"an error or a time is reached");
+	if (options->transport)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a scene stays in memory; it cannot begin with a transport nor make one");
+	return GW_OK;
+}
+
+gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+						  gw_scene **scene, gw_error *error)
+{
+	const gw_bake_options ordinary = gw_bake_options_default();
+	*scene = NULL;
+	options = options ? options : &ordinary;
+	gw_status status = check(points, lights, light_count, options, error);
+	if (status != GW_OK)
+		return status;
+	gw_scene *s = gw_allocate_zeros(1, sizeof *s);
+	if (s)
+		s->own_report = gw_allocate_zeros(1, sizeof *s->own_report);
+	if (!s || !s->own_report) {
+		free(s);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a scene");
+	}
+	s->report = s->own_report;
+	if (callbacks)
+		s->callbacks = *callbacks;
+	status = gw_scaled_scene_make(points, lights, light_count, options, &s->units, error);
+	s->options = s->units.options;
+	if (status == GW_OK)
+		status = prepare(s, &s->units.points, s->units.lights ? s->units.lights : lights,
+						 light_count, error);
+	gw_scaled_scene_let_go(&s->units);
+	s->options.device = NULL;
+	s->options.drivers = NULL;
+	s->prepared = *s->report;
+	if (status == GW_OK)
+		*scene = s;
+	else
+		gw_scene_destroy(&s);
+	return status;
+}
+
+void gw_scene_destroy(gw_scene **scene)
+{
+	gw_scene *s = *scene;
+	if (s == NULL)
+		return;
+	gw_scene_close(s);
+	gw_scaled_scene_clear(&s->units);
+	free(s->own_report->bounce);
+	free(s->own_report);
+	free(s);
+	*scene = NULL;
+}
+
+size_t gw_scene_point_count(const gw_scene *scene)
+{
+	return scene->surfels.point_count;
+}
+
+const gw_report *gw_scene_report(const gw_scene *scene)
+{
+	return scene->own_report;
+}
+
+/* ----------------------------------------------------------------------------------- lightings */
+
+/* What the last lighting said is not so any more. */
+static void reset_report(gw_scene *scene)
+{
+	free(scene->report->bounce);
+	*scene->report = scene->prepared;
+}
+
+static gw_status light(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	reset_report(scene);
+	gw_lighting_plan(lighting);
+	if (!lighting->plan.lamps || !lighting->plan.records)
+		gw_lighting_clear(lighting); /* of an earlier light that had more to it */
+	gw_status status = begin(scene, "direct light", 0.0, 0.4, error);
+	if (status == GW_OK)
+		status = gw_lighting_direct(lighting, error);
+	if (status == GW_OK && lighting->plan.records) {
+		status = begin(scene, "first gather", 0.4, 0.2, error);
+		if (status == GW_OK)
+			status = gw_lighting_gather_first(lighting, error);
+		if (status == GW_OK)
+			status = begin(scene, "bounces", 0.6, 0.35, error);
+		if (status == GW_OK)
+			status = gw_lighting_bounce(lighting, error);
+		if (status == GW_OK)
+			status = begin(scene, "read back", 0.95, 0.05, error);
+		if (status == GW_OK)
+			status = gw_lighting_read_back(lighting, error);
+	}
+	gw_report_stage(scene->report, scene->gpu, NULL);
+	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
+}
+
+/* What a call that failed may have left half done is made anew when it is asked for. */
+static void forget_halves(gw_lighting *lighting)
+{
+	gw_scene *scene = lighting->scene;
+	gw_lighting_clear(lighting);
+	lighting->lights = NULL;
+	scene->lit = NULL;
+	gw_scene_forget_light(scene);
+}
+
+static gw_status run(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	begin_call(scene);
+	gw_status status = light(lighting, error);
+	scene->lit = lighting;
+	if (status != GW_OK)
+		forget_halves(lighting);
+	return status;
+}
+
+gw_status gw_lighting_change(gw_lighting *lighting, const gw_light *lights, size_t light_count,
+							 gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	gw_status status = gw_lights_check(lights, light_count, error);
+	if (status != GW_OK)
+		return status;
+	gw_light *own = gw_scaled_lights(&scene->units, lights, light_count);
+	if (!own)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", light_count);
+	free(lighting->own_lights);
+	lighting->lights = lighting->own_lights = own;
+	lighting->light_count = light_count;
+	gw_lighting_drop_map(lighting);
+	return run(lighting, error);
+}
+
+gw_status gw_lighting_create(gw_scene *scene, const gw_light *lights, size_t light_count,
+							 gw_lighting **lighting, gw_error *error)
+{
+	*lighting = NULL;
+	gw_lighting *l = gw_allocate_zeros(1, sizeof *l);
+	if (!l)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a lighting");
+	l->scene = scene;
+	l->kept = scene->options.lamps;
+	gw_status status = gw_lighting_change(l, lights, light_count, error);
+	if (status == GW_OK)
+		*lighting = l;
+	else
+		gw_lighting_destroy(&l);
+	return status;
+}
+
+void gw_lighting_destroy(gw_lighting **lighting)
+{
+	gw_lighting *l = *lighting;
+	if (l == NULL)
+		return;
+	if (l->scene->lit == l)
+		l->scene->lit = NULL;
+	gw_lighting_clear(l);
+	free(l->own_lights);
+	free(l);
+	*lighting = NULL;
+}
+
+/* --------------------------------------------------------------------------- what is asked of it
+ */
+
+static gw_status check_lit(const gw_lighting *lighting, gw_error *error)
+{
+	return lighting->lights
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_USAGE,
+						 "there is no light to read: the last change of the lighting failed");
+}
+
+/* Sees to it that the light of this lighting is in the records. */
+static gw_status bring_back(gw_lighting *lighting, gw_error *error)
+{
+	gw_status status = check_lit(lighting, error);
+	begin_call(lighting->scene);
+	return status == GW_OK && lighting->scene->lit != lighting ? run(lighting, error) : status;
+}
+
+gw_status gw_lighting_radiance(gw_lighting *lighting, float *radiance, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	gw_status status = check_lit(lighting, error);
+	begin_call(scene);
+	if (status == GW_OK)
+		status = gw_result_radiance(lighting, radiance, error);
+	return status == GW_OK ? gw_scaled_scene_undo_radiance(&scene->units, radiance,
+														   scene->surfels.point_count, error)
+						   : status;
+}
+
+/* A report of its own for a result, with its array. */
+static gw_status copy_report(const gw_report *from, gw_report *to, gw_error *error)
+{
+	*to = *from;
+	to->bounce = gw_allocate_array(from->bounce_count, sizeof *to->bounce);
+	if (!to->bounce)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+	if (from->bounce_count > 0)
+		memcpy(to->bounce, from->bounce, from->bounce_count * sizeof *to->bounce);
+	return GW_OK;
+}
+
+static gw_status collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	const gw_bake_options *o = &scene->options;
+	gw_status status = gw_scene_begin(scene, "points", 0.0, 1.0, error);
+	if (status == GW_OK)
+		status = gw_record_fields_collect(lighting, result, error);
+	/* What follows works where the records' light is. */
+	if (o->voxels || o->lamps)
+		scene->lit = NULL;
+	if (status == GW_OK && o->voxels)
+		status = gw_result_collect_voxels(lighting, result, error);
+	if (status == GW_OK)
+		status = gw_result_collect(lighting, result, error);
+	if (status == GW_OK && o->lamps)
+		status = gw_result_collect_lamps(lighting, result, error);
+	scene->report->peak_bytes = gw_gpu_read_account(scene->gpu).peak_bytes;
+	if (status == GW_OK)
+		status = copy_report(scene->report, &result->report, error);
+	return status == GW_OK ? gw_scaled_scene_undo(&scene->units, result, error) : status;
+}
+
+gw_status gw_lighting_result(gw_lighting *lighting, gw_bake_result **result, gw_error *error)
+{
+	*result = NULL;
+	gw_status status = bring_back(lighting, error);
+	if (status != GW_OK)
+		return status;
+	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
+	if (!r)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+	status = collect(lighting, r, error);
+	if (status == GW_OK)
+		*result = r;
+	else
+		gw_bake_result_destroy(&r);
+	return status;
+}
+
+gw_status gw_lighting_error(gw_lighting *lighting, gw_error_estimate *estimate, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	*estimate = (gw_error_estimate){ .points = 0 };
+	if (scene->options.estimate_points == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the scene was made with 0 points to estimate the error by");
+	gw_status status = bring_back(lighting, error);
+	if (status != GW_OK || !(lighting->plan.records || lighting->plan.lamps))
+		return status;
+	status = gw_scene_begin(scene, "estimate", 0.0, 1.0, error);
+	if (status == GW_OK)
+		status = gw_lighting_estimate(lighting, error);
+	if (status == GW_OK)
+		*estimate = scene->report->error;
+	else
+		gw_scene_forget_light(scene);
+	return status;
+}

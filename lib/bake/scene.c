@@ -1,0 +1,459 @@
+/*
+ * scene.c - see scene.h.
+ */
+#include "bake/scene.h"
+
+#include "light/direct_light.h"
+#include "glowworm_host.h"
+#include "base/memory.h"
+#include "bake/report.h"
+#include "surfels/surfel_steps.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays a record that only look for the nearest surface, when cones gather. */
+#define NEAREST_RAYS 16u
+
+/* Seconds between two questions whether to stop. */
+#define ASKED_EVERY 0.1
+
+static gw_status check_number(const char *option, double value, double low, double high,
+							  gw_error *error)
+{
+	if (!(value >= low && value <= high))
+		return gw_fail(error, GW_ERROR_USAGE, "%s is %g; give a number from %g to %g", option,
+					   value, low, high);
+	return GW_OK;
+}
+
+bool gw_options_refine(const gw_bake_options *o)
+{
+	return o->max_error > 0.0f || o->time_limit > 0.0f;
+}
+
+gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const gw_light *lights,
+						   size_t light_count, gw_error *error)
+{
+	const struct {
+		const char *name;
+		double value, low, high;
+	} rows[] = {
+		{ "depth", o->depth == GW_DEPTH_AUTO ? 1 : o->depth, 1, GW_DEPTH_MAX },
+		{ "leaf spacing", (double)o->leaf_spacing, 0.25, 64 },
+		{ "tolerance", (double)o->tolerance, 1e-6, 0.999 },
+		{ "rays", o->rays, 1, 4096 },
+		{ "light samples", o->light_samples, 1, 4096 },
+		{ "cones", o->cones, 1, 256 },
+		{ "record spacing", (double)o->record_spacing, 0, 64 },
+		{ "shadow map size", o->shadow_map_size, 16, 8192 },
+		{ "largest error", (double)o->max_error, 0, 1 },
+		{ "occlusion distance", (double)o->occlusion_distance, 0, 1e9 },
+		{ "time limit", (double)o->time_limit, 0, 1e9 },
+		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
+		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+	};
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
+	if (status == GW_OK && point_count == 0)
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "the cloud holds no points, so there is nothing to light");
+	if (status == GW_OK && gw_options_refine(o) && o->estimate_points == 0)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "an error or a time to aim at needs an estimate of the error; let it have "
+						 "at least one point");
+	if (status == GW_OK && gw_options_refine(o) && o->transport)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "a bake that refines its settings cannot begin with a transport nor make "
+						 "one; leave out the error or time to aim at");
+	return status == GW_OK ? gw_lights_check(lights, light_count, error) : status;
+}
+
+gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
+						 gw_error *error)
+{
+	const gw_bake_callbacks *call = &scene->callbacks;
+	gw_scene_stage *stage = &scene->stage;
+	double now = gw_seconds();
+	*stage = (gw_scene_stage){ name, done,          share, now, done > 0.0 ? stage->begun : now,
+							   now,  stage->stopped };
+	if (call->progress)
+		call->progress(call->user, name, done);
+	stage->stopped = stage->stopped || (call->cancelled && call->cancelled(call->user));
+	return stage->stopped ? gw_fail(error, GW_ERROR_CANCELLED,
+									"the bake was stopped before its stage '%s'", name)
+						  : GW_OK;
+}
+
+gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error)
+{
+	const char *first;
+	uint32_t messages =
+		scene->options.validate ? gw_gpu_validation_messages(scene->gpu, &first) : 0;
+	return messages > 0
+			   ? gw_fail(error, GW_ERROR_INTERNAL,
+						 "the validation layer objected %u times, first: %.600s", messages, first)
+			   : GW_OK;
+}
+
+/*
+ * How far the work is within its stage, by the clock: half when the stage has taken as long as it
+ * should, going by the stages before, and never all. Nobody knows better: how long a stage takes
+ * depends on how surfaces hide each other.
+ */
+static double done_of(const gw_scene_stage *stage, double now)
+{
+	double expected = stage->from > 0.0 ? (stage->start - stage->begun) / stage->from * stage->share
+										: stage->share;
+	double taken = now - stage->start;
+	return stage->from + stage->share * (taken / (taken + expected + ASKED_EVERY));
+}
+
+bool gw_scene_stopped(void *user)
+{
+	gw_scene *scene = user;
+	const gw_bake_callbacks *call = &scene->callbacks;
+	gw_scene_stage *stage = &scene->stage;
+	double now = gw_seconds();
+	if (stage->stopped || stage->name == NULL || now - stage->asked < ASKED_EVERY)
+		return stage->stopped;
+	stage->asked = now;
+	if (call->progress)
+		call->progress(call->user, stage->name, done_of(stage, now));
+	stage->stopped = call->cancelled && call->cancelled(call->user);
+	return stage->stopped;
+}
+
+gw_status gw_scene_open_device(gw_scene *scene, gw_error *error)
+{
+	gw_gpu_options options = { .device = scene->options.device,
+							   .memory = scene->options.memory,
+							   .drivers = scene->options.drivers,
+							   .validate = scene->options.validate,
+							   .cancelled = gw_scene_stopped,
+							   .user = scene };
+	gw_status status = gw_gpu_create(&options, &scene->gpu, error);
+	if (status == GW_OK) {
+		const gw_device_info *device = gw_gpu_device(scene->gpu);
+		snprintf(scene->report->device, sizeof scene->report->device, "%s", device->name);
+		snprintf(scene->report->driver, sizeof scene->report->driver, "%s", device->driver);
+	}
+	return status;
+}
+
+/* Of those that are left out. */
+static uint64_t count_far(const gw_points *points)
+{
+	uint64_t far = 0;
+	for (size_t i = 0; i < points->count; i++) {
+		const double *p = points->position + 3 * i;
+		double most = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2]));
+		far += isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && most > GW_COORDINATE_MAX;
+	}
+	return far;
+}
+
+void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
+{
+	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
+	gw_report_count(r, "left_out_non_finite", s->non_finite - far,
+					"points without finite coordinates: left out, written as dark");
+	gw_report_count(r, "left_out_far", far,
+					"points with a coordinate beyond 1e12 m: left out, written as dark");
+	char meaning[sizeof r->count->meaning];
+	snprintf(
+		meaning, sizeof meaning,
+		"points far off all others, up to %.3g m: strays, which neither shade nor light the rest",
+		(double)s->stray_distance);
+	gw_report_count(r, "strays", s->strays, meaning);
+	gw_report_count(r, "duplicates_merged", s->duplicates,
+					"points at the place of another: they share its light");
+	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
+					"points whose albedo was outside 0 to 0.99");
+	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
+					"points whose albedo was not a number: 0.5 was taken");
+	gw_report_count(r, "emission_repaired", s->emission_repaired,
+					"points with negative or non-finite emission: taken as 0");
+	gw_report_count(r, "normals_estimated", s->normals_estimated,
+					"points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
+					"points whose normal cannot be trusted: lit from both sides");
+	memcpy(r->origin, s->origin, sizeof r->origin);
+	r->spacing = (double)s->spacing;
+}
+
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
+								size_t light_count, gw_error *error)
+{
+	gw_surfels_options options = { .threads = scene->options.threads,
+								   .lights = lights,
+								   .light_count = light_count,
+								   .memory = scene->options.memory,
+								   .cancelled = gw_scene_stopped,
+								   .user = scene };
+	gw_status status = gw_surfels_make(points, &options, &scene->surfels, error);
+	if (status == GW_OK)
+		gw_report_surfels(scene->report, &scene->surfels, points);
+	return status;
+}
+
+void gw_scene_report_octree(const gw_scene *scene)
+{
+	const gw_octree *octree = &scene->octree;
+	gw_report *r = scene->report;
+	r->records = scene->records.count;
+	r->depth = octree->depth;
+	r->leaf_size = (double)octree->leaf_size;
+	r->wanted_leaf_size = (double)octree->wanted_leaf_size;
+	snprintf(r->why_coarser, sizeof r->why_coarser, "%s", octree->why_coarser);
+	r->leaves = octree->leaf_count;
+	r->tiles = octree->tile_count;
+	r->leaf_tiles = octree->leaf_tile_count;
+	r->border_tiles = octree->border_tile_count;
+	r->octree_bytes = gw_gpu_read_account(scene->gpu).bytes;
+}
+
+static uint32_t ray_count(const gw_bake_options *o)
+{
+	return o->method == GW_METHOD_RAYS ? o->rays : NEAREST_RAYS;
+}
+
+gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	gw_status status =
+		scene->keeps
+			? gw_octree_build_kept(scene->gpu, &scene->surfels, scene->still, o->depth,
+								   o->leaf_spacing, &scene->kept_octree, &scene->octree, error)
+		: o->depth == GW_DEPTH_AUTO
+			? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
+									 error)
+			: gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error);
+	if (status != GW_OK)
+		return status;
+	/* Octrees that keep what they can are all of one shape, but for large discs. */
+	if (scene->passes.gpu != NULL && !gw_passes_fit(&scene->passes, &scene->octree))
+		gw_passes_destroy(&scene->passes);
+	if (scene->passes.gpu == NULL)
+		gw_passes_init(&scene->passes, scene->gpu, &scene->octree);
+	scene->passes.threads = o->threads;
+	gw_scene_report_octree(scene);
+	if (o->method == GW_METHOD_CONES)
+		gw_report_count(
+			scene->report, "cones_pass", scene->octree.tree_discs,
+			"points sparser than cones can see: light leaks between them; use rays, or a "
+			"larger leaf spacing or less depth");
+	return GW_OK;
+}
+
+static void report_rays(gw_scene *scene)
+{
+	gw_report *r = scene->report;
+	r->rays = (uint64_t)scene->rays.rays * scene->records.count;
+	r->rays_traced = scene->kept ? scene->traced : r->rays;
+}
+
+/* What the records see; for cones, how near their surroundings are. */
+static gw_status trace_records(gw_scene *scene, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	gw_status status;
+	if (scene->kept)
+		status =
+			gw_kept_hits_trace(&scene->passes, &scene->octree, &scene->records, scene->kept,
+							   scene->box, scene->box_count, &scene->rays, &scene->traced, error);
+	else
+		status = gw_ray_gather_trace(&scene->passes, &scene->octree, &scene->records, ray_count(o),
+									 (uint32_t)o->seed, &scene->rays, error);
+	report_rays(scene);
+	if (status == GW_OK)
+		status = gw_ray_gather_look(&scene->passes, &scene->octree, &scene->records, &scene->rays,
+									error);
+	return status;
+}
+
+/* Work space of cones. */
+static gw_status make_pools(gw_scene *scene, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	if (o->method != GW_METHOD_CONES)
+		return GW_OK;
+	gw_status status = gw_cone_gather_create(scene->gpu, &scene->octree, o->cones,
+											 (uint32_t)o->seed, &scene->cones, error);
+	scene->report->brick_bytes = scene->cones.leaf_pool.allocated + scene->cones.mip_pool.allocated;
+	return status;
+}
+
+/* What emitters brought is not so any more. */
+void gw_scene_forget_further(gw_scene *scene)
+{
+	gw_records_destroy(scene->gpu, &scene->further);
+	gw_ray_gather_destroy(scene->gpu, &scene->further_rays);
+}
+
+void gw_scene_forget_samples(gw_scene *scene)
+{
+	gw_buffer_destroy(scene->gpu, &scene->sampled);
+	gw_probe_hits_forget_emitted(&scene->probed);
+	gw_scene_forget_further(scene);
+}
+
+void gw_scene_forget_light(gw_scene *scene)
+{
+	gw_scene_forget_samples(scene);
+	gw_probe_hits_clear(&scene->probed);
+	gw_openings_destroy(scene->gpu, &scene->openings);
+	gw_buffer_destroy(scene->gpu, &scene->rays.through);
+}
+
+gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	gw_status status = gw_records_place(&scene->passes, &scene->octree, o->record_spacing, o->seed,
+										&scene->records, error);
+	scene->report->records = scene->records.count;
+	if (status == GW_OK)
+		status = trace_records(scene, error);
+	if (status == GW_OK)
+		status = make_pools(scene, error);
+	if (status == GW_OK)
+		status =
+			gw_records_weigh_lobes(&scene->passes, &scene->octree, &scene->records, NULL, error);
+	if (status == GW_OK)
+		status = gw_read_back_make(&scene->passes, &scene->octree, &scene->records,
+								   scene->surfels.count, &scene->read_back, error);
+	return status;
+}
+
+/* The records from `first` on, by themselves. */
+static gw_status list_further(gw_scene *scene, uint32_t first, gw_error *error)
+{
+	gw_records *all = &scene->records;
+	size_t count = all->count - first;
+	float *rows = gw_allocate_array(count, 8 * sizeof *rows);
+	if (!rows)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	gw_status status = gw_buffer_download(scene->gpu, &all->position, 16 * (uint64_t)first, rows,
+										  16 * count, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(scene->gpu, &all->normal, 16 * (uint64_t)first,
+									rows + 4 * count, 16 * count, error);
+	if (status == GW_OK)
+		status = gw_records_put(scene->gpu, rows, rows + 4 * count, (uint32_t)count,
+								&scene->further, error);
+	free(rows);
+	return status;
+}
+
+/* Which records light what, where they have come closer. */
+static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_error *error)
+{
+	gw_buffer lobes = { 0 }, surfels = { 0 };
+	gw_status status =
+		gw_records_reach(s->gpu, &s->records, GW_LOBE_REACH, density->lobe_spacing,
+						 density->lobe_closer, 2 * (size_t)s->octree.leaf_count, &lobes, error);
+	if (status == GW_OK)
+		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, density->surfel_spacing,
+								  density->surfel_closer, s->surfels.count, &surfels, error);
+	if (status == GW_OK)
+		status = gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, &lobes, error);
+	if (status == GW_OK)
+		status = gw_read_back_again(&s->passes, &s->octree, &s->records, &surfels,
+									density->surfel_closer, &s->read_back, error);
+	gw_buffer_destroy(s->gpu, &lobes);
+	gw_buffer_destroy(s->gpu, &surfels);
+	return status;
+}
+
+gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	uint32_t before = scene->records.count;
+	gw_scene_forget_further(scene);
+	gw_status status = gw_records_add(&scene->passes, &scene->octree, o->record_spacing, o->seed,
+									  density->lobe_spacing, &scene->records, error);
+	scene->report->records = scene->records.count;
+	if (status == GW_OK && scene->records.count > before)
+		status = list_further(scene, before, error);
+	if (status == GW_OK && scene->further.count > 0)
+		status = gw_ray_gather_add(&scene->passes, &scene->octree, &scene->further, &scene->rays,
+								   &scene->further_rays, error);
+	report_rays(scene);
+	if (status == GW_OK)
+		status = gw_ray_gather_look(&scene->passes, &scene->octree, &scene->records, &scene->rays,
+									error);
+	return status == GW_OK ? weigh_again(scene, density, error) : status;
+}
+
+gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (!s->openings.looked)
+		status =
+			gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings, error);
+	if (status == GW_OK && s->further.count > 0)
+		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
+											&s->rays, &s->further_rays, error);
+	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->openings,
+												&s->rays, error)
+						   : status;
+}
+
+gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error)
+{
+	gw_report_surfels(scene->report, &scene->surfels, points);
+	gw_scene_report_octree(scene);
+	scene->report->records = scene->records.count;
+	gw_status status = gw_records_make_room(scene->gpu, &scene->records, error);
+	return status == GW_OK ? make_pools(scene, error) : status;
+}
+
+gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	gw_status status = gw_records_place(&scene->passes, &scene->octree, o->record_spacing, o->seed,
+										&scene->records, error);
+	if (status == GW_OK)
+		status = gw_ray_gather_trace(&scene->passes, &scene->octree, &scene->records, ray_count(o),
+									 (uint32_t)o->seed, &scene->rays, error);
+	if (status == GW_OK)
+		status = gw_kept_hits_take(scene->gpu, &scene->octree, &scene->records, &scene->rays, kept,
+								   error);
+	gw_scene_drop_records(scene);
+	return status;
+}
+
+void gw_scene_drop_records(gw_scene *scene)
+{
+	gw_cone_gather_destroy(scene->gpu, &scene->cones);
+	gw_ray_gather_destroy(scene->gpu, &scene->rays);
+	gw_openings_destroy(scene->gpu, &scene->openings);
+	gw_records_destroy(scene->gpu, &scene->records);
+	gw_scene_forget_further(scene);
+	gw_read_back_clear(&scene->read_back);
+	gw_buffer_destroy(scene->gpu, &scene->sampled);
+	gw_probe_hits_clear(&scene->probed);
+	memset(scene->passes.device_seconds, 0, sizeof scene->passes.device_seconds);
+}
+
+void gw_scene_drop_octree(gw_scene *scene)
+{
+	gw_scene_drop_records(scene);
+	if (scene->passes.gpu)
+		gw_passes_destroy(&scene->passes);
+	scene->passes = (gw_passes){ 0 };
+	gw_octree_destroy(scene->gpu, &scene->octree);
+}
+
+void gw_scene_close(gw_scene *scene)
+{
+	gw_surfels_clear(&scene->surfels);
+	if (scene->gpu == NULL)
+		return;
+	gw_scene_drop_octree(scene);
+	gw_octree_kept_destroy(scene->gpu, &scene->kept_octree);
+	gw_gpu_destroy(&scene->gpu);
+}

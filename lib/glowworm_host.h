@@ -1,0 +1,59 @@
+/*
+ * glowworm_host.h - public interface of libglowworm to the machine that it runs on: what programs
+ * around it would have to write again. Everything here is thread-safe.
+ */
+#ifndef GLOWWORM_HOST_H
+#define GLOWWORM_HOST_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifdef __GNUC__
+#pragma GCC visibility push(default)
+#endif
+
+/* Seconds of a clock that never steps back; only differences mean something. */
+double gw_seconds(void);
+
+/*
+ * Bytes of host memory that can be taken now without swapping: what the system reports as
+ * available, and not more than the control group of this process and the limit of its addresses
+ * leave. 0 when unknown.
+ */
+uint64_t gw_available_memory(void);
+
+/* The number of threads to use: `requested`, or when it is 0 the number of processors that this
+ * process may run on; at least 1, at most 256. */
+uint32_t gw_thread_count(uint32_t requested);
+
+/*
+ * Work on elements [first, last) of a loop.
+ *   worker   0 <= worker < number of threads; one worker runs one chunk at a time, so it can index
+ *            scratch memory. Which chunks a worker gets depends on the schedule: nothing that ends
+ *            up in a result may depend on it.
+ */
+typedef void gw_parallel_work(void *user, size_t first, size_t last, uint32_t worker);
+
+/*
+ * Calls work for every chunk of [0, count), on up to `threads` threads, and waits for all of them.
+ * Chunks begin at multiples of `chunk`, whatever the number of threads. The calling thread is
+ * worker 0; when a thread cannot be started the others do its share.
+ *   threads  0 means one a processor
+ *   chunk    elements, at least 1
+ */
+void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
+					 void *user);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
