@@ -380,8 +380,9 @@ const option options[] = {
 			  "whatever is quicker. The light is the same but for roundings" },
 	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, PICTURED, AT(bake.validate),
 	  .choice = validation_name, .group = "Developers",
-	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at each "
-			  "call and at what has to wait for what; accesses at each access of shaders to memory" },
+	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
+			  "each call and at what has to wait for what; accesses at each access of shaders to "
+			  "memory" },
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },

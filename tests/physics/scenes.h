@@ -68,7 +68,8 @@ void scene_clear(scene *s);
  */
 void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
 
-/* Bakes, as scene_choose_passes says; the result is freed by the caller with gw_bake_result_destroy. */
+/* Bakes, as scene_choose_passes says; the result is freed by the caller with
+ * gw_bake_result_destroy. */
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
                            const gw_bake_options *options);
 
