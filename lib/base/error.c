@@ -1,0 +1,82 @@
+/*
+ * error.c - failures as sentences, and the names of the public enums.
+ */
+#include "glowworm.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#undef gw_fail
+gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
+{
+	if (error != NULL) {
+		va_list arguments;
+		va_start(arguments, format);
+		vsnprintf(error->text, sizeof error->text, format, arguments);
+		va_end(arguments);
+		error->status = status;
+	}
+	return status;
+}
+
+const char *gw_method_name(gw_method method)
+{
+	static const char *const name[] = { [GW_METHOD_RAYS] = "rays", [GW_METHOD_CONES] = "cones" };
+	static_assert(sizeof name / sizeof *name == GW_METHOD_COUNT, "every method has a name");
+	assert((unsigned)method < GW_METHOD_COUNT);
+	return name[method];
+}
+
+const char *gw_shadows_name(gw_shadows shadows)
+{
+	static const char *const name[] = {
+		[GW_SHADOWS_TRACED] = "traced", [GW_SHADOWS_MAPS] = "maps", [GW_SHADOWS_NONE] = "none"
+	};
+	static_assert(sizeof name / sizeof *name == GW_SHADOWS_COUNT, "every kind has a name");
+	assert((unsigned)shadows < GW_SHADOWS_COUNT);
+	return name[shadows];
+}
+
+const char *gw_pass_choice_name(gw_pass_choice choice)
+{
+	static const char *const name[] = {
+		[GW_PASSES_AUTO] = "auto", [GW_PASSES_DEVICE] = "device", [GW_PASSES_CPU] = "cpu"
+	};
+	static_assert(sizeof name / sizeof *name == GW_PASSES_COUNT, "every choice has a name");
+	assert((unsigned)choice < GW_PASSES_COUNT);
+	return name[choice];
+}
+
+const char *gw_validation_name(gw_validation validation)
+{
+	static const char *const name[] = { [GW_VALIDATE_NOTHING] = "none",
+										[GW_VALIDATE_CALLS] = "calls",
+										[GW_VALIDATE_ACCESSES] = "accesses" };
+	static_assert(sizeof name / sizeof *name == GW_VALIDATION_COUNT, "every kind has a name");
+	assert((unsigned)validation < GW_VALIDATION_COUNT);
+	return name[validation];
+}
+
+const char *gw_goal_name(gw_goal goal)
+{
+	static const char *const name[] = {
+		[GW_GOAL_NONE] = "none",       [GW_GOAL_REACHED] = "reached",
+		[GW_GOAL_TIME] = "time",       [GW_GOAL_EXHAUSTED] = "exhausted",
+		[GW_GOAL_STALLED] = "stalled", [GW_GOAL_MEMORY] = "memory"
+	};
+	static_assert(sizeof name / sizeof *name == GW_GOAL_COUNT, "every goal has a name");
+	assert((unsigned)goal < GW_GOAL_COUNT);
+	return name[goal];
+}
+
+const char *gw_light_type_name(gw_light_type type)
+{
+	static const char *const name[] = { [GW_LIGHT_POINT] = "point",
+										[GW_LIGHT_SPOT] = "spot",
+										[GW_LIGHT_SUN] = "sun",
+										[GW_LIGHT_ENVIRONMENT] = "environment" };
+	static_assert(sizeof name / sizeof *name == GW_LIGHT_TYPE_COUNT, "every type has a name");
+	assert((unsigned)type < GW_LIGHT_TYPE_COUNT);
+	return name[type];
+}
