@@ -135,7 +135,7 @@ static bool is_indices(const ply_property *property)
 /* Corners have the normal with their own number, where there are normals. */
 static gw_status take_face(reader *r, const ply_property *property)
 {
-	size_t length;
+	size_t length = 0;
 	gw_status status = take_length(r, property, &length);
 	r->polygon.count = 0;
 	for (size_t i = 0; i < length && status == GW_OK; i++) {
