@@ -197,6 +197,9 @@ $(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
 $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
 		reallocarray strdup strndup free)
 
+# They see each pass that runs.
+$(BUILD)/tests/unit/test_passes $(BUILD)/tests/physics/test_shaders: LDFLAGS += -Wl,--wrap=gw_passes_run
+
 # The campaign uses nothing of the program, so that it sees what the program does not; its shim is
 # loaded before the C library.
 $(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))
@@ -222,7 +225,7 @@ check: deps  ## what a change breaks most often, in under two minutes: unit, cli
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs analysis
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:hostile build:cli build:torture build:lint $(SANITIZED) \
+	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint $(SANITIZED) \
 		$(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files

@@ -19,7 +19,7 @@ typedef struct lamp {
 	double elevation; /* degrees above the horizon */
 	bool aimed;       /* its direction leads from its position to the target */
 	double target[3];
-	size_t motion; /* 0: it stands still; else its path, settings.path[motion - 1] */
+	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
 	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */
 } lamp;
 

@@ -23,6 +23,16 @@ static const char *shadows_name(int i)
 	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
 }
 
+static const char *passes_name(int i)
+{
+	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
+}
+
+static const char *validation_name(int i)
+{
+	return i < GW_VALIDATION_COUNT ? gw_validation_name((gw_validation)i) : NULL;
+}
+
 static const char *quality_name(int i)
 {
 	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
@@ -148,7 +158,8 @@ static const char *format_name(int i)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
 #define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
 
-static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int),
+static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int) &&
+				  sizeof(gw_pass_choice) == sizeof(int) && sizeof(gw_validation) == sizeof(int),
 			  "choices are stored as int");
 
 const option options[] = {
@@ -172,13 +183,11 @@ const option options[] = {
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
 	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(save_transport),
-	  .group = "Output",
-	  .help = "write what does not depend on the light, for --transport" },
+	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
 	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
 	  .group = "Output", .help = "more columns for the points, with commas between them" },
 	{ "ao-distance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.occlusion_distance),
-	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true,
-	  .group = "Output",
+	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true, .group = "Output",
 	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
 	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
 	  .group = "Output",
@@ -361,8 +370,17 @@ const option options[] = {
 	  .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
-	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Machine",
-	  .help = "run under Vulkan's validation layer; any message is an error" },
+
+	{ "passes", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.passes),
+	  .choice = passes_name, .group = "Developers",
+	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
+			  "of the processor where there are some, which takes the software driver; auto is "
+			  "whatever is quicker. The light is the same but for roundings" },
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, PICTURED, AT(bake.validate),
+	  .choice = validation_name, .group = "Developers",
+	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
+			  "each call and at what has to wait for what; accesses at each access of shaders to "
+			  "memory" },
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
@@ -422,7 +440,7 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",    "info",   "compare",  "mix", "sample",
+	static const char *const name[] = { "bake",    "info",   "compare",  "mix",    "sample",
 										"convert", "render", "tradeoff", "doctor", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];

@@ -154,7 +154,7 @@ typedef struct settings {
 	uint32_t count;                  /* points for all meshes without a density together */
 	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
-	const char *scene; /* the scene file that was read, or NULL */
+	const char *scene;               /* the scene file that was read, or NULL */
 	const char *transport, *save_transport;
 	const char *output, *vdb, *report, *format, *columns, *output_format;
 	float vdb_voxel; /* metres; 0: the octree's cells */

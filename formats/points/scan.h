@@ -13,8 +13,14 @@
 #include "glowworm.h"
 
 typedef enum scan_type {
-	SCAN_INT8, SCAN_UINT8, SCAN_INT16, SCAN_UINT16, SCAN_INT32, SCAN_UINT32,
-	SCAN_FLOAT32, SCAN_FLOAT64,
+	SCAN_INT8,
+	SCAN_UINT8,
+	SCAN_INT16,
+	SCAN_UINT16,
+	SCAN_INT32,
+	SCAN_UINT32,
+	SCAN_FLOAT32,
+	SCAN_FLOAT64,
 	SCAN_TYPE_COUNT
 } scan_type;
 
@@ -22,9 +28,9 @@ typedef enum scan_type {
 size_t scan_type_size(scan_type type);
 
 typedef struct scan_column {
-	char *name;     /* owned */
+	char *name; /* owned */
 	scan_type type;
-	void *data;     /* owned; count values of the type, native byte order */
+	void *data; /* owned; count values of the type, native byte order */
 } scan_column;
 
 /* A comment that begins with this is about the input: something that its reader found wrong or took
@@ -33,18 +39,18 @@ typedef struct scan_column {
 #define SCAN_NO_SCANNER UINT32_MAX
 
 typedef struct scan {
-	size_t count;             /* points */
-	scan_column *column;      /* owned */
+	size_t count;        /* points */
+	scan_column *column; /* owned */
 	size_t column_count;
-	char **comment;           /* owned; comment_count lines of text without the format's keyword */
+	char **comment; /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
-	uint64_t left_out;        /* rows without a point: empty cells of a scanner's grid */
-	char up;                  /* 'y' or 'z': which axis the format calls up */
-	double *scanner;          /* owned; 3 * scanner_count: where scanners stood, in the cloud's
-								 coordinates */
+	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
+	char up;           /* 'y' or 'z': which axis the format calls up */
+	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
+						  coordinates */
 	size_t scanner_count;
-	uint32_t *scanner_of;     /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
-								 NULL when there is none, or the one saw them all */
+	uint32_t *scanner_of; /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
+							 NULL when there is none, or the one saw them all */
 } scan;
 
 /* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
@@ -91,27 +97,30 @@ typedef enum scan_albedo {
 	SCAN_ALBEDO_COLOR,     /* red green blue (or albedo_*) */
 	SCAN_ALBEDO_INTENSITY, /* the scanner's intensity, scaled to its 99th percentile */
 	SCAN_ALBEDO_CONSTANT,
-	SCAN_ALBEDO_PROPERTY,  /* any column, taken as linear */
+	SCAN_ALBEDO_PROPERTY, /* any column, taken as linear */
 	SCAN_ALBEDO_COUNT
 } scan_albedo;
 
 typedef struct scan_points_options {
 	scan_albedo albedo;
-	float constant;        /* of SCAN_ALBEDO_CONSTANT, 0..1 */
-	const char *property;  /* of SCAN_ALBEDO_PROPERTY */
-	float scale;           /* every albedo is multiplied by this; 1 leaves it */
-	float white;           /* 0..1: blend towards white, rho + white * (1 - rho) (Salm 5.1) */
-	bool linear_colors;    /* colours are linear already, not sRGB-encoded */
+	float constant;       /* of SCAN_ALBEDO_CONSTANT, 0..1 */
+	const char *property; /* of SCAN_ALBEDO_PROPERTY */
+	float scale;          /* every albedo is multiplied by this; 1 leaves it */
+	float white;          /* 0..1: blend towards white, rho + white * (1 - rho) (Salm 5.1) */
+	bool linear_colors;   /* colours are linear already, not sRGB-encoded */
 } scan_points_options;
 
-#define SCAN_POINTS_OPTIONS_DEFAULT                                                            \
+#define SCAN_POINTS_OPTIONS_DEFAULT                                                                \
 	((scan_points_options){ .constant = GW_ALBEDO_DEFAULT, .scale = 1.0f })
 
 /* gw_points with the memory behind them. */
 typedef struct scan_points {
 	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
 	char albedo_source[160]; /* a phrase: which albedo was used and why */
-	double *position; float *normal; float *albedo; float *emission; /* owned */
+	double *position;
+	float *normal;
+	float *albedo;
+	float *emission; /* owned */
 } scan_points;
 
 /*
@@ -123,7 +132,7 @@ typedef struct scan_points {
  *         the scan, which has to live as long
  */
 gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,
-                           gw_error *error);
+						   gw_error *error);
 void scan_points_clear(scan_points *points);
 
 #endif

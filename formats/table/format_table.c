@@ -14,20 +14,8 @@
 
 /* In the order in which content is probed. */
 const format *const formats[] = {
-	&ply_format,
-	&las_format,
-	&laz_format,
-	&pcd_format,
-	&e57_format,
-	&off_format,
-	&glb_format,
-	&ptx_format,
-	&pts_format,
-	&xyz_format,
-	&csv_format,
-	&obj_format,
-	&cloud_format,
-	NULL,
+	&ply_format, &las_format, &laz_format, &pcd_format, &e57_format, &off_format,   &glb_format,
+	&ptx_format, &pts_format, &xyz_format, &csv_format, &obj_format, &cloud_format, NULL,
 };
 
 const format *format_by_name(const char *name)

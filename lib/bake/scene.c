@@ -54,6 +54,8 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
+		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
@@ -132,7 +134,12 @@ gw_status gw_scene_open_device(gw_scene *scene, gw_error *error)
 	gw_gpu_options options = { .device = scene->options.device,
 							   .memory = scene->options.memory,
 							   .drivers = scene->options.drivers,
-							   .validate = scene->options.validate,
+							   .validate = scene->options.validate != GW_VALIDATE_NOTHING,
+							   .validate_synchronization =
+								   scene->options.validate == GW_VALIDATE_CALLS,
+							   .validate_gpu_assisted =
+								   scene->options.validate == GW_VALIDATE_ACCESSES,
+							   .passes = scene->options.passes,
 							   .cancelled = gw_scene_stopped,
 							   .user = scene };
 	gw_status status = gw_gpu_create(&options, &scene->gpu, error);
@@ -235,10 +242,10 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	if (status != GW_OK)
 		return status;
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
-	if (scene->passes.gpu != NULL && !gw_passes_fit(&scene->passes, &scene->octree))
+	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
 	if (scene->passes.gpu == NULL)
-		gw_passes_init(&scene->passes, scene->gpu, &scene->octree);
+		gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	if (o->method == GW_METHOD_CONES)

@@ -306,7 +306,7 @@ static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 	} else {
 		status = gw_buffer_create_unset(scene->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
 										block->name, block->buffer, error);
-		a->to = gw_gpu_is_host(scene->gpu) ? block->buffer->mapped : NULL;
+		a->to = gw_gpu_shares_memory(scene->gpu) ? block->buffer->mapped : NULL;
 	}
 	return status;
 }
@@ -491,7 +491,7 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 		status = read_blocks(scene, transport, &h, error);
 	if (status != GW_OK)
 		return status;
-	gw_passes_init(&scene->passes, scene->gpu, &scene->octree);
+	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = scene->options.threads;
 	if (h.numbers.light_samples != scene->options.light_samples)
 		gw_buffer_destroy(scene->gpu, &scene->sampled);

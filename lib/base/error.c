@@ -43,14 +43,33 @@ const char *gw_shadows_name(gw_shadows shadows)
 	return name[shadows];
 }
 
+const char *gw_pass_choice_name(gw_pass_choice choice)
+{
+	static const char *const name[] = {
+		[GW_PASSES_AUTO] = "auto", [GW_PASSES_DEVICE] = "device", [GW_PASSES_CPU] = "cpu"
+	};
+	static_assert(sizeof name / sizeof *name == GW_PASSES_COUNT, "every choice has a name");
+	assert((unsigned)choice < GW_PASSES_COUNT);
+	return name[choice];
+}
+
+const char *gw_validation_name(gw_validation validation)
+{
+	static const char *const name[] = { [GW_VALIDATE_NOTHING] = "none",
+										[GW_VALIDATE_CALLS] = "calls",
+										[GW_VALIDATE_ACCESSES] = "accesses" };
+	static_assert(sizeof name / sizeof *name == GW_VALIDATION_COUNT, "every kind has a name");
+	assert((unsigned)validation < GW_VALIDATION_COUNT);
+	return name[validation];
+}
+
 const char *gw_goal_name(gw_goal goal)
 {
-	static const char *const name[] = { [GW_GOAL_NONE] = "none",
-										[GW_GOAL_REACHED] = "reached",
-										[GW_GOAL_TIME] = "time",
-										[GW_GOAL_EXHAUSTED] = "exhausted",
-										[GW_GOAL_STALLED] = "stalled",
-										[GW_GOAL_MEMORY] = "memory" };
+	static const char *const name[] = {
+		[GW_GOAL_NONE] = "none",       [GW_GOAL_REACHED] = "reached",
+		[GW_GOAL_TIME] = "time",       [GW_GOAL_EXHAUSTED] = "exhausted",
+		[GW_GOAL_STALLED] = "stalled", [GW_GOAL_MEMORY] = "memory"
+	};
 	static_assert(sizeof name / sizeof *name == GW_GOAL_COUNT, "every goal has a name");
 	assert((unsigned)goal < GW_GOAL_COUNT);
 	return name[goal];

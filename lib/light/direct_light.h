@@ -5,7 +5,7 @@
 #ifndef DIRECT_LIGHT_H
 #define DIRECT_LIGHT_H
 
-#include "light/passes.h"
+#include "octree/octree_bindings.h"
 #include "light/transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.

@@ -6,7 +6,7 @@
 
 #include "glowworm_host.h"
 #include "base/parallel.h"
-#include "light/passes.h"
+#include "device/passes.h"
 
 #include <stdatomic.h>
 

@@ -2,7 +2,7 @@
  * host_products.h - the sparse products of bounces as loops of the host.
  *
  * Each does what the pass of a shader does, on the same buffers, but for roundings. They are for
- * devices that are the host's own processor (gw_gpu_is_host): there the passes fetch lane by lane
+ * devices that are the host's own processor (see passes.h): there the passes fetch lane by lane
  * and these loops take a fifth of their time, with as many processors. Work is cut into pieces that
  * do not depend on the number of threads, so neither do the results. Time is booked as that of the
  * pass.

@@ -2,14 +2,14 @@
  * host_trace.h - rays through the octree as a function of the host: octree_trace.glsl and
  * octree_discs.glsl, and disc_tree.glsl, step by step, but for roundings.
  *
- * For devices that are the host's own processor (gw_gpu_is_host). There eight rays of a pass walk
+ * For devices that are the host's own processor (see passes.h). There eight rays of a pass walk
  * in step and fetch lane by lane; one ray after the other takes a fraction of their time.
  */
 #ifndef HOST_TRACE_H
 #define HOST_TRACE_H
 
 #include "surfels/disc_tree.h"
-#include "light/passes.h"
+#include "octree/octree_bindings.h"
 #include "base/shader_math.h"
 
 /* What rays read of an octree: arrays as octree.h describes them. */

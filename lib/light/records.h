@@ -10,7 +10,7 @@
 #ifndef RECORDS_H
 #define RECORDS_H
 
-#include "light/passes.h"
+#include "octree/octree_bindings.h"
 
 typedef struct gw_records {
 	uint32_t count;

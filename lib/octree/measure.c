@@ -66,10 +66,9 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 					 gw_error *error)
 {
 	whole_cloud whole = { 0 };
-	gw_surfels_options options = { .threads = threads,
-								   .choose = choose_stretches,
-								   .chooser = &whole,
-								   .choose_by_place = true };
+	gw_surfels_options options = {
+		.threads = threads, .choose = choose_stretches, .chooser = &whole, .choose_by_place = true
+	};
 	gw_surfels surfels;
 	float *gap = NULL;
 	*statistics = (gw_statistics){ .points = points->count };
@@ -81,8 +80,8 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 	count_normals(points, statistics);
 	measure_spacing(&surfels, gap, statistics);
 	statistics->depth = gw_octree_auto_depth(&surfels);
-	statistics->memory = FIXED_BYTES + (uint64_t)points->count * POINT_BYTES +
-						 whole.surfels * SURFEL_BYTES;
+	statistics->memory =
+		FIXED_BYTES + (uint64_t)points->count * POINT_BYTES + whole.surfels * SURFEL_BYTES;
 	free(gap);
 	gw_surfels_clear(&surfels);
 	return GW_OK;

@@ -4,7 +4,7 @@
 #include "picture/render_octree.h"
 
 #include "base/memory.h"
-#include "device/named_pass.h"
+#include "device/passes.h"
 
 #include <stdlib.h>
 

@@ -10,7 +10,6 @@
 #include "base/shared_types.h"
 #include "octree/trace_constants.h"
 
-
 /* Records that a lobe's irradiance is interpolated from, at most. */
 #define GW_WEIGHTS 8u
 
@@ -70,7 +69,7 @@ SHARED_STRUCT(gw_record_push)
 	float sky_total;            /* its luminance, summed over solid angle */
 	float sky_turn;             /* of its centre, in turns clockwise from y */
 	uint sky_y_up;
-	uint looked; /* first gather: what lies nearest and who is buried is known */
+	uint looked;   /* first gather: what lies nearest and who is buried is known */
 	uint openings; /* to the sky, of which a record takes GW_OPENING_SAMPLES samples; 0: none */
 	uint unused[3];
 };
@@ -92,11 +91,11 @@ SHARED_SIZE(gw_keep_push, 20);
 SHARED_STRUCT(gw_lookup_push)
 {
 	uint first, count;
-	uint block_level; /* octree level of the blocks that records are listed by */
-	float radius;     /* of influence of a record, R */
-	float lift;       /* both ends of a visibility test are lifted this far off the surface */
-	uint visibility;  /* 1: test it where a record's surroundings are nearer than the point */
-	uint tile_first;  /* first tile whose parent cells are of block_level */
+	uint block_level;  /* octree level of the blocks that records are listed by */
+	float radius;      /* of influence of a record, R */
+	float lift;        /* both ends of a visibility test are lifted this far off the surface */
+	uint visibility;   /* 1: test it where a record's surroundings are nearer than the point */
+	uint tile_first;   /* first tile whose parent cells are of block_level */
 	uint surfel_first; /* of the surfels looked at in this run */
 	uint own_reach;    /* 1: points look as far as a buffer says, not `radius` */
 };

@@ -50,7 +50,7 @@ SHARED_STRUCT(gw_border_push)
 	uint cells; /* that the tiles hold, all together */
 	uint emit;  /* 0: count; 1: write */
 	uint wide;
-	uint base;  /* write: first element */
+	uint base; /* write: first element */
 	uint tiles;
 };
 SHARED_SIZE(gw_border_push, 28);
@@ -58,12 +58,12 @@ SHARED_SIZE(gw_border_push, 28);
 SHARED_STRUCT(gw_tiles_push)
 {
 	uint first, count;
-	uint level;         /* of the tiles' parent cells */
-	uint tile_first;    /* pointer to the first of these tiles */
-	uint parent_first;  /* pointer to the first tile of the level above */
-	uint parent_count;  /* how many; 0: this is the root */
-	uint directory;     /* 1: there is a directory of this level */
-	uint total;         /* tiles */
+	uint level;        /* of the tiles' parent cells */
+	uint tile_first;   /* pointer to the first of these tiles */
+	uint parent_first; /* pointer to the first tile of the level above */
+	uint parent_count; /* how many; 0: this is the root */
+	uint directory;    /* 1: there is a directory of this level */
+	uint total;        /* tiles */
 };
 SHARED_SIZE(gw_tiles_push, 32);
 
@@ -71,7 +71,7 @@ SHARED_STRUCT(gw_leaves_push)
 {
 	uint first, count;
 	uint leaves;
-	uint from;      /* reduction: first fragment of each leaf to be reduced now */
+	uint from; /* reduction: first fragment of each leaf to be reduced now */
 	uint emissive;
 	uint depth;
 	uint directory_level;
