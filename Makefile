@@ -49,7 +49,7 @@ comma    := ,
 VDB_SOURCE      := formats/vdb_grids.cpp
 VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
-LIB_SOURCES     := $(wildcard lib/*.c lib/*.cpp)
+LIB_SOURCES     := $(filter-out lib/kernel.cpp,$(wildcard lib/*.c lib/*.cpp))
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*.c formats/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*.c)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
@@ -84,7 +84,12 @@ $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/li
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
 
-$(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
+# Passes that run on the processor as well: lib/kernel.cpp, compiled with the text of each.
+KERNELS         := light_visibility light_irradiance lobe_direct record_rays record_again record_emitters \
+                   record_sky record_first record_gather record_add lobe_weights lobe_shade read_back
+KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
+
+$(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
@@ -103,10 +108,14 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
+$(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
+	@mkdir -p $(@D)
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(KERNEL_FLAGS) -DPASS=gw_kernel_$* -DPASS_TEXT='"$*.comp"' -MMD -MP -c -o $@ $<
+
 # Shaders become comma-separated words that lib/shaders.c includes.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
-	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	$(GLSLC) -std=460 --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
 
 # One array for each shader and a table of them; touched only when a shader comes or goes.
 $(BUILD)/shaders/shader_list.inc: FORCE

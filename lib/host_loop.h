@@ -5,6 +5,7 @@
 #define HOST_LOOP_H
 
 #include "clock.h"
+#include "kernel.h"
 #include "parallel.h"
 #include "passes.h"
 
@@ -38,6 +39,39 @@ static inline void gw_host_loop(gw_passes *passes, gw_pass_id id, size_t count, 
 	if (!gw_gpu_stopped(passes->gpu))
 		gw_parallel_for(passes->threads, count, chunk, gw_work_unless_stopped, &loop);
 	passes->device_seconds[id] += gw_seconds() - start;
+}
+
+/* One pass as a kernel: its bindings and its push constants. */
+typedef struct gw_host_pass {
+	gw_pass_id id;
+	gw_kernel *kernel;
+	const gw_binding *bindings;
+	const void *push;
+	const uint32_t *element; /* see gw_kernel_run */
+} gw_host_pass;
+
+typedef struct gw_host_job {
+	gw_kernel *kernel;
+	gw_kernel_run run;
+} gw_host_job;
+
+static inline void gw_host_work(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const gw_host_job *job = user;
+	(void)worker;
+	job->kernel(&job->run, first, last);
+}
+
+/* Runs a pass over `count` elements by gw_host_loop. */
+static inline void gw_host_run(gw_passes *passes, const gw_host_pass *pass, size_t count,
+							   size_t chunk)
+{
+	gw_host_job job = { .kernel = pass->kernel,
+						.run = { .bindings = pass->bindings,
+								 .constant = passes->constant,
+								 .push = pass->push,
+								 .element = pass->element } };
+	gw_host_loop(passes, pass->id, count, chunk, gw_host_work, &job);
 }
 
 #endif

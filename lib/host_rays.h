@@ -1,15 +1,12 @@
 /*
- * host_rays.h - the passes that trace rays, as loops of the host.
+ * host_rays.h - the passes that trace rays, as loops of the host over their kernels (kernel.h).
  *
- * As host_products.h: each does what the pass of a shader does, on the same buffers, but for
- * roundings, on devices that are the host's own processor. A rounding may also turn a ray that
- * grazes an edge from one lobe to its neighbour.
+ * A rounding may turn a ray that grazes an edge from one lobe to its neighbour.
  */
 #ifndef HOST_RAYS_H
 #define HOST_RAYS_H
 
 #include "gather_rays.h"
-#include "host_trace.h"
 #include "transport_layout.h"
 
 /* record_rays.comp: gather->lobe and gather->distance, of all rays of all records. */
@@ -50,16 +47,5 @@ void gw_host_light_visibility(gw_passes *passes, const gw_octree *octree, const 
 void gw_host_light_irradiance(gw_passes *passes, const gw_octree *octree, const gw_light_push *push,
 							  const gw_buffer *normal, const gw_buffer *visibility, size_t count,
 							  gw_buffer *irradiance);
-
-/* Share of its power that a light sends towards a place, where it is from there, and how far:
- * light.glsl. */
-float gw_lamp_share(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance);
-
-/* Aims the s-th ray, of push->samples, at a place of the disc that the light shows.
- *   turn       by how much the places are turned, in turns
- *   towards    its middle, at that distance
- *   ray        receives direction and t_max */
-void gw_lamp_aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards, float distance,
-				 gw_ray *ray);
 
 #endif
