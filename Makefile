@@ -177,6 +177,9 @@ $(BUILD)/glowworm $(TEST_PROGRAMS): $(KEEP_LOADED)
 $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,malloc calloc realloc \
 		reallocarray strdup strndup free)
 
+# They see each pass that runs.
+$(BUILD)/tests/unit/test_passes $(BUILD)/tests/physics/test_device: LDFLAGS += -Wl,--wrap=gw_passes_run
+
 # The campaign uses nothing of the program, so that it sees what the program does not; its shim is
 # loaded before the C library.
 $(BUILD)/tests/torture/torture: $(call objects,$(TORTURE_SOURCES))

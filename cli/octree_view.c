@@ -275,6 +275,7 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 	if (!octree_view_needs_octree(v->view))
 		return GW_OK;
 	const gw_render_octree_options options = { .device = s->bake.device,
+													   .passes = s->bake.passes,
 											   .memory = s->bake.memory,
 											   .depth = s->bake.depth,
 											   .leaf_spacing = s->bake.leaf_spacing,

@@ -23,6 +23,11 @@ static const char *shadows_name(int i)
 	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
 }
 
+static const char *passes_name(int i)
+{
+	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
+}
+
 static const char *quality_name(int i)
 {
 	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
@@ -148,7 +153,8 @@ static const char *format_name(int i)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
 #define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
 
-static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int),
+static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int) &&
+				  sizeof(gw_pass_choice) == sizeof(int),
 			  "choices are stored as int");
 
 const option options[] = {
@@ -361,7 +367,13 @@ const option options[] = {
 	  .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
-	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Machine",
+
+	{ "passes", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.passes),
+	  .choice = passes_name, .group = "Developers",
+	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
+			  "of the processor where there are some, which takes the software driver; auto is "
+			  "whatever is quicker. The light is the same but for roundings" },
+	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Developers",
 	  .help = "run under Vulkan's validation layer; any message is an error" },
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",

@@ -16,7 +16,7 @@
 #include "bounces.h"
 
 #include "clock.h"
-#include "host_products.h"
+#include "hit_lobes.h"
 #include "luminance.h"
 #include "memory.h"
 #include "parallel.h"
@@ -34,11 +34,6 @@ gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_re
 						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
 						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_shade(passes, octree, records, records_irradiance, lobe_direct, direct_share,
-					  lobe_radiance);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = {
 		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
 		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
@@ -188,7 +183,7 @@ static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, flo
 typedef struct progress {
 	const gw_bounces_task *task;
 	lobe_sums sums;
-	gw_hit_lobes hits; /* where the host makes bounces from records to records */
+	gw_hit_lobes hits; /* where a CPU kernel shades: lobes that are not hit can be left out */
 	bool by_hits;
 	bool gathered; /* records->gathered is what the last bounce brought, and not reflected yet */
 	double energy; /* that the last bounce reflects */
@@ -201,7 +196,7 @@ static gw_status measure_gathered(progress *p, gw_error *error)
 	const gw_bounces_task *task = p->task;
 	double cell = (double)task->octree->leaf_size;
 	p->gathered = true;
-	p->energy = gw_host_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	p->energy = gw_hit_lobes_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
@@ -213,7 +208,7 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	if (p->gathered)
-		gw_host_shade_hits(task->passes, task->octree, task->records, &p->hits,
+		gw_hit_lobes_shade(task->passes, task->octree, task->records, &p->hits,
 						   task->lobe_radiance);
 	gw_status status = gather_once(task, first, p->largest, error);
 	if (status == GW_OK && p->by_hits)
@@ -239,7 +234,8 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 		status = append(bounces, p->energy, gw_seconds() - started, error);
 	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
-	p->by_hits = task->step.hits && task->limit > 1 && gw_gpu_is_host(task->passes->gpu);
+	p->by_hits = task->step.hits && task->limit > 1 &&
+				 gw_passes_way(task->passes, GW_PASS_LOBE_SHADE, NULL) == GW_WAY_CPU;
 	if (status == GW_OK && p->by_hits)
 		status = gw_hit_lobes_find(task->passes, task->octree, task->records, task->step.hits,
 								   &p->hits, error);

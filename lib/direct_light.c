@@ -4,8 +4,6 @@
  */
 #include "direct_light.h"
 
-#include "host_products.h"
-#include "host_rays.h"
 #include "memory.h"
 #include "normal_error.h"
 #include "shadow_map.h"
@@ -196,10 +194,6 @@ static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
 								  const gw_light_push *push, uint64_t count,
 								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_light_visibility(passes, octree, push, normal, (size_t)count, visibility);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(octree), gw_window(&octree->surfel_position, 16),
 		gw_window(normal, 16),     gw_window(visibility, 4),
@@ -227,11 +221,6 @@ static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
 								const gw_light_push *push, uint64_t count, const gw_buffer *normal,
 								const gw_buffer *visibility, gw_buffer *irradiance, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_light_irradiance(passes, octree, push, normal, visibility, (size_t)count,
-								 irradiance);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
 									gw_window(visibility, 4), gw_window(irradiance, 16) };
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
@@ -240,10 +229,6 @@ static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
 gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
 						   gw_buffer *lobes, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_average(passes, octree, surfels, lobes);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
 									gw_whole(&octree->fragment_weight), gw_whole(surfels),

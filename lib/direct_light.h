@@ -5,7 +5,7 @@
 #ifndef DIRECT_LIGHT_H
 #define DIRECT_LIGHT_H
 
-#include "passes.h"
+#include "octree_bindings.h"
 #include "transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.

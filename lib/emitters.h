@@ -5,7 +5,7 @@
 #ifndef EMITTERS_H
 #define EMITTERS_H
 
-#include "passes.h"
+#include "octree_bindings.h"
 
 typedef struct gw_emitters {
 	const gw_buffer *radiance; /* of the lobes: not owned, outlives the emitters */

@@ -38,6 +38,16 @@ const char *gw_shadows_name(gw_shadows shadows)
 	return name[shadows];
 }
 
+const char *gw_pass_choice_name(gw_pass_choice choice)
+{
+	static const char *const name[] = {
+		[GW_PASSES_AUTO] = "auto", [GW_PASSES_DEVICE] = "device", [GW_PASSES_CPU] = "cpu"
+	};
+	static_assert(sizeof name / sizeof *name == GW_PASSES_COUNT, "every choice has a name");
+	assert((unsigned)choice < GW_PASSES_COUNT);
+	return name[choice];
+}
+
 const char *gw_goal_name(gw_goal goal)
 {
 	static const char *const name[] = { [GW_GOAL_NONE] = "none",

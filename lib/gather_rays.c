@@ -3,17 +3,10 @@
  */
 #include "gather_rays.h"
 
-#include "host_products.h"
-#include "host_rays.h"
 #include "memory.h"
 #include "transport_layout.h"
 
 #include <stdlib.h>
-
-/* Samples of emitters, and rays that may have met an opening, that one invocation takes: bounds its
- * loops. */
-#define LIGHT_BATCH 16u
-#define OPENING_BATCH 32u
 
 gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t rays, uint32_t seed,
 							   gw_ray_gather *gather, gw_error *error)
@@ -41,9 +34,7 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 {
 	uint64_t count = (uint64_t)rays * records->count;
 	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
-	if (status == GW_OK && gw_gpu_is_host(passes->gpu)) {
-		gw_host_record_rays(passes, octree, records, gather);
-	} else if (status == GW_OK) {
+	if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
 			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
@@ -141,16 +132,12 @@ gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
 			   : status;
 }
 
-/* Adds samples of the emitters, in batches, to `sampled`. */
+/* Adds samples of the emitters to `sampled`. */
 static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
 								 const gw_sampled_sources *sources, gw_record_push push,
 								 gw_buffer *sampled, gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_record_emitters(passes, octree, records, sources, &push, sampled);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
 									gw_whole(emitters->radiance),
 									gw_whole(&emitters->table),
@@ -160,15 +147,8 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 									gw_whole(sources->part ? sources->part : emitters->radiance),
 									GW_DISC_BINDINGS(octree),
 									GW_TREE_BINDING(octree) };
-	gw_status status = GW_OK;
-	for (uint32_t m = 0; m < push.light_samples && status == GW_OK; m += LIGHT_BATCH) {
-		push.batch_first = m;
-		push.batch_count =
-			push.light_samples - m < LIGHT_BATCH ? push.light_samples - m : LIGHT_BATCH;
-		status =
-			gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count, error);
-	}
-	return status;
+	push.batch_count = push.light_samples;
+	return gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count, error);
 }
 
 /* Any buffer will do where there are none. */
@@ -184,25 +164,16 @@ static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_recor
 							gw_buffer *sampled, gw_error *error)
 {
 	const gw_sky_map *map = sources->map;
-	if (gw_gpu_is_host(passes->gpu) && push.openings == 0) {
-		gw_host_record_sky(passes, octree, records, map, &push, sampled);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
 		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
 		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources)),   GW_TREE_BINDING(octree)
 	};
-	gw_status status = GW_OK;
-	for (uint32_t m = 0; m < push.sky_samples && status == GW_OK; m += LIGHT_BATCH) {
-		push.batch_first = m;
-		push.batch_count = push.sky_samples - m < LIGHT_BATCH ? push.sky_samples - m : LIGHT_BATCH;
-		status = gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
-	}
-	return status;
+	push.batch_count = push.sky_samples;
+	return gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
 }
 
-/* Adds the sky as rays and samples of openings see it, in batches of rays. */
+/* Adds the sky as rays and samples of openings see it. */
 static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray_gather *gather,
 							const gw_sampled_sources *sources, gw_record_push push,
 							gw_buffer *sampled, gw_error *error)
@@ -215,15 +186,9 @@ static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray
 									gw_window(&records->position, 16),
 									gw_window(&records->normal, 16),
 									gw_window(sampled, 16) };
-	gw_status status = GW_OK;
 	push.seed = gather->seed;
-	for (uint32_t k = 0; k < push.rays && status == GW_OK; k += OPENING_BATCH) {
-		push.batch_first = k;
-		push.batch_count = push.rays - k < OPENING_BATCH ? push.rays - k : OPENING_BATCH;
-		status =
-			gw_passes_run(passes, GW_PASS_OPENING_LIGHT, bindings, &push, records->count, error);
-	}
-	return status;
+	push.batch_count = push.rays;
+	return gw_passes_run(passes, GW_PASS_OPENING_LIGHT, bindings, &push, records->count, error);
 }
 
 static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
@@ -243,10 +208,6 @@ static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
 gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
 					   gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_add(passes, from, to, count);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
 	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
 						 error);
@@ -264,10 +225,6 @@ static gw_status gather_hits(gw_passes *passes, const gw_octree *octree, gw_reco
 	if (push.openings > 0) {
 		push.sky = (vec4){ 0 };
 		push.sky_hits = 0;
-	}
-	if (gw_gpu_is_host(passes->gpu) && push.sky_hits == 0) {
-		gw_host_record_first(passes, octree, records, gather, sources, &push, sampled, irradiance);
-		return GW_OK;
 	}
 	const gw_binding bindings[] = { gw_whole(&gather->lobe),
 									gw_whole(&gather->distance),
@@ -390,10 +347,6 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
 {
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_gather(passes, gather, lobe_radiance, records);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
 									gw_window(&records->normal, 16),
 									gw_window(&records->gathered, 16) };

@@ -151,6 +151,16 @@ typedef enum gw_shadows {
 	GW_SHADOWS_COUNT
 } gw_shadows;
 
+/* By what the compute passes of a bake run: see pass_table.h. The light is the same but for
+ * roundings. */
+typedef enum gw_pass_choice {
+	GW_PASSES_AUTO,   /* whatever is quickest on the device */
+	GW_PASSES_DEVICE, /* shaders alone, on any device as on a GPU */
+	GW_PASSES_CPU,    /* loops of the processor, where there are some for a pass; needs a device
+						 that shares its memory, as the software driver's does */
+	GW_PASSES_COUNT
+} gw_pass_choice;
+
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
 #define GW_LEAF_SPACING 1.25f
@@ -210,6 +220,7 @@ typedef struct gw_bake_options {
 	uint64_t memory;          /* bytes that the bake may use, host and device together; 0 means most
 								 of what the machine has free */
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
+	gw_pass_choice passes;    /* for those who look into a difference */
 	bool validate;            /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;              /* fill gw_bake_result.voxels */
 	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
@@ -591,6 +602,7 @@ void gw_drivers_release(gw_drivers **drivers);
  */
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
+const char *gw_pass_choice_name(gw_pass_choice choice);
 const char *gw_quality_name(gw_quality quality);
 const char *gw_goal_name(gw_goal goal);
 const char *gw_light_type_name(gw_light_type type);

@@ -235,6 +235,10 @@ struct vec3a {
 struct ivec3a {
 	typedef int32_t lanes __attribute__((vector_size(16)));
 	lanes v;
+	ivec3a() = default;
+	explicit ivec3a(int all) : v{ all, all, all, all }
+	{
+	}
 	explicit ivec3a(lanes v) : v(v)
 	{
 	}
@@ -310,10 +314,10 @@ inline ivec3a operator&(ivec3a a, int bits)
 	return ivec3a(a.v & bits);
 }
 
-inline vec3a clamp(vec3a v, vec3a low, vec3a high)
+inline ivec3a clamp(ivec3a v, ivec3a low, ivec3a high)
 {
-	vec3a::lanes above = v.v > low.v ? v.v : low.v;
-	return above < high.v ? above : high.v;
+	ivec3a::lanes above = v.v > high.v, below = v.v < low.v;
+	return ivec3a((v.v & ~above & ~below) | (high.v & above) | (low.v & below));
 }
 
 /* ----------------------------------------------------------------------------------- functions */

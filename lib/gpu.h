@@ -30,6 +30,8 @@ typedef struct gw_gpu_options {
 	gw_drivers *drivers;        /* NULL, or loaded before: used when there is no validation; they
 								   outlive the device */
 	double slice_seconds;       /* target length of one dispatch; 0: 0.05 */
+	gw_pass_choice passes;      /* see passes.h. GW_PASSES_CPU fails with GW_ERROR_USAGE where the
+								   device does not share memory */
 	bool (*cancelled)(void *user); /* NULL, or asked between dispatches */
 	void *user;
 } gw_gpu_options;
@@ -77,7 +79,7 @@ typedef struct gw_buffer {
 	VkDeviceMemory memory;
 	uint64_t bytes; /* as asked for */
 	uint64_t allocated;
-	void *mapped; /* where its bytes lie, of a device that is the host; else NULL */
+	void *mapped; /* where its bytes lie if gw_gpu_shares_memory; else NULL */
 	const char *name;
 } gw_buffer;
 
@@ -100,8 +102,8 @@ gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat form
 /* What is lent begins at a multiple of this, and can be read up to the next one after its end. */
 #define GW_LENT_ALIGNMENT 4096u
 
-/* Whether a buffer can be made of bytes that lie there already: on a device that is the host, whose
- * driver can do it, if they begin at such a multiple. */
+/* Whether a buffer can be made of bytes that lie there already: where the device shares memory and
+ * its driver can do it, if they begin at such a multiple. */
 bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes);
 
 /*
@@ -122,15 +124,12 @@ gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 							 uint64_t bytes, gw_error *error);
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error);
 
-/*
- * Whether the device is the host's own processor, as the software driver's is, and its memory the
- * host's. There a loop of the host over gw_buffer.mapped may stand in for a pass: on the same
- * bytes, with as many processors, and for short loops over large arrays several times as quick.
- */
-bool gw_gpu_is_host(const gw_gpu *gpu);
+/* Whether buffers lie in the processor's memory, at gw_buffer.mapped, for it to read and write in
+ * place: so with the software driver, whose device is the processor. */
+bool gw_gpu_shares_memory(const gw_gpu *gpu);
 
-/* The bytes of a buffer for the host to read: those themselves where the device is the host, a copy
- * elsewhere. All zero is an empty view. */
+/* The bytes of a buffer for the processor to read: those themselves where they lie in its memory, a
+ * copy elsewhere. All zero is an empty view. */
 typedef struct gw_view {
 	const void *bytes;
 	void *copy; /* NULL, or the same */

@@ -290,6 +290,16 @@ static gw_status check_workgroup_size(const gw_gpu *gpu, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status check_passes(const gw_gpu *gpu, gw_error *error)
+{
+	if (gpu->passes != GW_PASSES_CPU || gw_gpu_shares_memory(gpu))
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "\"%s\" has memory of its own, in which the processor's loops cannot stand in for "
+				   "passes: choose the software driver, or leave the choice of passes open",
+				   gpu->device.info.name);
+}
+
 static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_error *error)
 {
 	GW_TRY(gw_instance_create(options, &gpu->messages, &gpu->instance, error));
@@ -308,7 +318,9 @@ static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_erro
 		options->slice_seconds > 0 ? options->slice_seconds : SLICE_SECONDS_DEFAULT;
 	gpu->workgroup_size =
 		options->workgroup_size > 0 ? options->workgroup_size : GW_WORKGROUP_SIZE;
+	gpu->passes = options->passes;
 	GW_TRY(check_workgroup_size(gpu, error));
+	GW_TRY(check_passes(gpu, error));
 	GW_TRY(create_device(gpu, error));
 	GW_TRY(create_commands(gpu, error));
 	GW_TRY(create_sampler(gpu, VK_FILTER_LINEAR, "linear sampler", &gpu->linear, error));

@@ -72,6 +72,7 @@ struct gw_gpu {
 	uint64_t budget; /* bytes */
 	uint32_t workgroup_size;
 	double slice_seconds;
+	gw_pass_choice passes;
 	bool (*cancelled)(void *user); /* or NULL */
 	void *user;
 	bool stopped; /* it said so once */

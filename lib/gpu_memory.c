@@ -299,7 +299,7 @@ gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat form
 
 bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes)
 {
-	return gpu->imports && gw_gpu_is_host(gpu) && (uintptr_t)bytes % GW_LENT_ALIGNMENT == 0;
+	return gpu->imports && gw_gpu_shares_memory(gpu) && (uintptr_t)bytes % GW_LENT_ALIGNMENT == 0;
 }
 
 gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
@@ -346,7 +346,7 @@ static void fill_mapped(gw_buffer *buffer, uint32_t word)
 
 gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error *error)
 {
-	if (gw_gpu_is_host(gpu)) {
+	if (gw_gpu_shares_memory(gpu)) {
 		fill_mapped(buffer, word);
 		return gw_gpu_check(gpu, error);
 	}
@@ -431,7 +431,7 @@ gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 
 /* --------------------------------------------------------------------------- on the host */
 
-bool gw_gpu_is_host(const gw_gpu *gpu)
+bool gw_gpu_shares_memory(const gw_gpu *gpu)
 {
 	return gpu->may_map && gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
 		   is_mappable(gpu, UINT32_MAX);
@@ -442,7 +442,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 {
 	*view = (gw_view){ 0 };
 	GW_TRY(gw_gpu_check(gpu, error));
-	if (gw_gpu_is_host(gpu) && bytes <= buffer->bytes) {
+	if (gw_gpu_shares_memory(gpu) && bytes <= buffer->bytes) {
 		view->bytes = buffer->mapped;
 		return GW_OK;
 	}

@@ -5,11 +5,13 @@
 #define HOST_LOOP_H
 
 #include "clock.h"
+#include "gpu_internal.h"
 #include "kernel.h"
 #include "parallel.h"
 #include "passes.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 typedef struct gw_stoppable_loop {
 	gw_gpu *gpu;
@@ -41,37 +43,32 @@ static inline void gw_host_loop(gw_passes *passes, gw_pass_id id, size_t count, 
 	passes->device_seconds[id] += gw_seconds() - start;
 }
 
-/* One pass as a kernel: its bindings and its push constants. */
-typedef struct gw_host_pass {
-	gw_pass_id id;
+/* One run of a kernel. */
+typedef struct gw_kernel_run {
 	gw_kernel *kernel;
 	const gw_binding *bindings;
-	const void *push;
-	const uint32_t *element; /* see gw_kernel_run */
-} gw_host_pass;
+	const void *push;        /* as gw_passes_run has it */
+	const uint32_t *element; /* which elements are run, or NULL: all */
+	gw_kernel_input input;   /* what gw_kernel_loop makes of it */
+} gw_kernel_run;
 
-typedef struct gw_host_job {
-	gw_kernel *kernel;
-	gw_kernel_run run;
-} gw_host_job;
-
-static inline void gw_host_work(void *user, size_t first, size_t last, uint32_t worker)
+static inline void gw_kernel_work(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const gw_host_job *job = user;
+	const gw_kernel_run *run = user;
 	(void)worker;
-	job->kernel(&job->run, first, last);
+	run->kernel(&run->input, first, last);
 }
 
-/* Runs a pass over `count` elements by gw_host_loop. */
-static inline void gw_host_run(gw_passes *passes, const gw_host_pass *pass, size_t count,
-							   size_t chunk)
+/* Runs a kernel by gw_host_loop. */
+static inline void gw_kernel_loop(gw_passes *passes, gw_pass_id id, gw_kernel_run run,
+								  uint64_t count, size_t chunk)
 {
-	gw_host_job job = { .kernel = pass->kernel,
-						.run = { .bindings = pass->bindings,
-								 .constant = passes->constant,
-								 .push = pass->push,
-								 .element = pass->element } };
-	gw_host_loop(passes, pass->id, count, chunk, gw_host_work, &job);
+	_Alignas(16) unsigned char push[GW_PUSH_BYTES_MAX] = { 0 };
+	const gw_span all = { .first = 0, .count = UINT32_MAX };
+	memcpy(push, run.push, gw_pass_row_of(id)->push_bytes);
+	memcpy(push, &all, sizeof all);
+	run.input = (gw_kernel_input){ run.bindings, passes->constant, push, run.element };
+	gw_host_loop(passes, id, (size_t)count, chunk, gw_kernel_work, &run);
 }
 
 #endif

@@ -3,7 +3,6 @@
  */
 #include "kept_hits.h"
 
-#include "host_rays.h"
 #include "memory.h"
 #include "transport_layout.h"
 
@@ -209,10 +208,6 @@ static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const 
 	if (status != GW_OK)
 		return status;
 	*traced = listed;
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_record_again(passes, octree, records, &tables->list, listed, gather);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
 									gw_whole(&records->normal), gw_whole(&tables->list),
 									gw_whole(&gather->lobe),    gw_whole(&gather->distance),

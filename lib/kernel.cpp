@@ -23,7 +23,7 @@ namespace
 {
 
 struct invocation {
-	const gw_kernel_run *run;
+	const gw_kernel_input *run;
 	struct {
 		uint x;
 	} gl_GlobalInvocationID;
@@ -47,7 +47,7 @@ struct invocation {
 };
 
 struct kernel : invocation {
-	explicit kernel(const gw_kernel_run *run) : invocation{ run, { 0 } }
+	explicit kernel(const gw_kernel_input *run) : invocation{ run, { 0 } }
 	{
 	}
 #include PASS_TEXT
@@ -56,7 +56,7 @@ struct kernel : invocation {
 } // namespace
 } // namespace glsl
 
-extern "C" void PASS(const gw_kernel_run *run, size_t first, size_t last)
+extern "C" void PASS(const gw_kernel_input *run, size_t first, size_t last)
 {
 	glsl::kernel k(run);
 	for (size_t i = first; i < last; i++) {

@@ -10,43 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Iterations of the passes' loops, see their shaders: a disc of 8 cells is looked at in 19 x 19
- * columns of 4 rows. Searches take 32 steps, for at most 7 neighbours. */
-#define DISC_LOOPS (19u * 19u * 5u + 27u)
-#define SEARCH_LOOPS (7u * 34u)
-
-static const struct {
-	const char *shader;
-	const char *bindings;
-	uint32_t push_bytes;
-	uint32_t loop_bound;
-} pass_table[GW_OCTREE_PASSES] = {
-	[GW_OCTREE_FRAGMENTS] = { "octree_fragments", "TTTTTSSSSSSS", sizeof(gw_fragments_push),
-							  DISC_LOOPS },
-	[GW_OCTREE_GATHER] = { "octree_gather", "STTTSSS", sizeof(gw_keys_push), 0 },
-	[GW_OCTREE_MARK] = { "octree_mark", "TTS", sizeof(gw_keys_push), 0 },
-	[GW_OCTREE_UNIQUE] = { "octree_unique", "TTSSS", sizeof(gw_keys_push), 0 },
-	[GW_OCTREE_PARENTS] = { "octree_parents", "TTSS", sizeof(gw_keys_push), 0 },
-	[GW_OCTREE_BORDER] = { "octree_border", "TTTSSS", sizeof(gw_border_push), SEARCH_LOOPS },
-	[GW_OCTREE_LINK] = { "octree_link", "TTSSSS", sizeof(gw_tiles_push), SEARCH_LOOPS },
-	[GW_OCTREE_LEAF_TILES] = { "octree_leaf_tiles", "TTSS", sizeof(gw_leaves_push), SEARCH_LOOPS },
-	[GW_OCTREE_SEED] = { "octree_seed", "TTTTTSS", sizeof(gw_leaves_push), GW_REDUCE_RUN },
-	[GW_OCTREE_LOBES] = { "octree_lobes", "TTTTTTTTTSSSSSS", sizeof(gw_leaves_push),
-						  3 * GW_REDUCE_RUN },
-	[GW_OCTREE_FINISH] = { "octree_finish", "TTTTSSSSSSS", sizeof(gw_leaves_push), 0 },
-	[GW_OCTREE_DISTANCE] = { "octree_distance", "TTS", sizeof(gw_distance_push), 0 },
-};
-
-gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
-						const void *push, uint64_t count, gw_error *error)
-{
-	if (work->pass[pass] == NULL)
-		GW_TRY(gw_named_pass_create(work->gpu, pass_table[pass].shader, pass_table[pass].bindings,
-									pass_table[pass].push_bytes, pass_table[pass].loop_bound,
-									&work->pass[pass], error));
-	return gw_pass_run(work->gpu, work->pass[pass], bindings, push, count, error);
-}
-
 gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
 						   gw_buffer *buffer, gw_error *error)
 {
@@ -153,8 +116,6 @@ static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octr
 static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_octree_kept *kept,
 					   gw_error *error)
 {
-	if (work->sort.count == NULL)
-		GW_TRY(gw_radix_sort_create(work->gpu, &work->sort, error));
 	GW_TRY(gw_octree_upload(work, depth, error));
 	if (kept != NULL)
 		GW_TRY(make_kept_fragments(work, still, kept, error));
@@ -186,22 +147,22 @@ static void destroy_work(gw_octree_work *work)
 	gw_sort_list_destroy(gpu, &work->keys);
 	gw_sort_list_destroy(gpu, &work->list);
 	gw_radix_sort_destroy(gpu, &work->sort);
-	for (uint32_t i = 0; i < GW_OCTREE_PASSES; i++)
-		gw_pass_destroy(gpu, &work->pass[i]);
+	gw_passes_destroy(&work->passes);
 }
 
 /* Passes that are kept are lent to a build. */
 static void borrow(gw_octree_work *work, gw_octree_kept *kept)
 {
-	memcpy(work->pass, kept->pass, sizeof work->pass);
+	work->passes = kept->passes;
+	work->passes.gpu = work->gpu;
 	work->sort = kept->sort;
 }
 
 static void give_back(gw_octree_work *work, gw_octree_kept *kept)
 {
-	memcpy(kept->pass, work->pass, sizeof work->pass);
+	kept->passes = work->passes;
 	kept->sort = work->sort;
-	memset(work->pass, 0, sizeof work->pass);
+	work->passes = (gw_passes){ 0 };
 	work->sort = (gw_radix_sort){ 0 };
 }
 
@@ -210,6 +171,7 @@ static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, size_t still
 							gw_octree *octree, gw_error *error)
 {
 	gw_octree_work work = { .gpu = gpu,
+							.passes.gpu = gpu,
 							.surfels = surfels,
 							.octree = octree,
 							.leaf_size = leaf_size,
@@ -327,8 +289,7 @@ void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept)
 		return;
 	gw_fragment_list_clear(&(*kept)->still);
 	gw_radix_sort_destroy(gpu, &(*kept)->sort);
-	for (uint32_t i = 0; i < GW_OCTREE_PASSES; i++)
-		gw_pass_destroy(gpu, &(*kept)->pass[i]);
+	gw_passes_destroy(&(*kept)->passes);
 	free(*kept);
 	*kept = NULL;
 }

@@ -4,7 +4,7 @@
 #include "octree_cells.h"
 
 #include "memory.h"
-#include "named_pass.h"
+#include "passes.h"
 
 #include <stdlib.h>
 

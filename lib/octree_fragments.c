@@ -5,7 +5,6 @@
 #include "octree_steps.h"
 
 #include "memory.h"
-#include "parallel.h"
 
 #include <float.h>
 #include <math.h>
@@ -13,9 +12,6 @@
 
 /* Surfels converted at once. */
 #define UPLOAD_SURFELS 65536u
-
-/* Fragments that a thread puts in order at a time. */
-#define GATHERED_AT_ONCE 65536u
 
 /* The least RoI; keeps shares of it finite. */
 #define ROI_MIN 1e-6f
@@ -191,7 +187,8 @@ static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
 		GW_WHOLE(emit ? &work->unsorted_weight : stand_in),
 		GW_WHOLE(emit ? &work->unsorted_centroid : stand_in),
 	};
-	return gw_octree_run(work, GW_OCTREE_FRAGMENTS, bindings, &push, work->some, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FRAGMENTS, bindings, &push, work->some,
+						 error);
 }
 
 gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error)
@@ -202,26 +199,8 @@ gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_er
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
 							&work->surfel_samples, error));
 	GW_TRY(run_fragments(work, false, error));
-	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->surfel_offset, work->some, total,
-							 error);
-}
-
-/* octree_gather.comp as a loop of the host. */
-static void gather_some(void *user, size_t first, size_t last, uint32_t worker)
-{
-	const gw_octree_work *work = user;
-	const uint32_t *index = work->keys.payload.mapped, *surfel = work->unsorted_surfel.mapped;
-	const uint32_t *weight = work->unsorted_weight.mapped;
-	const uint32_t *centroid = work->unsorted_centroid.mapped;
-	uint32_t *surfel_out = work->octree->fragment_surfel.mapped;
-	uint32_t *weight_out = work->octree->fragment_weight.mapped;
-	uint32_t *centroid_out = work->fragment_centroid.mapped;
-	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		surfel_out[i] = surfel[index[i]];
-		weight_out[i] = weight[index[i]];
-		centroid_out[i] = centroid[index[i]];
-	}
+	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
+							 total, error);
 }
 
 static gw_status gather(gw_octree_work *work, gw_error *error)
@@ -234,17 +213,13 @@ static gw_status gather(gw_octree_work *work, gw_error *error)
 							&octree->fragment_weight, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
 							&work->fragment_centroid, error));
-	if (gw_gpu_is_host(work->gpu)) {
-		gw_parallel_for(0, octree->fragment_count, GATHERED_AT_ONCE, gather_some, work);
-		return GW_OK;
-	}
 	gw_binding bindings[] = {
 		GW_WINDOW(&work->keys.payload, 4),      GW_WHOLE(&work->unsorted_surfel),
 		GW_WHOLE(&work->unsorted_weight),       GW_WHOLE(&work->unsorted_centroid),
 		GW_WINDOW(&octree->fragment_surfel, 4), GW_WINDOW(&octree->fragment_weight, 4),
 		GW_WINDOW(&work->fragment_centroid, 4),
 	};
-	return gw_octree_run(work, GW_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
 						 octree->fragment_count, error);
 }
 
@@ -263,7 +238,7 @@ gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
 	GW_TRY(run_fragments(work, true, error));
 	gw_buffer_destroy(work->gpu, &work->surfel_offset);
 	gw_buffer_destroy(work->gpu, &work->surfel_samples);
-	GW_TRY(gw_radix_sort_run(work->gpu, &work->sort, &work->keys, 3 * octree->depth, error));
+	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
 	gw_sort_list_trim(work->gpu, &work->keys);
 	GW_TRY(gather(work, error));
 	gw_buffer_destroy(work->gpu, &work->keys.payload);

@@ -66,7 +66,8 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
-		GW_TRY(gw_octree_run(work, GW_OCTREE_SEED, seeding, &push, octree->leaf_count, error));
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_SEED, seeding, &push, octree->leaf_count,
+							 error));
 	}
 	gw_binding adding[] = {
 		GW_WHOLE(&octree->leaf_fragment),
@@ -87,7 +88,8 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
-		GW_TRY(gw_octree_run(work, GW_OCTREE_LOBES, adding, &push, octree->leaf_count, error));
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_LOBES, adding, &push, octree->leaf_count,
+							 error));
 	}
 	return GW_OK;
 }
@@ -108,7 +110,8 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 		GW_WHOLE(&octree->leaf_tile),
 		GW_WHOLE(&work->ray_mark),
 	};
-	return gw_octree_run(work, GW_OCTREE_FINISH, bindings, &push, octree->leaf_count, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push, octree->leaf_count,
+						 error);
 }
 
 /* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and
@@ -186,7 +189,7 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 	gw_distance_push push = { .level = octree->directory_level };
 	gw_binding bindings[] = { GW_WHOLE(&work->distance), GW_WHOLE(&octree->level_directory),
 							  GW_WINDOW(&octree->ray_directory, 4) };
-	return gw_octree_run(work, GW_OCTREE_DISTANCE, bindings, &push, cells, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_DISTANCE, bindings, &push, cells, error);
 }
 
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)

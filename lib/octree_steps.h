@@ -15,25 +15,7 @@
 
 #include "octree.h"
 #include "octree_layout.h"
-#include "named_pass.h"
 #include "radix_sort.h"
-
-/* Passes of the build, made when first used. */
-typedef enum gw_octree_pass {
-	GW_OCTREE_FRAGMENTS,
-	GW_OCTREE_GATHER,
-	GW_OCTREE_MARK,
-	GW_OCTREE_UNIQUE,
-	GW_OCTREE_PARENTS,
-	GW_OCTREE_BORDER,
-	GW_OCTREE_LINK,
-	GW_OCTREE_LEAF_TILES,
-	GW_OCTREE_SEED,
-	GW_OCTREE_LOBES,
-	GW_OCTREE_FINISH,
-	GW_OCTREE_DISTANCE,
-	GW_OCTREE_PASSES,
-} gw_octree_pass;
 
 /* Sorted fragments on the host: low and high words of keys (high only where keys are wide),
  * surfels, weights, centroids. */
@@ -50,7 +32,7 @@ struct gw_octree_kept {
 	float wanted_leaf_size; /* as of gw_octree */
 	char why_coarser[GW_OCTREE_WHY];
 	gw_fragment_list still;
-	gw_pass *pass[GW_OCTREE_PASSES];
+	gw_passes passes;
 	gw_radix_sort sort;
 };
 
@@ -61,7 +43,7 @@ typedef struct gw_octree_work {
 	gw_octree *octree;
 	double leaf_size;  /* metres; leaves are at least this wide */
 	size_t from, some; /* surfels whose fragments are made: the first, and how many */
-	gw_pass *pass[GW_OCTREE_PASSES];
+	gw_passes passes;
 	gw_radix_sort sort;
 
 	/* Of surfels, only while building. */
@@ -88,10 +70,6 @@ typedef struct gw_octree_work {
 	gw_buffer seed;               /* of each leaf's reduction */
 	gw_buffer ray_mark, distance; /* one word for each cell of the directory's level */
 } gw_octree_work;
-
-/* Runs a pass, made if need be. */
-gw_status gw_octree_run(gw_octree_work *work, gw_octree_pass pass, const gw_binding *bindings,
-						const void *push, uint64_t count, gw_error *error);
 
 /* Bindings: a whole buffer, or a window of `stride` bytes an element. */
 #define GW_WHOLE(address) ((gw_binding){ .buffer = (address) })

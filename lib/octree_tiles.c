@@ -7,41 +7,8 @@
 /* A sorted list of keys: what octree_keys.glsl reads, for gw_octree_unique. */
 typedef struct key_list {
 	gw_buffer *keys, *high; /* as gw_octree_unique gets them */
-	bool pairs;             /* keys are of two words each */
 	gw_keys_push push;
 } key_list;
-
-/* ------------------------------------------------------------------- distinct keys, on the host */
-
-static uint64_t read_key(const key_list *list, uint32_t i)
-{
-	const uint32_t *low = list->keys->mapped;
-	uint64_t key = low[i];
-	if (list->high != NULL)
-		key |= (uint64_t)((const uint32_t *)list->high->mapped)[i] << 32;
-	else if (list->pairs)
-		key = (uint64_t)low[2 * (size_t)i + 1] << 32 | low[2 * (size_t)i];
-	return key >> list->push.shift;
-}
-
-/* Counts distinct keys; unless `result` is NULL also writes each and where it begins. */
-static uint64_t go_through(const key_list *list, uint32_t *result, uint32_t *first)
-{
-	uint64_t distinct = 0, before = 0;
-	for (uint32_t i = 0; i < list->push.total; i++) {
-		uint64_t key = read_key(list, i);
-		if (i > 0 && key == before)
-			continue;
-		if (result != NULL) {
-			result[2 * distinct] = (uint32_t)key;
-			result[2 * distinct + 1] = (uint32_t)(key >> 32);
-			first[distinct] = i;
-		}
-		before = key;
-		distinct++;
-	}
-	return distinct;
-}
 
 /* -------------------------------------------------------------------------------- distinct keys */
 
@@ -49,31 +16,25 @@ static gw_status count_distinct(gw_octree_work *work, const key_list *list, uint
 								gw_error *error)
 {
 	uint32_t count = list->push.total;
-	if (gw_gpu_is_host(work->gpu)) {
-		*distinct = go_through(list, NULL, NULL);
-		return GW_OK;
-	}
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
 							error));
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
 							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
 							  GW_WINDOW(&work->marks, 4) };
-	GW_TRY(gw_octree_run(work, GW_OCTREE_MARK, bindings, &list->push, count, error));
-	return gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, count, distinct, error);
+	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_MARK, bindings, &list->push, count, error));
+	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->marks, count, distinct,
+							 error);
 }
 
 static gw_status write_distinct(gw_octree_work *work, const key_list *list, gw_buffer *result,
 								gw_error *error)
 {
-	if (gw_gpu_is_host(work->gpu)) {
-		go_through(list, result->mapped, work->first.mapped);
-		return GW_OK;
-	}
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
 							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
 							  GW_WINDOW(&work->marks, 4), GW_WHOLE(result),
 							  GW_WHOLE(&work->first) };
-	return gw_octree_run(work, GW_OCTREE_UNIQUE, bindings, &list->push, list->push.total, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_UNIQUE, bindings, &list->push,
+						 list->push.total, error);
 }
 
 gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
@@ -82,7 +43,6 @@ gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *hig
 {
 	key_list list = { .keys = keys,
 					  .high = high,
-					  .pairs = keys->bytes == 8 * (uint64_t)count,
 					  .push = { .shift = shift, .split = high != NULL, .total = count } };
 	gw_buffer_destroy(work->gpu, &work->marks);
 	gw_buffer_destroy(work->gpu, &work->first);
@@ -112,7 +72,8 @@ static gw_status run_border(gw_octree_work *work, uint32_t t, gw_border_push pus
 		GW_WHOLE(push.emit ? &work->list.low : &work->marks),
 		GW_WHOLE(push.emit ? high : &work->marks),
 	};
-	return gw_octree_run(work, GW_OCTREE_BORDER, bindings, &push, work->real_count[t], error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_BORDER, bindings, &push, work->real_count[t],
+						 error);
 }
 
 /*
@@ -134,7 +95,7 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 							"border tiles of tiles", &work->marks, error));
 	GW_TRY(run_border(work, t, push, error));
 	uint64_t borders;
-	GW_TRY(gw_prefix_sum_run(work->gpu, &work->sort.prefix, &work->marks, push.tiles, &borders,
+	GW_TRY(gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->marks, push.tiles, &borders,
 							 error));
 	GW_TRY(gw_sort_list_create(work->gpu, below_count + borders, wide, &work->list, error));
 	push.emit = 1;
@@ -143,9 +104,10 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 	gw_keys_push copy = { .shift = leaf_tiles ? 0 : 3, .total = wide };
 	gw_binding copying[] = { GW_WHOLE(below), GW_WHOLE(below), GW_WINDOW(&work->list.low, 4),
 							 GW_WINDOW(high, 4) };
-	GW_TRY(gw_octree_run(work, GW_OCTREE_PARENTS, copying, &copy, below_count, error));
+	GW_TRY(
+		gw_passes_run(&work->passes, GW_PASS_OCTREE_PARENTS, copying, &copy, below_count, error));
 	if (t > 0)
-		GW_TRY(gw_radix_sort_run(work->gpu, &work->sort, &work->list, 3 * t, error));
+		GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->list, 3 * t, error));
 	gw_sort_list_trim(work->gpu, &work->list);
 	GW_TRY(gw_octree_unique(work, &work->list.low, wide ? high : NULL, (uint32_t)work->list.count,
 							0, "tile keys of a level", &work->parent[t], &work->parent_count[t],
@@ -224,7 +186,7 @@ static gw_status link_level(gw_octree_work *work, uint32_t t, gw_error *error)
 		GW_WHOLE(&octree->node),
 		GW_WHOLE(&octree->level_directory),
 	};
-	return gw_octree_run(work, GW_OCTREE_LINK, bindings, &push, push.total, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_LINK, bindings, &push, push.total, error);
 }
 
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
@@ -246,8 +208,8 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 	gw_leaves_push push = { .leaves = octree->leaf_count };
 	gw_binding bindings[] = { GW_WHOLE(&work->parent[depth - 1]), GW_WHOLE(&work->real[depth]),
 							  GW_WINDOW(&octree->leaf_tile, 8), GW_WHOLE(&octree->leaf_cell) };
-	GW_TRY(
-		gw_octree_run(work, GW_OCTREE_LEAF_TILES, bindings, &push, octree->leaf_tile_count, error));
+	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_LEAF_TILES, bindings, &push,
+						 octree->leaf_tile_count, error));
 	for (uint32_t t = 0; t <= depth; t++) {
 		gw_buffer_destroy(work->gpu, &work->real[t]);
 		gw_buffer_destroy(work->gpu, &work->parent[t]);

@@ -1,62 +1,62 @@
 /*
- * passes.h - the compute passes of the light transport: one table, created when first run, so that
- * a bake pays only for the passes its scene calls for.
+ * passes.h - running the passes of pass_table.h. Each is made when first run, so that a bake pays
+ * only for those that its scene calls for; and each run goes one of two ways, as gw_passes_way says
+ * and nothing else: by its shader on the device, or by its CPU kernel.
  */
 #ifndef PASSES_H
 #define PASSES_H
 
-#include "octree.h"
+#include "pass_table.h"
 
-typedef enum gw_pass_id {
-	GW_PASS_LIGHT_VISIBILITY,
-	GW_PASS_SHADOW_MAP_SPLAT,
-	GW_PASS_SHADOW_MAP_VISIBILITY,
-	GW_PASS_LIGHT_IRRADIANCE,
-	GW_PASS_LOBE_DIRECT,
-	GW_PASS_RECORD_PLACE,
-	GW_PASS_RECORD_BLOCK,
-	GW_PASS_RECORD_RAYS,
-	GW_PASS_RECORD_KEEP,
-	GW_PASS_RECORD_AGAIN,
-	GW_PASS_RECORD_EMITTERS,
-	GW_PASS_RECORD_SKY,
-	GW_PASS_RECORD_DIRECTIONS,
-	GW_PASS_RECORD_OPENINGS,
-	GW_PASS_OPENING_LIGHT,
-	GW_PASS_RECORD_FIRST,
-	GW_PASS_RECORD_GATHER,
-	GW_PASS_RECORD_ADD,
-	GW_PASS_LOBE_WEIGHTS,
-	GW_PASS_LOBE_SHADE,
-	GW_PASS_BRICK_INJECT,
-	GW_PASS_BRICK_MIPMAP,
-	GW_PASS_RECORD_CONES,
-	GW_PASS_READ_BACK,
-	GW_PASS_PIXEL_RAYS,
-	GW_PASS_PIXEL_CONE,
-	GW_PASS_PIXEL_BRICKS,
-	GW_PASS_CELL_BRICKS,
-	GW_PASS_COUNT
-} gw_pass_id;
+/* Returns from the calling function when a call of ours did not succeed. */
+#ifndef GW_TRY
+#define GW_TRY(call)                                                                               \
+	do {                                                                                           \
+		gw_status gw_status_ = (call);                                                             \
+		if (gw_status_ != GW_OK)                                                                   \
+			return gw_status_;                                                                     \
+	} while (0)
+#endif
 
-typedef struct gw_passes {
+#define GW_PASS_CONSTANTS 4u
+
+/* All zero but for gpu and constants is a set of which nothing is made yet. */
+struct gw_passes {
 	gw_gpu *gpu;
-	uint32_t constant[4]; /* octree depth, directory level, bits of the cell slack, large discs */
+	uint32_t constant[GW_PASS_CONSTANTS]; /* specialisation constants 1, 2, ... of all shaders that
+											 have them; see octree_bindings.h */
 	gw_pass *pass[GW_PASS_COUNT];
-	double device_seconds[GW_PASS_COUNT]; /* by timestamps, so far */
-	uint32_t threads; /* of the host's loops that stand in for passes; 0: one a processor */
-} gw_passes;
+	double device_seconds[GW_PASS_COUNT]; /* by timestamps, or what a CPU kernel took, so far */
+	uint32_t threads;                     /* of CPU kernels; 0: one a processor */
+};
 
-/* A set of passes for an octree of that shape; nothing is created yet. */
-void gw_passes_init(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree);
-void gw_passes_destroy(gw_passes *passes); /* empty afterwards */
+void gw_passes_destroy(gw_passes *passes); /* empty afterwards; an empty one is accepted */
 
-/* Do passes that there are fit another octree of the same shape? */
-bool gw_passes_fit(const gw_passes *passes, const gw_octree *octree);
+typedef enum gw_pass_way {
+	GW_WAY_DEVICE, /* the shader */
+	GW_WAY_CPU,    /* the CPU kernel */
+} gw_pass_way;
 
-/* Runs a pass over count elements, see gw_pass_run; bindings are as the shader lists them. */
+/*
+ * The one place that decides. A CPU kernel runs if there is one that can do this run, the buffers
+ * lie in the processor's memory, and gw_gpu_options.passes leaves it the choice: there, with as
+ * many processors, it takes a fraction of the shader's time.
+ *   push   what the run is called with; NULL asks for runs that every kernel takes
+ */
+gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *push);
+
+/*
+ * Runs a pass over count elements, see gw_pass_run.
+ *   bindings  as the shader lists them
+ *   push      of a pass with batches, it has all samples: the first, 0, and how many there are
+ */
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						const void *push, uint64_t count, gw_error *error);
+
+/* The same by a way that the caller chose, for tests. */
+gw_status gw_passes_run_by(gw_pass_way way, gw_passes *passes, gw_pass_id id,
+						   const gw_binding *bindings, const void *push, uint64_t count,
+						   gw_error *error);
 
 /* Bindings of whole buffers and of windows with `bytes` an element. */
 static inline gw_binding gw_whole(const gw_buffer *buffer)
@@ -73,16 +73,5 @@ static inline gw_binding gw_voxels_of(const gw_image *image)
 {
 	return (gw_binding){ .image = (gw_image *)(uintptr_t)image };
 }
-
-/* What octree_trace.glsl reads of an octree, and octree_discs.glsl, in the order of their lists. */
-#define GW_TRACE_BINDINGS(octree)                                                                  \
-	gw_whole(&(octree)->ray_directory), gw_whole(&(octree)->node), gw_whole(&(octree)->leaf_tile), \
-		gw_whole(&(octree)->lobe_plane), gw_whole(&(octree)->lobe_centre)
-#define GW_DISC_BINDINGS(octree)                                                                   \
-	gw_whole(&(octree)->leaf_fragment), gw_whole(&(octree)->fragment_surfel),                      \
-		gw_whole(&(octree)->surfel_position), gw_whole(&(octree)->surfel_normal),                  \
-		gw_whole(&(octree)->surfel_disc), gw_whole(&(octree)->surfel_clip)
-/* And disc_tree.glsl, which comes last. */
-#define GW_TREE_BINDING(octree) gw_whole(&(octree)->disc_tree)
 
 #endif

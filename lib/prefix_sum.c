@@ -6,11 +6,12 @@
 #include "prefix_sum.h"
 
 #include "memory.h"
-#include "named_pass.h"
 #include "octree_layout.h"
+#include "parallel.h"
 
 #include <stdlib.h>
-#include <string.h>
+
+#define CPU_RUNS 512u /* that a thread adds up at a time */
 
 /* 128^5 > 2^32 */
 #define LEVELS_MAX 6
@@ -19,22 +20,12 @@ typedef struct level {
 	uint32_t first, count;
 } level;
 
-gw_status gw_prefix_sum_create(gw_gpu *gpu, gw_prefix_sum *prefix, gw_error *error)
-{
-	memset(prefix, 0, sizeof *prefix);
-	if (gw_gpu_is_host(gpu))
-		return GW_OK;
-	return gw_named_pass_create(gpu, "prefix_sum", "SS", sizeof(gw_prefix_push), GW_PREFIX_RUN,
-								&prefix->pass, error);
-}
-
 void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix)
 {
 	gw_buffer_destroy(gpu, &prefix->sums);
-	gw_pass_destroy(gpu, &prefix->pass);
 }
 
-static gw_status run_level(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words,
+static gw_status run_level(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer *words,
 						   const level *levels, uint32_t i, bool scan, bool offsets,
 						   gw_error *error)
 {
@@ -47,7 +38,7 @@ static gw_status run_level(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words,
 	};
 	gw_binding bindings[] = { { .buffer = i == 0 ? words : &prefix->sums },
 							  { .buffer = &prefix->sums } };
-	return gw_pass_run(gpu, prefix->pass, bindings, &push, levels[i + 1].count, error);
+	return gw_passes_run(passes, GW_PASS_PREFIX_SUM, bindings, &push, levels[i + 1].count, error);
 }
 
 /* Level 0 are the words; they are not in the buffer of sums. */
@@ -79,22 +70,10 @@ static gw_status add_up(gw_gpu *gpu, gw_prefix_sum *prefix, level runs, uint64_t
 	return status;
 }
 
-/* The same on a device that is the host's own processor. */
-static void run_on_host(uint32_t *word, uint64_t count, uint64_t *total)
+gw_status gw_prefix_sum_run(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer *words,
+							uint64_t count, uint64_t *total, gw_error *error)
 {
-	uint64_t sum = 0;
-	for (uint64_t i = 0; i < count; i++) {
-		uint32_t value = word[i];
-		word[i] = (uint32_t)sum;
-		sum += value;
-	}
-	if (total != NULL)
-		*total = sum;
-}
-
-gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words, uint64_t count,
-							uint64_t *total, gw_error *error)
-{
+	gw_gpu *gpu = passes->gpu;
 	if (total != NULL)
 		*total = 0;
 	if (count == 0)
@@ -104,10 +83,6 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 					   "\"%s\" has %llu words, of which at most 2^32 - 1 can be added up: bake "
 					   "with fewer points or a coarser octree",
 					   words->name, (unsigned long long)count);
-	if (prefix->pass == NULL) {
-		run_on_host(words->mapped, count, total);
-		return GW_OK;
-	}
 	level levels[LEVELS_MAX];
 	uint32_t needed, last = plan_levels(count, levels, &needed);
 	if (prefix->sums.bytes < UINT64_C(4) * needed) {
@@ -117,10 +92,52 @@ gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words
 	}
 	for (uint32_t i = 0; i < last; i++)
 		if (i + 1 < last || total != NULL)
-			GW_TRY(run_level(gpu, prefix, words, levels, i, false, false, error));
+			GW_TRY(run_level(passes, prefix, words, levels, i, false, false, error));
 	if (total != NULL)
 		GW_TRY(add_up(gpu, prefix, levels[1], total, error));
 	for (uint32_t i = last; i-- > 0;)
-		GW_TRY(run_level(gpu, prefix, words, levels, i, true, i + 1 < last, error));
+		GW_TRY(run_level(passes, prefix, words, levels, i, true, i + 1 < last, error));
 	return GW_OK;
+}
+
+/* -------------------------------------------------------------------------------- CPU kernel */
+
+typedef struct runs_job {
+	const gw_prefix_push *push;
+	uint32_t *source, *sums;
+} runs_job;
+
+static void add_up_run(const runs_job *job, uint32_t run)
+{
+	const gw_prefix_push *push = job->push;
+	uint32_t begin = run * GW_PREFIX_RUN, left = push->total - begin, sum = 0;
+	uint32_t count = left < GW_PREFIX_RUN ? left : GW_PREFIX_RUN;
+	uint32_t *word = job->source + push->source + begin;
+	if (push->scan == 0) {
+		for (uint32_t i = 0; i < count; i++)
+			sum += word[i];
+		job->sums[push->sums + run] = sum;
+		return;
+	}
+	if (push->offsets != 0)
+		sum = job->sums[push->sums + run];
+	for (uint32_t i = 0; i < count; i++) {
+		uint32_t value = word[i];
+		word[i] = sum;
+		sum += value;
+	}
+}
+
+static void add_up_runs(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	for (size_t run = first; run < last; run++)
+		add_up_run(user, (uint32_t)run);
+}
+
+void gw_cpu_prefix_sum(gw_passes *passes, const gw_binding *bindings, const void *push,
+					   uint64_t count)
+{
+	runs_job job = { push, bindings[0].buffer->mapped, bindings[1].buffer->mapped };
+	gw_parallel_for(passes->threads, (size_t)count, CPU_RUNS, add_up_runs, &job);
 }

@@ -6,15 +6,13 @@
 #ifndef PREFIX_SUM_H
 #define PREFIX_SUM_H
 
-#include "gpu.h"
+#include "passes.h"
 
+/* All zero is one that has not run yet. */
 typedef struct gw_prefix_sum {
-	gw_pass *pass;  /* NULL: a loop of the host stands in for it */
 	gw_buffer sums; /* of runs, and of runs of these; grows as needed */
 } gw_prefix_sum;
 
-/* Zeroed on failure. */
-gw_status gw_prefix_sum_create(gw_gpu *gpu, gw_prefix_sum *prefix, gw_error *error);
 void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix); /* a zeroed one is accepted */
 
 /*
@@ -24,9 +22,9 @@ void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix); /* a zeroed one 
  *   count   0 is fine
  *   total   NULL, or receives the sum of all words. It may be 2^32 or more; then the prefix sums
  *           have wrapped around and the caller must not use them
- * Fails as gw_buffer_create and gw_pass_run.
+ * Fails as gw_buffer_create and gw_passes_run.
  */
-gw_status gw_prefix_sum_run(gw_gpu *gpu, gw_prefix_sum *prefix, gw_buffer *words, uint64_t count,
-							uint64_t *total, gw_error *error);
+gw_status gw_prefix_sum_run(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer *words,
+							uint64_t count, uint64_t *total, gw_error *error);
 
 #endif

@@ -4,7 +4,6 @@
  */
 #include "radix_sort.h"
 
-#include "named_pass.h"
 #include "octree_layout.h"
 #include "parallel.h"
 
@@ -16,31 +15,13 @@ _Static_assert(GW_RADIX_DIGITS == 1u << DIGIT_BITS, "a digit has that many value
 
 /* Keys an invocation: as few as leave work for a wide device, but the counts a small share. */
 #define RUN_MIN 64u
-#define RUN_MAX 4096u
 #define RUNS_WANTED 4096u
 
-gw_status gw_radix_sort_create(gw_gpu *gpu, gw_radix_sort *sort, gw_error *error)
-{
-	memset(sort, 0, sizeof *sort);
-	if (gw_gpu_is_host(gpu))
-		return GW_OK;
-	gw_status status = gw_prefix_sum_create(gpu, &sort->prefix, error);
-	if (status == GW_OK)
-		status = gw_named_pass_create(gpu, "radix_count", "TS", sizeof(gw_radix_push), RUN_MAX,
-									  &sort->count, error);
-	if (status == GW_OK)
-		status = gw_named_pass_create(gpu, "radix_scatter", "TTTSSSS", sizeof(gw_radix_push),
-									  RUN_MAX, &sort->scatter, error);
-	if (status != GW_OK)
-		gw_radix_sort_destroy(gpu, sort);
-	return status;
-}
+#define CPU_RUNS 16u /* the same for CPU kernels, at most: two a thread of a usual machine */
 
 void gw_radix_sort_destroy(gw_gpu *gpu, gw_radix_sort *sort)
 {
 	gw_buffer_destroy(gpu, &sort->counts);
-	gw_pass_destroy(gpu, &sort->count);
-	gw_pass_destroy(gpu, &sort->scatter);
 	gw_prefix_sum_destroy(gpu, &sort->prefix);
 }
 
@@ -104,104 +85,39 @@ static void swap_copies(gw_sort_list *list)
 	swap(&list->payload, &list->payload_copy);
 }
 
-static gw_status sort_digit(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list,
+static gw_status sort_digit(gw_passes *passes, gw_radix_sort *sort, gw_sort_list *list,
 							gw_radix_push push, gw_error *error)
 {
 	gw_buffer *word = push.high ? &list->high : &list->low;
-	/* A narrow list has no high words; the shader doesn't touch what stands in. */
+	/* A narrow list has no high words; nothing touches what stands in. */
 	gw_buffer *high = list->wide ? &list->high : &list->low;
 	gw_buffer *high_copy = list->wide ? &list->high_copy : &list->low_copy;
-	GW_TRY(gw_buffer_fill(gpu, &sort->counts, 0, error));
+	GW_TRY(gw_buffer_fill(passes->gpu, &sort->counts, 0, error));
 	gw_binding counting[] = { { .buffer = word }, { .buffer = &sort->counts } };
-	GW_TRY(gw_pass_run(gpu, sort->count, counting, &push, push.runs, error));
+	GW_TRY(gw_passes_run(passes, GW_PASS_RADIX_COUNT, counting, &push, push.runs, error));
 	uint64_t counts = (uint64_t)push.runs * GW_RADIX_DIGITS;
-	GW_TRY(gw_prefix_sum_run(gpu, &sort->prefix, &sort->counts, counts, NULL, error));
+	GW_TRY(gw_prefix_sum_run(passes, &sort->prefix, &sort->counts, counts, NULL, error));
 	gw_binding scattering[] = { { .buffer = &list->low },         { .buffer = high },
 								{ .buffer = &list->payload },     { .buffer = &sort->counts },
 								{ .buffer = &list->low_copy },    { .buffer = high_copy },
 								{ .buffer = &list->payload_copy } };
-	GW_TRY(gw_pass_run(gpu, sort->scatter, scattering, &push, push.runs, error));
+	GW_TRY(gw_passes_run(passes, GW_PASS_RADIX_SCATTER, scattering, &push, push.runs, error));
 	swap_copies(list);
 	return GW_OK;
 }
 
-/* ------------------------------------------------------------------------------ on the host */
-
-#define HOST_RUNS 16u
-
-/* One digit, on a device that is the host's own processor: the same steps over fewer, longer runs.
- */
-typedef struct host_digit {
-	const uint32_t *word, *low, *high, *payload;
-	uint32_t *low_out, *high_out, *payload_out;
-	uint32_t shift;
-	bool wide, index;
-	size_t run;
-	uint32_t count[HOST_RUNS][GW_RADIX_DIGITS];
-} host_digit;
-
-static uint32_t digit_of(const host_digit *d, size_t i)
+static uint32_t keys_of_run(const gw_passes *passes, uint64_t count)
 {
-	return d->word[i] >> d->shift & (GW_RADIX_DIGITS - 1);
+	if (gw_passes_way(passes, GW_PASS_RADIX_COUNT, NULL) == GW_WAY_CPU)
+		return (uint32_t)(count / CPU_RUNS + 1);
+	uint64_t run = count / RUNS_WANTED + 1;
+	return run < RUN_MIN ? RUN_MIN : run > GW_RADIX_RUN_MAX ? GW_RADIX_RUN_MAX : (uint32_t)run;
 }
 
-static void count_run(void *user, size_t first, size_t last, uint32_t worker)
+gw_status gw_radix_sort_run(gw_passes *passes, gw_radix_sort *sort, gw_sort_list *list,
+							uint32_t bits, gw_error *error)
 {
-	host_digit *d = user;
-	uint32_t *count = d->count[first / d->run];
-	(void)worker;
-	for (size_t i = first; i < last; i++)
-		count[digit_of(d, i)]++;
-}
-
-/* Counts become the places where each run puts its keys. */
-static void make_places(host_digit *d)
-{
-	uint32_t sum = 0;
-	for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
-		for (size_t run = 0; run < HOST_RUNS; run++) {
-			uint32_t count = d->count[run][digit];
-			d->count[run][digit] = sum;
-			sum += count;
-		}
-}
-
-static void scatter_run(void *user, size_t first, size_t last, uint32_t worker)
-{
-	host_digit *d = user;
-	uint32_t *place = d->count[first / d->run];
-	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		uint32_t to = place[digit_of(d, i)]++;
-		d->low_out[to] = d->low[i];
-		if (d->wide)
-			d->high_out[to] = d->high[i];
-		d->payload_out[to] = d->index ? (uint32_t)i : d->payload[i];
-	}
-}
-
-static void sort_digit_on_host(gw_sort_list *list, uint32_t bit)
-{
-	host_digit d = { .word = bit < 32 ? list->low.mapped : list->high.mapped,
-					 .low = list->low.mapped,
-					 .high = list->high.mapped,
-					 .payload = list->payload.mapped,
-					 .low_out = list->low_copy.mapped,
-					 .high_out = list->high_copy.mapped,
-					 .payload_out = list->payload_copy.mapped,
-					 .shift = bit % 32,
-					 .wide = list->wide,
-					 .index = bit == 0,
-					 .run = (size_t)list->count / HOST_RUNS + 1 };
-	gw_parallel_for(0, (size_t)list->count, d.run, count_run, &d);
-	make_places(&d);
-	gw_parallel_for(0, (size_t)list->count, d.run, scatter_run, &d);
-	swap_copies(list);
-}
-
-gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list, uint32_t bits,
-							gw_error *error)
-{
+	gw_gpu *gpu = passes->gpu;
 	assert(bits >= 1 && bits <= (list->wide ? 64u : 32u));
 	if (list->count == 0)
 		return GW_OK;
@@ -210,15 +126,10 @@ gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 					   "%llu keys cannot be sorted at once: bake with fewer points or a coarser "
 					   "octree",
 					   (unsigned long long)list->count);
-	for (uint32_t bit = 0; bit < bits && sort->count == NULL; bit += DIGIT_BITS)
-		sort_digit_on_host(list, bit);
-	if (sort->count == NULL)
-		return GW_OK;
-	uint64_t run = list->count / RUNS_WANTED + 1;
-	run = run < RUN_MIN ? RUN_MIN : run > RUN_MAX ? RUN_MAX : run;
+	uint32_t run = keys_of_run(passes, list->count);
 	gw_radix_push push = {
 		.total = (uint32_t)list->count,
-		.run = (uint32_t)run,
+		.run = run,
 		.runs = (uint32_t)((list->count + run - 1) / run),
 		.wide = list->wide,
 	};
@@ -232,7 +143,92 @@ gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list
 		push.shift = bit % 32;
 		push.high = bit >= 32;
 		push.index = bit == 0;
-		GW_TRY(sort_digit(gpu, sort, list, push, error));
+		GW_TRY(sort_digit(passes, sort, list, push, error));
 	}
 	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------- CPU kernels */
+
+/* Digits of runs. Each run counts in an array of its own and has its counts, which lie apart, read
+ * and written once: threads that share cache lines would wait for each other. */
+typedef struct digit_job {
+	const gw_radix_push *push;
+	const uint32_t *word, *low, *high, *payload;
+	uint32_t *low_out, *high_out, *payload_out, *counts;
+} digit_job;
+
+static uint32_t digit_of(const digit_job *job, size_t i)
+{
+	return job->word[i] >> job->push->shift & (GW_RADIX_DIGITS - 1);
+}
+
+static size_t end_of_run(const digit_job *job, size_t run)
+{
+	size_t end = (run + 1) * job->push->run;
+	return end < job->push->total ? end : job->push->total;
+}
+
+static void count_runs(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const digit_job *job = user;
+	(void)worker;
+	for (size_t run = first; run < last; run++) {
+		uint32_t count[GW_RADIX_DIGITS] = { 0 };
+		for (size_t i = run * job->push->run; i < end_of_run(job, run); i++)
+			count[digit_of(job, i)]++;
+		for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
+			job->counts[digit * job->push->runs + run] += count[digit];
+	}
+}
+
+void gw_cpu_radix_count(gw_passes *passes, const gw_binding *bindings, const void *push,
+						uint64_t count)
+{
+	digit_job job = { .push = push,
+					  .word = bindings[0].buffer->mapped,
+					  .counts = bindings[1].buffer->mapped };
+	gw_parallel_for(passes->threads, (size_t)count, 1, count_runs, &job);
+}
+
+static void scatter_run(const digit_job *job, size_t run, uint32_t place[GW_RADIX_DIGITS])
+{
+	bool wide = job->push->wide != 0, index = job->push->index != 0;
+	for (size_t i = run * job->push->run; i < end_of_run(job, run); i++) {
+		uint32_t to = place[digit_of(job, i)]++;
+		job->low_out[to] = job->low[i];
+		if (wide)
+			job->high_out[to] = job->high[i];
+		job->payload_out[to] = index ? (uint32_t)i : job->payload[i];
+	}
+}
+
+static void scatter_runs(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const digit_job *job = user;
+	(void)worker;
+	for (size_t run = first; run < last; run++) {
+		uint32_t place[GW_RADIX_DIGITS];
+		for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
+			place[digit] = job->counts[digit * job->push->runs + run];
+		scatter_run(job, run, place);
+		for (size_t digit = 0; digit < GW_RADIX_DIGITS; digit++)
+			job->counts[digit * job->push->runs + run] = place[digit];
+	}
+}
+
+void gw_cpu_radix_scatter(gw_passes *passes, const gw_binding *bindings, const void *push,
+						  uint64_t count)
+{
+	const gw_radix_push *p = push;
+	digit_job job = { .push = push,
+					  .word = bindings[p->high ? 1 : 0].buffer->mapped,
+					  .low = bindings[0].buffer->mapped,
+					  .high = bindings[1].buffer->mapped,
+					  .payload = bindings[2].buffer->mapped,
+					  .counts = bindings[3].buffer->mapped,
+					  .low_out = bindings[4].buffer->mapped,
+					  .high_out = bindings[5].buffer->mapped,
+					  .payload_out = bindings[6].buffer->mapped };
+	gw_parallel_for(passes->threads, (size_t)count, 1, scatter_runs, &job);
 }

@@ -9,8 +9,8 @@
 
 #include "prefix_sum.h"
 
+/* All zero is one that has not run yet. */
 typedef struct gw_radix_sort {
-	gw_pass *count, *scatter; /* NULL: loops of the host stand in for them */
 	gw_prefix_sum prefix;
 	gw_buffer counts; /* of digits in runs; grows as needed */
 } gw_radix_sort;
@@ -23,8 +23,6 @@ typedef struct gw_sort_list {
 	bool wide;
 } gw_sort_list;
 
-/* Zeroed on failure. */
-gw_status gw_radix_sort_create(gw_gpu *gpu, gw_radix_sort *sort, gw_error *error);
 void gw_radix_sort_destroy(gw_gpu *gpu, gw_radix_sort *sort); /* a zeroed one is accepted */
 
 /* Allocates a list of zeros. Fails as gw_buffer_create; zeroed then. */
@@ -38,9 +36,9 @@ void gw_sort_list_trim(gw_gpu *gpu, gw_sort_list *list);
  * Sorts by the lowest `bits` bits of the keys.
  *   list   payloads come out as the index that each key had; what they were is ignored
  *   bits   1..64; at most 32 unless the list is wide
- * Fails as gw_pass_run, also when a buffer is too large to be bound as a whole.
+ * Fails as gw_passes_run, also when a buffer is too large to be bound as a whole.
  */
-gw_status gw_radix_sort_run(gw_gpu *gpu, gw_radix_sort *sort, gw_sort_list *list, uint32_t bits,
-							gw_error *error);
+gw_status gw_radix_sort_run(gw_passes *passes, gw_radix_sort *sort, gw_sort_list *list,
+							uint32_t bits, gw_error *error);
 
 #endif

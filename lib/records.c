@@ -4,7 +4,6 @@
  */
 #include "records.h"
 
-#include "host_lookup.h"
 #include "luminance.h"
 #include "memory.h"
 #include "record_places.h"
@@ -330,10 +329,6 @@ gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_
 								 const gw_buffer *reach, gw_error *error)
 {
 	gw_lookup_push push = lookup(records, reach);
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_weigh_lobes(passes, octree, records, reach, &push);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
 									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
@@ -350,10 +345,6 @@ gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
 {
 	gw_lookup_push push = lookup(records, reach);
 	push.surfel_first = (uint32_t)first;
-	if (gw_gpu_is_host(passes->gpu)) {
-		gw_host_weigh_surfels(passes, octree, records, reach, &push, (size_t)count, record, weight);
-		return GW_OK;
-	}
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
 									gw_whole(&octree->surfel_position),
 									gw_whole(&octree->surfel_normal),

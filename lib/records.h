@@ -10,7 +10,7 @@
 #ifndef RECORDS_H
 #define RECORDS_H
 
-#include "passes.h"
+#include "octree_bindings.h"
 
 typedef struct gw_records {
 	uint32_t count;

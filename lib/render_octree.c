@@ -4,7 +4,6 @@
 #include "render_octree.h"
 
 #include "memory.h"
-#include "named_pass.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -71,13 +70,15 @@ static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error
 static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const float *radiance,
 					  const gw_render_octree_options *options, gw_error *error)
 {
-	const gw_gpu_options device = { .device = options->device, .memory = options->memory };
+	const gw_gpu_options device = { .device = options->device,
+									.memory = options->memory,
+									.passes = options->passes };
 	GW_TRY(gw_gpu_create(&device, &o->gpu, error));
 	if (options->depth == GW_DEPTH_AUTO)
 		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, &o->octree, error));
 	else
 		GW_TRY(gw_octree_build(o->gpu, surfels, options->depth, &o->octree, error));
-	gw_passes_init(&o->passes, o->gpu, &o->octree);
+	gw_octree_passes(&o->passes, o->gpu, &o->octree);
 	GW_TRY(upload_radiance(o, surfels, radiance, error));
 	GW_TRY(average_lobes(o, error));
 	return options->bricks ? fill_bricks(o, largest_of(radiance, 3 * surfels->count), error)

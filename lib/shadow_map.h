@@ -12,7 +12,7 @@
 #ifndef SHADOW_MAP_H
 #define SHADOW_MAP_H
 
-#include "passes.h"
+#include "octree_bindings.h"
 #include "transport_layout.h"
 
 /* Texels a side of what is in memory at once, without borders. */

@@ -50,6 +50,7 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
@@ -74,6 +75,7 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 							   .memory = solver->options.memory,
 							   .drivers = solver->options.drivers,
 							   .validate = solver->options.validate,
+							   .passes = solver->options.passes,
 							   .cancelled = solver->cancelled,
 							   .user = solver->user };
 	gw_status status = gw_gpu_create(&options, &solver->gpu, error);
@@ -176,10 +178,10 @@ gw_status gw_solver_build_octree(gw_solver *solver, gw_error *error)
 	if (status != GW_OK)
 		return status;
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
-	if (solver->passes.gpu != NULL && !gw_passes_fit(&solver->passes, &solver->octree))
+	if (solver->passes.gpu != NULL && !gw_octree_passes_fit(&solver->passes, &solver->octree))
 		gw_passes_destroy(&solver->passes);
 	if (solver->passes.gpu == NULL)
-		gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+		gw_octree_passes(&solver->passes, solver->gpu, &solver->octree);
 	solver->passes.threads = o->threads;
 	gw_solver_report_octree(solver);
 	if (o->method == GW_METHOD_CONES)

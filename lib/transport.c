@@ -306,7 +306,7 @@ static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
 	} else {
 		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
 										block->name, block->buffer, error);
-		a->to = gw_gpu_is_host(solver->gpu) ? block->buffer->mapped : NULL;
+		a->to = gw_gpu_shares_memory(solver->gpu) ? block->buffer->mapped : NULL;
 	}
 	return status;
 }
@@ -493,7 +493,7 @@ gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
 		status = read_blocks(solver, transport, &h, error);
 	if (status != GW_OK)
 		return status;
-	gw_passes_init(&solver->passes, solver->gpu, &solver->octree);
+	gw_octree_passes(&solver->passes, solver->gpu, &solver->octree);
 	solver->passes.threads = solver->options.threads;
 	if (h.numbers.light_samples != solver->options.light_samples)
 		gw_buffer_destroy(solver->gpu, &solver->sampled);

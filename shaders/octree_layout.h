@@ -11,8 +11,9 @@
 /* Elements that one invocation of the prefix sum adds up. */
 #define GW_PREFIX_RUN 128u
 
-/* Values of one digit of the radix sort. */
+/* Values of one digit of the radix sort, and keys of one invocation, at most. */
 #define GW_RADIX_DIGITS 256u
+#define GW_RADIX_RUN_MAX 4096u
 
 /* Fragments of one leaf that are reduced by one invocation. */
 #define GW_REDUCE_RUN 2048u

@@ -180,7 +180,7 @@ struct Walk {
 	vec3a origin, direction, inverse;
 	vec3a ahead; /* 1 where the ray goes up, -1 where it goes down */
 	vec3a far;   /* 1 where it goes up, else 0: the side on which it leaves a cell */
-	float last;  /* coordinate of the octree's last cells */
+	ivec3a last; /* of the octree's cells */
 };
 
 float smallest(vec3a of)
@@ -202,14 +202,14 @@ Walk walk_of(IN(Ray) ray, float side)
 		vec3a(d.x >= 0.0f ? 1.0f : -1.0f, d.y >= 0.0f ? 1.0f : -1.0f, d.z >= 0.0f ? 1.0f : -1.0f);
 	vec3a inverse = vec3a(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
 	Walk walk = { vec3a(ray.origin), vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
-				  side - 1.0f };
+				  ivec3a(int(side) - 1) };
 	return walk;
 }
 
 /* The cell at a distance, inside the octree. */
 ivec3a cell_at(IN(Walk) walk, float t)
 {
-	return ivec3a(clamp(walk.origin + walk.direction * t, vec3a(0.0f), vec3a(walk.last)));
+	return clamp(ivec3a(walk.origin + walk.direction * t), ivec3a(0), walk.last);
 }
 
 /* Distance to where the ray leaves a cell of a level, with `reach` more around it. */

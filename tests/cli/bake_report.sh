@@ -28,3 +28,12 @@ grep -a 'glowworm command' lit.ply
 glowworm info lit.ply --json | tr '{' '\n' |
 	grep -e '"name": "z"' -e '"emission_r"' -e '"name": "albedo_r"'
 glowworm bake scene.json --light "$lamp" --report - -q | head -n 2
+# How passes run is said as well: by an option, by the scene, or by itself.
+for way in auto device 'cpu --device cpu'; do
+	# shellcheck disable=SC2086
+	glowworm bake scene.json --light "$lamp" --passes $way --report - -q | grep '"passes"'
+done
+sed 's/"rays": 16/"rays": 16, "passes": "device"/' scene.json >shaders.json
+glowworm bake shaders.json --light "$lamp" --report - -q | grep '"passes"'
+glowworm bake scene.json --passes gpu -o no.ply 2>&1
+echo $?

@@ -181,6 +181,38 @@ static void test_copies_staged(void **state)
 	copy_both_ways(false);
 }
 
+/* The bytes themselves where they lie in the processor's memory, else a copy. */
+static void look_at_view(bool may_map)
+{
+	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
+	gpu->may_map = may_map;
+	gw_error error = { 0 };
+	gw_buffer buffer = new_buffer(gpu, 1600, "viewed");
+	uint32_t sent[400];
+	for (uint32_t i = 0; i < 400; i++)
+		sent[i] = scramble(i);
+	assert_ok(gw_buffer_upload(gpu, &buffer, 0, sent, 1600, &error), &error);
+	gw_view view;
+	assert_ok(gw_view_open(gpu, &buffer, 1600, &view, &error), &error);
+	assert_memory_equal(view.bytes, sent, 1600);
+	assert_true((view.copy == NULL) == gw_gpu_shares_memory(gpu));
+	assert_true(may_map || !gw_gpu_shares_memory(gpu));
+	gw_view_close(&view);
+	assert_null(view.bytes);
+	gw_view_close(&view);
+	assert_int_not_equal(gw_view_open(gpu, &buffer, 1604, &view, &error), GW_OK);
+	gw_view_close(&view);
+	gw_buffer_destroy(gpu, &buffer);
+	gw_gpu_destroy(&gpu);
+}
+
+static void test_views(void **state)
+{
+	(void)state;
+	look_at_view(true);
+	look_at_view(false);
+}
+
 static void test_empty_buffer(void **state)
 {
 	(void)state;
@@ -211,7 +243,7 @@ static void test_borrowed(void **state)
 	assert_non_null(word);
 	assert_false(gw_buffer_may_borrow(gpu, word + 1));
 	if (!gw_buffer_may_borrow(gpu, word)) {
-		assert_false(gpu->imports && gw_gpu_is_host(gpu));
+		assert_false(gpu->imports && gw_gpu_shares_memory(gpu));
 		free(word);
 		gw_gpu_destroy(&gpu);
 		skip();
@@ -626,6 +658,7 @@ int main(void)
 		cmocka_unit_test(test_choice),
 		cmocka_unit_test(test_copies_mapped),
 		cmocka_unit_test(test_copies_staged),
+		cmocka_unit_test(test_views),
 		cmocka_unit_test(test_empty_buffer),
 		cmocka_unit_test(test_pass_whole),
 		cmocka_unit_test(test_pass_windows),

@@ -36,12 +36,11 @@ static gw_gpu *open_gpu(gw_gpu_options options)
 	return NULL;
 }
 
-/* The same, with passes where loops of the host would stand in for them. */
-static gw_gpu *open_gpu_of_passes(gw_gpu_options options)
+/* The same, with shaders alone. */
+static gw_gpu *open_gpu_of_shaders(gw_gpu_options options)
 {
-	gw_gpu *gpu = open_gpu(options);
-	gpu->may_map = false;
-	return gpu;
+	options.passes = GW_PASSES_DEVICE;
+	return open_gpu(options);
 }
 
 static const gw_gpu_options validated = { .validate = true, .validate_synchronization = true };
@@ -116,8 +115,9 @@ static void test_auto_depth(void **state)
 static const uint32_t awkward[] = { 0, 1, 2, 127, 128, 129, 255, 256, 257, 16385, 100003 };
 #define AWKWARD (sizeof awkward / sizeof *awkward)
 
-static void sum_and_compare(gw_gpu *gpu, gw_prefix_sum *prefix, uint32_t count)
+static void sum_and_compare(gw_passes *passes, gw_prefix_sum *prefix, uint32_t count)
 {
+	gw_gpu *gpu = passes->gpu;
 	gw_error error = { 0 };
 	gw_buffer words;
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * (uint64_t)count,
@@ -130,7 +130,7 @@ static void sum_and_compare(gw_gpu *gpu, gw_prefix_sum *prefix, uint32_t count)
 		value[i] = (uint32_t)(octree_points_random(&seed) * 100);
 	assert_ok(gw_buffer_upload(gpu, &words, 0, value, 4 * (uint64_t)count, &error), &error);
 	uint64_t total = 99;
-	assert_ok(gw_prefix_sum_run(gpu, prefix, &words, count, &total, &error), &error);
+	assert_ok(gw_prefix_sum_run(passes, prefix, &words, count, &total, &error), &error);
 	uint32_t *got = download(gpu, &words);
 	for (uint32_t i = 0; i < count; i++) {
 		if (got[i] != sum)
@@ -150,13 +150,13 @@ static void test_prefix_sum(void **state)
 	for (int s = 0; s < 3; s++) {
 		gw_gpu_options options = validated;
 		options.workgroup_size = size[s];
-		gw_gpu *gpu = s < 2 ? open_gpu_of_passes(options) : open_gpu(options);
-		gw_error error = { 0 };
-		gw_prefix_sum prefix;
-		assert_ok(gw_prefix_sum_create(gpu, &prefix, &error), &error);
+		gw_gpu *gpu = s < 2 ? open_gpu_of_shaders(options) : open_gpu(options);
+		gw_passes passes = { .gpu = gpu };
+		gw_prefix_sum prefix = { 0 };
 		for (size_t i = 0; i < AWKWARD; i++)
-			sum_and_compare(gpu, &prefix, awkward[i]);
+			sum_and_compare(&passes, &prefix, awkward[i]);
 		gw_prefix_sum_destroy(gpu, &prefix);
+		gw_passes_destroy(&passes);
 		close_gpu(gpu);
 	}
 }
@@ -164,18 +164,19 @@ static void test_prefix_sum(void **state)
 static void sum_much(gw_gpu *gpu)
 {
 	gw_error error = { 0 };
-	gw_prefix_sum prefix;
+	gw_passes own = { .gpu = gpu }, *passes = &own;
+	gw_prefix_sum prefix = { 0 };
 	gw_buffer words;
-	assert_ok(gw_prefix_sum_create(gpu, &prefix, &error), &error);
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * 1000, "words",
 	                           &words, &error),
 	          &error);
 	assert_ok(gw_buffer_fill(gpu, &words, 0x01000000, &error), &error);
 	uint64_t total;
-	assert_ok(gw_prefix_sum_run(gpu, &prefix, &words, 1000, &total, &error), &error);
+	assert_ok(gw_prefix_sum_run(passes, &prefix, &words, 1000, &total, &error), &error);
 	assert_true(total == UINT64_C(1000) * 0x01000000);
 	gw_buffer_destroy(gpu, &words);
 	gw_prefix_sum_destroy(gpu, &prefix);
+	gw_passes_destroy(passes);
 	close_gpu(gpu);
 }
 
@@ -184,7 +185,7 @@ static void test_large_total(void **state)
 {
 	(void)state;
 	sum_much(open_gpu(validated));
-	sum_much(open_gpu_of_passes(validated));
+	sum_much(open_gpu_of_shaders(validated));
 }
 
 typedef struct keyed {
@@ -200,8 +201,9 @@ static int compare_keyed(const void *a, const void *b)
 	return x->index < y->index ? -1 : 1;
 }
 
-static void sort_and_compare(gw_gpu *gpu, gw_radix_sort *sort, uint32_t count, uint32_t bits)
+static void sort_and_compare(gw_passes *passes, gw_radix_sort *sort, uint32_t count, uint32_t bits)
 {
+	gw_gpu *gpu = passes->gpu;
 	gw_error error = { 0 };
 	bool wide = bits > 32;
 	gw_sort_list list;
@@ -223,7 +225,7 @@ static void sort_and_compare(gw_gpu *gpu, gw_radix_sort *sort, uint32_t count, u
 	if (wide)
 		assert_ok(gw_buffer_upload(gpu, &list.high, 0, word + count, 4 * (uint64_t)count, &error),
 		          &error);
-	assert_ok(gw_radix_sort_run(gpu, sort, &list, bits, &error), &error);
+	assert_ok(gw_radix_sort_run(passes, sort, &list, bits, &error), &error);
 	qsort(key, count, sizeof *key, compare_keyed);
 	uint32_t *low = download(gpu, &list.low), *index = download(gpu, &list.payload);
 	uint32_t *high = wide ? download(gpu, &list.high) : NULL;
@@ -247,14 +249,14 @@ static void test_sort(void **state)
 	for (int s = 0; s < 3; s++) {
 		gw_gpu_options options = validated;
 		options.workgroup_size = size[s];
-		gw_gpu *gpu = s < 2 ? open_gpu_of_passes(options) : open_gpu(options);
-		gw_error error = { 0 };
-		gw_radix_sort sort;
-		assert_ok(gw_radix_sort_create(gpu, &sort, &error), &error);
+		gw_gpu *gpu = s < 2 ? open_gpu_of_shaders(options) : open_gpu(options);
+		gw_passes passes = { .gpu = gpu };
+		gw_radix_sort sort = { 0 };
 		for (size_t i = 0; i < AWKWARD; i++)
 			for (int b = 0; b < 4; b++)
-				sort_and_compare(gpu, &sort, awkward[i], bits[b]);
+				sort_and_compare(&passes, &sort, awkward[i], bits[b]);
 		gw_radix_sort_destroy(gpu, &sort);
+		gw_passes_destroy(&passes);
 		close_gpu(gpu);
 	}
 }
@@ -862,7 +864,7 @@ static void test_repeatable(void **state)
 	gw_gpu *gpu[3];
 	make_scattered(20000, 4, 0.02f, &s);
 	for (int i = 0; i < 3; i++) {
-		gpu[i] = i < 2 ? open_gpu_of_passes(options[i]) : open_gpu(options[i]);
+		gpu[i] = i < 2 ? open_gpu_of_shaders(options[i]) : open_gpu(options[i]);
 		assert_ok(gw_octree_build(gpu[i], &s, 7, &octree[i], &error), &error);
 	}
 	compare_buffers(gpu[0], &octree[0], gpu[1], &octree[1]);

@@ -1,7 +1,7 @@
 /*
- * host_products.c - see host_products.h.
+ * hit_lobes.c - see hit_lobes.h.
  */
-#include "host_products.h"
+#include "hit_lobes.h"
 
 #include "host_loop.h"
 #include "memory.h"
@@ -11,32 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define CHUNK 4096u       /* lobes, leaves or sums that a thread takes at a time */
-#define CHUNK_RAYS 65536u /* that a thread follows at a time */
-/* ----------------------------------------------------------------------------------- shading */
-
-static void shade(gw_passes *passes, const gw_binding *bindings, float direct_share,
-				  const uint32_t *slot, size_t count)
-{
-	gw_record_push push = { .count = UINT32_MAX, .direct_share = direct_share };
-	const gw_host_pass pass = { GW_PASS_LOBE_SHADE, gw_kernel_lobe_shade, bindings, &push, slot };
-	gw_host_run(passes, &pass, count, CHUNK);
-}
-
-void gw_host_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-				   const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-				   float direct_share, gw_buffer *lobe_radiance)
-{
-	const gw_binding bindings[] = {
-		gw_whole(&octree->lobe_albedo),  gw_whole(lobe_direct),
-		gw_whole(&records->lobe_record), gw_whole(&records->lobe_weight),
-		gw_whole(records_irradiance),    gw_whole(lobe_radiance)
-	};
-	shade(passes, bindings, direct_share, NULL, 2 * (size_t)octree->leaf_count);
-}
-
-/* --------------------------------------------------------------------------- lobes that are hit */
-
+#define CHUNK 4096u    /* lobes that a thread takes at a time */
 #define POWER_PARTS 8u /* sums of power that are made apart, so that threads do not matter */
 
 typedef struct powers {
@@ -137,7 +112,7 @@ void gw_hit_lobes_clear(gw_hit_lobes *hits)
 	*hits = (gw_hit_lobes){ 0 };
 }
 
-void gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+void gw_hit_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
 						const gw_hit_lobes *hits, gw_buffer *lobe_radiance)
 {
 	const gw_binding bindings[] = {
@@ -145,10 +120,14 @@ void gw_host_shade_hits(gw_passes *passes, const gw_octree *octree, const gw_rec
 		gw_whole(&records->lobe_record), gw_whole(&records->lobe_weight),
 		gw_whole(&records->gathered),    gw_whole(lobe_radiance)
 	};
-	shade(passes, bindings, 0.0f, hits->slot, hits->count);
+	const gw_kernel_run run = { .kernel = gw_kernel_lobe_shade,
+								.bindings = bindings,
+								.push = &(gw_record_push){ 0 },
+								.element = hits->slot };
+	gw_kernel_loop(passes, GW_PASS_LOBE_SHADE, run, hits->count, CHUNK);
 }
 
-double gw_host_power(const gw_records *records, const gw_hit_lobes *hits)
+double gw_hit_lobes_power(const gw_records *records, const gw_hit_lobes *hits)
 {
 	const float *gathered = records->gathered.mapped;
 	double power = 0.0;
@@ -156,37 +135,4 @@ double gw_host_power(const gw_records *records, const gw_hit_lobes *hits)
 		for (size_t c = 0; c < 3; c++)
 			power += (double)hits->power[3 * i + c] * fabs((double)gathered[4 * i + c]);
 	return power;
-}
-
-/* -------------------------------------------------------------------- gathering, means, sums */
-
-void gw_host_gather(gw_passes *passes, const gw_ray_gather *gather, const gw_buffer *lobe_radiance,
-					gw_records *records)
-{
-	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
-									gw_whole(&records->normal), gw_whole(&records->gathered) };
-	gw_record_push push = { .count = UINT32_MAX, .rays = gather->rays };
-	const gw_host_pass pass = { GW_PASS_RECORD_GATHER, gw_kernel_record_gather, bindings, &push,
-								NULL };
-	gw_host_run(passes, &pass, records->count, CHUNK_RAYS / gather->rays + 1);
-}
-
-void gw_host_average(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
-					 gw_buffer *lobes)
-{
-	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
-									gw_whole(&octree->fragment_surfel),
-									gw_whole(&octree->fragment_weight), gw_whole(surfels),
-									gw_whole(lobes) };
-	gw_record_push push = { .count = UINT32_MAX };
-	const gw_host_pass pass = { GW_PASS_LOBE_DIRECT, gw_kernel_lobe_direct, bindings, &push, NULL };
-	gw_host_run(passes, &pass, 2 * (size_t)octree->leaf_count, 2 * CHUNK);
-}
-
-void gw_host_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count)
-{
-	const gw_binding bindings[] = { gw_whole(from), gw_whole(to) };
-	gw_record_push push = { .count = UINT32_MAX };
-	const gw_host_pass pass = { GW_PASS_RECORD_ADD, gw_kernel_record_add, bindings, &push, NULL };
-	gw_host_run(passes, &pass, (size_t)count, 16 * CHUNK);
 }

@@ -1,0 +1,546 @@
+/*
+ * test_passes.c - the table of passes: each that has a shader and a CPU kernel goes both ways.
+ *
+ * Whole bakes are made with --wrap=gw_passes_run: whatever pass they run by its kernel is run by
+ * its shader first, on the same bytes, and by one thread and by three. So there is one test for all
+ * passes that there will ever be, on inputs as bakes have them; the last one asks that every kernel
+ * of the table was met. What may differ:
+ *
+ *   integers do not; nor does what one multiplication or addition makes of the same numbers
+ *   sums add the same numbers, none of them negative, in any order: a sum of n terms is rounded by
+ *   n * 2^-24 of itself at most, and ROUNDINGS more
+ *   rays go the same way but for roundings, see STRAYED; and so does the light that they bring
+ */
+#include "gpu_internal.h"
+#include "passes.h"
+#include "scenes.h"
+#include "transport_layout.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Multiplications and a division besides the sum. */
+#define ROUNDINGS 8.0
+
+/* Share of the rays that may hit something else: a ray of the hall goes up to 64 cells, where its
+ * place is rounded by some 2^-17 cells, and passes at most some 200 edges of cells and discs on its
+ * way: the chance that one of them is nearer than that is 200 * 2 * 2^-17. */
+#define STRAYED 0.003
+
+/* Numbers that a few rays may make: a pass is called with few elements, too. */
+#define STRAYED_AT_LEAST 2.0
+
+/* Rays that a row of weights asks for, short ones. */
+#define RAYS_OF_A_ROW 10.0
+
+/* ------------------------------------------------------------------------------------ the list */
+
+/* How the outputs of a pass are compared: a letter for each storage buffer, in binding order.
+ *   =  the same bytes
+ *   +  floats, sums of `terms`
+ *   l  floats, light that rays bring: all together may be off by the share that strayed
+ *   v  the same, but for what is marked as hidden by a crease
+ *   h  what a ray hit, and d how far that is, negative if a back was seen on the way
+ *   r  rows of `terms` records, up to GW_NONE, and w their weights */
+static const struct {
+	const char *outputs;
+	double terms;
+} list[GW_PASS_COUNT] = {
+	[GW_PASS_PREFIX_SUM] = { "==", 0 },
+	[GW_PASS_RADIX_COUNT] = { "=", 0 },
+	[GW_PASS_RADIX_SCATTER] = { "====", 0 },
+	[GW_PASS_LIGHT_VISIBILITY] = { "==v", 0 },
+	[GW_PASS_LIGHT_IRRADIANCE] = { "===l", 0 },
+	[GW_PASS_LOBE_DIRECT] = { "+", 2047 }, /* of a leaf, so many fragments count at most */
+	[GW_PASS_RECORD_RAYS] = { "hd", 0 },
+	[GW_PASS_RECORD_AGAIN] = { "hd", 0 },
+	[GW_PASS_RECORD_EMITTERS] = { "==l", 0 },
+	[GW_PASS_RECORD_SKY] = { "==l", 0 },
+	[GW_PASS_RECORD_FIRST] = { "===l", 0 },
+	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
+	[GW_PASS_RECORD_ADD] = { "==", 0 },
+	[GW_PASS_LOBE_WEIGHTS] = { "rw", GW_WEIGHTS },
+	[GW_PASS_LOBE_SHADE] = { "==+", GW_WEIGHTS + 1 },
+	[GW_PASS_READ_BACK] = { "rw", GW_SURFEL_WEIGHTS },
+};
+
+static uint64_t met[GW_PASS_COUNT]; /* elements that went both ways so far */
+
+/* -------------------------------------------------------------------------------- comparisons */
+
+/* One output, as each way left it. */
+typedef struct pair {
+	const char *name;   /* of the pass */
+	const float *a, *b; /* shader, kernel */
+	size_t count;       /* words */
+} pair;
+
+static uint32_t word_of(float value)
+{
+	uint32_t word;
+	memcpy(&word, &value, sizeof word);
+	return word;
+}
+
+static void compare_sums(const pair *p, double terms)
+{
+	double tolerance = (terms + ROUNDINGS) * 0x1p-24;
+	for (size_t i = 0; i < p->count; i++) {
+		double off = fabs((double)p->a[i] - (double)p->b[i]);
+		if (!(off <= tolerance * fabs((double)p->a[i])))
+			fail_msg("%s: number %zu of %zu is %.9g by its shader and %.9g by its kernel", p->name,
+					 i, p->count, (double)p->a[i], (double)p->b[i]);
+	}
+}
+
+static double without_crease(float visibility, bool creases)
+{
+	return (double)(creases && visibility >= GW_HIDDEN_BY_CREASE ? visibility - GW_HIDDEN_BY_CREASE
+																 : visibility);
+}
+
+static void compare_light(const pair *p, bool creases)
+{
+	double off = 0.0, sum = 0.0, most = 0.0;
+	for (size_t i = 0; i < p->count; i++) {
+		double a = without_crease(p->a[i], creases), b = without_crease(p->b[i], creases);
+		off += fabs(a - b);
+		sum += fabs(a);
+		most = fmax(most, fabs(a));
+	}
+	if (!(off <= STRAYED * sum + STRAYED_AT_LEAST * most))
+		fail_msg("%s: light differs by %.3g of itself", p->name, off / sum);
+}
+
+static void compare_shares(const pair *p, size_t strayed, size_t count, double rays)
+{
+	if ((double)strayed > STRAYED * rays * (double)count + STRAYED_AT_LEAST)
+		fail_msg("%s: %zu of %zu rays or rows go another way", p->name, strayed, count);
+}
+
+static void compare_hits(const pair *p)
+{
+	size_t strayed = 0;
+	for (size_t i = 0; i < p->count; i++)
+		strayed += word_of(p->a[i]) != word_of(p->b[i]);
+	compare_shares(p, strayed, p->count, 1.0);
+}
+
+static void compare_distances(const pair *p)
+{
+	size_t strayed = 0;
+	for (size_t i = 0; i < p->count; i++)
+		strayed += !(fabsf(p->a[i] - p->b[i]) < 0.01f || p->a[i] == p->b[i]);
+	compare_shares(p, strayed, p->count, 1.0);
+}
+
+/* Whether both have the same records in a row, with weights that differ by no more than roundings
+ * of a distance can make them: 2^-17 cells of one that is a cell at least. */
+static bool same_row(const pair *records, const pair *weights, size_t at, size_t width)
+{
+	for (size_t k = at; k < at + width; k++) {
+		uint32_t a = word_of(records->a[k]), b = word_of(records->b[k]);
+		if (a != b)
+			return false;
+		if (a == GW_NONE)
+			break;
+		if (!(fabsf(weights->a[k] - weights->b[k]) < 1e-4f))
+			return false;
+	}
+	return true;
+}
+
+static void compare_rows(const pair *records, const pair *weights, size_t width)
+{
+	size_t changed = 0, rows = records->count / width;
+	for (size_t row = 0; row < rows; row++)
+		changed += !same_row(records, weights, row * width, width);
+	compare_shares(records, changed, rows, RAYS_OF_A_ROW);
+}
+
+static void compare_output(char letter, const pair *p, const pair *before, double terms)
+{
+	switch (letter) {
+	case '+':
+		compare_sums(p, terms);
+		break;
+	case 'l':
+	case 'v':
+		compare_light(p, letter == 'v');
+		break;
+	case 'h':
+		compare_hits(p);
+		break;
+	case 'd':
+		compare_distances(p);
+		break;
+	case 'r':
+		break; /* with the weights */
+	case 'w':
+		compare_rows(before, p, (size_t)terms);
+		break;
+	default:
+		if (memcmp(p->a, p->b, p->count * sizeof *p->a) != 0)
+			fail_msg("%s: shader and kernel leave other bytes", p->name);
+	}
+}
+
+/* ---------------------------------------------------------------------------------- both ways */
+
+#define OUTPUTS 4
+
+/* What a pass writes to: the same buffers, and their bytes at four moments. */
+typedef struct outputs {
+	size_t count;
+	gw_buffer *buffer[OUTPUTS];
+	unsigned char *before[OUTPUTS], *shader[OUTPUTS], *alone[OUTPUTS];
+} outputs;
+
+static void keep(const outputs *o, unsigned char *const to[OUTPUTS])
+{
+	for (size_t i = 0; i < o->count; i++)
+		memcpy(to[i], o->buffer[i]->mapped, (size_t)o->buffer[i]->bytes);
+}
+
+static void restore(const outputs *o)
+{
+	for (size_t i = 0; i < o->count; i++)
+		memcpy(o->buffer[i]->mapped, o->before[i], (size_t)o->buffer[i]->bytes);
+}
+
+static outputs outputs_of(const gw_pass_row *row, const gw_binding *bindings)
+{
+	outputs o = { 0 };
+	for (size_t i = 0; row->bindings[i] != '\0'; i++)
+		if (row->bindings[i] == 's') {
+			assert_true(o.count < OUTPUTS);
+			o.buffer[o.count++] = bindings[i].buffer;
+		}
+	for (size_t i = 0; i < o.count; i++) {
+		size_t bytes = (size_t)o.buffer[i]->bytes + 1;
+		o.before[i] = malloc(bytes);
+		o.shader[i] = malloc(bytes);
+		o.alone[i] = malloc(bytes);
+		assert_true(o.before[i] && o.shader[i] && o.alone[i]);
+	}
+	return o;
+}
+
+static void forget(outputs *o)
+{
+	for (size_t i = 0; i < o->count; i++) {
+		free(o->before[i]);
+		free(o->shader[i]);
+		free(o->alone[i]);
+	}
+}
+
+static void compare_all(gw_pass_id id, const outputs *o)
+{
+	pair before = { 0 };
+	const char *letters = list[id].outputs;
+	if (letters == NULL || strlen(letters) != o->count)
+		fail_msg("%s: the list does not say how its outputs are compared",
+				 gw_pass_row_of(id)->shader);
+	for (size_t i = 0; i < o->count; i++) {
+		const pair p = { gw_pass_row_of(id)->shader, (const float *)(const void *)o->shader[i],
+						 o->buffer[i]->mapped, (size_t)(o->buffer[i]->bytes / sizeof(float)) };
+		compare_output(letters[i], &p, &before, list[id].terms);
+		assert_memory_equal(o->alone[i], o->buffer[i]->mapped, o->buffer[i]->bytes);
+		before = p;
+	}
+}
+
+static gw_status run_both(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+						  const void *push, uint64_t count, gw_error *error)
+{
+	uint32_t threads = passes->threads;
+	outputs o = outputs_of(gw_pass_row_of(id), bindings);
+	keep(&o, o.before);
+	GW_TRY(gw_passes_run_by(GW_WAY_DEVICE, passes, id, bindings, push, count, error));
+	keep(&o, o.shader);
+	restore(&o);
+	passes->threads = 1;
+	GW_TRY(gw_passes_run_by(GW_WAY_CPU, passes, id, bindings, push, count, error));
+	keep(&o, o.alone);
+	restore(&o);
+	passes->threads = 3;
+	GW_TRY(gw_passes_run_by(GW_WAY_CPU, passes, id, bindings, push, count, error));
+	passes->threads = threads;
+	compare_all(id, &o);
+	forget(&o);
+	met[id] += count;
+	return GW_OK;
+}
+
+static bool both_ways = true;
+static uint64_t by_kernel; /* runs */
+
+gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							   const void *push, uint64_t count, gw_error *error);
+gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							   const void *push, uint64_t count, gw_error *error)
+{
+	gw_pass_way way = gw_passes_way(passes, id, push);
+	by_kernel += way == GW_WAY_CPU;
+	if (both_ways && way == GW_WAY_CPU && count > 0)
+		return run_both(passes, id, bindings, push, count, error);
+	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+}
+
+/* --------------------------------------------------------------------------------------- bakes */
+
+#define LAMPS 4
+
+/* Lamps of all kinds, two of them with an extent. */
+static void make_lamps(gw_light light[LAMPS])
+{
+	for (size_t i = 0; i < LAMPS; i++)
+		light[i] = i + 1 < LAMPS ? scene_point_light(1.0, 1.0, 1.2, 2.0f)
+								 : (gw_light){ .type = GW_LIGHT_SUN };
+	light[1].radius = 0.2f;
+	light[2].type = GW_LIGHT_SPOT;
+	light[2].direction[2] = -1.0;
+	light[2].inner_angle = 20.0f;
+	light[2].outer_angle = 50.0f;
+	light[3].direction[1] = 1.0;
+	light[3].direction[2] = -0.4;
+	light[3].angle = 2.0f;
+	light[3].irradiance[0] = 1.0f;
+}
+
+static gw_bake_result *bake_hall(const gw_light *light, size_t lights,
+								 const gw_bake_options *options)
+{
+	scene hall = { 0 };
+	scene_make_hall(&hall);
+	const gw_points points = scene_points(&hall);
+	gw_bake_result *result = scene_bake(&points, light, lights, options);
+	scene_clear(&hall);
+	return result;
+}
+
+/* Lamps, points that emit, bounces, an estimate of the error. */
+static void lamps_both_ways(void **state)
+{
+	gw_light light[LAMPS];
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	(void)state;
+	make_lamps(light);
+	gw_bake_result *result = bake_hall(light, LAMPS, &options);
+	gw_bake_result_destroy(&result);
+}
+
+/* An octree so deep that all discs are in its tree. */
+static void large_discs_both_ways(void **state)
+{
+	gw_light light[LAMPS];
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	(void)state;
+	make_lamps(light);
+	options.depth = 11;
+	options.rays = options.light_samples = 16;
+	options.bounces = 1;
+	options.estimate_points = 0;
+	gw_bake_result *result = bake_hall(light, 2, &options);
+	gw_bake_result_destroy(&result);
+}
+
+/* A map of the sky above a floor with a ball, from which rays leave by no narrow opening. */
+static void sky_both_ways(void **state)
+{
+	scene s = { 0 };
+	float pixel[32 * 16 * 3];
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	(void)state;
+	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 }, 40, 40,
+					0.5f);
+	scene_add_sphere(&s, (double[3]){ 1, 1, 0.4 }, 0.3, 500, 1, 0.5f);
+	for (size_t i = 0; i < sizeof pixel / sizeof *pixel; i++)
+		pixel[i] = (float)scene_random(&s);
+	gw_light light = { .type = GW_LIGHT_ENVIRONMENT,
+					   .radiance = { 1.0f, 1.0f, 1.0f },
+					   .map = pixel,
+					   .map_width = 32,
+					   .map_height = 16 };
+	const gw_points points = scene_points(&s);
+	for (int y_up = 0; y_up < 2; y_up++) {
+		light.map_y_up = y_up;
+		options.bounces = 1;
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+/* A ball in the hall moves: rays that may meet it are traced again. */
+static void frames_both_ways(void **state)
+{
+	enum { FRAMES = 2 };
+	scene s = { 0 };
+	double matrix[16 * FRAMES] = { 0 };
+	const gw_light light = scene_point_light(1.0, 1.0, 1.2, 2.0f);
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	gw_frames *frames = NULL;
+	gw_error error = { 0 };
+	(void)state;
+	scene_make_hall(&s);
+	const gw_mover ball = { .first = s.count, .count = 300 };
+	scene_add_sphere(&s, (double[3]){ 1, 2, 1 }, 0.25, ball.count, 1, 0.5f);
+	for (size_t i = 0; i < FRAMES; i++) {
+		for (size_t k = 0; k < 4; k++)
+			matrix[16 * i + 5 * k] = 1.0;
+		matrix[16 * i + 3] = 1.5 * (double)i;
+	}
+	const gw_points points = scene_points(&s);
+	const gw_motion motion = { &ball, 1, FRAMES, matrix };
+	const gw_frames_options how = { .independent = true };
+	options.estimate_points = 0;
+	if (gw_frames_open(&points, &motion, &light, 1, &options, &how, NULL, &frames, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	for (size_t i = 0; i < FRAMES; i++) {
+		gw_bake_result *result = NULL;
+		if (gw_frames_bake(frames, i, &light, 1, &result, &error) != GW_OK)
+			fail_msg("%s", error.text);
+		gw_bake_result_destroy(&result);
+	}
+	gw_frames_close(&frames);
+	scene_clear(&s);
+}
+
+/* All kernels of the table were met; on a device that has memory of its own there is nothing to
+ * meet. */
+static void none_left_out(void **state)
+{
+	uint64_t sum = 0;
+	(void)state;
+	for (int id = 0; id < GW_PASS_COUNT; id++)
+		sum += met[id];
+	if (sum == 0)
+		skip();
+	for (int id = 0; id < GW_PASS_COUNT; id++) {
+		const gw_pass_row *row = gw_pass_row_of((gw_pass_id)id);
+		if (row->cpu != NULL && met[id] == 0)
+			fail_msg("%s has a kernel that no bake here has called", row->shader);
+		assert_true((list[id].outputs != NULL) == (row->cpu != NULL));
+	}
+}
+
+/* ----------------------------------------------------------------------------------- the table */
+
+/* Each row has a shader, and either a kernel for all runs or a reason. */
+static void rows_are_whole(void **state)
+{
+	(void)state;
+	for (int id = 0; id < GW_PASS_COUNT; id++) {
+		const gw_pass_row *row = gw_pass_row_of((gw_pass_id)id);
+		assert_non_null(row->shader);
+		assert_non_null(gw_shader_find(row->shader));
+		assert_true((row->why != NULL) == (row->cpu == NULL || row->cpu_takes != NULL));
+		assert_true(row->push_bytes % 4 == 0 && row->push_bytes <= GW_PUSH_BYTES_MAX);
+		assert_true(row->batch == 0 || row->batch_at + 8 <= row->push_bytes);
+		for (int other = 0; other < id; other++)
+			assert_string_not_equal(row->shader, gw_pass_row_of((gw_pass_id)other)->shader);
+	}
+}
+
+/* Each shader that is no test's is in it. */
+static void shaders_are_rows(void **state)
+{
+	const gw_shader *shader;
+	(void)state;
+	for (size_t i = 0; (shader = gw_shader_at(i)) != NULL; i++) {
+		bool found = strncmp(shader->name, "test_", 5) == 0 ||
+					 strcmp(shader->name, "loop_canary") == 0; /* of gpu_trial.c */
+		for (int id = 0; id < GW_PASS_COUNT && !found; id++)
+			found = strcmp(gw_pass_row_of((gw_pass_id)id)->shader, shader->name) == 0;
+		if (!found)
+			fail_msg("shaders/%s.comp is in no row of the table", shader->name);
+	}
+}
+
+/* ----------------------------------------------------------------------------------- the choice */
+
+static gw_bake_result *bake_by(gw_pass_choice choice)
+{
+	gw_light light[LAMPS];
+	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
+	make_lamps(light);
+	options.passes = choice;
+	by_kernel = 0;
+	return bake_hall(light, LAMPS, &options);
+}
+
+/* By shaders alone, and by kernels: the same light. Lamps' rays stray by a share of STRAYED, and so
+ * do the rays of each bounce: light that was reflected n times by n + 1 of them, which in this
+ * hall, where half is lost with each bounce, makes two in the mean. As much may come of rows of
+ * weights, of which ten times as many change, by one of some seven records, in second order of its
+ * distance.
+ */
+static void choices_alike(void **state)
+{
+	(void)state;
+	both_ways = false;
+	gw_bake_result *device = bake_by(GW_PASSES_DEVICE);
+	assert_int_equal(by_kernel, 0);
+	gw_bake_result *automatic = bake_by(GW_PASSES_AUTO);
+	uint64_t kernels = by_kernel;
+	both_ways = true;
+	double off = 0.0, sum = 0.0;
+	for (size_t i = 0; i < 3 * device->count; i++) {
+		off += fabs((double)device->radiance[i] - (double)automatic->radiance[i]);
+		sum += (double)device->radiance[i];
+	}
+	print_message("radiance differs by %.2g of itself\n", off / sum);
+	assert_true(sum > 0.0);
+	if (!(off <= 4.0 * STRAYED * sum))
+		fail_msg("radiance differs by %.3g of itself", off / sum);
+	size_t bytes = 3 * device->count * sizeof *device->radiance;
+	if (kernels > 0) {
+		both_ways = false;
+		gw_bake_result *cpu = bake_by(GW_PASSES_CPU);
+		both_ways = true;
+		assert_int_equal(by_kernel, kernels);
+		assert_memory_equal(cpu->radiance, automatic->radiance, bytes);
+		assert_memory_not_equal(device->radiance, automatic->radiance, bytes);
+		gw_bake_result_destroy(&cpu);
+	}
+	gw_bake_result_destroy(&device);
+	gw_bake_result_destroy(&automatic);
+}
+
+/* Kernels need a device that shares memory, and the sentence says so. */
+static void kernels_refused(void **state)
+{
+	(void)state;
+	gw_gpu *gpu = NULL;
+	gw_gpu_options options = { .passes = GW_PASSES_CPU };
+	gw_error error = { 0 };
+	gw_status status = gw_gpu_create(&options, &gpu, &error);
+	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL)
+		skip();
+	if (status == GW_OK) {
+		assert_true(gw_gpu_shares_memory(gpu));
+	} else {
+		assert_int_equal(status, GW_ERROR_USAGE);
+		assert_non_null(strstr(error.text, "memory of its own"));
+	}
+	gw_gpu_destroy(&gpu);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(rows_are_whole),  cmocka_unit_test(shaders_are_rows),
+		cmocka_unit_test(lamps_both_ways), cmocka_unit_test(large_discs_both_ways),
+		cmocka_unit_test(sky_both_ways),   cmocka_unit_test(frames_both_ways),
+		cmocka_unit_test(none_left_out),   cmocka_unit_test(choices_alike),
+		cmocka_unit_test(kernels_refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
