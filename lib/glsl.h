@@ -454,7 +454,10 @@ inline vec3 normalize(vec3 v)
 
 inline int bitCount(uint v)
 {
-	return __builtin_popcount(v);
+	/* Not by the compiler's, which is a call, since not every x86 counts bits. */
+	v -= v >> 1 & 0x55555555u;
+	v = (v & 0x33333333u) + (v >> 2 & 0x33333333u);
+	return (int)(((v + (v >> 4)) & 0x0f0f0f0fu) * 0x01010101u >> 24);
 }
 
 inline uint floatBitsToUint(float v)
