@@ -178,7 +178,7 @@ $(BUILD)/tests/hostile/test_damaged $(BUILD)/tests/hostile/test_damaged_las: LDF
 		reallocarray strdup strndup free)
 
 # They see each pass that runs.
-$(BUILD)/tests/unit/test_passes $(BUILD)/tests/physics/test_device: LDFLAGS += -Wl,--wrap=gw_passes_run
+$(BUILD)/tests/unit/test_passes $(BUILD)/tests/physics/test_shaders: LDFLAGS += -Wl,--wrap=gw_passes_run
 
 # The campaign uses nothing of the program, so that it sees what the program does not; its shim is
 # loaded before the C library.
@@ -201,7 +201,7 @@ SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs analysis
 	@$(build_quietly) config=sanitize test-programs
-	@tests/suite.sh build:unit build:physics build:hostile build:cli build:torture build:lint $(SANITIZED) \
+	@tests/suite.sh build:unit build:physics build:shaders build:hostile build:cli build:torture build:lint $(SANITIZED) \
 		$(if $(WITH_INTEROP),build:interop)
 
 test-interop: deps  ## what CloudCompare, MeshLab, Blender and others make of our files

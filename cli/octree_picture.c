@@ -91,6 +91,7 @@ static gw_status build(octree_picture *p, const settings *s, const render_scene 
 			scene->channel[i / 3 * stride + (size_t)scene->offset[RENDER_RADIANCE] + i % 3];
 	const gw_render_octree_options options = { .device = s->bake.device,
 											   .passes = s->bake.passes,
+											   .validate = s->bake.validate,
 											   .memory = s->bake.memory,
 											   .depth = s->bake.depth,
 											   .leaf_spacing = s->bake.leaf_spacing,

@@ -276,6 +276,7 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 		return GW_OK;
 	const gw_render_octree_options options = { .device = s->bake.device,
 													   .passes = s->bake.passes,
+													   .validate = s->bake.validate,
 											   .memory = s->bake.memory,
 											   .depth = s->bake.depth,
 											   .leaf_spacing = s->bake.leaf_spacing,

@@ -28,6 +28,11 @@ static const char *passes_name(int i)
 	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
 }
 
+static const char *validation_name(int i)
+{
+	return i < GW_VALIDATION_COUNT ? gw_validation_name((gw_validation)i) : NULL;
+}
+
 static const char *quality_name(int i)
 {
 	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
@@ -154,7 +159,7 @@ static const char *format_name(int i)
 #define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
 
 static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int) &&
-				  sizeof(gw_pass_choice) == sizeof(int),
+				  sizeof(gw_pass_choice) == sizeof(int) && sizeof(gw_validation) == sizeof(int),
 			  "choices are stored as int");
 
 const option options[] = {
@@ -373,8 +378,11 @@ const option options[] = {
 	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
 			  "of the processor where there are some, which takes the software driver; auto is "
 			  "whatever is quicker. The light is the same but for roundings" },
-	{ "validate", 0, NULL, OPTION_FLAG, QUIETLY, SCENE, AT(bake.validate), .group = "Developers",
-	  .help = "run under Vulkan's validation layer; any message is an error" },
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, PICTURED, AT(bake.validate),
+	  .choice = validation_name, .group = "Developers",
+	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
+			  "each call and at what has to wait for what; accesses at each access of shaders to "
+			  "memory" },
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },

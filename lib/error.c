@@ -48,6 +48,16 @@ const char *gw_pass_choice_name(gw_pass_choice choice)
 	return name[choice];
 }
 
+const char *gw_validation_name(gw_validation validation)
+{
+	static const char *const name[] = { [GW_VALIDATE_NOTHING] = "none",
+										[GW_VALIDATE_CALLS] = "calls",
+										[GW_VALIDATE_ACCESSES] = "accesses" };
+	static_assert(sizeof name / sizeof *name == GW_VALIDATION_COUNT, "every kind has a name");
+	assert((unsigned)validation < GW_VALIDATION_COUNT);
+	return name[validation];
+}
+
 const char *gw_goal_name(gw_goal goal)
 {
 	static const char *const name[] = { [GW_GOAL_NONE] = "none",

@@ -161,6 +161,14 @@ typedef enum gw_pass_choice {
 	GW_PASSES_COUNT
 } gw_pass_choice;
 
+/* What Vulkan's validation layer looks at; it can't do both at once. */
+typedef enum gw_validation {
+	GW_VALIDATE_NOTHING,
+	GW_VALIDATE_CALLS,    /* each call, and whether what one reads waits for what another writes */
+	GW_VALIDATE_ACCESSES, /* each call, and whether shaders stay within their buffers */
+	GW_VALIDATION_COUNT
+} gw_validation;
+
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
 #define GW_LEAF_SPACING 1.25f
@@ -221,7 +229,7 @@ typedef struct gw_bake_options {
 								 of what the machine has free */
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
 	gw_pass_choice passes;    /* for those who look into a difference */
-	bool validate;            /* run under Vulkan's validation layer; any message is an error */
+	gw_validation validate;   /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;              /* fill gw_bake_result.voxels */
 	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool occlusion;           /* fill gw_bake_result.openness */
@@ -603,6 +611,7 @@ void gw_drivers_release(gw_drivers **drivers);
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_pass_choice_name(gw_pass_choice choice);
+const char *gw_validation_name(gw_validation validation);
 const char *gw_quality_name(gw_quality quality);
 const char *gw_goal_name(gw_goal goal);
 const char *gw_light_type_name(gw_light_type type);

@@ -295,8 +295,8 @@ static gw_status check_passes(const gw_gpu *gpu, gw_error *error)
 	if (gpu->passes != GW_PASSES_CPU || gw_gpu_shares_memory(gpu))
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_USAGE,
-				   "\"%s\" has memory of its own, in which the processor's loops cannot stand in for "
-				   "passes: choose the software driver, or leave the choice of passes open",
+				   "\"%s\" has memory of its own, in which loops of the processor cannot stand in "
+				   "for passes: choose the software driver, or leave the choice of passes open",
 				   gpu->device.info.name);
 }
 

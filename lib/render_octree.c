@@ -72,7 +72,11 @@ static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const floa
 {
 	const gw_gpu_options device = { .device = options->device,
 									.memory = options->memory,
-									.passes = options->passes };
+									.passes = options->passes,
+									.validate_synchronization =
+										options->validate == GW_VALIDATE_CALLS,
+									.validate_gpu_assisted =
+										options->validate == GW_VALIDATE_ACCESSES };
 	GW_TRY(gw_gpu_create(&device, &o->gpu, error));
 	if (options->depth == GW_DEPTH_AUTO)
 		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, &o->octree, error));

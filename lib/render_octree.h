@@ -16,6 +16,7 @@
 typedef struct gw_render_octree_options {
 	const char *device; /* as gw_bake_options, like the next */
 	gw_pass_choice passes;
+	gw_validation validate;
 	uint64_t memory;    /* bytes; 0: most of what is free */
 	uint32_t depth;     /* of the octree, or GW_DEPTH_AUTO */
 	float leaf_spacing; /* as gw_bake_options, of GW_DEPTH_AUTO */

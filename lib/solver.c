@@ -51,6 +51,7 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
 		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
+		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
@@ -74,7 +75,11 @@ gw_status gw_solver_open_device(gw_solver *solver, gw_error *error)
 	gw_gpu_options options = { .device = solver->options.device,
 							   .memory = solver->options.memory,
 							   .drivers = solver->options.drivers,
-							   .validate = solver->options.validate,
+							   .validate = solver->options.validate != GW_VALIDATE_NOTHING,
+							   .validate_synchronization =
+								   solver->options.validate == GW_VALIDATE_CALLS,
+							   .validate_gpu_assisted =
+								   solver->options.validate == GW_VALIDATE_ACCESSES,
 							   .passes = solver->options.passes,
 							   .cancelled = solver->cancelled,
 							   .user = solver->user };

@@ -3,6 +3,8 @@
 # build/sanitize:cli. The groups:
 #
 #   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
+#   shaders                those of physics that take seconds, by shaders alone, as on a GPU, under
+#                          the validation layer; test_shaders.c has the rest
 #   interop                tests/cli/run with the scripts of tests/interop
 #   cli                    tests/cli/run with BUILD/glowworm; each script is a test
 #   torture                the short run of the campaign of tests/torture
@@ -65,11 +67,12 @@ run_program() { # program
 	skipped=$((skipped + skips))
 }
 
-run_programs() { # build group
-	local source program
-	for source in tests/"$2"/test_*.c tests/"$2"/test_*.cpp; do
+run_programs() { # build source...
+	local source program build=$1
+	shift
+	for source in "$@"; do
 		[ -f "$source" ] || continue
-		program=$1/${source%.*}
+		program=$build/${source%.*}
 		if [ -x "$program" ]; then
 			run_program "$program"
 		else
@@ -141,7 +144,13 @@ for item in "$@"; do
 	*) unset ASAN_OPTIONS ;;
 	esac
 	case $group in
-	unit | physics | hostile) run_programs "$build" "$group" ;;
+	unit | physics | hostile)
+		run_programs "$build" "tests/$group"/test_*.c "tests/$group"/test_*.cpp
+		;;
+	shaders)
+		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" \
+			tests/physics/test_{rims,leaks,shadow_map,openings,glossy}.c
+		;;
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;
 	torture) run_torture "$build" ;;

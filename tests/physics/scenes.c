@@ -177,12 +177,25 @@ void scene_clear(scene *s)
 	*s = (scene){ 0 };
 }
 
+void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate)
+{
+	const char *way = getenv("GLOWWORM_TEST_PASSES"), *kind = getenv("GLOWWORM_TEST_VALIDATE");
+	for (int i = 0; way != NULL && i < GW_PASSES_COUNT; i++)
+		if (strcmp(way, gw_pass_choice_name((gw_pass_choice)i)) == 0)
+			*passes = (gw_pass_choice)i;
+	for (int i = 0; kind != NULL && i < GW_VALIDATION_COUNT; i++)
+		if (strcmp(kind, gw_validation_name((gw_validation)i)) == 0)
+			*validate = (gw_validation)i;
+}
+
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
                            const gw_bake_options *options)
 {
 	gw_bake_result *result;
 	gw_error error = { 0 };
-	gw_status status = gw_bake(points, lights, light_count, options, NULL, &result, &error);
+	gw_bake_options own = *options;
+	scene_choose_passes(&own.passes, &own.validate);
+	gw_status status = gw_bake(points, lights, light_count, &own, NULL, &result, &error);
 	if (status == GW_ERROR_NO_DEVICE && getenv("CI") == NULL) {
 		print_message("%s\n", error.text);
 		skip();

@@ -62,7 +62,14 @@ void scene_emit(scene *s, size_t first, const float radiance[3]);
 gw_points scene_points(const scene *s);
 void scene_clear(scene *s);
 
-/* Bakes; the result is freed by the caller with gw_bake_result_destroy. */
+/*
+ * Lets a run of the tests decide by what passes run and what Vulkan's validation layer looks at:
+ * by the names in GLOWWORM_TEST_PASSES and GLOWWORM_TEST_VALIDATE, if they are set.
+ */
+void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
+
+/* Bakes, as scene_choose_passes says; the result is freed by the caller with
+ * gw_bake_result_destroy. */
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
                            const gw_bake_options *options);
 

@@ -69,6 +69,7 @@ static gw_bake_options options_of(void)
 {
 	gw_bake_options options = GW_BAKE_OPTIONS_DEFAULT;
 	options.estimate_points = 0;
+	scene_choose_passes(&options.passes, &options.validate);
 	return options;
 }
 

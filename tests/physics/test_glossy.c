@@ -44,7 +44,8 @@ static void open_world(world *w, field f, bool bricks)
 		double z = (double)w->surfels.position[i / 3 * 3 + 2] + w->surfels.origin[2];
 		w->radiance[i] = (float)(f.mean + f.slope * z);
 	}
-	const gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING, .bricks = bricks };
+	gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING, .bricks = bricks };
+	scene_choose_passes(&how.passes, &how.validate);
 	gw_status status = gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error);
 	if (status == GW_ERROR_NO_DEVICE && !getenv("GLOWWORM_NO_SKIP"))
 		skip();

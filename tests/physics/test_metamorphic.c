@@ -564,7 +564,8 @@ static void validated(void **state)
 		make_lights(lights);
 		gw_points points = scene_points(&hall);
 		gw_bake_options options = options_of((gw_method)method);
-		options.validate = true;
+		options.validate = GW_VALIDATE_CALLS;
+		scene_choose_passes(&options.passes, &options.validate);
 		options.voxels = true;
 		gw_status status = gw_bake(&points, lights, LIGHTS, &options, NULL, &result, &error);
 		scene_clear(&hall);

@@ -5,7 +5,7 @@
  * is its irradiance over the unshadowed one in closed form. It has to be 1 outside of the shadow
  * that a straight edge throws, about 0 inside, and the whole shadow as large as the projection.
  */
-#include "glowworm.h"
+#include "scenes.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -30,11 +30,11 @@
  * variance v of 0.01 leaf cells^2 and d the distance in front, here above 10 leaf cells: 1e-4. */
 #define DARK_TOLERANCE 1e-3
 
-typedef struct scene {
+typedef struct clouds {
 	double position[3 * POINTS];
 	float normal[3 * POINTS];
 	float albedo[3 * POINTS];
-} scene;
+} clouds;
 
 typedef struct shadow_case {
 	gw_light light;
@@ -44,7 +44,7 @@ typedef struct shadow_case {
 	bool facing_down;    /* the square's normal */
 } shadow_case;
 
-static void add_grid(scene *s, size_t first, int side, double z, float normal_z)
+static void add_grid(clouds *s, size_t first, int side, double z, float normal_z)
 {
 	for (int i = 0; i < side * side; i++) {
 		size_t p = first + (size_t)i;
@@ -57,7 +57,7 @@ static void add_grid(scene *s, size_t first, int side, double z, float normal_z)
 
 static gw_bake_result *bake(const shadow_case *test)
 {
-	scene *s = calloc(1, sizeof *s);
+	clouds *s = calloc(1, sizeof *s);
 	assert_non_null(s);
 	add_grid(s, 0, PLANE_SIDE, 0.0, 1.0f);
 	add_grid(s, PLANE_POINTS, SQUARE_SIDE, 1.0, test->facing_down ? -1.0f : 1.0f);
@@ -68,7 +68,8 @@ static gw_bake_result *bake(const shadow_case *test)
 	options.shadows = GW_SHADOWS_MAPS;
 	options.shadow_map_size = test->size;
 	options.bounces = 1;
-	options.validate = true;
+	options.validate = GW_VALIDATE_CALLS;
+	scene_choose_passes(&options.passes, &options.validate);
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
 	if (gw_bake(&points, &test->light, 1, &options, NULL, &result, &error) != GW_OK)
