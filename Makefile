@@ -40,24 +40,24 @@ CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
-LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -lpng -lOpenEXRCore -lOpenEXR -lm
+LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lOpenEXRCore -lOpenEXR -lm
 
 comma    := ,
 
 # OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
 # run path is the old kind, which is also seen when a sanitizer calls dlopen for us.
-VDB_SOURCE      := formats/vdb_grids.cpp
+VDB_SOURCE      := formats/grids/vdb_grids.cpp
 VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
-LIB_SOURCES     := $(filter-out lib/kernel.cpp,$(wildcard lib/*.c lib/*.cpp))
-FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*.c formats/*.cpp))
-CLI_SOURCES     := $(wildcard cli/*.c)
+LIB_SOURCES     := $(filter-out lib/light/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
+FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
+CLI_SOURCES     := $(wildcard cli/*/*.c)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
-SHADERS         := $(wildcard shaders/*.comp)
-SPIRV           := $(SHADERS:shaders/%.comp=$(BUILD)/shaders/%.spv.inc)
+SHADERS         := $(wildcard shaders/*/*.comp)
+SPIRV           := $(SHADERS:%.comp=$(BUILD)/%.spv.inc)
 
 # What tests and benchmarks link: the program without its main function, and their own helpers.
-MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*.c)
+MAIN_SOURCE     := $(shell grep -ls '^int main\>' cli/*/*.c)
 TESTS           := $(wildcard $(foreach d,unit physics hostile,tests/$(d)/test_*.c tests/$(d)/test_*.cpp))
 BENCHES         := $(wildcard tests/bench/bench_*.c tests/bench/bench_*.cpp)
 BENCH_TOOLS     := $(wildcard tests/bench/make_*.c tests/fuzz/make_*.c)
@@ -75,7 +75,7 @@ SAMPLE_PROGRAMS := $(BUILD)/samples/make_cave $(BUILD)/samples/make_box
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(SAMPLE_PROGRAMS) $(MAN_PAGES) $(COMPLETIONS)  ## build program and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
@@ -84,7 +84,7 @@ $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/li
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
 
-# Passes that run on the processor as well: lib/kernel.cpp, compiled with the text of each.
+# Passes that run on the processor as well: lib/light/kernel.cpp, compiled with the text of each.
 KERNELS         := light_visibility light_irradiance lobe_direct record_rays record_again record_emitters \
                    record_sky record_first record_gather record_add lobe_weights lobe_shade read_back
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
@@ -108,20 +108,23 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -MMD -MP -c -o $@ $<
 
-$(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
+$(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/light/kernel.cpp shaders/light/%.comp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(KERNEL_FLAGS) -DPASS=gw_kernel_$* -DPASS_TEXT='"$*.comp"' -MMD -MP -c -o $@ $<
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -DPASS=gw_kernel_$* -DPASS_TEXT='"light/$*.comp"' -MMD -MP -c -o $@ $<
 
-# Shaders become comma-separated words that lib/shaders.c includes.
+# Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
+# not stop the next build, so each gets an empty rule, as -MP gives those of C.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
 	$(GLSLC) -std=460 --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	@sed -e 's/^[^:]*://' $(@:.spv.inc=.d) | tr -s ' \\' '\n' | sed -e '/./s/$$/:/' >$@.absent
+	@cat $@.absent >>$(@:.spv.inc=.d) && rm $@.absent
 
 # One array for each shader and a table of them; touched only when a shader comes or goes.
 $(BUILD)/shaders/shader_list.inc: FORCE
 	@mkdir -p $(@D)
-	@{ for shader in $(basename $(notdir $(SHADERS))); do \
-		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $$shader $$shader; \
+	@{ for shader in $(SHADERS:shaders/%.comp=%); do \
+		printf 'static const uint32_t shader_%s[] = {\n#include "%s.spv.inc"\n};\n' $${shader##*/} $$shader; \
 	done; \
 	echo 'static const gw_shader shader_list[] = {'; \
 	for shader in $(basename $(notdir $(SHADERS))); do \
@@ -129,7 +132,7 @@ $(BUILD)/shaders/shader_list.inc: FORCE
 	done; echo '};'; } > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 
-$(BUILD)/lib/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
+$(BUILD)/lib/device/shaders.o: $(SPIRV) $(BUILD)/shaders/shader_list.inc
 
 $(SAMPLE_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o \
 		$(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
@@ -197,6 +200,10 @@ test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 # Recipes below run make again, silently and in parallel, so that only what is wrong is printed.
 build_quietly = $(MAKE) --no-print-directory -s -j$(JOBS)
 SANITIZED     = build/sanitize:unit build/sanitize:hostile build/sanitize:cli
+
+check: deps  ## what a change breaks most often, in under two minutes: unit, cli, style
+	@$(build_quietly) config=release all $(filter $(BUILD)/tests/unit/%,$(TEST_PROGRAMS))
+	@tests/suite.sh build:style build:unit build:cli
 
 test: deps  ## build and run all tests, then most of them again under sanitizers
 	@$(build_quietly) config=release test-programs analysis

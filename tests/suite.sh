@@ -9,6 +9,7 @@
 #   cli                    tests/cli/run with BUILD/glowworm; each script is a test
 #   torture                the short run of the campaign of tests/torture
 #   lint                   tests/lint/check_*.sh and test_*.sh; each script is a test
+#   style                  those of them that look at the sources alone, in seconds
 #
 # Prints one line a group, the output of what failed, and at the end `N passed, N failed`. The
 # exit status is 1 when a test failed or when there was none.
@@ -122,10 +123,11 @@ run_torture() { # build
 	[ "$status" -ne 0 ] && [ "$group_failed" -eq 0 ] && group_failed=1
 }
 
-run_lint() { # build
-	local script
-	for script in tests/lint/check_*.sh tests/lint/test_*.sh; do
-		if BUILD=$1 timeout "$limit" bash "$script" >"$scratch/log" 2>&1; then
+run_lint() { # build script...
+	local script build=$1
+	shift
+	for script in "$@"; do
+		if BUILD=$build timeout "$limit" bash "$script" >"$scratch/log" 2>&1; then
 			group_passed=$((group_passed + 1))
 		else
 			group_failed=$((group_failed + 1))
@@ -154,7 +156,8 @@ for item in "$@"; do
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;
 	torture) run_torture "$build" ;;
-	lint) run_lint "$build" ;;
+	lint) run_lint "$build" tests/lint/check_*.sh tests/lint/test_*.sh ;;
+	style) run_lint "$build" tests/lint/check_{banned,layers,readme,scripts,style,symbols}.sh ;;
 	*)
 		echo "tests/suite.sh: there is no group $group" >&2
 		exit 2

@@ -11,10 +11,10 @@
  * The best of three counts, by the clock of ten. CloudCompare is a process of its own, of whose
  * time that for a cloud of three points is taken off; set CLOUDCOMPARE to nothing to leave it out.
  */
-#include "format.h"
-#include "mesh.h"
-#include "number_text.h"
-#include "output_file.h"
+#include "table/format_table.h"
+#include "meshes/mesh.h"
+#include "files/number_text.h"
+#include "files/output_file.h"
 #include "pcl_loaders.h"
 
 #include <fcntl.h>

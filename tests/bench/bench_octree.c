@@ -3,7 +3,7 @@
  *
  *   bench_octree [POINTS [DEPTH]]
  */
-#include "octree.h"
+#include "octree/octree.h"
 #include "octree_points.h"
 
 #include <stdio.h>

@@ -11,16 +11,16 @@
  * Seconds count from bare points to light at every point, without files. Error is over the points
  * of the truth that do not emit: relRMSE, the same over the best 99 %, and bias, in % of the mean.
  */
-#include "clock.h"
-#include "compare.h"
-#include "format.h"
-#include "loaded_scene.h"
-#include "matched_scans.h"
-#include "output_file.h"
+#include "base/clock.h"
+#include "estimate/compare.h"
+#include "table/format_table.h"
+#include "scene/loaded_scene.h"
+#include "comparison/matched_scans.h"
+#include "files/output_file.h"
 #include "peer_light.h"
 #include "reference_tracer.h"
-#include "scan_color.h"
-#include "scene_file.h"
+#include "points/scan_color.h"
+#include "scene/scene_file.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -13,11 +13,11 @@
  * says how wrong a bake is. Noise moves points and turns normals; the truth stays that of the place
  * on the surface, without noise.
  */
-#include "exit_code.h"
-#include "format.h"
-#include "json_writer.h"
-#include "number_text.h"
-#include "output_file.h"
+#include "program/exit_code.h"
+#include "table/format_table.h"
+#include "program/json_writer.h"
+#include "files/number_text.h"
+#include "files/output_file.h"
 #include "reference_tracer.h"
 
 #include <getopt.h>

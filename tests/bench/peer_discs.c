@@ -1,8 +1,8 @@
 #include "peer_discs.h"
 
-#include "memory.h"
-#include "neighbour_index.h"
-#include "parallel.h"
+#include "base/memory.h"
+#include "surfels/neighbour_index.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>

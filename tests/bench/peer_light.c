@@ -1,7 +1,7 @@
 #include "peer_light.h"
 
-#include "memory.h"
-#include "parallel.h"
+#include "base/memory.h"
+#include "base/parallel.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 #include "corpus_file.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
 
 #include <errno.h>
 #include <stdio.h>

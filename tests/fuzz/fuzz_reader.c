@@ -1,7 +1,7 @@
 #include "fuzz_reader.h"
 #include "e57_file.h"
-#include "format.h"
-#include "panorama.h"
+#include "table/format_table.h"
+#include "panoramas/panorama.h"
 #include "scan_sum.h"
 
 #include <stdio.h>

@@ -9,7 +9,7 @@
 #include "e57_file.h"
 #include "fuzz_reader.h"
 #include "laz_samples.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
 #include "panorama_files.h"
 
 #include <stdio.h>

@@ -4,7 +4,7 @@
 #ifndef SCAN_SUM_H
 #define SCAN_SUM_H
 
-#include "scan.h"
+#include "points/scan.h"
 
 /* The sum of all numbers, and of the lengths of the comments. */
 double scan_sum_of_all(const scan *cloud);

@@ -1,13 +1,13 @@
 #include "seed_files.h"
-#include "cloud_format.h"
+#include "text/cloud_format.h"
 #include "e57_file.h"
-#include "e57_format.h"
+#include "e57/e57_format.h"
 #include "glb_file.h"
-#include "little_endian.h"
-#include "mesh.h"
-#include "pcd_format.h"
-#include "ply_format.h"
-#include "text_formats.h"
+#include "files/little_endian.h"
+#include "meshes/mesh.h"
+#include "pcd/pcd_format.h"
+#include "ply/ply_format.h"
+#include "text/text_formats.h"
 
 #include <stdio.h>
 #include <stdlib.h>

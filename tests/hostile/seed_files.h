@@ -5,8 +5,8 @@
 #ifndef SEED_FILES_H
 #define SEED_FILES_H
 
-#include "input_file.h"
-#include "scan.h"
+#include "files/input_file.h"
+#include "points/scan.h"
 
 typedef gw_status (*seed_reader)(input_file *, scan *, gw_error *);
 

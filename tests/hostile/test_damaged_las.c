@@ -5,9 +5,9 @@
  * crash, leak, or ask for more memory than the file justifies.
  */
 #include "counted_memory.h"
-#include "las_format.h"
+#include "las/las_format.h"
 #include "laz_samples.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
 #include "scan_sum.h"
 
 #include <sched.h>

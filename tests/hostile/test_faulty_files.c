@@ -1,13 +1,14 @@
 /* Disks that fail: each call that reads or writes a file fails in turn, and inputs are cut short
  * while they are read. Whatever ends without an error must have made every call. */
-#include "exit_code.h"
-#include "format.h"
-#include "mesh.h"
-#include "output_file.h"
-#include "parallel.h"
+#include "program/exit_code.h"
+#include "table/format_table.h"
+#include "meshes/mesh.h"
+#include "files/output_file.h"
+#include "base/parallel.h"
 #include "seed_files.h"
-#include "signals.h"
-#include "verbs.h"
+#include "program/signals.h"
+#include "verbs/verbs.h"
+#include "meshes/mesh_reader.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -2,7 +2,7 @@
 # Calls that have no place in a program that reads hostile files: copies without a length, reading
 # without one, names of temporary files that another may take, running other programs (there is no
 # shell anywhere), numbers without a way to fail, and sizes of memory that are multiplied by hand,
-# where reallocarray, calloc and lib/memory.h see an overflow.
+# where reallocarray, calloc and lib/base/memory.h see an overflow.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 

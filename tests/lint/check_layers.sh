@@ -1,25 +1,74 @@
 #!/usr/bin/env bash
-# Dependencies point one way: cli -> formats -> lib, and shaders share headers with lib. What lib
-# and formats call neither prints to a standard stream nor ends the process.
+# Dependencies point one way: cli -> formats -> lib, and shaders share headers with lib; within each
+# of them a room uses only itself and the rooms before it. What lib and formats call neither prints
+# to a standard stream nor ends the process.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 
-# Includes in quotes of a folder's files that are found in none of the folders allowed.
-check_includes() { # folder allowed...
-	local folder=$1 file name allowed found
-	shift
-	list_sources | grep -E "^$folder/.*\.(c|h|cpp|hpp)$" | while read -r file; do
-		sed -n 's/^[ \t]*#[ \t]*include[ \t]*"\([^"]*\)".*/\1/p' "$file" | while read -r name; do
-			case $name in
-			*.inc) continue ;; # built from shaders/
+# The rooms of each folder, in the order of the data's way.
+declare -A rooms=(
+	[lib]="base device surfels octree light estimate picture bake"
+	[formats]="files points ply text pcd e57 las meshes panoramas grids pictures table"
+	[cli]="program options scene result pictures comparison verbs"
+	[shaders]="base device octree light picture"
+)
+
+# Rooms that are not in the list, which the list would not hold to anything.
+check_rooms() {
+	local folder room
+	for folder in "${!rooms[@]}"; do
+		list_sources | sed -n "s|^$folder/\([^/]*\)/.*|\1|p" | sort -u | while read -r room; do
+			case " ${rooms[$folder]} " in
+			*" $room "*) ;;
+			*) echo "$folder/$room: is not in the list of rooms of check_layers.sh" ;;
 			esac
-			found=no
-			for allowed in "$@"; do
-				if [ -f "$allowed/$name" ]; then found=yes; fi
-			done
-			[ $found = yes ] || echo "$file: includes $name, which is not in $*"
 		done
 	done
+}
+
+# The rooms of a folder that one of them may use: those up to itself, with blanks around each. A
+# file that stands in no room may use all of them.
+rooms_up_to() { # folder room
+	local room
+	for room in ${rooms[$1]}; do
+		printf ' %s ' "$room"
+		[ "$room" != "$2" ] || return
+	done
+}
+
+# Whether a file of a folder and its rooms may include a name: one of those rooms, of other folders
+# all, or what the build writes.
+may_include() { # name folder rooms others...
+	local name=$1 folder=$2 allowed=$3 place
+	shift 3
+	case $name in
+	*.inc) return 0 ;;
+	*/*) [ -f "$folder/$name" ] && [[ $allowed = *" ${name%%/*} "* ]] && return 0 ;;
+	*) [ -f "$folder/$name" ] && return 0 ;;
+	esac
+	for place in "$@"; do
+		[ ! -f "$place/$name" ] || return 0
+	done
+	return 1
+}
+
+# Includes in quotes of a folder's files that are found in none of the places allowed.
+check_includes() { # folder others...
+	local folder=$1 file name room known='' allowed=''
+	shift
+	list_sources | grep -E "^$folder/.*\.(c|h|cpp|hpp|comp|glsl)$" | tr '\n' '\0' |
+		xargs -0r grep -HoE '^[ 	]*#[ 	]*include[ 	]*"[^"]*"' |
+		while IFS=: read -r file name; do
+			name=${name#*\"}
+			name=${name%\"}
+			room=${file#*/}
+			room=${room%%/*}
+			[ "$room" = "$known" ] || allowed=$(rooms_up_to "$folder" "$room")
+			known=$room
+			may_include "$name" "$folder" "$allowed" "$@" ||
+				echo "$file: includes $name, which is not in its room, one before it," \
+					"or ${*:-nothing}"
+		done
 }
 
 # Comments do not count, so the preprocessor takes them out first; line numbers stay right.
@@ -37,8 +86,10 @@ check_silence() {
 	done
 }
 
-complain < <(check_includes lib lib shaders)
-complain < <(check_includes formats formats lib shaders)
-complain < <(check_includes cli cli formats lib shaders)
+complain < <(check_rooms)
+complain < <(check_includes shaders)
+complain < <(check_includes lib shaders)
+complain < <(check_includes formats lib shaders)
+complain < <(check_includes cli formats lib shaders)
 complain < <(check_silence)
 finish

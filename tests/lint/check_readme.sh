@@ -7,8 +7,7 @@
 
 # The README that has to name a file: in its folder, or the nearest one above that is not the root.
 readme_of() { # file
-	local folder
-	folder=$(dirname "$1")
+	local folder=${1%/*}
 	while [ ! -f "$folder/README.md" ]; do
 		case $folder in
 		*/*) folder=${folder%/*} ;;
@@ -40,13 +39,14 @@ check_named() {
 
 # Names in back quotes that look like source files have to be files below the README's folder.
 check_stale() {
-	local readme folder name
-	list_files | grep -E '^(cli|lib|formats|shaders|samples|tests|man)/(.*/)?README\.md$' |
+	local readme folder name files
+	files=$(list_files)
+	grep -E '^(cli|lib|formats|shaders|samples|tests|man)/(.*/)?README\.md$' <<<"$files" |
 		while read -r readme; do
-			folder=$(dirname "$readme")
+			folder=${readme%/*}
 			grep -oE '`[A-Za-z0-9_.-]+\.(c|h|cpp|hpp|comp|glsl|sh)`' "$readme" | tr -d '`' |
 				while read -r name; do
-					list_files | grep -qE "^$folder/(.*/)?$name\$" ||
+					grep -qE "^$folder/(.*/)?$name\$" <<<"$files" ||
 						echo "$readme: names $name, which is not in $folder/"
 				done
 		done

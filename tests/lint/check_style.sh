@@ -10,43 +10,49 @@ list_text() {
 		grep -E '\.(c|h|cpp|hpp|comp|glsl|sh|md|json|txt|[1-8])$|(^|/)(Makefile|run|tree_files)$'
 }
 
+# Lines of files, whose names come in, that match a pattern.
+find_lines() { # words grep-options...
+	local words=$1
+	shift
+	tr '\n' '\0' | xargs -0 grep -Hn "$@" -- | sed "s|^\([^:]*:[0-9]*\):.*|\1: $words|"
+}
+
 check_lines() {
 	local file
+	list_text | find_lines 'blanks at the end' -E -e '[[:blank:]]+$'
+	# Zero width, direction marks, line separators, no-break space, byte order mark, controls.
+	list_text | find_lines 'an invisible character' -P \
+		-e '[\x{00A0}\x{00AD}\x{200B}-\x{200F}\x{2028}-\x{202F}\x{2060}-\x{206F}\x{FEFF}]'
+	list_text | find_lines 'a control character' -P -e '[\x01-\x08\x0B-\x1F\x7F]'
 	list_text | while read -r file; do
-		grep -nE '[[:blank:]]+$' "$file" | sed "s|^\([0-9]*\):.*|$file:\1: blanks at the end|"
 		if [ -s "$file" ] && [ -n "$(tail -c 1 "$file")" ]; then
 			echo "$file: no newline at the end"
 		fi
-		# Zero width, direction marks, line separators, no-break space, byte order mark, controls.
-		grep -nP '[\x{00A0}\x{00AD}\x{200B}-\x{200F}\x{2028}-\x{202F}\x{2060}-\x{206F}\x{FEFF}]' \
-			"$file" | sed "s|^\([0-9]*\):.*|$file:\1: an invisible character|"
-		grep -nP '[\x01-\x08\x0B-\x1F\x7F]' "$file" |
-			sed "s|^\([0-9]*\):.*|$file:\1: a control character|"
 	done
 }
 
 # An indented line that follows the end of a statement or a brace has to begin with a tab; blanks
 # only align what continues a line.
 check_code() {
-	local file
-	list_sources | while read -r file; do
-		LC_ALL=C grep -nP '[^\x00-\x7F]' "$file" |
-			sed "s|^\([0-9]*\):.*|$file:\1: not ASCII|"
-		expand -t 4 "$file" | awk -v file="$file" 'length($0) > 100 {
-			printf "%s:%d: %d columns\n", file, NR, length($0) }'
-		case $file in
-		*.sh) continue ;;
-		esac
-		awk -v file="$file" '
-			/^ +[^ *]/ && !/^ +(public|protected|private):/ && before ~ /[;{}]$/ {
-				printf "%s:%d: indented with blanks\n", file, NR }
-			/^\{/ { start = NR }
-			/^\}/ && start {
-				if (NR - start + 1 > 100)
-					printf "%s:%d: a function of %d lines\n", file, start, NR - start + 1
-				start = 0 }
-			NF { before = $0 }' "$file"
-	done
+	list_sources | LC_ALL=C find_lines 'not ASCII' -P -e '[^\x00-\x7F]'
+	list_sources | tr '\n' '\0' | xargs -0 awk '
+		FNR == 1 { start = 0; before = ""; code = FILENAME !~ /\.sh$/ }
+		{
+			columns = 0
+			parts = split($0, part, "\t")
+			for (i = 1; i <= parts; i++)
+				columns += length(part[i]) + (i < parts ? 4 - (columns + length(part[i])) % 4 : 0)
+		}
+		columns > 100 { printf "%s:%d: %d columns\n", FILENAME, FNR, columns }
+		!code { next }
+		/^ +[^ *]/ && !/^ +(public|protected|private):/ && before ~ /[;{}]$/ {
+			printf "%s:%d: indented with blanks\n", FILENAME, FNR }
+		/^\{/ { start = FNR }
+		/^\}/ && start {
+			if (FNR - start + 1 > 100)
+				printf "%s:%d: a function of %d lines\n", FILENAME, start, FNR - start + 1
+			start = 0 }
+		NF { before = $0 }'
 }
 
 # README.md is in every folder. Makefile, LICENSE and the like at the root have the names that

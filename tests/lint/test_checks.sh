@@ -90,6 +90,10 @@ expect_fault readme 'there is no cli/README.md' 'echo "int x;" >cli/three.c'
 expect_fault readme 'begins with no comment' 'echo "echo 1" >tests/cli/prints.sh'
 
 expect_fault layers 'includes two.h' 'echo "#include \"two.h\"" >>lib/one.c'
+expect_fault layers 'includes light/up.h' 'mkdir lib/base lib/light
+	echo "int x;" >lib/light/up.h; echo "#include \"light/up.h\"" >lib/base/low.c'
+expect_fault layers 'lib/attic: is not in the list' \
+	'mkdir lib/attic; echo "int x;" >lib/attic/old.c'
 expect_fault layers 'includes four.h' \
 	'echo "int x;" >cli/four.h; echo "#include \"four.h\"" >>formats/two.h'
 expect_fault layers 'lib/one.c:8: prints' 'echo "void f(void) { printf(\"x\"); }" >>lib/one.c'

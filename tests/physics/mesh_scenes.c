@@ -1,6 +1,6 @@
 #include "mesh_scenes.h"
-#include "growing_table.h"
-#include "scan_color.h"
+#include "files/growing_table.h"
+#include "points/scan_color.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 #include "reference_tracer.h"
-#include "parallel.h"
+#include "base/parallel.h"
 
 #include <embree3/rtcore.h>
 #include <math.h>

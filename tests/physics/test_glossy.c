@@ -1,7 +1,8 @@
 /* The glossy bounce against closed forms: surroundings of one radiance, a mirror in a sphere whose
  * radiance is linear, and radiance read back from the octree's bricks. */
 #include "scenes.h"
-#include "render_octree.h"
+#include "picture/render_octree.h"
+#include "expected.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -46,11 +47,7 @@ static void open_world(world *w, field f, bool bricks)
 	}
 	gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING, .bricks = bricks };
 	scene_choose_passes(&how.passes, &how.validate);
-	gw_status status = gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error);
-	if (status == GW_ERROR_NO_DEVICE && !getenv("GLOWWORM_NO_SKIP"))
-		skip();
-	if (status != GW_OK)
-		fail_msg("%s", error.text);
+	assert_ok(gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error), &error);
 }
 
 static void close_world(world *w)

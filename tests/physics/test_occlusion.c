@@ -1,6 +1,6 @@
 /* Bakes of scenes in which much is hidden from much, against a path tracer on the triangles behind
  * the points; and that path tracer against closed forms. */
-#include "compare.h"
+#include "estimate/compare.h"
 #include "reference_tracer.h"
 #include "scenes.h"
 

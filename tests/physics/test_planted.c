@@ -1,8 +1,9 @@
 /* Faults planted in the octree, which rays through it do not notice: the bake has to say how wrong
  * they make the light, and to say nothing where there are none. */
-#include "luminance.h"
-#include "relight.h"
+#include "base/luminance.h"
+#include "bake/relight.h"
 #include "scenes.h"
+#include "expected.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -25,14 +26,6 @@ typedef struct lit {
 	size_t count;
 	double *radiance; /* count, luminance of each surfel */
 } lit;
-
-static void must(gw_status status, const gw_error *error)
-{
-	if (status == GW_ERROR_NO_DEVICE)
-		skip();
-	if (status != GW_OK)
-		fail_msg("%s", error->text);
-}
 
 /* ------------------------------------------------------------------------------------- planting */
 
@@ -69,9 +62,10 @@ static void plant(gw_solver *s, const fault *f)
 	uint32_t *tile = malloc(tile_bytes), *leaf = malloc(leaf_bytes);
 	float *place = malloc(place_bytes), hole[64][4];
 	assert_true(tile && leaf && place && f->holes <= 64);
-	must(gw_buffer_download(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
-	must(gw_buffer_download(s->gpu, &o->leaf_cell, 0, leaf, leaf_bytes, &error), &error);
-	must(gw_buffer_download(s->gpu, &o->surfel_position, 0, place, place_bytes, &error), &error);
+	assert_ok(gw_buffer_download(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
+	assert_ok(gw_buffer_download(s->gpu, &o->leaf_cell, 0, leaf, leaf_bytes, &error), &error);
+	assert_ok(gw_buffer_download(s->gpu, &o->surfel_position, 0, place, place_bytes, &error),
+			  &error);
 	for (size_t i = 0; i < f->holes; i++)
 		memcpy(hole[i], place + 4 * (s->surfels.count * (2 * i + 1) / (2 * (size_t)f->holes)), 16);
 	for (size_t i = 0; i < o->leaf_count; i++) {
@@ -80,7 +74,7 @@ static void plant(gw_solver *s, const fault *f)
 		if (is_lost(f, hole[0], place, s->surfels.count, cell))
 			tile[2 * (size_t)cell[3] + 1] &= ~(0x01010100u << octant);
 	}
-	must(gw_buffer_upload(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
+	assert_ok(gw_buffer_upload(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
 	free(tile);
 	free(leaf);
 	free(place);
@@ -109,11 +103,11 @@ static void light_points(gw_solver *s, const gw_light *lamp, lit *result)
 	gw_relight light = { .solver = s, .lights = lamp, .light_count = lamp ? 1 : 0 };
 	gw_relight_plan(&light);
 	if (light.plan.records)
-		must(gw_solver_place_records(s, &error), &error);
-	must(gw_relight_run(&light, &error), &error);
-	must(gw_relight_estimate(&light, &error), &error);
+		assert_ok(gw_solver_place_records(s, &error), &error);
+	assert_ok(gw_relight_run(&light, &error), &error);
+	assert_ok(gw_relight_estimate(&light, &error), &error);
 	if (light.plan.lamps)
-		must(gw_relight_download_direct(&light, &direct, &error), &error);
+		assert_ok(gw_relight_download_direct(&light, &direct, &error), &error);
 	result->count = s->surfels.count;
 	result->radiance = malloc(result->count * sizeof *result->radiance);
 	assert_non_null(result->radiance);
@@ -131,9 +125,9 @@ static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *
 	*result = (lit){ .count = 0 };
 	gw_solver s = { .options = GW_BAKE_OPTIONS_DEFAULT, .report = &result->report };
 	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
-	must(gw_solver_open_device(&s, &error), &error);
-	must(gw_solver_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
-	must(gw_solver_build_octree(&s, &error), &error);
+	assert_ok(gw_solver_open_device(&s, &error), &error);
+	assert_ok(gw_solver_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
+	assert_ok(gw_solver_build_octree(&s, &error), &error);
 	if (f)
 		plant(&s, f);
 	light_points(&s, lamp, result);

@@ -1,7 +1,8 @@
 /* Bakes that add records where the light asks for them: against bakes that trace all at once, and
  * against even records. */
-#include "record_density.h"
+#include "bake/record_density.h"
 #include "scenes.h"
+#include "expected.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -24,14 +25,6 @@ static void make_passage(scene *s)
 
 /* ---------------------------------------------------------------------------------------- hits */
 
-static void must(gw_status status, const gw_error *error)
-{
-	if (status == GW_ERROR_NO_DEVICE)
-		skip();
-	if (status != GW_OK)
-		fail_msg("%s", error->text);
-}
-
 static void prepare(gw_solver *s, gw_report *report, const gw_points *points, float spacing)
 {
 	gw_error error;
@@ -40,10 +33,10 @@ static void prepare(gw_solver *s, gw_report *report, const gw_points *points, fl
 	s->options.record_spacing = spacing;
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
-	must(gw_solver_open_device(s, &error), &error);
-	must(gw_solver_make_surfels(s, points, NULL, 0, &error), &error);
-	must(gw_solver_build_octree(s, &error), &error);
-	must(gw_solver_place_records(s, &error), &error);
+	assert_ok(gw_solver_open_device(s, &error), &error);
+	assert_ok(gw_solver_make_surfels(s, points, NULL, 0, &error), &error);
+	assert_ok(gw_solver_build_octree(s, &error), &error);
+	assert_ok(gw_solver_place_records(s, &error), &error);
 }
 
 static uint32_t *hits_of(gw_solver *s)
@@ -52,7 +45,7 @@ static uint32_t *hits_of(gw_solver *s)
 	uint64_t bytes = 4 * (uint64_t)s->rays.rays * s->records.count;
 	uint32_t *hits = malloc(bytes);
 	assert_non_null(hits);
-	must(gw_buffer_download(s->gpu, &s->rays.lobe, 0, hits, bytes, &error), &error);
+	assert_ok(gw_buffer_download(s->gpu, &s->rays.lobe, 0, hits, bytes, &error), &error);
 	return hits;
 }
 
@@ -93,7 +86,7 @@ static void added_records_see_the_same(void **state)
 	uint32_t *first = malloc((added.surfels.count + 1) * sizeof *first);
 	assert_non_null(first);
 	memcpy(first, added.read_back.first, (added.surfels.count + 1) * sizeof *first);
-	must(gw_solver_add_records(&added, &density, &error), &error);
+	assert_ok(gw_solver_add_records(&added, &density, &error), &error);
 	assert_int_equal(added.records.count, at_once.records.count);
 	assert_true(before > 10 && added.records.count > 4 * before);
 	assert_int_equal(added.further.count, added.records.count - before);

@@ -6,11 +6,11 @@
  *
  * All octrees have one depth, so that a driver which keeps what it has compiled does so once.
  */
-#include "octree_cells.h"
-#include "passes.h"
-#include "render_octree.h"
+#include "picture/octree_cells.h"
+#include "device/passes.h"
+#include "picture/render_octree.h"
 #include "scenes.h"
-#include "surfels.h"
+#include "surfels/surfels.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 #include "glb_file.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
 
 #include <assert.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 #include "laz_samples.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
 
 const laz_sample laz_samples[LAZ_SAMPLES] = {
 	{ "one stream, items of version 1", 3, 2,

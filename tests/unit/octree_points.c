@@ -3,7 +3,7 @@
  */
 #include "octree_points.h"
 
-#include "octree.h"
+#include "octree/octree.h"
 
 #include <math.h>
 #include <stdlib.h>

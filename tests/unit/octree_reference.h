@@ -4,7 +4,7 @@
 #ifndef OCTREE_REFERENCE_H
 #define OCTREE_REFERENCE_H
 
-#include "octree.h"
+#include "octree/octree.h"
 
 /* Arrays as the buffers of gw_octree of the same names. */
 typedef struct octree_reference {

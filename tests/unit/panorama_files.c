@@ -1,5 +1,5 @@
 #include "panorama_files.h"
-#include "exr_picture.h"
+#include "pictures/exr_picture.h"
 
 #include <OpenEXR/openexr.h>
 #include <math.h>

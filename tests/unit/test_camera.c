@@ -1,7 +1,7 @@
 /* The camera and the automatic viewpoint against their definitions. */
-#include "camera.h"
-#include "render_cameras.h"
-#include "viewpoint.h"
+#include "picture/camera.h"
+#include "pictures/render_cameras.h"
+#include "picture/viewpoint.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Error figures against sums done by hand, matching of points, and the worst points. */
-#include "compare.h"
+#include "estimate/compare.h"
 
 #include <math.h>
 #include <setjmp.h>

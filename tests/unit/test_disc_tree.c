@@ -1,8 +1,8 @@
 /* Rays against a tree of discs: brute force over all discs in double precision, a ball of bent
  * discs that lets nothing out, and the surface that a ray leaves. */
-#include "disc_tree.h"
-#include "trace_constants.h"
-#include "transport_layout.h"
+#include "surfels/disc_tree.h"
+#include "octree/trace_constants.h"
+#include "light/transport_layout.h"
 
 #include <math.h>
 #include <setjmp.h>

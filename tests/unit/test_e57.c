@@ -1,6 +1,6 @@
 /* E57: a file made by hand, whole and damaged. */
 #include "e57_file.h"
-#include "e57_format.h"
+#include "e57/e57_format.h"
 
 #include <math.h>
 #include <setjmp.h>

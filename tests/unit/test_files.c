@@ -1,7 +1,7 @@
 /* Inputs, outputs and numbers: input_file, output_file, number_text. */
-#include "input_file.h"
-#include "number_text.h"
-#include "output_file.h"
+#include "files/input_file.h"
+#include "files/number_text.h"
+#include "files/output_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -391,6 +391,26 @@ static void numbers_are_read(void **state)
 	assert_true(isnan(value));
 }
 
+/* Numbers that leave the range by their digits, not by their exponent. */
+static void long_numbers_are_read(void **state)
+{
+	(void)state;
+	char text[512];
+	double value = 1.0;
+	memset(text, '7', 400);
+	strcpy(text + 400, "e-10");
+	assert_int_equal(read_exactly(text, &value), 404);
+	assert_true(value == INFINITY);
+	memset(text, '0', 400);
+	text[1] = '.';
+	strcpy(text + 400, "7e+20");
+	assert_int_equal(read_exactly(text, &value), 405);
+	assert_true(value == 0.0);
+	strcpy(text + 400, "7e398");
+	assert_int_equal(read_exactly(text, &value), 405);
+	assert_true(value == 0.7);
+}
+
 static uint64_t next_random(uint64_t *seed)
 {
 	*seed ^= *seed << 13;
@@ -559,6 +579,7 @@ int main(void)
 		cmocka_unit_test(output_that_gets_too_large),
 		cmocka_unit_test(output_temporaries_removed_by_a_signal),
 		cmocka_unit_test(numbers_are_read),
+		cmocka_unit_test(long_numbers_are_read),
 		cmocka_unit_test(numbers_are_rounded_once),
 		cmocka_unit_test(numbers_end_with_their_digits),
 		cmocka_unit_test(numbers_round_trip),

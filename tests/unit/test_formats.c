@@ -1,9 +1,9 @@
 /* Formats: PLY, .cloud, the table of formats, and OpenVDB grids. */
-#include "cloud_format.h"
-#include "format.h"
-#include "ply_format.h"
-#include "vdb_grids.h"
-#include "voxel_merge.h"
+#include "text/cloud_format.h"
+#include "table/format_table.h"
+#include "ply/ply_format.h"
+#include "grids/vdb_grids.h"
+#include "grids/voxel_merge.h"
 
 #include <dlfcn.h>
 #include <math.h>

@@ -4,7 +4,8 @@
  *
  * Integers from the device are compared exactly; so are floats, which all stay below 2^24 here.
  */
-#include "gpu_internal.h"
+#include "device/gpu_internal.h"
+#include "expected.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,28 +14,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-/* Opens a device. Without one, or without the validation layer, the test is skipped; under CI it
- * fails instead, so that nothing goes untested unseen. */
-static gw_gpu *open_gpu(gw_gpu_options options)
-{
-	gw_gpu *gpu = NULL;
-	gw_error error = { 0 };
-	gw_status status = gw_gpu_create(&options, &gpu, &error);
-	if (status == GW_OK)
-		return gpu;
-	print_message("no device: %s\n", error.text);
-	if (getenv("CI") != NULL || (status != GW_ERROR_NO_DEVICE && status != GW_ERROR_USAGE))
-		fail_msg("%s", error.text);
-	skip();
-	return NULL;
-}
-
-static void assert_ok(gw_status status, const gw_error *error)
-{
-	if (status != GW_OK)
-		fail_msg("%s", error->text);
-}
 
 static gw_buffer new_buffer(gw_gpu *gpu, uint64_t bytes, const char *name)
 {

@@ -2,9 +2,9 @@
  * test_host.c - the host's helpers: errors, names, checked arrays, loops over threads.
  */
 #include "glowworm.h"
-#include "clock.h"
-#include "memory.h"
-#include "parallel.h"
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/parallel.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,11 +2,12 @@
  * LAS: every point format from file to scan to file, the grid of the coordinates, colours, extra
  * bytes, coordinate systems, and headers that say what is not so.
  */
-#include "las_format.h"
-#include "las_grid.h"
-#include "las_header.h"
+#include "las/las_format.h"
+#include "las/las_grid.h"
+#include "las/las_header.h"
 #include "laz_samples.h"
-#include "little_endian.h"
+#include "files/little_endian.h"
+#include "table/format_table.h"
 
 #include <math.h>
 #include <setjmp.h>

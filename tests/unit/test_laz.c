@@ -3,11 +3,11 @@
  * median against sorting, and whole files that LASzip made against the points that they were made
  * from.
  */
-#include "las_format.h"
-#include "laz_points.h"
+#include "las/las_format.h"
+#include "las/laz_points.h"
 #include "laz_samples.h"
-#include "laz_values.h"
-#include "little_endian.h"
+#include "las/laz_values.h"
+#include "files/little_endian.h"
 
 #include <math.h>
 #include <sched.h>

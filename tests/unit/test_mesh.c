@@ -2,10 +2,10 @@
  * Meshes: even sampling against closed forms, faces as triangles, readers, matrices, attributes.
  */
 #include "glb_file.h"
-#include "input_file.h"
-#include "mesh.h"
-#include "mesh_sample.h"
-#include "scan_color.h"
+#include "files/input_file.h"
+#include "meshes/mesh.h"
+#include "surfels/mesh_sample.h"
+#include "points/scan_color.h"
 
 #include <math.h>
 #include <setjmp.h>

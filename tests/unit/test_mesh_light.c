@@ -1,5 +1,5 @@
 /* Meshes in pictures: triangles cut to pieces, and pieces in the light of the points on them. */
-#include "mesh_light.h"
+#include "picture/mesh_light.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* Lamps mixed in a cloud made by hand: sums, gains, what is stale, what is refused. */
-#include "light_mix.h"
+#include "result/light_mix.h"
 
 #include <math.h>
 #include <setjmp.h>

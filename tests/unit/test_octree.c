@@ -5,12 +5,13 @@
  * Leaves are taken from the device and compared with the host within rounding; everything above
  * them follows from their keys in integers and is compared exactly.
  */
-#include "gpu_internal.h"
-#include "octree.h"
+#include "device/gpu_internal.h"
+#include "octree/octree.h"
 #include "octree_points.h"
 #include "octree_reference.h"
-#include "prefix_sum.h"
-#include "radix_sort.h"
+#include "device/prefix_sum.h"
+#include "device/radix_sort.h"
+#include "expected.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -21,21 +22,6 @@
 
 #include <cmocka.h>
 
-/* Opens a device. Without one the test is skipped; under CI it fails instead. */
-static gw_gpu *open_gpu(gw_gpu_options options)
-{
-	gw_gpu *gpu = NULL;
-	gw_error error = { 0 };
-	gw_status status = gw_gpu_create(&options, &gpu, &error);
-	if (status == GW_OK)
-		return gpu;
-	print_message("no device: %s\n", error.text);
-	if (getenv("CI") != NULL || (status != GW_ERROR_NO_DEVICE && status != GW_ERROR_USAGE))
-		fail_msg("%s", error.text);
-	skip();
-	return NULL;
-}
-
 /* The same, with shaders alone. */
 static gw_gpu *open_gpu_of_shaders(gw_gpu_options options)
 {
@@ -44,12 +30,6 @@ static gw_gpu *open_gpu_of_shaders(gw_gpu_options options)
 }
 
 static const gw_gpu_options validated = { .validate = true, .validate_synchronization = true };
-
-static void assert_ok(gw_status status, const gw_error *error)
-{
-	if (status != GW_OK)
-		fail_msg("%s", error->text);
-}
 
 /* Also says that validation found nothing. */
 static void close_gpu(gw_gpu *gpu)

@@ -11,10 +11,10 @@
  *   n * 2^-24 of itself at most, and ROUNDINGS more
  *   rays go the same way but for roundings, see STRAYED; and so does the light that they bring
  */
-#include "gpu_internal.h"
-#include "passes.h"
+#include "device/gpu_internal.h"
+#include "device/passes.h"
 #include "scenes.h"
-#include "transport_layout.h"
+#include "light/transport_layout.h"
 
 #include <math.h>
 #include <setjmp.h>

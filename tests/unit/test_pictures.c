@@ -1,8 +1,8 @@
 /* PNG and EXR files read back, cameras from text, and the scale of false colours. */
-#include "camera_text.h"
-#include "exr_picture.h"
-#include "false_color.h"
-#include "png_picture.h"
+#include "options/camera_text.h"
+#include "pictures/exr_picture.h"
+#include "pictures/false_color.h"
+#include "pictures/png_picture.h"
 
 #include <OpenEXR/openexr.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The preview: exposure, tone map and encoding against their formulas. */
-#include "preview.h"
+#include "options/preview.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* Which points are solved again, and how much each of them counts. */
-#include "error_estimate.h"
-#include "probe_choice.h"
+#include "estimate/error_estimate.h"
+#include "estimate/probe_choice.h"
 
 #include <math.h>
 #include <setjmp.h>

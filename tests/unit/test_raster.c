@@ -1,7 +1,7 @@
 /* The rasteriser against closed forms: areas, depths, order, holes, and bytes of several threads.
  */
-#include "raster.h"
-#include "surfels.h"
+#include "picture/raster.h"
+#include "surfels/surfels.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* Presets of quality, what a bake that has a target tries next, and what it would cost. */
-#include "error_price.h"
-#include "refine.h"
+#include "bake/error_price.h"
+#include "bake/refine.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,6 @@
 /* Scans: columns, joining, and the way to points. */
-#include "scan_color.h"
+#include "points/scan_color.h"
+#include "points/scan_join.h"
 
 #include <math.h>
 #include <setjmp.h>

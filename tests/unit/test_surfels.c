@@ -1,8 +1,8 @@
 /* Surfels: frame, neighbours, normals, and the surface each point stands for. */
-#include "emission_error.h"
-#include "normal_error.h"
-#include "shadow_error.h"
-#include "surfel_steps.h"
+#include "estimate/emission_error.h"
+#include "surfels/normal_error.h"
+#include "estimate/shadow_error.h"
+#include "surfels/surfel_steps.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,8 +1,7 @@
 /* Formats: tables of text (XYZ, CSV, PTS, PTX) and PCD, in and out. */
-#include "format.h"
-#include "lzf.h"
-#include "pcd_format.h"
-#include "text_formats.h"
+#include "table/format_table.h"
+#include "pcd/pcd_format.h"
+#include "text/text_formats.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -474,26 +473,6 @@ static void pcd_of_packed_bytes(void **state)
 	}
 }
 
-static void lzf_streams(void **state)
-{
-	(void)state;
-	/* Two literals, then 2 + 1 bytes from 2 back, then 7 + 2 + 3 bytes from 1 back. */
-	static const uint8_t good[] = { 1, 'a', 'b', 1 << 5, 1, 7 << 5, 3, 0 };
-	uint8_t out[17];
-	size_t size;
-	assert_true(lzf_measure(good, sizeof good, 100, &size));
-	assert_int_equal(size, sizeof out);
-	lzf_unpack(good, sizeof good, out);
-	assert_memory_equal(out, "ababaaaaaaaaaaaaa", sizeof out);
-	assert_false(lzf_measure(good, sizeof good, sizeof out - 1, &size));
-	static const uint8_t before_start[] = { 0, 'a', 1 << 5, 1 };
-	assert_false(lzf_measure(before_start, sizeof before_start, 100, &size));
-	for (size_t length = 1; length < sizeof good; length++) {
-		bool whole = length == 3 || length == 5;
-		assert_int_equal(lzf_measure(good, length, 100, &size), whole);
-	}
-}
-
 /* ----------------------------------------------------------------------------- round trips */
 
 static uint64_t next_random(void)
@@ -687,7 +666,6 @@ int main(void)
 		cmocka_unit_test(pcd_of_text),
 		cmocka_unit_test(pcd_of_bytes),
 		cmocka_unit_test(pcd_of_packed_bytes),
-		cmocka_unit_test(lzf_streams),
 		cmocka_unit_test(every_number_comes_back),
 		cmocka_unit_test(pcd_has_floats_where_they_do),
 		cmocka_unit_test(no_points_come_back),

@@ -1,5 +1,5 @@
 /* Text for people: messages and percent. */
-#include "text_quote.h"
+#include "program/text_quote.h"
 
 #include <math.h>
 #include <setjmp.h>

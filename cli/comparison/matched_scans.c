@@ -1,0 +1,171 @@
+#include "comparison/matched_scans.h"
+#include "estimate/compare.h"
+#include "points/scan_color.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Interleaves columns as doubles; NULL when memory is short. */
+static double *make_keys(const scan *cloud, const scan_column *const *column, size_t width)
+{
+	double *key = reallocarray(NULL, cloud->count ? cloud->count : 1, width * sizeof *key);
+	for (size_t i = 0; key && i < cloud->count; i++)
+		for (size_t k = 0; k < width; k++)
+			key[width * i + k] = scan_value(column[k], i);
+	return key;
+}
+
+static gw_status match_columns(const matched_scans *m, const scan_column *const *found,
+							   const scan_column *const *truth, size_t width, size_t *partner,
+							   size_t *missing, gw_error *error)
+{
+	double *key = make_keys(m->truth, truth, width);
+	double *among = make_keys(m->found, found, width);
+	gw_status status = GW_OK;
+	if (key && among)
+		status = gw_compare_match(key, m->truth->count, among, m->found->count, width, partner,
+								  missing, error);
+	else
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match the points");
+	free(key);
+	free(among);
+	return status;
+}
+
+static gw_status find_positions(const scan *cloud, const char *file, const scan_column *column[3],
+								gw_error *error)
+{
+	static const char *const name[3] = { "x", "y", "z" };
+	for (int k = 0; k < 3; k++) {
+		column[k] = scan_find(cloud, name[k]);
+		if (!column[k])
+			return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinate '%s'", file,
+						   name[k]);
+	}
+	return GW_OK;
+}
+
+/* A point without a place, which no bake lights. */
+static bool is_nowhere(const scan_column *const position[3], size_t i)
+{
+	return !isfinite(scan_value(position[0], i)) || !isfinite(scan_value(position[1], i)) ||
+		   !isfinite(scan_value(position[2], i));
+}
+
+static bool emits(const scan_column *const emission[3], size_t i)
+{
+	return emission[0] && (scan_value(emission[0], i) > 0.0 || scan_value(emission[1], i) > 0.0 ||
+						   scan_value(emission[2], i) > 0.0);
+}
+
+/* The columns of the emission, from the truth if it has them; false when nobody has. */
+static bool find_emission(const matched_scans *m, const scan_column *emission[3], bool *of_truth)
+{
+	static const char *const name[3] = { "emission_r", "emission_g", "emission_b" };
+	*of_truth = scan_find_triple(m->truth, name, emission);
+	return *of_truth || scan_find_triple(m->found, name, emission);
+}
+
+/* Whether each point of the truth that has a partner emits light; counts those that do, and says
+ * how many points have no partner though they have a place. */
+static size_t count_emitting(matched_scans *m, const scan_column *const position[3], bool *emitter)
+{
+	const scan_column *emission[3];
+	bool of_truth, any = find_emission(m, emission, &of_truth);
+	size_t without = 0, lit = 0;
+	for (size_t i = 0; i < m->truth->count; i++) {
+		size_t partner = m->in_found[i];
+		bool nowhere = is_nowhere(position, i);
+		emitter[i] = any && !nowhere && partner != GW_COMPARE_NONE &&
+					 emits(emission, of_truth ? i : partner);
+		m->not_finite += nowhere;
+		m->emitting += emitter[i];
+		without += !nowhere && partner == GW_COMPARE_NONE;
+		lit += !nowhere && !emitter[i];
+	}
+	/* Where all is luminous, light that is reflected can only be told by comparing all of it. */
+	for (size_t i = 0; lit == 0 && i < m->truth->count; i++)
+		emitter[i] = false;
+	if (lit == 0)
+		m->emitting = 0;
+	return without;
+}
+
+/* Keeps the pairs that are to be compared. */
+static void keep_pairs(matched_scans *m, const scan_column *const position[3], const bool *emitter)
+{
+	for (size_t i = 0; i < m->truth->count; i++) {
+		size_t partner = m->in_found[i];
+		if (is_nowhere(position, i) || emitter[i])
+			continue;
+		m->in_found[m->count] = partner;
+		m->in_truth[m->count++] = i;
+	}
+}
+
+static gw_status fail_without(const matched_scans *m, size_t without, gw_error *error)
+{
+	if (m->by == MATCHED_BY_INDEX)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%zu of the %zu points of %s have an 'index' that no point of %s has; the "
+					   "two are not of one cloud",
+					   without, m->truth->count, m->truth_name, m->found_name);
+	return gw_fail(error, GW_ERROR_DATA,
+				   "%zu of the %zu points of %s are not at the place of any point of %s, to the "
+				   "last digit; compare lightings of one cloud, or give both a column 'index'",
+				   without, m->truth->count, m->truth_name, m->found_name);
+}
+
+static gw_status select_pairs(matched_scans *m, const scan_column *const position[3],
+							  gw_error *error)
+{
+	bool *emitter = calloc(m->truth->count ? m->truth->count : 1, sizeof *emitter);
+	if (!emitter)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to choose among %zu points",
+					   m->truth->count);
+	size_t without = count_emitting(m, position, emitter);
+	if (without == 0)
+		keep_pairs(m, position, emitter);
+	free(emitter);
+	if (without > 0)
+		return fail_without(m, without, error);
+	if (m->count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s has no point that could be compared",
+					   m->truth_name);
+	return GW_OK;
+}
+
+static gw_status find_partners(matched_scans *m, const scan_column *const found[3],
+							   const scan_column *const truth[3], gw_error *error)
+{
+	size_t room = m->truth->count ? m->truth->count : 1, missing;
+	m->in_found = reallocarray(NULL, room, sizeof *m->in_found);
+	m->in_truth = reallocarray(NULL, room, sizeof *m->in_truth);
+	if (!m->in_found || !m->in_truth)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to match %zu points", room);
+	const scan_column *mine = scan_find_scalar(m->found, "index");
+	const scan_column *its = scan_find_scalar(m->truth, "index");
+	m->by = mine && its ? MATCHED_BY_INDEX : MATCHED_BY_POSITION;
+	if (m->by == MATCHED_BY_INDEX)
+		return match_columns(m, &mine, &its, 1, m->in_found, &missing, error);
+	return match_columns(m, found, truth, 3, m->in_found, &missing, error);
+}
+
+gw_status matched_scans_make(matched_scans *m, gw_error *error)
+{
+	const scan_column *found[3], *truth[3];
+	gw_status status = find_positions(m->found, m->found_name, found, error);
+	if (status == GW_OK)
+		status = find_positions(m->truth, m->truth_name, truth, error);
+	if (status == GW_OK)
+		status = find_partners(m, found, truth, error);
+	return status == GW_OK ? select_pairs(m, truth, error) : status;
+}
+
+void matched_scans_clear(matched_scans *m)
+{
+	free(m->in_found);
+	free(m->in_truth);
+	m->in_found = m->in_truth = NULL;
+	m->count = 0;
+}

@@ -1,0 +1,40 @@
+/*
+ * matched_scans.h - two lit clouds, and which point of the one is which point of the other.
+ */
+#ifndef MATCHED_SCANS_H
+#define MATCHED_SCANS_H
+
+#include "points/scan.h"
+
+typedef enum matched_by {
+	MATCHED_BY_INDEX,    /* both have a column `index` with the same numbers */
+	MATCHED_BY_POSITION, /* the same coordinates to the last digit, in any order */
+} matched_by;
+
+/* Pairs of points. The scans belong to whoever made them and must live as long. */
+typedef struct matched_scans {
+	const scan *found, *truth;
+	const char *found_name, *truth_name; /* for messages */
+	matched_by by;
+	size_t count;      /* pairs that are compared */
+	size_t *in_found;  /* owned; of each pair, the place in found */
+	size_t *in_truth;  /* owned */
+	size_t emitting;   /* points left out because they emit light */
+	size_t not_finite; /* points left out because they are nowhere */
+} matched_scans;
+
+/*
+ * Finds the partner of every point of the truth, which may have fewer points than what is compared
+ * with it. Points without a finite position are left out, and so are those that emit light (by the
+ * truth's columns emission_*, else by the other's), unless all do.
+ *
+ *   match   its scans and names are set by the caller; the rest is filled in, to be freed with
+ *           matched_scans_clear
+ *   error   GW_ERROR_DATA when a point of the truth has no partner, or no pair is left
+ */
+gw_status matched_scans_make(matched_scans *match, gw_error *error);
+
+/* Frees what matched_scans_make allocated. */
+void matched_scans_clear(matched_scans *match);
+
+#endif

@@ -1,0 +1,612 @@
+#include "options/options.h"
+#include "table/format_table.h"
+#include "program/nearest_name.h"
+#include "options/preview.h"
+#include "program/text_quote.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --------------------------------------------------------------------------------- names */
+
+static const char *method_name(int i)
+{
+	return i < GW_METHOD_COUNT ? gw_method_name((gw_method)i) : NULL;
+}
+
+static const char *shadows_name(int i)
+{
+	return i < GW_SHADOWS_COUNT ? gw_shadows_name((gw_shadows)i) : NULL;
+}
+
+static const char *passes_name(int i)
+{
+	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
+}
+
+static const char *validation_name(int i)
+{
+	return i < GW_VALIDATION_COUNT ? gw_validation_name((gw_validation)i) : NULL;
+}
+
+static const char *quality_name(int i)
+{
+	return i < GW_QUALITY_COUNT ? gw_quality_name((gw_quality)i) : NULL;
+}
+
+static const char *gamma_name(int i)
+{
+	static const char *const name[] = { "srgb", "linear", NULL };
+	return name[i];
+}
+
+static const char *up_name(int i)
+{
+	static const char *const name[] = { "auto", "y", "z", NULL };
+	return name[i];
+}
+
+static const char *colors_name(int i)
+{
+	static const char *const name[] = { "preview", "keep", NULL };
+	return name[i];
+}
+
+static const char *tone_name(int i)
+{
+	return i < PREVIEW_TONE_COUNT ? preview_tone_name((preview_tone)i) : NULL;
+}
+
+static const char *view_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_VIEW_AUTO] = "auto",
+										[SETTINGS_VIEW_RADIANCE] = "radiance",
+										[SETTINGS_VIEW_SHADED] = "shaded",
+										[SETTINGS_VIEW_ALBEDO] = "albedo",
+										[SETTINGS_VIEW_NORMAL] = "normal",
+										[SETTINGS_VIEW_DEPTH] = "depth",
+										[SETTINGS_VIEW_DIRECT] = "direct",
+										[SETTINGS_VIEW_INDIRECT] = "indirect",
+										[SETTINGS_VIEW_ROI] = "roi",
+										[SETTINGS_VIEW_NDF] = "ndf",
+										[SETTINGS_VIEW_POINTS] = "points",
+										[SETTINGS_VIEW_CELLS] = "cells:LEVEL",
+										[SETTINGS_VIEW_BORDER] = "border:LEVEL",
+										[SETTINGS_VIEW_OPACITY] = "opacity:LEVEL:SIDE",
+										[SETTINGS_VIEW_VOXELS] = "radiance:LEVEL:SIDE",
+										[SETTINGS_VIEW_SHADOW] = "shadow:LAMP",
+										[SETTINGS_VIEW_RECORDS] = "records",
+										[SETTINGS_VIEW_ERROR] = "error",
+										[SETTINGS_VIEW_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *glossy_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_GLOSSY_OFF] = "off",
+										[SETTINGS_GLOSSY_RAYS] = "rays",
+										[SETTINGS_GLOSSY_CONES] = "cones",
+										[SETTINGS_GLOSSY_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *radiance_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_RADIANCE_POINTS] = "points",
+										[SETTINGS_RADIANCE_TRILINEAR] = "trilinear",
+										[SETTINGS_RADIANCE_TRICUBIC] = "tricubic",
+										[SETTINGS_RADIANCE_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *progress_name(int i)
+{
+	static const char *const name[] = { "auto", "json", "none", NULL };
+	return name[i];
+}
+
+static const char *field_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_FIELD_DIRECT] = "direct",
+										[SETTINGS_FIELD_INDIRECT] = "indirect",
+										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
+										[SETTINGS_FIELD_ROI] = "roi",
+										[SETTINGS_FIELD_AO] = "ao",
+										[SETTINGS_FIELD_NORMALS] = "normals",
+										[SETTINGS_FIELD_ERROR] = "error",
+										[SETTINGS_FIELD_LIGHTS] = "lights",
+										[SETTINGS_FIELD_COUNT] = NULL };
+	return name[i];
+}
+
+static const char *format_name(int i)
+{
+	return formats[i] ? formats[i]->name : NULL;
+}
+
+/* -------------------------------------------------------------------------------- the table */
+
+#define AT(member) .offset = offsetof(settings, member)
+#define BAKE .verbs = 1u << VERB_BAKE
+#define TRADEOFF .verbs = 1u << VERB_TRADEOFF
+#define SCENE .verbs = 1u << VERB_BAKE | 1u << VERB_TRADEOFF
+#define PICTURED SCENE | 1u << VERB_RENDER
+#define INFO .verbs = 1u << VERB_INFO
+#define COMPARE .verbs = 1u << VERB_COMPARE
+#define MIX .verbs = 1u << VERB_MIX
+#define RENDER .verbs = 1u << VERB_RENDER
+#define DOCTOR 1u << VERB_DOCTOR
+#define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
+#define SHOWS .verbs = 1u << VERB_BAKE | 1u << VERB_RENDER
+#define MESHES .verbs = 1u << VERB_BAKE | 1u << VERB_SAMPLE
+#define SWEPT MESHES | 1u << VERB_TRADEOFF
+#define SHOWN SHOWS | 1u << VERB_TRADEOFF
+#define TALKS MESHES | 1u << VERB_RENDER
+#define MAKES MESHES | 1u << VERB_MIX
+#define CHOOSES MAKES | 1u << VERB_CONVERT
+#define WRITES CHOOSES | 1u << VERB_COMPARE | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
+#define READS                                                                                      \
+	.verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX |             \
+			 1u << VERB_CONVERT | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
+#define THREADED READS | 1u << VERB_SAMPLE
+#define QUIETLY .effect = OPTION_LEAVES_POINTS
+#define RANGE(low, high) .minimum = (low), .maximum = (high)
+#define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
+#define AUTOMATIC(value) .automatic = "auto", .automatic_value = (value)
+
+static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(int) &&
+				  sizeof(gw_pass_choice) == sizeof(int) && sizeof(gw_validation) == sizeof(int),
+			  "choices are stored as int");
+
+const option options[] = {
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, MAKES, AT(output), .group = "Output",
+	  .help = "write the points there; - is standard output. The name's extension chooses the "
+			  "format" },
+	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, CHOOSES, AT(output_format),
+	  .choice = format_name, .group = "Output",
+	  .help = "write the points as this format, whatever the name's extension says" },
+	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
+	  .help = "overwrite files that exist" },
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
+	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
+	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_half), .group = "Output",
+	  .help = "store 16-bit floats in the grids" },
+	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_points), .group = "Output",
+	  .help = "put the points beside the grids, as a point grid: P, radiance, Cd (albedo), N" },
+	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, BAKE, AT(vdb_voxel), RANGE(0.0, 1e9),
+	  .group = "Output",
+	  .help = "metres a voxel of the grids is wide, wider than the octree's cells; 0: as wide" },
+	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
+	  .help = "write what was done, left out and measured, as JSON" },
+	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(save_transport),
+	  .group = "Output",
+	  .help = "write what does not depend on the light, for --transport" },
+	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
+	  .group = "Output", .help = "more columns for the points, with commas between them" },
+	{ "ao-distance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.occlusion_distance),
+	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true,
+	  .group = "Output",
+	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
+	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
+	  .group = "Output",
+	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
+	{ "exposure", 0, "EV", OPTION_REAL, LIGHTS, .scene = true, AT(exposure), RANGE(-100.0, 100.0),
+	  AUTOMATIC(NAN), .group = "Output",
+	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
+
+	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(worst), .group = "Output",
+	  .help = "write the points with the largest errors there, the worst first, with the columns "
+			  "scalar_error and scalar_truth_radiance_*" },
+	{ "worst-count", 0, "N", OPTION_COUNT, QUIETLY, COMPARE, AT(worst_count), RANGE(1.0, 4e9),
+	  .group = "Output", .help = "how many those are" },
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(json_file), .group = "Output",
+	  .help = "write the figures as JSON; - prints them instead of the table" },
+
+	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(csv), .group = "Output",
+	  .help = "write the table as comma-separated values; - prints them instead of the table" },
+	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(svg), .group = "Output",
+	  .help = "draw error against seconds and against memory" },
+
+	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_rel_rmse), LIMIT,
+	  .group = "Limits", .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
+	{ "max-best99", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_best_99), LIMIT,
+	  .group = "Limits", .help = "the same without the hundredth of the points that is worst" },
+	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_bias), LIMIT, .group = "Limits",
+	  .help = "largest difference of the means, to either side, as a share of the truth's" },
+
+	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, MIX, .group = "Lamps",
+	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
+			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, RENDER, AT(output), .group = "Output",
+	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
+			  "standard output. Several pictures are numbered: FILE-0001.png" },
+	{ "size", 0, "WxH", OPTION_TEXT, RENDER, AT(render.size), .group = "Output",
+	  .help = "width and height of the picture in pixels, 1 to 16384 each" },
+	{ "samples", 0, "N", OPTION_COUNT, RENDER, AT(render.samples), RANGE(1.0, 8.0),
+	  .group = "Output", .help = "take N by N samples in every pixel" },
+	{ "background", 0, "COLOR", OPTION_TEXT, RENDER, AT(render.background), .group = "Output",
+	  .help =
+		  "behind the points: R,G,B or one number, linear, 0 to 1; none leaves it transparent" },
+	{ "exposure", 0, "EV", OPTION_REAL, RENDER, AT(exposure), RANGE(-100.0, 100.0), AUTOMATIC(NAN),
+	  .group = "Output",
+	  .help = "as a camera's exposure value at ISO 100: a larger one is darker; auto meters what "
+			  "is in view" },
+	{ "tone", 0, NULL, OPTION_CHOICE, RENDER, AT(render.tone), .choice = tone_name,
+	  .group = "Output", .help = "how light is fitted into the range of a screen" },
+	{ "false-colour", 0, NULL, OPTION_FLAG, RENDER, AT(render.false_color), .group = "Output",
+	  .help = "show the luminance by colours, with a scale" },
+	{ "camera", 'c', "CAMERA", OPTION_TEXT, RENDER, AT(render.camera), .group = "Camera",
+	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
+			  "angle of view; or auto, inside or outside, which choose a place" },
+	{ "orbit", 0, "N", OPTION_COUNT, RENDER, AT(render.orbit), RANGE(1.0, 10000.0),
+	  .group = "Camera",
+	  .help = "make N pictures all around what the camera looks at; a camera that was placed "
+			  "inside automatically turns on the spot" },
+	{ "path", 0, "FILE", OPTION_TEXT, RENDER, AT(render.path), .group = "Camera",
+	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
+	{ "mesh", 0, "FILE", OPTION_TEXT, RENDER, AT(render.mesh), .group = "Scene",
+	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
+			  "points on them, and not these points" },
+	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
+	  .help = "leave out what is seen from behind, to look into a cave from outside" },
+	{ "view", 0, "VIEW", OPTION_VIEW, RENDER, AT(render.view), .choice = view_name,
+	  .group = "Camera",
+	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
+			  "a lamp at the camera" },
+
+	{ "glossy", 0, NULL, OPTION_CHOICE, RENDER, AT(render.glossy), .choice = glossy_name,
+	  .group = "Light",
+	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
+			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
+	{ "glossy-rays", 0, "N", OPTION_COUNT, RENDER, AT(render.glossy_rays), RANGE(1.0, 1024.0),
+	  .group = "Light",
+	  .help = "rays a pixel that shows a rough glossy point; a mirror takes one" },
+	{ "radiance", 0, NULL, OPTION_CHOICE, RENDER, AT(render.radiance), .choice = radiance_name,
+	  .group = "Light",
+	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
+			  "sampling" },
+
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, PICTURED, .group = "Scene",
+	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(transport), .group = "Scene",
+	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
+			  "lights, emission, shadows and bounces may be others" },
+	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
+	  .help = "where the diffuse reflectance comes from" },
+	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),
+	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
+	{ "albedo-white", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
+	  .group = "Scene", .help = "blend every albedo towards white: rho + X (1 - rho)" },
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(gamma), .choice = gamma_name,
+	  .group = "Scene", .help = "how the input's colours are encoded" },
+	{ "up", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(up), .choice = up_name,
+	  .group = "Scene",
+	  .help =
+		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
+		  "the format" },
+	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
+	  .help = "read the inputs as this format, whatever they look like" },
+	{ "columns", 0, "LIST", OPTION_TEXT, READS, AT(columns), .group = "Scene",
+	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
+			  "x, y and z among them; - leaves one out" },
+
+	{ "density", 0, "X", OPTION_REAL, SWEPT, .scene = true, AT(density), RANGE(0.0, 1e12),
+	  .open = true, AUTOMATIC(0.0), .group = "Scene",
+	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
+			  "the inputs, or what --count comes to when there is none" },
+	{ "count", 0, "N", OPTION_COUNT, SWEPT, .scene = true, AT(count), RANGE(1.0, 4e9),
+	  .group = "Scene", .help = "points on all meshes together, when nothing says their density" },
+
+	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
+	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
+	{ "quality", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(quality), .choice = quality_name,
+	  .group = "Light",
+	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
+			  "that go together; those that are given by themselves win" },
+	{ "max-error", 'e', "X", OPTION_REAL, SCENE, .scene = true, AT(bake.max_error), RANGE(0.0, 1.0),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
+			  "radiance; starts from --quality or, when that is not given, from few records" },
+	{ "time", 't', "S", OPTION_REAL, BAKE, .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
+	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	  .help = "refine as long as reading and baking are done in so many seconds; the "
+			  "result then depends on the machine" },
+	{ "shadows", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.shadows),
+	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
+	{ "depth", 'd', "N", OPTION_COUNT, PICTURED, .scene = true, AT(bake.depth),
+	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
+	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
+	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
+	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
+			  "ones see finer shapes and need more memory" },
+	{ "bounces", 'b', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.bounces),
+	  RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
+	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
+			  "goes on until the rest is below the tolerance" },
+	{ "tolerance", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0),
+	  .open = true, .group = "Light",
+	  .help = "share of the light that --bounces auto may leave out" },
+	{ "rays", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
+	  .group = "Light", .help = "gather rays a record, for --method rays" },
+	{ "light-samples", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.light_samples),
+	  RANGE(1.0, 4096.0), .group = "Light",
+	  .help = "samples of the points that emit light, a record" },
+	{ "cones", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
+	  .group = "Light", .help = "gather cones a record, for --method cones" },
+	{ "record-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
+	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.shadow_map_size),
+	  RANGE(16.0, 8192.0), .group = "Light",
+	  .help = "texels a side of a shadow map, for --shadows maps" },
+	{ "estimate-points", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.estimate_points),
+	  RANGE(0.0, 1e6), .group = "Light",
+	  .help = "points that are solved again, to say how wrong the result is; where records are "
+			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
+	{ "seed", 0, "N", OPTION_SEED, SWEPT, .scene = true, AT(bake.seed), .group = "Light",
+	  .help = "of all random numbers" },
+
+	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, BAKE, AT(frames), .group = "Frames",
+	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
+			  "gets a file of its own: FILE-0007.ply, or the number where FILE has %04d. Without "
+			  "this, frame 0 is baked" },
+	{ "independent", 0, NULL, OPTION_FLAG, BAKE, AT(independent), .group = "Frames",
+	  .help = "let no frame begin with the light of the one before: slower, but the same bytes "
+			  "whichever frames are asked for" },
+	{ "rebuild", 0, NULL, OPTION_FLAG, BAKE, AT(rebuild), .group = "Frames",
+	  .help = "bake every frame from scratch, to check and to compare" },
+
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED | DOCTOR, .scene = true,
+	  AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
+	  .help = "of the host; auto is one a core. The result is the same for any number" },
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED | DOCTOR, .scene = true, AT(bake.memory),
+	  AUTOMATIC(0.0), .group = "Machine",
+	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
+			  "what is free" },
+	{ "device", 0, "NAME", OPTION_TEXT, PICTURED | DOCTOR, .scene = true, AT(bake.device),
+	  .group = "Machine",
+	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
+			  "--devices` lists them" },
+
+	{ "passes", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.passes),
+	  .choice = passes_name, .group = "Developers",
+	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
+			  "of the processor where there are some, which takes the software driver; auto is "
+			  "whatever is quicker. The light is the same but for roundings" },
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, PICTURED, AT(bake.validate),
+	  .choice = validation_name, .group = "Developers",
+	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
+			  "each call and at what has to wait for what; accesses at each access of shaders to "
+			  "memory" },
+
+	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
+	  .help = "list the Vulkan devices instead of files" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
+	  .help = "print JSON, one object a line" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, .verbs = DOCTOR, AT(json), .group = "Messages",
+	  .help = "print JSON" },
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWN, AT(progress), .choice = progress_name,
+	  .group = "Messages",
+	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
+	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
+	  .help = "say which effects the scene called for, and why" },
+	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, SHOWS, AT(profile), .group = "Messages",
+	  .help = "show time and memory of each stage" },
+	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
+	  .help = "print the scene with all values in effect, as a scene file, and stop" },
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES | 1u << VERB_RENDER | 1u << VERB_TRADEOFF,
+	  AT(quiet), .group = "Messages", .help = "print errors only" },
+	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, TALKS, AT(verbose), .group = "Messages",
+	  .help = "say what was read, made and written" },
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
+	  .group = "Messages", .help = "print this and stop" },
+	{ .name = NULL },
+};
+
+static_assert(sizeof options / sizeof *options <= SETTINGS_OPTIONS,
+			  "settings.given has room for every option");
+
+const option *option_find(verb v, const char *name, size_t length)
+{
+	for (const option *o = options; o->name; o++)
+		if (o->verbs & 1u << v && strlen(o->name) == length && !strncmp(name, o->name, length))
+			return o;
+	return NULL;
+}
+
+void option_key(const option *o, char key[64])
+{
+	snprintf(key, 64, "%s", o->name);
+	for (char *c = key; *c; c++)
+		if (*c == '-')
+			*c = '_';
+}
+
+const option *option_find_key(const char *key)
+{
+	char own[64];
+	for (const option *o = options; o->name; o++) {
+		option_key(o, own);
+		if (o->scene && strcmp(own, key) == 0)
+			return o;
+	}
+	return NULL;
+}
+
+/* --------------------------------------------------------------------------------- verbs */
+
+const char *verb_name(int v)
+{
+	static const char *const name[] = { "bake",    "info",   "compare",  "mix", "sample",
+										"convert", "render", "tradeoff", "doctor", NULL };
+	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
+	return name[v];
+}
+
+const char *verb_summary(verb v)
+{
+	static const char *const summary[] = { "light a point cloud",
+										   "say what is in a point cloud, or list devices",
+										   "say how far one lighting is from another",
+										   "change the strength of lamps after a bake",
+										   "make a point cloud of a mesh",
+										   "write a point cloud in another format",
+										   "make pictures of a point cloud",
+										   "show what error costs in seconds and memory",
+										   "say whether this machine can bake, and what is wrong" };
+	return summary[v];
+}
+
+const char *verb_synopsis(verb v)
+{
+	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
+											"info FILE... [--json] | info --devices [--json]",
+											"compare RESULT TRUTH [option]...",
+											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
+											"sample MESH -o POINTS [option]...",
+											"convert INPUT OUTPUT [option]...",
+											"render INPUT... -o PICTURE [option]...",
+											"tradeoff INPUT... --light LIGHT... [option]...",
+											"doctor [--device NAME] [--json]" };
+	return synopsis[v];
+}
+
+/* ------------------------------------------------------------------------------- parsing */
+
+typedef struct parser {
+	verb verb;
+	int count, next;
+	char *const *argument;
+	settings *settings;
+	FILE *command;
+	gw_error *error;
+} parser;
+
+static gw_status fail_unknown(const parser *p, const char *word, size_t length)
+{
+	const char *name[SETTINGS_OPTIONS] = { NULL };
+	char hint[NEAREST_NAME_HINT], plain[64], shown[64];
+	size_t count = 0;
+	for (const option *o = options; o->name; o++)
+		if (o->verbs & 1u << p->verb)
+			name[count++] = o->name;
+	snprintf(shown, sizeof shown, "%.*s", (int)(length < 60 ? length : 60), word);
+	snprintf(plain, sizeof plain, "%s", shown + strspn(shown, "-"));
+	nearest_name_hint(hint, plain, "--", name, count);
+	return gw_fail(p->error, GW_ERROR_USAGE, "'%s' is no option of glowworm %s%s%s", shown,
+				   verb_name(p->verb), hint, *hint ? "" : "; --help lists them");
+}
+
+/* Quotes what can change the points, so that a lit file says how to make it again. */
+static void quote(const parser *p, const option *o, const char *value)
+{
+	if (o && o->effect == OPTION_LEAVES_POINTS)
+		return;
+	fputc(' ', p->command);
+	if (o)
+		fprintf(p->command, "--%s", o->name);
+	if (o && value)
+		fputc(' ', p->command);
+	if (value)
+		text_quote(p->command, value);
+}
+
+static gw_status apply(const parser *p, const option *o, const char *value)
+{
+	gw_error reason = { 0 };
+	p->settings->given[o - options] = SETTINGS_BY_COMMAND;
+	quote(p, o, o->type == OPTION_FLAG ? NULL : value);
+	gw_status status = option_set(o, p->settings, value, &reason);
+	if (status == GW_OK)
+		return GW_OK;
+	if (o->type == OPTION_LIGHT)
+		return gw_fail(p->error, status, "%s", reason.text);
+	return gw_fail(p->error, status, "--%s %.900s", o->name, reason.text);
+}
+
+/* The value of an option: what is joined to it, or the next argument. */
+static gw_status take(parser *p, const option *o, const char *joined)
+{
+	if (o->type == OPTION_FLAG && joined)
+		return gw_fail(p->error, GW_ERROR_USAGE, "--%s takes no value", o->name);
+	if (o->type == OPTION_FLAG)
+		return apply(p, o, "");
+	if (!joined && p->next == p->count) {
+		char argument[OPTION_VALUE];
+		option_argument(o, argument);
+		return gw_fail(p->error, GW_ERROR_USAGE, "--%s needs a value: --%s %s", o->name, o->name,
+					   argument);
+	}
+	return apply(p, o, joined ? joined : p->argument[p->next++]);
+}
+
+static gw_status take_long(parser *p, const char *word)
+{
+	size_t length = strcspn(word + 2, "=");
+	const option *o = option_find(p->verb, word + 2, length);
+	if (!o)
+		return fail_unknown(p, word, length + 2);
+	return take(p, o, word[2 + length] ? word + length + 3 : NULL);
+}
+
+/* -fq, -oFILE or -o FILE */
+static gw_status take_letters(parser *p, const char *word)
+{
+	gw_status status = GW_OK;
+	for (const char *c = word + 1; *c && status == GW_OK; c++) {
+		const option *o = options;
+		while (o->name && !(o->letter == *c && o->verbs & 1u << p->verb))
+			o++;
+		if (!o->name)
+			return fail_unknown(p, word, strlen(word));
+		status = take(p, o, o->type != OPTION_FLAG && c[1] ? c + 1 : NULL);
+		if (o->type != OPTION_FLAG)
+			break;
+	}
+	return status;
+}
+
+static gw_status take_input(const parser *p, char *word)
+{
+	if (!*word)
+		return gw_fail(p->error, GW_ERROR_USAGE, "an input's name is empty");
+	quote(p, NULL, word);
+	return settings_add_input(p->settings, &(settings_input){ .path = word }, p->error);
+}
+
+static gw_status parse_all(parser *p)
+{
+	gw_status status = GW_OK;
+	bool names_only = false;
+	while (status == GW_OK && p->next < p->count) {
+		char *word = p->argument[p->next++];
+		if (names_only || word[0] != '-' || !word[1])
+			status = take_input(p, word);
+		else if (strcmp(word, "--") == 0)
+			names_only = true;
+		else if (word[1] == '-')
+			status = take_long(p, word);
+		else
+			status = take_letters(p, word);
+	}
+	return status;
+}
+
+gw_status options_parse(verb v, int count, char *const *argument, settings *s, gw_error *error)
+{
+	size_t length;
+	FILE *command = open_memstream(&s->command, &length);
+	if (!command)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the command line");
+	fprintf(command, "glowworm %s", verb_name(v));
+	parser p = { v, count, 0, argument, s, command, error };
+	gw_status status = parse_all(&p);
+	if (fclose(command) != 0 && status == GW_OK)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the command line");
+	return status;
+}

@@ -1,0 +1,28 @@
+#include "options/output_name.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+gw_status output_name_format(const char *path, const char *name, const format **found,
+							 gw_error *error)
+{
+	struct stat info;
+	bool stream = strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	*found = name ? format_by_name(name) : format_by_path(path);
+	if (!*found && !name && stream)
+		*found = format_by_name("ply");
+	if (*found && (*found)->write)
+		return GW_OK;
+	char known[256] = "";
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->write)
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s%s",
+					 *known ? ", " : "", name ? "" : ".",
+					 name ? formats[f]->name : formats[f]->extensions[0]);
+	if (name)
+		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be written; there are %s",
+					   name, known);
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "%s: the name must end in a format that can be written: %s", path, known);
+}

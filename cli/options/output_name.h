@@ -1,0 +1,18 @@
+/*
+ * output_name.h - what the name of an output says: its format.
+ */
+#ifndef OUTPUT_NAME_H
+#define OUTPUT_NAME_H
+
+#include "table/format_table.h"
+
+/*
+ * The format to write: the one called `name`, or when that is NULL the one whose extension the path
+ * has; PLY for standard output and devices.
+ *   found   receives it
+ *   error   GW_ERROR_USAGE: no format that can be written is called so or has this extension
+ */
+gw_status output_name_format(const char *path, const char *name, const format **found,
+							 gw_error *error);
+
+#endif

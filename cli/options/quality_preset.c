@@ -1,0 +1,31 @@
+#include "options/quality_preset.h"
+#include "options/options.h"
+
+#include <string.h>
+
+static const char *const set_by_quality[] = { "record-spacing", "rays", "light-samples", "cones",
+											  "leaf-spacing" };
+
+static const option *find(const char *name)
+{
+	return option_find(VERB_BAKE, name, strlen(name));
+}
+
+void quality_preset_apply(settings *s)
+{
+	settings preset = settings_default();
+	uint8_t source = s->given[find("quality") - options];
+	bool refines = s->bake.max_error > 0.0f || s->bake.time_limit > 0.0f;
+	if (refines && source == SETTINGS_BY_DEFAULT)
+		gw_bake_options_set_start(&preset.bake);
+	else
+		gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
+	for (size_t i = 0; i < sizeof set_by_quality / sizeof *set_by_quality; i++) {
+		const option *o = find(set_by_quality[i]);
+		uint8_t own = s->given[o - options];
+		if (own != SETTINGS_BY_DEFAULT && own >= source)
+			continue;
+		size_t size = o->type == OPTION_COUNT ? sizeof(uint32_t) : sizeof(float);
+		memcpy((char *)s + o->offset, (const char *)&preset + o->offset, size);
+	}
+}

@@ -1,0 +1,103 @@
+#include "options/settings.h"
+#include "files/growing_table.h"
+
+#include <math.h>
+#include <string.h>
+
+settings settings_default(void)
+{
+	return (settings){ .bake = GW_BAKE_OPTIONS_DEFAULT,
+					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+					   .quality = GW_QUALITY_NORMAL,
+					   .count = 1000000,
+					   .exposure = NAN,
+					   .worst_count = 1000,
+					   .max_rel_rmse = NAN,
+					   .max_best_99 = NAN,
+					   .max_bias = NAN,
+					   .render = { .camera = "auto",
+								   .size = "1600x900",
+								   .background = "0",
+								   .orbit = 1,
+								   .glossy = SETTINGS_GLOSSY_RAYS,
+								   .glossy_rays = 32,
+								   .samples = 2 } };
+}
+
+void settings_clear(settings *s)
+{
+	for (size_t i = 0; i < s->input_count; i++)
+		free(s->input[i].path);
+	for (size_t i = 0; i < s->text_count; i++)
+		free(s->text[i]);
+	for (size_t i = 0; i < s->path_count; i++)
+		motion_path_clear(&s->path[i]);
+	free(s->path);
+	free(s->input);
+	free(s->light);
+	free(s->gain);
+	free(s->text);
+	free(s->command);
+	*s = settings_default();
+}
+
+gw_status settings_add_input(settings *s, const settings_input *input, gw_error *error)
+{
+	settings_input *grown = growing_table_room(s->input, s->input_count, sizeof *grown);
+	if (grown)
+		s->input = grown;
+	char *path = strdup(input->path);
+	if (!grown || !path) {
+		free(path);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of inputs");
+	}
+	s->input[s->input_count] = *input;
+	s->input[s->input_count++].path = path;
+	return GW_OK;
+}
+
+gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
+{
+	lamp *grown = growing_table_room(s->light, s->light_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
+	s->light = grown;
+	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+gw_status settings_add_path(settings *s, motion_path *path, size_t *number, gw_error *error)
+{
+	motion_path *grown = growing_table_room(s->path, s->path_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of paths");
+	s->path = grown;
+	s->path[s->path_count++] = *path;
+	*path = (motion_path){ 0 };
+	*number = s->path_count;
+	return GW_OK;
+}
+
+gw_status settings_add_gain(settings *s, const settings_gain *gain, gw_error *error)
+{
+	settings_gain *grown = growing_table_room(s->gain, s->gain_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of gains");
+	s->gain = grown;
+	s->gain[s->gain_count++] = *gain;
+	return GW_OK;
+}
+
+const char *settings_keep(settings *s, const char *text, gw_error *error)
+{
+	char **grown = growing_table_room(s->text, s->text_count, sizeof *grown);
+	if (grown)
+		s->text = grown;
+	char *copy = strdup(text);
+	if (!grown || !copy) {
+		free(copy);
+		gw_fail(error, GW_ERROR_MEMORY, "no memory for an option's text");
+		return NULL;
+	}
+	return s->text[s->text_count++] = copy;
+}

@@ -1,0 +1,191 @@
+/*
+ * settings.h - everything that options and scene file say: what to light, how, and where to put it.
+ */
+#ifndef SETTINGS_H
+#define SETTINGS_H
+
+#include "options/motion_path.h"
+#include "points/scan.h"
+
+typedef enum verb {
+	VERB_BAKE,
+	VERB_INFO,
+	VERB_COMPARE,
+	VERB_MIX,
+	VERB_SAMPLE,
+	VERB_CONVERT,
+	VERB_RENDER,
+	VERB_TRADEOFF,
+	VERB_DOCTOR,
+	VERB_COUNT,
+} verb;
+
+/* One input of the scene. */
+typedef struct settings_input {
+	char *path; /* owned; "-" is standard input */
+	bool has_matrix;
+	double matrix[16]; /* row-major; from the file's coordinates to the scene's */
+	bool has_emission;
+	float emission[3];
+	bool has_albedo;
+	float albedo[3]; /* linear */
+	bool has_specular, has_roughness;
+	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
+	bool mesh;                 /* points are sampled on its faces */
+	bool vertices;             /* its vertices are the points, even if its name is a mesh's */
+	float density;             /* of a mesh, points/m^2; 0: as settings.density says */
+	size_t motion;             /* 0: it stands still; else has_matrix, and its path is
+								  settings.path[motion - 1] */
+} settings_input;
+
+/* Frames that a scene can have. */
+#define SETTINGS_FRAMES_MAX 1000000
+
+typedef enum settings_up {
+	SETTINGS_UP_AUTO,
+	SETTINGS_UP_Y,
+	SETTINGS_UP_Z,
+	SETTINGS_UP_COUNT
+} settings_up;
+
+typedef enum settings_progress {
+	SETTINGS_PROGRESS_AUTO,
+	SETTINGS_PROGRESS_JSON,
+	SETTINGS_PROGRESS_NONE,
+	SETTINGS_PROGRESS_COUNT
+} settings_progress;
+
+/* Columns that are written on request. */
+typedef enum settings_field {
+	SETTINGS_FIELD_DIRECT,     /* irradiance straight from lights, emitters and sky */
+	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
+	SETTINGS_FIELD_IRRADIANCE, /* both together */
+	SETTINGS_FIELD_ROI,        /* side of the region of influence */
+	SETTINGS_FIELD_AO,         /* openness: ambient light, 0..1 */
+	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
+	SETTINGS_FIELD_ERROR,      /* how far records disagree */
+	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */
+	SETTINGS_FIELD_COUNT
+} settings_field;
+
+/* How much stronger one lamp shall be. */
+typedef struct settings_gain {
+	const char *name; /* of the lamp, or "rest" */
+	float factor[3];
+} settings_gain;
+/* What a picture shows. */
+typedef enum settings_view {
+	SETTINGS_VIEW_AUTO, /* radiance of a lit cloud, else shaded */
+	SETTINGS_VIEW_RADIANCE,
+	SETTINGS_VIEW_SHADED, /* albedo in the light of a lamp at the camera */
+	SETTINGS_VIEW_ALBEDO,
+	SETTINGS_VIEW_NORMAL,
+	SETTINGS_VIEW_DEPTH,
+	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
+	SETTINGS_VIEW_INDIRECT,
+	SETTINGS_VIEW_ROI,     /* size of the region of influence */
+	SETTINGS_VIEW_NDF,     /* length of the normals */
+	SETTINGS_VIEW_POINTS,  /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_CELLS,   /* of the octree; settings_render.detail says the level */
+	SETTINGS_VIEW_BORDER,  /* its border tiles, likewise */
+	SETTINGS_VIEW_OPACITY, /* of voxels to one side; detail is LEVEL:SIDE */
+	SETTINGS_VIEW_VOXELS,  /* their radiance, likewise */
+	SETTINGS_VIEW_SHADOW,  /* what a lamp sees; detail is its name or number */
+	SETTINGS_VIEW_RECORDS, /* where a bake gathers light */
+	SETTINGS_VIEW_ERROR,   /* of a cloud that compare wrote */
+	SETTINGS_VIEW_COUNT
+} settings_view;
+
+/* How the glossy bounce is found. */
+typedef enum settings_glossy {
+	SETTINGS_GLOSSY_OFF,
+	SETTINGS_GLOSSY_RAYS,
+	SETTINGS_GLOSSY_CONES,
+	SETTINGS_GLOSSY_COUNT
+} settings_glossy;
+
+/* Where the radiance of a picture is read. */
+typedef enum settings_radiance {
+	SETTINGS_RADIANCE_POINTS,
+	SETTINGS_RADIANCE_TRILINEAR, /* in the octree's bricks */
+	SETTINGS_RADIANCE_TRICUBIC,
+	SETTINGS_RADIANCE_COUNT
+} settings_radiance;
+
+/* Pictures. */
+typedef struct settings_render {
+	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
+	const char *mesh;                              /* as given, NULL: none */
+	uint32_t orbit, samples;
+	int view, tone;     /* settings_view, preview_tone */
+	const char *detail; /* what stands behind the view's name and colon, or NULL */
+	int glossy;         /* settings_glossy */
+	int radiance;       /* settings_radiance */
+	uint32_t glossy_rays;
+	bool false_color, cull;
+} settings_render;
+
+/* Who said what an option is to be; who stands lower down wins. */
+typedef enum settings_source {
+	SETTINGS_BY_DEFAULT,
+	SETTINGS_BY_SCENE,
+	SETTINGS_BY_COMMAND,
+} settings_source;
+
+/* Room for options, at least as many as options[] has. */
+#define SETTINGS_OPTIONS 128
+
+typedef struct settings {
+	gw_bake_options bake;
+	scan_points_options points;
+	settings_input *input; /* owned; input_count */
+	size_t input_count;
+	lamp *light; /* owned; light_count */
+	size_t light_count;
+	motion_path *path; /* owned; path_count */
+	size_t path_count;
+	uint32_t frame_count; /* 0: the scene says nothing of frames */
+	const char *frames;   /* which of them to bake, as given; NULL: none */
+	bool rebuild, independent;
+	int units;                       /* 0 radiometric, 1 photometric */
+	int up, colors, gamma, progress; /* values of enums and choices */
+	uint32_t fields;                 /* 1 << settings_field */
+	float density;                   /* of meshes, points/m^2; 0: see settings.count */
+	uint32_t count;                  /* points for all meshes without a density together */
+	int quality;                     /* a gw_quality */
+	float exposure;                  /* EV; NAN: from the picture */
+	const char *scene; /* the scene file that was read, or NULL */
+	const char *transport, *save_transport;
+	const char *output, *vdb, *report, *format, *columns, *output_format;
+	float vdb_voxel; /* metres; 0: the octree's cells */
+	settings_render render;
+	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;
+	bool help;
+	const char *csv, *svg;                     /* of tradeoff */
+	const char *worst, *json_file;             /* of compare */
+	uint32_t worst_count;                      /* points that worst holds */
+	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
+	settings_gain *gain;                       /* owned; of mix */
+	size_t gain_count;
+	uint8_t given[SETTINGS_OPTIONS]; /* by index in options[]: a settings_source */
+	char *command; /* owned; the command line, without what cannot change the points */
+	char **text;   /* owned; text_count strings that others point to */
+	size_t text_count;
+} settings;
+
+settings settings_default(void);
+void settings_clear(settings *settings);
+
+/* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
+gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
+gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
+gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);
+
+gw_status settings_add_gain(settings *settings, const settings_gain *gain, gw_error *error);
+
+/* Keeps a copy of a text until settings_clear; NULL when memory is short. */
+const char *settings_keep(settings *settings, const char *text, gw_error *error);
+
+#endif

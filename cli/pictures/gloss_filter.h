@@ -1,0 +1,22 @@
+/*
+ * gloss_filter.h - less noise in what rough pixels reflect: each takes the mean over its neighbours
+ * on the same surface.
+ */
+#ifndef GLOSS_FILTER_H
+#define GLOSS_FILTER_H
+
+#include "picture/render_octree.h"
+
+/*
+ * Smooths reflections within a picture. The reach grows with the roughness, from none at 0.2 to
+ * four pixels at 0.5, and falls with the number of rays, so that more rays still come nearer to the
+ * truth.
+ *   pixels      those that have a reflection
+ *   place       pixels->count: where each stands in the picture, ascending
+ *   reflected   4 * pixels->count, as of gw_render_octree_reflect; shares stay
+ * GW_ERROR_MEMORY.
+ */
+gw_status gloss_filter_apply(const gw_pixels *pixels, const size_t *place, uint32_t width,
+							 uint32_t height, uint32_t rays, float *reflected, gw_error *error);
+
+#endif

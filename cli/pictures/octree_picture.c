@@ -1,0 +1,317 @@
+#include "pictures/octree_picture.h"
+#include "base/clock.h"
+#include "pictures/gloss_filter.h"
+#include "scene/glossy_points.h"
+#include "scene/octree_note.h"
+#include "panoramas/panorama.h"
+#include "program/signals.h"
+#include "panoramas/panorama_reader.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Pixels of a picture that are asked about. */
+typedef struct asked {
+	gw_pixels pixels;
+	float *position, *normal, *answer; /* 4 a pixel */
+	size_t *place;                     /* of each in the picture */
+} asked;
+
+uint32_t octree_picture_channels(const settings *s)
+{
+	if (s->render.glossy == SETTINGS_GLOSSY_OFF)
+		return 0;
+	return 1u << RENDER_SPECULAR | 1u << RENDER_ROUGHNESS | 1u << RENDER_ALBEDO |
+		   1u << RENDER_EMISSION;
+}
+
+static bool is_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static bool is_glossy(const render_scene *scene)
+{
+	int offset = scene->offset[RENDER_SPECULAR];
+	size_t stride = scene->raster.channel_count;
+	for (size_t i = 0; i < scene->surfels.count && offset >= 0; i++)
+		if (scene->channel[stride * i + (size_t)offset] > 0.0f)
+			return true;
+	return false;
+}
+
+/* The mean of a map over all directions. */
+static gw_status average_map(const char *path, double mean[3], gw_error *error)
+{
+	panorama map;
+	gw_status status = panorama_read(path, &map, error);
+	double weights = 0.0;
+	for (uint32_t y = 0; status == GW_OK && y < map.height; y++) {
+		double weight = sin(3.14159265358979323846 * (y + 0.5) / map.height);
+		for (size_t x = 0; x < map.width; x++)
+			for (size_t k = 0; k < 3; k++)
+				mean[k] += weight * (double)map.pixels[3 * ((size_t)y * map.width + x) + k];
+		weights += weight * map.width;
+	}
+	for (int k = 0; k < 3 && status == GW_OK; k++)
+		mean[k] /= weights;
+	panorama_clear(&map);
+	return status;
+}
+
+/* The sky that the lights speak of, for rays that meet nothing: one colour, of maps their mean. */
+static gw_status find_sky(const settings *s, float sky[3], gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+		double mean[3] = { 1.0, 1.0, 1.0 };
+		if (s->light[i].light.type != GW_LIGHT_ENVIRONMENT)
+			continue;
+		if (s->light[i].map[0]) {
+			mean[0] = mean[1] = mean[2] = 0.0;
+			status = average_map(s->light[i].map, mean, error);
+		}
+		for (int k = 0; k < 3; k++)
+			sky[k] += s->light[i].light.radiance[k] * (float)mean[k];
+	}
+	return status;
+}
+
+static gw_status build(octree_picture *p, const settings *s, const render_scene *scene,
+					   gw_error *error)
+{
+	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
+	float *radiance = reallocarray(NULL, count, 3 * sizeof *radiance);
+	if (!radiance)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", count);
+	for (size_t i = 0; i < 3 * count; i++)
+		radiance[i] =
+			scene->channel[i / 3 * stride + (size_t)scene->offset[RENDER_RADIANCE] + i % 3];
+	const gw_render_octree_options options = { .device = s->bake.device,
+											   .passes = s->bake.passes,
+											   .validate = s->bake.validate,
+											   .memory = s->bake.memory,
+											   .depth = s->bake.depth,
+											   .leaf_spacing = s->bake.leaf_spacing,
+											   .bricks = p->voxels || p->reflection.cone };
+	gw_status status =
+		gw_render_octree_create(&scene->surfels, radiance, &options, &p->octree, error);
+	free(radiance);
+	return status;
+}
+
+gw_status octree_picture_open(const settings *s, const render_scene *scene, octree_picture *p,
+							  gw_error *error)
+{
+	*p = (octree_picture){ .octree = NULL,
+						   .voxels = s->render.radiance != SETTINGS_RADIANCE_POINTS,
+						   .cubic = s->render.radiance == SETTINGS_RADIANCE_TRICUBIC,
+						   .reflection = { .rays = s->render.glossy_rays,
+										   .cancelled = is_cancelled,
+										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
+	p->glossy = s->render.glossy != SETTINGS_GLOSSY_OFF && is_glossy(scene);
+	p->reflection.cone = p->reflection.cone && p->glossy;
+	if (!p->glossy && !p->voxels)
+		return GW_OK;
+	double start = gw_seconds();
+	gw_status status = p->glossy ? find_sky(s, p->reflection.sky, error) : GW_OK;
+	if (status == GW_OK)
+		status = build(p, s, scene, error);
+	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
+		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
+				 "; --glossy off needs none");
+	p->build_seconds = gw_seconds() - start;
+	if (status == GW_OK && !s->quiet)
+		octree_note_print((double)p->octree->octree.leaf_size,
+						  (double)p->octree->octree.wanted_leaf_size,
+						  p->octree->octree.why_coarser);
+	return status;
+}
+
+void octree_picture_clear(octree_picture *p)
+{
+	gw_render_octree_destroy(&p->octree);
+	*p = (octree_picture){ .octree = NULL };
+}
+
+/* -------------------------------------------------------------------------------- pixels */
+
+static void asked_clear(asked *a)
+{
+	free(a->position);
+	free(a->normal);
+	free(a->answer);
+	free(a->place);
+}
+
+static float channel_of(const render_scene *scene, const gw_gbuffer *g, size_t pixel,
+						render_channel channel, size_t k, float otherwise)
+{
+	int offset = scene->offset[channel];
+	return offset < 0 ? otherwise : g->channel[pixel * g->channel_count + (size_t)offset + k];
+}
+
+/* Where the middle of a pixel lies on the surface that it shows, in the surfels' frame. */
+static void place_of(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
+					 size_t pixel, float place[3])
+{
+	double step = 2.0 * camera->tangent / (double)g->height, depth = (double)g->depth[pixel];
+	double x = ((double)(pixel % g->width) + 0.5 - 0.5 * (double)g->width) * step;
+	double y = (0.5 * (double)g->height - (double)(pixel / g->width) - 0.5) * step;
+	for (int k = 0; k < 3; k++) {
+		double ray = x * camera->right[k] + y * camera->up[k] + camera->forward[k];
+		place[k] = (float)(camera->position[k] + depth * ray - scene->surfels.origin[k]);
+	}
+}
+
+/* Lists the pixels that show something, or only those that are glossy. */
+static gw_status ask(const render_scene *scene, const gw_camera *camera, const gw_gbuffer *g,
+					 bool glossy, asked *a, gw_error *error)
+{
+	size_t pixels = (size_t)g->width * g->height, count = 0;
+	*a = (asked){ .place = NULL };
+	a->place = reallocarray(NULL, pixels, sizeof *a->place);
+	for (size_t i = 0; a->place && i < pixels; i++)
+		if (g->coverage[i] > 0.0f &&
+			(!glossy || channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f) > 0.0f))
+			a->place[count++] = i;
+	a->position = calloc(count + 1, 4 * sizeof *a->position);
+	a->normal = calloc(count + 1, 4 * sizeof *a->normal);
+	a->answer = calloc(count + 1, 4 * sizeof *a->answer);
+	if (!a->place || !a->position || !a->normal || !a->answer)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
+	for (size_t j = 0; j < count; j++) {
+		size_t i = a->place[j];
+		place_of(scene, camera, g, i, a->position + 4 * j);
+		for (size_t k = 0; k < 3; k++)
+			a->normal[4 * j + k] = g->normal[3 * i + k];
+		a->position[4 * j + 3] =
+			glossy_points_share((double)channel_of(scene, g, i, RENDER_ROUGHNESS, 0, 1.0f), 1.0f);
+		a->normal[4 * j + 3] =
+			glossy_points_share((double)channel_of(scene, g, i, RENDER_SPECULAR, 0, 0.0f), 0.0f);
+	}
+	a->pixels = (gw_pixels){ .count = count, .position = a->position, .normal = a->normal };
+	for (int k = 0; k < 3; k++)
+		a->pixels.eye[k] = (float)(camera->position[k] - scene->surfels.origin[k]);
+	return GW_OK;
+}
+
+static gw_status read_voxels(octree_picture *p, const render_scene *scene, const gw_camera *camera,
+							 const gw_gbuffer *g, float *values, gw_error *error)
+{
+	asked a;
+	gw_status status = ask(scene, camera, g, false, &a, error);
+	if (status == GW_OK)
+		status = gw_render_octree_read(p->octree, &a.pixels, p->cubic, a.answer, error);
+	/* Where the voxels hold nothing, the points' light stays. */
+	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++)
+		for (size_t k = 0; k < 3 && a.answer[4 * j + 3] > 0.0f; k++)
+			values[3 * a.place[j] + k] = a.answer[4 * j + k];
+	asked_clear(&a);
+	return status;
+}
+
+/* Pixels around one that shows two materials in which one of them is looked for. */
+#define NEAR_BY 2
+
+/* Differences in reflectance that are none. */
+#define SAME_GLOSS 0.01f
+
+/* Whether a pixel shows one material alone: its reflectance is then that of what is nearest. */
+static bool is_pure(const render_scene *scene, const gw_gbuffer *g, size_t pixel)
+{
+	uint32_t id = g->id[pixel];
+	if (!(g->coverage[pixel] > 0.0f) || id >= scene->surfels.count)
+		return false;
+	float nearest = scene->channel[(size_t)id * scene->raster.channel_count +
+								   (size_t)scene->offset[RENDER_SPECULAR]];
+	return fabsf(channel_of(scene, g, pixel, RENDER_SPECULAR, 0, 0.0f) - nearest) < SAME_GLOSS;
+}
+
+/* The mean of the pure pixels near by that are glossier than one, or less glossy: their light, and
+ * behind it their reflectance. False when there are none. */
+static bool average_side(const render_scene *scene, const gw_gbuffer *g, const float *values,
+						 size_t pixel, bool glossier, float mean[4])
+{
+	int x = (int)(pixel % g->width), y = (int)(pixel / g->width);
+	float own = channel_of(scene, g, pixel, RENDER_SPECULAR, 0, 0.0f), count = 0.0f;
+	memset(mean, 0, 4 * sizeof *mean);
+	for (int v = y - NEAR_BY; v <= y + NEAR_BY; v++)
+		for (int u = x - NEAR_BY; u <= x + NEAR_BY; u++) {
+			if (u < 0 || v < 0 || u >= (int)g->width || v >= (int)g->height)
+				continue;
+			size_t other = (size_t)v * g->width + (size_t)u;
+			float gloss = channel_of(scene, g, other, RENDER_SPECULAR, 0, 0.0f);
+			if (!(glossier ? gloss > own : gloss < own) || !is_pure(scene, g, other))
+				continue;
+			for (size_t k = 0; k < 3; k++)
+				mean[k] += values[3 * other + k];
+			mean[3] += gloss;
+			count += 1.0f;
+		}
+	for (size_t k = 0; k < 4 && count > 0.0f; k++)
+		mean[k] /= count;
+	return count > 0.0f;
+}
+
+/* A pixel at the rim of something glossy has a normal between those of two surfaces and would
+ * reflect what neither does: it gets the light of both sides instead, by the share of each. */
+static void mend_rims(const render_scene *scene, const gw_gbuffer *g, const asked *a, float *values)
+{
+	for (size_t j = 0; j < a->pixels.count; j++) {
+		size_t i = a->place[j];
+		float more[4], less[4];
+		if (is_pure(scene, g, i) || !average_side(scene, g, values, i, true, more) ||
+			!average_side(scene, g, values, i, false, less))
+			continue;
+		float share = (a->normal[4 * j + 3] - less[3]) / (more[3] - less[3]);
+		for (size_t k = 0; k < 3; k++)
+			values[3 * i + k] = share * more[k] + (1.0f - share) * less[k];
+	}
+}
+
+/* Baked light is what the albedo of all reflected light makes of it; the diffuse surface's is less,
+ * and less again by what the gloss takes on the way to this eye. */
+static gw_status reflect(octree_picture *p, const render_scene *scene, const gw_camera *camera,
+						 const gw_gbuffer *g, float *values, gw_error *error)
+{
+	asked a;
+	gw_status status = ask(scene, camera, g, true, &a, error);
+	if (status == GW_OK)
+		status = gw_render_octree_reflect(p->octree, &a.pixels, &p->reflection, a.answer, error);
+	if (status == GW_OK && !p->reflection.cone)
+		status = gloss_filter_apply(&a.pixels, a.place, g->width, g->height, p->reflection.rays,
+									a.answer, error);
+	for (size_t j = 0; status == GW_OK && j < a.pixels.count; j++) {
+		size_t i = a.place[j];
+		float specular = a.normal[4 * j + 3], left = 1.0f - a.answer[4 * j + 3];
+		for (size_t k = 0; k < 3; k++) {
+			float albedo = channel_of(scene, g, i, RENDER_ALBEDO, k, GW_ALBEDO_DEFAULT);
+			float own = channel_of(scene, g, i, RENDER_EMISSION, k, 0.0f);
+			float all = glossy_points_albedo(albedo, specular);
+			float diffuse = all > 0.0f ? (values[3 * i + k] - own) * albedo / all : 0.0f;
+			values[3 * i + k] =
+				own + left * (diffuse > 0.0f ? diffuse : 0.0f) + a.answer[4 * j + k];
+		}
+	}
+	if (status == GW_OK)
+		mend_rims(scene, g, &a, values);
+	p->pixels += a.pixels.count;
+	asked_clear(&a);
+	return status;
+}
+
+gw_status octree_picture_shade(octree_picture *p, const render_scene *scene,
+							   const gw_camera *camera, const gw_gbuffer *g, float *values,
+							   gw_error *error)
+{
+	double start = gw_seconds();
+	gw_status status = p->voxels ? read_voxels(p, scene, camera, g, values, error) : GW_OK;
+	if (status == GW_OK && p->glossy)
+		status = reflect(p, scene, camera, g, values, error);
+	p->seconds += gw_seconds() - start;
+	return status;
+}

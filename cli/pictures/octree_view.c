@@ -1,0 +1,354 @@
+#include "pictures/octree_view.h"
+#include "light/direct_light.h"
+#include "program/nearest_name.h"
+#include "picture/octree_cells.h"
+#include "scene/octree_note.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Brightness of a face that is seen edge-on, of one seen squarely. */
+#define AMBIENT 0.35f
+
+/* Cells that show less of their face than this are left out. */
+#define EMPTY 1e-4f
+
+/* Side of a record's box, in spacings of the points. */
+#define RECORD_SIZE 1.0f
+
+/* Pixels that an edge is wide; cells below three times that have none. */
+#define EDGE 1.2f
+
+bool octree_view_is_boxes(settings_view view)
+{
+	return view == SETTINGS_VIEW_CELLS || view == SETTINGS_VIEW_BORDER ||
+		   view == SETTINGS_VIEW_OPACITY || view == SETTINGS_VIEW_VOXELS;
+}
+
+bool octree_view_is_overlay(settings_view view)
+{
+	return view == SETTINGS_VIEW_RECORDS;
+}
+
+/* --------------------------------------------------------------------------- the name's end */
+
+static gw_status check_side(const char *text, uint32_t *side, gw_error *error)
+{
+	static const char *const name[6] = { "+x", "-x", "+y", "-y", "+z", "-z" };
+	for (uint32_t i = 0; i < 6; i++)
+		if (strcmp(text, name[i]) == 0) {
+			*side = i;
+			return GW_OK;
+		}
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "--view: '%.20s' is no side of a voxel; there are +x, -x, +y, -y, +z and -z",
+				   text);
+}
+
+/* LEVEL or LEVEL:SIDE. */
+static gw_status check_level(const char *text, bool sided, octree_view *v, gw_error *error)
+{
+	char *end;
+	unsigned long level = strtoul(text, &end, 10);
+	bool good = *text >= '0' && *text <= '9' && level >= 1 && level <= GW_DEPTH_MAX;
+	if (!good || *end != (sided ? ':' : '\0'))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--view: '%.40s' must be a level of the octree, 1 to %u%s", text,
+					   GW_DEPTH_MAX, sided ? ", a colon and a side, such as 6:+x" : "");
+	v->level = (uint32_t)level;
+	return sided ? check_side(end + 1, &v->side, error) : GW_OK;
+}
+
+static gw_status check_lamp(const settings *s, const char *text, octree_view *v, gw_error *error)
+{
+	const char *name[32];
+	char hint[NEAREST_NAME_HINT], *end;
+	size_t known = 0;
+	unsigned long number = strtoul(text, &end, 10);
+	for (size_t i = 0; i < s->light_count; i++) {
+		const gw_light *light = &s->light[i].light;
+		bool meant = strcmp(light->name, text) == 0 || (*end == '\0' && number == i + 1);
+		if (meant && light->type == GW_LIGHT_ENVIRONMENT)
+			return gw_fail(error, GW_ERROR_USAGE, "--view: a sky casts no shadow of its own");
+		v->lamp = i;
+		if (meant)
+			return GW_OK;
+		if (light->name[0] && known < 32)
+			name[known++] = light->name;
+	}
+	if (s->light_count == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--view: there is no lamp; name the scene file, or give --light");
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "--view: there is no lamp '%.60s'; give a name, or a number from 1 to %zu%s",
+				   text, s->light_count, nearest_name_hint(hint, text, "", name, known));
+}
+
+gw_status octree_view_check(const settings *s, octree_view *v, gw_error *error)
+{
+	const char *detail = s->render.detail ? s->render.detail : "";
+	*v = (octree_view){ .view = (settings_view)s->render.view };
+	switch (v->view) {
+	case SETTINGS_VIEW_CELLS:
+	case SETTINGS_VIEW_BORDER:
+		return check_level(detail, false, v, error);
+	case SETTINGS_VIEW_OPACITY:
+	case SETTINGS_VIEW_VOXELS:
+		return check_level(detail, true, v, error);
+	case SETTINGS_VIEW_SHADOW:
+		return check_lamp(s, detail, v, error);
+	default:
+		return GW_OK;
+	}
+}
+
+/* ---------------------------------------------------------------------------------- boxes */
+
+/* Tiles have colours of their own, of which their cells have shades. */
+static void color_of(uint64_t key, float color[3])
+{
+	uint64_t mixed = (key >> 3) * 0x9e3779b97f4a7c15u;
+	float shade = 0.6f + 0.4f * (float)(key & 7u) / 7.0f;
+	for (int k = 0; k < 3; k++)
+		color[k] = shade * (0.25f + 0.75f * (float)(mixed >> (40 + 8 * k) & 255u) / 255.0f);
+}
+
+/* Faces between two cells that are both drawn are never seen. */
+static unsigned open_faces(const gw_cells *cells, uint64_t key)
+{
+	uint32_t cell[3];
+	unsigned faces = 0;
+	gw_morton_decode(key, cell);
+	for (unsigned face = 0; face < 6; face++) {
+		uint32_t other[3] = { cell[0], cell[1], cell[2] };
+		other[face / 2] += face % 2 ? UINT32_MAX : 1u;
+		if (other[face / 2] >= 1u << GW_DEPTH_MAX ||
+			gw_cells_find(cells, gw_morton_encode(other[0], other[1], other[2])) == SIZE_MAX)
+			faces |= 1u << face;
+	}
+	return faces;
+}
+
+/* shown: 4 a cell, or NULL. */
+static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *shown,
+						   gw_error *error)
+{
+	gw_status status = GW_OK;
+	v->size = cells->size;
+	for (size_t i = 0; i < cells->count && status == GW_OK; i++) {
+		float low[3], color[3];
+		uint32_t cell[3];
+		gw_morton_decode(cells->key[i], cell);
+		for (int k = 0; k < 3; k++) {
+			low[k] = cells->corner[k] + (float)cell[k] * cells->size;
+			if (shown)
+				color[k] = v->view == SETTINGS_VIEW_OPACITY ? fminf(shown[4 * i + 3], 1.0f)
+															: shown[4 * i + (size_t)k];
+		}
+		if (!shown)
+			color_of(cells->key[i], color);
+		if (shown && shown[4 * i + 3] < EMPTY)
+			continue;
+		/* What is left out opens the faces beside it. */
+		status = box_mesh_add(&v->boxes, low, cells->size, color,
+							  shown ? 63u : open_faces(cells, cells->key[i]), error);
+		v->shown++;
+	}
+	return status;
+}
+
+static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *error)
+{
+	gw_cells cells;
+	float *shown = NULL;
+	bool border = v->view == SETTINGS_VIEW_BORDER, plain = border || v->view == SETTINGS_VIEW_CELLS;
+	gw_status status =
+		(border ? gw_cells_list_borders : gw_cells_list)(octree, v->level, &cells, error);
+	if (status == GW_OK && !plain) {
+		shown = calloc(cells.count, 4 * sizeof *shown);
+		status = shown ? gw_cells_show(octree, &cells, v->level, v->side, shown, error)
+					   : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cells", cells.count);
+	}
+	if (status == GW_OK)
+		status = add_cells(v, &cells, shown, error);
+	if (status == GW_OK && v->shown == 0)
+		status = gw_fail(error, GW_ERROR_DATA,
+						 border ? "level %u of the octree has no border tiles"
+								: "no voxel of level %u shows anything to that side",
+						 v->level);
+	free(shown);
+	gw_cells_clear(&cells);
+	return status;
+}
+
+static gw_status add_records(octree_view *v, const gw_octree *octree, const float *position,
+							 size_t count, gw_error *error)
+{
+	static const float cyan[3] = { 0.0f, 0.7f, 1.0f };
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < count && status == GW_OK; i++) {
+		float low[3];
+		for (size_t k = 0; k < 3; k++)
+			low[k] =
+				octree->cube_minimum[k] + position[4 * i + k] * octree->leaf_size - 0.5f * v->size;
+		status = box_mesh_add(&v->boxes, low, v->size, cyan, 63u, error);
+	}
+	v->shown = count;
+	return status;
+}
+
+static gw_status make_records(const settings *s, const render_scene *scene, octree_view *v,
+							  gw_render_octree *o, gw_error *error)
+{
+	gw_records records = { 0 };
+	float *position = NULL;
+	v->size = RECORD_SIZE * scene->surfels.spacing;
+	gw_status status = gw_records_place(&o->passes, &o->octree, s->bake.record_spacing,
+										s->bake.seed, &records, error);
+	if (status == GW_OK && !(position = calloc((size_t)records.count + 1, 4 * sizeof *position)))
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records.count);
+	if (status == GW_OK)
+		status = gw_buffer_download(o->gpu, &records.position, 0, position,
+									16 * (uint64_t)records.count, error);
+	if (status == GW_OK)
+		status = add_records(v, &o->octree, position, records.count, error);
+	free(position);
+	gw_records_destroy(o->gpu, &records);
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- shadows */
+
+static gw_status make_shadow(settings *s, render_scene *scene, const octree_view *v,
+							 gw_render_octree *o, gw_error *error)
+{
+	lamp *light = &s->light[v->lamp];
+	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
+	float *share = calloc(count, sizeof *share);
+	if (!share)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for shadows on %zu points", count);
+	light_resolve(light, scene->up);
+	gw_status status = gw_light_share(&o->passes, &o->octree, &scene->surfels, &light->light,
+									  &s->bake, share, error);
+	for (size_t i = 0; i < count && status == GW_OK; i++)
+		scene->channel[i * stride + (size_t)scene->offset[RENDER_SHADOW]] = share[i];
+	free(share);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ open */
+
+/* Radiance of the surfels, or zeros of an unlit cloud; freed by the caller. */
+static float *radiance_of(const render_scene *scene)
+{
+	size_t stride = scene->raster.channel_count;
+	float *radiance = calloc(scene->surfels.count, 3 * sizeof *radiance);
+	int offset = scene->offset[RENDER_RADIANCE];
+	for (size_t i = 0; radiance && offset >= 0 && i < 3 * scene->surfels.count; i++)
+		radiance[i] = scene->channel[i / 3 * stride + (size_t)offset + i % 3];
+	return radiance;
+}
+
+static gw_status make(settings *s, render_scene *scene, octree_view *v, gw_render_octree *octree,
+					  gw_error *error)
+{
+	if (v->view == SETTINGS_VIEW_SHADOW)
+		return make_shadow(s, scene, v, octree, error);
+	gw_status status = v->view == SETTINGS_VIEW_RECORDS ? make_records(s, scene, v, octree, error)
+														: make_cells(v, octree, error);
+	v->raster = (gw_raster_scene){ .triangles = box_mesh_triangles(&v->boxes),
+								   .channel_count = BOX_MESH_CHANNELS };
+	memcpy(v->raster.origin, scene->surfels.origin, sizeof v->raster.origin);
+	return status;
+}
+
+bool octree_view_needs_octree(settings_view view)
+{
+	return octree_view_is_boxes(view) || view == SETTINGS_VIEW_RECORDS ||
+		   view == SETTINGS_VIEW_SHADOW;
+}
+
+gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_error *error)
+{
+	if (!octree_view_needs_octree(v->view))
+		return GW_OK;
+	const gw_render_octree_options options = { .device = s->bake.device,
+													   .passes = s->bake.passes,
+													   .validate = s->bake.validate,
+											   .memory = s->bake.memory,
+											   .depth = s->bake.depth,
+											   .leaf_spacing = s->bake.leaf_spacing,
+											   .bricks = v->view == SETTINGS_VIEW_OPACITY ||
+														 v->view == SETTINGS_VIEW_VOXELS };
+	gw_render_octree *octree = NULL;
+	float *radiance = radiance_of(scene);
+	gw_status status =
+		radiance ? gw_render_octree_create(&scene->surfels, radiance, &options, &octree, error)
+				 : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light");
+	free(radiance);
+	if (status == GW_OK && !s->quiet)
+		octree_note_print((double)octree->octree.leaf_size,
+						  (double)octree->octree.wanted_leaf_size, octree->octree.why_coarser);
+	if (status == GW_OK)
+		status = make(s, scene, v, octree, error);
+	gw_render_octree_destroy(&octree);
+	return status;
+}
+
+void octree_view_clear(octree_view *v)
+{
+	box_mesh_clear(&v->boxes);
+	*v = (octree_view){ .shown = 0 };
+}
+
+/* ---------------------------------------------------------------------------------- values */
+
+/* Brightness of a face in the light of a lamp at the camera, and of its dark edges. */
+static float brightness(const octree_view *v, const gw_camera *camera, const gw_gbuffer *g,
+						size_t pixel)
+{
+	double step = 2.0 * camera->tangent / (double)g->height, along = 0.0, square = 0.0;
+	double x = ((double)(pixel % g->width) + 0.5 - 0.5 * (double)g->width) * step;
+	double y = (0.5 * (double)g->height - (double)(pixel / g->width) - 0.5) * step;
+	for (size_t k = 0; k < 3; k++) {
+		double ray = x * camera->right[k] + y * camera->up[k] + camera->forward[k];
+		along += ray * (double)g->normal[3 * pixel + k];
+		square += ray * ray;
+	}
+	float lit = AMBIENT + (1.0f - AMBIENT) * (float)(fabs(along) / sqrt(square));
+	float width = EDGE * (float)step * g->depth[pixel] / v->size; /* as a share of the face */
+	const float *channel = g->channel + g->channel_count * pixel;
+	float inside = fminf(fminf(channel[BOX_MESH_U], 1.0f - channel[BOX_MESH_U]),
+						 fminf(channel[BOX_MESH_V], 1.0f - channel[BOX_MESH_V]));
+	return width < 1.0f / 3.0f && inside < width ? 0.2f * lit : lit;
+}
+
+void octree_view_values(const octree_view *v, const gw_camera *camera, const gw_gbuffer *g,
+						float *values)
+{
+	size_t pixels = (size_t)g->width * g->height;
+	bool shaded = v->view == SETTINGS_VIEW_CELLS || v->view == SETTINGS_VIEW_BORDER;
+	for (size_t i = 0; i < pixels; i++) {
+		float bright = shaded && g->coverage[i] > 0.0f ? brightness(v, camera, g, i) : 1.0f;
+		for (size_t k = 0; k < 3; k++)
+			values[3 * i + k] =
+				g->coverage[i] > 0.0f ? bright * g->channel[g->channel_count * i + k] : 0.0f;
+	}
+}
+
+void octree_view_lay_over(const octree_view *v, const gw_camera *camera, const gw_gbuffer *boxes,
+						  const gw_gbuffer *points, float *values)
+{
+	size_t pixels = (size_t)points->width * points->height;
+	for (size_t i = 0; i < pixels; i++) {
+		/* Boxes stand in the surface: half of one sticks out. */
+		if (!(boxes->coverage[i] > 0.5f && points->coverage[i] > 0.0f) ||
+			!(boxes->depth[i] < points->depth[i] + 0.25f * v->size))
+			continue;
+		float bright = brightness(v, camera, boxes, i);
+		for (size_t k = 0; k < 3; k++)
+			values[3 * i + k] = bright * boxes->channel[boxes->channel_count * i + k];
+	}
+}

@@ -1,0 +1,111 @@
+#include "program/text_quote.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+void text_quote(FILE *out, const char *word)
+{
+	static const char safe[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+							   "@%+=:,./_-";
+	if (*word && strspn(word, safe) == strlen(word)) {
+		fputs(word, out);
+		return;
+	}
+	fputc('\'', out);
+	for (const char *c = word; *c; c++) {
+		if (*c == '\'')
+			fputs("'\\''", out);
+		else
+			fputc(*c, out);
+	}
+	fputc('\'', out);
+}
+
+/* Bytes of the UTF-8 character at the start of a text; 0 when it is none (RFC 3629). */
+static size_t utf8_length(const unsigned char *c)
+{
+	size_t length = c[0] < 0x80   ? 1
+					: c[0] < 0xc2 ? 0
+					: c[0] < 0xe0 ? 2
+					: c[0] < 0xf0 ? 3
+					: c[0] < 0xf5 ? 4
+								  : 0;
+	for (size_t i = 1; i < length; i++)
+		if ((c[i] & 0xc0) != 0x80)
+			return 0;
+	if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) ||
+		(c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f))
+		return 0;
+	return length;
+}
+
+void text_quote_json(FILE *out, const char *text)
+{
+	fputc('"', out);
+	for (const unsigned char *c = (const unsigned char *)text; *c;) {
+		size_t length = utf8_length(c);
+		if (length == 0)
+			fputs("\\ufffd", out);
+		else if (*c == '"' || *c == '\\')
+			fprintf(out, "\\%c", *c);
+		else if (*c < 0x20 || *c == 0x7f)
+			fprintf(out, "\\u%04x", *c);
+		else
+			fwrite(c, 1, length, out);
+		c += length ? length : 1;
+	}
+	fputc('"', out);
+}
+
+static void put_message(FILE *out, const char *text)
+{
+	for (const unsigned char *c = (const unsigned char *)text; *c;) {
+		size_t length = utf8_length(c);
+		bool last = *c == '\n' && !c[1];
+		bool control = *c < 0x20 || *c == 0x7f || (*c == 0xc2 && length == 2 && c[1] < 0xa0);
+		if (length > 0 && (last || !control)) {
+			fwrite(c, 1, length, out);
+			c += length;
+		} else {
+			fprintf(out, "\\x%02x", *c++);
+			while (length > 1 && length--)
+				fprintf(out, "\\x%02x", *c++);
+		}
+	}
+}
+
+void text_message(FILE *out, const char *format, ...)
+{
+	char *text = NULL;
+	va_list arguments;
+	va_start(arguments, format);
+	if (vasprintf(&text, format, arguments) < 0)
+		text = NULL;
+	va_end(arguments);
+	put_message(out, text ? text : "glowworm: no memory for a message\n");
+	free(text);
+}
+
+const char *text_percent(double share, char text[TEXT_PERCENT])
+{
+	double percent = 100.0 * share, size = fabs(percent);
+	if (!isfinite(percent) || !(size >= 1e-9 && size < 1e15)) {
+		snprintf(text, TEXT_PERCENT, "%g", percent);
+		return text;
+	}
+	/* Rounded first: 99.6 has three digits. */
+	snprintf(text, TEXT_PERCENT, "%.1e", percent);
+	int decimals = 1 - (int)strtol(strchr(text, 'e') + 1, NULL, 10);
+	snprintf(text, TEXT_PERCENT, "%.*f", decimals > 0 ? decimals : 0, strtod(text, NULL));
+	if (decimals > 0) {
+		size_t length = strlen(text);
+		while (text[length - 1] == '0')
+			text[--length] = '\0';
+		if (text[length - 1] == '.')
+			text[length - 1] = '\0';
+	}
+	return text;
+}

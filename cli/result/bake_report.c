@@ -1,0 +1,450 @@
+#include "result/bake_report.h"
+#include "program/json_writer.h"
+#include "scene/octree_note.h"
+#include "options/options.h"
+#include "options/preview.h"
+#include "scene/scene_file.h"
+#include "program/text_quote.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MEGABYTE 1e6
+#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
+#define PART_SHARE 0.25  /* and of the whole error */
+
+/* ------------------------------------------------------------------------------ the file */
+
+static void write_inputs(json_writer *json, const bake_facts *f)
+{
+	json_put_open(json, "inputs", '[');
+	for (size_t i = 0; i < f->scene->input_count; i++) {
+		const loaded_input *input = &f->scene->input[i];
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "file", input->path);
+		json_put_text(json, "format", input->format->name);
+		json_put_count(json, "points", input->points);
+		json_put_count(json, "left_out", input->left_out);
+		json_put_text(json, "albedo", input->albedo_source);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_counts(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "counts", '[');
+	for (uint32_t i = 0; i < r->count_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", r->count[i].name);
+		json_put_count(json, "points", r->count[i].points);
+		json_put_text(json, "meaning", r->count[i].meaning);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_effects(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "plan", '[');
+	for (uint32_t i = 0; i < r->effect_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "effect", r->effect[i].name);
+		json_put_bool(json, "called_for", r->effect[i].called_for);
+		json_put_text(json, "reason", r->effect[i].reason);
+		json_put_text(json, "method", r->effect[i].method);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_stages(json_writer *json, const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	json_put_open(json, "stages", '[');
+	for (uint32_t i = 0; i < r->stage_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", r->stage[i].name);
+		json_put_real(json, "seconds", r->stage[i].seconds);
+		json_put_real(json, "device_seconds", r->stage[i].device_seconds);
+		json_put_real(json, "compile_seconds", r->stage[i].compile_seconds);
+		json_put_count(json, "bytes", r->stage[i].bytes);
+		json_put_count(json, "dispatches", r->stage[i].dispatches);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_open_flat(json, "seconds", '{');
+	json_put_real(json, "read", f->read_seconds);
+	json_put_real(json, "bake", f->bake_seconds);
+	json_put_real(json, "write", f->write_seconds);
+	json_put_close(json, '}');
+}
+
+/* With what reading and writing take; 0 stays 0. */
+static double whole_seconds(const bake_facts *f, double seconds)
+{
+	return seconds > 0.0 ? seconds + f->read_seconds + f->write_seconds : 0.0;
+}
+
+static void write_bounces(json_writer *json, const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	json_put_open(json, "bounces", '[');
+	for (uint32_t i = 0; i < r->bounce_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_real(json, "energy", r->bounce[i].energy);
+		json_put_real(json, "seconds", r->bounce[i].seconds);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_real(json, "remaining", r->remaining);
+	json_put_open_flat(json, "error", '{');
+	json_put_count(json, "points", r->error.points);
+	json_put_real(json, "relative_rms", r->error.relative_rms);
+	json_put_real(json, "gathered", r->error.gathered);
+	json_put_real(json, "spread", r->error.spread);
+	json_put_real(json, "bias", r->error.bias);
+	json_put_real(json, "noise", r->error.noise);
+	json_put_real(json, "shadows", r->error.shadows);
+	json_put_real(json, "normals", r->error.normals);
+	json_put_real(json, "emission", r->error.emission);
+	json_put_real(json, "geometry", r->error.geometry);
+	json_put_close(json, '}');
+	json_put_open_flat(json, "price", '{');
+	json_put_real(json, "error", r->price.error);
+	json_put_real(json, "seconds", whole_seconds(f, r->price.seconds));
+	json_put_close(json, '}');
+}
+
+static void write_rounds(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "rounds", '[');
+	for (uint32_t i = 0; i < r->round_count; i++) {
+		const gw_round *round = &r->round[i];
+		json_put_open_flat(json, NULL, '{');
+		json_put_single(json, "record_spacing", round->record_spacing);
+		json_put_single(json, "leaf_spacing", round->leaf_spacing);
+		json_put_count(json, "rays", round->rays);
+		json_put_count(json, "light_samples", round->light_samples);
+		json_put_count(json, "cones", round->cones);
+		json_put_count(json, "records", round->records);
+		json_put_real(json, "relative_rms", round->error.relative_rms);
+		json_put_real(json, "gathered", round->error.gathered);
+		json_put_real(json, "spread", round->error.spread);
+		json_put_real(json, "noise", round->error.noise);
+		json_put_real(json, "shadows", round->error.shadows);
+		json_put_real(json, "normals", round->error.normals);
+		json_put_real(json, "emission", round->error.emission);
+		json_put_real(json, "geometry", round->error.geometry);
+		json_put_real(json, "seconds", round->seconds);
+		json_put_text(json, "why", round->why);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_open_flat(json, "goal", '{');
+	json_put_text(json, "end", gw_goal_name(r->goal));
+	json_put_bool(json, "missed", r->missed);
+	json_put_close(json, '}');
+}
+
+static void write_octree(json_writer *json, const gw_report *r)
+{
+	json_put_open_flat(json, "octree", '{');
+	json_put_count(json, "depth", r->depth);
+	json_put_real(json, "leaf_size", r->leaf_size);
+	if (r->wanted_leaf_size > 0.0) {
+		json_put_real(json, "wanted_leaf_size", r->wanted_leaf_size);
+		json_put_text(json, "why_coarser", r->why_coarser);
+	}
+	json_put_reals(json, "origin", r->origin, 3);
+	json_put_count(json, "leaves", r->leaves);
+	json_put_count(json, "tiles", r->tiles);
+	json_put_count(json, "leaf_tiles", r->leaf_tiles);
+	json_put_count(json, "border_tiles", r->border_tiles);
+	json_put_count(json, "octree_bytes", r->octree_bytes);
+	json_put_count(json, "brick_bytes", r->brick_bytes);
+	json_put_close(json, '}');
+	json_put_open_flat(json, "profile", '{');
+	json_put_real(json, "inject_seconds", r->inject_seconds);
+	json_put_real(json, "trace_seconds", r->trace_seconds);
+	json_put_real(json, "gather_seconds", r->gather_seconds);
+	json_put_close(json, '}');
+	json_put_count(json, "records", r->records);
+	json_put_real(json, "spacing", r->spacing);
+	json_put_count(json, "peak_bytes", r->peak_bytes);
+}
+
+static void write_luminance(json_writer *json, const bake_facts *f)
+{
+	const float *radiance = f->result->radiance;
+	size_t n = f->result->count;
+	double least = n ? preview_luminance(radiance) : 0.0, most = least, sum = 0.0;
+	for (size_t i = 0; i < n; i++) {
+		double luminance = preview_luminance(radiance + 3 * i);
+		least = luminance < least ? luminance : least;
+		most = luminance > most ? luminance : most;
+		sum += luminance;
+	}
+	json_put_open_flat(json, "luminance", '{');
+	json_put_real(json, "minimum", least);
+	json_put_real(json, "mean", n ? sum / (double)n : 0.0);
+	json_put_real(json, "maximum", most);
+	json_put_close(json, '}');
+	json_put_real(json, "exposure", f->exposure);
+}
+
+gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *error)
+{
+	char *text = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+	if (!stream)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the report");
+	const gw_report *r = &f->result->report;
+	json_writer json = { .out = stream, .lines = true };
+	json_put_open(&json, NULL, '{');
+	json_put_text(&json, "glowworm", GW_VERSION);
+	json_put_text(&json, "command", f->settings->command);
+	json_put_count(&json, "points", f->result->count);
+	write_inputs(&json, f);
+	scene_write_members(&json, f->settings);
+	json_put_text(&json, "device", r->device);
+	json_put_text(&json, "driver", r->driver);
+	write_counts(&json, r);
+	write_effects(&json, r);
+	write_octree(&json, r);
+	write_stages(&json, f);
+	write_bounces(&json, f);
+	if (r->goal != GW_GOAL_NONE)
+		write_rounds(&json, r);
+	write_luminance(&json, f);
+	if (f->settings->vdb)
+		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
+	json_put_close(&json, '}');
+	fputc('\n', stream);
+	gw_status status = GW_OK;
+	if (fclose(stream) != 0)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the report");
+	else
+		status = output_file_write(out, text, length, error);
+	free(text);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ for people */
+
+void bake_report_explain(const gw_report *r)
+{
+	for (uint32_t i = 0; i < r->effect_count; i++)
+		fprintf(stderr, "%-18s %-16s %s%s%s%s\n", r->effect[i].name,
+				r->effect[i].called_for ? "called for" : "not called for", r->effect[i].reason,
+				*r->effect[i].method ? " [" : "", r->effect[i].method,
+				*r->effect[i].method ? "]" : "");
+}
+
+/* The rows of Salm's tables 5.1 to 5.4: what is built once, and what each bounce costs. */
+static void profile_bounces(const gw_report *r)
+{
+	double bounces = r->bounce_count > 1 ? (double)(r->bounce_count - 1) : 1.0;
+	double inject = r->inject_seconds * 1e3, gather = r->gather_seconds * 1e3;
+	fprintf(stderr, "%-18s %9s %12s\n", "thesis's terms", "ms", "ms a bounce");
+	fprintf(stderr, "%-18s %9.1f\n", "static", gw_report_seconds(r, "octree") * 1e3);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n", "inj./mip.", inject, inject / bounces);
+	fprintf(stderr, "%-18s %9.1f\n", "rays, traced once", r->trace_seconds * 1e3);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n", "gather", gather, gather / bounces);
+	fprintf(stderr, "%-18s %9.1f %12.2f\n\n", "l.prop.", inject + gather,
+			(inject + gather) / bounces);
+}
+
+void bake_report_profile(const gw_report *r)
+{
+	double seconds = 0.0, device = 0.0, compile = 0.0;
+	fprintf(stderr, "%-18s %9s %9s %9s %9s %10s\n", "stage", "ms", "device ms", "compile ms", "MB",
+			"dispatches");
+	for (uint32_t i = 0; i < r->stage_count; i++) {
+		const gw_stage *s = &r->stage[i];
+		fprintf(stderr, "%-18s %9.1f %9.1f %9.1f %9.1f %10" PRIu64 "\n", s->name, s->seconds * 1e3,
+				s->device_seconds * 1e3, s->compile_seconds * 1e3, (double)s->bytes / MEGABYTE,
+				s->dispatches);
+		seconds += s->seconds;
+		device += s->device_seconds;
+		compile += s->compile_seconds;
+	}
+	fprintf(stderr, "%-18s %9.1f %9.1f %9.1f\n\n", "net", seconds * 1e3, device * 1e3,
+			compile * 1e3);
+	profile_bounces(r);
+	fprintf(stderr, "%-18s %9" PRIu32 "\n", "SVO depth", r->depth);
+	fprintf(stderr, "%-18s %9.1f MB\n", "SVO-buffer", (double)r->octree_bytes / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "brick pools", (double)r->brick_bytes / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "SVO",
+			(double)(r->octree_bytes + r->brick_bytes) / MEGABYTE);
+	fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)r->peak_bytes / MEGABYTE);
+}
+
+/* Is a part of the error worth a word? */
+static bool is_large(const gw_report *r, double part)
+{
+	return part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms);
+}
+
+static void note_geometry(const gw_report *r)
+{
+	char percent[TEXT_PERCENT];
+	if (is_large(r, r->error.geometry))
+		fprintf(stderr,
+				"glowworm: note: the octree and the points themselves disagree by %s %% of the "
+				"mean: surfaces leak or lie elsewhere in it; another --depth or --leaf-spacing may "
+				"mend that\n",
+				text_percent(r->error.geometry, percent));
+}
+
+void bake_report_notes(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	for (uint32_t i = 0; i < r->count_count; i++)
+		if (r->count[i].points)
+			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
+					r->count[i].meaning);
+	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
+	note_geometry(r);
+	if (f->vdb_clamped)
+		fprintf(stderr,
+				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
+				"clamped\n",
+				f->vdb_clamped);
+}
+
+/* "3.1 % +- 0.4 %", or that nothing is known. */
+static void error_text(const gw_report *r, char text[80])
+{
+	char error[TEXT_PERCENT], spread[TEXT_PERCENT];
+	if (r->error.points)
+		snprintf(text, 80, "%s %% +- %s %%", text_percent(r->error.relative_rms, error),
+				 text_percent(r->error.spread, spread));
+	else if (r->error.relative_rms > 0.0)
+		snprintf(text, 80, "%s %%", text_percent(r->error.relative_rms, error));
+	else
+		snprintf(text, 80, "not known");
+}
+
+/* Two digits, in the unit that people count such a time in. */
+static void time_text(double seconds, char text[32])
+{
+	if (seconds < 90.0)
+		snprintf(text, 32, "%.2g s", seconds);
+	else if (seconds < 5400.0)
+		snprintf(text, 32, "%.0f min", seconds / 60.0);
+	else
+		snprintf(text, 32, "%.2g h", seconds / 3600.0);
+}
+
+static void put_part(const gw_report *r, double part, const char *what, const char *remedy,
+					 char *text, size_t room)
+{
+	size_t used = strlen(text);
+	char percent[TEXT_PERCENT];
+	if (is_large(r, part))
+		snprintf(text + used, room - used, "; %s alone are %s %%, which only %s would lessen", what,
+				 text_percent(part, percent), remedy);
+}
+
+/* What no finer setting lessens. */
+static void put_parts(const gw_report *r, char *text, size_t room)
+{
+	put_part(r, r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
+	put_part(r, r->error.normals, "errors of the points' normals", "better ones", text, room);
+	put_part(r, r->error.emission, "edges of what emits", "denser points", text, room);
+}
+
+/* What less would cost, as the end of a sentence. */
+static void price_text(const bake_facts *f, char *text, size_t room)
+{
+	const gw_report *r = &f->result->report;
+	double seconds = whole_seconds(f, r->price.seconds);
+	char time[32], percent[TEXT_PERCENT];
+	*text = '\0';
+	time_text(seconds, time);
+	if (f->settings->bake.method == GW_METHOD_CONES && r->error.points)
+		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
+	else if (r->price.error > 0.0 && seconds > 0.0)
+		snprintf(text, room, "; %s %% would take about %s (--max-error %.2g)",
+				 text_percent(r->price.error, percent), time, r->price.error);
+	else if (r->price.error > 0.0)
+		snprintf(text, room, "; %s %% would take a bake without --transport (--max-error %.2g)",
+				 text_percent(r->price.error, percent), r->price.error);
+	put_parts(r, text, room);
+}
+
+void bake_report_error(const bake_facts *f)
+{
+	const gw_report *r = &f->result->report;
+	char error[80], price[256];
+	if (r->error.points == 0 && !(r->error.relative_rms > 0.0))
+		return;
+	error_text(r, error);
+	price_text(f, price, sizeof price);
+	fprintf(stderr, "glowworm: estimated error: %s of the mean%s\n", error, price);
+}
+
+/* Why a target was missed and what it would take, as the end of a sentence. */
+static void missed_text(const bake_facts *f, char *text, size_t room)
+{
+	const gw_report *r = &f->result->report;
+	char time[32], percent[TEXT_PERCENT];
+	*text = '\0';
+	if (r->goal == GW_GOAL_TIME && r->price.seconds > 0.0) {
+		time_text(whole_seconds(f, r->price.seconds), time);
+		snprintf(text, room, "; it would take about %s in all", time);
+	} else if (r->error.points && r->goal != GW_GOAL_TIME) {
+		snprintf(text, room, "; %s %% are noise of the rays",
+				 text_percent(r->error.noise, percent));
+	}
+	put_parts(r, text, room);
+}
+
+gw_status bake_report_goal(const bake_facts *f, gw_error *error)
+{
+	static const char *const end[GW_GOAL_COUNT] = {
+		[GW_GOAL_REACHED] = "that is as small as asked",
+		[GW_GOAL_TIME] = "another round would not be done in time",
+		[GW_GOAL_EXHAUSTED] = "nothing is left that can be refined",
+		[GW_GOAL_STALLED] = "finer settings no longer lessen it",
+		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
+	};
+	const gw_report *r = &f->result->report;
+	char text[80], why[256];
+	error_text(r, text);
+	missed_text(f, why, sizeof why);
+	if (r->missed)
+		return gw_fail(error, GW_ERROR_MISSED,
+					   "the estimated error is %s after %" PRIu32 " rounds, not %.3g %%: %s%s",
+					   text, r->round_count, 100.0 * (double)f->settings->bake.max_error,
+					   end[r->goal], why);
+	if (r->goal != GW_GOAL_NONE && !f->settings->quiet)
+		fprintf(stderr, "glowworm: note: the estimated error is %s after %" PRIu32 " rounds: %s\n",
+				text, r->round_count, end[r->goal]);
+	return GW_OK;
+}
+
+void bake_report_summary(const bake_facts *f)
+{
+	char bias[TEXT_PERCENT];
+	const gw_report *r = &f->result->report;
+	for (size_t i = 0; i < f->scene->input_count; i++)
+		text_message(stderr, "glowworm: %s: %s, %zu points; albedo from %s\n",
+					 loaded_scene_input_name(f->scene->input[i].path),
+					 f->scene->input[i].format->name, f->scene->input[i].points,
+					 f->scene->input[i].albedo_source);
+	fprintf(stderr, "glowworm: device: %s\n", r->device);
+	fprintf(stderr, "glowworm: octree: depth %" PRIu32 ", leaves of %.4g m, %" PRIu64 " of them\n",
+			r->depth, r->leaf_size, r->leaves);
+	fprintf(stderr, "glowworm: %" PRIu32 " bounces; the rest would add at most %.2g of the light\n",
+			r->bounce_count, r->remaining);
+	if (r->error.points)
+		fprintf(stderr,
+				"glowworm: estimated error: bias %s %%, from %" PRIu32 " points solved again\n",
+				text_percent(r->error.bias, bias), r->error.points);
+	fprintf(stderr, "glowworm: %.1f s reading, %.1f s baking, %.1f s writing\n", f->read_seconds,
+			f->bake_seconds, f->write_seconds);
+}

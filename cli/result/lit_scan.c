@@ -1,0 +1,360 @@
+#include "result/lit_scan.h"
+#include "result/lamp_columns.h"
+#include "files/number_text.h"
+#include "base/parallel.h"
+#include "options/preview.h"
+#include "points/scan_color.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHUNK_POINTS 8192u /* that a thread colours at a time */
+
+/* Columns of an earlier bake. */
+static const char *const stale[] = {
+	"quality",
+	"scalar_radiance_r",
+	"scalar_radiance_g",
+	"scalar_radiance_b",
+	"scalar_direct_r",
+	"scalar_direct_g",
+	"scalar_direct_b",
+	"scalar_indirect_r",
+	"scalar_indirect_g",
+	"scalar_indirect_b",
+	"scalar_irradiance_r",
+	"scalar_irradiance_g",
+	"scalar_irradiance_b",
+	"scalar_roi",
+	"scalar_ao",
+	"scalar_error",
+	"scalar_normal_x",
+	"scalar_normal_y",
+	"scalar_normal_z",
+};
+
+/* What the work on one table needs. */
+typedef struct maker {
+	scan *from, *lit;
+	const gw_bake_result *result;
+	const settings *settings;
+	double exposure;
+	gw_error *error;
+} maker;
+
+/* Moves a column from the one table to the other. */
+static gw_status move_column(maker *m, const char *name)
+{
+	scan_column *from = scan_find(m->from, name);
+	if (!from)
+		return GW_OK;
+	scan_column *to = scan_add_column(m->lit, name, from->type, m->error);
+	if (!to)
+		return GW_ERROR_MEMORY;
+	void *data = to->data;
+	to->data = from->data;
+	from->data = data;
+	scan_remove_column(m->from, name);
+	return GW_OK;
+}
+
+static gw_status move_triple(maker *m, const char *const name[3])
+{
+	gw_status status = GW_OK;
+	for (int k = 0; k < 3 && status == GW_OK; k++)
+		status = move_column(m, name[k]);
+	return status;
+}
+
+static gw_status add_floats(maker *m, const char *name, const float *values, size_t stride)
+{
+	scan_column *column = scan_add_column(m->lit, name, SCAN_FLOAT32, m->error);
+	if (!column)
+		return GW_ERROR_MEMORY;
+	for (size_t i = 0; i < m->lit->count; i++)
+		((float *)column->data)[i] = values[stride * i];
+	return GW_OK;
+}
+
+static gw_status add_triple(maker *m, const char *name, const float *values)
+{
+	static const char channel[3] = "rgb";
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		char full[64];
+		snprintf(full, sizeof full, "scalar_%s_%c", name, channel[k]);
+		status = add_floats(m, full, values + k, 3);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- normals */
+
+static void set_value(scan_column *column, size_t i, float value)
+{
+	if (column->type == SCAN_FLOAT64)
+		((double *)column->data)[i] = (double)value;
+	else
+		((float *)column->data)[i] = value;
+}
+
+static bool is_float(const scan_column *column)
+{
+	return column && (column->type == SCAN_FLOAT32 || column->type == SCAN_FLOAT64);
+}
+
+/* The normals that came in stay, with their length; the others are those that the bake used. */
+static gw_status make_normals(maker *m)
+{
+	static const char *const name[3] = { "nx", "ny", "nz" };
+	scan_column *given[3];
+	bool keep = true;
+	for (int k = 0; k < 3; k++) {
+		given[k] = scan_find(m->from, name[k]);
+		keep = keep && is_float(given[k]);
+	}
+	for (size_t i = 0; keep && i < m->from->count; i++) {
+		double length = 0.0;
+		for (int k = 0; k < 3; k++)
+			length += scan_value(given[k], i) * scan_value(given[k], i);
+		for (size_t k = 0; k < 3 && !(length > 0.0 && isfinite(length)); k++)
+			set_value(given[k], i, m->result->normal[3 * i + k]);
+	}
+	if (keep)
+		return move_triple(m, name);
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(m->from, name[k]);
+		status = add_floats(m, name[k], m->result->normal + k, 3);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- colours */
+
+typedef struct coloring {
+	const float *radiance;
+	double scale;
+	uint8_t *data[3];
+} coloring;
+
+static void color_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const coloring *job = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint8_t rgb[3];
+		preview_color(job->radiance + 3 * i, job->scale, rgb);
+		for (int k = 0; k < 3; k++)
+			job->data[k][i] = rgb[k];
+	}
+}
+
+static gw_status make_colors(maker *m)
+{
+	if (m->settings->colors == 1)
+		return move_triple(m, scan_color_names);
+	coloring job = { .radiance = m->result->radiance, .scale = preview_scale(m->exposure) };
+	for (int k = 0; k < 3; k++) {
+		scan_remove_column(m->from, scan_color_names[k]);
+		scan_column *column = scan_add_column(m->lit, scan_color_names[k], SCAN_UINT8, m->error);
+		if (!column)
+			return GW_ERROR_MEMORY;
+		job.data[k] = column->data;
+	}
+	gw_parallel_for(m->settings->bake.threads, m->lit->count, CHUNK_POINTS, color_points, &job);
+	return GW_OK;
+}
+
+static gw_status make_light(maker *m)
+{
+	const gw_bake_result *r = m->result;
+	scan_column *quality = scan_add_column(m->lit, "quality", SCAN_FLOAT32, m->error);
+	if (!quality)
+		return GW_ERROR_MEMORY;
+	for (size_t i = 0; i < m->lit->count; i++)
+		((float *)quality->data)[i] = (float)preview_luminance(r->radiance + 3 * i);
+	return add_triple(m, "radiance", r->radiance);
+}
+
+static gw_status make_irradiance(maker *m)
+{
+	size_t n = 3 * m->lit->count;
+	float *sum = reallocarray(NULL, n, sizeof *sum);
+	if (!sum)
+		return gw_fail(m->error, GW_ERROR_MEMORY, "no memory for the irradiance");
+	for (size_t i = 0; i < n; i++)
+		sum[i] = m->result->direct_irradiance[i] + m->result->indirect_irradiance[i];
+	gw_status status = add_triple(m, "irradiance", sum);
+	free(sum);
+	return status;
+}
+
+static gw_status make_used_normals(maker *m)
+{
+	static const char *const name[3] = { "scalar_normal_x", "scalar_normal_y", "scalar_normal_z" };
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++)
+		status = add_floats(m, name[k], m->result->normal + k, 3);
+	return status;
+}
+
+static gw_status make_fields(maker *m)
+{
+	uint32_t fields = m->settings->fields;
+	gw_status status = GW_OK;
+	if (fields & 1u << SETTINGS_FIELD_DIRECT)
+		status = add_triple(m, "direct", m->result->direct_irradiance);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_INDIRECT)
+		status = add_triple(m, "indirect", m->result->indirect_irradiance);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_IRRADIANCE)
+		status = make_irradiance(m);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ROI)
+		status = add_floats(m, "scalar_roi", m->result->roi, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_AO)
+		status = add_floats(m, "scalar_ao", m->result->openness, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_NORMALS)
+		status = make_used_normals(m);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ERROR)
+		status = add_floats(m, "scalar_error", m->result->error, 1);
+	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_LIGHTS)
+		status = lamp_columns_add(m->lit, m->result, m->settings, m->error);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- comments */
+
+static gw_status comment(maker *m, const char *text)
+{
+	return scan_add_comment(m->lit, text, m->error);
+}
+
+/* The command can be longer than any buffer. */
+static gw_status comment_command(maker *m)
+{
+	char *text;
+	if (asprintf(&text, "glowworm command: %s", m->settings->command) < 0)
+		return gw_fail(m->error, GW_ERROR_MEMORY, "no memory for a comment line");
+	gw_status status = comment(m, text);
+	free(text);
+	return status;
+}
+
+static gw_status comment_error(maker *m)
+{
+	const gw_report *r = &m->result->report;
+	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT];
+	number_print_float(remaining, (float)r->remaining);
+	number_print_float(rms, (float)r->error.relative_rms);
+	number_print_float(spread, (float)r->error.spread);
+	number_print_float(shadows, (float)r->error.shadows);
+	number_print_float(normals, (float)r->error.normals);
+	number_print_float(emission, (float)r->error.emission);
+	number_print_float(geometry, (float)r->error.geometry);
+	snprintf(text, sizeof text,
+			 "glowworm estimated error: bounces left out would add at most %s of the light",
+			 remaining);
+	gw_status status = comment(m, text);
+	int length = snprintf(
+		text, sizeof text,
+		"glowworm estimated error: RMS %s +- %s of the mean radiance, from %u points; edges of "
+		"shadows alone %s",
+		rms, spread, r->error.points, shadows);
+	if (r->error.normals > 0)
+		length += snprintf(text + length, sizeof text - (size_t)length, ", errors of normals %s",
+						   normals);
+	if (r->error.emission > 0)
+		length += snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s",
+						   emission);
+	if (r->error.geometry > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
+	return status == GW_OK && known ? comment(m, text) : status;
+}
+
+static gw_status make_comments(maker *m)
+{
+	char text[256], exposure[NUMBER_TEXT];
+	number_print_float(exposure, (float)m->exposure);
+	gw_status status = GW_OK;
+	for (size_t c = 0; c < m->from->comment_count && status == GW_OK; c++)
+		if (strncmp(m->from->comment[c], "glowworm ", 9) != 0 &&
+			strncmp(m->from->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
+			status = comment(m, m->from->comment[c]);
+	if (status == GW_OK)
+		status = comment(m, "glowworm " GW_VERSION);
+	if (status == GW_OK)
+		status = comment_command(m);
+	snprintf(text, sizeof text,
+			 "glowworm units: linear RGB, Rec.709; radiance in %s, irradiance in %s",
+			 m->settings->units ? "cd/m^2" : "W/(sr m^2)", m->settings->units ? "lx" : "W/m^2");
+	if (status == GW_OK)
+		status = comment(m, text);
+	snprintf(text, sizeof text,
+			 "glowworm preview: sRGB(PBR Neutral(radiance * 0.18 / (0.125 * 2^EV))), EV %s",
+			 exposure);
+	if (status == GW_OK && m->settings->colors == 0)
+		status = comment(m, text);
+	return status == GW_OK ? comment_error(m) : status;
+}
+
+gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
+						scan *lit, double *exposure, gw_error *error)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
+	*exposure = isnan(s->exposure)
+					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
+					: (double)s->exposure;
+	maker m = { &scene->cloud, lit, result, s, *exposure, error };
+	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
+		scan_remove_column(m.from, stale[i]);
+	lamp_columns_remove(m.from);
+	gw_status status = make_comments(&m);
+	if (status == GW_OK)
+		status = move_triple(&m, position);
+	if (status == GW_OK)
+		status = make_normals(&m);
+	if (status == GW_OK)
+		status = make_colors(&m);
+	if (status == GW_OK)
+		status = move_triple(&m, scan_albedo_names);
+	while (status == GW_OK && m.from->column_count > 0)
+		status = move_column(&m, m.from->column[0].name);
+	if (status == GW_OK)
+		status = make_light(&m);
+	if (status == GW_OK)
+		status = make_fields(&m);
+	lit->scanner = m.from->scanner;
+	lit->scanner_count = m.from->scanner_count;
+	lit->scanner_of = m.from->scanner_of;
+	m.from->scanner = NULL;
+	m.from->scanner_of = NULL;
+	m.from->scanner_count = 0;
+	scan_clear(&scene->cloud);
+	if (status != GW_OK)
+		scan_clear(lit);
+	return status;
+}
+
+size_t lit_scan_row_bytes(const loaded_scene *scene, const settings *s, size_t *columns)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	static const size_t floats[SETTINGS_FIELD_COUNT] = {
+		[SETTINGS_FIELD_DIRECT] = 3, [SETTINGS_FIELD_INDIRECT] = 3, [SETTINGS_FIELD_IRRADIANCE] = 3,
+		[SETTINGS_FIELD_ROI] = 1,    [SETTINGS_FIELD_AO] = 1,       [SETTINGS_FIELD_NORMALS] = 3,
+		[SETTINGS_FIELD_ERROR] = 1,
+	};
+	size_t bytes = 6, count = 7; /* normals, the luminance and radiance; colours and albedo */
+	for (int k = 0; k < 3; k++)
+		bytes += scan_type_size(scan_find(&scene->cloud, position[k])->type);
+	for (size_t f = 0; f < SETTINGS_FIELD_COUNT; f++)
+		count += s->fields >> f & 1u ? floats[f] : 0;
+	bytes += count * sizeof(float);
+	*columns = count + 9;
+	return bytes;
+}

@@ -1,0 +1,561 @@
+#include "scene/loaded_scene.h"
+#include "files/growing_table.h"
+#include "points/scan_color.h"
+#include "points/scan_join.h"
+#include "program/signals.h"
+#include "table/format_table.h"
+#include "meshes/mesh_reader.h"
+#include "panoramas/panorama_reader.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const position_names[3] = { "x", "y", "z" };
+static const char *const normal_names[3] = { "nx", "ny", "nz" };
+static const char *const emission_names[3] = { "emission_r", "emission_g", "emission_b" };
+
+const char *loaded_scene_input_name(const char *path)
+{
+	return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+/* -------------------------------------------------------------------- moving one input */
+
+/* Replaces three columns by doubles, M * v; what they held comes from scan_value. */
+static gw_status transform_columns(scan *cloud, const char *const name[3], const double m[9],
+								   const double shift[3], gw_error *error)
+{
+	double *value = reallocarray(NULL, cloud->count, 3 * sizeof *value);
+	if (!value)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to move %zu points", cloud->count);
+	for (int k = 0; k < 3; k++) {
+		const scan_column *column = scan_find(cloud, name[k]);
+		for (size_t i = 0; i < cloud->count; i++)
+			value[3 * i + (size_t)k] = scan_value(column, i);
+	}
+	gw_status status = GW_OK;
+	for (int k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(cloud, name[k]);
+		scan_column *column = scan_add_column(cloud, name[k], SCAN_FLOAT64, error);
+		status = column ? GW_OK : GW_ERROR_MEMORY;
+		for (size_t i = 0; column && i < cloud->count; i++) {
+			const double *v = value + 3 * i;
+			((double *)column->data)[i] =
+				m[3 * k] * v[0] + m[3 * k + 1] * v[1] + m[3 * k + 2] * v[2] + shift[k];
+		}
+	}
+	free(value);
+	return status;
+}
+
+/* Cofactors of a 3x3 matrix: its inverse transposed, up to a factor. */
+static void cofactors(const double a[9], double c[9])
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+			c[3 * i + j] = a[3 * i1 + j1] * a[3 * i2 + j2] - a[3 * i1 + j2] * a[3 * i2 + j1];
+		}
+}
+
+/* Normals keep their length, which says how much they spread. */
+static gw_status transform_normals(scan *cloud, const double linear[9], gw_error *error)
+{
+	static const double zero[3] = { 0 };
+	double c[9];
+	cofactors(linear, c);
+	double determinant = linear[0] * c[0] + linear[1] * c[1] + linear[2] * c[2];
+	for (int k = 0; k < 9; k++)
+		c[k] *= determinant < 0.0 ? -1.0 : 1.0;
+	double *length = reallocarray(NULL, cloud->count, sizeof *length);
+	if (!length)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++) {
+		double n[3];
+		for (int k = 0; k < 3; k++)
+			n[k] = scan_value(scan_find(cloud, normal_names[k]), i);
+		length[i] = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+	}
+	gw_status status = transform_columns(cloud, normal_names, c, zero, error);
+	for (size_t i = 0; i < cloud->count && status == GW_OK; i++) {
+		double *n[3], sum = 0.0;
+		for (int k = 0; k < 3; k++) {
+			n[k] = (double *)scan_find(cloud, normal_names[k])->data + i;
+			sum += *n[k] * *n[k];
+		}
+		for (int k = 0; k < 3 && sum > 0.0; k++)
+			*n[k] *= length[i] / sqrt(sum);
+	}
+	free(length);
+	return status;
+}
+
+static gw_status transform(scan *cloud, const double matrix[16], gw_error *error)
+{
+	double linear[9], shift[3];
+	for (int row = 0; row < 3; row++) {
+		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
+		shift[row] = matrix[4 * row + 3];
+	}
+	for (size_t i = 0; i < cloud->scanner_count; i++) {
+		double s[3], *to = cloud->scanner + 3 * i;
+		memcpy(s, to, sizeof s);
+		for (int k = 0; k < 3; k++)
+			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
+					shift[k];
+	}
+	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
+	gw_status status = transform_columns(cloud, position_names, linear, shift, error);
+	if (status == GW_OK && normals)
+		status = transform_normals(cloud, linear, error);
+	return status;
+}
+
+/* --------------------------------------------------------------------- one input's columns */
+
+static gw_status set_emission(scan *cloud, const float emission[3], gw_error *error)
+{
+	for (int k = 0; k < 3; k++) {
+		scan_remove_column(cloud, emission_names[k]);
+		scan_column *column = scan_add_column(cloud, emission_names[k], SCAN_FLOAT32, error);
+		if (!column)
+			return GW_ERROR_MEMORY;
+		for (size_t i = 0; i < cloud->count; i++)
+			((float *)column->data)[i] = emission[k];
+	}
+	return GW_OK;
+}
+
+static gw_status set_number(scan *cloud, const char *name, float value, gw_error *error)
+{
+	scan_remove_column(cloud, name);
+	scan_column *column = scan_add_column(cloud, name, SCAN_FLOAT32, error);
+	for (size_t i = 0; column && i < cloud->count; i++)
+		((float *)column->data)[i] = value;
+	return column ? GW_OK : GW_ERROR_MEMORY;
+}
+
+/* A glossy surface of which nobody says how rough it is is as matt as can be. */
+static gw_status set_gloss(const settings_input *from, scan *cloud, gw_error *error)
+{
+	gw_status status = GW_OK;
+	if (from->has_specular)
+		status = set_number(cloud, "specular", from->specular, error);
+	if (status == GW_OK && from->has_roughness)
+		return set_number(cloud, "roughness", from->roughness, error);
+	if (status == GW_OK && from->has_specular && !scan_find(cloud, "roughness"))
+		status = set_number(cloud, "roughness", 1.0f, error);
+	return status;
+}
+
+static uint8_t to_byte(double value)
+{
+	return value > 0.0 ? (uint8_t)(fmin(value, 1.0) * 255.0 + 0.5) : 0;
+}
+
+/* Keeps the colours under the names by which a lit file is lit again. */
+static gw_status keep_albedo(scan *cloud, const float *albedo, bool own_colors, gw_error *error)
+{
+	scan_color color = { 0 };
+	own_colors = own_colors &&
+				 (scan_color_find(cloud, scan_albedo_names, &color) ||
+				  scan_color_find(cloud, scan_color_names, &color)) &&
+				 !color.black;
+	uint8_t *kept = reallocarray(NULL, cloud->count, 3);
+	if (!kept)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for colours of %zu points", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++)
+		for (size_t k = 0; k < 3; k++)
+			kept[3 * i + k] = to_byte(own_colors ? scan_color_value(&color, (int)k, i)
+												 : scan_srgb_encode((double)albedo[3 * i + k]));
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(cloud, scan_albedo_names[k]);
+		scan_column *column = scan_add_column(cloud, scan_albedo_names[k], SCAN_UINT8, error);
+		status = column ? GW_OK : GW_ERROR_MEMORY;
+		for (size_t i = 0; column && i < cloud->count; i++)
+			((uint8_t *)column->data)[i] = kept[3 * i + k];
+	}
+	free(kept);
+	return status;
+}
+
+static bool is_lit(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], "glowworm ", 9) == 0)
+			return true;
+	return false;
+}
+
+/* From the columns of one file to points; facts for the report. */
+static gw_status make_points(const settings *s, const settings_input *from, scan *cloud,
+							 scan_points *points, loaded_input *facts, gw_error *error)
+{
+	scan_points_options options = s->points;
+	options.linear_colors = s->gamma == 1 && !facts->is_mesh;
+	/* Where the albedo of scans comes from does not concern meshes, whose colours we made, black
+	 * ones included. */
+	if (facts->is_mesh && options.albedo != SCAN_ALBEDO_CONSTANT)
+		options.albedo = SCAN_ALBEDO_COLOR;
+	gw_status status = scan_points_make(cloud, &options, points, error);
+	if (status != GW_OK)
+		return status;
+	for (size_t i = 0; from->has_albedo && i < 3 * cloud->count; i++)
+		points->albedo[i] = from->albedo[i % 3];
+	bool colors = !from->has_albedo;
+	memcpy(facts->albedo_source, points->albedo_source, sizeof facts->albedo_source);
+	if (from->has_albedo)
+		snprintf(facts->albedo_source, sizeof facts->albedo_source,
+				 "a constant, as the scene file says");
+	scan_color color;
+	facts->albedo_missing = !from->has_albedo && !facts->is_mesh &&
+							s->points.albedo == SCAN_ALBEDO_AUTO &&
+							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
+							   scan_color_find(cloud, scan_color_names, &color)) ||
+							 color.black);
+	facts->lit = is_lit(cloud);
+	facts->points = cloud->count;
+	facts->left_out = cloud->left_out;
+	return keep_albedo(cloud, points->albedo, colors, error);
+}
+
+/* One input on its way into the scene. */
+typedef struct part {
+	scan cloud;
+	scan_points points;
+} part;
+
+static gw_status read_cloud(const settings *s, const settings_input *from, scan *cloud,
+							loaded_input *facts, gw_error *error)
+{
+	format_options options = { s->format, s->columns, s->bake.threads };
+	gw_status status = format_read_with(from->path, &options, cloud, &facts->format, error);
+	if (status != GW_OK)
+		return status;
+	if (cloud->count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
+					   loaded_scene_input_name(from->path));
+	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
+}
+
+/* The matrix comes before the sampling, so that the density is that of the scene. */
+static gw_status read_mesh(const settings *s, const settings_input *from, loaded_input *facts,
+						   gw_error *error)
+{
+	gw_status status = mesh_read(from->path, &facts->mesh, error);
+	if (status != GW_OK)
+		return status;
+	facts->format = facts->mesh.format;
+	mesh_stand(&facts->mesh, s->up == SETTINGS_UP_Y ? 'y' : 'z');
+	if (from->has_matrix)
+		mesh_transform(&facts->mesh, from->matrix);
+	return mesh_measure(&facts->mesh, loaded_scene_input_name(from->path), error);
+}
+
+/* What is the same for clouds and sampled meshes. */
+static gw_status finish_part(const settings *s, const settings_input *from, part *p,
+							 loaded_input *facts, gw_error *error)
+{
+	gw_error reason = { 0 };
+	gw_status status = GW_OK;
+	if (from->has_emission)
+		status = set_emission(&p->cloud, from->emission, error);
+	if (status == GW_OK)
+		status = set_gloss(from, &p->cloud, error);
+	if (status == GW_OK) {
+		status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
+		if (status != GW_OK)
+			gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- meshes */
+
+gw_status loaded_scene_mesh_count(const mesh *m, double density, const char *name, uint64_t *count,
+								  gw_error *error)
+{
+	double exact = round(density * m->area);
+	if (!(exact >= 1.0))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: %.3g m^2 with %.3g points a square metre hold no point; give a larger "
+					   "density",
+					   name, m->area, density);
+	if (!(exact <= 0x1p53))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: %.3g m^2 with %.3g points a square metre are too many points; give a "
+					   "smaller density",
+					   name, m->area, density);
+	*count = (uint64_t)exact;
+	return GW_OK;
+}
+
+/* The density of meshes that say none: the scan's, else what the count comes to. */
+static gw_status find_density(const settings *s, const loaded_scene *scene, const part *parts,
+							  double *density, gw_error *error)
+{
+	const part *largest = NULL;
+	double area = 0.0;
+	bool needed = false;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (scene->input[i].is_mesh && !(s->input[i].density > 0.0f)) {
+			area += scene->input[i].mesh.area;
+			needed = true;
+		}
+		if (!scene->input[i].is_mesh && (!largest || parts[i].cloud.count > largest->cloud.count))
+			largest = &parts[i];
+	}
+	*density = s->density > 0.0f ? (double)s->density : (double)s->count / area;
+	if (!needed || s->density > 0.0f || !largest)
+		return GW_OK;
+	gw_statistics statistics;
+	gw_status status = gw_measure(&largest->points.points, s->bake.threads, &statistics, error);
+	if (status == GW_OK && !(statistics.density > 0.0 && isfinite(statistics.density)))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "the clouds have no density that meshes could follow; give --density");
+	*density = statistics.density;
+	return status;
+}
+
+static gw_status sample_mesh(const settings *s, size_t i, double density, loaded_input *facts,
+							 part *p, gw_error *error)
+{
+	const settings_input *from = &s->input[i];
+	uint64_t count;
+	if (from->density > 0.0f)
+		density = (double)from->density;
+	gw_status status = loaded_scene_mesh_count(&facts->mesh, density,
+											   loaded_scene_input_name(from->path), &count, error);
+	/* Another seed each, so that copies of a mesh do not repeat its points. */
+	if (status == GW_OK)
+		status =
+			mesh_sample(&facts->mesh, count, s->bake.seed + i, s->bake.threads, &p->cloud, error);
+	mesh_clear_shape(&facts->mesh);
+	return status == GW_OK ? finish_part(s, from, p, facts, error) : status;
+}
+
+/* ------------------------------------------------------------------------------- joining */
+
+/* Appends n values to count ones; a missing array counts as zeros. */
+static gw_status append_floats(float **to, size_t count, const float *from, size_t n,
+							   gw_error *error)
+{
+	if (!*to && !from)
+		return GW_OK;
+	bool had = *to != NULL;
+	float *grown = reallocarray(*to, count + n, sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", (count + n) / 3);
+	if (!had)
+		memset(grown, 0, count * sizeof *grown);
+	if (from)
+		memcpy(grown + count, from, n * sizeof *grown);
+	else
+		memset(grown + count, 0, n * sizeof *grown);
+	*to = grown;
+	return GW_OK;
+}
+
+static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
+							   gw_error *error)
+{
+	size_t n = 3 * from->points.count;
+	double *position = reallocarray(to->position, 3 * count + n, sizeof *position);
+	if (!position)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions");
+	to->position = position;
+	memcpy(position + 3 * count, from->position, n * sizeof *position);
+	gw_status status = append_floats(&to->normal, 3 * count, from->normal, n, error);
+	if (status == GW_OK)
+		status = append_floats(&to->albedo, 3 * count, from->albedo, n, error);
+	if (status == GW_OK)
+		status = append_floats(&to->emission, 3 * count, from->emission, n, error);
+	return status;
+}
+
+static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
+{
+	if (scene->cloud.column_count == 0) {
+		scene->cloud = *cloud;
+		scene->points = *points;
+		*cloud = (scan){ 0 };
+		*points = (scan_points){ 0 };
+		return GW_OK;
+	}
+	gw_status status = append_points(&scene->points, scene->cloud.count, points, error);
+	if (status == GW_OK)
+		status = scan_append(&scene->cloud, cloud, error);
+	return status;
+}
+
+static gw_status check_up(const settings *s, loaded_scene *scene, char up, const char *path,
+						  gw_error *error)
+{
+	if (s->up != SETTINGS_UP_AUTO)
+		up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	if (scene->up && scene->up != up)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s has %c up, but the inputs before it %c; say which holds with --up",
+					   loaded_scene_input_name(path), up, scene->up);
+	scene->up = up;
+	return GW_OK;
+}
+
+static gw_status stopped(gw_error *error)
+{
+	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+}
+
+bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
+{
+	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
+	return from->mesh || (named && mesh_has_faces(from->path));
+}
+
+/* Clouds become points; meshes are read, but how densely to sample them is known only when all
+ * clouds are there. */
+static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+		const settings_input *from = &s->input[i];
+		loaded_input *facts = &scene->input[i];
+		facts->path = from->path;
+		facts->is_mesh = loaded_scene_is_mesh(s, from);
+		scene->input_count = i + 1;
+		if (facts->is_mesh)
+			status = read_mesh(s, from, facts, error);
+		else
+			status = read_cloud(s, from, &parts[i].cloud, facts, error);
+		if (status == GW_OK && !facts->is_mesh)
+			status = finish_part(s, from, &parts[i], facts, error);
+		if (status == GW_OK)
+			status = stopped(error);
+	}
+	return status;
+}
+
+static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	double density;
+	gw_status status = find_density(s, scene, parts, &density, error);
+	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+		if (scene->input[i].is_mesh)
+			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
+		/* A mesh that does not say which way is up follows the inputs before it. */
+		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
+		char up = follows ? scene->up : parts[i].cloud.up;
+		if (status == GW_OK)
+			status = check_up(s, scene, up, s->input[i].path, error);
+		if (status == GW_OK)
+			status = join(scene, &parts[i].cloud, &parts[i].points, error);
+		scan_clear(&parts[i].cloud);
+		scan_points_clear(&parts[i].points);
+		if (status == GW_OK)
+			status = stopped(error);
+	}
+	return status;
+}
+
+static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	part *parts = calloc(s->input_count, sizeof *parts);
+	scene->input = calloc(s->input_count, sizeof *scene->input);
+	gw_status status = GW_OK;
+	if (!parts || !scene->input)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
+	if (status == GW_OK)
+		status = read_parts(s, scene, parts, error);
+	if (status == GW_OK)
+		status = join_parts(s, scene, parts, error);
+	for (size_t i = 0; parts && i < s->input_count; i++) {
+		scan_clear(&parts[i].cloud);
+		scan_points_clear(&parts[i].points);
+	}
+	free(parts);
+	return status;
+}
+
+gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	*scene = (loaded_scene){ 0 };
+	gw_status status = read_all(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	scan_points *p = &scene->points;
+	p->points = (gw_points){ .count = scene->cloud.count,
+							 .position = p->position,
+							 .normal = p->normal,
+							 .albedo = p->albedo,
+							 .emission = p->emission,
+							 .scanner = scene->cloud.scanner,
+							 .scanner_count = scene->cloud.scanner_count,
+							 .scanner_of = scene->cloud.scanner_of };
+	return GW_OK;
+}
+
+void loaded_scene_clear(loaded_scene *scene)
+{
+	scan_clear(&scene->cloud);
+	scan_points_clear(&scene->points);
+	for (size_t i = 0; i < scene->input_count; i++)
+		mesh_clear(&scene->input[i].mesh);
+	for (size_t i = 0; i < scene->map_count; i++)
+		panorama_clear(&scene->map[i]);
+	free(scene->map);
+	free(scene->input);
+	*scene = (loaded_scene){ 0 };
+}
+
+static bool emits(const loaded_scene *scene)
+{
+	const float *emission = scene->points.emission;
+	for (size_t i = 0; emission && i < 3 * scene->cloud.count; i++)
+		if (emission[i] > 0.0f && isfinite(emission[i]))
+			return true;
+	return false;
+}
+
+/* Reads the maps of environment lights; the scene owns their pixels. */
+static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lights,
+						   gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+		if (!s->light[i].map[0])
+			continue;
+		panorama *grown = growing_table_room(scene->map, scene->map_count, sizeof *grown);
+		if (!grown)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
+		scene->map = grown;
+		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
+		if (status != GW_OK)
+			break;
+		const panorama *map = &grown[scene->map_count++];
+		lights[i].map = map->pixels;
+		lights[i].map_width = map->width;
+		lights[i].map_height = map->height;
+	}
+	return status;
+}
+
+gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **lights, gw_error *error)
+{
+	*lights = calloc(s->light_count ? s->light_count : 1, sizeof **lights);
+	if (!*lights)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	for (size_t i = 0; i < s->light_count; i++) {
+		light_resolve(&s->light[i], scene->up);
+		(*lights)[i] = s->light[i].light;
+	}
+	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "nothing here gives light: there is no --light, and no point has emission; "
+					   "try --light 'sky radiance 1'");
+	return read_maps(scene, s, *lights, error);
+}

@@ -1,0 +1,179 @@
+/*
+ * The scene with all values in effect, as a scene file.
+ */
+#include "files/number_text.h"
+#include "options/options.h"
+#include "scene/scene_file.h"
+
+#include <assert.h>
+#include <string.h>
+
+static void write_key(json_writer *json, const lamp *light, light_key_id id)
+{
+	const gw_light *l = &light->light;
+	const char *name = light_keys[id].name;
+	switch (id) {
+	case LIGHT_KEY_POSITION:
+		json_put_reals(json, name, l->position, 3);
+		break;
+	case LIGHT_KEY_DIRECTION:
+		json_put_reals(json, name, l->direction, 3);
+		break;
+	case LIGHT_KEY_INTENSITY:
+		json_put_singles(json, name, l->intensity, 3);
+		break;
+	case LIGHT_KEY_IRRADIANCE:
+		json_put_singles(json, name, l->irradiance, 3);
+		break;
+	case LIGHT_KEY_RADIANCE:
+		json_put_singles(json, name, l->radiance, 3);
+		break;
+	case LIGHT_KEY_MAP:
+		if (light->map[0])
+			json_put_text(json, name, light->map);
+		break;
+	case LIGHT_KEY_ROTATION:
+		if (light->map[0])
+			json_put_single(json, name, l->rotation);
+		break;
+	case LIGHT_KEY_INNER:
+		json_put_single(json, name, l->inner_angle);
+		break;
+	case LIGHT_KEY_OUTER:
+		json_put_single(json, name, l->outer_angle);
+		break;
+	case LIGHT_KEY_RADIUS:
+		json_put_single(json, name, l->radius);
+		break;
+	case LIGHT_KEY_ANGLE:
+		json_put_single(json, name, l->angle);
+		break;
+	case LIGHT_KEY_NAME:
+		if (l->name[0])
+			json_put_text(json, name, l->name);
+		break;
+	case LIGHT_KEY_TARGET:
+	case LIGHT_KEY_SKY:
+	case LIGHT_KEY_COUNT:
+		break;
+	}
+}
+
+/* A value of an input's keyframe, or of a light's. */
+static void write_value(json_writer *json, const motion_key *key, int which, bool of_light)
+{
+	static const char *const name[MOTION_VALUES] = { "move", "rotate", "scale" };
+	assert(of_light || which < MOTION_VALUES);
+	bool one = of_light ? light_keys[which].value == LIGHT_VALUE_NUMBER : which == MOTION_SCALE;
+	const char *own = of_light ? light_keys[which].name : name[which];
+	if (one)
+		json_put_real(json, own, key->value[which][0]);
+	else
+		json_put_reals(json, own, key->value[which], 3);
+}
+
+static void write_path(json_writer *json, const motion_path *path, bool of_light)
+{
+	if (path->matrix_count > 0) {
+		json_put_open_flat(json, "matrices", '[');
+		for (size_t i = 0; i < path->matrix_count; i++)
+			json_put_reals(json, NULL, path->matrix + 16 * i, 16);
+		json_put_close(json, ']');
+		return;
+	}
+	if (path->smooth)
+		json_put_text(json, "interpolation", "smooth");
+	if (path->has_pivot)
+		json_put_reals(json, "pivot", path->pivot, 3);
+	json_put_open_flat(json, "path", '[');
+	for (size_t i = 0; i < path->key_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_count(json, "frame", path->key[i].frame);
+		for (int which = 0; which < LIGHT_KEY_COUNT; which++)
+			if (path->key[i].given & 1u << which)
+				write_value(json, &path->key[i], which, of_light);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+static void write_lights(json_writer *json, const settings *s)
+{
+	json_put_open(json, "lights", '[');
+	for (size_t i = 0; i < s->light_count; i++) {
+		const gw_light *l = &s->light[i].light;
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "type", gw_light_type_name(l->type));
+		for (int k = 0; k < LIGHT_KEY_COUNT; k++)
+			if (light_keys[k].types & 1u << l->type)
+				write_key(json, &s->light[i], (light_key_id)k);
+		if (s->light[i].motion > 0)
+			write_path(json, &s->path[s->light[i].motion - 1], true);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+/* A number stays a number, a flag a flag; words and sizes are texts. */
+static void write_option(json_writer *json, const option *o, const settings *s)
+{
+	char key[64], text[OPTION_VALUE];
+	double value;
+	option_key(o, key);
+	if (!option_print(o, s, text))
+		return;
+	bool number = o->type == OPTION_COUNT || o->type == OPTION_REAL || o->type == OPTION_SEED;
+	if (number && number_read(text, strlen(text), &value) == strlen(text) &&
+		(o->type != OPTION_SEED || value < 0x1p53))
+		json_put_real(json, key, value);
+	else
+		json_put_text(json, key, text);
+}
+
+void scene_write_members(json_writer *json, const settings *s)
+{
+	json_put_text(json, "units", s->units ? "photometric" : "radiometric");
+	if (s->frame_count > 0)
+		json_put_count(json, "frames", s->frame_count);
+	write_lights(json, s);
+	json_put_open(json, "bake", '{');
+	for (const option *o = options; o->name; o++)
+		if (o->scene)
+			write_option(json, o, s);
+	json_put_close(json, '}');
+}
+
+void scene_write(FILE *out, const settings *s)
+{
+	json_writer json = { .out = out, .lines = true };
+	json_put_open(&json, NULL, '{');
+	json_put_count(&json, "version", 1);
+	json_put_open(&json, "inputs", '[');
+	for (size_t i = 0; i < s->input_count; i++) {
+		const settings_input *input = &s->input[i];
+		json_put_open_flat(&json, NULL, '{');
+		json_put_text(&json, "file", input->path);
+		const motion_path *path = input->motion > 0 ? &s->path[input->motion - 1] : NULL;
+		if (path)
+			write_path(&json, path, false);
+		if (input->has_matrix && !(path && path->matrix_count > 0))
+			json_put_reals(&json, "matrix", input->matrix, 16);
+		if (input->has_emission)
+			json_put_singles(&json, "emission", input->emission, 3);
+		if (input->has_albedo)
+			json_put_singles(&json, "albedo", input->albedo, 3);
+		if (input->has_specular)
+			json_put_single(&json, "specular", input->specular);
+		if (input->has_roughness)
+			json_put_single(&json, "roughness", input->roughness);
+		if (input->mesh || input->vertices)
+			json_put_bool(&json, "mesh", input->mesh);
+		if (input->density > 0.0f)
+			json_put_single(&json, "density", input->density);
+		json_put_close(&json, '}');
+	}
+	json_put_close(&json, ']');
+	scene_write_members(&json, s);
+	json_put_close(&json, '}');
+	fputc('\n', out);
+}

@@ -1,0 +1,133 @@
+/*
+ * glowworm - finds the verb, reads its options, runs it, says what went wrong.
+ */
+#include "program/crash.h"
+#include "program/exit_code.h"
+#include "program/nearest_name.h"
+#include "options/option_text.h"
+#include "program/signals.h"
+#include "program/text_quote.h"
+#include "verbs/verbs.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What was printed must have arrived: a full disk or a closed pipe is a failure. */
+static gw_status flush_output(gw_error *error)
+{
+	errno = 0;
+	if (fflush(stdout) == 0 && !ferror(stdout))
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_IO, "standard output cannot be written: %s",
+				   strerror(errno ? errno : EIO));
+}
+
+static gw_status find_verb(const char *word, verb *found, gw_error *error)
+{
+	char hint[NEAREST_NAME_HINT], known[160] = "";
+	const char *name[VERB_COUNT];
+	for (int v = 0; v < VERB_COUNT; v++) {
+		name[v] = verb_name(v);
+		if (strcmp(word, name[v]) == 0) {
+			*found = (verb)v;
+			return GW_OK;
+		}
+		snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", v ? ", " : "",
+				 name[v]);
+	}
+	return gw_fail(error, GW_ERROR_USAGE, "there is no verb '%.60s'; there are %s%s", word, known,
+				   nearest_name_hint(hint, word, "", name, VERB_COUNT));
+}
+
+static gw_status call_verb(verb v, settings *s, gw_error *error)
+{
+	switch (v) {
+	case VERB_BAKE:
+		return verb_bake(s, error);
+	case VERB_INFO:
+		return verb_info(s, error);
+	case VERB_COMPARE:
+		return verb_compare(s, error);
+	case VERB_MIX:
+		return verb_mix(s, error);
+	case VERB_SAMPLE:
+		return verb_sample(s, error);
+	case VERB_CONVERT:
+		return verb_convert(s, error);
+	case VERB_RENDER:
+		return verb_render(s, error);
+	case VERB_TRADEOFF:
+		return verb_tradeoff(s, error);
+	case VERB_DOCTOR:
+		return verb_doctor(s, error);
+	case VERB_COUNT:
+		break;
+	}
+	return GW_ERROR_INTERNAL;
+}
+
+static gw_status run_verb(int count, char **argument, gw_error *error)
+{
+	verb v = VERB_BAKE;
+	gw_status status = find_verb(argument[0], &v, error);
+	if (status != GW_OK)
+		return status;
+	settings s = settings_default();
+	status = options_parse(v, count - 1, argument + 1, &s, error);
+	if (s.help) {
+		option_text_help(v, stdout);
+		status = GW_OK;
+	} else if (status == GW_OK) {
+		status = call_verb(v, &s, error);
+	}
+	settings_clear(&s);
+	return status;
+}
+
+static gw_status run(int count, char **argument, gw_error *error)
+{
+	if (strcmp(argument[0], "--version") == 0 || strcmp(argument[0], "-V") == 0) {
+		puts("glowworm " GW_VERSION);
+		return GW_OK;
+	}
+	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0) {
+		option_text_usage(stdout);
+		return GW_OK;
+	}
+	if (strcmp(argument[0], "--generate") == 0 && count == 2)
+		return option_text_generate(argument[1], stdout, error);
+	if (argument[0][0] == '-')
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "'%.60s' is no option here; there are --help and --version", argument[0]);
+	return run_verb(count, argument, error);
+}
+
+static int run_program(int count, char **argument)
+{
+	if (count < 2) {
+		option_text_usage(stderr);
+		return EXIT_CODE_USAGE;
+	}
+	gw_error error = { 0 };
+	gw_status status = run(count - 1, argument + 1, &error);
+	if (status == GW_OK)
+		status = flush_output(&error);
+	if (status != GW_OK)
+		text_message(stderr, "glowworm: %s\n", error.text);
+	return exit_code_of(status, signals_pending());
+}
+
+int main(int count, char **argument)
+{
+	signals_install();
+	crash_install();
+	int code = run_program(count, argument);
+	crash_finish();
+	/* A loader that got no memory may hold its lock for ever, and wait for it at a normal end. */
+	if (code == EXIT_CODE_MEMORY) {
+		fflush(NULL);
+		_exit(code);
+	}
+	return code;
+}

@@ -1,0 +1,382 @@
+#include "verbs/verbs.h"
+#include "result/bake_report.h"
+#include "scene/file_roles.h"
+#include "result/frame_bake.h"
+#include "scene/glossy_points.h"
+#include "files/input_file.h"
+#include "result/lit_scan.h"
+#include "scene/mesh_notes.h"
+#include "options/output_name.h"
+#include "options/progress.h"
+#include "options/quality_preset.h"
+#include "scene/scene_file.h"
+#include "program/signals.h"
+#include "program/text_quote.h"
+#include "grids/vdb_grids.h"
+#include "grids/voxel_merge.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* All that lives as long as one bake. */
+typedef struct bake {
+	settings *settings;
+	const format *format; /* of the output */
+	output_file *output, *report, *transport;
+	input_file reused; /* a transport */
+	loaded_scene scene;
+	gw_light *light;
+	gw_bake_result *result;
+	gw_drivers *drivers; /* loaded while the inputs are read */
+	scan lit;
+	progress progress;
+	bake_facts facts;
+	gw_error *error;
+} bake;
+
+static double now(void)
+{
+	struct timespec time;
+	clock_gettime(CLOCK_MONOTONIC, &time);
+	return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+/* ------------------------------------------------------------------------- before reading */
+
+/* Input from a pipe can be read once, and standard output can be written once. */
+static gw_status check_streams(const settings *s, gw_error *error)
+{
+	int from = 0, to = 0;
+	for (size_t i = 0; i < s->input_count; i++)
+		from += strcmp(s->input[i].path, "-") == 0;
+	const char *const out[] = { s->output, s->vdb, s->report, s->save_transport };
+	from += s->transport && strcmp(s->transport, "-") == 0;
+	for (size_t i = 0; i < 4; i++)
+		to += out[i] && strcmp(out[i], "-") == 0;
+	if (from > 1)
+		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
+					   from);
+	if (to > 1)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output can hold one of --output, --vdb, --report and "
+					   "--save-transport, not %d",
+					   to);
+	bool binary = to > 0 && !(s->report && strcmp(s->report, "-") == 0);
+	if (binary && isatty(STDOUT_FILENO))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	return GW_OK;
+}
+
+static gw_status check(bake *b)
+{
+	const settings *s = b->settings;
+	if (s->input_count == 0)
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "what to light? Name an input, or - for standard input");
+	if (s->print_scene)
+		return GW_OK;
+	if (!s->output && !s->vdb && !s->report && !s->save_transport)
+		return gw_fail(b->error, GW_ERROR_USAGE,
+					   "where to write? Give -o FILE, or -o - for standard output");
+	if (s->output_format && !s->output)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--output-format needs -o FILE");
+	if (s->vdb_half && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
+	if (s->vdb_points && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
+	if (s->vdb_voxel > 0.0f && !s->vdb)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
+	gw_status status = check_streams(s, b->error);
+	if (status == GW_OK)
+		status = frame_bake_check(s, b->error);
+	if (status == GW_OK && !s->frames)
+		status = file_roles_check(VERB_BAKE, s, NULL, b->error);
+	if (status == GW_OK && s->output)
+		status = output_name_format(s->output, s->output_format, &b->format, b->error);
+	return status;
+}
+
+/* Before hours of work it has to be clear that the results can be put down. */
+static gw_status open_outputs(bake *b)
+{
+	const settings *s = b->settings;
+	gw_status status = GW_OK;
+	if (s->output && !s->frames)
+		status = output_file_create(&b->output, s->output, s->force, b->error);
+	if (status == GW_OK && s->report)
+		status = output_file_create(&b->report, s->report, s->force, b->error);
+	if (status == GW_OK && s->save_transport)
+		status = output_file_create(&b->transport, s->save_transport, s->force, b->error);
+	struct stat info;
+	bool stream = s->vdb && (strcmp(s->vdb, "-") == 0 ||
+							 (stat(s->vdb, &info) == 0 && !S_ISREG(info.st_mode)));
+	if (status == GW_OK && s->vdb && !stream) {
+		output_file *probe;
+		status = output_file_create(&probe, s->vdb, s->force, b->error);
+		if (status == GW_OK)
+			output_file_abandon(&probe);
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- the bake */
+
+static void note_inputs(const bake *b)
+{
+	bool lit = true;
+	for (size_t i = 0; i < b->scene.input_count; i++) {
+		const loaded_input *input = &b->scene.input[i];
+		lit = lit && input->lit;
+		mesh_notes_print(&input->mesh, loaded_scene_input_name(input->path),
+						 b->settings->points.albedo != SCAN_ALBEDO_AUTO ||
+							 b->settings->input[i].has_albedo);
+		if (input->albedo_missing)
+			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
+						 loaded_scene_input_name(input->path), input->albedo_source);
+	}
+	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
+		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
+	if (!lit && b->settings->output && scan_find(&b->scene.cloud, "quality"))
+		fprintf(stderr, "glowworm: note: the column 'quality' that came in is replaced by the "
+						"luminance\n");
+}
+
+static gw_status read_inputs(bake *b)
+{
+	double start = now();
+	progress_show(&b->progress, "read", 0.0);
+	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
+	if (status == GW_OK)
+		glossy_points_apply(&b->scene);
+	progress_clear(&b->progress);
+	if (status == GW_OK && !b->settings->quiet)
+		note_inputs(b);
+	b->facts.read_seconds = now() - start;
+	return status;
+}
+
+/* What is known of the results before hours of work: whether their format can hold the points, and
+ * the disk the file. */
+static gw_status check_results(const bake *b)
+{
+	const settings *s = b->settings;
+	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
+	if (!b->format)
+		return GW_OK;
+	gw_status status =
+		b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK;
+	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
+	/* Of frames, at least one. */
+	return status == GW_OK
+			   ? output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error)
+			   : status;
+}
+
+static void on_progress(void *user, const char *stage, double done)
+{
+	progress_show(user, stage, done);
+}
+
+static bool on_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static gw_status write_transport(void *user, const void *bytes, size_t length, gw_error *error)
+{
+	return output_file_write(((bake *)user)->transport, bytes, length, error);
+}
+
+static gw_status light_points(bake *b)
+{
+	double start = now();
+	gw_bake_options options = b->settings->bake;
+	options.voxels = b->settings->vdb != NULL;
+	options.occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
+	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	/* What reading took is gone; a limit of 0 would be none. */
+	if (options.time_limit > 0.0f)
+		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
+	const gw_transport transport = { .name = b->reused.name,
+									 .data = b->reused.data,
+									 .length = b->reused.length,
+									 .write = b->transport ? write_transport : NULL,
+									 .user = b };
+	if (transport.data || transport.write)
+		options.transport = &transport;
+	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
+	gw_status status =
+		b->settings->frame_count > 0
+			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
+			: gw_bake(&b->scene.points.points, b->light, b->settings->light_count, &options,
+					  &callbacks, &b->result, b->error);
+	progress_clear(&b->progress);
+	b->facts.bake_seconds = now() - start;
+	b->facts.result = b->result;
+	return status;
+}
+
+/* -------------------------------------------------------------------------------- results */
+
+static gw_status write_grids(bake *b)
+{
+	const settings *s = b->settings;
+	const vdb_text text[] = {
+		{ "creator", "glowworm " GW_VERSION },
+		{ "command", s->command },
+		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
+	};
+	const vdb_points points = { .count = b->result->count,
+								.position = b->scene.points.points.position,
+								.radiance = b->result->radiance,
+								.albedo = b->result->albedo,
+								.normal = b->result->normal };
+	vdb_metadata metadata = { .text = text,
+							  .text_count = sizeof text / sizeof *text,
+							  .half = s->vdb_half,
+							  .memory = s->bake.memory,
+							  .points = s->vdb_points ? &points : NULL,
+							  .clamped = &b->facts.vdb_clamped };
+	if (!(s->vdb_voxel > 0.0f))
+		return vdb_write(s->vdb, s->force, &b->result->voxels, &metadata, b->error);
+	gw_voxels merged;
+	gw_status status = voxel_merge(&b->result->voxels, (double)s->vdb_voxel, &merged, b->error);
+	if (status == GW_OK)
+		status = vdb_write(s->vdb, s->force, &merged, &metadata, b->error);
+	voxel_merge_clear(&merged);
+	return status;
+}
+
+static gw_status stopped(const bake *b)
+{
+	return signals_pending() ? gw_fail(b->error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+}
+
+/* What takes hours to bake is not lost with the grids: the other outputs are written. */
+static gw_status write_results(bake *b)
+{
+	double start = now();
+	progress_show(&b->progress, "write", 1.0);
+	gw_status status =
+		lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error);
+	if (status == GW_OK && b->output)
+		status = b->format->write(b->output, &b->lit, b->error);
+	gw_status grids = GW_OK;
+	if (status == GW_OK && b->settings->vdb)
+		grids = write_grids(b);
+	if (status == GW_OK && grids == GW_ERROR_CANCELLED)
+		status = grids;
+	if (status == GW_OK)
+		status = stopped(b);
+	if (status == GW_OK && b->output)
+		status = output_file_commit(&b->output, b->error);
+	if (status == GW_OK && b->transport)
+		status = output_file_commit(&b->transport, b->error);
+	b->facts.write_seconds = now() - start;
+	if (status == GW_OK && b->report)
+		status = bake_report_write(&b->facts, b->report, b->error);
+	if (status == GW_OK && b->report)
+		status = output_file_commit(&b->report, b->error);
+	progress_end(&b->progress);
+	return status == GW_OK ? grids : status;
+}
+
+static gw_status light_frames(bake *b)
+{
+	gw_status status = frame_bake_all(&b->facts, b->settings, &b->scene, b->format, b->report,
+									  &b->progress, b->error);
+	if (status == GW_OK && b->report)
+		status = output_file_commit(&b->report, b->error);
+	progress_end(&b->progress);
+	return status;
+}
+
+static gw_status print_scene(bake *b)
+{
+	settings *s = b->settings;
+	char up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	bool ask = false;
+	for (size_t i = 0; i < s->light_count; i++)
+		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);
+	if (ask) {
+		gw_status status = read_inputs(b);
+		if (status != GW_OK)
+			return status;
+		up = b->scene.up;
+	}
+	for (size_t i = 0; i < s->light_count; i++)
+		light_resolve(&s->light[i], up);
+	scene_write(stdout, s);
+	return GW_OK;
+}
+
+static gw_status run(bake *b)
+{
+	gw_status status = scene_read_all(b->settings, b->error);
+	quality_preset_apply(b->settings);
+	if (status == GW_OK)
+		status = check(b);
+	if (status == GW_OK && b->settings->print_scene)
+		return print_scene(b);
+	if (status == GW_OK)
+		status = open_outputs(b);
+	if (status == GW_OK)
+		b->settings->bake.drivers = b->drivers = gw_drivers_load();
+	if (status == GW_OK)
+		status = read_inputs(b);
+	if (status == GW_OK)
+		status = check_results(b);
+	if (status == GW_OK && b->settings->transport)
+		status = input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error);
+	if (status == GW_OK)
+		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
+	if (status == GW_OK && b->settings->frames)
+		return light_frames(b);
+	if (status == GW_OK)
+		status = light_points(b);
+	if (status == GW_OK)
+		status = write_results(b);
+	return status;
+}
+
+gw_status verb_bake(settings *s, gw_error *error)
+{
+	bake b = { .settings = s,
+			   .progress = progress_start((settings_progress)s->progress, s->quiet),
+			   .error = error };
+	b.facts = (bake_facts){ .settings = s, .scene = &b.scene };
+	gw_status status = run(&b);
+	progress_end(&b.progress);
+	if (status == GW_OK && b.result && !s->quiet)
+		bake_report_notes(&b.facts);
+	if (status == GW_OK && b.result && s->verbose)
+		bake_report_summary(&b.facts);
+	if (status == GW_OK && b.result && !s->quiet && !b.result->report.missed)
+		bake_report_error(&b.facts);
+	if (status == GW_OK && b.result && s->explain)
+		bake_report_explain(&b.result->report);
+	if (status == GW_OK && b.result && s->profile)
+		bake_report_profile(&b.result->report);
+	if (status == GW_OK && b.result)
+		status = bake_report_goal(&b.facts, error);
+	output_file_abandon(&b.output);
+	output_file_abandon(&b.report);
+	output_file_abandon(&b.transport);
+	input_file_close(&b.reused);
+	s->bake.drivers = NULL;
+	gw_drivers_release(&b.drivers);
+	gw_bake_result_destroy(&b.result);
+	loaded_scene_clear(&b.scene);
+	scan_clear(&b.lit);
+	free(b.light);
+	return status;
+}

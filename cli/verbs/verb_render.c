@@ -1,0 +1,534 @@
+#include "verbs/verbs.h"
+#include "base/clock.h"
+#include "scene/file_roles.h"
+#include "files/number_text.h"
+#include "pictures/octree_picture.h"
+#include "pictures/octree_view.h"
+#include "options/options.h"
+#include "options/preview.h"
+#include "options/progress.h"
+#include "pictures/render_cameras.h"
+#include "pictures/render_picture.h"
+#include "scene/scene_file.h"
+#include "program/signals.h"
+#include "program/words.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define POINTS_RADIUS 0.2f  /* of --view points: discs that do not meet */
+#define METERED_PICTURES 32 /* of several ones, which share one exposure */
+#define METERED_HEIGHT 120u /* pixels */
+
+/* All that lives as long as one run. */
+typedef struct render {
+	settings *settings;
+	camera_plan plan;
+	render_look look;
+	bool exr;
+	bool points; /* --view points */
+	uint32_t width, height;
+	render_scene scene;
+	octree_picture octree;
+	octree_view inner; /* --view cells and others that show what lies behind the light */
+	double exposure;   /* EV; NAN: not exposed */
+	progress progress;
+	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
+	gw_error *error;
+} render;
+
+static bool on_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+/* ------------------------------------------------------------------------- before reading */
+
+static gw_status check_size(render *r)
+{
+	const char *text = r->settings->render.size;
+	double side[2];
+	size_t length = strlen(text), used = number_read(text, length, &side[0]);
+	bool good = used > 0 && (text[used] == 'x' || text[used] == 'X');
+	size_t rest = good ? length - used - 1 : 0;
+	good = good && rest > 0 && number_read(text + used + 1, rest, &side[1]) == rest;
+	for (int k = 0; k < 2 && good; k++)
+		good = side[k] >= 1.0 && side[k] <= GW_RASTER_SIZE_MAX && side[k] == floor(side[k]);
+	if (!good)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--size is '%.80s', but must be WIDTHxHEIGHT in pixels, 1 to %u each", text,
+					   GW_RASTER_SIZE_MAX);
+	r->width = (uint32_t)side[0];
+	r->height = (uint32_t)side[1];
+	return GW_OK;
+}
+
+static gw_status check_background(render *r)
+{
+	const char *text = r->settings->render.background;
+	render_background *b = &r->look.background;
+	double value[3];
+	b->transparent = strcmp(text, "none") == 0;
+	if (b->transparent)
+		return GW_OK;
+	size_t count = words_numbers(text, value);
+	bool good = count == 1 || count == 3;
+	for (size_t k = 0; k < count && good; k++)
+		good = value[k] >= 0.0 && value[k] <= 1.0;
+	if (!good)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--background is '%.80s', but must be R,G,B or one number, 0 to 1, or none",
+					   text);
+	for (size_t k = 0; k < 3; k++)
+		b->rgb[k] = value[count == 3 ? k : 0];
+	return GW_OK;
+}
+
+/* PNG or EXR, by the name. */
+static gw_status check_output(render *r)
+{
+	const char *path = r->settings->output;
+	if (!path)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "where to write? Give -o PICTURE.png, or -o - for standard output");
+	struct stat info;
+	const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+	bool standard = strcmp(path, "-") == 0;
+	bool stream = standard || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
+	r->exr = dot && strcasecmp(dot, ".exr") == 0;
+	if (!r->exr && !stream && !(dot && strcasecmp(dot, ".png") == 0))
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "%s: the name must end in .png, or in .exr for all numbers", path);
+	if (camera_plan_count(&r->plan) > 1 && stream)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "%zu pictures need a file name, to which their numbers are added",
+					   camera_plan_count(&r->plan));
+	if (standard && isatty(STDOUT_FILENO))
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	if (r->exr && r->settings->render.false_color)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--false-colour is for the screen, and an EXR holds the numbers themselves; "
+					   "write a PNG");
+	return GW_OK;
+}
+
+static gw_status check_inputs(const render *r)
+{
+	const settings *s = r->settings;
+	int from = 0;
+	for (size_t i = 0; i < s->input_count; i++)
+		from += strcmp(s->input[i].path, "-") == 0;
+	from += s->render.path && strcmp(s->render.path, "-") == 0;
+	if (s->input_count == 0)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "what to show? Name an input, or - for standard input");
+	if (from > 1)
+		return gw_fail(r->error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
+					   from);
+	return GW_OK;
+}
+
+/* The name of a picture: FILE.png, or FILE-0001.png when there are several. For free(). */
+static char *name_picture(const void *user, size_t picture)
+{
+	const render *r = user;
+	const char *path = r->settings->output;
+	char *name = NULL;
+	if (camera_plan_count(&r->plan) == 1)
+		return strdup(path);
+	int stem = (int)(strrchr(path, '.') - path);
+	if (asprintf(&name, "%.*s-%04zu%s", stem, path, picture + 1, path + stem) < 0)
+		return NULL;
+	return name;
+}
+
+/* Before reading, it has to be clear that all pictures can be put down. */
+static gw_status probe_outputs(const render *r)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < camera_plan_count(&r->plan) && status == GW_OK; i++) {
+		char *name = name_picture(r, i);
+		struct stat info;
+		if (!name)
+			return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
+		bool file = strcmp(name, "-") != 0 && (stat(name, &info) != 0 || S_ISREG(info.st_mode));
+		output_file *probe = NULL;
+		if (file)
+			status = output_file_create(&probe, name, r->settings->force, r->error);
+		output_file_abandon(&probe);
+		free(name);
+	}
+	return status;
+}
+
+static gw_status check(render *r)
+{
+	gw_status status = check_inputs(r);
+	if (status == GW_OK)
+		status = check_size(r);
+	if (status == GW_OK)
+		status = check_background(r);
+	if (status == GW_OK)
+		status = camera_plan_read(r->settings, &r->plan, r->error);
+	if (status == GW_OK)
+		status = octree_view_check(r->settings, &r->inner, r->error);
+	if (status == GW_OK)
+		status = check_output(r);
+	const file_series pictures = { camera_plan_count(&r->plan), name_picture, r };
+	if (status == GW_OK)
+		status = file_roles_check(VERB_RENDER, r->settings, &pictures, r->error);
+	return status == GW_OK ? probe_outputs(r) : status;
+}
+
+/* -------------------------------------------------------------------------------- reading */
+
+/* What a view cannot do without. */
+static uint32_t needed_channels(settings_view view)
+{
+	return view == SETTINGS_VIEW_VOXELS ? 1u << RENDER_RADIANCE : render_view_channels(view);
+}
+
+static gw_status fail_channel(const render *r, render_channel channel)
+{
+	if (channel == RENDER_RADIANCE)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no baked light in the input; light it with glowworm bake");
+	if (channel == RENDER_ERROR)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no column error in the input; glowworm compare writes clouds that "
+					   "have one with --worst");
+	return gw_fail(r->error, GW_ERROR_DATA,
+				   "there is no %s light in the input; bake it with --fields direct,indirect",
+				   render_channel_name(channel));
+}
+
+/* What a view needs, or everything for an EXR. Which of the two an automatic one will be is not
+ * known yet. */
+static uint32_t wanted_channels(const render *r)
+{
+	settings_view view = (settings_view)r->settings->render.view;
+	uint32_t shadow = view == SETTINGS_VIEW_SHADOW ? 0u : 1u << RENDER_SHADOW;
+	if (r->exr)
+		return ((1u << RENDER_CHANNEL_COUNT) - 1u) & ~shadow;
+	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
+		return 1u << RENDER_ALBEDO | 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION |
+			   octree_picture_channels(r->settings);
+	if (view == SETTINGS_VIEW_RADIANCE)
+		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION | octree_picture_channels(r->settings);
+	return needed_channels(view);
+}
+
+static gw_status choose_view(render *r)
+{
+	settings_view view = (settings_view)r->settings->render.view;
+	r->points = view == SETTINGS_VIEW_POINTS;
+	bool lit = r->scene.offset[RENDER_RADIANCE] >= 0;
+	if (view == SETTINGS_VIEW_AUTO || view == SETTINGS_VIEW_POINTS)
+		view = lit ? SETTINGS_VIEW_RADIANCE : SETTINGS_VIEW_SHADED;
+	r->look.view = view;
+	if (r->settings->render.radiance != SETTINGS_RADIANCE_POINTS && !lit)
+		view = SETTINGS_VIEW_RADIANCE; /* which is missing */
+	for (int c = 0; c < RENDER_CHANNEL_COUNT; c++)
+		if (needed_channels(view) & 1u << c && r->scene.offset[c] < 0)
+			return fail_channel(r, (render_channel)c);
+	return GW_OK;
+}
+
+static render_octree needs_octree(const render *r)
+{
+	settings_view view = (settings_view)r->settings->render.view;
+	if (octree_view_needs_octree(view) || r->settings->render.radiance != SETTINGS_RADIANCE_POINTS)
+		return RENDER_OCTREE_YES;
+	return octree_picture_channels(r->settings) ? RENDER_OCTREE_GLOSSY : RENDER_OCTREE_NO;
+}
+
+/* Only what is in some picture needs a surface. */
+static gw_status choose_points(void *user, const render_scene *scene, const gw_surfels *surfels,
+							   uint8_t *chosen, gw_error *error)
+{
+	render *r = user;
+	double aspect = (double)r->width / (double)r->height;
+	gw_status status = camera_plan_place(&r->plan, scene, surfels, aspect, error);
+	return status == GW_OK ? camera_plan_choose(&r->plan, surfels, aspect, chosen, error) : status;
+}
+
+static gw_status read_scene(render *r)
+{
+	double start = gw_seconds();
+	progress_show(&r->progress, "read", 0.0);
+	gw_status status = render_scene_read(r->settings, wanted_channels(r), needs_octree(r),
+										 choose_points, r, &r->scene, r->error);
+	if (status == GW_OK)
+		status = choose_view(r);
+	if (status == GW_OK && r->look.view == SETTINGS_VIEW_RADIANCE)
+		status = octree_picture_open(r->settings, &r->scene, &r->octree, r->error);
+	if (status == GW_OK)
+		status = octree_view_open(r->settings, &r->scene, &r->inner, r->error);
+	r->read_seconds = gw_seconds() - start;
+	return status;
+}
+
+/* -------------------------------------------------------------------------------- drawing */
+
+/* Boxes over the points. */
+static gw_status lay_over(const render *r, const gw_camera *camera, const gw_raster_options *raster,
+						  const gw_gbuffer *points, float *values)
+{
+	gw_gbuffer boxes;
+	gw_status status = gw_raster_draw(&r->inner.raster, camera, raster, &boxes, r->error);
+	if (status == GW_OK)
+		octree_view_lay_over(&r->inner, camera, &boxes, points, values);
+	gw_gbuffer_clear(&boxes);
+	return status;
+}
+
+static gw_status draw(render *r, size_t picture, uint32_t width, uint32_t height, uint32_t samples,
+					  gw_gbuffer *g, float **values)
+{
+	gw_camera camera;
+	gw_raster_options raster = { .width = width,
+								 .height = height,
+								 .samples = samples,
+								 .radius_scale = r->points ? POINTS_RADIUS : 1.0f,
+								 .cull = r->settings->render.cull,
+								 .threads = r->settings->bake.threads,
+								 .cancelled = on_cancelled };
+	bool boxes = octree_view_is_boxes(r->look.view);
+	*values = NULL;
+	*g = (gw_gbuffer){ .width = 0 };
+	gw_status status =
+		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error);
+	const gw_raster_scene *shown = boxes ? &r->inner.raster : &r->scene.raster;
+	raster.cull = raster.cull && !boxes;
+	if (status == GW_OK)
+		status = gw_raster_draw(shown, &camera, &raster, g, r->error);
+	if (status != GW_OK)
+		return status;
+	*values = reallocarray(NULL, (size_t)width * height, 3 * sizeof **values);
+	if (!*values) {
+		gw_gbuffer_clear(g);
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
+	}
+	if (boxes)
+		octree_view_values(&r->inner, &camera, g, *values);
+	else
+		render_view_values(&r->scene, g, r->look.view, *values);
+	if (r->octree.octree)
+		status = octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error);
+	if (status == GW_OK && octree_view_is_overlay(r->look.view))
+		status = lay_over(r, &camera, &raster, g, *values);
+	return status;
+}
+
+/* What is seen in some pictures, pixel by pixel. */
+typedef struct metering {
+	float *light;    /* 3 * count */
+	float *emission; /* 3 * count; of the light, what surfaces make themselves */
+	size_t count;
+} metering;
+
+static void meter_pixels(const render *r, const gw_gbuffer *g, const float *values, metering *m)
+{
+	size_t pixels = (size_t)g->width * g->height;
+	int offset = r->look.view == SETTINGS_VIEW_RADIANCE ? r->scene.offset[RENDER_EMISSION] : -1;
+	for (size_t i = 0; i < pixels; i++) {
+		if (!(g->coverage[i] > 0.0f))
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			m->light[3 * m->count + k] = values[3 * i + k];
+			m->emission[3 * m->count + k] =
+				offset >= 0 ? g->channel[g->channel_count * i + (size_t)offset + k] : 0.0f;
+		}
+		m->count++;
+	}
+}
+
+/* The exposure of all pictures: what is in view in them, or in some of them, drawn small. */
+static gw_status meter(render *r)
+{
+	size_t pictures = camera_plan_count(&r->plan);
+	size_t metered = pictures < METERED_PICTURES ? pictures : METERED_PICTURES;
+	uint32_t height = r->height < METERED_HEIGHT ? r->height : METERED_HEIGHT;
+	uint32_t width = (uint32_t)((uint64_t)r->width * height / r->height);
+	width = width < 1 ? 1 : width > 16 * METERED_HEIGHT ? 16 * METERED_HEIGHT : width;
+	metering m = { reallocarray(NULL, metered * width * height, 3 * sizeof *m.light),
+				   reallocarray(NULL, metered * width * height, 3 * sizeof *m.emission), 0 };
+	gw_status status = GW_OK;
+	if (!m.light || !m.emission)
+		status = gw_fail(r->error, GW_ERROR_MEMORY, "no memory to meter the light");
+	for (size_t i = 0; i < metered && status == GW_OK; i++) {
+		gw_gbuffer g;
+		float *values;
+		status = draw(r, i * pictures / metered, width, height, 1, &g, &values);
+		if (status == GW_OK)
+			meter_pixels(r, &g, values, &m);
+		free(values);
+		gw_gbuffer_clear(&g);
+	}
+	if (status == GW_OK)
+		r->exposure = m.count ? preview_exposure(m.light, m.emission, m.count) : 0.0;
+	free(m.light);
+	free(m.emission);
+	return status;
+}
+
+static gw_status choose_exposure(render *r)
+{
+	r->exposure = (double)r->settings->exposure;
+	if (isnan(r->exposure) && render_view_is_light(r->look.view))
+		return meter(r);
+	return GW_OK;
+}
+
+static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer *g,
+							   const float *values)
+{
+	char *name = name_picture(r, picture);
+	output_file *out = NULL;
+	if (!name)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a name");
+	gw_status status = output_file_create(&out, name, r->settings->force, r->error);
+	render_scene scene = r->scene;
+	for (int c = 0; octree_view_is_boxes(r->look.view) && c < RENDER_CHANNEL_COUNT; c++)
+		scene.offset[c] = -1; /* boxes have no such layers */
+	if (status == GW_OK)
+		status = (r->exr ? render_write_exr : render_write_png)(out, &scene, &r->look, g, values,
+																r->exposure, r->error);
+	if (status == GW_OK)
+		status = output_file_commit(&out, r->error);
+	output_file_abandon(&out);
+	free(name);
+	return status;
+}
+
+static gw_status make_picture(render *r, size_t picture)
+{
+	gw_gbuffer g;
+	float *values;
+	gw_status status =
+		draw(r, picture, r->width, r->height, r->settings->render.samples, &g, &values);
+	if (status == GW_OK && g.drawn == 0 && camera_plan_count(&r->plan) == 1)
+		status = gw_fail(r->error, GW_ERROR_DATA,
+						 "no point is in view; --camera auto finds a camera that sees some");
+	if (status == GW_OK && g.drawn == 0 && !r->settings->quiet)
+		fprintf(stderr, "glowworm: note: no point is in view of picture %zu\n", picture + 1);
+	double start = gw_seconds();
+	if (status == GW_OK)
+		status = write_picture(r, picture, &g, values);
+	r->write_seconds += gw_seconds() - start;
+	free(values);
+	gw_gbuffer_clear(&g);
+	return status;
+}
+
+/* Lamps light nothing in a picture; their shadows can be shown, and a sky is reflected. */
+static void note_lamps(const render *r)
+{
+	const settings *s = r->settings;
+	size_t idle = 0;
+	for (size_t i = 0; i < s->light_count; i++)
+		idle += !(r->octree.glossy && s->light[i].light.type == GW_LIGHT_ENVIRONMENT);
+	if (idle > 0 && r->look.view != SETTINGS_VIEW_SHADOW && !s->quiet)
+		fprintf(stderr,
+				"glowworm: note: lamps that change nothing here: %zu; a picture shows the light "
+				"that is in the points, which glowworm bake puts there\n",
+				idle);
+}
+
+static gw_status run(render *r)
+{
+	gw_status status = scene_read_all(r->settings, r->error);
+	if (status == GW_OK)
+		status = check(r);
+	if (status == GW_OK)
+		status = read_scene(r);
+	if (status == GW_OK)
+		note_lamps(r);
+	double start = gw_seconds();
+	if (status == GW_OK)
+		status = choose_exposure(r);
+	r->meter_seconds = gw_seconds() - start;
+	size_t pictures = camera_plan_count(&r->plan);
+	for (size_t i = 0; i < pictures && status == GW_OK; i++) {
+		progress_show(&r->progress, "draw", (double)(i + 1) / (double)(pictures + 1));
+		status = make_picture(r, i);
+	}
+	r->draw_seconds = gw_seconds() - start;
+	return status;
+}
+
+/* What --verbose says: enough to take the same picture again. */
+static void summarize(const render *r)
+{
+	const gw_viewpoint *v = r->plan.view;
+	fprintf(stderr, "camera    at %.10g,%.10g,%.10g to %.10g,%.10g,%.10g fov %g\n", v->at[0],
+			v->at[1], v->at[2], v->to[0], v->to[1], v->to[2], v->angle);
+	if (!isnan(r->exposure))
+		fprintf(stderr, "exposure  EV %g\n", r->exposure);
+	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);
+	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
+	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);
+	if (r->inner.shown)
+		fprintf(stderr, "shown     %zu, %.4g m wide\n", r->inner.shown, (double)r->inner.size);
+	if (!r->octree.octree)
+		return;
+	fprintf(stderr, "octree    %.2f s to build (of read), %.2f s to look up (of draw)\n",
+			r->octree.build_seconds, r->octree.seconds);
+	fprintf(stderr, "glossy    %llu pixels\n", (unsigned long long)r->octree.pixels);
+}
+
+static void show_stage(const char *name, double seconds)
+{
+	fprintf(stderr, "%-18s %9.1f\n", name, seconds * 1e3);
+}
+
+/* What --profile says. */
+static void show_profile(const render *r)
+{
+	const render_scene *scene = &r->scene;
+	double pictures = r->draw_seconds - r->meter_seconds - r->write_seconds;
+	struct rusage usage;
+	fprintf(stderr, "%-18s %9s\n", "stage", "ms");
+	show_stage("read", scene->read_seconds);
+	show_stage("camera", scene->choose_seconds);
+	show_stage("surface", scene->surface_seconds);
+	show_stage("exposure", r->meter_seconds);
+	show_stage("draw", pictures);
+	show_stage("write", r->write_seconds);
+	show_stage("net", r->read_seconds + r->draw_seconds);
+	fprintf(stderr, "\n%-18s %9zu\n", "points", scene->surfels.point_count);
+	fprintf(stderr, "%-18s %9zu\n", "in view", scene->surfels.count);
+	if (getrusage(RUSAGE_SELF, &usage) == 0)
+		fprintf(stderr, "%-18s %9.1f MB\n", "peak", (double)usage.ru_maxrss / 1024.0);
+}
+
+gw_status verb_render(settings *s, gw_error *error)
+{
+	render r = { .settings = s,
+				 .look = { .tone = s->render.tone,
+						   .false_color = s->render.false_color,
+						   .command = s->command },
+				 .progress = progress_start((settings_progress)s->progress, s->quiet),
+				 .error = error };
+	gw_status status = run(&r);
+	progress_end(&r.progress);
+	if (status == GW_OK && s->verbose)
+		summarize(&r);
+	if (status == GW_OK && s->profile)
+		show_profile(&r);
+	octree_picture_clear(&r.octree);
+	octree_view_clear(&r.inner);
+	camera_plan_clear(&r.plan);
+	render_scene_clear(&r.scene);
+	return status;
+}

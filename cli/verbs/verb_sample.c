@@ -1,0 +1,116 @@
+#include "verbs/verbs.h"
+#include "scene/file_roles.h"
+#include "scene/loaded_scene.h"
+#include "scene/mesh_notes.h"
+#include "options/options.h"
+#include "files/output_file.h"
+#include "options/output_name.h"
+#include "scene/scene_file.h"
+#include "program/signals.h"
+#include "program/text_quote.h"
+#include "meshes/mesh_reader.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool is_given(const settings *s, const char *name)
+{
+	const option *o = option_find(VERB_SAMPLE, name, strlen(name));
+	return s->given[o - options] == SETTINGS_BY_COMMAND;
+}
+
+static gw_status check(const settings *s, const format **to, gw_error *error)
+{
+	if (s->input_count != 1)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "name one mesh to sample, not %zu; - is standard input", s->input_count);
+	if (scene_is_file(s->input[0].path))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s is a scene; bake samples the meshes of a scene by itself",
+					   s->input[0].path);
+	if (is_given(s, "count") && s->density > 0.0f)
+		return gw_fail(error, GW_ERROR_USAGE, "give --density or --count, not both");
+	if (!s->output)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "where to write? Give -o FILE, or -o - for standard output");
+	bool pipe = strcmp(s->output, "-") == 0;
+	if (pipe && isatty(STDOUT_FILENO))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	gw_status status = file_roles_check(VERB_SAMPLE, s, NULL, error);
+	return status == GW_OK ? output_name_format(s->output, s->output_format, to, error) : status;
+}
+
+/* Points for the density, or as many as were asked for. */
+static gw_status find_count(const settings *s, const mesh *m, const char *name, uint64_t *count,
+							gw_error *error)
+{
+	*count = s->count;
+	return s->density > 0.0f ? loaded_scene_mesh_count(m, (double)s->density, name, count, error)
+							 : GW_OK;
+}
+
+/* Not "glowworm ...": that would mark a lit cloud. */
+static gw_status add_comment(const settings *s, scan *cloud, gw_error *error)
+{
+	char text[1024];
+	snprintf(text, sizeof text, "sampled by glowworm " GW_VERSION ": %.900s", s->command);
+	return scan_add_comment(cloud, text, error);
+}
+
+static void print_summary(const mesh *m, const char *name, uint64_t count)
+{
+	text_message(stderr,
+				 "glowworm: %s: %zu faces, %zu triangles, %zu materials, %.6g m^2; %llu points, "
+				 "%.6g a square metre\n",
+				 name, m->faces, m->triangle_count, m->material_count, m->area,
+				 (unsigned long long)count, (double)count / m->area);
+}
+
+static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error)
+{
+	const char *path = s->input[0].path, *name = loaded_scene_input_name(path);
+	uint64_t count = 0;
+	gw_status status = mesh_read(path, m, error);
+	if (status == GW_OK)
+		status = mesh_measure(m, name, error);
+	if (status == GW_OK)
+		status = find_count(s, m, name, &count, error);
+	if (status == GW_OK)
+		status = mesh_sample(m, count, s->bake.seed, s->bake.threads, cloud, error);
+	if (status == GW_OK)
+		status = add_comment(s, cloud, error);
+	if (status == GW_OK && !s->quiet)
+		mesh_notes_print(m, name, false);
+	if (status == GW_OK && s->verbose)
+		print_summary(m, name, count);
+	return status;
+}
+
+gw_status verb_sample(const settings *s, gw_error *error)
+{
+	const format *to = NULL;
+	output_file *output = NULL;
+	mesh m = { 0 };
+	scan cloud = { 0 };
+	gw_status status = check(s, &to, error);
+	if (status == GW_OK)
+		status = output_file_create(&output, s->output, s->force, error);
+	if (status == GW_OK)
+		status = sample(s, &m, &cloud, error);
+	if (status == GW_OK && signals_pending())
+		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+	if (status == GW_OK)
+		status = to->write(output, &cloud, error);
+	if (status == GW_OK && signals_pending())
+		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+	if (status == GW_OK)
+		status = output_file_commit(&output, error);
+	output_file_abandon(&output);
+	mesh_clear(&m);
+	scan_clear(&cloud);
+	return status;
+}

@@ -1,0 +1,142 @@
+#include "e57/e57_pages.h"
+#include "base/parallel.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PAGE ((size_t)1024)
+#define CONTENT ((size_t)1020)
+#define HEADER_BYTES 48
+
+/* Castagnoli's polynomial, bits reversed; table[k] is for bytes k places before the last of 4. */
+static uint32_t table[4][256];
+static pthread_once_t table_once = PTHREAD_ONCE_INIT;
+
+static void make_table(void)
+{
+	for (uint32_t b = 0; b < 256; b++) {
+		uint32_t sum = b;
+		for (int i = 0; i < 8; i++)
+			sum = sum >> 1 ^ (sum & 1 ? 0x82f63b78u : 0);
+		table[0][b] = sum;
+	}
+	for (uint32_t b = 0; b < 256; b++)
+		for (int k = 1; k < 4; k++)
+			table[k][b] = table[k - 1][b] >> 8 ^ table[0][table[k - 1][b] & 255];
+}
+
+/* CRC-32C of a page's content. */
+static uint32_t checksum(const uint8_t *bytes)
+{
+	uint32_t sum = UINT32_MAX;
+	for (size_t i = 0; i < CONTENT; i += 4) {
+		sum ^= (uint32_t)e57_load(bytes + i, 4);
+		sum = table[3][sum & 255] ^ table[2][sum >> 8 & 255] ^ table[1][sum >> 16 & 255] ^
+			  table[0][sum >> 24];
+	}
+	return ~sum;
+}
+
+typedef struct copying {
+	const input_file *in;
+	e57_pages *pages;
+	atomic_size_t bad; /* the first page with another checksum */
+} copying;
+
+static void copy_pages(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	copying *c = user;
+	for (size_t p = first; p < last; p++) {
+		const uint8_t *from = c->in->data + p * PAGE;
+		memcpy(c->pages->data + p * CONTENT, from, CONTENT);
+		uint32_t stored = __builtin_bswap32((uint32_t)e57_load(from + CONTENT, 4));
+		size_t before = atomic_load(&c->bad);
+		if (checksum(from) != stored)
+			while (p < before && !atomic_compare_exchange_weak(&c->bad, &before, p))
+				;
+	}
+}
+
+static gw_status check_header(const input_file *in, gw_error *error)
+{
+	const uint8_t *head = in->data;
+	if (in->length < HEADER_BYTES || memcmp(head, "ASTM-E57", 8) != 0)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s is no E57 file: it does not begin with 'ASTM-E57' and a header of 48 "
+					   "bytes",
+					   in->name);
+	uint64_t major = e57_load(head + 8, 4), length = e57_load(head + 16, 8);
+	uint64_t page = e57_load(head + 40, 8);
+	if (major != 1)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s is of version %llu of E57; only version 1 is known", in->name,
+					   (unsigned long long)major);
+	if (page != PAGE)
+		return gw_fail(error, GW_ERROR_DATA, "%s has pages of %llu bytes; in E57 they have 1024",
+					   in->name, (unsigned long long)page);
+	if (length != in->length || length % PAGE != 0)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s has %zu bytes, but its header says %llu, in pages of 1024; the file is "
+					   "cut short or damaged",
+					   in->name, in->length, (unsigned long long)length);
+	return GW_OK;
+}
+
+static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *error)
+{
+	size_t count = in->length / PAGE;
+	pages->length = count * CONTENT;
+	pages->data = malloc(pages->length + 16);
+	if (!pages->data)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %zu pages of %s", count,
+					   in->name);
+	memset(pages->data + pages->length, 0, 16);
+	copying c = { .in = in, .pages = pages, .bad = SIZE_MAX };
+	gw_parallel_for(in->threads, count, 1024, copy_pages, &c);
+	size_t bad = atomic_load(&c.bad);
+	if (bad != SIZE_MAX)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s, bytes %zu to %zu: the checksum of this page is wrong; the file is "
+					   "damaged",
+					   in->name, bad * PAGE, bad * PAGE + PAGE - 1);
+	return GW_OK;
+}
+
+gw_status e57_pages_read(e57_pages *pages, const input_file *in, gw_error *error)
+{
+	*pages = (e57_pages){ 0 };
+	pthread_once(&table_once, make_table);
+	gw_status status = check_header(in, error);
+	if (status == GW_OK)
+		status = copy_all(pages, in, error);
+	uint64_t xml_length = status == GW_OK ? e57_load(in->data + 32, 8) : 0;
+	if (status == GW_OK && (!e57_pages_locate(pages, e57_load(in->data + 24, 8), &pages->xml) ||
+							xml_length > pages->length - pages->xml))
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "%s: the description should stand at byte %llu, %llu bytes long, which is "
+						 "beyond the end; the header is damaged",
+						 in->name, (unsigned long long)e57_load(in->data + 24, 8),
+						 (unsigned long long)xml_length);
+	pages->xml_length = (size_t)xml_length;
+	if (status != GW_OK)
+		e57_pages_clear(pages);
+	return status;
+}
+
+void e57_pages_clear(e57_pages *pages)
+{
+	free(pages->data);
+	*pages = (e57_pages){ 0 };
+}
+
+bool e57_pages_locate(const e57_pages *pages, uint64_t offset, size_t *at)
+{
+	uint64_t within = offset % PAGE, page = offset / PAGE;
+	if (within >= CONTENT || page >= pages->length / CONTENT)
+		return false;
+	*at = (size_t)(page * CONTENT + within);
+	return true;
+}

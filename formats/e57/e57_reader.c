@@ -1,0 +1,538 @@
+/*
+ * E57: from the records of all scans to one table of points. Every count is checked against the
+ * bytes that its fields have before anything is allocated for it.
+ */
+#include "e57/e57_description.h"
+#include "e57/e57_format.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "text/text_columns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Records that a thread unpacks in one go. */
+#define BLOCK_RECORDS ((size_t)1 << 14)
+
+typedef enum coordinates { CARTESIAN, SPHERICAL } coordinates;
+
+/* One scan on its way. */
+typedef struct source {
+	const e57_scan *scan;
+	size_t begin, end; /* of its packets, in the pages */
+	uint64_t *bytes;   /* owned; of each field */
+	coordinates kind;
+	size_t position[3]; /* fields x y z, or range azimuth elevation */
+	size_t invalid;     /* field that says which records have none, or SIZE_MAX */
+	size_t first, kept; /* points */
+} source;
+
+typedef struct reader {
+	const input_file *in;
+	e57_pages pages;
+	e57_description description;
+	source *source; /* owned; description.scan_count */
+	text_names names;
+	text_column *column; /* owned; names.count */
+	uint8_t *invalid;    /* owned; one a point */
+	scan *cloud;
+	gw_error *error;
+} reader;
+
+static gw_status fail_scan(const reader *r, size_t index, const char *what)
+{
+	return gw_fail(r->error, GW_ERROR_DATA, "%s: scan %zu %s; the file is damaged", r->in->name,
+				   index + 1, what);
+}
+
+static gw_status fail_memory(const reader *r)
+{
+	return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the points of %s", r->in->name);
+}
+
+/* -------------------------------------------------------------------------------- packets */
+
+/* A packet of data: lengths of its fields' stretches, and the stretches behind them. */
+typedef struct packet {
+	const uint8_t *length; /* 2 bytes a field */
+	const uint8_t *data;
+} packet;
+
+/*
+ * Takes the next packet that holds data; *at moves behind it. False at the end or when it is
+ * damaged, and then *at is before s->end.
+ */
+static bool next_packet(const reader *r, const source *s, size_t *at, packet *p)
+{
+	enum { INDEX, DATA, EMPTY };
+	while (s->end - *at >= 4) {
+		const uint8_t *head = r->pages.data + *at;
+		size_t size = (size_t)e57_load(head + 2, 2) + 1, fields = s->scan->field_count;
+		if (head[0] > EMPTY || size > s->end - *at || size < 4)
+			return false;
+		if (head[0] != DATA) {
+			*at += size;
+			continue;
+		}
+		if (size < 6 + 2 * fields || e57_load(head + 4, 2) != fields)
+			return false;
+		size_t sum = 6 + 2 * fields;
+		for (size_t f = 0; f < fields; f++)
+			sum += (size_t)e57_load(head + 6 + 2 * f, 2);
+		if (sum > size)
+			return false;
+		*p = (packet){ head + 6, head + 6 + 2 * fields };
+		*at += size;
+		return true;
+	}
+	*at = s->end;
+	return false;
+}
+
+/* Finds the packets and counts the bytes of each field. */
+static gw_status find_packets(const reader *r, source *s, size_t index)
+{
+	size_t section, at;
+	packet p;
+	s->bytes = calloc(s->scan->field_count ? s->scan->field_count : 1, sizeof *s->bytes);
+	if (!s->bytes)
+		return fail_memory(r);
+	if (s->scan->count == 0)
+		return GW_OK;
+	if (!e57_pages_locate(&r->pages, s->scan->offset, &section) || r->pages.length - section < 32)
+		return fail_scan(r, index, "has records beyond the end");
+	const uint8_t *head = r->pages.data + section;
+	uint64_t length = e57_load(head + 8, 8);
+	if (head[0] != 1 || length > r->pages.length - section ||
+		!e57_pages_locate(&r->pages, e57_load(head + 16, 8), &s->begin) || s->begin < section ||
+		s->begin > section + length)
+		return fail_scan(r, index, "has a section of records whose header makes no sense");
+	s->end = at = section + (size_t)length;
+	for (at = s->begin; next_packet(r, s, &at, &p);)
+		for (size_t f = 0; f < s->scan->field_count; f++)
+			s->bytes[f] += e57_load(p.length + 2 * f, 2);
+	return at == s->end ? GW_OK : fail_scan(r, index, "has a packet that makes no sense");
+}
+
+/* All values of a field in one piece with 16 bytes to spare, for free(). */
+static uint8_t *gather_field(const reader *r, const source *s, size_t field)
+{
+	size_t length = 0;
+	uint8_t *bytes = malloc((size_t)s->bytes[field] + 16);
+	packet p;
+	for (size_t at = s->begin; bytes && next_packet(r, s, &at, &p);) {
+		const uint8_t *from = p.data;
+		for (size_t f = 0; f < field; f++)
+			from += e57_load(p.length + 2 * f, 2);
+		size_t size = (size_t)e57_load(p.length + 2 * field, 2);
+		memcpy(bytes + length, from, size);
+		length += size;
+	}
+	if (bytes)
+		memset(bytes + length, 0, 16);
+	return bytes;
+}
+
+/* -------------------------------------------------------------------------------- values */
+
+typedef struct unpacking {
+	const uint8_t *bytes;
+	const e57_field *field;
+	double *to;
+} unpacking;
+
+static double unpack_value(const e57_field *f, const uint8_t *bytes, size_t i)
+{
+	if (f->type == E57_SINGLE) {
+		uint32_t bits = (uint32_t)e57_load(bytes + 4 * i, 4);
+		float value;
+		memcpy(&value, &bits, sizeof value);
+		return (double)value;
+	}
+	if (f->type == E57_DOUBLE) {
+		uint64_t bits = e57_load(bytes + 8 * i, 8);
+		double value;
+		memcpy(&value, &bits, sizeof value);
+		return value;
+	}
+	uint64_t bits = 0;
+	if (f->bits > 0) {
+		size_t place = i * f->bits, shift = place % 8;
+		bits = e57_load(bytes + place / 8, 8) >> shift;
+		if (shift + f->bits > 64)
+			bits |= (uint64_t)bytes[place / 8 + 8] << (64 - shift);
+		bits &= UINT64_MAX >> (64 - f->bits);
+	}
+	double whole = (double)(int64_t)((uint64_t)f->minimum + bits);
+	return f->type == E57_SCALED ? whole * f->scale + f->offset : whole;
+}
+
+static void unpack_values(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	const unpacking *u = user;
+	for (size_t i = first; i < last; i++)
+		u->to[i] = unpack_value(u->field, u->bytes, i);
+}
+
+static gw_status unpack_field(const reader *r, const source *s, size_t field, double *to)
+{
+	uint8_t *bytes = gather_field(r, s, field);
+	if (!bytes)
+		return fail_memory(r);
+	unpacking u = { bytes, &s->scan->field[field], to };
+	gw_parallel_for(r->in->threads, (size_t)s->scan->count, BLOCK_RECORDS, unpack_values, &u);
+	free(bytes);
+	return GW_OK;
+}
+
+/* -------------------------------------------------------------------------------- fields */
+
+static size_t find_field(const e57_scan *records, const char *name)
+{
+	for (size_t f = 0; f < records->field_count; f++)
+		if (strcmp(records->field[f].name, name) == 0 && records->field[f].type != E57_STRING)
+			return f;
+	return SIZE_MAX;
+}
+
+static bool find_position(source *s)
+{
+	static const char *const names[2][4] = {
+		{ "cartesianX", "cartesianY", "cartesianZ", "cartesianInvalidState" },
+		{ "sphericalRange", "sphericalAzimuth", "sphericalElevation", "sphericalInvalidState" }
+	};
+	for (int kind = CARTESIAN; kind <= SPHERICAL; kind++) {
+		bool all = true;
+		for (int k = 0; k < 3; k++) {
+			s->position[k] = find_field(s->scan, names[kind][k]);
+			all = all && s->position[k] != SIZE_MAX;
+		}
+		s->kind = (coordinates)kind;
+		s->invalid = find_field(s->scan, names[kind][3]);
+		if (all)
+			return true;
+	}
+	return false;
+}
+
+/* Each record takes a bit or more, and every field has the bits that the records take. */
+static gw_status check_count(const reader *r, const source *s, size_t index)
+{
+	bool any = false;
+	for (size_t f = 0; f < s->scan->field_count; f++) {
+		const e57_field *field = &s->scan->field[f];
+		uint64_t bits;
+		if (field->type == E57_STRING)
+			continue;
+		any = any || field->bits > 0;
+		if (__builtin_mul_overflow(s->scan->count, field->bits, &bits) ||
+			bits / 8 + (bits % 8 != 0) > s->bytes[f])
+			return gw_fail(r->error, GW_ERROR_DATA,
+						   "%s: scan %zu has %llu records, but only %llu bytes of '%.40s', of %u "
+						   "bits each; the file is damaged",
+						   r->in->name, index + 1, (unsigned long long)s->scan->count,
+						   (unsigned long long)s->bytes[f], field->name, field->bits);
+	}
+	return any ? GW_OK : fail_scan(r, index, "has records without a single bit");
+}
+
+static gw_status prepare_source(reader *r, size_t index)
+{
+	source *s = &r->source[index];
+	s->scan = &r->description.scan[index];
+	gw_status status = find_packets(r, s, index);
+	if (status != GW_OK || s->scan->count == 0)
+		return status;
+	if (!find_position(s))
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s: the records of scan %zu have neither cartesian nor spherical "
+					   "coordinates",
+					   r->in->name, index + 1);
+	status = check_count(r, s, index);
+	s->first = r->cloud->count;
+	s->kept = (size_t)s->scan->count;
+	r->cloud->count += s->kept;
+	return status;
+}
+
+/* The column's name for a field, or NULL for those that points are made of. */
+static const char *column_name(const source *s, size_t field)
+{
+	static const char *const known[][2] = {
+		{ "colorRed", "red" },
+		{ "colorGreen", "green" },
+		{ "colorBlue", "blue" },
+		{ "nor:normalX", "nx" },
+		{ "nor:normalY", "ny" },
+		{ "nor:normalZ", "nz" },
+		{ "sphericalRange", NULL },
+		{ "sphericalAzimuth", NULL },
+		{ "sphericalElevation", NULL },
+		{ "cartesianInvalidState", NULL },
+		{ "sphericalInvalidState", NULL },
+		{ "cartesianX", NULL },
+		{ "cartesianY", NULL },
+		{ "cartesianZ", NULL },
+	};
+	const e57_field *f = &s->scan->field[field];
+	if (f->type == E57_STRING)
+		return NULL;
+	for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+		if (strcmp(f->name, known[k][0]) == 0)
+			return known[k][1];
+	return f->name;
+}
+
+static size_t find_name(const text_names *names, const char *name)
+{
+	size_t i = 0;
+	while (i < names->count && strcmp(names->name[i], name) != 0)
+		i++;
+	return i;
+}
+
+/* Columns for x, y, z and every field that a scan has. */
+static gw_status name_columns(reader *r)
+{
+	gw_status status = text_names_split(&r->names, "x y z", 5, r->error);
+	for (size_t i = 0; i < r->description.scan_count; i++) {
+		const source *s = &r->source[i];
+		for (size_t f = 0; f < s->scan->field_count && s->kept > 0 && status == GW_OK; f++) {
+			const char *name = column_name(s, f);
+			if (!name || find_name(&r->names, name) < r->names.count)
+				continue;
+			if (r->names.count == TEXT_COLUMNS_MAX)
+				return fail_scan(r, i, "has more than 4096 different fields");
+			status = text_names_add(&r->names, name, r->error);
+		}
+	}
+	return status;
+}
+
+static gw_status add_columns(reader *r)
+{
+	gw_status status = name_columns(r);
+	if (status != GW_OK)
+		return status;
+	const char *twice = text_names_repeated(&r->names);
+	if (twice)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s: two fields are called '%.40s'", r->in->name,
+					   twice);
+	/* A field that takes one bit becomes a double first. */
+	uint64_t bytes, available = gw_available_memory();
+	if (__builtin_mul_overflow((uint64_t)r->cloud->count, 8 * r->names.count + 1, &bytes) ||
+		(available && bytes > available))
+		return fail_memory(r);
+	r->invalid = calloc(r->cloud->count ? r->cloud->count : 1, 1);
+	if (!r->invalid)
+		return fail_memory(r);
+	return text_columns_add(r->cloud, &r->names, &r->column, r->error);
+}
+
+/* -------------------------------------------------------------------------------- points */
+
+static gw_status read_fields(reader *r, const source *s)
+{
+	gw_status status = GW_OK;
+	for (size_t f = 0; f < s->scan->field_count && status == GW_OK; f++) {
+		const char *name = column_name(s, f);
+		if (!name)
+			continue;
+		text_column *to = &r->column[find_name(&r->names, name)];
+		e57_type type = s->scan->field[f].type;
+		if (type != E57_INTEGER)
+			to->whole = false;
+		if (type != E57_SINGLE)
+			to->single = false;
+		status = unpack_field(r, s, f, (double *)to->data + s->first);
+	}
+	for (size_t k = 0; k < 3 && status == GW_OK; k++)
+		status = unpack_field(r, s, s->position[k], (double *)r->column[k].data + s->first);
+	return status;
+}
+
+/* Records whose state is not 0 have no position. */
+static gw_status read_states(reader *r, const source *s)
+{
+	if (s->invalid == SIZE_MAX)
+		return GW_OK;
+	double *state = reallocarray(NULL, s->kept, sizeof *state);
+	if (!state)
+		return fail_memory(r);
+	gw_status status = unpack_field(r, s, s->invalid, state);
+	for (size_t i = 0; i < s->kept; i++)
+		r->invalid[s->first + i] = state[i] != 0.0;
+	free(state);
+	return status;
+}
+
+/* Rows of the rotation matrix of a quaternion of any length; false for none. */
+static bool make_rotation(const double q[4], double m[9])
+{
+	double n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+	if (!(n > 0.0) || !isfinite(n))
+		return false;
+	double s = 2.0 / n, w = q[0], x = q[1], y = q[2], z = q[3];
+	const double rows[9] = { 1 - s * (y * y + z * z), s * (x * y - w * z),
+							 s * (x * z + w * y),     s * (x * y + w * z),
+							 1 - s * (x * x + z * z), s * (y * z - w * x),
+							 s * (x * z - w * y),     s * (y * z + w * x),
+							 1 - s * (x * x + y * y) };
+	memcpy(m, rows, sizeof rows);
+	return true;
+}
+
+static void turn(const double m[9], const double shift[3], double *const v[3], size_t i)
+{
+	const double p[3] = { v[0][i], v[1][i], v[2][i] };
+	for (int k = 0; k < 3; k++)
+		v[k][i] = m[3 * k] * p[0] + m[3 * k + 1] * p[1] + m[3 * k + 2] * p[2] + shift[k];
+}
+
+static void from_sphere(double *const v[3], size_t i)
+{
+	double range = v[0][i], azimuth = v[1][i], elevation = v[2][i];
+	v[0][i] = range * cos(elevation) * cos(azimuth);
+	v[1][i] = range * cos(elevation) * sin(azimuth);
+	v[2][i] = range * sin(elevation);
+}
+
+/* The three columns of a vector from a scan's first point on; false when one is missing. */
+static bool aim(const reader *r, const source *s, const char *const name[3], double *v[3])
+{
+	for (size_t k = 0; k < 3; k++) {
+		size_t i = find_name(&r->names, name[k]);
+		if (i == r->names.count)
+			return false;
+		v[k] = (double *)r->column[i].data + s->first;
+	}
+	return true;
+}
+
+static gw_status place_points(const reader *r, const source *s, size_t index)
+{
+	static const char *const position[3] = { "x", "y", "z" }, *const normal[3] = { "nx", "ny",
+																				   "nz" };
+	static const double nowhere[3] = { 0 };
+	const double *q = s->scan->rotation;
+	double m[9], *v[3];
+	if (!make_rotation(q, m))
+		return fail_scan(r, index, "has a pose whose rotation makes no sense");
+	bool turned = q[1] != 0.0 || q[2] != 0.0 || q[3] != 0.0;
+	if (!aim(r, s, position, v))
+		return fail_scan(r, index, "has no coordinates");
+	for (size_t i = 0; i < s->kept && s->kind == SPHERICAL; i++)
+		from_sphere(v, i);
+	for (size_t i = 0; i < s->kept && s->scan->has_pose; i++)
+		turn(m, s->scan->translation, v, i);
+	if (!turned || !aim(r, s, normal, v))
+		return GW_OK;
+	for (size_t i = 0; i < s->kept; i++)
+		turn(m, nowhere, v, i);
+	for (size_t k = 0; k < 3; k++)
+		r->column[find_name(&r->names, normal[k])].single = false;
+	return GW_OK;
+}
+
+/* Closes the gaps that invalid records leave. */
+static void leave_out(reader *r)
+{
+	for (size_t c = 0; c < r->cloud->column_count; c++) {
+		double *value = r->cloud->column[c].data;
+		size_t to = 0;
+		for (size_t i = 0; i < r->cloud->count; i++)
+			if (!r->invalid[i])
+				value[to++] = value[i];
+	}
+	size_t first = 0;
+	for (size_t i = 0; i < r->description.scan_count; i++) {
+		source *s = &r->source[i];
+		size_t invalid = 0;
+		for (size_t k = 0; k < s->kept; k++)
+			invalid += r->invalid[s->first + k];
+		s->kept -= invalid;
+		s->first = first;
+		first += s->kept;
+		r->cloud->left_out += invalid;
+	}
+	r->cloud->count = first;
+}
+
+/* A scanner stands at the origin of its scan's frame. Points that somebody put into a common frame
+ * have no pose, and nobody knows. */
+static gw_status take_scanners(const reader *r)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++) {
+		const source *s = &r->source[i];
+		if (s->kept > 0 && (s->scan->has_pose || s->kind == SPHERICAL))
+			status = scan_add_scanner(r->cloud, s->scan->translation, s->first, s->kept, r->error);
+	}
+	return status;
+}
+
+static gw_status read_all(reader *r)
+{
+	gw_status status = e57_pages_read(&r->pages, r->in, r->error);
+	if (status == GW_OK)
+		status = e57_description_parse(&r->description, &r->pages, r->in, r->error);
+	if (status != GW_OK)
+		return status;
+	r->source = calloc(r->description.scan_count + 1, sizeof *r->source);
+	if (!r->source)
+		return fail_memory(r);
+	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++)
+		status = prepare_source(r, i);
+	if (status == GW_OK)
+		status = add_columns(r);
+	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++) {
+		const source *s = &r->source[i];
+		if (s->kept == 0)
+			continue;
+		status = read_fields(r, s);
+		if (status == GW_OK)
+			status = read_states(r, s);
+		if (status == GW_OK)
+			status = place_points(r, s, i);
+	}
+	if (status != GW_OK)
+		return status;
+	leave_out(r);
+	status = text_columns_narrow(r->cloud, &r->names, r->column, r->error);
+	return status == GW_OK ? take_scanners(r) : status;
+}
+
+gw_status e57_read(input_file *in, scan *cloud, gw_error *error)
+{
+	reader r = { .in = in, .cloud = cloud, .error = error };
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = read_all(&r);
+	for (size_t i = 0; r.source && i < r.description.scan_count; i++)
+		free(r.source[i].bytes);
+	free(r.source);
+	free(r.column);
+	free(r.invalid);
+	text_names_clear(&r.names);
+	e57_description_clear(&r.description);
+	e57_pages_clear(&r.pages);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+static bool probe(const uint8_t *head, size_t length)
+{
+	return length >= 8 && memcmp(head, "ASTM-E57", 8) == 0;
+}
+
+static const char *const extensions[] = { "e57", NULL };
+
+const format e57_format = {
+	.name = "e57",
+	.description = "3D imaging data, ASTM E2807",
+	.extensions = extensions,
+	.probe = probe,
+	.read = e57_read,
+};

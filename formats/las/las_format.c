@@ -1,0 +1,51 @@
+#include "las/las_format.h"
+#include "las/las_grid.h"
+
+#include <string.h>
+
+/* The highest two bits of the point format say that the points are compressed. */
+static bool is_las(const uint8_t *head, size_t length, bool compressed)
+{
+	return length > 104 && memcmp(head, "LASF", 4) == 0 && ((head[104] & 0xc0) != 0) == compressed;
+}
+
+static bool probe_las(const uint8_t *head, size_t length)
+{
+	return is_las(head, length, false);
+}
+
+static bool probe_laz(const uint8_t *head, size_t length)
+{
+	return is_las(head, length, true);
+}
+
+static const char *const las_extensions[] = { "las", NULL };
+static const char *const laz_extensions[] = { "laz", NULL };
+
+static gw_status las_accept(const scan *cloud, const char *name, gw_error *error)
+{
+	las_grid grid;
+	gw_status status = GW_OK;
+	for (int axis = 0; axis < 3 && status == GW_OK; axis++)
+		status = las_grid_find(cloud, axis, name, &grid, error);
+	return status;
+}
+
+const format las_format = {
+	.name = "las",
+	.description = "ASPRS laser scan",
+	.extensions = las_extensions,
+	.probe = probe_las,
+	.read = las_read,
+	.accept = las_accept,
+	.row_bytes = 30, /* of the smallest record that is written */
+	.write = las_write,
+};
+
+const format laz_format = {
+	.name = "laz",
+	.description = "compressed LAS, COPC; read only",
+	.extensions = laz_extensions,
+	.probe = probe_laz,
+	.read = las_read,
+};

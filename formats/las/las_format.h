@@ -1,0 +1,34 @@
+/*
+ * las_format.h - LAS and LAZ, the ASPRS formats of laser scans.
+ *
+ * Read: versions 1.0 to 1.5, point formats 0 to 10, extra bytes of all types; LAZ of every
+ * compressor that LASzip has (laz_reader.h). Written: LAS 1.4.
+ *
+ * Every field is a column under its name in lower case (intensity, return_number, gps_time, nir,
+ * wave_offset ...), extra bytes under their own. Flags and colours that are 0 at all points are no
+ * column. The grid of the coordinates and the coordinate system are comments (las_notes.h).
+ */
+#ifndef LAS_FORMAT_H
+#define LAS_FORMAT_H
+
+#include "points/format.h"
+#include "files/input_file.h"
+#include "files/output_file.h"
+
+extern const format las_format, laz_format;
+
+/* As format.read, for both. */
+gw_status las_read(input_file *in, scan *cloud, gw_error *error);
+
+/*
+ * As format.write: LAS 1.4, to files and pipes.
+ *
+ * Columns called like fields go to those fields when they hold every value exactly, all others to
+ * extra bytes. Colours become 16 bits. Coordinates lie on the grid that the scan's comments name
+ * when that gives them back bit for bit; else on the coarsest decimal grid that does; else on the
+ * finest that 32 bits reach. A step over a millimetre is refused, as are coordinates that are no
+ * numbers and more columns than a record holds.
+ */
+gw_status las_write(output_file *out, const scan *cloud, gw_error *error);
+
+#endif

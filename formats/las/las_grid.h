@@ -1,0 +1,32 @@
+/*
+ * las_grid.h - the grid on which LAS keeps a coordinate: stored integer * scale + offset.
+ */
+#ifndef LAS_GRID_H
+#define LAS_GRID_H
+
+#include "points/scan.h"
+
+/* Where no grid gives the coordinates back, their step may be up to this, in metres. */
+#define LAS_GRID_COARSEST 1e-3
+
+typedef struct las_grid {
+	double scale, offset;
+	double minimum, maximum; /* of the coordinates as they are stored */
+	bool exact;              /* every coordinate comes back as it was, in its own type */
+} las_grid;
+
+/*
+ * Finds a grid for a coordinate: the one that the scan's comments name when it is exact; else the
+ * coarsest decimal one that is; else the finest that 32 bits reach.
+ *   axis    0, 1 or 2: x, y or z
+ *   name    of the file, for messages
+ *   error   GW_ERROR_DATA when there is no such coordinate, when a value is no number or when the
+ *           step would be over LAS_GRID_COARSEST
+ */
+gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid *grid,
+						gw_error *error);
+
+/* The integer that stands for a coordinate. */
+int32_t las_grid_place(const las_grid *grid, double value);
+
+#endif

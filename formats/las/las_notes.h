@@ -1,0 +1,57 @@
+/*
+ * las_notes.h - the comments in which a scan carries what only LAS knows.
+ *
+ * "las scale 0.01 0.01 0.01" and "las offset 0 0 0" are the grid on which the coordinates lie;
+ * "las file ENCODING SOURCE DAY YEAR" four numbers of the header; "las system NAME" and "las
+ * software NAME" its two texts; "las wkt TEXT", continued by "las wkt+ TEXT", the coordinate
+ * system; "las geokeys NUMBERS", "las geodoubles NUMBERS" and "las geotext TEXT" the same in older
+ * files (GeoTIFF). They go through PLY as comments, so that LAS can be written again from it.
+ */
+#ifndef LAS_NOTES_H
+#define LAS_NOTES_H
+
+#include "points/scan.h"
+
+#define LAS_NOTE "las "
+
+/* The longest text in one comment: some readers of PLY take lines of 1024 bytes at most. */
+#define LAS_NOTE_TEXT 800
+
+#define LAS_USER_SPEC "LASF_Spec"
+#define LAS_USER_CRS "LASF_Projection"
+
+enum las_vlr_id {
+	LAS_VLR_TEXT = 3,        /* of LASF_Spec: text area description */
+	LAS_VLR_EXTRA = 4,       /* of LASF_Spec: extra bytes */
+	LAS_VLR_WKT_MATH = 2111, /* of LASF_Projection, as those below */
+	LAS_VLR_WKT = 2112,
+	LAS_VLR_GEO_KEYS = 34735,
+	LAS_VLR_GEO_DOUBLES = 34736,
+	LAS_VLR_GEO_TEXT = 34737,
+};
+
+/* Adds a comment that begins with SCAN_NOTE. */
+gw_status las_note(scan *cloud, gw_error *error, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+
+/* Adds "las KEY a b c". count: at most 16 */
+gw_status las_note_numbers(scan *cloud, const char *key, const double *value, size_t count,
+						   gw_error *error);
+
+/* Adds "las KEY TEXT" and, when the text is long, "las KEY+ TEXT" for its further pieces. What is
+ * not printable becomes a blank. */
+gw_status las_note_text(scan *cloud, const char *key, const char *text, size_t length,
+						gw_error *error);
+
+/* The text behind "las KEY " of a comment, or NULL when it is another comment. */
+const char *las_note_find(const char *comment, const char *key);
+
+/* Reads the numbers behind "las KEY " of a comment. Returns how many there were, at most capacity;
+ * 0 when it is another comment. */
+size_t las_note_read(const char *comment, const char *key, double *value, size_t capacity);
+
+/* Puts the pieces of the first text with that key together again. *text is the caller's, for
+ * free(), and NULL when there is none. */
+gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_error *error);
+
+#endif

@@ -1,0 +1,317 @@
+#include "las/las_format.h"
+#include "las/las_fields.h"
+#include "las/las_notes.h"
+#include "las/laz_reader.h"
+#include "files/little_endian.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "points/scan_color.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Points that one thread takes at a time from an uncompressed file. */
+#define BLOCK_POINTS ((size_t)1 << 16)
+
+/* Integers up to here are doubles too. */
+#define EXACT ((int64_t)1 << 53)
+
+typedef struct reader {
+	const input_file *in;
+	las_header header;
+	las_layout layout;
+	void **data; /* for each field its column's values */
+	scan *cloud;
+	gw_error *error;
+} reader;
+
+/* ----------------------------------------------------------------- from records to columns */
+
+static double load_number(const uint8_t *from, las_kind kind)
+{
+	uint32_t bits;
+	float single;
+	switch (kind) {
+	case LAS_UINT8:
+		return *from;
+	case LAS_INT8:
+		return (int8_t)*from;
+	case LAS_UINT16:
+		return load_16(from);
+	case LAS_INT16:
+		return (int16_t)load_16(from);
+	case LAS_UINT32:
+		return load_32(from);
+	case LAS_INT32:
+		return (int32_t)load_32(from);
+	case LAS_UINT64:
+		return (double)load_64(from);
+	case LAS_INT64:
+		return (double)(int64_t)load_64(from);
+	case LAS_FLOAT32:
+		bits = load_32(from);
+		memcpy(&single, &bits, sizeof single);
+		return (double)single;
+	case LAS_FLOAT64:
+	case LAS_KIND_COUNT:
+		break;
+	}
+	return load_double(from);
+}
+
+/* Columns are zero at first; what is zero is not stored, so that columns of zeros take no memory.
+ */
+static void take_field(const las_field *field, void *data, size_t first, size_t count,
+					   const uint8_t *from, size_t stride)
+{
+	size_t size = las_kind_size(field->kind);
+	unsigned mask = field->bits ? (1u << field->bits) - 1 : 0xff;
+	for (size_t i = 0; i < count; i++, from += stride) {
+		if (field->scaled) {
+			((double *)data)[first + i] =
+				load_number(from, field->kind) * field->scale + field->offset;
+		} else if (size == 1) {
+			uint8_t value = (uint8_t)(*from >> field->shift & mask);
+			if (value)
+				((uint8_t *)data)[first + i] = value;
+		} else if (size == 2) {
+			uint16_t value = load_16(from);
+			if (value)
+				((uint16_t *)data)[first + i] = value;
+		} else if (size == 4) {
+			uint32_t value = load_32(from);
+			if (value)
+				((uint32_t *)data)[first + i] = value;
+		} else {
+			uint64_t value = load_64(from);
+			if (value)
+				((uint64_t *)data)[first + i] = value;
+		}
+	}
+}
+
+static void take_points(void *user, size_t first, size_t count, const uint8_t *records)
+{
+	const reader *r = user;
+	for (size_t f = 0; f < r->layout.count; f++)
+		take_field(&r->layout.field[f], r->data[f], first, count,
+				   records + r->layout.field[f].place, r->header.record);
+}
+
+static void take_block(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const reader *r = user;
+	(void)worker;
+	const uint8_t *begin = r->in->data + r->header.points + first * r->header.record;
+	take_points(user, first, last - first, begin);
+	input_file_discard(r->in, begin, begin + (last - first) * r->header.record);
+}
+
+/* The system would promise more than it has, and then end us. Columns that may stay zero count as
+ * nothing. */
+static gw_status check_memory(const reader *r)
+{
+	uint64_t bytes = 0, wanted, available = gw_available_memory();
+	for (size_t f = 0; f < r->layout.count; f++)
+		if (!r->layout.field[f].optional)
+			bytes += scan_type_size(las_field_type(&r->layout.field[f]));
+	if (__builtin_mul_overflow(bytes, r->cloud->count, &wanted))
+		wanted = UINT64_MAX;
+	if (available && wanted > available)
+		return gw_fail(r->error, GW_ERROR_MEMORY,
+					   "%s: %zu points take %.1f GB, but only %.1f GB of memory are available",
+					   r->in->name, r->cloud->count, (double)wanted * 1e-9,
+					   (double)available * 1e-9);
+	return GW_OK;
+}
+
+static gw_status add_columns(reader *r)
+{
+	gw_status status = check_memory(r);
+	if (status != GW_OK)
+		return status;
+	r->data = calloc(r->layout.count, sizeof *r->data);
+	if (!r->data)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the fields of %s", r->in->name);
+	for (size_t f = 0; f < r->layout.count; f++) {
+		const las_field *field = &r->layout.field[f];
+		scan_column *column =
+			scan_add_column(r->cloud, field->name, las_field_type(field), r->error);
+		if (!column)
+			return GW_ERROR_MEMORY;
+		r->data[f] = column->data;
+	}
+	return GW_OK;
+}
+
+static gw_status read_plain(reader *r)
+{
+	const las_header *h = &r->header;
+	uint64_t there = (r->in->length - h->points) / h->record;
+	if (h->count > there)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s: the header counts %" PRIu64
+					   " points of %zu bytes, but from byte %zu on "
+					   "there is room for %" PRIu64 "; the file is cut short or damaged",
+					   r->in->name, h->count, h->record, h->points, there);
+	r->cloud->count = (size_t)h->count;
+	gw_status status = add_columns(r);
+	if (status == GW_OK)
+		gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_block, r);
+	return status;
+}
+
+static gw_status read_compressed(reader *r)
+{
+	laz_stream *stream;
+	gw_status status = laz_open(&stream, r->in, &r->header, r->error);
+	if (status != GW_OK)
+		return status;
+	r->cloud->count = (size_t)r->header.count;
+	status = add_columns(r);
+	if (status == GW_OK)
+		status = laz_decode(stream, take_points, r, r->error);
+	laz_close(&stream);
+	return status;
+}
+
+/* ------------------------------------------------------------------ what is found afterwards */
+
+static bool all_zero(const scan *cloud, const scan_column *column)
+{
+	const uint8_t *bytes = column->data;
+	size_t size = cloud->count * scan_type_size(column->type);
+	return size == 0 || (bytes[0] == 0 && memcmp(bytes, bytes + 1, size - 1) == 0);
+}
+
+/* Integers of 64 bits become doubles, or when those cannot hold them two columns of 32 bits. */
+static gw_status settle_wide(reader *r, const las_field *field)
+{
+	scan_column *column = scan_find(r->cloud, field->name);
+	uint64_t *bits = column->data;
+	bool exact = true, negative = field->kind == LAS_INT64;
+	for (size_t i = 0; i < r->cloud->count && exact; i++)
+		exact = negative ? (int64_t)bits[i] <= EXACT && (int64_t)bits[i] >= -EXACT
+						 : bits[i] <= (uint64_t)EXACT;
+	if (exact) {
+		for (size_t i = 0; i < r->cloud->count; i++) {
+			double value = negative ? (double)(int64_t)bits[i] : (double)bits[i];
+			memcpy(&bits[i], &value, sizeof value);
+		}
+		return GW_OK;
+	}
+	char name[2][72];
+	for (int half = 0; half < 2; half++) {
+		snprintf(name[half], sizeof *name, "%s_%s", field->name, half ? "high" : "low");
+		scan_column *to = scan_add_column(r->cloud, name[half], SCAN_UINT32, r->error);
+		if (!to)
+			return GW_ERROR_MEMORY;
+		bits = scan_find(r->cloud, field->name)->data;
+		for (size_t i = 0; i < r->cloud->count; i++)
+			((uint32_t *)to->data)[i] = (uint32_t)(bits[i] >> 32 * half);
+	}
+	scan_remove_column(r->cloud, field->name);
+	return las_note(r->cloud, r->error, "the 64 bits of '%s' come as '%s' and '%s'", field->name,
+					name[0], name[1]);
+}
+
+/* An extra value called like a field that holds nothing takes its place. */
+static gw_status take_place(reader *r, const las_field *field)
+{
+	scan_column *empty = scan_find(r->cloud, field->standard);
+	scan_column *column = scan_find(r->cloud, field->name);
+	if (!column || (empty && !all_zero(r->cloud, empty)))
+		return GW_OK;
+	char *name = strdup(field->standard);
+	if (!name)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
+	scan_remove_column(r->cloud, field->standard);
+	column = scan_find(r->cloud, field->name);
+	free(column->name);
+	column->name = name;
+	return GW_OK;
+}
+
+/* Colours that are zero at all points are a scanner without a camera. */
+static gw_status settle_colors(reader *r)
+{
+	for (int k = 0; k < 3; k++) {
+		const scan_column *column = scan_find(r->cloud, scan_color_names[k]);
+		if (!column || r->cloud->count == 0 || !all_zero(r->cloud, column))
+			return GW_OK;
+	}
+	for (int k = 0; k < 3; k++)
+		scan_remove_column(r->cloud, scan_color_names[k]);
+	return las_note(r->cloud, r->error, "all colours are zero, which counts as none");
+}
+
+static gw_status settle_columns(reader *r)
+{
+	const las_layout *layout = &r->layout;
+	gw_status status = settle_colors(r);
+	for (size_t f = 0; f < layout->count && status == GW_OK; f++) {
+		const las_field *field = &layout->field[f];
+		const scan_column *column = scan_find(r->cloud, field->name);
+		if (field->optional && column && all_zero(r->cloud, column))
+			scan_remove_column(r->cloud, field->name);
+		else if (column && !field->scaled &&
+				 (field->kind == LAS_UINT64 || field->kind == LAS_INT64))
+			status = settle_wide(r, field);
+		if (status == GW_OK && field->standard[0])
+			status = take_place(r, field);
+	}
+	return status;
+}
+
+/* Says so when the header's bounds are not those of the points. Half a step may be lost where a
+ * writer printed and read the bounds. */
+static gw_status check_bounds(reader *r)
+{
+	const las_header *h = &r->header;
+	double worst = 0.0, allowed = 0.0;
+	for (size_t k = 0; k < 3; k++) {
+		const double *value = r->data[k];
+		double low = INFINITY, high = -INFINITY;
+		for (size_t i = 0; i < r->cloud->count; i++) {
+			low = value[i] < low ? value[i] : low;
+			high = value[i] > high ? value[i] : high;
+		}
+		double off = fmax(fabs(low - h->minimum[k]), fabs(high - h->maximum[k]));
+		worst = off <= worst ? worst : off;
+		allowed = fmax(allowed, fabs(h->scale[k]) + 1e-12 * fmax(fabs(low), fabs(high)));
+	}
+	if (r->cloud->count == 0 || worst <= allowed)
+		return GW_OK;
+	return las_note(r->cloud, r->error,
+					"the header's bounds are wrong by up to %g; those of the points hold", worst);
+}
+
+static gw_status read_all(reader *r)
+{
+	gw_status status = las_header_parse(&r->header, r->in, r->cloud, r->error);
+	if (status == GW_OK)
+		status = las_layout_make(&r->layout, r->header.format, r->header.scale, r->header.offset,
+								 r->error);
+	if (status == GW_OK)
+		status = las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error);
+	if (status == GW_OK)
+		status = r->header.compressed ? read_compressed(r) : read_plain(r);
+	if (status == GW_OK)
+		status = check_bounds(r);
+	return status == GW_OK ? settle_columns(r) : status;
+}
+
+gw_status las_read(input_file *in, scan *cloud, gw_error *error)
+{
+	*cloud = (scan){ .up = 'z' };
+	reader r = { .in = in, .cloud = cloud, .error = error };
+	gw_status status = read_all(&r);
+	las_layout_clear(&r.layout);
+	free(r.data);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}

@@ -1,0 +1,403 @@
+#include "las/laz_reader.h"
+#include "las/laz_points.h"
+#include "files/little_endian.h"
+#include "base/parallel.h"
+
+#include <inttypes.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define VLR_BYTES 34 /* of the LASzip VLR before its items */
+#define VLR_ITEM_BYTES 6
+#define VARIABLE UINT32_MAX /* chunk size: each chunk has its own count */
+
+/* Points that are decoded before they are handed on, and between looks for trouble. */
+#define BLOCK_POINTS 256
+
+/* Points a byte that are believed without a trial: real data has less than one. */
+#define BELIEVED 16
+
+typedef enum compressor { POINTWISE = 1, CHUNKED, LAYERED } compressor;
+
+typedef struct chunk {
+	uint64_t first, count; /* points */
+	size_t start, length;  /* bytes in the file */
+} chunk;
+
+struct laz_stream {
+	const input_file *in;
+	const las_header *header;
+	compressor compressor;
+	laz_items items;
+	uint32_t chunk_size;
+	chunk *chunk; /* owned */
+	size_t chunk_count;
+	laz_points **worker; /* owned; worker_count, made when one has its first chunk */
+	uint32_t worker_count;
+	laz_sink *sink;
+	void *user;
+	atomic_size_t failed; /* lowest number of a chunk with trouble */
+};
+
+/* ------------------------------------------------------------------------------------ items */
+
+static const char *item_name(unsigned type)
+{
+	static const char *const name[] = { "BYTE",     "SHORT",        "INT",     "LONG",
+										"FLOAT",    "DOUBLE",       "POINT10", "GPSTIME11",
+										"RGB12",    "WAVEPACKET13", "POINT14", "RGB14",
+										"RGBNIR14", "WAVEPACKET14", "BYTE14" };
+	return type < sizeof name / sizeof *name ? name[type] : "unknown";
+}
+
+static void expect(laz_items *items, laz_item_type type, size_t size)
+{
+	items->item[items->count++] = (laz_item){ type, size, 0, items->record };
+	items->record += size;
+}
+
+/* The items that points of a format have; no other order is in use. */
+static laz_items expected_items(const las_header *h)
+{
+	laz_items items = { .layered = h->format >= 6 };
+	expect(&items, items.layered ? LAZ_POINT14 : LAZ_POINT10, items.layered ? 30 : 20);
+	unsigned f = h->format;
+	if (f == 1 || f == 3 || f == 4 || f == 5)
+		expect(&items, LAZ_GPSTIME11, 8);
+	if (f == 2 || f == 3 || f == 5)
+		expect(&items, LAZ_RGB12, 6);
+	if (f == 7)
+		expect(&items, LAZ_RGB14, 6);
+	if (f == 8 || f == 10)
+		expect(&items, LAZ_RGBNIR14, 8);
+	if (f == 4 || f == 5)
+		expect(&items, LAZ_WAVEPACKET13, 29);
+	if (f == 9 || f == 10)
+		expect(&items, LAZ_WAVEPACKET14, 29);
+	if (h->record > items.record)
+		expect(&items, items.layered ? LAZ_BYTE14 : LAZ_BYTE, h->record - items.record);
+	return items;
+}
+
+static bool known_version(const laz_item *item, unsigned version)
+{
+	if (item->type == LAZ_WAVEPACKET13)
+		return version == 1;
+	if (item->type >= LAZ_POINT14)
+		return version >= 2 && version <= 4;
+	return version == 1 || version == 2;
+}
+
+static gw_status take_items(laz_stream *s, gw_error *error)
+{
+	const las_vlr *vlr = &s->header->laszip;
+	size_t count = load_16(vlr->data + 32);
+	s->items = expected_items(s->header);
+	if (count != s->items.count || vlr->length < VLR_BYTES + count * VLR_ITEM_BYTES)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: the LASzip record lists %zu items in %zu bytes; points of format %u "
+					   "and %zu bytes have %zu",
+					   s->in->name, count, vlr->length, s->header->format, s->header->record,
+					   s->items.count);
+	for (size_t i = 0; i < count; i++) {
+		const uint8_t *from = vlr->data + VLR_BYTES + i * VLR_ITEM_BYTES;
+		laz_item *item = &s->items.item[i];
+		unsigned type = load_16(from), size = load_16(from + 2);
+		item->version = load_16(from + 4);
+		bool mixed = (item->version < 4) != (s->items.item[0].version < 4);
+		if (type != item->type || size != item->size || mixed ||
+			!known_version(item, item->version))
+			return gw_fail(error, GW_ERROR_DATA,
+						   "%s: item %zu of the LASzip record is %s (%u) of %u bytes, version %u, "
+						   "which cannot be read where %s of %zu bytes is expected",
+						   s->in->name, i + 1, item_name(type), type, size, item->version,
+						   item_name(item->type), item->size);
+	}
+	if (s->items.item[count - 1].size > LAZ_EXTRA_MAX)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: points have %zu extra bytes, of which at most %d can be decompressed",
+					   s->in->name, s->items.item[count - 1].size, LAZ_EXTRA_MAX);
+	return GW_OK;
+}
+
+static gw_status take_vlr(laz_stream *s, gw_error *error)
+{
+	const las_vlr *vlr = &s->header->laszip;
+	if (vlr->length < VLR_BYTES)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: the points are compressed, but no LASzip record before them says how",
+					   s->in->name);
+	unsigned kind = load_16(vlr->data), coder = load_16(vlr->data + 2);
+	bool layered = s->header->format >= 6;
+	s->chunk_size = load_32(vlr->data + 12);
+	if (kind < POINTWISE || kind > LAYERED || (kind == LAYERED) != layered || coder != 0)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: the points of format %u are compressed by compressor %u with coder %u; "
+					   "with coder 0, compressors 1 and 2 (formats 0 to 5) and 3 (6 to 10) can be "
+					   "read",
+					   s->in->name, s->header->format, kind, coder);
+	s->compressor = (compressor)kind;
+	return take_items(s, error);
+}
+
+/* ----------------------------------------------------------------------------------- chunks */
+
+static gw_status fail_table(const laz_stream *s, size_t at, const char *what, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA, "%s, byte %zu: %s; the file is cut short or damaged",
+				   s->in->name, at, what);
+}
+
+/* Where the table of chunks stands; what writes to a pipe can only say so at the very end. */
+static gw_status find_table(const laz_stream *s, size_t *table, gw_error *error)
+{
+	size_t length = s->in->length, points = s->header->points;
+	if (length - points < 16)
+		return fail_table(s, points, "no room for compressed points", error);
+	uint64_t place = load_64(s->in->data + points);
+	if (place == UINT64_MAX)
+		place = load_64(s->in->data + length - 8);
+	if (place < points + 8 || place > length - 8)
+		return fail_table(s, points, "the table of chunks shall be where the file is not", error);
+	if (load_32(s->in->data + place) != 0)
+		return fail_table(s, (size_t)place, "a table of chunks of an unknown version", error);
+	*table = (size_t)place;
+	return GW_OK;
+}
+
+/* Sizes of all chunks, and their counts when they differ, by differences. */
+static gw_status decode_table(laz_stream *s, size_t table, gw_error *error)
+{
+	laz_pool pool = { 0 };
+	laz_decoder d;
+	laz_integer integer = { 0 };
+	laz_model *context[2] = { 0 };
+	int32_t count = 0, length = 0;
+	laz_decoder_start(&d, s->in->data + table + 8, s->in->length - table - 8, &pool);
+	for (size_t c = 0; c < s->chunk_count && d.over == 0; c++) {
+		if (s->chunk_size == VARIABLE)
+			count = laz_near(&d, &integer, &context[0], 32, count);
+		length = laz_near(&d, &integer, &context[1], 32, length);
+		s->chunk[c].count = s->chunk_size == VARIABLE ? (uint32_t)count : s->chunk_size;
+		s->chunk[c].length = (uint32_t)length;
+	}
+	bool short_of_memory = pool.failed;
+	laz_pool_clear(&pool);
+	if (short_of_memory)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to decompress %s", s->in->name);
+	if (d.failed || d.over > 0)
+		return fail_table(s, table + 8, "a table of chunks that makes no sense", error);
+	return GW_OK;
+}
+
+/* Chunks lie one behind the other between the points' start and the table, and together have as
+ * many points as the header says. */
+static gw_status place_chunks(laz_stream *s, size_t table, gw_error *error)
+{
+	uint64_t first = 0, total = s->header->count;
+	size_t at = s->header->points + 8;
+	for (size_t c = 0; c < s->chunk_count; c++) {
+		chunk *k = &s->chunk[c];
+		k->first = first;
+		k->start = at;
+		if (s->chunk_size != VARIABLE && k->count > total - first)
+			k->count = total - first;
+		if (k->count > total - first || k->count == 0)
+			return gw_fail(error, GW_ERROR_DATA,
+						   "%s: chunk %zu of %zu has %" PRIu64 " points, where %" PRIu64
+						   " of the header's %" PRIu64 " are left",
+						   s->in->name, c + 1, s->chunk_count, k->count, total - first, total);
+		if (k->length > table - at || k->length < laz_points_least(&s->items, k->count))
+			return gw_fail(error, GW_ERROR_DATA,
+						   "%s, byte %zu: chunk %zu of %zu shall have %zu bytes, which is too few "
+						   "or reaches beyond the table of chunks at byte %zu",
+						   s->in->name, at, c + 1, s->chunk_count, k->length, table);
+		first += k->count;
+		at += k->length;
+	}
+	if (first != total)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: the header counts %" PRIu64 " points, but the %zu chunks have %" PRIu64
+					   "; the file is cut short or damaged",
+					   s->in->name, total, s->chunk_count, first);
+	return GW_OK;
+}
+
+static gw_status allocate_chunks(laz_stream *s, size_t count, gw_error *error)
+{
+	s->chunk_count = count;
+	s->chunk = calloc(count ? count : 1, sizeof *s->chunk);
+	if (!s->chunk)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu chunks of %s", count,
+					   s->in->name);
+	return GW_OK;
+}
+
+static gw_status take_table(laz_stream *s, gw_error *error)
+{
+	size_t table = 0;
+	if (s->chunk_size == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s: the LASzip record says that chunks have 0 points",
+					   s->in->name);
+	gw_status status = find_table(s, &table, error);
+	if (status != GW_OK)
+		return status;
+	size_t count = load_32(s->in->data + table + 4);
+	size_t most = (table - s->header->points - 8) / laz_points_least(&s->items, 1);
+	if (count > most)
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"%s, byte %zu: %zu chunks, but the bytes before are enough for %zu; the file "
+			"is cut short or damaged",
+			s->in->name, table + 4, count, most);
+	status = allocate_chunks(s, count, error);
+	if (status == GW_OK && count > 0)
+		status = decode_table(s, table, error);
+	return status == GW_OK ? place_chunks(s, table, error) : status;
+}
+
+/* One stream to the end of the file, or to what follows it. */
+static gw_status take_whole(laz_stream *s, gw_error *error)
+{
+	size_t length = s->in->length - s->header->points;
+	if (length < laz_points_least(&s->items, s->header->count))
+		return fail_table(s, s->header->points, "no room for compressed points", error);
+	gw_status status = allocate_chunks(s, 1, error);
+	if (status == GW_OK)
+		s->chunk[0] = (chunk){ 0, s->header->count, s->header->points, length };
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- decoding */
+
+/* Decodes a chunk. Returns what is wrong with it. */
+static laz_trouble decode(laz_stream *s, laz_points *points, const chunk *k)
+{
+	_Alignas(8) uint8_t block[BLOCK_POINTS * 68];
+	size_t record = s->items.record, capacity = sizeof block / record;
+	uint8_t *large = capacity ? NULL : malloc(record);
+	uint8_t *records = capacity ? block : large;
+	if (!records)
+		return LAZ_NO_MEMORY;
+	capacity = capacity ? capacity : 1;
+	bool started = laz_points_start(points, s->in->data + k->start, k->length, k->count);
+	laz_trouble trouble = started ? LAZ_FINE : LAZ_DAMAGED;
+	for (uint64_t done = 0; done < k->count && trouble == LAZ_FINE;) {
+		size_t n = k->count - done < capacity ? (size_t)(k->count - done) : capacity;
+		for (size_t i = 0; i < n; i++)
+			laz_points_next(points, records + i * record);
+		trouble = laz_points_trouble(points);
+		if (trouble == LAZ_FINE && s->sink)
+			s->sink(s->user, (size_t)(k->first + done), n, records);
+		done += n;
+	}
+	free(large);
+	/* Readers that take chunks from a stream find the next one only if this one ends with it. */
+	if (trouble == LAZ_FINE && s->compressor == CHUNKED && k->count > 1 && laz_points_left(points))
+		trouble = LAZ_DAMAGED;
+	return trouble;
+}
+
+static void decode_chunks(void *user, size_t first, size_t last, uint32_t worker)
+{
+	laz_stream *s = user;
+	for (size_t c = first; c < last && c < atomic_load(&s->failed); c++) {
+		if (!s->worker[worker])
+			s->worker[worker] = laz_points_create(&s->items);
+		laz_trouble trouble =
+			s->worker[worker] ? decode(s, s->worker[worker], &s->chunk[c]) : LAZ_NO_MEMORY;
+		size_t lowest = atomic_load(&s->failed);
+		while (trouble != LAZ_FINE && c < lowest &&
+			   !atomic_compare_exchange_weak(&s->failed, &lowest, c)) {
+		}
+	}
+}
+
+/* Says what is wrong with a chunk, by decoding it once more. */
+static gw_status explain(laz_stream *s, gw_error *error)
+{
+	const chunk *k = &s->chunk[atomic_load(&s->failed)];
+	laz_sink *sink = s->sink;
+	laz_points *points = laz_points_create(&s->items);
+	s->sink = NULL;
+	laz_trouble trouble = points ? decode(s, points, k) : LAZ_NO_MEMORY;
+	s->sink = sink;
+	laz_points_destroy(&points);
+	if (trouble == LAZ_NO_MEMORY || trouble == LAZ_FINE)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to decompress %s", s->in->name);
+	return gw_fail(
+		error, GW_ERROR_DATA,
+		"%s, byte %zu: chunk %zu of %zu, of %" PRIu64 " points in %zu bytes, %s; the file "
+		"is damaged",
+		s->in->name, k->start, atomic_load(&s->failed) + 1, s->chunk_count, k->count, k->length,
+		trouble == LAZ_TOO_SHORT ? "ends before its last point"
+								 : "holds what no compressor writes");
+}
+
+gw_status laz_decode(laz_stream *s, laz_sink *sink, void *user, gw_error *error)
+{
+	s->sink = sink;
+	s->user = user;
+	atomic_store(&s->failed, SIZE_MAX);
+	gw_parallel_for(s->worker_count, s->chunk_count, 1, decode_chunks, s);
+	return atomic_load(&s->failed) == SIZE_MAX ? GW_OK : explain(s, error);
+}
+
+/* -------------------------------------------------------------------------------- the stream */
+
+/* Counts that seem too high for the bytes are tried before memory is taken for them. A coder needs
+ * some hundredths of a bit for a point at least, so that a lie soon runs out of bytes. */
+static gw_status try_counts(laz_stream *s, gw_error *error)
+{
+	for (size_t c = 0; c < s->chunk_count; c++)
+		if (s->chunk[c].count / BELIEVED > s->chunk[c].length)
+			return laz_decode(s, NULL, NULL, error);
+	return GW_OK;
+}
+
+static gw_status prepare(laz_stream *s, gw_error *error)
+{
+	gw_status status = take_vlr(s, error);
+	if (status == GW_OK && s->header->count == 0)
+		status = allocate_chunks(s, 0, error);
+	else if (status == GW_OK)
+		status = s->compressor == POINTWISE ? take_whole(s, error) : take_table(s, error);
+	if (status != GW_OK)
+		return status;
+	uint32_t threads = gw_thread_count(s->in->threads);
+	s->worker_count = s->chunk_count < threads ? (uint32_t)s->chunk_count : threads;
+	s->worker_count += s->worker_count == 0;
+	s->worker = calloc(s->worker_count, sizeof *s->worker);
+	if (!s->worker)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to decompress %s", s->in->name);
+	return try_counts(s, error);
+}
+
+gw_status laz_open(laz_stream **stream, const input_file *in, const las_header *header,
+				   gw_error *error)
+{
+	laz_stream *s = *stream = calloc(1, sizeof *s);
+	if (!s)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to decompress %s", in->name);
+	s->in = in;
+	s->header = header;
+	gw_status status = prepare(s, error);
+	if (status != GW_OK)
+		laz_close(stream);
+	return status;
+}
+
+void laz_close(laz_stream **stream)
+{
+	laz_stream *s = *stream;
+	if (!s)
+		return;
+	for (uint32_t w = 0; s->worker && w < s->worker_count; w++)
+		laz_points_destroy(&s->worker[w]);
+	free(s->worker);
+	free(s->chunk);
+	free(s);
+	*stream = NULL;
+}

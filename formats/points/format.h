@@ -1,0 +1,47 @@
+/*
+ * format.h - what a file format is. Each format is one file that exports one const struct;
+ * format_table.h has the table of them.
+ */
+#ifndef FORMAT_H
+#define FORMAT_H
+
+#include "points/scan.h"
+
+struct output_file; /* output_file.h: temporary name, checked writes, renamed when whole */
+struct input_file;  /* input_file.h: a file or standard input as bytes in memory, with its length */
+
+typedef struct format {
+	const char *name;              /* "ply", as on the command line */
+	const char *description;       /* for --help, a few words */
+	const char *const *extensions; /* NULL-terminated, lower case without the dot */
+
+	/* True when the first `length` bytes of a file look like this format, of which at least the
+	 * first 4096 are given if the file has them. NULL: by extension only. */
+	bool (*probe)(const uint8_t *head, size_t length);
+	bool unspecific; /* probe also takes others' files: an extension that is known goes before it */
+
+	/* Reads a whole scan. On failure *scan is empty. NULL when the format cannot be read. Every
+	 * count is checked against the bytes that are there before anything is allocated. */
+	gw_status (*read)(struct input_file *in, scan *scan, gw_error *error);
+
+	/* Whether the format can hold the coordinates of a scan; NULL: those of any.
+	 *   name   of the file, for messages */
+	gw_status (*accept)(const scan *scan, const char *name, gw_error *error);
+
+	/* What a point takes at least when it is written. */
+	size_t row_bytes; /* 0: what its columns take, */
+	bool text;        /* or a digit and a separator for each of them */
+
+	/* Writes a scan: all columns in order. NULL when the format cannot be written. */
+	gw_status (*write)(struct output_file *out, const scan *scan, gw_error *error);
+} format;
+
+/* How to read a file; zeros ask the file itself. */
+typedef struct format_options {
+	const char *name;    /* the format to insist on, or NULL */
+	const char *columns; /* names of the columns of tables without names, as "x,y,z,-,intensity":
+							- leaves one out. Formats that name their columns take no notice */
+	uint32_t threads;    /* 0 means one a processor */
+} format_options;
+
+#endif

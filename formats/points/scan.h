@@ -1,0 +1,129 @@
+/*
+ * scan.h - a point cloud as it stood in a file: every attribute of every point, in order, in the
+ * type and with the digits that came in.
+ *
+ * A scan is a table of columns. Readers fill it, writers take it, and `scan_points` derives from
+ * it what the light needs. Column names are the project's canonical ones where a meaning is known
+ * (x y z, nx ny nz, red green blue, alpha, opacity, intensity, emission_r emission_g emission_b,
+ * albedo_r albedo_g albedo_b, specular, roughness) and the file's own otherwise.
+ */
+#ifndef SCAN_H
+#define SCAN_H
+
+#include "glowworm.h"
+
+typedef enum scan_type {
+	SCAN_INT8, SCAN_UINT8, SCAN_INT16, SCAN_UINT16, SCAN_INT32, SCAN_UINT32,
+	SCAN_FLOAT32, SCAN_FLOAT64,
+	SCAN_TYPE_COUNT
+} scan_type;
+
+/* Bytes of one value. */
+size_t scan_type_size(scan_type type);
+
+typedef struct scan_column {
+	char *name;     /* owned */
+	scan_type type;
+	void *data;     /* owned; count values of the type, native byte order */
+} scan_column;
+
+/* A comment that begins with this is about the input: something that its reader found wrong or took
+ * for granted. Users see it; it does not go into results. */
+#define SCAN_NOTE "note: "
+#define SCAN_NO_SCANNER UINT32_MAX
+
+typedef struct scan {
+	size_t count;             /* points */
+	scan_column *column;      /* owned */
+	size_t column_count;
+	char **comment;           /* owned; comment_count lines of text without the format's keyword */
+	size_t comment_count;
+	uint64_t left_out;        /* rows without a point: empty cells of a scanner's grid */
+	char up;                  /* 'y' or 'z': which axis the format calls up */
+	double *scanner;          /* owned; 3 * scanner_count: where scanners stood, in the cloud's
+								 coordinates */
+	size_t scanner_count;
+	uint32_t *scanner_of;     /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
+								 NULL when there is none, or the one saw them all */
+} scan;
+
+/* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
+void scan_clear(scan *scan);
+
+/* Adds a column of scan->count zeroed values. Returns it (valid until the next add), or NULL with
+ * *error filled when memory is short or the name exists. name is copied. */
+scan_column *scan_add_column(scan *scan, const char *name, scan_type type, gw_error *error);
+
+/* Adds a comment line; text is copied. */
+gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
+
+/*
+ * Says that a scanner at `position` saw the points [first, first + count); the same position said
+ * soon again is the same scanner. GW_ERROR_MEMORY.
+ */
+gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
+						   gw_error *error);
+
+/* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
+ * when memory is short. A file may have a million, so that not all are compared. */
+uint32_t scan_scanner_at(scan *scan, const double position[3]);
+
+/* Makes room for which scanner saw each point: the first all of them, or none. GW_ERROR_MEMORY. */
+gw_status scan_part_scanners(scan *scan, gw_error *error);
+
+/* The column of that name, or NULL. */
+scan_column *scan_find(const scan *scan, const char *name);
+
+/* Removes the column of that name, if there is one. */
+void scan_remove_column(scan *scan, const char *name);
+
+/* Value of point i as a double. */
+double scan_value(const scan_column *column, size_t i);
+
+/* Stores a value that the column's type is known to hold as point i. */
+void scan_store(scan_column *column, size_t i, double value);
+
+/* ---------------------------------------------------------------------- from scan to points */
+
+/* Where the albedo comes from. */
+typedef enum scan_albedo {
+	SCAN_ALBEDO_AUTO,      /* albedo_*, else colours, else constant GW_ALBEDO_DEFAULT */
+	SCAN_ALBEDO_COLOR,     /* red green blue (or albedo_*) */
+	SCAN_ALBEDO_INTENSITY, /* the scanner's intensity, scaled to its 99th percentile */
+	SCAN_ALBEDO_CONSTANT,
+	SCAN_ALBEDO_PROPERTY,  /* any column, taken as linear */
+	SCAN_ALBEDO_COUNT
+} scan_albedo;
+
+typedef struct scan_points_options {
+	scan_albedo albedo;
+	float constant;        /* of SCAN_ALBEDO_CONSTANT, 0..1 */
+	const char *property;  /* of SCAN_ALBEDO_PROPERTY */
+	float scale;           /* every albedo is multiplied by this; 1 leaves it */
+	float white;           /* 0..1: blend towards white, rho + white * (1 - rho) (Salm 5.1) */
+	bool linear_colors;    /* colours are linear already, not sRGB-encoded */
+} scan_points_options;
+
+#define SCAN_POINTS_OPTIONS_DEFAULT                                                            \
+	((scan_points_options){ .constant = GW_ALBEDO_DEFAULT, .scale = 1.0f })
+
+/* gw_points with the memory behind them. */
+typedef struct scan_points {
+	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
+	char albedo_source[160]; /* a phrase: which albedo was used and why */
+	double *position; float *normal; float *albedo; float *emission; /* owned */
+} scan_points;
+
+/*
+ * Derives positions, normals, linear albedo and emission. uint8 colours count to 255, uint16 to
+ * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). With
+ * SCAN_ALBEDO_AUTO, colours that are all black count as none. CloudCompare's prefix scalar_ is
+ * understood. A lit file's own albedo_* columns go before its preview colours.
+ *   out   on success owned by the caller, freed with scan_points_clear; its scanners are those of
+ *         the scan, which has to live as long
+ */
+gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,
+                           gw_error *error);
+void scan_points_clear(scan_points *points);
+
+#endif

@@ -1,0 +1,303 @@
+/*
+ * From scan to points: which columns are positions, normals, albedo and emission, and in what
+ * encoding. Values are handed on as they are; the library repairs and counts bad ones.
+ */
+#include "points/scan_color.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const normal_names[3] = { "nx", "ny", "nz" };
+static const char *const emission_names[3] = { "emission_r", "emission_g", "emission_b" };
+
+static gw_status allocate_triples(float **values, size_t count, gw_error *error)
+{
+	*values = reallocarray(NULL, count, 3 * sizeof **values);
+	if (!*values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for attributes of %zu points", count);
+	return GW_OK;
+}
+
+/* Interleaves three columns; a missing one gives zeros. */
+static gw_status gather(float **values, const scan_column *const column[3], size_t count,
+						gw_error *error)
+{
+	gw_status status = allocate_triples(values, count, error);
+	for (size_t k = 0; k < 3 && status == GW_OK; k++)
+		for (size_t i = 0; i < count; i++)
+			(*values)[3 * i + k] = column[k] ? (float)scan_value(column[k], i) : 0.0f;
+	return status;
+}
+
+/* ---------------------------------------------------------------------------- positions */
+
+static gw_status make_positions(const scan *cloud, scan_points *out, gw_error *error)
+{
+	static const char *const names[3] = { "x", "y", "z" };
+	out->position = reallocarray(NULL, cloud->count, 3 * sizeof *out->position);
+	if (!out->position)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions of %zu points",
+					   cloud->count);
+	for (size_t k = 0; k < 3; k++) {
+		const scan_column *column = scan_find(cloud, names[k]);
+		if (!column)
+			return gw_fail(error, GW_ERROR_DATA, "the points have no coordinate '%s'", names[k]);
+		for (size_t i = 0; i < cloud->count; i++)
+			out->position[3 * i + k] = scan_value(column, i);
+	}
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------- albedo */
+
+/* Colours to linear albedo. Integer colours have few different values: those are decoded once. */
+static gw_status albedo_of_color(const scan_color *color, size_t count, bool linear, float *albedo,
+								 gw_error *error)
+{
+	for (int k = 0; k < 3; k++) {
+		scan_type type = color->column[k]->type;
+		size_t entries = (size_t)color->range + 1;
+		bool small = type != SCAN_FLOAT32 && type != SCAN_FLOAT64;
+		float *decoded = small ? reallocarray(NULL, entries, sizeof *decoded) : NULL;
+		if (small && !decoded)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a table of colours");
+		for (size_t e = 0; e < entries && small; e++) {
+			double value = (double)e / color->range;
+			decoded[e] = (float)(linear ? value : scan_srgb_decode(value));
+		}
+		for (size_t i = 0; i < count; i++) {
+			double value = scan_color_value(color, k, i);
+			double entry = value * color->range + 0.5;
+			float *to = &albedo[3 * i + (size_t)k];
+			if (small && entry >= 0.0 && entry < (double)entries)
+				*to = decoded[(size_t)entry];
+			else
+				*to = (float)(linear ? value : scan_srgb_decode(value));
+		}
+		free(decoded);
+	}
+	return GW_OK;
+}
+
+static void swap_floats(float *a, float *b)
+{
+	float kept = *a;
+	*a = *b;
+	*b = kept;
+}
+
+/* The value that would stand at `rank` if the values were sorted (Hoare's selection, without NaN).
+ */
+static float select_rank(float *value, ptrdiff_t count, ptrdiff_t rank)
+{
+	ptrdiff_t low = 0, high = count - 1;
+	while (low < high) {
+		float pivot = value[rank];
+		ptrdiff_t i = low, j = high;
+		while (i <= j) {
+			while (value[i] < pivot)
+				i++;
+			while (value[j] > pivot)
+				j--;
+			if (i <= j)
+				swap_floats(&value[i++], &value[j--]);
+		}
+		if (j < rank)
+			low = i;
+		if (rank < i)
+			high = j;
+	}
+	return value[rank];
+}
+
+/* The 99th percentile of the finite values; 0 when none is above 0. */
+static gw_status percentile_99(const scan_column *column, size_t count, float *result,
+							   gw_error *error)
+{
+	float *value = reallocarray(NULL, count, sizeof *value);
+	if (!value)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu intensities", count);
+	ptrdiff_t finite = 0;
+	for (size_t i = 0; i < count; i++) {
+		float v = (float)scan_value(column, i);
+		if (isfinite(v))
+			value[finite++] = v;
+	}
+	if (finite > 0)
+		*result = select_rank(value, finite, finite - 1 - finite / 100);
+	free(value);
+	return GW_OK;
+}
+
+static void fill_grey(scan_points *out, size_t count, const scan_column *column, double divisor)
+{
+	for (size_t i = 0; i < count; i++) {
+		float value = (float)(scan_value(column, i) / divisor);
+		for (size_t k = 0; k < 3; k++)
+			out->albedo[3 * i + k] = value;
+	}
+}
+
+static gw_status albedo_of_intensity(const scan *cloud, scan_points *out, gw_error *error)
+{
+	const scan_column *column = scan_find_scalar(cloud, "intensity");
+	if (!column)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the albedo shall come from the intensity, but the points have none");
+	float full = 0.0f;
+	gw_status status = percentile_99(column, cloud->count, &full, error);
+	if (status != GW_OK)
+		return status;
+	if (!(full > 0.0f))
+		return gw_fail(error, GW_ERROR_DATA,
+					   "the albedo shall come from the intensity, but that is zero almost "
+					   "everywhere; choose another source");
+	fill_grey(out, cloud->count, column, (double)full);
+	snprintf(out->albedo_source, sizeof out->albedo_source,
+			 "the intensity, of which the 99th percentile, %g, counts as 1", (double)full);
+	return GW_OK;
+}
+
+static gw_status albedo_of_property(const scan *cloud, const char *name, scan_points *out,
+									gw_error *error)
+{
+	const scan_column *column = name ? scan_find_scalar(cloud, name) : NULL;
+	if (!column)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the albedo shall come from the property '%s', which the points do not "
+					   "have",
+					   name ? name : "");
+	fill_grey(out, cloud->count, column, 1.0);
+	snprintf(out->albedo_source, sizeof out->albedo_source, "the property '%.80s', taken as linear",
+			 name);
+	return GW_OK;
+}
+
+static void albedo_constant(scan_points *out, size_t count, float value, const char *reason)
+{
+	for (size_t i = 0; i < 3 * count; i++)
+		out->albedo[i] = value;
+	snprintf(out->albedo_source, sizeof out->albedo_source, "the constant %g, %s", (double)value,
+			 reason);
+}
+
+/* albedo_* before colours; colours that are all black are a scanner without a camera. */
+static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *options,
+								  scan_points *out, gw_error *error)
+{
+	bool forced = options->albedo == SCAN_ALBEDO_COLOR;
+	const char *encoding = options->linear_colors ? "taken as linear" : "decoded from sRGB";
+	scan_color color;
+	bool own = scan_color_find(cloud, scan_albedo_names, &color);
+	bool any = own || scan_color_find(cloud, scan_color_names, &color);
+	if (!any && forced)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the albedo shall come from colours, but the points have none");
+	if (!any || (color.black && !forced)) {
+		albedo_constant(out, cloud->count, GW_ALBEDO_DEFAULT,
+						any ? "because all colours are black"
+							: "because the points have no colours");
+		return GW_OK;
+	}
+	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full",
+			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
+	return albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error);
+}
+
+static gw_status make_albedo(const scan *cloud, const scan_points_options *options,
+							 scan_points *out, gw_error *error)
+{
+	gw_status status = allocate_triples(&out->albedo, cloud->count, error);
+	if (status != GW_OK)
+		return status;
+	switch (options->albedo) {
+	case SCAN_ALBEDO_CONSTANT:
+		albedo_constant(out, cloud->count, options->constant, "as asked for");
+		break;
+	case SCAN_ALBEDO_INTENSITY:
+		status = albedo_of_intensity(cloud, out, error);
+		break;
+	case SCAN_ALBEDO_PROPERTY:
+		status = albedo_of_property(cloud, options->property, out, error);
+		break;
+	case SCAN_ALBEDO_AUTO:
+	case SCAN_ALBEDO_COLOR:
+	case SCAN_ALBEDO_COUNT:
+		status = albedo_of_colors(cloud, options, out, error);
+		break;
+	}
+	if (status != GW_OK || (options->scale == 1.0f && options->white == 0.0f))
+		return status;
+	for (size_t i = 0; i < 3 * cloud->count; i++) {
+		float rho = out->albedo[i] * options->scale;
+		out->albedo[i] = rho + options->white * (1.0f - rho);
+	}
+	return GW_OK;
+}
+
+/* ---------------------------------------------------------------------------- everything */
+
+static gw_status check_options(const scan_points_options *options, gw_error *error)
+{
+	if (!(options->scale >= 0.0f && isfinite(options->scale)))
+		return gw_fail(error, GW_ERROR_USAGE, "the albedo cannot be scaled by %g; use 0 or more",
+					   (double)options->scale);
+	if (!(options->white >= 0.0f && options->white <= 1.0f))
+		return gw_fail(error, GW_ERROR_USAGE, "the blend towards white is %g; use 0 to 1",
+					   (double)options->white);
+	if (options->albedo == SCAN_ALBEDO_CONSTANT &&
+		!(options->constant >= 0.0f && options->constant <= 1.0f))
+		return gw_fail(error, GW_ERROR_USAGE, "the constant albedo is %g; use 0 to 1",
+					   (double)options->constant);
+	return GW_OK;
+}
+
+static gw_status make_all(const scan *cloud, const scan_points_options *options, scan_points *out,
+						  gw_error *error)
+{
+	gw_status status = check_options(options, error);
+	if (status == GW_OK)
+		status = make_positions(cloud, out, error);
+	if (status == GW_OK)
+		status = make_albedo(cloud, options, out, error);
+	const scan_column *column[3];
+	if (status == GW_OK && scan_find_triple(cloud, normal_names, column))
+		status = gather(&out->normal, column, cloud->count, error);
+	bool all = scan_find_triple(cloud, emission_names, column);
+	if (status == GW_OK && (all || column[0] || column[1] || column[2]))
+		status = gather(&out->emission, column, cloud->count, error);
+	return status;
+}
+
+gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,
+						   gw_error *error)
+{
+	memset(out, 0, sizeof *out);
+	if (cloud->count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "there are no points");
+	gw_status status = make_all(cloud, options, out, error);
+	if (status != GW_OK) {
+		scan_points_clear(out);
+		return status;
+	}
+	out->points = (gw_points){ .count = cloud->count,
+							   .position = out->position,
+							   .normal = out->normal,
+							   .albedo = out->albedo,
+							   .emission = out->emission,
+							   .scanner = cloud->scanner,
+							   .scanner_count = cloud->scanner_count,
+							   .scanner_of = cloud->scanner_of };
+	return GW_OK;
+}
+
+void scan_points_clear(scan_points *points)
+{
+	free(points->position);
+	free(points->normal);
+	free(points->albedo);
+	free(points->emission);
+	memset(points, 0, sizeof *points);
+}

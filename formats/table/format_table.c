@@ -1,0 +1,127 @@
+#include "table/format_table.h"
+#include "text/cloud_format.h"
+#include "e57/e57_format.h"
+#include "files/input_file.h"
+#include "las/las_format.h"
+#include "meshes/mesh.h"
+#include "pcd/pcd_format.h"
+#include "ply/ply_format.h"
+#include "text/text_formats.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+/* In the order in which content is probed. */
+const format *const formats[] = {
+	&ply_format,
+	&las_format,
+	&laz_format,
+	&pcd_format,
+	&e57_format,
+	&off_format,
+	&glb_format,
+	&ptx_format,
+	&pts_format,
+	&xyz_format,
+	&csv_format,
+	&obj_format,
+	&cloud_format,
+	NULL,
+};
+
+const format *format_by_name(const char *name)
+{
+	for (size_t f = 0; formats[f]; f++)
+		if (strcasecmp(formats[f]->name, name) == 0)
+			return formats[f];
+	return NULL;
+}
+
+const format *format_by_path(const char *path)
+{
+	const char *slash = strrchr(path, '/');
+	const char *dot = strrchr(slash ? slash : path, '.');
+	if (!dot)
+		return NULL;
+	for (size_t f = 0; formats[f]; f++)
+		for (const char *const *e = formats[f]->extensions; *e; e++)
+			if (strcasecmp(dot + 1, *e) == 0)
+				return formats[f];
+	return NULL;
+}
+
+/* Names of all formats that can be read, for messages. */
+static const char *list_formats(char text[256])
+{
+	text[0] = '\0';
+	for (size_t f = 0; formats[f]; f++) {
+		size_t used = strlen(text);
+		if (formats[f]->read && used + strlen(formats[f]->name) + 3 < 256)
+			snprintf(text + used, 256 - used, "%s%s", used ? ", " : "", formats[f]->name);
+	}
+	return text;
+}
+
+static const format *probe(const input_file *in, bool unspecific)
+{
+	for (size_t f = 0; formats[f]; f++)
+		if (formats[f]->read && formats[f]->probe && formats[f]->unspecific == unspecific &&
+			formats[f]->probe(in->data, in->length))
+			return formats[f];
+	return NULL;
+}
+
+/* Content before extension: a wrong name is more common than a wrong first line. */
+static const format *recognise(const char *path, const input_file *in)
+{
+	const format *found = probe(in, false);
+	if (!found)
+		found = format_by_path(path);
+	return found && found->read ? found : probe(in, true);
+}
+
+gw_status format_read(const char *path, const char *name, scan *cloud, gw_error *error)
+{
+	return format_read_with(path, &(format_options){ .name = name }, cloud, NULL, error);
+}
+
+static gw_status read_as(const format *found, input_file *in, scan *cloud, gw_error *error)
+{
+	char known[256];
+	if (in->length == 0)
+		return gw_fail(error, GW_ERROR_DATA, "%s is empty", in->name);
+	if (!found)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s is of no known format, by content or by name; there are %s", in->name,
+					   list_formats(known));
+	return found->read(in, cloud, error);
+}
+
+gw_status format_read_with(const char *path, const format_options *options, scan *cloud,
+						   const format **recognised, gw_error *error)
+{
+	static const format_options none;
+	const format_options *o = options ? options : &none;
+	*cloud = (scan){ 0 };
+	char known[256];
+	const format *found = o->name ? format_by_name(o->name) : NULL;
+	if (o->name && (!found || !found->read))
+		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be read; there are %s",
+					   o->name, list_formats(known));
+	input_file in;
+	gw_status status = input_file_open(&in, path, error);
+	if (status != GW_OK)
+		return status;
+	in.columns = o->columns;
+	in.threads = o->threads;
+	if (!found)
+		found = recognise(path, &in);
+	status = input_file_check(&in, read_as(found, &in, cloud, error), error);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	input_file_close(&in);
+	if (recognised)
+		*recognised = found;
+	return status;
+}

@@ -1,0 +1,27 @@
+/*
+ * format_table.h - the table of file formats, which is all that the program knows about them.
+ */
+#ifndef FORMAT_TABLE_H
+#define FORMAT_TABLE_H
+
+#include "points/format.h"
+
+extern const format *const formats[]; /* NULL-terminated */
+
+/* The format called `name`, or the one whose extension `path` has; NULL when there is none. */
+const format *format_by_name(const char *name);
+const format *format_by_path(const char *path);
+
+/*
+ * Reads a scan from a file, format found by content, then by extension.
+ *   path     "-" is standard input
+ *   options  NULL: all zeros
+ *   found    receives the format that it was; may be NULL
+ */
+gw_status format_read_with(const char *path, const format_options *options, scan *scan,
+						   const format **found, gw_error *error);
+
+/* The same with nothing but the name of the format to insist on, or NULL. */
+gw_status format_read(const char *path, const char *name, scan *scan, gw_error *error);
+
+#endif

@@ -1,0 +1,353 @@
+/*
+ * PTX: grids of a scanner. Each begins with columns, rows, the scanner's position and axes, and a
+ * matrix for row vectors; then a line for each cell.
+ */
+#include "files/growing_table.h"
+#include "files/number_text.h"
+#include "text/text_columns.h"
+#include "text/text_formats.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define HEAD_BYTES (1 << 16)
+#define HEADER_LINES 10
+
+/* One grid. */
+typedef struct grid {
+	text_rows rows;
+	double size[2];    /* columns and rows of cells */
+	double matrix[16]; /* row vectors: the last row is the translation */
+	size_t first;      /* point */
+} grid;
+
+typedef struct reader {
+	const input_file *in;
+	const char *at, *end;
+	size_t line; /* number of the line at `at` */
+	char newline;
+	grid *grid; /* owned; grid_count */
+	size_t grid_count;
+	size_t width; /* values of a row in the grid that has most */
+	scan *cloud;
+	gw_error *error;
+} reader;
+
+/* ------------------------------------------------------------------------------- headers */
+
+/* The next line that is not blank. */
+static bool next_line(reader *r, const char **line, size_t *length)
+{
+	while (text_rows_next_line(&r->at, r->end, r->newline, line, length)) {
+		r->line++;
+		if (!text_rows_is_empty(*line, *length))
+			return true;
+	}
+	return false;
+}
+
+static gw_status take_numbers(reader *r, double *value, size_t count)
+{
+	const char *line;
+	size_t length;
+	if (!next_line(r, &line, &length))
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s ends in the header of scan %zu; the file is cut short", r->in->name,
+					   r->grid_count + 1);
+	bool good = text_rows_numbers(line, length, ' ', value, count) == count;
+	for (size_t i = 0; good && i < count; i++)
+		good = isfinite(value[i]);
+	if (!good)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s, line %zu: %zu finite number%s expected in the header of scan %zu",
+					   r->in->name, r->line - 1, count, count == 1 ? " was" : "s were",
+					   r->grid_count + 1);
+	return GW_OK;
+}
+
+static gw_status take_header(reader *r, grid *g)
+{
+	double position[12];
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 2 && status == GW_OK; k++) {
+		status = take_numbers(r, &g->size[k], 1);
+		if (status == GW_OK &&
+			!(g->size[k] >= 0.0 && g->size[k] <= 9e15 && g->size[k] == trunc(g->size[k])))
+			return gw_fail(r->error, GW_ERROR_DATA,
+						   "%s, line %zu: %g is no number of columns or rows", r->in->name,
+						   r->line - 1, g->size[k]);
+	}
+	for (size_t k = 0; k < 4 && status == GW_OK; k++)
+		status = take_numbers(r, position + 3 * k, 3);
+	for (size_t k = 0; k < 4 && status == GW_OK; k++)
+		status = take_numbers(r, g->matrix + 4 * k, 4);
+	const double *m = g->matrix;
+	if (status == GW_OK && (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0))
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s, line %zu: the last column of the matrix of scan %zu is not 0 0 0 1, so "
+					   "it does not move points",
+					   r->in->name, r->line - 4, r->grid_count + 1);
+	return status;
+}
+
+/* Steps over the lines of the cells. A line takes a byte and its end; only the last may lack it. */
+static gw_status skip_cells(reader *r, const grid *g)
+{
+	double cells = g->size[0] * g->size[1];
+	const char *line;
+	size_t length, bytes = (size_t)(r->end - r->at);
+	bool enough = cells <= (double)((bytes + 1) / 2);
+	size_t count = enough ? (size_t)cells : 0, found = 0;
+	while (found < count && next_line(r, &line, &length))
+		found++;
+	if (!enough || found < count)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s: scan %zu has %.0f x %.0f cells, but fewer lines follow its header, "
+					   "which ends before line %zu; the file is cut short or the header is wrong",
+					   r->in->name, r->grid_count + 1, g->size[0], g->size[1], g->rows.first_line);
+	return GW_OK;
+}
+
+/* Values in the first row that is no hole; 3 when there is none. */
+static size_t row_width(const text_rows *rows)
+{
+	const char *line;
+	double value[16];
+	size_t length;
+	bool any = text_rows_first(rows, &line, &length);
+	return any ? text_rows_numbers(line, length, ' ', value, 16) : 3;
+}
+
+static gw_status take_grid(reader *r)
+{
+	grid g = { 0 };
+	gw_status status = take_header(r, &g);
+	if (status != GW_OK)
+		return status;
+	g.rows = (text_rows){ .in = r->in,
+						  .begin = r->at,
+						  .first_line = r->line,
+						  .newline = r->newline,
+						  .separator = ' ',
+						  .skip = TEXT_ROWS_SKIP_ORIGIN };
+	status = skip_cells(r, &g);
+	if (status != GW_OK)
+		return status;
+	g.rows.end = r->at;
+	g.rows.width = row_width(&g.rows);
+	if (g.rows.width != 3 && g.rows.width != 4 && g.rows.width != 6 && g.rows.width != 7)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s, line %zu: rows of a PTX file have x y z, often an intensity, and often "
+					   "red green blue; this one is none of them",
+					   r->in->name, g.rows.first_line);
+	grid *grown = growing_table_room(r->grid, r->grid_count, sizeof *grown);
+	if (!grown)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the scans of %s", r->in->name);
+	r->grid = grown;
+	status = text_rows_count(&g.rows, r->error);
+	if (status == GW_OK)
+		r->grid[r->grid_count++] = g;
+	return status;
+}
+
+static bool at_end(const reader *r)
+{
+	reader ahead = *r;
+	const char *line;
+	size_t length;
+	return !next_line(&ahead, &line, &length);
+}
+
+static gw_status take_grids(reader *r)
+{
+	gw_status status = GW_OK;
+	do
+		status = take_grid(r);
+	while (status == GW_OK && !at_end(r));
+	for (size_t i = 0; i < r->grid_count; i++) {
+		grid *g = &r->grid[i];
+		g->first = r->cloud->count;
+		r->cloud->count += g->rows.count;
+		r->cloud->left_out += g->rows.skipped;
+	}
+	return status;
+}
+
+/* -------------------------------------------------------------------------------- points */
+
+/* All columns that a grid has, for the whole cloud. */
+static gw_status name_columns(reader *r, text_names *names)
+{
+	bool intensity = false, color = false;
+	for (size_t i = 0; i < r->grid_count; i++) {
+		intensity = intensity || r->grid[i].rows.width % 3 == 1;
+		color = color || r->grid[i].rows.width >= 6;
+	}
+	char line[64];
+	snprintf(line, sizeof line, "x y z%s%s", intensity ? " intensity" : "",
+			 color ? " red green blue" : "");
+	return text_names_split(names, line, strlen(line), r->error);
+}
+
+/* Points to the columns of one grid, from its first point on. What it lacks stays zero. */
+static void aim(const text_names *names, text_column *all, const grid *g, text_column own[7])
+{
+	static const char *const order[7] = { "x", "y", "z", "intensity", "red", "green", "blue" };
+	bool intensity = g->rows.width % 3 == 1;
+	for (size_t c = 0; c < g->rows.width; c++) {
+		const char *name = order[c < 3 || intensity ? c : c + 1];
+		size_t i = 0;
+		while (strcmp(names->name[i], name) != 0)
+			i++;
+		own[c] = (text_column){ .name = name,
+								.type = SCAN_FLOAT64,
+								.data = (double *)all[i].data + g->first,
+								.whole = atomic_load(&all[i].whole),
+								.single = atomic_load(&all[i].single) };
+	}
+}
+
+static void keep_forms(const text_names *names, text_column *all, const grid *g, text_column own[7])
+{
+	for (size_t c = 0; c < g->rows.width; c++) {
+		for (size_t i = 0; i < names->count; i++) {
+			if (strcmp(names->name[i], own[c].name) != 0)
+				continue;
+			if (!atomic_load(&own[c].whole))
+				atomic_store(&all[i].whole, false);
+			if (!atomic_load(&own[c].single))
+				atomic_store(&all[i].single, false);
+		}
+	}
+}
+
+static bool is_identity(const double m[16])
+{
+	for (int i = 0; i < 16; i++)
+		if (m[i] != (i % 5 == 0 ? 1.0 : 0.0))
+			return false;
+	return true;
+}
+
+/* Moves points from the scanner's frame to the world; coordinates stay as they came when the matrix
+ * moves nothing. */
+static void move_points(const grid *g, double *x, double *y, double *z)
+{
+	const double *m = g->matrix;
+	if (is_identity(m))
+		return;
+	for (size_t i = g->first; i < g->first + g->rows.count; i++) {
+		double v[3] = { x[i], y[i], z[i] };
+		x[i] = v[0] * m[0] + v[1] * m[4] + v[2] * m[8] + m[12];
+		y[i] = v[0] * m[1] + v[1] * m[5] + v[2] * m[9] + m[13];
+		z[i] = v[0] * m[2] + v[1] * m[6] + v[2] * m[10] + m[14];
+	}
+}
+
+static gw_status read_points(reader *r, const text_names *names, text_column *all)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
+		text_column own[7];
+		const grid *g = &r->grid[i];
+		aim(names, all, g, own);
+		status = text_rows_read(&g->rows, own, r->error);
+		keep_forms(names, all, g, own);
+		if (status == GW_OK)
+			move_points(g, all[0].data, all[1].data, all[2].data);
+	}
+	return status == GW_OK ? text_columns_narrow(r->cloud, names, all, r->error) : status;
+}
+
+/* Whether the origin lies within the bounds of a grid's points, made larger by their size. */
+static bool is_among(const grid *g, const scan *cloud)
+{
+	for (size_t k = 0; k < 3; k++) {
+		double low = INFINITY, high = -INFINITY;
+		for (size_t i = g->first; i < g->first + g->rows.count; i++) {
+			double value = ((const double *)cloud->column[k].data)[i];
+			low = value < low ? value : low;
+			high = value > high ? value : high;
+		}
+		if (!(low - (high - low) <= 0.0 && high + (high - low) >= 0.0))
+			return false;
+	}
+	return true;
+}
+
+/*
+ * The matrix takes the scanner's place, its frame's origin, to the world. Points that never were in
+ * a scanner's frame come with a matrix that does nothing and are far from the origin.
+ */
+static gw_status take_scanners(const reader *r)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
+		const grid *g = &r->grid[i];
+		if (!is_identity(g->matrix) || is_among(g, r->cloud))
+			status = scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error);
+	}
+	return status;
+}
+
+gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
+{
+	const char *text = text_rows_begin(in->data, in->length);
+	const char *end = (const char *)in->data + in->length;
+	reader r = { .in = in,
+				 .at = text,
+				 .end = end,
+				 .line = 1,
+				 .newline = text_rows_newline(text, end),
+				 .cloud = cloud,
+				 .error = error };
+	text_names names = { 0 };
+	text_column *column = NULL;
+	*cloud = (scan){ .up = 'z' };
+	gw_status status = take_grids(&r);
+	if (status == GW_OK)
+		status = name_columns(&r, &names);
+	if (status == GW_OK)
+		status = text_columns_add(cloud, &names, &column, error);
+	if (status == GW_OK)
+		status = read_points(&r, &names, column);
+	if (status == GW_OK)
+		status = take_scanners(&r);
+	for (size_t i = 0; i < r.grid_count; i++)
+		text_rows_clear(&r.grid[i].rows);
+	free(r.grid);
+	free(column);
+	text_names_clear(&names);
+	if (status != GW_OK)
+		scan_clear(cloud);
+	return status;
+}
+
+/* Lines of one, one, four times three and four times four numbers. */
+static bool probe(const uint8_t *data, size_t length)
+{
+	static const size_t width[HEADER_LINES] = { 1, 1, 3, 3, 3, 3, 4, 4, 4, 4 };
+	const char *at = (const char *)data, *line;
+	size_t line_length;
+	double value[4];
+	length = length < HEAD_BYTES ? length : HEAD_BYTES;
+	const char *end = at + length;
+	char newline = text_rows_newline(at, end);
+	for (int i = 0; i < HEADER_LINES; i++)
+		if (!text_rows_next_line(&at, end, newline, &line, &line_length) || line_length > 1000 ||
+			text_rows_numbers(line, line_length, ' ', value, 4) != width[i])
+			return false;
+	return true;
+}
+
+static const char *const extensions[] = { "ptx", NULL };
+
+const format ptx_format = {
+	.name = "ptx",
+	.description = "grids of a scanner as text, with position and matrix",
+	.extensions = extensions,
+	.probe = probe,
+	.read = ptx_read,
+};

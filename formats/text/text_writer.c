@@ -1,0 +1,140 @@
+/*
+ * Tables of text: rows are printed on all threads, a block of them at a time, and written in order.
+ */
+#include "files/number_text.h"
+#include "base/parallel.h"
+#include "text/text_formats.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Stretches of rows that are printed and held at once, and the bytes that one may take. */
+#define STRETCHES ((size_t)32)
+#define STRETCH_BYTES ((size_t)1 << 20)
+
+typedef struct writer {
+	const scan *cloud;
+	const char *separator;
+	size_t rows;           /* of a stretch */
+	size_t first;          /* row of the first stretch */
+	char *text[STRETCHES]; /* owned */
+	size_t length[STRETCHES];
+} writer;
+
+static size_t print_value(char *text, const scan_column *column, size_t i)
+{
+	if (column->type == SCAN_FLOAT64)
+		return number_print(text, ((const double *)column->data)[i]);
+	if (column->type == SCAN_FLOAT32)
+		return number_print_float(text, ((const float *)column->data)[i]);
+	return number_print(text, scan_value(column, i));
+}
+
+static void print_stretches(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	writer *w = user;
+	for (size_t s = first; s < last; s++) {
+		size_t row = w->first + s * w->rows, end = row + w->rows;
+		char *at = w->text[s];
+		for (; row < end && row < w->cloud->count; row++) {
+			for (size_t c = 0; c < w->cloud->column_count; c++) {
+				at += print_value(at, &w->cloud->column[c], row);
+				*at++ = w->separator[0];
+			}
+			at[-1] = '\n';
+		}
+		w->length[s] = (size_t)(at - w->text[s]);
+	}
+}
+
+static gw_status write_rows(output_file *out, writer *w, gw_error *error)
+{
+	size_t rows = w->cloud->count, block = w->rows * STRETCHES;
+	gw_status status = GW_OK;
+	for (w->first = 0; w->first < rows && status == GW_OK; w->first += block) {
+		size_t left = rows - w->first < block ? rows - w->first : block;
+		size_t stretches = (left + w->rows - 1) / w->rows;
+		gw_parallel_for(0, stretches, 1, print_stretches, w);
+		for (size_t s = 0; s < stretches && status == GW_OK; s++)
+			status = output_file_write(out, w->text[s], w->length[s], error);
+	}
+	return status;
+}
+
+static gw_status write_table(output_file *out, const scan *cloud, const char *separator,
+							 gw_error *error)
+{
+	writer w = { .cloud = cloud, .separator = separator };
+	size_t row_bytes = (cloud->column_count + 1) * NUMBER_TEXT;
+	w.rows = row_bytes < STRETCH_BYTES ? STRETCH_BYTES / row_bytes : 1;
+	size_t stretches = cloud->count / w.rows + 1;
+	bool enough = cloud->column_count > 0;
+	for (size_t s = 0; s < STRETCHES && s < stretches && enough; s++) {
+		w.text[s] = reallocarray(NULL, row_bytes, w.rows);
+		enough = w.text[s] != NULL;
+	}
+	gw_status status = GW_OK;
+	if (!enough && cloud->column_count > 0)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(out));
+	if (enough)
+		status = write_rows(out, &w, error);
+	for (size_t s = 0; s < STRETCHES; s++)
+		free(w.text[s]);
+	return status;
+}
+
+/* Text on one line: whatever could end it, or part columns, becomes another character. */
+static gw_status write_word(output_file *out, const char *text, const char *bad, char instead,
+							gw_error *error)
+{
+	char *copy = strdup(text);
+	if (!copy)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to write %s", output_file_name(out));
+	for (char *c = copy; *c; c++)
+		if ((unsigned char)*c < ' ' || strchr(bad, *c))
+			*c = instead;
+	gw_status status = output_file_print(out, error, "%s", *copy ? copy : "unnamed");
+	free(copy);
+	return status;
+}
+
+static gw_status write_names(output_file *out, const scan *cloud, const char *separator,
+							 const char *bad, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t c = 0; c < cloud->column_count && status == GW_OK; c++) {
+		output_file_print(out, NULL, "%s", c ? separator : "");
+		status = write_word(out, cloud->column[c].name, bad, '_', error);
+	}
+	return status == GW_OK ? output_file_print(out, error, "\n") : status;
+}
+
+static bool is_plain(const scan *cloud)
+{
+	return cloud->column_count == 3 && scan_find(cloud, "x") == &cloud->column[0] &&
+		   scan_find(cloud, "y") == &cloud->column[1] && scan_find(cloud, "z") == &cloud->column[2];
+}
+
+gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t c = 0; c < cloud->comment_count && status == GW_OK; c++) {
+		output_file_print(out, NULL, "# ");
+		status = write_word(out, cloud->comment[c], "", ' ', error);
+		output_file_print(out, NULL, "\n");
+	}
+	if (status == GW_OK && !is_plain(cloud)) {
+		output_file_print(out, NULL, "# ");
+		status = write_names(out, cloud, " ", " \",;", error);
+	}
+	return status == GW_OK ? write_table(out, cloud, " ", error) : status;
+}
+
+gw_status csv_write(output_file *out, const scan *cloud, gw_error *error)
+{
+	gw_status status = write_names(out, cloud, ",", "\",;", error);
+	return status == GW_OK ? write_table(out, cloud, ",", error) : status;
+}

@@ -1,0 +1,619 @@
+/*
+ * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h. Its steps are in
+ * solver.h, relight.h and result.h; here is their order, and what is done again to refine.
+ */
+#include "base/clock.h"
+#include "light/direct_light.h"
+#include "bake/error_price.h"
+#include "base/memory.h"
+#include "bake/record_fields.h"
+#include "bake/refine.h"
+#include "bake/report.h"
+#include "bake/result.h"
+#include "bake/scaled_scene.h"
+#include "bake/transport.h"
+#include "bake/voxels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Records that would become less than so many times as many stand as close as they may. */
+#define GROWTH_LEAST 1.02
+
+/* Of the points that are solved again before a target counts as reached: how many times as many,
+ * and what sets their draw apart. */
+#define CONFIRM_POINTS 3u
+#define CONFIRM_SEED 0x7feb352du
+
+/* All that one bake holds. */
+typedef struct bake {
+	const gw_points *points;
+	gw_bake_callbacks callbacks;
+	gw_bake_result *result;
+	gw_report *report;
+	double start;        /* of the call */
+	double round_start;  /* of the round under way */
+	double octree_start; /* of the octree in use, and what it and the direct light took */
+	double octree_seconds;
+	bool refining; /* the first round is over */
+
+	gw_solver solver;
+	gw_relight light;
+	gw_record_density density; /* where records were added */
+	uint32_t first_round;      /* the one that placed the first of them */
+	double whole_seconds;      /* that a round would take that does all that this one built on */
+	bool crowded;              /* no more can be */
+} bake;
+
+static bool cancelled(void *user)
+{
+	const bake *b = user;
+	return b->callbacks.cancelled != NULL && b->callbacks.cancelled(b->callbacks.user);
+}
+
+/* Begins a stage: books it, tells the caller, asks whether to stop. All rounds after the first are
+ * booked as one. */
+static gw_status stage(bake *b, const char *name, double done, gw_error *error)
+{
+	if (!b->refining)
+		gw_report_stage(b->report, b->solver.gpu, name);
+	if (b->callbacks.progress)
+		b->callbacks.progress(b->callbacks.user, name, done);
+	if (cancelled(b))
+		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
+					   name);
+	return GW_OK;
+}
+
+/* -------------------------------------------------------------------------------------- steps */
+
+static gw_status open_device(bake *b, gw_error *error)
+{
+	return gw_solver_open_device(&b->solver, error);
+}
+
+static gw_status load_transport(bake *b, gw_error *error)
+{
+	return gw_transport_load(&b->solver, b->points, b->solver.options.transport, error);
+}
+
+static gw_status save_transport(bake *b, gw_error *error)
+{
+	/* Whatever shone this time, a sky may the next time. */
+	gw_status status = b->solver.options.method == GW_METHOD_RAYS
+						   ? gw_solver_open_to_sky(&b->solver, error)
+						   : GW_OK;
+	if (status == GW_OK)
+		status = gw_relight_foresee(&b->light, error);
+	return status == GW_OK
+			   ? gw_transport_save(&b->solver, b->points, b->solver.options.transport, error)
+			   : status;
+}
+
+static gw_status make_surfels(bake *b, gw_error *error)
+{
+	return gw_solver_make_surfels(&b->solver, b->points, b->light.lights, b->light.light_count,
+								  error);
+}
+
+static gw_status make_plan(bake *b, gw_error *error)
+{
+	(void)error;
+	gw_relight_plan(&b->light);
+	return GW_OK;
+}
+
+static gw_status build_octree(bake *b, gw_error *error)
+{
+	b->octree_start = gw_seconds();
+	return gw_solver_build_octree(&b->solver, error);
+}
+
+static gw_status light_directly(bake *b, gw_error *error)
+{
+	gw_status status = gw_relight_direct(&b->light, error);
+	b->octree_seconds = gw_seconds() - b->octree_start;
+	return status;
+}
+
+static gw_status place_records(bake *b, gw_error *error)
+{
+	b->round_start = gw_seconds();
+	if (b->density.lobe_spacing)
+		return gw_solver_add_records(&b->solver, &b->density, error);
+	return gw_solver_place_records(&b->solver, error);
+}
+
+static gw_status gather_first(bake *b, gw_error *error)
+{
+	return gw_relight_gather_first(&b->light, error);
+}
+
+static gw_status bounce(bake *b, gw_error *error)
+{
+	return gw_relight_bounce(&b->light, error);
+}
+
+static gw_status read_back(bake *b, gw_error *error)
+{
+	return gw_relight_read_back(&b->light, error);
+}
+
+static gw_status estimate(bake *b, gw_error *error)
+{
+	return gw_relight_estimate(&b->light, error);
+}
+
+static gw_status collect_voxels(bake *b, gw_error *error)
+{
+	return gw_result_collect_voxels(&b->light, b->result, error);
+}
+
+static gw_status collect_lamps(bake *b, gw_error *error)
+{
+	return gw_result_collect_lamps(&b->light, b->result, error);
+}
+
+static gw_status collect_record_fields(bake *b, gw_error *error)
+{
+	return gw_record_fields_collect(&b->light, b->result, error);
+}
+
+static gw_status collect(bake *b, gw_error *error)
+{
+	return gw_result_collect(&b->light, b->result, error);
+}
+
+typedef struct step {
+	const char *name;
+	double share; /* of the whole, for progress: what was measured on a 1.4 M point cave */
+	gw_status (*run)(bake *b, gw_error *error);
+	bool (*wanted)(const bake *b);
+} step;
+
+static bool always(const bake *b)
+{
+	(void)b;
+	return true;
+}
+
+static bool has_transport(const bake *b)
+{
+	const gw_transport *transport = b->solver.options.transport;
+	return transport && transport->data;
+}
+
+static bool keeps_transport(const bake *b)
+{
+	const gw_transport *transport = b->solver.options.transport;
+	return transport && transport->write;
+}
+
+static bool needs_surface(const bake *b)
+{
+	return !has_transport(b);
+}
+
+static bool needs_records(const bake *b)
+{
+	return b->light.plan.records;
+}
+
+/* A transport has records, whatever this light calls for. */
+static bool needs_places(const bake *b)
+{
+	return !has_transport(b) &&
+		   (b->light.plan.records || keeps_transport(b) || b->solver.options.occlusion);
+}
+
+static bool needs_estimate(const bake *b)
+{
+	return (b->light.plan.records || b->light.plan.lamps) && b->solver.options.estimate_points > 0;
+}
+
+static bool needs_lamps(const bake *b)
+{
+	return b->solver.options.lamps;
+}
+
+static bool needs_record_fields(const bake *b)
+{
+	return b->solver.options.occlusion || b->solver.options.errors;
+}
+
+static bool needs_voxels(const bake *b)
+{
+	return b->solver.options.voxels;
+}
+
+static const step steps[] = {
+	{ "device", 0.01, open_device, always },
+	{ "transport", 0.0, load_transport, has_transport },
+	{ "surfels", 0.35, make_surfels, needs_surface },
+	{ "plan", 0.0, make_plan, always },
+	{ "octree", 0.25, build_octree, needs_surface },
+	{ "direct light", 0.1, light_directly, always },
+	{ "records", 0.18, place_records, needs_places },
+	{ "first gather", 0.04, gather_first, needs_records },
+	{ "bounces", 0.05, bounce, needs_records },
+	{ "read back", 0.0, read_back, needs_records },
+	{ "estimate", 0.02, estimate, needs_estimate },
+	{ "save transport", 0.0, save_transport, keeps_transport },
+	{ "fields", 0.0, collect_record_fields, needs_record_fields },
+	{ "voxels", 0.02, collect_voxels, needs_voxels },
+	{ "points", 0.02, collect, always },
+	{ "lamps", 0.0, collect_lamps, needs_lamps },
+};
+
+/* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
+enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 16 };
+
+_Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
+
+/* Runs the steps first to last - 1. */
+static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
+{
+	double done = 0.0;
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < last && status == GW_OK; i++) {
+		if (i >= first && steps[i].wanted(b)) {
+			status = stage(b, steps[i].name, b->refining ? fmax(done, 0.9) : done, error);
+			if (status == GW_OK)
+				status = steps[i].run(b, error);
+		}
+		done += steps[i].share;
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ rounds */
+
+static void drop_records(bake *b)
+{
+	gw_record_density_clear(&b->density);
+	gw_relight_drop_gathered(&b->light);
+	gw_solver_drop_records(&b->solver);
+}
+
+static void drop_octree(bake *b)
+{
+	gw_record_density_clear(&b->density);
+	gw_relight_clear(&b->light);
+	gw_solver_drop_octree(&b->solver);
+}
+
+static void book_round(bake *b, double seconds, const char *why)
+{
+	const gw_bake_options *o = &b->solver.options;
+	gw_round *round = &b->report->round[b->report->round_count++];
+	*round = (gw_round){ .record_spacing = o->record_spacing,
+						 .leaf_spacing = o->leaf_spacing,
+						 .rays = o->rays,
+						 .light_samples = o->light_samples,
+						 .cones = o->cones,
+						 .records = b->report->records,
+						 .error = b->report->error,
+						 .seconds = seconds };
+	snprintf(round->why, sizeof round->why, "%s", why);
+}
+
+/* Solves again; surfels stay, and the octree when its leaves do. */
+static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
+{
+	bool keep = next->leaf_spacing == b->solver.options.leaf_spacing;
+	double start = gw_seconds();
+	b->solver.options = *next;
+	if (keep)
+		drop_records(b);
+	else
+		drop_octree(b);
+	b->crowded = false;
+	b->first_round = b->report->round_count;
+	gw_status status = run_steps(b, keep ? RECORDS_STEP : OCTREE_STEP, AFTER_ROUND, error);
+	b->whole_seconds = gw_seconds() - b->round_start;
+	if (status == GW_OK)
+		book_round(b, gw_seconds() - start, why);
+	return status;
+}
+
+/* Where finer settings found no memory, the result is that of the settings before. */
+static gw_status go_back(bake *b, const gw_bake_options *last, gw_error *error)
+{
+	b->report->goal = GW_GOAL_MEMORY;
+	b->solver.options.leaf_spacing = 0.0f; /* whatever octree there is goes */
+	return run_round(b, last, "finer settings found no memory", error);
+}
+
+static gw_status refine_settings(bake *b, const gw_bake_options *next, const char *why,
+								 gw_error *error)
+{
+	gw_bake_options last = b->solver.options;
+	gw_status status = run_round(b, next, why, error);
+	return status == GW_ERROR_MEMORY ? go_back(b, &last, error) : status;
+}
+
+/* Records of one spacing that are about as many as those that were added up. */
+static gw_bake_options as_even(const bake *b)
+{
+	gw_bake_options even = b->solver.options;
+	const gw_report *r = b->report;
+	if (r->round_count > 1 && b->density.lobe_spacing && r->records > 0)
+		even.record_spacing *=
+			(float)sqrt((double)r->round[b->first_round].records / (double)r->records);
+	return even;
+}
+
+static gw_status refine_records(bake *b, const gw_density_wish *wish, const char *why,
+								gw_error *error)
+{
+	double start = gw_seconds(), growth;
+	uint64_t before = b->report->records;
+	gw_bake_options even = as_even(b);
+	gw_status status = gw_record_density_refine(&b->light, wish, &b->density, &growth, error);
+	if (status != GW_OK || growth < GROWTH_LEAST) {
+		b->crowded = true;
+		return status;
+	}
+	gw_relight_drop_gathered(&b->light);
+	status = run_steps(b, RECORDS_STEP, AFTER_ROUND, error);
+	if (status == GW_ERROR_MEMORY)
+		return go_back(b, &even, error);
+	b->whole_seconds += gw_seconds() - start;
+	b->crowded = (double)b->report->records < GROWTH_LEAST * (double)before;
+	if (status == GW_OK)
+		book_round(b, gw_seconds() - start, why);
+	return status;
+}
+
+static gw_refine_state state_of(const bake *b, const gw_bake_options *even)
+{
+	double now = gw_seconds(), limit = (double)b->solver.options.time_limit;
+	return (gw_refine_state){ .options = even,
+							  .error = b->report->error,
+							  .round_seconds = b->whole_seconds,
+							  .octree_seconds = b->octree_seconds,
+							  .crowded = b->crowded,
+							  .round = b->report->round,
+							  .round_count = b->report->round_count,
+							  .seconds_left = limit > 0.0 ? b->start + limit - now : INFINITY };
+}
+
+/* One round more, or the reason why there is none. */
+static gw_status refine_once(bake *b, gw_error *error)
+{
+	static const gw_goal goal[] = { [GW_REFINE_NO_TIME] = GW_GOAL_TIME,
+									[GW_REFINE_EXHAUSTED] = GW_GOAL_EXHAUSTED,
+									[GW_REFINE_STALLED] = GW_GOAL_STALLED };
+	char why[96];
+	gw_density_wish wish;
+	gw_bake_options even = as_even(b), next;
+	gw_refine_state state = state_of(b, &even);
+	/* One place is kept for going back. */
+	if (b->report->error.points == 0 || b->report->round_count >= GW_REPORT_ROUNDS - 1) {
+		b->report->goal = GW_GOAL_EXHAUSTED;
+		return GW_OK;
+	}
+	gw_refine_answer answer = gw_refine_records(&state, &wish, why);
+	if (answer == GW_REFINE_ROUND)
+		return refine_records(b, &wish, why, error);
+	if (answer == GW_REFINE_EXHAUSTED)
+		answer = gw_refine_next(&state, &next, why);
+	if (answer == GW_REFINE_ROUND)
+		return refine_settings(b, &next, why, error);
+	b->report->goal = goal[answer];
+	return GW_OK;
+}
+
+/*
+ * The target is within reach: is it still, by points drawn anew? Rounds go on until an estimate is
+ * small enough, so the first one that is has likely drawn too few of the points that are off; what
+ * is told in the end should not be chosen like that. Three times as many are drawn, so that it
+ * seldom takes another turn.
+ */
+static gw_status confirm(bake *b, gw_error *error)
+{
+	gw_bake_options *o = &b->solver.options, asked = *o;
+	gw_report *r = b->report;
+	gw_probe_hits_forget(&b->solver.probed);
+	o->seed ^= CONFIRM_SEED;
+	o->estimate_points = asked.estimate_points < UINT32_MAX / CONFIRM_POINTS
+							 ? CONFIRM_POINTS * asked.estimate_points
+							 : asked.estimate_points;
+	gw_status status = gw_relight_estimate(&b->light, error);
+	gw_probe_hits_forget(&b->solver.probed);
+	o->seed = asked.seed;
+	o->estimate_points = asked.estimate_points;
+	r->round[r->round_count - 1].error = r->error;
+	if (status == GW_OK && gw_refine_reached(o, &r->error))
+		r->goal = GW_GOAL_REACHED;
+	return status;
+}
+
+/* Goes on until the target is reached, the time is up, or nothing is left to refine. */
+static gw_status refine(bake *b, gw_error *error)
+{
+	gw_report *r = b->report;
+	gw_status status = GW_OK;
+	book_round(b, gw_seconds() - b->start, "the settings that were given");
+	b->whole_seconds = gw_seconds() - b->round_start;
+	gw_report_stage(r, b->solver.gpu, "refining");
+	b->refining = true;
+	while (status == GW_OK && r->goal == GW_GOAL_NONE) {
+		if (!b->light.plan.records)
+			r->goal = GW_GOAL_REACHED;
+		else if (gw_refine_reached(&b->solver.options, &r->error))
+			status = confirm(b, error);
+		if (status == GW_OK && r->goal == GW_GOAL_NONE)
+			status = refine_once(b, error);
+	}
+	/* What is wrong with the light of lamps alone, no setting lessens. */
+	double wanted = (double)b->solver.options.max_error;
+	r->missed =
+		wanted > 0.0 && (b->light.plan.records ? !gw_refine_reached(&b->solver.options, &r->error)
+											   : r->error.relative_rms > wanted);
+	if (r->missed && !b->light.plan.records)
+		r->goal = GW_GOAL_EXHAUSTED;
+	b->refining = false;
+	return status;
+}
+
+static gw_status check_validation(const bake *b, gw_error *error)
+{
+	const char *first;
+	uint32_t messages = gw_gpu_validation_messages(b->solver.gpu, &first);
+	if (messages > 0)
+		return gw_fail(error, GW_ERROR_INTERNAL,
+					   "the validation layer objected %u times, first: %.600s", messages, first);
+	return GW_OK;
+}
+
+/* What the bounces cost, in the terms of Salm's tables 5.1 to 5.4. */
+static void report_profile(const gw_passes *passes, gw_report *report)
+{
+	const double *seconds = passes->device_seconds;
+	report->inject_seconds =
+		seconds[GW_PASS_LOBE_SHADE] + seconds[GW_PASS_BRICK_INJECT] + seconds[GW_PASS_BRICK_MIPMAP];
+	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
+							seconds[GW_PASS_RECORD_FIRST];
+	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
+}
+
+/* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */
+static double ray_seconds(const bake *b)
+{
+	static const gw_pass_id of_rays[] = { GW_PASS_RECORD_RAYS, GW_PASS_RECORD_EMITTERS,
+										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
+										  GW_PASS_RECORD_GATHER };
+	const gw_report *r = b->report;
+	double seconds = 0.0, probes = (double)b->solver.probed.traced;
+	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
+		seconds += b->solver.passes.device_seconds[of_rays[i]];
+	return r->rays > 0 ? seconds / ((double)r->rays + probes) : 0.0;
+}
+
+/* What a smaller error would cost. Of cones it is not known: theirs has parts that stay. */
+static void set_price(bake *b, const gw_bake_options *first, double ray)
+{
+	static const char *const of_round[] = { "records", "first gather", "bounces", "read back",
+											"estimate" };
+	gw_report *r = b->report;
+	if (b->solver.options.method != GW_METHOD_RAYS || r->error.points == 0 ||
+		!(first->record_spacing > 0.0f))
+		return;
+	double whole = 0.0, round = 0.0;
+	for (uint32_t i = 0; i < r->stage_count; i++)
+		whole += r->stage[i].seconds;
+	for (size_t i = 0; i < sizeof of_round / sizeof *of_round; i++)
+		round += gw_report_seconds(r, of_round[i]);
+	double records = (double)(r->round_count > 0 ? r->round[0].records : r->records);
+	const gw_price_task task = {
+		.error = r->error,
+		.rays = b->solver.options.rays,
+		.records = (double)r->records,
+		.spacing = (double)b->solver.options.record_spacing,
+		.refined = b->density.lobe_spacing != NULL,
+		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
+		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
+		.ray_seconds = ray,
+	};
+	r->price = r->missed ? gw_price_of(&task, (double)first->max_error) : gw_price_of_less(&task);
+	if (has_transport(b))
+		r->price.seconds = 0.0; /* another bake made what this one began with */
+}
+
+static gw_status run(bake *b, gw_error *error)
+{
+	const gw_bake_options first = b->solver.options;
+	double ray = 0.0;
+
+	gw_status status = run_steps(b, 0, AFTER_ROUND, error);
+	if (status == GW_OK && gw_options_refine(&b->solver.options))
+		status = refine(b, error);
+	if (status == GW_OK) {
+		ray = ray_seconds(b);
+		status = run_steps(b, AFTER_ROUND, STEP_COUNT, error);
+	}
+	gw_report_stage(b->report, b->solver.gpu, NULL);
+	if (status == GW_OK)
+		set_price(b, &first, ray);
+	report_profile(&b->solver.passes, b->report);
+	if (b->solver.gpu)
+		b->report->peak_bytes = gw_gpu_read_account(b->solver.gpu).peak_bytes;
+	if (status == GW_OK && b->solver.options.validate)
+		status = check_validation(b, error);
+	return status;
+}
+
+static gw_status bake_in_units(const gw_points *points, const gw_light *lights, size_t light_count,
+							   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+							   gw_bake_result **result, gw_error *error)
+{
+	*result = NULL;
+	bake b = { .points = points };
+	if (callbacks)
+		b.callbacks = *callbacks;
+	b.result = gw_allocate_zeros(1, sizeof *b.result);
+	if (!b.result)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+	b.report = &b.result->report;
+	b.solver =
+		(gw_solver){ .options = *options, .report = b.report, .cancelled = cancelled, .user = &b };
+	b.light = (gw_relight){
+		.solver = &b.solver, .lights = lights, .light_count = light_count, .kept = options->lamps
+	};
+	b.start = gw_seconds();
+	gw_status status = run(&b, error);
+	gw_record_density_clear(&b.density);
+	gw_relight_clear(&b.light);
+	gw_solver_close(&b.solver);
+	if (status == GW_OK)
+		*result = b.result;
+	else
+		gw_bake_result_destroy(&b.result);
+	return status;
+}
+
+gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
+				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+				  gw_bake_result **result, gw_error *error)
+{
+	gw_scaled_scene scaled;
+	*result = NULL;
+	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
+	if (status != GW_OK)
+		return status;
+	status = gw_scaled_scene_make(points, lights, light_count, options, &scaled, error);
+	if (status == GW_OK)
+		status = bake_in_units(&scaled.points, scaled.lights ? scaled.lights : lights, light_count,
+							   &scaled.options, callbacks, result, error);
+	if (status == GW_OK)
+		status = gw_scaled_scene_undo(&scaled, *result, error);
+	if (status != GW_OK)
+		gw_bake_result_destroy(result);
+	gw_scaled_scene_clear(&scaled);
+	return status;
+}
+
+void gw_bake_result_destroy(gw_bake_result **result)
+{
+	gw_bake_result *r = *result;
+	if (r == NULL)
+		return;
+	free(r->radiance);
+	free(r->direct_irradiance);
+	free(r->indirect_irradiance);
+	free(r->normal);
+	free(r->albedo);
+	for (size_t i = 0; r->lamp && i < r->lamp_count; i++)
+		free(r->lamp[i]);
+	free(r->lamp);
+	free(r->rest);
+	free(r->openness);
+	free(r->error);
+	free(r->roi);
+	gw_voxels_clear(&r->voxels);
+	free(r->report.bounce);
+	free(r);
+	*result = NULL;
+}

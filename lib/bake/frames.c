@@ -1,0 +1,385 @@
+/*
+ * frames.c - gw_frames: many frames of a scene in which points or lamps move; see glowworm.h.
+ *
+ * What stands still is prepared once: its surfels, the sorted fragments of its octree, and what the
+ * records on it see while nothing else is there. A frame merges the movers' fragments in, traces
+ * only rays that pass where the movers are, and is lit. Frames thus depend on what stands still and
+ * on themselves, not on the frames before, but for the light with which bounces begin.
+ */
+#include "base/clock.h"
+#include "light/direct_light.h"
+#include "base/memory.h"
+#include "bake/record_fields.h"
+#include "bake/report.h"
+#include "bake/result.h"
+#include "surfels/surfel_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Leaf cells beyond its discs within which a mover may change leaves. */
+#define CHANGED_MARGIN 1.5f
+
+struct gw_frames {
+	const gw_points *points;
+	const gw_motion *motion;
+	const gw_light *first_lights; /* first_light_count: they orient normals */
+	size_t first_light_count;
+	gw_frames_options how;
+	gw_bake_callbacks callbacks;
+
+	gw_solver solver;
+	gw_relight light;
+	gw_surfel_parts parts;
+	bool made;     /* the surfels are there */
+	bool prepared; /* what stands still is; of its hits, when records were called for */
+	gw_kept_hits hits;
+	gw_changed_box *box; /* of each mover, GW_CHANGED_BOXES at most */
+	bool built;          /* the octree is that of built_frame */
+	bool placed;         /* and so are the records */
+	size_t built_frame;
+	float *carried; /* NULL, or 4 a surfel: reflected light of the last frame */
+	double shared_seconds;
+};
+
+static bool cancelled(void *user)
+{
+	const gw_frames *f = user;
+	return f->callbacks.cancelled != NULL && f->callbacks.cancelled(f->callbacks.user);
+}
+
+static gw_status stage(gw_frames *f, const char *name, double done, gw_error *error)
+{
+	gw_report_stage(f->solver.report, f->solver.gpu, name);
+	if (f->callbacks.progress)
+		f->callbacks.progress(f->callbacks.user, name, done);
+	if (cancelled(f))
+		return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before its stage '%s'",
+					   name);
+	return GW_OK;
+}
+
+/* -------------------------------------------------------------------------- what frames share */
+
+static gw_status make_surfels(gw_frames *f, gw_error *error)
+{
+	double start = gw_seconds();
+	const gw_surfels_options options = { .threads = f->solver.options.threads,
+										 .lights = f->first_lights,
+										 .light_count = f->first_light_count,
+										 .memory = f->solver.options.memory,
+										 .cancelled = cancelled,
+										 .user = f };
+	gw_status status = stage(f, "surfels", 0.05, error);
+	if (status == GW_OK)
+		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->solver.surfels,
+									  error);
+	f->made = status == GW_OK;
+	f->shared_seconds += gw_seconds() - start;
+	return status;
+}
+
+static bool shares(const gw_frames *f)
+{
+	return !f->how.rebuild && f->motion->mover_count > 0 && f->parts.still > 0;
+}
+
+static bool needs_places(const gw_frames *f)
+{
+	const gw_bake_options *o = &f->solver.options;
+	return f->light.plan.records || o->occlusion || o->errors;
+}
+
+static void drop_geometry(gw_frames *f)
+{
+	gw_relight_clear(&f->light);
+	gw_solver_drop_records(&f->solver);
+	gw_octree_destroy(f->solver.gpu, &f->solver.octree);
+	f->built = f->placed = false;
+}
+
+/* The octree of what stands still, for its fragments and for what its records see. */
+static gw_status prepare_still(gw_frames *f, gw_error *error)
+{
+	gw_solver *s = &f->solver;
+	size_t all = s->surfels.count;
+	double start = gw_seconds();
+	gw_status status = stage(f, "still part", 0.1, error);
+	s->surfels.count = s->still = f->parts.still;
+	s->keeps = true;
+	if (status == GW_OK)
+		status = gw_solver_build_octree(s, error);
+	if (status == GW_OK && needs_places(f))
+		status = gw_solver_keep_hits(s, &f->hits, error);
+	s->surfels.count = all;
+	drop_geometry(f);
+	f->prepared = status == GW_OK;
+	f->shared_seconds += gw_seconds() - start;
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ a frame */
+
+/* Where the surfels first .. last - 1 may have changed leaves. */
+static gw_changed_box box_of(const gw_solver *s, size_t first, size_t last)
+{
+	gw_changed_box box = { { INFINITY, INFINITY, INFINITY, 0 },
+						   { -INFINITY, -INFINITY, -INFINITY, 0 } };
+	float radius = 0.0f, leaf = s->octree.leaf_size;
+	for (size_t i = first; i < last; i++) {
+		radius = fmaxf(radius, s->surfels.radius[i]);
+		for (size_t k = 0; k < 3; k++) {
+			float g = (s->surfels.position[3 * i + k] - s->octree.cube_minimum[k]) / leaf;
+			box.low[k] = fminf(box.low[k], g);
+			box.high[k] = fmaxf(box.high[k], g);
+		}
+	}
+	for (size_t k = 0; k < 3; k++) {
+		box.low[k] -= radius / leaf + CHANGED_MARGIN;
+		box.high[k] += radius / leaf + CHANGED_MARGIN;
+	}
+	return box;
+}
+
+/* One box a mover; the last one holds all that there are no boxes for. */
+static void find_boxes(gw_frames *f)
+{
+	size_t base = f->parts.still, movers = f->motion->mover_count;
+	size_t boxes = movers < GW_CHANGED_BOXES ? movers : GW_CHANGED_BOXES;
+	for (size_t m = 0; m < boxes; m++) {
+		size_t end = m + 1 < boxes ? base + f->parts.own[m].count : f->solver.surfels.count;
+		f->box[m] = box_of(&f->solver, base, end);
+		base = end;
+	}
+	f->solver.box = f->box;
+	f->solver.box_count = (uint32_t)boxes;
+}
+
+static bool same_place(const gw_frames *f, size_t frame)
+{
+	size_t n = 16 * f->motion->mover_count;
+	return f->built &&
+		   (n == 0 || memcmp(f->motion->matrix + n * f->built_frame, f->motion->matrix + n * frame,
+							 n * sizeof *f->motion->matrix) == 0);
+}
+
+static gw_status build(gw_frames *f, size_t frame, gw_error *error)
+{
+	if (same_place(f, frame)) {
+		gw_solver_report_octree(&f->solver);
+		return GW_OK;
+	}
+	drop_geometry(f);
+	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->solver.surfels);
+	gw_status status = GW_OK;
+	if (shares(f) && !f->prepared)
+		status = prepare_still(f, error);
+	if (status == GW_OK)
+		status = stage(f, "octree", 0.2, error);
+	if (status == GW_OK)
+		status = gw_solver_build_octree(&f->solver, error);
+	f->built = status == GW_OK;
+	f->built_frame = frame;
+	return status;
+}
+
+static gw_status place_records(gw_frames *f, gw_error *error)
+{
+	gw_status status = stage(f, "records", 0.4, error);
+	if (status != GW_OK || f->placed)
+		return status;
+	f->solver.kept = f->hits.record_count > 0 ? &f->hits : NULL;
+	if (f->solver.kept)
+		find_boxes(f);
+	status = gw_solver_place_records(&f->solver, error);
+	f->placed = status == GW_OK;
+	return status;
+}
+
+static gw_status gather(gw_frames *f, gw_error *error)
+{
+	gw_status status = stage(f, "first gather", 0.6, error);
+	if (status == GW_OK)
+		status = gw_relight_gather_first(&f->light, error);
+	if (status == GW_OK)
+		status = stage(f, "bounces", 0.7, error);
+	f->light.carried = f->how.independent || f->how.rebuild ? NULL : f->carried;
+	if (status == GW_OK)
+		status = gw_relight_bounce(&f->light, error);
+	if (status == GW_OK)
+		status = stage(f, "read back", 0.9, error);
+	if (status == GW_OK)
+		status = gw_relight_read_back(&f->light, error);
+	if (status == GW_OK && f->solver.options.estimate_points > 0) {
+		status = stage(f, "estimate", 0.92, error);
+		if (status == GW_OK)
+			status = gw_relight_estimate(&f->light, error);
+		f->solver.options.estimate_points = 0;
+	}
+	return status;
+}
+
+/* The light goes over to the next frame. */
+static void carry(gw_frames *f)
+{
+	free(f->carried);
+	f->carried = f->light.surfel_indirect;
+	f->light.surfel_indirect = NULL;
+}
+
+/* What is asked for besides the light. */
+static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
+{
+	const gw_bake_options *o = &f->solver.options;
+	gw_status status = GW_OK;
+	if (o->occlusion || o->errors)
+		status = gw_record_fields_collect(&f->light, result, error);
+	if (status == GW_OK && o->voxels)
+		status = gw_result_collect_voxels(&f->light, result, error);
+	if (status == GW_OK)
+		status = stage(f, "points", 0.95, error);
+	if (status == GW_OK)
+		status = gw_result_collect(&f->light, result, error);
+	if (status == GW_OK)
+		carry(f);
+	f->light.carried = NULL;
+	if (status == GW_OK && o->lamps)
+		status = gw_result_collect_lamps(&f->light, result, error);
+	return status;
+}
+
+static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
+{
+	gw_status status = stage(f, "device", 0.0, error);
+	if (status == GW_OK && !f->solver.gpu)
+		status = gw_solver_open_device(&f->solver, error);
+	if (status == GW_OK && !f->made)
+		status = make_surfels(f, error);
+	if (status != GW_OK)
+		return status;
+	gw_report_surfels(f->solver.report, &f->solver.surfels, f->points);
+	gw_relight_plan(&f->light);
+	status = build(f, frame, error);
+	if (status == GW_OK)
+		status = stage(f, "direct light", 0.35, error);
+	if (status == GW_OK)
+		status = gw_relight_direct(&f->light, error);
+	if (status == GW_OK && needs_places(f))
+		status = place_records(f, error);
+	if (status == GW_OK && f->light.plan.records)
+		status = gather(f, error);
+	return status == GW_OK ? collect(f, result, error) : status;
+}
+
+/* Forgets all but what was asked for. */
+static void forget(gw_frames *f)
+{
+	if (f->solver.gpu) {
+		drop_geometry(f);
+		gw_kept_hits_destroy(f->solver.gpu, &f->hits);
+	}
+	gw_solver_close(&f->solver);
+	gw_surfel_parts_clear(&f->parts);
+	free(f->carried);
+	f->carried = NULL;
+	f->made = f->prepared = false;
+}
+
+static gw_status check_validation(const gw_frames *f, gw_error *error)
+{
+	const char *first;
+	uint32_t messages = gw_gpu_validation_messages(f->solver.gpu, &first);
+	if (messages > 0)
+		return gw_fail(error, GW_ERROR_INTERNAL,
+					   "the validation layer objected %u times, first: %.600s", messages, first);
+	return GW_OK;
+}
+
+gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, size_t light_count,
+						 gw_bake_result **result, gw_error *error)
+{
+	*result = NULL;
+	if (frame >= f->motion->frame_count)
+		return gw_fail(error, GW_ERROR_USAGE, "there is no frame %zu; the last one is %zu", frame,
+					   f->motion->frame_count - 1);
+	gw_status status = gw_lights_check(lights, light_count, error);
+	if (status != GW_OK)
+		return status;
+	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
+	if (!r)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+	if (f->how.rebuild)
+		forget(f);
+	f->solver.report = &r->report;
+	f->light.lights = lights;
+	f->light.light_count = light_count;
+	status = solve(f, frame, r, error);
+	gw_report_stage(&r->report, f->solver.gpu, NULL);
+	if (f->solver.gpu)
+		r->report.peak_bytes = gw_gpu_read_account(f->solver.gpu).peak_bytes;
+	if (status == GW_OK && f->solver.options.validate)
+		status = check_validation(f, error);
+	f->solver.report = NULL;
+	if (status == GW_OK)
+		*result = r;
+	else
+		gw_bake_result_destroy(&r);
+	return status;
+}
+
+gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const gw_light *lights,
+						 size_t light_count, const gw_bake_options *options,
+						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
+						 gw_frames **frames, gw_error *error)
+{
+	*frames = NULL;
+	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
+	if (status == GW_OK && gw_options_refine(options))
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"frames are all baked with the same settings; they cannot be refined until "
+					"an error or a time is reached");
+	if (status == GW_OK && options->transport)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "frames in which something moves cannot begin with a transport nor make "
+						 "one; leave it out");
+	if (status == GW_OK)
+		status = gw_motion_check(points, motion, error);
+	if (status != GW_OK)
+		return status;
+	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
+	if (f)
+		f->box = gw_allocate_zeros(GW_CHANGED_BOXES, sizeof *f->box);
+	if (!f || !f->box) {
+		free(f);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for frames");
+	}
+	f->points = points;
+	f->motion = motion;
+	f->first_lights = lights;
+	f->first_light_count = light_count;
+	f->how = *how;
+	if (callbacks)
+		f->callbacks = *callbacks;
+	f->solver = (gw_solver){ .options = *options, .cancelled = cancelled, .user = f };
+	f->light = (gw_relight){ .solver = &f->solver };
+	*frames = f;
+	return GW_OK;
+}
+
+double gw_frames_shared_seconds(const gw_frames *frames)
+{
+	return frames->shared_seconds;
+}
+
+void gw_frames_close(gw_frames **frames)
+{
+	gw_frames *f = *frames;
+	if (f == NULL)
+		return;
+	forget(f);
+	free(f->box);
+	free(f);
+	*frames = NULL;
+}

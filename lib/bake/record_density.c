@@ -1,0 +1,201 @@
+/*
+ * record_density.c - see record_density.h.
+ */
+#include "bake/record_density.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Largest factor of one record at a time: what the others say of its surroundings reaches no
+ * further. */
+#define FACTOR_MOST 16.0f
+
+/* Where records would become less than so many times as many, all stays as it is. */
+#define FACTOR_LEAST 1.05
+
+/* A point for which one record speaks: nothing is known of its error, but that it is rather a part
+ * of what was found than all of it. */
+#define LONELY_SHARE 0.25
+
+/* Halvings of the interval in which the multiplier lies, more than a double has bits. */
+#define HALVINGS 100
+
+/* What the records of one lighting say. */
+typedef struct density_work {
+	double *light;         /* records: luminance of irradiance */
+	double *mass;          /* records */
+	float *most, *factor;  /* records */
+	uint32_t *lobe_record; /* GW_WEIGHTS * 2 * leaf_count */
+	float *lobe_weight;    /* likewise */
+	size_t records, slots;
+} density_work;
+
+/* ------------------------------------------------------------------------------------ factors */
+
+/* With factors that follow the root of mass / level: the sum of mass that is left, and of all. */
+static void try_level(const double *mass, const float *most, size_t count, double level,
+					  float *factor, double *left, double *all)
+{
+	*left = *all = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		double f = fmin(fmax(sqrt(mass[i] / level), 1.0), (double)most[i]);
+		factor[i] = (float)f;
+		*left += mass[i] / f;
+		*all += f;
+	}
+}
+
+double gw_density_factors(const double *mass, const float *most, size_t count,
+						  const gw_density_wish *wish, float *factor)
+{
+	double sum = 0.0, largest = 0.0, left, all;
+	for (size_t i = 0; i < count; i++) {
+		sum += mass[i];
+		largest = fmax(largest, mass[i]);
+		factor[i] = 1.0f;
+	}
+	if (!(sum > 0.0))
+		return 1.0;
+	/* At the largest mass all factors are 1; at the low end they are more than any can be. */
+	double low = log(largest) - 80.0, high = log(largest);
+	for (int i = 0; i < HALVINGS; i++) {
+		double middle = 0.5 * (low + high);
+		try_level(mass, most, count, exp(middle), factor, &left, &all);
+		bool enough = left <= wish->share * sum || all > wish->most_growth * (double)count;
+		*(enough ? &low : &high) = middle;
+	}
+	try_level(mass, most, count, exp(high), factor, &left, &all);
+	return left / sum;
+}
+
+/* --------------------------------------------------------------------------------------- mass */
+
+/* Every surfel's variance of radiance to the records that speak for it. Those that emit outshine
+ * theirs, and of those lit from both sides the estimate knows nothing either. */
+static void spread_mass(const gw_solver *s, density_work *w)
+{
+	const gw_surfels *surfels = &s->surfels;
+	const gw_read_back *rows = &s->read_back;
+	for (size_t i = 0; i < surfels->count; i++) {
+		const float *emission = surfels->emission ? surfels->emission + 3 * i : NULL;
+		if (surfels->two_sided[i] || (emission && gw_luminance(emission) > 0.0))
+			continue;
+		double rho = gw_luminance(surfels->albedo + 3 * i);
+		double variance = rho * rho * gw_read_back_variance(rows, w->light, i, LONELY_SHARE);
+		for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++)
+			w->mass[rows->record[e]] += (double)rows->weight[e] * variance;
+	}
+}
+
+/* ------------------------------------------------------------------------------------ spacing */
+
+/* Whether the spacing becomes less. */
+static bool come_closer(float *spacing, double factor)
+{
+	float before = *spacing;
+	if (factor > FACTOR_LEAST)
+		*spacing = fminf(fmaxf(before / (float)sqrt(factor), GW_RECORD_SPACING_LEAST), before);
+	return *spacing < before;
+}
+
+/* Factors between records are interpolated as light is. */
+static void refine_lobes(const density_work *w, gw_record_density *density)
+{
+	for (size_t slot = 0; slot < w->slots; slot++) {
+		double factor = 0.0;
+		const uint32_t *record = w->lobe_record + GW_WEIGHTS * slot;
+		const float *weight = w->lobe_weight + GW_WEIGHTS * slot;
+		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
+			factor += (double)weight[k] * (double)w->factor[record[k]];
+		density->lobe_closer[slot] = come_closer(&density->lobe_spacing[slot], factor);
+	}
+}
+
+static void refine_surfels(const gw_read_back *rows, const density_work *w,
+						   gw_record_density *density)
+{
+	for (size_t i = 0; i < rows->count; i++) {
+		double factor = 0.0;
+		for (uint32_t e = rows->first[i]; e < rows->first[i + 1]; e++)
+			factor += (double)rows->weight[e] * (double)w->factor[rows->record[e]];
+		density->surfel_closer[i] = come_closer(&density->surfel_spacing[i], factor);
+	}
+}
+
+static gw_status begin(const gw_solver *s, gw_record_density *density, density_work *w,
+					   gw_error *error)
+{
+	*w = (density_work){ .records = s->records.count, .slots = 2 * (size_t)s->octree.leaf_count };
+	size_t words = GW_WEIGHTS * w->slots;
+	w->light = gw_allocate_zeros(w->records, sizeof *w->light);
+	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
+	w->most = gw_allocate_array(w->records, sizeof *w->most);
+	w->factor = gw_allocate_array(w->records, sizeof *w->factor);
+	w->lobe_record = gw_allocate_array(words, sizeof *w->lobe_record);
+	w->lobe_weight = gw_allocate_array(words, sizeof *w->lobe_weight);
+	bool first = density->lobe_spacing == NULL;
+	if (first) {
+		density->lobe_spacing = gw_allocate_array(w->slots, sizeof(float));
+		density->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
+		density->lobe_closer = gw_allocate_array(w->slots, sizeof(bool));
+		density->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
+	}
+	if (!w->light || !w->mass || !w->most || !w->factor || !w->lobe_record || !w->lobe_weight ||
+		!density->lobe_spacing || !density->surfel_spacing || !density->lobe_closer ||
+		!density->surfel_closer)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to refine %zu records", w->records);
+	for (size_t i = 0; i < w->slots && first; i++)
+		density->lobe_spacing[i] = s->options.record_spacing;
+	for (size_t i = 0; i < s->surfels.count && first; i++)
+		density->surfel_spacing[i] = s->options.record_spacing;
+	gw_status status =
+		gw_buffer_download(s->gpu, &s->records.lobe_record, 0, w->lobe_record, 4 * words, error);
+	return status == GW_OK ? gw_buffer_download(s->gpu, &s->records.lobe_weight, 0, w->lobe_weight,
+												4 * words, error)
+						   : status;
+}
+
+gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_wish *wish,
+								   gw_record_density *density, double *growth, gw_error *error)
+{
+	const gw_solver *s = relight->solver;
+	density_work w;
+	*growth = 1.0;
+	gw_status status = begin(s, density, &w, error);
+	if (status == GW_OK)
+		status = gw_records_light(s->gpu, &s->records, w.light, error);
+	if (status == GW_OK) {
+		double sum = 0.0;
+		spread_mass(s, &w);
+		for (size_t i = 0; i < w.records; i++) {
+			float room = density->lobe_spacing[s->records.lobe[i]] / GW_RECORD_SPACING_LEAST;
+			w.most[i] = fminf(fmaxf(room * room, 1.0f), FACTOR_MOST);
+		}
+		gw_density_factors(w.mass, w.most, w.records, wish, w.factor);
+		for (size_t i = 0; i < w.records; i++)
+			sum += (double)w.factor[i];
+		*growth = w.records > 0 ? sum / (double)w.records : 1.0;
+		refine_lobes(&w, density);
+		refine_surfels(&s->read_back, &w, density);
+	}
+	free(w.light);
+	free(w.mass);
+	free(w.most);
+	free(w.factor);
+	free(w.lobe_record);
+	free(w.lobe_weight);
+	return status;
+}
+
+void gw_record_density_clear(gw_record_density *density)
+{
+	free(density->lobe_spacing);
+	free(density->surfel_spacing);
+	free(density->lobe_closer);
+	free(density->surfel_closer);
+	*density = (gw_record_density){ 0 };
+}

@@ -1,0 +1,46 @@
+/*
+ * record_density.h - where more records would lessen the error most.
+ *
+ * Around a point, records that speak for it disagree: by the noise of what each gathered, and by
+ * what the light changes from one to the next. With weights w and their variance V, the mean that
+ * the point takes has the variance V sum w^2 (record_fields.h), whatever the cause, and n times as
+ * many records make it n times smaller. Every record is handed the variance of the points that it
+ * speaks for, m. Of all ways to bring the sum of m / n down to a wanted share, the one with the
+ * fewest records makes n follow the root of m (Neyman's allocation), with n at least 1.
+ */
+#ifndef RECORD_DENSITY_H
+#define RECORD_DENSITY_H
+
+#include "bake/relight.h"
+
+/* How much denser records may get. */
+typedef struct gw_density_wish {
+	double share;       /* of the mean square error that may be left, above 0 */
+	double most_growth; /* all records are to become at most so many times as many */
+} gw_density_wish;
+
+/* Records never stand nearer than this to each other, leaf cells: lobes are about 1 wide. */
+#define GW_RECORD_SPACING_LEAST 0.8f
+
+/*
+ * By which factors records are to become more.
+ *   mass     count, at least 0: how much of the square error is each one's
+ *   most     count, at least 1: largest factor of each
+ *   factor   receives count numbers from 1 to most
+ * Returns the sum of mass / factor, relative to that of mass; 1 where there is none.
+ */
+double gw_density_factors(const double *mass, const float *most, size_t count,
+						  const gw_density_wish *wish, float *factor);
+
+/*
+ * Finds where records of a lit solver are to stand closer.
+ *   density   all NULL at first; else the one of the last time, which is refined further. To be
+ *             freed with gw_record_density_clear, also on failure
+ *   growth    receives by which factor the records become about as many; 1 when they stand as close
+ *             as they may, or nothing is lit
+ */
+gw_status gw_record_density_refine(const gw_relight *relight, const gw_density_wish *wish,
+								   gw_record_density *density, double *growth, gw_error *error);
+void gw_record_density_clear(gw_record_density *density);
+
+#endif

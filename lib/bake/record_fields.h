@@ -1,0 +1,23 @@
+/*
+ * record_fields.h - what the records know of the points besides their light.
+ */
+#ifndef RECORD_FIELDS_H
+#define RECORD_FIELDS_H
+
+#include "bake/relight.h"
+
+/*
+ * Fills in result->openness and result->error, where the options ask for them.
+ *
+ * Openness: rays leave a record with a density that follows the cosine, so the share of them that
+ * meets nothing within the distance is ambient light, 1 on a free plane. Points interpolate it like
+ * light. A point without a record near holds 1, nothing being known that hides it.
+ *
+ * Error: with weights w that sum to 1, the variance of the records around a point is
+ * V = sum w (E - mean)^2 / (1 - sum w^2), and that of their mean V sum w^2. Where one record alone
+ * speaks, all that it gathered counts as uncertain. Times rho / pi, as luminance.
+ */
+gw_status gw_record_fields_collect(const gw_relight *relight, gw_bake_result *result,
+								   gw_error *error);
+
+#endif

@@ -1,0 +1,266 @@
+/*
+ * refine.c - see refine.h.
+ */
+#include "bake/refine.h"
+
+#include "bake/error_price.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Records nearer to each other than this many leaf cells share the same few lobes. */
+#define SPACING_LEAST 1.5f
+
+/* On rough surfaces narrower leaves than this get holes, which the estimate does not see. */
+#define LEAF_LEAST 1.1f
+
+/* Noise, or the rest, is attacked when it is more than this share of the mean square error. */
+#define SHARE_LEAST 0.3
+
+/* A round has helped when it leaves less than this share of the error and its spread. */
+#define HELPED 0.95
+
+/* After so many rounds that have not helped, no more are made. */
+#define VAIN_MOST 2u
+
+#define RAYS_MOST 4096u
+
+/* A round asks at most for so many times the work of the last one; below SMALLEST it is not worth
+ * its fixed costs. */
+#define WORK_MOST 16.0
+#define WORK_LEAST 1.3
+
+/* Records are aimed at this share of the error that is wanted, since what the estimate says has a
+ * spread of its own; and no round makes them more than so many times as many. */
+#define AIM 0.9
+#define SHARE_MOST 0.75
+#define GROWTH_MOST 8.0
+
+/* Where that was done before, what is left is less sure to lie where records disagree. */
+#define GROWTH_AGAIN 2.0
+
+/* Cones have an error of their own that no number of records lessens, and gather at all of them
+ * again for every bounce: they get there in steps that do not waste much. */
+#define GROWTH_OF_CONES 2.0
+
+/* Records leave the noise of the rays about as it is: they come closer, but as many speak for a
+ * point. So when noise alone is more than this share of the mean square error that is wanted, rays
+ * come first, as long as records are few; and then they are so many that it is this share. */
+#define NOISE_MOST 0.6
+#define NOISE_AIM 0.4
+
+/* By how much the parts of the settings are to grow; 1 leaves them alone. */
+typedef struct growth {
+	double rays, density; /* rays a record; records and leaves along a metre */
+} growth;
+
+bool gw_refine_reached(const gw_bake_options *options, const gw_error_estimate *error)
+{
+	return options->max_error > 0.0f && error->points > 0 &&
+		   error->relative_rms + error->spread <= (double)options->max_error;
+}
+
+static uint32_t *rays_of(gw_bake_options *options)
+{
+	return options->method == GW_METHOD_RAYS ? &options->rays : &options->cones;
+}
+
+static uint32_t scaled(uint32_t count, double factor, uint32_t most)
+{
+	double wanted = ceil((double)count * factor);
+	return wanted < (double)most ? (uint32_t)wanted : most;
+}
+
+static void grow_rays(gw_bake_options *next, double factor)
+{
+	uint32_t most = next->method == GW_METHOD_RAYS ? RAYS_MOST : 256;
+	uint32_t *rays = rays_of(next);
+	*rays = scaled(*rays, factor, most);
+	next->light_samples = scaled(next->light_samples, factor, RAYS_MOST);
+}
+
+/* First the records move together, then the leaves get narrower; what there is no room for in the
+ * one is left to the next round. */
+static void grow_density(gw_bake_options *next, double factor)
+{
+	if (next->record_spacing > SPACING_LEAST)
+		next->record_spacing = fmaxf(next->record_spacing / (float)factor, SPACING_LEAST);
+	else if (next->depth == GW_DEPTH_AUTO && next->leaf_spacing > LEAF_LEAST)
+		next->leaf_spacing = fmaxf(next->leaf_spacing / (float)factor, LEAF_LEAST);
+}
+
+static bool differs(const gw_bake_options *a, const gw_bake_options *b)
+{
+	return a->rays != b->rays || a->cones != b->cones || a->light_samples != b->light_samples ||
+		   a->record_spacing < b->record_spacing || a->leaf_spacing < b->leaf_spacing;
+}
+
+/* How much larger the error of gathered light is than what is wanted beside what stays; twice,
+ * where nothing is said. */
+static double excess(const gw_refine_state *state)
+{
+	double wanted = (double)state->options->max_error;
+	double stays = gw_error_floor(&state->error);
+	double found = state->error.gathered + state->error.spread;
+	if (stays < wanted)
+		wanted = sqrt(wanted * wanted - stays * stays);
+	return wanted > 0.0 ? fmax(found / wanted, 1.0) : 2.0;
+}
+
+/* Mean square error of gathered light that is wanted; 0 where none is, or what stays is more. */
+static double wanted_square(const gw_refine_state *state)
+{
+	double wanted = (double)state->options->max_error;
+	double stays = gw_error_floor(&state->error);
+	return fmax(wanted * wanted - stays * stays, 0.0);
+}
+
+/* Whether rays are too few, whatever records there are. */
+static bool is_noisy(const gw_refine_state *state)
+{
+	double noise = state->error.noise, wanted = wanted_square(state);
+	return state->options->method == GW_METHOD_RAYS && wanted > 0.0 &&
+		   noise * noise > NOISE_MOST * wanted;
+}
+
+/* How many times as many rays leave as little noise as what else there is allows. */
+static double rays_against_noise(const gw_refine_state *state)
+{
+	double noise = state->error.noise * state->error.noise, wanted = wanted_square(state);
+	double rest = fmax(state->error.gathered * state->error.gathered - noise, 0.0);
+	return noise / fmax(AIM * AIM * wanted - rest, NOISE_AIM * wanted);
+}
+
+/* How many of the last rounds, one after the other, have not helped. */
+static uint32_t rounds_in_vain(const gw_refine_state *state)
+{
+	uint32_t vain = 0;
+	for (uint32_t i = state->round_count; state->round && i >= 2; i--, vain++) {
+		const gw_error_estimate *e = &state->round[i - 1].error,
+								*before = &state->round[i - 2].error;
+		if (e->relative_rms + e->spread < HELPED * (before->relative_rms + before->spread))
+			break;
+	}
+	return vain;
+}
+
+/* Of the square error that records can lessen, what is to be left: noise stays, or half of what is
+ * wanted is had from the rest. */
+static double share_to_leave(const gw_refine_state *state)
+{
+	double factor = AIM / excess(state), share = factor * factor;
+	double square = state->error.gathered * state->error.gathered;
+	double noise = state->error.noise * state->error.noise;
+	if (!(square > noise) || state->options->method != GW_METHOD_RAYS)
+		return share;
+	return fmax(share * square - noise, 0.5 * share * square) / (square - noise);
+}
+
+/* Whether the last round has added records to those of the one before. */
+static bool has_added(const gw_refine_state *state)
+{
+	if (!state->round || state->round_count < 2)
+		return false;
+	const gw_round *last = &state->round[state->round_count - 1], *before = last - 1;
+	return last->rays == before->rays && last->record_spacing == before->record_spacing &&
+		   last->records > before->records;
+}
+
+gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
+								   char why[96])
+{
+	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+		return GW_REFINE_STALLED;
+	bool full = state->options->rays >= RAYS_MOST;
+	if (state->crowded || !(state->options->record_spacing > 0.0f) || (is_noisy(state) && !full))
+		return GW_REFINE_EXHAUSTED;
+	/* As if all of the last round had been work that grows. */
+	double most = state->options->method != GW_METHOD_RAYS ? GROWTH_OF_CONES
+				  : has_added(state)                       ? GROWTH_AGAIN
+														   : GROWTH_MOST;
+	double work = fmin(state->seconds_left / fmax(state->round_seconds, 1e-3), most);
+	if (work < WORK_LEAST)
+		return GW_REFINE_NO_TIME;
+	*wish =
+		(gw_density_wish){ .share = fmin(share_to_leave(state), SHARE_MOST), .most_growth = work };
+	snprintf(why, 96, "records disagree most where more were put");
+	return GW_REFINE_ROUND;
+}
+
+/* Noise falls with the root of the rays, the rest about as fast as the records come closer. */
+static growth wanted_growth(const gw_refine_state *state, char why[96])
+{
+	const gw_error_estimate *e = &state->error;
+	double square = fmax(e->gathered * e->gathered, 1e-12);
+	double noise = fmin(e->noise * e->noise / square, 1.0), factor = excess(state);
+	bool vain = rounds_in_vain(state) > 0;
+	bool rays = vain || noise > SHARE_LEAST, density = vain || 1.0 - noise > SHARE_LEAST;
+	snprintf(why, 96, "%.0f %% of the square error is noise of the rays%s", 100.0 * noise,
+			 vain ? "; the last round did not help" : "");
+	if (is_noisy(state) && !vain)
+		return (growth){ .rays = fmin(fmax(rays_against_noise(state), 1.5), WORK_MOST),
+						 .density = 1.0 };
+	return (growth){ .rays = rays ? fmin(fmax(factor * factor, 2.0), 8.0) : 1.0,
+					 .density = density ? fmin(fmax(factor, 1.4142135623730951), 2.0) : 1.0 };
+}
+
+static gw_bake_options grown(const gw_refine_state *state, growth by)
+{
+	gw_bake_options next = *state->options;
+	if (by.rays > 1.0)
+		grow_rays(&next, by.rays);
+	if (by.density > 1.0)
+		grow_density(&next, by.density);
+	return next;
+}
+
+/* Where one setting is at its limit, the other one has to do. */
+static growth possible_growth(const gw_refine_state *state, growth by)
+{
+	gw_bake_options next = grown(state, by);
+	if (!differs(&next, state->options))
+		by = (growth){ 2.0, 1.4142135623730951 };
+	return by;
+}
+
+static double work_of(const gw_bake_options *next, const gw_bake_options *last)
+{
+	bool rays = next->method == GW_METHOD_RAYS;
+	double samples = (double)(rays ? next->rays : next->cones) + next->light_samples;
+	double before = (double)(rays ? last->rays : last->cones) + last->light_samples;
+	double leaves = (double)last->leaf_spacing / (double)next->leaf_spacing;
+	double spacing = last->record_spacing > 0.0f
+						 ? (double)last->record_spacing / (double)next->record_spacing
+						 : 1.0;
+	return samples / before * spacing * spacing * leaves * leaves;
+}
+
+/* As if all of the last round had been work that grows: too long rather than too short. */
+static double seconds_of(const gw_refine_state *state, const gw_bake_options *next)
+{
+	double leaves = (double)state->options->leaf_spacing / (double)next->leaf_spacing;
+	double octree = leaves > 1.0 ? state->octree_seconds * leaves * leaves : 0.0;
+	return state->round_seconds * work_of(next, state->options) + octree;
+}
+
+gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *next, char why[96])
+{
+	/* Who gives nothing but time wants it used. */
+	if (state->options->max_error > 0.0f && rounds_in_vain(state) >= VAIN_MOST)
+		return GW_REFINE_STALLED;
+	growth full = possible_growth(state, wanted_growth(state, why));
+	gw_bake_options option = grown(state, full);
+	if (!differs(&option, state->options))
+		return GW_REFINE_EXHAUSTED;
+	for (double part = 1.0; part > 0.1; part *= 0.75) {
+		option = grown(state, (growth){ pow(full.rays, part), pow(full.density, part) });
+		double work = work_of(&option, state->options);
+		if (!differs(&option, state->options) || (part < 1.0 && work < WORK_LEAST))
+			break;
+		if (work > WORK_MOST || seconds_of(state, &option) > state->seconds_left)
+			continue;
+		*next = option;
+		return GW_REFINE_ROUND;
+	}
+	return GW_REFINE_NO_TIME;
+}

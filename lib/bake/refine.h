@@ -1,0 +1,57 @@
+/*
+ * refine.h - what comes next when a bake's error is still too large.
+ *
+ * A bake that has a target solves and estimates its error. As long as that helps, it adds records
+ * where those that there are disagree (record_density.h); all that was traced stays. Then it solves
+ * again with settings that attack the larger part of what is left: noise of the rays
+ * (GW_ESTIMATE: the halves of a probe's rays disagree, and so will records) asks for more rays, the
+ * rest for more records, and when those stand as dense as the leaves, for narrower leaves. When a
+ * round did not help, the next one attacks both; when that does not help either, what is left is
+ * not a matter of settings and more work would be in vain.
+ */
+#ifndef REFINE_H
+#define REFINE_H
+
+#include "bake/record_density.h"
+
+/* What is known when a round is over. */
+typedef struct gw_refine_state {
+	const gw_bake_options *options; /* of the round */
+	gw_error_estimate error;        /* that it made */
+	double round_seconds;           /* from placing records to the estimate */
+	double octree_seconds;          /* the octree and the direct light, where they were last made */
+	bool crowded;                   /* records stand as close as they may */
+	const gw_round *round;          /* round_count rounds so far, this one the last; may be NULL */
+	uint32_t round_count;
+	double seconds_left; /* for the next one; INFINITY where time does not matter */
+} gw_refine_state;
+
+typedef enum gw_refine_answer {
+	GW_REFINE_ROUND,     /* go on with *next */
+	GW_REFINE_NO_TIME,   /* even a small step would take longer than what is left */
+	GW_REFINE_EXHAUSTED, /* all settings are at their limits */
+	GW_REFINE_STALLED,   /* the last two rounds have not lessened the error */
+} gw_refine_answer;
+
+/* What error->relative_rms plus the spread has to be under; 0 when no target is given. Whether it
+ * is. Never where there is no estimate. */
+bool gw_refine_reached(const gw_bake_options *options, const gw_error_estimate *error);
+
+/*
+ * Whether to add records, and how many.
+ *   wish   receives what the error is to be brought down to; left alone unless GW_REFINE_ROUND is
+ *          returned. GW_REFINE_EXHAUSTED: other settings have to help
+ *   why    receives a phrase for reports, at most 95 bytes
+ */
+gw_refine_answer gw_refine_records(const gw_refine_state *state, gw_density_wish *wish,
+								   char why[96]);
+
+/*
+ * Chooses the next settings.
+ *   next   receives a copy of state->options with larger rays, light_samples or cones, or smaller
+ *          record_spacing or leaf_spacing; left alone unless GW_REFINE_ROUND is returned
+ *   why    receives a phrase for reports, at most 95 bytes
+ */
+gw_refine_answer gw_refine_next(const gw_refine_state *state, gw_bake_options *next, char why[96]);
+
+#endif

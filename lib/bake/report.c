@@ -1,0 +1,84 @@
+/*
+ * report.c - see report.h. A stage under way holds the account at its start; ending it turns that
+ * into differences.
+ */
+#include "bake/report.h"
+
+#include "base/clock.h"
+
+#include <assert.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static gw_gpu_account account_of(const gw_gpu *gpu)
+{
+	return gpu ? gw_gpu_read_account(gpu) : (gw_gpu_account){ 0 };
+}
+
+static void end_stage(gw_stage *stage, const gw_gpu *gpu)
+{
+	gw_gpu_account now = account_of(gpu);
+	stage->seconds = gw_seconds() - stage->seconds;
+	stage->device_seconds = now.device_seconds - stage->device_seconds;
+	stage->compile_seconds = now.compile_seconds - stage->compile_seconds;
+	stage->dispatches = now.dispatches - stage->dispatches;
+	stage->bytes = now.bytes;
+}
+
+void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
+{
+	if (report->stage_count > 0)
+		end_stage(&report->stage[report->stage_count - 1], gpu);
+	if (name == NULL)
+		return;
+	assert(report->stage_count < GW_REPORT_STAGES);
+	gw_stage *stage = &report->stage[report->stage_count++];
+	gw_gpu_account now = account_of(gpu);
+	*stage = (gw_stage){ .seconds = gw_seconds(),
+						 .device_seconds = now.device_seconds,
+						 .compile_seconds = now.compile_seconds,
+						 .dispatches = now.dispatches };
+	snprintf(stage->name, sizeof stage->name, "%s", name);
+}
+
+double gw_report_seconds(const gw_report *report, const char *stage)
+{
+	double seconds = 0.0;
+	for (uint32_t i = 0; i < report->stage_count; i++)
+		seconds += strcmp(report->stage[i].name, stage) == 0 ? report->stage[i].seconds : 0.0;
+	return seconds;
+}
+
+void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
+					  ...)
+{
+	uint32_t i = 0;
+	while (i < report->effect_count && strcmp(report->effect[i].name, name) != 0)
+		i++;
+	assert(i < GW_REPORT_EFFECTS);
+	report->effect_count += i == report->effect_count;
+	gw_effect *effect = &report->effect[i];
+	effect->called_for = method != NULL;
+	snprintf(effect->name, sizeof effect->name, "%s", name);
+	snprintf(effect->method, sizeof effect->method, "%s", method ? method : "");
+	va_list arguments;
+	va_start(arguments, reason);
+	vsnprintf(effect->reason, sizeof effect->reason, reason, arguments);
+	va_end(arguments);
+}
+
+void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
+{
+	uint32_t i = 0;
+	if (points == 0)
+		return;
+	while (i < report->count_count && strcmp(report->count[i].name, name) != 0)
+		i++;
+	assert(i < GW_REPORT_COUNTS);
+	report->count_count += i == report->count_count;
+	gw_count *count = &report->count[i];
+	count->points = points;
+	snprintf(count->name, sizeof count->name, "%s", name);
+	snprintf(count->meaning, sizeof count->meaning, "%s", meaning);
+}

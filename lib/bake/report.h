@@ -1,0 +1,20 @@
+/*
+ * report.h - filling in a gw_report while a bake runs.
+ */
+#ifndef REPORT_H
+#define REPORT_H
+
+#include "device/gpu.h"
+
+/* Begins a stage; what came before is booked on the stage before. gpu may be NULL. Ends the last
+ * one when name is NULL. */
+void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name);
+
+/* Adds an effect; method NULL: not called for. reason is a printf format. */
+void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
+					  ...) __attribute__((format(printf, 4, 5)));
+
+/* Adds a number of points with its meaning; nothing when points is 0. */
+void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning);
+
+#endif

@@ -1,0 +1,174 @@
+/*
+ * result.c - see result.h. L = Le + rho / pi * E.
+ */
+#include "bake/result.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "bake/report.h"
+#include "bake/voxels.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error *error)
+{
+	result->count = count;
+	float **vectors[] = { &result->radiance, &result->direct_irradiance,
+						  &result->indirect_irradiance, &result->normal, &result->albedo };
+	bool complete = (result->roi = gw_allocate_zeros(count, sizeof(float))) != NULL;
+	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
+	if (!complete)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points", count);
+	return GW_OK;
+}
+
+typedef struct scatter {
+	const gw_relight *relight;
+	const float *direct; /* 4 a surfel, from lamps */
+	gw_bake_result *result;
+} scatter;
+
+static float component(const float *values, size_t surfel, size_t c)
+{
+	return values ? values[4 * surfel + c] : 0.0f;
+}
+
+/* Light of the points first..last-1. */
+static void scatter_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const scatter *job = user;
+	const gw_relight *light = job->relight;
+	const gw_surfels *surfels = &light->solver->surfels;
+	gw_bake_result *out = job->result;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t s = surfels->surfel_of_point[i];
+		if (s == UINT32_MAX)
+			continue;
+		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->solver->octree.leaf_size);
+		for (size_t c = 0; c < 3; c++) {
+			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
+			float indirect = component(light->surfel_indirect, s, c);
+			float albedo = surfels->albedo[3 * s + c];
+			float emission = surfels->emission ? surfels->emission[3 * s + c] : 0.0f;
+			out->direct_irradiance[3 * i + c] = direct;
+			out->indirect_irradiance[3 * i + c] = indirect;
+			out->albedo[3 * i + c] = albedo;
+			out->normal[3 * i + c] =
+				(surfels->lamp_normal ? surfels->lamp_normal : surfels->normal)[3 * s + c];
+			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
+		}
+	}
+}
+
+gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, gw_error *error)
+{
+	const gw_solver *solver = relight->solver;
+	size_t points = solver->surfels.point_count;
+	float *direct = NULL;
+	gw_status status = allocate_result(points, result, error);
+	if (status == GW_OK)
+		status = gw_relight_download_direct(relight, &direct, error);
+	if (status == GW_OK) {
+		const uint32_t *row = solver->read_back.first;
+		uint64_t lost = 0;
+		for (size_t i = 0; relight->surfel_first && i < solver->surfels.count; i++)
+			lost += row[i] == row[i + 1];
+		gw_report_count(solver->report, "without_record", lost,
+						"points with no record near: no gathered light");
+		scatter job = { relight, direct, result };
+		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_points,
+						&job);
+	}
+	free(direct);
+	return status;
+}
+
+/* L of the points, or of a part of the light. */
+typedef struct part_radiance {
+	const gw_relight *light;
+	const float *direct;
+	bool emission;
+	float *radiance;
+} part_radiance;
+
+static void scatter_radiance(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const part_radiance *job = user;
+	const gw_surfels *surfels = &job->light->solver->surfels;
+	const float *emission = job->emission ? surfels->emission : NULL;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		uint32_t s = surfels->surfel_of_point[i];
+		for (size_t c = 0; c < 3 && s != UINT32_MAX; c++) {
+			float irradiance = component(job->direct, s, c) +
+							   component(job->light->surfel_first, s, c) +
+							   component(job->light->surfel_indirect, s, c);
+			job->radiance[3 * i + c] = (emission ? emission[3 * s + c] : 0.0f) +
+									   surfels->albedo[3 * s + c] * 0.318309886f * irradiance;
+		}
+	}
+}
+
+/* Lights one part and brings its radiance to the points. */
+static gw_status light_part(gw_relight *part, bool emission, float **radiance, gw_error *error)
+{
+	const gw_solver *solver = part->solver;
+	size_t points = solver->surfels.point_count;
+	float *direct = NULL;
+	*radiance = gw_allocate_zeros(points, 3 * sizeof **radiance);
+	if (!*radiance)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
+					   points);
+	gw_relight_plan_part(part, emission);
+	gw_status status = gw_relight_run(part, error);
+	if (status == GW_OK)
+		status = gw_relight_download_direct(part, &direct, error);
+	if (status == GW_OK) {
+		part_radiance job = { part, direct, emission, *radiance };
+		gw_parallel_for(gw_thread_count(solver->options.threads), points, 8192, scatter_radiance,
+						&job);
+	}
+	free(direct);
+	return status;
+}
+
+gw_status gw_result_collect_lamps(const gw_relight *relight, gw_bake_result *result,
+								  gw_error *error)
+{
+	gw_relight part = { .solver = relight->solver, .whole = relight };
+	const gw_solver *solver = relight->solver;
+	gw_status status = GW_OK;
+	result->lamp = gw_allocate_zeros(relight->light_count, sizeof *result->lamp);
+	if (!result->lamp)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
+					   relight->light_count);
+	result->lamp_count = relight->light_count;
+	for (size_t i = 0; i < relight->light_count && status == GW_OK; i++) {
+		if (solver->cancelled && solver->cancelled(solver->user))
+			status =
+				gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped before light %zu", i + 1);
+		part.lights = &relight->lights[i];
+		part.light_count = 1;
+		if (status == GW_OK)
+			status = light_part(&part, false, &result->lamp[i], error);
+	}
+	part.light_count = 0;
+	if (status == GW_OK && solver->surfels.emission)
+		status = light_part(&part, true, &result->rest, error);
+	gw_relight_clear(&part);
+	return status;
+}
+
+gw_status gw_result_collect_voxels(gw_relight *relight, gw_bake_result *result, gw_error *error)
+{
+	gw_solver *solver = relight->solver;
+	gw_voxels_task task = { .passes = &solver->passes,
+							.octree = &solver->octree,
+							.surfels = &solver->surfels,
+							.records = relight->plan.records ? &solver->records : NULL,
+							.lobe_direct = &relight->lobe_direct };
+	return gw_voxels_collect(&task, &result->voxels, error);
+}

@@ -1,0 +1,20 @@
+/*
+ * result.h - from the light of surfels to that of points.
+ */
+#ifndef RESULT_H
+#define RESULT_H
+
+#include "bake/relight.h"
+
+/* Fills in the arrays of points, and counts those without light. */
+gw_status gw_result_collect(const gw_relight *relight, gw_bake_result *result, gw_error *error);
+
+/* Fills in the voxels; afterwards the records' indirect light holds all gathered light. */
+gw_status gw_result_collect_voxels(gw_relight *relight, gw_bake_result *result, gw_error *error);
+
+/* Lights the scene by each light alone and by the points that emit, and fills in lamp and rest. The
+ * records' light is lost. */
+gw_status gw_result_collect_lamps(const gw_relight *relight, gw_bake_result *result,
+								  gw_error *error);
+
+#endif

@@ -1,0 +1,212 @@
+/*
+ * scaled_scene.c - see scaled_scene.h.
+ */
+#include "bake/scaled_scene.h"
+
+#include "base/memory.h"
+#include "surfels/surfel_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Clouds narrower than this, metres, and light beyond these are brought to about 1. */
+#define EXTENT_LEAST 0x1p-20
+#define LIGHT_LEAST 0x1p-60
+#define LIGHT_MOST 0x1p60
+
+/* Largest distance that options take, metres. */
+#define DISTANCE_MOST 1e9f
+
+typedef struct box {
+	double low[3], high[3], extent;
+} box;
+
+static double largest(const float color[3])
+{
+	double most = 0.0;
+	for (int k = 0; k < 3; k++)
+		if (isfinite(color[k]))
+			most = fmax(most, (double)color[k]);
+	return most;
+}
+
+static double squared_distance(const box *b, const double place[3])
+{
+	double squared = 0.0;
+	for (int k = 0; k < 3; k++) {
+		double off = fmax(fmax(b->low[k] - place[k], place[k] - b->high[k]), 0.0);
+		squared += off * off;
+	}
+	return squared;
+}
+
+/* About the most irradiance that a light can bring. */
+static double brightness(const gw_light *light, const box *b)
+{
+	switch (light->type) {
+	case GW_LIGHT_POINT:
+	case GW_LIGHT_SPOT:
+		/* Divided in two steps: squares of small extents are 0. */
+		return largest(light->intensity) /
+			   fmax(sqrt(squared_distance(b, light->position)), b->extent) /
+			   fmax(sqrt(squared_distance(b, light->position)), b->extent);
+	case GW_LIGHT_SUN:
+		return largest(light->irradiance);
+	case GW_LIGHT_ENVIRONMENT:
+		return largest(light->radiance);
+	default:
+		return 0.0;
+	}
+}
+
+static double brightest(const gw_points *points, const gw_light *lights, size_t light_count,
+						const box *b)
+{
+	double most = 0.0;
+	for (size_t i = 0; i < light_count; i++)
+		most = fmax(most, brightness(&lights[i], b));
+	for (size_t i = 0; points->emission && i < points->count; i++)
+		most = fmax(most, largest(points->emission + 3 * i));
+	return most;
+}
+
+static void choose_units(const gw_points *points, const gw_light *lights, size_t light_count,
+						 gw_scaled_scene *scaled)
+{
+	box b = { .extent = 0.0 };
+	if (gw_finite_bounds(points, b.low, b.high) == 0)
+		return;
+	for (int k = 0; k < 3; k++)
+		b.extent = fmax(b.extent, b.high[k] - b.low[k]);
+	if (!(b.extent > 0.0))
+		return;
+	if (b.extent < EXTENT_LEAST)
+		scaled->length = -ilogb(b.extent);
+	double most = brightest(points, lights, light_count, &b);
+	if (!isfinite(most)) /* more than a double holds */
+		scaled->light = -1024;
+	else if (most > LIGHT_MOST || (most > 0.0 && most < LIGHT_LEAST))
+		scaled->light = -ilogb(most);
+}
+
+static double *scaled_places(const double *place, size_t count, int exponent)
+{
+	double *copy = gw_allocate_array(3 * count, sizeof *copy);
+	for (size_t i = 0; copy && i < 3 * count; i++) {
+		copy[i] = ldexp(place[i], exponent);
+		/* What is left out for being far stays far, and finite. */
+		if (!isfinite(copy[i]))
+			copy[i] = place[i];
+	}
+	return copy;
+}
+
+static float *scaled_light(const float *color, size_t count, int exponent)
+{
+	float *copy = gw_allocate_array(3 * count, sizeof *copy);
+	for (size_t i = 0; copy && i < 3 * count; i++)
+		copy[i] = ldexpf(color[i], exponent);
+	return copy;
+}
+
+static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
+{
+	light->radius = ldexpf(light->radius, scaled->length);
+	for (int k = 0; k < 3; k++) {
+		light->position[k] = ldexp(light->position[k], scaled->length);
+		light->intensity[k] = ldexpf(light->intensity[k], 2 * scaled->length + scaled->light);
+		light->irradiance[k] = ldexpf(light->irradiance[k], scaled->light);
+		light->radiance[k] = ldexpf(light->radiance[k], scaled->light);
+	}
+}
+
+gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, size_t light_count,
+							   const gw_bake_options *options, gw_scaled_scene *scaled,
+							   gw_error *error)
+{
+	*scaled = (gw_scaled_scene){ .points = *points, .options = *options };
+	choose_units(points, lights, light_count, scaled);
+	if (scaled->length == 0 && scaled->light == 0)
+		return GW_OK;
+	gw_points *p = &scaled->points;
+	scaled->lights = gw_allocate_array(light_count, sizeof *scaled->lights);
+	p->position = scaled->position = scaled_places(points->position, points->count, scaled->length);
+	if (points->scanner)
+		p->scanner = scaled->scanner =
+			scaled_places(points->scanner, points->scanner_count, scaled->length);
+	if (points->emission)
+		p->emission = scaled->emission =
+			scaled_light(points->emission, points->count, scaled->light);
+	if (!scaled->lights || !p->position || (points->scanner && !p->scanner) ||
+		(points->emission && !p->emission))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
+					   points->count);
+	if (light_count > 0)
+		memcpy(scaled->lights, lights, light_count * sizeof *lights);
+	for (size_t i = 0; i < light_count; i++)
+		scale_light(&scaled->lights[i], scaled);
+	scaled->options.occlusion_distance =
+		fminf(ldexpf(options->occlusion_distance, scaled->length), DISTANCE_MOST);
+	return GW_OK;
+}
+
+void gw_scaled_scene_clear(gw_scaled_scene *scaled)
+{
+	free(scaled->lights);
+	free(scaled->position);
+	free(scaled->scanner);
+	free(scaled->emission);
+	*scaled = (gw_scaled_scene){ .length = 0 };
+}
+
+/* -------------------------------------------------------------------------------- bringing back */
+
+/* False when a number has become too large. */
+static bool undo_light(float *values, size_t count, int exponent)
+{
+	bool fits = true;
+	for (size_t i = 0; values && i < count; i++) {
+		values[i] = ldexpf(values[i], -exponent);
+		fits = fits && isfinite(values[i]);
+	}
+	return fits;
+}
+
+static void undo_report(const gw_scaled_scene *scaled, gw_report *r)
+{
+	r->leaf_size = ldexp(r->leaf_size, -scaled->length);
+	r->wanted_leaf_size = ldexp(r->wanted_leaf_size, -scaled->length);
+	r->spacing = ldexp(r->spacing, -scaled->length);
+	for (int k = 0; k < 3; k++)
+		r->origin[k] = ldexp(r->origin[k], -scaled->length);
+	for (uint32_t i = 0; i < r->bounce_count; i++)
+		r->bounce[i].energy = ldexp(r->bounce[i].energy, -scaled->light - 2 * scaled->length);
+}
+
+gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *result,
+							   gw_error *error)
+{
+	gw_voxels *v = &result->voxels;
+	size_t n = result->count;
+	bool fits = true;
+	if (scaled->length == 0 && scaled->light == 0)
+		return GW_OK;
+	float *const lit[] = { result->radiance, result->direct_irradiance, result->indirect_irradiance,
+						   result->rest };
+	for (size_t i = 0; i < sizeof lit / sizeof *lit; i++)
+		fits &= undo_light(lit[i], 3 * n, scaled->light);
+	for (size_t i = 0; result->lamp && i < result->lamp_count; i++)
+		fits &= undo_light(result->lamp[i], 3 * n, scaled->light);
+	fits &= undo_light(result->error, n, scaled->light);
+	fits &= undo_light(v->radiance, 3 * v->count, scaled->light);
+	fits &= undo_light(v->emission, 3 * v->count, scaled->light);
+	v->size = ldexp(v->size, -scaled->length);
+	for (int k = 0; k < 3; k++)
+		v->origin[k] = ldexp(v->origin[k], -scaled->length);
+	undo_report(scaled, &result->report);
+	return fits ? GW_OK
+				: gw_fail(error, GW_ERROR_DATA,
+						  "the light on the points is more than 3.4e38, which is all that a 32-bit "
+						  "number holds: use weaker lamps, or check the unit of lengths");
+}

@@ -1,0 +1,503 @@
+/*
+ * transport.c - see transport.h.
+ */
+#include "bake/transport.h"
+
+#include "light/direct_light.h"
+#include "base/hash.h"
+#include "surfels/disc_tree.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "bake/transport_blocks.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAGIC "glowworm transport\n"
+#define VERSION 6u
+
+/* Blocks are read and checked in pieces, by all threads. */
+#define PIECE_BYTES (UINT64_C(1) << 20)
+
+/* What was baked: a hash each. */
+typedef struct identity {
+	uint64_t position, normal, albedo, scanner, emission;
+} identity;
+
+/* Settings that change what a transport holds. */
+typedef struct fixed_settings {
+	double method, depth, leaf_spacing, rays, record_spacing, seed;
+} fixed_settings;
+
+typedef struct head {
+	char magic[24];
+	uint32_t version, head_bytes;
+	uint64_t length; /* of the whole */
+	identity identity;
+	fixed_settings settings;
+	gw_transport_numbers numbers;
+	uint64_t hash; /* of what stands before it */
+} head;
+
+_Static_assert(sizeof(head) % 8 == 0, "blocks begin at multiples of 8 bytes");
+
+static bool lowest_byte_first(void)
+{
+	const uint16_t one = 1;
+	return *(const unsigned char *)&one == 1;
+}
+
+static uint64_t hash_array(const void *values, size_t count, size_t size)
+{
+	return values ? gw_hash(1, values, count * size) : 0;
+}
+
+static identity identify(const gw_points *p)
+{
+	uint64_t scanner = hash_array(p->scanner, p->scanner_count, 3 * sizeof *p->scanner);
+	return (identity){
+		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
+		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
+		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
+		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),
+		.emission = hash_array(p->emission, p->count, 3 * sizeof *p->emission),
+	};
+}
+
+static fixed_settings settle(const gw_bake_options *o)
+{
+	return (fixed_settings){ .method = o->method,
+							 .depth = o->depth,
+							 .leaf_spacing =
+								 o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
+							 .rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
+							 .record_spacing = (double)o->record_spacing,
+							 .seed = (double)o->seed };
+}
+
+/* To where the next part begins. */
+static uint64_t padded(uint64_t bytes)
+{
+	return (bytes + GW_LENT_ALIGNMENT - 1) / GW_LENT_ALIGNMENT * GW_LENT_ALIGNMENT;
+}
+
+static uint64_t length_of(const gw_transport_block *blocks, size_t count)
+{
+	uint64_t length = padded(sizeof(head)) + sizeof(uint64_t);
+	for (size_t i = 0; i < count; i++)
+		length += padded(blocks[i].bytes);
+	return length;
+}
+
+static uint64_t piece_count(const gw_transport_block *block)
+{
+	return (block->bytes + PIECE_BYTES - 1) / PIECE_BYTES;
+}
+
+/* ------------------------------------------------------------------------------------ saving */
+
+static void hash_pieces(const gw_transport_block *block, const unsigned char *bytes, uint64_t *hash)
+{
+	for (uint64_t at = 0; at < block->bytes; at += PIECE_BYTES) {
+		uint64_t left = block->bytes - at;
+		uint64_t piece = gw_hash(0, bytes + at, left < PIECE_BYTES ? left : PIECE_BYTES);
+		*hash = gw_hash(*hash, &piece, sizeof piece);
+	}
+}
+
+/* Writes the zeros after so many bytes. */
+static gw_status pad(const gw_transport *transport, uint64_t bytes, gw_error *error)
+{
+	static const char zeros[GW_LENT_ALIGNMENT];
+	return transport->write(transport->user, zeros, (size_t)(padded(bytes) - bytes), error);
+}
+
+static gw_status write_block(gw_solver *solver, const gw_transport_block *block,
+							 const gw_transport *transport, uint64_t *hash, gw_error *error)
+{
+	gw_view view = { 0 };
+	const void *bytes = block->host ? *block->host : NULL;
+	gw_status status = GW_OK;
+	if (block->buffer) {
+		status = gw_view_open(solver->gpu, block->buffer, block->bytes, &view, error);
+		bytes = view.bytes;
+	}
+	if (status == GW_OK) {
+		hash_pieces(block, bytes, hash);
+		status = transport->write(transport->user, bytes, block->bytes, error);
+	}
+	if (status == GW_OK)
+		status = pad(transport, block->bytes, error);
+	gw_view_close(&view);
+	return status;
+}
+
+gw_status gw_transport_save(gw_solver *solver, const gw_points *points,
+							const gw_transport *transport, gw_error *error)
+{
+	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
+	uint64_t hash = 0;
+	head h;
+	if (!lowest_byte_first())
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"a transport cannot be kept on a machine that stores the highest byte first");
+	memset(&h, 0, sizeof h);
+	memcpy(h.magic, MAGIC, sizeof MAGIC);
+	h.version = VERSION;
+	h.head_bytes = sizeof h;
+	h.identity = identify(points);
+	h.settings = settle(&solver->options);
+	h.numbers = gw_transport_numbers_of(solver);
+	size_t count = gw_transport_list(solver, &h.numbers, blocks);
+	h.length = length_of(blocks, count);
+	h.hash = gw_hash(0, &h, offsetof(head, hash));
+	gw_status status = transport->write(transport->user, &h, sizeof h, error);
+	if (status == GW_OK)
+		status = pad(transport, sizeof h, error);
+	for (size_t i = 0; i < count && status == GW_OK; i++)
+		status = write_block(solver, &blocks[i], transport, &hash, error);
+	return status == GW_OK ? transport->write(transport->user, &hash, sizeof hash, error) : status;
+}
+
+/* ----------------------------------------------------------------------------------- loading */
+
+static gw_status damaged(const gw_transport *t, const char *what, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA, "%s: %s; make it again with --save-transport", t->name,
+				   what);
+}
+
+static gw_status read_head(const gw_transport *t, head *h, gw_error *error)
+{
+	if (!lowest_byte_first())
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: a transport cannot be used on a machine that stores the highest byte "
+					   "first",
+					   t->name);
+	if (t->length < sizeof *h || memcmp(t->data, MAGIC, sizeof MAGIC) != 0)
+		return damaged(t, "this is no transport of a bake", error);
+	memcpy(h, t->data, sizeof *h);
+	if (h->version != VERSION || h->head_bytes != sizeof *h)
+		return damaged(t, "this transport was written by another version of glowworm", error);
+	if (h->hash != gw_hash(0, h, offsetof(head, hash)) || !gw_transport_numbers_fit(&h->numbers))
+		return damaged(t, "this transport is damaged at its start", error);
+	return GW_OK;
+}
+
+static gw_status check_points(const gw_transport *t, const head *h, const identity *own,
+							  const gw_points *points, gw_error *error)
+{
+	const identity *kept = &h->identity;
+	const char *what = h->numbers.points != points->count ? "another number of points"
+					   : kept->position != own->position  ? "other positions"
+					   : kept->normal != own->normal      ? "other normals"
+					   : kept->albedo != own->albedo      ? "other albedo"
+					   : kept->scanner != own->scanner    ? "other places of scanners"
+														  : NULL;
+	if (what == NULL)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_DATA,
+				   "%s: this transport belongs to a cloud with %s; make one for this cloud with "
+				   "--save-transport",
+				   t->name, what);
+}
+
+static gw_status check_settings(const gw_transport *t, const head *h, const gw_bake_options *o,
+								gw_error *error)
+{
+	const fixed_settings own = settle(o), *kept = &h->settings;
+	const struct {
+		const char *option;
+		double kept, own;
+	} rows[] = {
+		{ "--depth", kept->depth, own.depth },
+		{ "--leaf-spacing", kept->leaf_spacing, own.leaf_spacing },
+		{ "--rays", kept->rays, own.rays },
+		{ "--record-spacing", kept->record_spacing, own.record_spacing },
+		{ "--seed", kept->seed, own.seed },
+	};
+	if (kept->method != own.method)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s: this transport was made with another --method than this bake has",
+					   t->name);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		if (rows[i].kept != rows[i].own)
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "%s: this transport was made with %s %g and this bake has %g; they have "
+						   "to be the same (0 stands for auto)",
+						   t->name, rows[i].option, rows[i].kept, rows[i].own);
+	return GW_OK;
+}
+
+/* Parts are filled up with zeros. */
+static bool padding_fits(uint64_t length, const unsigned char *bytes)
+{
+	for (uint64_t at = length; at < padded(length); at++)
+		if (bytes[at] != 0)
+			return false;
+	return true;
+}
+
+/* A block on its way into the solver. */
+typedef struct arrival {
+	const gw_transport_block *block;
+	const unsigned char *from;
+	unsigned char *to; /* NULL: it stays, or is uploaded when it is known to be good */
+	bool lent;
+	size_t first_piece;
+} arrival;
+
+/* All of them, piece by piece. */
+typedef struct arrivals {
+	arrival arrival[GW_TRANSPORT_BLOCKS];
+	size_t count, pieces;
+	uint64_t *hash; /* a piece */
+	atomic_bool damaged;
+} arrivals;
+
+static bool indices_fit(const gw_transport_block *block, const unsigned char *bytes,
+						uint64_t length)
+{
+	uint32_t word;
+	for (uint64_t at = 0; block->limit > 0 && at < length; at += 4 * (uint64_t)block->step) {
+		memcpy(&word, bytes + at, sizeof word);
+		if ((word & block->mask) >= block->limit && word != GW_NONE)
+			return false;
+	}
+	return true;
+}
+
+static void take_piece(void *user, size_t first, size_t last, uint32_t worker)
+{
+	arrivals *all = user;
+	size_t block = 0;
+	(void)worker;
+	for (size_t piece = first; piece < last; piece++) {
+		while (block + 1 < all->count && all->arrival[block + 1].first_piece <= piece)
+			block++;
+		const arrival *a = &all->arrival[block];
+		uint64_t at = (piece - a->first_piece) * PIECE_BYTES, left = a->block->bytes - at;
+		size_t length = (size_t)(left < PIECE_BYTES ? left : PIECE_BYTES);
+		all->hash[piece] = gw_hash(0, a->from + at, length);
+		if (!indices_fit(a->block, a->from + at, length))
+			atomic_store(&all->damaged, true);
+		if (a->to)
+			memcpy(a->to + at, a->from + at, length);
+	}
+}
+
+/* Room for a block, and where it is if it can be reached from here. */
+static gw_status make_room(gw_solver *solver, arrival *a, gw_error *error)
+{
+	const gw_transport_block *block = a->block;
+	gw_status status = GW_OK;
+	if (block->host) {
+		a->to = *block->host = gw_allocate_array(block->bytes, 1);
+		if (!a->to)
+			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
+	} else if (gw_buffer_may_borrow(solver->gpu, a->from) && block->bytes > 0) {
+		a->lent = true;
+		status = gw_buffer_borrow(solver->gpu, block->format, a->from, block->bytes, block->name,
+								  block->buffer, error);
+	} else {
+		status = gw_buffer_create_unset(solver->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
+										block->name, block->buffer, error);
+		a->to = gw_gpu_shares_memory(solver->gpu) ? block->buffer->mapped : NULL;
+	}
+	return status;
+}
+
+/* Checks all blocks and brings them into the solver. */
+static gw_status take_blocks(gw_solver *solver, const gw_transport *t, arrivals *all,
+							 gw_error *error)
+{
+	gw_status status = GW_OK;
+	uint64_t hash = 0, kept;
+	all->hash = gw_allocate_array(all->pieces, sizeof *all->hash);
+	if (!all->hash)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu pieces", all->pieces);
+	for (size_t i = 0; i < all->count && status == GW_OK; i++)
+		status = make_room(solver, &all->arrival[i], error);
+	if (status == GW_OK) {
+		gw_parallel_for(solver->options.threads, all->pieces, 1, take_piece, all);
+		for (size_t i = 0; i < all->pieces; i++)
+			hash = gw_hash(hash, &all->hash[i], sizeof hash);
+		memcpy(&kept, (const char *)t->data + t->length - sizeof kept, sizeof kept);
+		if (hash != kept || atomic_load(&all->damaged))
+			status = damaged(t, "this transport is damaged", error);
+	}
+	for (size_t i = 0; i < all->count && status == GW_OK; i++) {
+		const arrival *a = &all->arrival[i];
+		if (!a->to && !a->lent)
+			status =
+				gw_buffer_upload(solver->gpu, a->block->buffer, 0, a->from, a->block->bytes, error);
+	}
+	free(all->hash);
+	return status;
+}
+
+/* What bounds of single indices do not say: a walk through the tree of large discs ends. */
+static bool tree_fits(const gw_solver *solver, const arrivals *all)
+{
+	const gw_octree *o = &solver->octree;
+	const arrival *a = all->arrival;
+	while (a->block->buffer != &o->disc_tree)
+		a++;
+	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, 2 * (uint64_t)o->leaf_count);
+}
+
+/* And rows follow each other. */
+static bool rows_fit(const gw_solver *solver, const gw_transport_numbers *n)
+{
+	const gw_read_back *b = &solver->read_back;
+	if (b->first[0] != 0 || b->first[b->count] != n->entries)
+		return false;
+	for (size_t i = 0; i < b->count; i++)
+		if (b->first[i] > b->first[i + 1])
+			return false;
+	for (size_t i = 0; i < n->entries; i++)
+		if (b->record[i] >= n->records)
+			return false;
+	return true;
+}
+
+static gw_status read_blocks(gw_solver *solver, const gw_transport *t, const head *h,
+							 gw_error *error)
+{
+	gw_transport_block blocks[GW_TRANSPORT_BLOCKS];
+	gw_transport_numbers_restore(&h->numbers, solver);
+	size_t count = gw_transport_list(solver, &h->numbers, blocks);
+	if (h->length != length_of(blocks, count) || t->length != h->length)
+		return damaged(t,
+					   t->length < h->length ? "this transport ends too early"
+											 : "this transport has another length than it says",
+					   error);
+	arrivals all = { .count = count };
+	const unsigned char *at = t->data;
+	bool fits = padding_fits(sizeof *h, at);
+	at += padded(sizeof *h);
+	for (size_t i = 0; i < count; i++) {
+		fits = fits && padding_fits(blocks[i].bytes, at);
+		all.arrival[i] = (arrival){ .block = &blocks[i], .from = at, .first_piece = all.pieces };
+		all.pieces += piece_count(&blocks[i]);
+		at += padded(blocks[i].bytes);
+	}
+	if (!fits)
+		return damaged(t, "this transport is damaged", error);
+	gw_status status = take_blocks(solver, t, &all, error);
+	if (status == GW_OK && (!tree_fits(solver, &all) || !rows_fit(solver, &h->numbers)))
+		status = damaged(t, "this transport is damaged", error);
+	return status;
+}
+
+/* ---------------------------------------------------------------------------- other emission */
+
+/* The mean emission of each surfel's points. */
+static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error *error)
+{
+	double *sum = gw_allocate_zeros(s->count, 4 * sizeof *sum);
+	s->emission = gw_allocate_array(s->count, 3 * sizeof *s->emission);
+	if (!sum || !s->emission) {
+		free(sum);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
+					   s->count);
+	}
+	for (size_t i = 0; i < points->count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		bool repaired = false;
+		if (surfel == UINT32_MAX)
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			double e = (double)points->emission[3 * i + k];
+			bool good = isfinite(e) && e >= 0.0;
+			sum[4 * (size_t)surfel + k] += good ? e : 0.0;
+			repaired |= !good;
+		}
+		sum[4 * (size_t)surfel + 3] += 1.0;
+		s->emission_repaired += repaired;
+	}
+	for (size_t i = 0; i < s->count; i++)
+		for (size_t k = 0; k < 3; k++)
+			s->emission[3 * i + k] = (float)(sum[4 * i + k] / fmax(sum[4 * i + 3], 1.0));
+	free(sum);
+	return GW_OK;
+}
+
+/* The mean emission of each lobe's surfels. */
+static gw_status average_emission(gw_solver *solver, gw_error *error)
+{
+	const gw_surfels *s = &solver->surfels;
+	gw_octree *o = &solver->octree;
+	gw_buffer emission = { 0 };
+	float *rows = gw_allocate_zeros(s->count, 4 * sizeof *rows);
+	gw_status status = rows ? GW_OK
+							: gw_fail(error, GW_ERROR_MEMORY,
+									  "no host memory for the emission of %zu surfels", s->count);
+	for (size_t i = 0; i < s->count && status == GW_OK; i++)
+		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
+	if (status == GW_OK)
+		status = gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)s->count, "emission of surfels", &emission, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(solver->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
+	gw_buffer_destroy(solver->gpu, &o->lobe_emission);
+	if (status == GW_OK)
+		status = gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)o->leaf_count, "emission of lobes",
+								  &o->lobe_emission, error);
+	if (status == GW_OK)
+		status = gw_average_lobes(&solver->passes, o, &emission, &o->lobe_emission, error);
+	gw_buffer_destroy(solver->gpu, &emission);
+	free(rows);
+	return status;
+}
+
+static gw_status replace_emission(gw_solver *solver, const gw_points *points, gw_error *error)
+{
+	gw_surfels *s = &solver->surfels;
+	bool emits = false;
+	gw_status status = GW_OK;
+	gw_solver_forget_samples(solver);
+	free(s->emission);
+	s->emission = NULL;
+	s->emission_repaired = 0;
+	if (points->emission)
+		status = merge_emission(points, s, error);
+	for (size_t i = 0; s->emission && i < 3 * s->count && status == GW_OK; i++)
+		emits |= s->emission[i] > 0.0f;
+	if (status != GW_OK || emits)
+		return status == GW_OK ? average_emission(solver, error) : status;
+	free(s->emission);
+	s->emission = NULL;
+	gw_buffer_destroy(solver->gpu, &solver->octree.lobe_emission);
+	return gw_buffer_create(solver->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16,
+							"emission of lobes", &solver->octree.lobe_emission, error);
+}
+
+gw_status gw_transport_load(gw_solver *solver, const gw_points *points,
+							const gw_transport *transport, gw_error *error)
+{
+	head h;
+	gw_status status = read_head(transport, &h, error);
+	if (status != GW_OK)
+		return status;
+	const identity own = identify(points);
+	status = check_points(transport, &h, &own, points, error);
+	if (status == GW_OK)
+		status = check_settings(transport, &h, &solver->options, error);
+	if (status == GW_OK)
+		status = read_blocks(solver, transport, &h, error);
+	if (status != GW_OK)
+		return status;
+	gw_octree_passes(&solver->passes, solver->gpu, &solver->octree);
+	solver->passes.threads = solver->options.threads;
+	if (h.numbers.light_samples != solver->options.light_samples)
+		gw_buffer_destroy(solver->gpu, &solver->sampled);
+	if (own.emission != h.identity.emission)
+		status = replace_emission(solver, points, error);
+	return status == GW_OK ? gw_solver_complete(solver, points, error) : status;
+}

@@ -1,0 +1,284 @@
+/*
+ * transport_blocks.c - see transport_blocks.h.
+ */
+#include "bake/transport_blocks.h"
+
+#include "surfels/disc_tree.h"
+#include "light/transport_layout.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+/* Any word is below this. */
+#define WORDS_LIMIT (UINT64_C(1) << 32)
+
+#define POINTS_MAX (UINT64_C(1) << 30)
+
+/* Bits of gw_transport_numbers.noisy: which arrays there are. */
+#define NOISY 1u /* normals for lamps */
+#define OFF 2u   /* how far normals are off */
+
+gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver)
+{
+	const gw_surfels *s = &solver->surfels;
+	const gw_octree *o = &solver->octree;
+	const gw_records *r = &solver->records;
+	gw_transport_numbers n;
+	memset(&n, 0, sizeof n);
+	n.given_area = s->given_area;
+	n.spacing = s->spacing;
+	n.leaf_size = o->leaf_size;
+	n.record_radius = r->radius;
+	n.surfels = s->count;
+	n.points = s->point_count;
+	n.tree_discs = o->tree_discs;
+	n.strays = s->strays;
+	n.stray_distance = s->stray_distance;
+	n.depth = o->depth;
+	n.directory_level = o->directory_level;
+	n.leaves = o->leaf_count;
+	n.leaf_tiles = o->leaf_tile_count;
+	n.tiles = o->tile_count;
+	n.border_tiles = o->border_tile_count;
+	n.fragments = o->fragment_count;
+	n.records = r->count;
+	n.block_level = r->block_level;
+	n.block_count = r->block_count;
+	n.block_tile_first = r->block_tile_first;
+	n.rays = solver->rays.rays;
+	n.ray_seed = solver->rays.seed;
+	n.entries = solver->read_back.first[s->count];
+	n.light_samples = solver->sampled.handle ? solver->options.light_samples : 0;
+	n.looked = solver->openings.looked;
+	n.openings = solver->openings.count;
+	n.escaped = solver->openings.escaped;
+	n.opened = solver->rays.through.handle != VK_NULL_HANDLE;
+	n.emits = s->emission != NULL;
+	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
+	n.probes = solver->probed.count;
+	n.probe_rays = solver->probed.rays;
+	n.probes_lit = solver->probed.emitted != NULL;
+	memcpy(n.origin, s->origin, sizeof n.origin);
+	memcpy(n.minimum, s->minimum, sizeof n.minimum);
+	memcpy(n.maximum, s->maximum, sizeof n.maximum);
+	memcpy(n.cube_minimum, o->cube_minimum, sizeof n.cube_minimum);
+	memcpy(n.repaired, &s->non_finite, sizeof n.repaired);
+	memcpy(n.tile_first, o->tile_first, sizeof n.tile_first);
+	return n;
+}
+
+bool gw_transport_numbers_fit(const gw_transport_numbers *n)
+{
+	uint32_t directory =
+		n->depth - 1 < GW_DIRECTORY_LEVEL_MAX ? n->depth - 1 : GW_DIRECTORY_LEVEL_MAX;
+	for (int k = 0; k < 3; k++)
+		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
+			return false;
+	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= n->points &&
+		   n->points <= POINTS_MAX && n->depth >= 1 && n->depth <= GW_DEPTH_MAX &&
+		   n->directory_level == directory && n->rays > 0 && n->rays <= 4096 &&
+		   (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 && n->looked <= 1 &&
+		   n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
+		   n->noisy <= (NOISY | OFF) && n->probes <= n->surfels && n->probe_rays <= 4096 &&
+		   n->probes_lit <= (n->emits && n->probes > 0) && isfinite(n->leaf_size) &&
+		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
+		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
+		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+}
+
+void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_solver *solver)
+{
+	gw_surfels *s = &solver->surfels;
+	gw_octree *o = &solver->octree;
+	*s = (gw_surfels){ .count = (size_t)n->surfels,
+					   .point_count = (size_t)n->points,
+					   .strays = (size_t)n->strays,
+					   .stray_distance = n->stray_distance,
+					   .spacing = n->spacing,
+					   .given_area = n->given_area };
+	*o = (gw_octree){ .depth = n->depth,
+					  .leaf_size = n->leaf_size,
+					  .directory_level = n->directory_level,
+					  .leaf_count = n->leaves,
+					  .leaf_tile_count = n->leaf_tiles,
+					  .tile_count = n->tiles,
+					  .border_tile_count = n->border_tiles,
+					  .fragment_count = n->fragments,
+					  .tree_discs = (uint32_t)n->tree_discs };
+	solver->records = (gw_records){ .count = n->records,
+									.radius = n->record_radius,
+									.block_level = n->block_level,
+									.block_count = n->block_count,
+									.block_tile_first = n->block_tile_first };
+	solver->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
+	solver->openings =
+		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
+	solver->probed = (gw_probe_hits){ .count = n->probes, .rays = n->probe_rays };
+	solver->read_back = (gw_read_back){ .count = (size_t)n->surfels };
+	memcpy(s->origin, n->origin, sizeof n->origin);
+	memcpy(s->minimum, n->minimum, sizeof n->minimum);
+	memcpy(s->maximum, n->maximum, sizeof n->maximum);
+	memcpy(o->cube_minimum, n->cube_minimum, sizeof n->cube_minimum);
+	memcpy(&s->non_finite, n->repaired, sizeof n->repaired);
+	memcpy(o->tile_first, n->tile_first, sizeof n->tile_first);
+}
+
+typedef struct list {
+	gw_transport_block *block;
+	size_t count;
+} list;
+
+/* An array on the host. */
+static gw_transport_block *host(list *l, const char *name, void *array, uint64_t bytes)
+{
+	assert(l->count < GW_TRANSPORT_BLOCKS);
+	gw_transport_block *block = &l->block[l->count++];
+	*block = (gw_transport_block){ .name = name, .host = array, .bytes = bytes };
+	return block;
+}
+
+/* An array on the device, of vectors of four floats unless said otherwise. */
+static gw_transport_block *device(list *l, const char *name, gw_buffer *buffer, uint64_t bytes)
+{
+	assert(l->count < GW_TRANSPORT_BLOCKS);
+	gw_transport_block *block = &l->block[l->count++];
+	*block = (gw_transport_block){
+		.name = name, .buffer = buffer, .format = VK_FORMAT_R32G32B32A32_SFLOAT, .bytes = bytes
+	};
+	return block;
+}
+
+static void scalars(list *l, const char *name, gw_buffer *buffer, uint64_t bytes)
+{
+	device(l, name, buffer, bytes)->format = VK_FORMAT_R32_SFLOAT;
+}
+
+static void index_below(gw_transport_block *block, VkFormat format, uint64_t limit, uint32_t mask,
+						uint32_t step)
+{
+	block->format = format;
+	block->limit = limit;
+	block->mask = mask;
+	block->step = step;
+}
+
+static void words(list *l, const char *name, gw_buffer *buffer, uint64_t bytes, uint64_t limit)
+{
+	index_below(device(l, name, buffer, bytes), VK_FORMAT_R32_UINT, limit, UINT32_MAX, 1);
+}
+
+static void list_surfels(list *l, gw_solver *solver, const gw_transport_numbers *n)
+{
+	gw_surfels *s = &solver->surfels;
+	uint64_t count = n->surfels;
+	host(l, "positions", &s->position, 12 * count);
+	host(l, "normals", &s->normal, 12 * count);
+	if (n->noisy & NOISY)
+		host(l, "normals for lamps", &s->lamp_normal, 12 * count);
+	if (n->noisy & OFF)
+		host(l, "errors of normals", &s->lamp_off, 4 * count);
+	host(l, "albedo", &s->albedo, 12 * count);
+	if (n->emits)
+		host(l, "emission", &s->emission, 12 * count);
+	host(l, "distances", &s->nearest, 4 * count);
+	host(l, "radii", &s->radius, 4 * count);
+	host(l, "areas", &s->area, 4 * count);
+	host(l, "sides", &s->two_sided, count);
+	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
+				UINT32_MAX, 1);
+}
+
+static void list_tree(list *l, gw_octree *o, const gw_transport_numbers *n)
+{
+	const VkFormat pair = VK_FORMAT_R32G32_UINT;
+	const uint32_t level = n->directory_level;
+	uint64_t cells = UINT64_C(1) << 3 * level, levels = ((cells << 3) - 1) / 7;
+	uint64_t pointers = 1 + (uint64_t)(n->tiles > n->leaf_tiles ? n->tiles : n->leaf_tiles);
+	words(l, "tree", &o->node, 32 * (uint64_t)n->tiles, pointers);
+	device(l, "keys of tiles", &o->tile_key, 8 * (uint64_t)n->tiles)->format = pair;
+	words(l, "neighbours", &o->tile_neighbour, 32 * (uint64_t)n->tiles, pointers);
+	device(l, "keys of leaf tiles", &o->leaf_tile_key, 8 * (uint64_t)n->leaf_tiles)->format = pair;
+	words(l, "leaf neighbours", &o->leaf_tile_neighbour, 32 * (uint64_t)n->leaf_tiles, pointers);
+	index_below(device(l, "leaf tiles", &o->leaf_tile, 8 * (uint64_t)n->leaf_tiles), pair,
+				(uint64_t)n->leaves + 1, UINT32_MAX, 2);
+	device(l, "cells", &o->leaf_cell, 16 * (uint64_t)n->leaves)->format =
+		VK_FORMAT_R32G32B32A32_UINT;
+	words(l, "directory of levels", &o->level_directory, 4 * levels, pointers);
+	index_below(device(l, "directory of rays", &o->ray_directory, 4 * cells), VK_FORMAT_R32_UINT,
+				pointers > 256 ? pointers : 256, INT32_MAX, 1);
+}
+
+static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
+{
+	uint64_t lobes = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
+	device(l, "geometry of leaves", &o->leaf_geometry, lobes);
+	device(l, "planes of lobes", &o->lobe_plane, lobes);
+	device(l, "centroids of lobes", &o->lobe_centre, lobes);
+	device(l, "albedos of lobes", &o->lobe_albedo, lobes);
+	device(l, "emission of lobes", &o->lobe_emission, n->emits ? lobes : 16);
+	words(l, "fragments of leaves", &o->leaf_fragment, 4 * ((uint64_t)n->leaves + 1),
+		  (uint64_t)n->fragments + 1);
+	index_below(device(l, "surfels of fragments", &o->fragment_surfel, 4 * (uint64_t)n->fragments),
+				VK_FORMAT_R32_UINT, n->surfels, 0x3fffffffu, 1);
+	scalars(l, "weights of fragments", &o->fragment_weight, 4 * (uint64_t)n->fragments);
+	device(l, "places of surfels", &o->surfel_position, surfels);
+	device(l, "normals of surfels", &o->surfel_normal, surfels);
+	device(l, "discs of surfels", &o->surfel_disc, surfels);
+	device(l, "edges of surfels", &o->surfel_clip, surfels);
+	device(l, "tree of large discs", &o->disc_tree,
+		   16 * gw_disc_tree_texels((uint32_t)n->tree_discs))
+		->format = VK_FORMAT_R32G32B32A32_UINT;
+}
+
+static void list_records(list *l, gw_solver *solver, const gw_transport_numbers *n)
+{
+	gw_records *r = &solver->records;
+	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
+	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
+	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
+	index_below(device(l, "lobe record", &r->lobe_record, 4 * GW_WEIGHTS * slots),
+				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
+	device(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
+	words(l, "hit lobe", &solver->rays.lobe, 4 * hits, slots);
+	scalars(l, "hit distance", &solver->rays.distance, 4 * hits);
+	if (n->openings)
+		device(l, "openings", &solver->openings.sphere, 16 * (uint64_t)n->openings);
+	if (n->opened)
+		words(l, "sky through openings", &solver->rays.through, 4 * (uint64_t)n->records,
+			  WORDS_LIMIT);
+	index_below(host(l, "rows of surfels", &solver->read_back.first, 4 * (n->surfels + 1)), 0,
+				(uint64_t)n->entries + 1, UINT32_MAX, 1);
+	index_below(host(l, "records of surfels", &solver->read_back.record, 4 * (uint64_t)n->entries),
+				0, n->records, UINT32_MAX, 1);
+	host(l, "weights of surfels", &solver->read_back.weight, 4 * (uint64_t)n->entries);
+}
+
+static void list_probes(list *l, gw_solver *solver, const gw_transport_numbers *n)
+{
+	gw_probe_hits *p = &solver->probed;
+	uint64_t gathers = GW_PROBE_GATHERS * (uint64_t)n->probes, hits = gathers * n->probe_rays;
+	if (n->probes == 0)
+		return;
+	index_below(host(l, "points of the estimate", &p->point, 4 * (uint64_t)n->probes), 0,
+				n->surfels, UINT32_MAX, 1);
+	index_below(host(l, "what they see", &p->lobe, 4 * hits), 0, 2 * (uint64_t)n->leaves,
+				UINT32_MAX, 1);
+	host(l, "how far that is", &p->distance, 4 * hits);
+	if (n->probes_lit)
+		host(l, "light of emitters there", &p->emitted, 16 * gathers);
+}
+
+size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
+						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS])
+{
+	list l = { blocks, 0 };
+	list_surfels(&l, solver, numbers);
+	list_tree(&l, &solver->octree, numbers);
+	list_leaves(&l, &solver->octree, numbers);
+	list_records(&l, solver, numbers);
+	list_probes(&l, solver, numbers);
+	if (numbers->light_samples)
+		device(&l, "light of emitters", &solver->sampled, 16 * (uint64_t)numbers->records);
+	return l.count;
+}

@@ -1,0 +1,57 @@
+/*
+ * transport_blocks.h - the numbers and arrays of a solver that its bytes hold, see transport.h.
+ */
+#ifndef TRANSPORT_BLOCKS_H
+#define TRANSPORT_BLOCKS_H
+
+#include "bake/solver.h"
+
+/* The numbers of a solver, at fixed places and of fixed size. */
+typedef struct gw_transport_numbers {
+	double origin[3], given_area;
+	float minimum[3], maximum[3], cube_minimum[3];
+	float spacing, leaf_size, record_radius, stray_distance;
+	uint64_t surfels, points;
+	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
+	uint64_t tree_discs, strays;
+	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
+	uint32_t tile_first[GW_DEPTH_MAX + 2];
+	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;
+	uint32_t entries;          /* of the way back from the records */
+	uint32_t emits;            /* 1: there are emissions of surfels and lobes */
+	uint32_t light_samples;    /* whose light is kept; 0: none are */
+	uint32_t looked, openings; /* to the sky: whether they were looked for, how many there are */
+	uint32_t opened;           /* 1: they were sampled from the records */
+	float escaped;
+	uint32_t noisy; /* bits: 1 given normals are there besides smooth ones, 2 and their errors */
+	uint32_t probes, probe_rays; /* points whose error was estimated, and rays of a gather there */
+	uint32_t probes_lit;         /* 1: what emitters brought them is kept */
+} gw_transport_numbers;
+
+/* One array. */
+typedef struct gw_transport_block {
+	const char *name;
+	void **host;       /* where the array on the host is, or */
+	gw_buffer *buffer; /* the one on the device, of this format */
+	VkFormat format;
+	uint64_t bytes;
+	uint64_t limit; /* of arrays of indices: they are below this or GW_NONE; 0: no such array */
+	uint32_t mask;  /* bits of a word that are the index */
+	uint32_t step;  /* in words, from one index to the next */
+} gw_transport_block;
+
+#define GW_TRANSPORT_BLOCKS 60u
+
+gw_transport_numbers gw_transport_numbers_of(const gw_solver *solver);
+
+/* Whether these numbers can be those of a solver: no size overflows, no count is absurd. */
+bool gw_transport_numbers_fit(const gw_transport_numbers *numbers);
+
+/* Stores the numbers in a solver without arrays. */
+void gw_transport_numbers_restore(const gw_transport_numbers *numbers, gw_solver *solver);
+
+/* Lists the arrays that a solver of these numbers has; returns how many there are. */
+size_t gw_transport_list(gw_solver *solver, const gw_transport_numbers *numbers,
+						 gw_transport_block blocks[GW_TRANSPORT_BLOCKS]);
+
+#endif

@@ -1,0 +1,153 @@
+/*
+ * voxels.c - see voxels.h.
+ */
+#include "bake/voxels.h"
+
+#include "light/bounces.h"
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Host copies of what the leaves hold; 4 floats a lobe slot unless said. */
+typedef struct leaf_arrays {
+	float *geometry, *centre, *albedo, *emission, *plane, *direct, *gathered;
+	uint32_t *cell; /* 4 a leaf */
+} leaf_arrays;
+
+static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint64_t texels,
+					   void **values, gw_error *error)
+{
+	*values = gw_allocate_zeros((size_t)texels, 16);
+	if (!*values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu voxels",
+					   (unsigned long long)texels);
+	if (buffer->bytes < 16 * texels)
+		return GW_OK; /* an attribute that nothing has: zeros */
+	return gw_buffer_download(task->passes->gpu, buffer, 0, *values, 16 * texels, error);
+}
+
+/* What the lobes reflect of all that was gathered, into a buffer of its own. */
+static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_error *error)
+{
+	uint64_t slots = 2 * (uint64_t)task->octree->leaf_count;
+	gw_records *records = task->records;
+	gw_buffer reflected = { 0 };
+	const gw_binding add[] = { gw_window(&records->first, 16), gw_window(&records->indirect, 16) };
+	gw_status status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
+									 records->count, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(task->passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								  16 * slots, "voxel radiance", &reflected, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
+								task->lobe_direct, 0.0f, &reflected, error);
+	if (status == GW_OK)
+		status = fetch(task, &reflected, slots, (void **)values, error);
+	gw_buffer_destroy(task->passes->gpu, &reflected);
+	return status;
+}
+
+static gw_status fetch_all(const gw_voxels_task *task, leaf_arrays *arrays, gw_error *error)
+{
+	const gw_octree *o = task->octree;
+	uint64_t slots = 2 * (uint64_t)o->leaf_count;
+	const struct {
+		const gw_buffer *buffer;
+		uint64_t texels;
+		void **values;
+	} rows[] = {
+		{ &o->leaf_geometry, slots, (void **)&arrays->geometry },
+		{ &o->lobe_centre, slots, (void **)&arrays->centre },
+		{ &o->lobe_albedo, slots, (void **)&arrays->albedo },
+		{ &o->lobe_emission, slots, (void **)&arrays->emission },
+		{ &o->lobe_plane, slots, (void **)&arrays->plane },
+		{ task->lobe_direct, slots, (void **)&arrays->direct },
+		{ &o->leaf_cell, o->leaf_count, (void **)&arrays->cell },
+	};
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+		status = fetch(task, rows[i].buffer, rows[i].texels, rows[i].values, error);
+	if (status == GW_OK && task->records)
+		status = shade_gathered(task, &arrays->gathered, error);
+	return status;
+}
+
+static gw_status allocate(size_t count, gw_voxels *voxels, gw_error *error)
+{
+	voxels->count = count;
+	voxels->cell = gw_allocate_zeros(count, 3 * sizeof *voxels->cell);
+	voxels->density = gw_allocate_zeros(count, sizeof(float));
+	bool complete = voxels->cell && voxels->density;
+	float **vectors[] = { &voxels->radiance, &voxels->albedo, &voxels->emission, &voxels->normal };
+	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
+	if (!complete)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu voxels", count);
+	return GW_OK;
+}
+
+/* Area-weighted means over a leaf's lobes. A leaf that only a region of influence touches has no
+ * lobe: its albedo comes from there. */
+static void fill_voxel(const leaf_arrays *arrays, size_t leaf, gw_voxels *voxels)
+{
+	const float *geometry = &arrays->geometry[8 * leaf];
+	float area = arrays->centre[8 * leaf + 3] + arrays->centre[8 * leaf + 7];
+	for (size_t axis = 0; axis < 3; axis++)
+		voxels->cell[3 * leaf + axis] = (int32_t)arrays->cell[4 * leaf + axis];
+	voxels->density[leaf] = fminf(1.0f, geometry[3]);
+	for (size_t c = 0; c < 3; c++) {
+		float radiance = 0.0f, albedo = 0.0f, emission = 0.0f, normal = 0.0f;
+		for (size_t s = 0; s < 2 && area > 0.0f; s++) {
+			size_t at = 8 * leaf + 4 * s + c;
+			float share = arrays->centre[8 * leaf + 4 * s + 3] / area;
+			float reflected = arrays->albedo[at] * 0.318309886f * arrays->direct[at] +
+							  (arrays->gathered ? arrays->gathered[at] : 0.0f);
+			radiance += share * (arrays->emission[at] + reflected);
+			albedo += share * arrays->albedo[at];
+			emission += share * arrays->emission[at];
+			normal += share * arrays->plane[at];
+		}
+		if (area <= 0.0f && geometry[3] > 0.0f) {
+			albedo = geometry[c] / geometry[3];
+			normal = geometry[4 + c] / geometry[3];
+		}
+		voxels->radiance[3 * leaf + c] = radiance;
+		voxels->albedo[3 * leaf + c] = albedo;
+		voxels->emission[3 * leaf + c] = emission;
+		voxels->normal[3 * leaf + c] = normal;
+	}
+}
+
+gw_status gw_voxels_collect(const gw_voxels_task *task, gw_voxels *voxels, gw_error *error)
+{
+	const gw_octree *octree = task->octree;
+	*voxels = (gw_voxels){ .size = (double)octree->leaf_size };
+	for (int axis = 0; axis < 3; axis++)
+		voxels->origin[axis] = task->surfels->origin[axis] + (double)octree->cube_minimum[axis];
+	leaf_arrays arrays = { 0 };
+	gw_status status = fetch_all(task, &arrays, error);
+	if (status == GW_OK)
+		status = allocate(octree->leaf_count, voxels, error);
+	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++)
+		fill_voxel(&arrays, leaf, voxels);
+	void *all[] = { arrays.geometry, arrays.centre, arrays.albedo,   arrays.emission,
+					arrays.plane,    arrays.direct, arrays.gathered, arrays.cell };
+	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+		free(all[i]);
+	if (status != GW_OK)
+		gw_voxels_clear(voxels);
+	return status;
+}
+
+void gw_voxels_clear(gw_voxels *voxels)
+{
+	free(voxels->cell);
+	free(voxels->density);
+	free(voxels->radiance);
+	free(voxels->albedo);
+	free(voxels->emission);
+	free(voxels->normal);
+	*voxels = (gw_voxels){ 0 };
+}

@@ -1,0 +1,125 @@
+/*
+ * memory.c - host memory for arrays, and how much of it there is.
+ */
+#include "base/memory.h"
+
+#include <inttypes.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+void *gw_allocate_array(size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
+		return NULL;
+	return malloc(bytes > 0 ? bytes : 1);
+}
+
+void *gw_allocate_zeros(size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
+		return NULL;
+	return calloc(bytes > 0 ? bytes : 1, 1);
+}
+
+void *gw_resize_array(void *array, size_t count, size_t size)
+{
+	size_t bytes;
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > PTRDIFF_MAX)
+		return NULL;
+	return realloc(array, bytes > 0 ? bytes : 1);
+}
+
+/* Reads one number from a file such as the kernel writes; false for "max" or when it isn't there.
+ */
+static bool read_number(const char *path, uint64_t *value)
+{
+	FILE *file = fopen(path, "re");
+	if (file == NULL)
+		return false;
+	bool good = fscanf(file, "%" SCNu64, value) == 1;
+	fclose(file);
+	return good;
+}
+
+static uint64_t memory_of_the_system(void)
+{
+	FILE *file = fopen("/proc/meminfo", "re");
+	if (file == NULL)
+		return 0;
+	char line[256];
+	uint64_t kibibytes = 0;
+	while (fgets(line, sizeof line, file) != NULL)
+		if (sscanf(line, "MemAvailable: %" SCNu64, &kibibytes) == 1)
+			break;
+	fclose(file);
+	return kibibytes * 1024;
+}
+
+/* What one control group leaves; UINT64_MAX when it sets no limit. */
+static uint64_t memory_of_group(const char *folder, const char *limit_name, const char *used_name)
+{
+	char path[512];
+	uint64_t limit, used = 0;
+	snprintf(path, sizeof path, "%s/%s", folder, limit_name);
+	if (!read_number(path, &limit))
+		return UINT64_MAX;
+	snprintf(path, sizeof path, "%s/%s", folder, used_name);
+	if (!read_number(path, &used) || used > limit)
+		return limit;
+	return limit - used;
+}
+
+/* The tightest limit from the process's control group (version 2) up to the root. */
+static uint64_t memory_of_groups(void)
+{
+	uint64_t least = memory_of_group("/sys/fs/cgroup", "memory.max", "memory.current");
+	uint64_t old =
+		memory_of_group("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes");
+	least = old < least ? old : least;
+
+	FILE *file = fopen("/proc/self/cgroup", "re");
+	if (file == NULL)
+		return least;
+	char line[256], folder[320];
+	while (fgets(line, sizeof line, file) != NULL) {
+		if (strncmp(line, "0::", 3) != 0)
+			continue;
+		line[strcspn(line, "\n")] = '\0';
+		snprintf(folder, sizeof folder, "/sys/fs/cgroup%s", line + 3);
+		while (strlen(folder) > strlen("/sys/fs/cgroup")) {
+			uint64_t group = memory_of_group(folder, "memory.max", "memory.current");
+			least = group < least ? group : least;
+			*strrchr(folder, '/') = '\0';
+		}
+	}
+	fclose(file);
+	return least;
+}
+
+/* What the limit of the address space (ulimit -v) leaves; UINT64_MAX when there is none. */
+static uint64_t memory_of_addresses(void)
+{
+	struct rlimit limit;
+	uint64_t pages = 0, used;
+	if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+		return UINT64_MAX;
+	read_number("/proc/self/statm", &pages);
+	used = pages * (uint64_t)sysconf(_SC_PAGESIZE);
+	return used < limit.rlim_cur ? limit.rlim_cur - used : 1; /* 0 would be unknown */
+}
+
+uint64_t gw_available_memory(void)
+{
+	uint64_t system = memory_of_the_system(), least = memory_of_groups();
+	uint64_t addresses = memory_of_addresses();
+	least = addresses < least ? addresses : least;
+	if (system == 0)
+		return least == UINT64_MAX ? 0 : least;
+	return least < system ? least : system;
+}

@@ -1,0 +1,191 @@
+/*
+ * gpu_internal.h - what the files of the device layer share. Nobody else includes it, except the
+ * unit tests that plant faults and that forbid mapping.
+ *
+ *   gpu_instance.c   instance, validation messages, list and choice of devices
+ *   gpu_device.c     opening and closing a device, submissions, results, account
+ *   gpu_memory.c     buffers, images, transfers
+ *   gpu_pass.c       passes
+ *   gpu_trial.c      trials of a device, for those who look for what is wrong
+ */
+#ifndef GPU_INTERNAL_H
+#define GPU_INTERNAL_H
+
+#include "device/gpu.h"
+
+/* The Vulkan instance and the functions of its debug extension (NULL when it isn't there). */
+typedef struct gw_instance {
+	VkInstance handle;
+	VkDebugUtilsMessengerEXT messenger;
+	PFN_vkSetDebugUtilsObjectNameEXT set_name;
+	PFN_vkDestroyDebugUtilsMessengerEXT destroy_messenger;
+	bool lent; /* it belongs to drivers that were loaded before */
+} gw_instance;
+
+/* Messages of the validation layer; the layer's callback fills it. */
+typedef struct gw_messages {
+	uint32_t count;
+	uint32_t reported; /* of these, how many an error has told about */
+	char first[GW_ERROR_TEXT];
+	char latest[GW_ERROR_TEXT];
+} gw_messages;
+
+/* One device of the machine with what decides about it. */
+typedef struct gw_candidate {
+	VkPhysicalDevice handle;
+	VkPhysicalDeviceProperties properties;
+	uint32_t queue_family;
+	uint32_t timestamp_bits;
+	bool int64, int64_atomics;
+	gw_device_info info;
+} gw_candidate;
+
+/* Host-visible memory that copies go through where the device's own cannot be mapped. */
+typedef struct gw_staging {
+	VkBuffer handle;
+	VkDeviceMemory memory;
+	void *mapped;
+	uint64_t bytes;
+	uint64_t allocated;
+} gw_staging;
+
+struct gw_gpu {
+	gw_instance instance;
+	gw_messages messages;
+	gw_candidate device; /* the one in use */
+	VkPhysicalDeviceMemoryProperties memory;
+	uint64_t largest_allocation; /* bytes of one vkAllocateMemory */
+	uint64_t storage_range;      /* bytes of one storage binding; tests make it smaller */
+	bool may_map;                /* copies map memory where they can; tests forbid it */
+
+	bool imports; /* the device can make buffers of memory of the host */
+
+	VkDevice handle;
+	VkQueue queue;
+	VkCommandPool pool;
+	VkCommandBuffer commands;
+	VkFence fence;
+	VkQueryPool timestamps; /* VK_NULL_HANDLE when the queue has none */
+	VkSampler linear, nearest;
+	gw_staging staging;
+
+	uint64_t budget; /* bytes */
+	uint32_t workgroup_size;
+	double slice_seconds;
+	gw_pass_choice passes;
+	bool (*cancelled)(void *user); /* or NULL */
+	void *user;
+	bool stopped; /* it said so once */
+	gw_gpu_account account;
+	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
+	bool lost;
+	char lost_text[GW_ERROR_TEXT];
+};
+
+/* ---------------------------------------------------------------------------------- results */
+
+/* Name of a result, "VK_ERROR_DEVICE_LOST". */
+const char *gw_vulkan_result_name(VkResult result);
+
+/*
+ * Turns a failed result into an error of the right class. `call` is the call's source text; the
+ * sentence names the function. A lost device is remembered: from then on gw_gpu_check fails.
+ *   gpu   may be NULL
+ *   what  what the call was for: the name of a buffer or pass
+ */
+gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const char *what,
+						 VkResult result);
+
+/* Returns from the calling function when a Vulkan call did not succeed. */
+#define GW_VULKAN(gpu, error, what, call)                                                          \
+	do {                                                                                           \
+		VkResult gw_result_ = (call);                                                              \
+		if (gw_result_ != VK_SUCCESS)                                                              \
+			return gw_vulkan_fail((gpu), (error), #call, (what), gw_result_);                      \
+	} while (0)
+
+/* Returns from the calling function when one of ours did not succeed. */
+#define GW_TRY(call)                                                                               \
+	do {                                                                                           \
+		gw_status gw_status_ = (call);                                                             \
+		if (gw_status_ != GW_OK)                                                                   \
+			return gw_status_;                                                                     \
+	} while (0)
+
+/* Fails when the device is lost, the work was stopped, or validation has said something that no
+ * error told yet. */
+gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error);
+
+/* --------------------------------------------------------------------------------- instance */
+
+gw_status gw_instance_create(const gw_gpu_options *options, gw_messages *messages,
+							 gw_instance *instance, gw_error *error);
+void gw_instance_destroy(gw_instance *instance);
+
+/* Finds all devices, best first. The caller frees *list. */
+gw_status gw_candidates_find(VkInstance instance, gw_candidate **list, size_t *count,
+							 gw_error *error);
+
+/* Picks the device that `wanted` means (NULL: the first usable one). */
+gw_status gw_candidate_choose(const gw_candidate *list, size_t count, const char *wanted,
+							  gw_candidate *chosen, gw_error *error);
+
+/* What is asked of a device's limits, for gw_device_info. */
+void gw_limits_list(const gw_candidate *device, gw_device_limit limit[GW_DEVICE_LIMITS]);
+
+/* ------------------------------------------------------------------------------ submissions */
+
+/* Names an object for validation messages and debuggers. */
+void gw_gpu_name(gw_gpu *gpu, VkObjectType type, uint64_t handle, const char *name);
+
+/* Begins the command buffer; what was submitted before is visible to what follows. */
+gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error);
+
+/* Everything recorded so far is finished and visible to everything recorded from here on. */
+void gw_commands_barrier(gw_gpu *gpu);
+
+/*
+ * Submits what was recorded and waits for it; it is visible to the host then.
+ *   what     named in errors
+ *   seconds  NULL or receives how long the device took, by timestamps where it has them
+ */
+gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error);
+
+/* ----------------------------------------------------------------------------------- memory */
+
+/* Frees the staging buffer. */
+void gw_staging_destroy(gw_gpu *gpu);
+
+/* ----------------------------------------------------------------------------------- passes */
+
+/* One dispatch of a pass: elements [first, first + count). */
+typedef struct gw_slice {
+	uint32_t first;
+	uint32_t count;
+} gw_slice;
+
+/* Bytes of push constants that a pass has at most: what every Vulkan device has. */
+#define GW_PUSH_BYTES_MAX 128u
+
+/* Threads of a workgroup, unless a pass or the caller asks for another number. */
+#define GW_WORKGROUP_SIZE 64u
+
+/*
+ * The software driver ends all loops of a group of 8 lanes after 65,535 iterations, summed over
+ * branches that diverge, and says nothing: 8 * 8000 stays below that.
+ */
+#define GW_LOOP_BOUND_MAX 8000u
+#define GW_LOOP_LANES 8u
+
+/* Slices that one submission holds at most, when windows force them to be short. */
+#define GW_SLICES_MAX 16u
+
+/*
+ * Records one slice into the begun command buffer, without any barrier.
+ *   set   which of the pass's GW_SLICES_MAX descriptor sets to use; nothing in flight may use it
+ *   push  as of gw_pass_run
+ */
+gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_binding *bindings,
+						 const void *push, gw_slice slice, gw_error *error);
+
+#endif

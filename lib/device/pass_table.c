@@ -1,0 +1,133 @@
+/*
+ * pass_table.c - see pass_table.h.
+ */
+#include "device/pass_table.h"
+
+#include "device/sort_layout.h"
+#include "octree/octree_layout.h"
+#include "light/shadow_layout.h"
+#include "light/transport_layout.h"
+
+#include <assert.h>
+
+/* Iterations of the octree's loops, see their shaders: a disc of 8 cells is looked at in 19 x 19
+ * columns of 4 rows. Searches take 32 steps, for at most 7 neighbours. */
+#define DISC_LOOPS (19u * 19u * 5u + 27u)
+#define SEARCH_LOOPS (7u * 34u)
+
+/* Samples of emitters and the sky, and rays that may have met an opening, of one invocation. */
+#define LIGHT_BATCH 16u
+#define OPENING_BATCH 32u
+
+/* Reasons. */
+#define OCTREE "the octree is built one way on every device, which a CPU kernel would hardly hasten"
+#define PLACES "once a bake, for each record a few steps"
+#define SAMPLER "the driver's sampler filters images, which a loop would have to do itself"
+#define PIXELS "for glossy pictures, which few ask for"
+#define OPENINGS "few scenes have openings to a sky, and there it is a small part of a bake"
+
+static bool has_no_openings(const void *push)
+{
+	return ((const gw_record_push *)push)->openings == 0;
+}
+
+static bool sees_no_map(const void *push)
+{
+	return ((const gw_record_push *)push)->sky_hits == 0;
+}
+
+#define BATCHES_OF(samples)                                                                        \
+	.batch = (samples), .batch_at = (uint32_t)offsetof(gw_record_push, batch_first)
+
+static const gw_pass_row table[GW_PASS_COUNT] = {
+	[GW_PASS_PREFIX_SUM] = { "prefix_sum", "ss", sizeof(gw_prefix_push), GW_PREFIX_RUN,
+							 .cpu = gw_cpu_prefix_sum },
+	[GW_PASS_RADIX_COUNT] = { "radix_count", "ts", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
+							  .cpu = gw_cpu_radix_count },
+	[GW_PASS_RADIX_SCATTER] = { "radix_scatter", "tttssss", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
+								.cpu = gw_cpu_radix_scatter },
+
+	[GW_PASS_OCTREE_FRAGMENTS] = { "octree_fragments", "tttttsssssss", sizeof(gw_fragments_push),
+								   DISC_LOOPS, .why = OCTREE },
+	[GW_PASS_OCTREE_GATHER] = { "octree_gather", "stttsss", sizeof(gw_keys_push), .why = OCTREE },
+	[GW_PASS_OCTREE_MARK] = { "octree_mark", "tts", sizeof(gw_keys_push), .why = OCTREE },
+	[GW_PASS_OCTREE_UNIQUE] = { "octree_unique", "ttsss", sizeof(gw_keys_push), .why = OCTREE },
+	[GW_PASS_OCTREE_PARENTS] = { "octree_parents", "ttss", sizeof(gw_keys_push), .why = OCTREE },
+	[GW_PASS_OCTREE_BORDER] = { "octree_border", "tttsss", sizeof(gw_border_push), SEARCH_LOOPS,
+								.why = OCTREE },
+	[GW_PASS_OCTREE_LINK] = { "octree_link", "ttssss", sizeof(gw_tiles_push), SEARCH_LOOPS,
+							  .why = OCTREE },
+	[GW_PASS_OCTREE_LEAF_TILES] = { "octree_leaf_tiles", "ttss", sizeof(gw_leaves_push),
+									SEARCH_LOOPS, .why = OCTREE },
+	[GW_PASS_OCTREE_SEED] = { "octree_seed", "tttttss", sizeof(gw_leaves_push), GW_REDUCE_RUN,
+							  .why = OCTREE },
+	[GW_PASS_OCTREE_LOBES] = { "octree_lobes", "tttttttttssssss", sizeof(gw_leaves_push),
+							   3 * GW_REDUCE_RUN, .why = OCTREE },
+	[GW_PASS_OCTREE_FINISH] = { "octree_finish", "ttttsssssss", sizeof(gw_leaves_push),
+								.why = OCTREE },
+	[GW_PASS_OCTREE_DISTANCE] = { "octree_distance", "tts", sizeof(gw_distance_push),
+								  .why = OCTREE },
+
+	[GW_PASS_LIGHT_VISIBILITY] = { "light_visibility", "tttttsssttttttt", sizeof(gw_light_push),
+								   4096, .cpu = gw_cpu_light_visibility },
+	[GW_PASS_SHADOW_MAP_SPLAT] = { "shadow_map_splat", "ttss", sizeof(gw_shadow_push),
+								   (GW_SHADOW_TILE + 1) * GW_SHADOW_TILE,
+								   .why = "shadow maps are there to be compared with rays" },
+	[GW_PASS_SHADOW_MAP_VISIBILITY] = { "shadow_map_visibility", "tsss", sizeof(gw_shadow_push), 36,
+										.why = "shadow maps are there to be compared with rays" },
+	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push),
+								   .cpu = gw_cpu_light_irradiance },
+	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048,
+							  .cpu = gw_cpu_lobe_direct },
+	[GW_PASS_RECORD_PLACE] = { "record_place", "tttttsss", sizeof(gw_record_push), 2048,
+							   .why = PLACES },
+	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttssst", sizeof(gw_lookup_push), 32,
+							   .why = PLACES },
+	[GW_PASS_RECORD_RAYS] = { "record_rays", "tttttttssttttttt", sizeof(gw_record_push), 4096,
+							  .cpu = gw_cpu_record_rays },
+	[GW_PASS_RECORD_KEEP] = { "record_keep", "tttttttsss", sizeof(gw_keep_push), 1024,
+							  .why = "once a frame, and a small part of it" },
+	[GW_PASS_RECORD_AGAIN] = { "record_again", "ttttttttssttttttt", sizeof(gw_keep_push), 4096,
+							   .cpu = gw_cpu_record_again },
+	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttssstttttttt", sizeof(gw_record_push),
+								  4096, BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_emitters },
+	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttttt", sizeof(gw_record_push), 4096,
+							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky,
+							 .cpu_takes = has_no_openings, .why = OPENINGS },
+	[GW_PASS_RECORD_OPENINGS] = { "record_openings", "ttttttttsttttttt", sizeof(gw_record_push),
+								  4096, .why = OPENINGS },
+	[GW_PASS_OPENING_LIGHT] = { "opening_light", "ttttsss", sizeof(gw_record_push), 4096,
+								BATCHES_OF(OPENING_BATCH), .why = OPENINGS },
+	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096,
+							   .cpu = gw_cpu_record_first, .cpu_takes = sees_no_map,
+							   .why = "few skies have a map that rays see as well" },
+	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096,
+								.cpu = gw_cpu_record_gather },
+	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), .cpu = gw_cpu_record_add },
+	[GW_PASS_LOBE_WEIGHTS] = { "lobe_weights", "ttttttttttsstt", sizeof(gw_lookup_push), 4096,
+							   .cpu = gw_cpu_lobe_weights },
+	[GW_PASS_LOBE_SHADE] = { "lobe_shade", "ssttts", sizeof(gw_record_push), GW_WEIGHTS,
+							 .cpu = gw_cpu_lobe_shade },
+	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsstt", sizeof(gw_lookup_push), 4096,
+							.cpu = gw_cpu_read_back },
+
+	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push),
+									.why = PLACES },
+	[GW_PASS_BRICK_INJECT] = { "brick_inject", "ttttti", sizeof(gw_cone_push), 8, .why = SAMPLER },
+	[GW_PASS_BRICK_MIPMAP] = { "brick_mipmap", "ttii", sizeof(gw_cone_push), 48, .why = SAMPLER },
+	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096,
+							   .why = SAMPLER },
+
+	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttssst", sizeof(gw_pixel_push), 4096,
+							 .why = PIXELS },
+	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmsss", sizeof(gw_cone_push), 256, .why = SAMPLER },
+	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64,
+							   .why = SAMPLER },
+	[GW_PASS_CELL_BRICKS] = { "cell_bricks", "ttmmss", sizeof(gw_cone_push), .why = SAMPLER },
+};
+
+const gw_pass_row *gw_pass_row_of(gw_pass_id id)
+{
+	assert((unsigned)id < GW_PASS_COUNT);
+	return &table[id];
+}

@@ -1,0 +1,102 @@
+/*
+ * pass_table.h - the one table of compute passes: shader, bindings, push constants, and the loop of
+ * the processor that does the same, or the reason why there is none.
+ *
+ * A loop of the processor ("CPU kernel") works on the bytes of the very buffers that the shader
+ * would have, where these lie in memory of the processor (gw_gpu_shares_memory). passes.h decides
+ * which of the two runs.
+ */
+#ifndef PASS_TABLE_H
+#define PASS_TABLE_H
+
+#include "device/gpu.h"
+
+typedef enum gw_pass_id {
+	/* sums and sorting */
+	GW_PASS_PREFIX_SUM,
+	GW_PASS_RADIX_COUNT,
+	GW_PASS_RADIX_SCATTER,
+	/* building the octree */
+	GW_PASS_OCTREE_FRAGMENTS,
+	GW_PASS_OCTREE_GATHER,
+	GW_PASS_OCTREE_MARK,
+	GW_PASS_OCTREE_UNIQUE,
+	GW_PASS_OCTREE_PARENTS,
+	GW_PASS_OCTREE_BORDER,
+	GW_PASS_OCTREE_LINK,
+	GW_PASS_OCTREE_LEAF_TILES,
+	GW_PASS_OCTREE_SEED,
+	GW_PASS_OCTREE_LOBES,
+	GW_PASS_OCTREE_FINISH,
+	GW_PASS_OCTREE_DISTANCE,
+	/* light */
+	GW_PASS_LIGHT_VISIBILITY,
+	GW_PASS_SHADOW_MAP_SPLAT,
+	GW_PASS_SHADOW_MAP_VISIBILITY,
+	GW_PASS_LIGHT_IRRADIANCE,
+	GW_PASS_LOBE_DIRECT,
+	GW_PASS_RECORD_PLACE,
+	GW_PASS_RECORD_BLOCK,
+	GW_PASS_RECORD_RAYS,
+	GW_PASS_RECORD_KEEP,
+	GW_PASS_RECORD_AGAIN,
+	GW_PASS_RECORD_EMITTERS,
+	GW_PASS_RECORD_SKY,
+	GW_PASS_RECORD_OPENINGS,
+	GW_PASS_OPENING_LIGHT,
+	GW_PASS_RECORD_FIRST,
+	GW_PASS_RECORD_GATHER,
+	GW_PASS_RECORD_ADD,
+	GW_PASS_LOBE_WEIGHTS,
+	GW_PASS_LOBE_SHADE,
+	GW_PASS_READ_BACK,
+	/* cones */
+	GW_PASS_RECORD_DIRECTIONS,
+	GW_PASS_BRICK_INJECT,
+	GW_PASS_BRICK_MIPMAP,
+	GW_PASS_RECORD_CONES,
+	/* pictures */
+	GW_PASS_PIXEL_RAYS,
+	GW_PASS_PIXEL_CONE,
+	GW_PASS_PIXEL_BRICKS,
+	GW_PASS_CELL_BRICKS,
+	GW_PASS_COUNT
+} gw_pass_id;
+
+typedef struct gw_passes gw_passes; /* passes.h */
+
+/*
+ * What a shader does, on the processor: with the same bindings, push constants and specialisation
+ * constants (passes->constant), over elements 0 to count - 1. Windows begin at element 0. It books
+ * its time in passes->device_seconds, or not at all.
+ */
+typedef void gw_cpu_kernel(gw_passes *passes, const gw_binding *bindings, const void *push,
+						   uint64_t count);
+
+typedef struct gw_pass_row {
+	const char *shader;   /* shaders/NAME.comp; the pass's name, too */
+	const char *bindings; /* one letter each: t texel buffer, s storage buffer, i storage image,
+							 m sampled image */
+	uint32_t push_bytes;
+	uint32_t loop_bound; /* iterations of one invocation, at most; 0 when small */
+
+	/* Samples of an element that one invocation takes: what bounds its loops. A run with more is
+	 * made of several. 0: there are none to divide. */
+	uint32_t batch;
+	uint32_t batch_at; /* of their first and number in the push constants, bytes */
+
+	gw_cpu_kernel *cpu;                  /* NULL: there is none */
+	bool (*cpu_takes)(const void *push); /* NULL: all; else whether the kernel can do this run */
+	const char *why;                     /* there is no kernel, or it does not take all runs */
+} gw_pass_row;
+
+const gw_pass_row *gw_pass_row_of(gw_pass_id id);
+
+/* CPU kernels, in the order of the table; each is where its pass is used. */
+gw_cpu_kernel gw_cpu_prefix_sum, gw_cpu_radix_count, gw_cpu_radix_scatter;
+gw_cpu_kernel gw_cpu_light_visibility, gw_cpu_light_irradiance, gw_cpu_lobe_direct;
+gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, gw_cpu_record_sky,
+	gw_cpu_record_first, gw_cpu_record_gather, gw_cpu_record_add;
+gw_cpu_kernel gw_cpu_lobe_weights, gw_cpu_lobe_shade, gw_cpu_read_back;
+
+#endif

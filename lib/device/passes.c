@@ -1,0 +1,116 @@
+/*
+ * passes.c - see passes.h.
+ */
+#include "device/passes.h"
+
+#include "device/gpu_internal.h"
+
+#include <assert.h>
+#include <string.h>
+
+/* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
+#define BINDINGS 18u
+
+void gw_passes_destroy(gw_passes *passes)
+{
+	for (int i = 0; i < GW_PASS_COUNT; i++)
+		gw_pass_destroy(passes->gpu, &passes->pass[i]);
+	*passes = (gw_passes){ 0 };
+}
+
+static gw_binding_kind binding_kind(char letter)
+{
+	switch (letter) {
+	case 't':
+		return GW_BIND_TEXEL;
+	case 'i':
+		return GW_BIND_STORAGE_IMAGE;
+	case 'm':
+		return GW_BIND_SAMPLED_IMAGE;
+	default:
+		assert(letter == 's');
+		return GW_BIND_STORAGE;
+	}
+}
+
+static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
+{
+	const gw_pass_row *row = gw_pass_row_of(id);
+	const gw_shader *shader = gw_shader_find(row->shader);
+	gw_binding_kind kinds[BINDINGS];
+	uint32_t count = (uint32_t)strlen(row->bindings);
+	assert(count <= BINDINGS);
+	for (uint32_t i = 0; i < count; i++)
+		kinds[i] = binding_kind(row->bindings[i]);
+	return gw_pass_create(passes->gpu,
+						  &(gw_pass_description){ .name = row->shader,
+												  .spirv = shader->spirv,
+												  .spirv_words = shader->words,
+												  .bindings = kinds,
+												  .binding_count = count,
+												  .push_bytes = row->push_bytes,
+												  .constant = passes->constant,
+												  .constant_count = GW_PASS_CONSTANTS,
+												  .loop_bound = row->loop_bound },
+						  &passes->pass[id], error);
+}
+
+gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *push)
+{
+	const gw_pass_row *row = gw_pass_row_of(id);
+	if (row->cpu == NULL || passes->gpu->passes == GW_PASSES_DEVICE ||
+		!gw_gpu_shares_memory(passes->gpu))
+		return GW_WAY_DEVICE;
+	return push == NULL || row->cpu_takes == NULL || row->cpu_takes(push) ? GW_WAY_CPU
+																		  : GW_WAY_DEVICE;
+}
+
+/* All samples of a pass, in runs of a batch each. */
+static gw_status run_batches(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							 const void *push, uint64_t count, gw_error *error)
+{
+	const gw_pass_row *row = gw_pass_row_of(id);
+	unsigned char block[GW_PUSH_BYTES_MAX];
+	gw_span all;
+	memcpy(block, push, row->push_bytes);
+	memcpy(&all, block + row->batch_at, sizeof all);
+	assert(all.first == 0);
+	for (uint32_t first = 0; first < all.count; first += row->batch) {
+		uint32_t left = all.count - first;
+		const gw_span part = { first, left < row->batch ? left : row->batch };
+		memcpy(block + row->batch_at, &part, sizeof part);
+		GW_TRY(gw_pass_run(passes->gpu, passes->pass[id], bindings, block, count, error));
+	}
+	return GW_OK;
+}
+
+static gw_status run_shader(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							const void *push, uint64_t count, gw_error *error)
+{
+	if (passes->pass[id] == NULL)
+		GW_TRY(create(passes, id, error));
+	double before = passes->gpu->account.device_seconds;
+	gw_status status =
+		gw_pass_row_of(id)->batch > 0
+			? run_batches(passes, id, bindings, push, count, error)
+			: gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+	passes->device_seconds[id] += passes->gpu->account.device_seconds - before;
+	return status;
+}
+
+gw_status gw_passes_run_by(gw_pass_way way, gw_passes *passes, gw_pass_id id,
+						   const gw_binding *bindings, const void *push, uint64_t count,
+						   gw_error *error)
+{
+	if (way == GW_WAY_DEVICE)
+		return run_shader(passes, id, bindings, push, count, error);
+	gw_pass_row_of(id)->cpu(passes, bindings, push, count);
+	return GW_OK;
+}
+
+gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+						const void *push, uint64_t count, gw_error *error)
+{
+	gw_pass_way way = gw_passes_way(passes, id, push);
+	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+}

@@ -1,0 +1,77 @@
+/*
+ * passes.h - running the passes of pass_table.h. Each is made when first run, so that a bake pays
+ * only for those that its scene calls for; and each run goes one of two ways, as gw_passes_way says
+ * and nothing else: by its shader on the device, or by its CPU kernel.
+ */
+#ifndef PASSES_H
+#define PASSES_H
+
+#include "device/pass_table.h"
+
+/* Returns from the calling function when a call of ours did not succeed. */
+#ifndef GW_TRY
+#define GW_TRY(call)                                                                               \
+	do {                                                                                           \
+		gw_status gw_status_ = (call);                                                             \
+		if (gw_status_ != GW_OK)                                                                   \
+			return gw_status_;                                                                     \
+	} while (0)
+#endif
+
+#define GW_PASS_CONSTANTS 4u
+
+/* All zero but for gpu and constants is a set of which nothing is made yet. */
+struct gw_passes {
+	gw_gpu *gpu;
+	uint32_t constant[GW_PASS_CONSTANTS]; /* specialisation constants 1, 2, ... of all shaders that
+											 have them; see octree_bindings.h */
+	gw_pass *pass[GW_PASS_COUNT];
+	double device_seconds[GW_PASS_COUNT]; /* by timestamps, or what a CPU kernel took, so far */
+	uint32_t threads;                     /* of CPU kernels; 0: one a processor */
+};
+
+void gw_passes_destroy(gw_passes *passes); /* empty afterwards; an empty one is accepted */
+
+typedef enum gw_pass_way {
+	GW_WAY_DEVICE, /* the shader */
+	GW_WAY_CPU,    /* the CPU kernel */
+} gw_pass_way;
+
+/*
+ * The one place that decides. A CPU kernel runs if there is one that can do this run, the buffers
+ * lie in the processor's memory, and gw_gpu_options.passes leaves it the choice: there, with as
+ * many processors, it takes a fraction of the shader's time.
+ *   push   what the run is called with; NULL asks for runs that every kernel takes
+ */
+gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *push);
+
+/*
+ * Runs a pass over count elements, see gw_pass_run.
+ *   bindings  as the shader lists them
+ *   push      of a pass with batches, it has all samples: the first, 0, and how many there are
+ */
+gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+						const void *push, uint64_t count, gw_error *error);
+
+/* The same by a way that the caller chose, for tests. */
+gw_status gw_passes_run_by(gw_pass_way way, gw_passes *passes, gw_pass_id id,
+						   const gw_binding *bindings, const void *push, uint64_t count,
+						   gw_error *error);
+
+/* Bindings of whole buffers and of windows with `bytes` an element. */
+static inline gw_binding gw_whole(const gw_buffer *buffer)
+{
+	return (gw_binding){ .buffer = (gw_buffer *)(uintptr_t)buffer };
+}
+
+static inline gw_binding gw_window(const gw_buffer *buffer, uint32_t bytes)
+{
+	return (gw_binding){ .buffer = (gw_buffer *)(uintptr_t)buffer, .stride = bytes };
+}
+
+static inline gw_binding gw_voxels_of(const gw_image *image)
+{
+	return (gw_binding){ .image = (gw_image *)(uintptr_t)image };
+}
+
+#endif

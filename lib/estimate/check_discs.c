@@ -1,0 +1,362 @@
+/*
+ * check_discs.c - see check_discs.h. A tree of boxes in which each node has four children, so that
+ * a ray is held against four boxes at once. Discs are shared out by halving them along the widest
+ * side of where they are, which does not care how unevenly they lie.
+ */
+#include "estimate/check_discs.h"
+
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Radius of the small discs, in that of the surfels, which reach to their 8th neighbours: about as
+ * far as points lie apart, so that one in thirty of the rays finds a hole. And of the large ones,
+ * which leave none and are not cut. */
+#define SMALL 0.6f
+#define LARGE 1.5f
+
+/* Discs lie in each other, and which of them a ray meets first is chance. It counts as later the
+ * further from the middle of the disc: by this share of a radius at the rim. */
+#define MIDDLE 0.25f
+
+#define ALIKE 0.5f      /* cosine between normals of one surface, within its roughness */
+#define RISE 0.02f      /* radii above a disc: from there on it may be in the light's way */
+#define CUT_SLACK 0.02f /* radii of the surfel */
+
+#define LEAF_DISCS 4u
+#define STACK 128u /* three wait a level at most, and a level quarters the discs */
+#define IS_LEAF 0x80000000u
+
+typedef float float_lanes __attribute__((vector_size(16)));
+typedef int32_t int_lanes __attribute__((vector_size(16)));
+
+struct gw_check_disc {
+	gw_vec3 place;
+	float small; /* radius, squared */
+	gw_vec3 normal;
+	float large;     /* likewise */
+	float cut[2][4]; /* direction in the disc's plane, and distance from the middle */
+	uint32_t surfel;
+	uint32_t two_sided;
+};
+
+/* Four boxes, and what is in each: a node, or IS_LEAF, discs - 1 at bit 28, and the first. */
+struct gw_check_node {
+	float_lanes low[3], high[3];
+	uint32_t child[4];
+};
+
+/* ------------------------------------------------------------------------------------ building */
+
+typedef struct place {
+	float at[3];
+	uint32_t surfel;
+} place;
+
+typedef struct box {
+	float low[3], high[3];
+} box;
+
+typedef struct building {
+	const gw_surfels *surfels;
+	place *place;
+	gw_check_node *node;
+	uint32_t nodes;
+} building;
+
+static box empty_box(void)
+{
+	return (box){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+}
+
+static int widest_axis(const place *p, size_t first, size_t last)
+{
+	box b = empty_box();
+	int axis = 0;
+	for (size_t i = first; i < last; i++)
+		for (int k = 0; k < 3; k++) {
+			b.low[k] = gw_smaller(b.low[k], p[i].at[k]);
+			b.high[k] = gw_larger(b.high[k], p[i].at[k]);
+		}
+	for (int k = 1; k < 3; k++)
+		if (b.high[k] - b.low[k] > b.high[axis] - b.low[axis])
+			axis = k;
+	return axis;
+}
+
+/* Along an axis, and where they are level by number, so that the order is one. */
+static bool before(const place *a, const place *b, int axis)
+{
+	return a->at[axis] < b->at[axis] || (a->at[axis] == b->at[axis] && a->surfel < b->surfel);
+}
+
+static void swap(place *a, place *b)
+{
+	place kept = *a;
+	*a = *b;
+	*b = kept;
+}
+
+/* Puts the places before `middle` that lie before those after it (Hoare's selection). */
+static void select_half(place *p, size_t first, size_t last, size_t middle, int axis)
+{
+	while (last - first > 1) {
+		size_t i = first, j = last - 1;
+		place pivot = p[first + (last - first) / 2];
+		while (true) {
+			while (before(&p[i], &pivot, axis))
+				i++;
+			while (before(&pivot, &p[j], axis))
+				j--;
+			if (i >= j)
+				break;
+			swap(&p[i++], &p[j--]);
+		}
+		size_t cut = j + 1;
+		if (cut <= first || cut >= last)
+			cut = i == first ? first + 1 : i;
+		if (middle < cut)
+			last = cut;
+		else
+			first = cut;
+	}
+}
+
+static size_t halve(building *b, size_t first, size_t last)
+{
+	size_t middle = first + (last - first) / 2;
+	if (last - first > LEAF_DISCS)
+		select_half(b->place, first, last, middle, widest_axis(b->place, first, last));
+	return middle;
+}
+
+static box box_of_discs(const building *b, size_t first, size_t last)
+{
+	box all = empty_box();
+	for (size_t i = first; i < last; i++) {
+		size_t s = b->place[i].surfel;
+		float radius = LARGE * b->surfels->radius[s];
+		for (int k = 0; k < 3; k++) {
+			float n = b->surfels->normal[3 * s + (size_t)k], at = b->place[i].at[k];
+			float reach =
+				radius * (sqrtf(gw_larger(0.0f, 1.0f - n * n)) + 1e-4f) + 1e-6f * fabsf(at);
+			all.low[k] = gw_smaller(all.low[k], at - reach);
+			all.high[k] = gw_larger(all.high[k], at + reach);
+		}
+	}
+	return all;
+}
+
+/* Adds the node of a range, and those below it; returns its box. */
+static box add_node(building *b, size_t first, size_t last, uint32_t *number)
+{
+	box all = empty_box();
+	if (last - first <= LEAF_DISCS) {
+		*number =
+			last > first ? IS_LEAF | (uint32_t)(last - first - 1) << 28 | (uint32_t)first : GW_NONE;
+		return box_of_discs(b, first, last);
+	}
+	size_t middle = halve(b, first, last);
+	size_t from[5] = { first, halve(b, first, middle), middle, halve(b, middle, last), last };
+	uint32_t own = *number = b->nodes++;
+	for (size_t c = 0; c < 4; c++) {
+		uint32_t child;
+		box part = add_node(b, from[c], from[c + 1], &child);
+		b->node[own].child[c] = child;
+		for (int k = 0; k < 3; k++) {
+			b->node[own].low[k][c] = part.low[k];
+			b->node[own].high[k][c] = part.high[k];
+			all.low[k] = gw_smaller(all.low[k], part.low[k]);
+			all.high[k] = gw_larger(all.high[k], part.high[k]);
+		}
+	}
+	return all;
+}
+
+static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, const float *clip,
+							 float cell)
+{
+	float tangent[3], bitangent[3];
+	const float row[2][3] = { { disc[2], disc[3], clip[0] }, { clip[1], clip[2], clip[3] } };
+	float small = SMALL * s->radius[i], large = LARGE * s->radius[i];
+	gw_check_disc d = { .place = { s->position[3 * i], s->position[3 * i + 1],
+								   s->position[3 * i + 2] },
+						.small = small * small,
+						.normal = { s->normal[3 * i], s->normal[3 * i + 1], s->normal[3 * i + 2] },
+						.large = large * large,
+						.surfel = (uint32_t)i,
+						.two_sided = s->two_sided[i] };
+	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
+	for (int c = 0; c < 2; c++) {
+		gw_vec3 v =
+			gw_plus(gw_times(gw_xyz(tangent), row[c][0]), gw_times(gw_xyz(bitangent), row[c][1]));
+		d.cut[c][0] = v.x;
+		d.cut[c][1] = v.y;
+		d.cut[c][2] = v.z;
+		d.cut[c][3] = row[c][2] * cell + CUT_SLACK * s->radius[i];
+	}
+	return d;
+}
+
+static void list_places(const gw_surfels *s, place *p)
+{
+	for (size_t i = 0; i < s->count; i++) {
+		p[i].surfel = (uint32_t)i;
+		memcpy(p[i].at, s->position + 3 * i, sizeof p[i].at);
+	}
+}
+
+gw_status gw_check_discs_make(const gw_surfels *s, const float *disc, const float *clip, float cell,
+							  gw_check_discs *discs, gw_error *error)
+{
+	building b = { .surfels = s, .place = gw_allocate_array(s->count, sizeof *b.place) };
+	size_t most = s->count / 2 + 2;
+	*discs = (gw_check_discs){ .count = s->count };
+	discs->disc = gw_allocate_array(s->count, sizeof *discs->disc);
+	discs->node = b.node = gw_allocate_array(most, sizeof *b.node);
+	if (!b.place || !discs->disc || !b.node || s->count > 0x0fffffffu) {
+		free(b.place);
+		gw_check_discs_clear(discs);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the discs of %zu points",
+					   s->count);
+	}
+	list_places(s, b.place);
+	uint32_t root;
+	add_node(&b, 0, s->count, &root);
+	discs->nodes = b.nodes;
+	for (size_t i = 0; i < s->count; i++) {
+		size_t surfel = b.place[i].surfel;
+		discs->disc[i] = disc_of(s, surfel, disc + 4 * surfel, clip + 4 * surfel, cell);
+	}
+	free(b.place);
+	return GW_OK;
+}
+
+void gw_check_discs_clear(gw_check_discs *discs)
+{
+	free(discs->disc);
+	free(discs->node);
+	*discs = (gw_check_discs){ 0 };
+}
+
+/* ---------------------------------------------------------------------------------------- rays */
+
+typedef struct walk {
+	const gw_check_ray *ray;
+	float t_small, t_large, behind;
+	gw_check_hit hit;
+} walk;
+
+static bool is_cut_off(const gw_check_disc *d, gw_vec3 at)
+{
+	for (int c = 0; c < 2; c++)
+		if (gw_dot(gw_xyz(d->cut[c]), at) > d->cut[c][3])
+			return true;
+	return false;
+}
+
+static void hit_disc(const gw_check_disc *d, walk *w)
+{
+	const gw_check_ray *ray = w->ray;
+	float approach = gw_dot(d->normal, ray->direction);
+	gw_vec3 from = gw_minus(ray->origin, d->place);
+	float t = -gw_dot(d->normal, from) / approach;
+	if (!(t > 0.0f && t < w->t_small))
+		return;
+	gw_vec3 at = gw_plus(from, gw_times(ray->direction, t));
+	float squared = gw_dot(at, at);
+	bool own = t < ray->own && fabsf(gw_dot(d->normal, ray->facing)) > ALIKE;
+	if (squared > d->large || (own && approach > 0.0f))
+		return;
+	bool small = squared <= d->small && !is_cut_off(d, at) &&
+				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));
+	if (approach > 0.0f && !ray->both_sides && !d->two_sided) {
+		w->behind = small ? gw_smaller(w->behind, t) : w->behind;
+		return;
+	}
+	t += MIDDLE * squared / sqrtf(d->small);
+	if (t < w->t_large) {
+		w->t_large = t;
+		w->hit.large = d->surfel;
+	}
+	if (small && t < w->t_small) {
+		w->t_small = t;
+		w->hit.small = d->surfel;
+	}
+}
+
+static void hit_leaf(const gw_check_discs *discs, uint32_t leaf, walk *w)
+{
+	size_t first = leaf & 0x0fffffffu, count = (leaf >> 28 & 7u) + 1;
+	for (size_t i = first; i < first + count; i++)
+		hit_disc(discs->disc + i, w);
+}
+
+static float inverse_of(float d)
+{
+	return 1.0f / (fabsf(d) >= 1e-20f ? d : d >= 0.0f ? 1e-20f : -1e-20f);
+}
+
+/* Of each lane of a, where chosen is not 0, or else of b. */
+static inline float_lanes pick(int_lanes chosen, float_lanes a, float_lanes b)
+{
+	return (float_lanes)((chosen & (int_lanes)a) | (~chosen & (int_lanes)b));
+}
+
+typedef struct waiting {
+	float t;
+	uint32_t number;
+} waiting;
+
+/* Puts the children that the ray meets before t on the stack, the nearest on top. */
+static uint32_t open_node(const gw_check_node *n, const float origin[3], const float inverse[3],
+						  float t, waiting *stack, uint32_t top)
+{
+	float_lanes enter = { 0 }, leave = { t, t, t, t };
+	uint32_t first = top;
+	for (int k = 0; k < 3; k++) {
+		float_lanes a = (n->low[k] - origin[k]) * inverse[k];
+		float_lanes b = (n->high[k] - origin[k]) * inverse[k];
+		float_lanes near = pick(a < b, a, b), far = pick(a < b, b, a);
+		enter = pick(near > enter, near, enter);
+		leave = pick(far < leave, far, leave);
+	}
+	for (int c = 0; c < 4; c++) {
+		if (!(enter[c] <= leave[c]) || n->child[c] == GW_NONE)
+			continue;
+		uint32_t at = top++;
+		for (; at > first && stack[at - 1].t < enter[c]; at--)
+			stack[at] = stack[at - 1];
+		stack[at] = (waiting){ enter[c], n->child[c] };
+	}
+	return top;
+}
+
+gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray)
+{
+	walk w = { .ray = ray,
+			   .t_small = ray->t_max,
+			   .t_large = ray->t_max,
+			   .behind = ray->t_max,
+			   .hit = { .small = GW_NONE, .large = GW_NONE } };
+	gw_vec3 d = ray->direction;
+	const float origin[3] = { ray->origin.x, ray->origin.y, ray->origin.z };
+	const float inverse[3] = { inverse_of(d.x), inverse_of(d.y), inverse_of(d.z) };
+	waiting stack[STACK];
+	uint32_t top = 1;
+	stack[0] =
+		(waiting){ 0.0f, discs->nodes > 0 ? 0 : IS_LEAF | (uint32_t)(discs->count - 1) << 28 };
+	while (top > 0) {
+		waiting next = stack[--top];
+		if (next.t > w.t_small)
+			continue;
+		if (next.number & IS_LEAF)
+			hit_leaf(discs, next.number, &w);
+		else
+			top = open_node(discs->node + next.number, origin, inverse, w.t_small, stack, top);
+	}
+	w.hit.behind = w.behind < w.t_small;
+	return w.hit;
+}

@@ -1,0 +1,58 @@
+/*
+ * check_discs.h - the points' discs by themselves, for rays that check what the octree says.
+ *
+ * An octree that is wrong is wrong for every ray through it, also for those that look for its
+ * errors. So these rays meet nothing of it: no cells, planes or leaves, but the discs around the
+ * points, in a tree of boxes. Discs have faults of their own: small ones leave holes between points
+ * that lie unevenly, large ones stick out over edges. A ray is told what it meets among discs of
+ * both sizes, and whoever asks counts only what both say.
+ */
+#ifndef CHECK_DISCS_H
+#define CHECK_DISCS_H
+
+#include "base/shader_math.h"
+#include "surfels/surfels.h"
+
+#include <stdbool.h>
+
+typedef struct gw_check_node gw_check_node;
+typedef struct gw_check_disc gw_check_disc;
+
+typedef struct gw_check_discs {
+	size_t count;        /* discs */
+	gw_check_disc *disc; /* count, in the tree's order */
+	gw_check_node *node;
+	uint32_t nodes; /* 0: the discs are so few that they need none */
+} gw_check_discs;
+
+/*
+ * Makes the discs of surfels.
+ *   disc, clip   4 a surfel: what gw_octree.surfel_disc and .surfel_clip hold; of them only the
+ * cuts are taken cell         metres, the unit of the cuts' distances discs        on success to be
+ * cleared by the caller; on failure it is empty
+ */
+gw_status gw_check_discs_make(const gw_surfels *surfels, const float *disc, const float *clip,
+							  float cell, gw_check_discs *discs, gw_error *error);
+void gw_check_discs_clear(gw_check_discs *discs);
+
+/* One ray, in the local frame of the surfels. */
+typedef struct gw_check_ray {
+	gw_vec3 origin, direction; /* metres; unit */
+	gw_vec3 facing;            /* normal of the surface that it leaves */
+	/* Metres. So near, discs that face alike are of the surface that it leaves: their backs are not
+	 * met, nor, by rays that backs stop, fronts that hardly rise above it. */
+	float own;
+	float t_max;     /* metres */
+	bool both_sides; /* backs of discs stop it */
+} gw_check_ray;
+
+/* Surfels that the ray meets first, or GW_NONE: among small discs and among large ones. */
+typedef struct gw_check_hit {
+	uint32_t small, large;
+	bool behind; /* the ray passed the back of a small disc before it met one */
+} gw_check_hit;
+
+/* Thread-safe. */
+gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray);
+
+#endif

@@ -1,0 +1,525 @@
+/*
+ * error_estimate.c - see error_estimate.h.
+ */
+#include "estimate/error_estimate.h"
+
+#include "light/bounces.h"
+#include "estimate/emission_error.h"
+#include "estimate/geometry_error.h"
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "surfels/normal_error.h"
+#include "base/parallel.h"
+#include "estimate/probe_choice.h"
+#include "estimate/shadow_error.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rays, and samples of the emitters, in each of the two gathers of a point: as many as a record
+ * has, so that fine bakes are held against something finer. */
+#define HALF_LEAST 64u
+#define HALF_MOST 512u
+
+/* Points that are solved again: see gw_estimate_points. */
+#define RECORDS_A_PROBE 20u
+#define POINTS_MOST 4u
+
+/* Records that light a point, by their weights: 1 / sum w^2. */
+#define RECORDS_A_POINT 3.0
+
+static const double reciprocal_pi = 0.31830988618379067;
+
+/* A point of which more of the rays than this pass the back of a surface stands behind the plane of
+ * a wall at its foot, and sees what is inside: what it finds says nothing about the bake. */
+#define BEHIND_MOST 0.25
+
+/* What of the error the rays do not see, because they meet the planes that the records met: a tenth
+ * or so on scenes with known answers, by which the estimate is less sure than its points say. */
+#define UNSEEN_SHARE 0.1
+
+/* What the estimate of one lighting needs. */
+typedef struct estimate {
+	bool *counts;           /* one a surfel: whether its error counts */
+	gw_probe_choice choice; /* points that are solved again */
+	gw_records place;       /* position and normal of each, and what it gathers */
+	uint32_t *behind;       /* one a probe: rays that passed the back of a surface */
+	float *half[2];         /* 4 a probe, irradiance that the first and the second gather found */
+} estimate;
+
+uint32_t gw_estimate_rays(uint32_t rays)
+{
+	uint32_t half = rays > HALF_LEAST ? rays : HALF_LEAST;
+	return half < HALF_MOST ? half : HALF_MOST;
+}
+
+uint32_t gw_estimate_points(uint32_t wanted, uint32_t records)
+{
+	uint64_t points = records / RECORDS_A_PROBE, most = POINTS_MOST * (uint64_t)wanted;
+	points = points < most ? points : most;
+	if (points < wanted)
+		points = wanted;
+	return points < UINT32_MAX ? (uint32_t)points : UINT32_MAX;
+}
+
+static bool emits(const gw_surfels *surfels, size_t i)
+{
+	const float *e = surfels->emission ? surfels->emission + 3 * i : NULL;
+	return e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f);
+}
+
+/* Points whose error counts: emitters outshine theirs, so they do not unless there is nothing else;
+ * and of points that are lit from both sides it is not known which side a gather is to look from.
+ */
+static void choose_points(const gw_surfels *surfels, bool *counts)
+{
+	size_t dark = 0;
+	for (size_t i = 0; i < surfels->count; i++)
+		dark += counts[i] = !surfels->two_sided[i] && !emits(surfels, i);
+	for (size_t i = 0; i < surfels->count && dark == 0; i++)
+		counts[i] = !surfels->two_sided[i];
+}
+
+/* Radiance that a surfel reflects of an irradiance. */
+static double reflected(const gw_surfels *surfels, size_t surfel, const float irradiance[3])
+{
+	const float *rho = surfels->albedo + 3 * surfel;
+	const float c[3] = { rho[0] * irradiance[0], rho[1] * irradiance[1], rho[2] * irradiance[2] };
+	return reciprocal_pi * gw_luminance(c);
+}
+
+/* Which records around a point disagree, and where the light changes, in radiance. */
+static void predict(const gw_estimate_task *task, const double *light, double *variance,
+					double *contrast, float *radiance)
+{
+	const gw_surfels *s = task->surfels;
+	gw_probe_disagreement(task->read_back, light, task->threads, variance);
+	for (size_t i = 0; i < s->count; i++) {
+		double rho = gw_luminance(s->albedo + 3 * i);
+		variance[i] *= rho * rho;
+		radiance[i] =
+			(float)(reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i));
+	}
+	gw_probe_contrast(s, radiance, task->threads, contrast);
+}
+
+static gw_status draw(const gw_estimate_task *task, const bool *counts, gw_probe_choice *choice,
+					  gw_error *error)
+{
+	size_t points = task->surfels->count;
+	double *light = gw_allocate_array(task->records->count, sizeof *light);
+	double *part[2] = { gw_allocate_array(points, sizeof *part[0]),
+						gw_allocate_array(points, sizeof *part[1]) };
+	float *radiance = gw_allocate_array(points, sizeof *radiance);
+	gw_status status = GW_OK;
+	if (!light || !part[0] || !part[1] || !radiance)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
+	if (status == GW_OK)
+		status = gw_records_light(task->passes->gpu, task->records, light, error);
+	if (status == GW_OK) {
+		predict(task, light, part[0], part[1], radiance);
+		status = gw_probe_choose(counts, (const double *const[]){ part[0], part[1] }, 2, points,
+								 task->points, task->seed, choice, error);
+	}
+	free(light);
+	free(part[0]);
+	free(part[1]);
+	free(radiance);
+	return status;
+}
+
+/* What the lobes send out in the end, their own emission left out. */
+static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
+{
+	gw_gpu *gpu = task->passes->gpu;
+	const gw_records *records = task->records;
+	gw_buffer total = { 0 };
+	gw_status status =
+		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+						 16 * (uint64_t)records->count, "record irradiance", &total, error);
+	const gw_buffer *parts[2] = { &records->first, &records->indirect };
+	for (int i = 0; i < 2 && status == GW_OK; i++)
+		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)task->octree->leaf_count, "final lobe radiance",
+								  radiance, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &total, task->lobe_direct,
+								1.0f, radiance, error);
+	gw_buffer_destroy(gpu, &total);
+	return status;
+}
+
+static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint32_t count,
+								gw_error *error)
+{
+	float *values = gw_allocate_array(count, 4 * sizeof *values);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+	gw_status status = gw_buffer_download(gpu, buffer, 0, values, 16 * (uint64_t)count, error);
+	for (size_t i = 0; i < 4 * (size_t)count && status == GW_OK; i++)
+		sum[i] += values[i];
+	free(values);
+	return status;
+}
+
+/* Light straight from some emitters, or from what lobes reflect, added to e->half[half]. */
+static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *rays, int half,
+							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
+{
+	gw_records *place = &e->place;
+	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, place, rays, sources,
+											 &place->gathered, error);
+	return status == GW_OK ? download_added(task->passes->gpu, &place->gathered, e->half[half],
+											place->count, error)
+						   : status;
+}
+
+static void count_behind(const gw_probe_hits *hits, uint32_t *behind)
+{
+	size_t rows = GW_PROBE_GATHERS * (size_t)hits->count;
+	for (size_t i = 0; i < rows * hits->rays; i++)
+		behind[i / hits->rays % hits->count] += hits->distance[i] < 0.0f;
+}
+
+/* All that reaches the points along these rays, into e->half[half]. */
+static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays, int half,
+							  gw_buffer *emitted, const gw_emitters *reflectors, estimate *e,
+							  gw_error *error)
+{
+	const float black[3] = { 0 };
+	uint32_t samples = rays->rays;
+	const gw_sampled_sources emitters = { .emitters = task->emitters,
+										  .samples = samples,
+										  .use_hits = true,
+										  .sky = task->sky,
+										  .map = task->map,
+										  .map_samples = samples,
+										  .map_hits = true,
+										  .openings = task->openings,
+										  .seed = rays->seed,
+										  .kept = task->hits->emitted ? emitted : NULL };
+	const gw_sampled_sources reflected = { .emitters = reflectors,
+										   .samples =
+											   gw_emitters_are_small(reflectors) ? samples : 0,
+										   .use_hits = true,
+										   .sky = black,
+										   .seed = rays->seed };
+	gw_status status = GW_OK;
+	if (task->openings)
+		status =
+			gw_ray_gather_open(task->passes, task->octree, &e->place, task->openings, rays, error);
+	if (status == GW_OK)
+		status = gather_from(task, rays, half, &emitters, e, error);
+	if (status == GW_OK && task->bounces)
+		status = gather_from(task, rays, half, &reflected, e, error);
+	return status;
+}
+
+static gw_status gather_half(const gw_estimate_task *task, const gw_probe_task *probes, int half,
+							 const gw_emitters *reflectors, estimate *e, gw_error *error)
+{
+	gw_ray_gather rays = { 0 };
+	gw_buffer emitted = { 0 };
+	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
+	if (!e->half[half])
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
+	gw_status status =
+		gw_probe_hits_gather(probes, task->hits, &e->place, (uint32_t)half, &rays, &emitted, error);
+	if (status == GW_OK)
+		status = gather_along(task, &rays, half, &emitted, reflectors, e, error);
+	gw_ray_gather_destroy(task->passes->gpu, &rays);
+	gw_buffer_destroy(task->passes->gpu, &emitted);
+	return status;
+}
+
+static double mean_radiance(const gw_estimate_task *task, const bool *counts)
+{
+	const gw_surfels *s = task->surfels;
+	double sum = 0.0;
+	size_t used = 0;
+	for (size_t i = 0; i < s->count; i++) {
+		if (!counts[i])
+			continue;
+		if (task->records)
+			sum += reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i);
+		sum += task->direct ? reflected(s, i, task->direct + 4 * i) : 0.0;
+		sum += s->emission ? gw_luminance(s->emission + 3 * i) : 0.0;
+		used++;
+	}
+	return used ? sum / (double)used : 0.0;
+}
+
+/* The square errors that were found, noise of the finding taken off; rows of a table. */
+enum { OFF, EXCESS, HALVES, VALUES };
+
+static bool is_sound(const gw_estimate_task *task, const estimate *e, size_t i)
+{
+	return e->behind[i] <= BEHIND_MOST * 2 * gw_estimate_rays(task->rays);
+}
+
+/* Leaves the points that are sound, which then stand for all. */
+static void keep_sound(const gw_estimate_task *task, estimate *e)
+{
+	gw_probe_choice *c = &e->choice;
+	double all = 0.0, sound = 0.0;
+	uint32_t kept = 0;
+	for (uint32_t i = 0; i < c->count; i++) {
+		bool keep = is_sound(task, e, i);
+		all += c->weight[i];
+		sound += keep ? c->weight[i] : 0.0;
+		if (!keep)
+			continue;
+		for (int half = 0; half < 2; half++)
+			memmove(e->half[half] + 4 * (size_t)kept, e->half[half] + 4 * (size_t)i,
+					4 * sizeof(float));
+		c->point[kept] = c->point[i];
+		c->weight[kept++] = c->weight[i];
+	}
+	for (uint32_t i = 0; i < kept; i++)
+		c->weight[i] *= all / sound;
+	c->count = kept;
+}
+
+static void list_errors(const gw_estimate_task *task, const estimate *e, double mean,
+						double *value[VALUES])
+{
+	const gw_probe_choice *c = &e->choice;
+	for (size_t i = 0; i < c->count; i++) {
+		size_t s = c->point[i];
+		double a = reflected(task->surfels, s, e->half[0] + 4 * i);
+		double b = reflected(task->surfels, s, e->half[1] + 4 * i);
+		double found = reflected(task->surfels, s, task->first + 4 * s) +
+					   reflected(task->surfels, s, task->indirect + 4 * s);
+		double off = (found - 0.5 * (a + b)) / mean, noise = 0.5 * (a - b) / mean;
+		value[OFF][i] = off;
+		value[EXCESS][i] = off * off - noise * noise;
+		value[HALVES][i] = 2.0 * noise * noise;
+	}
+}
+
+static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
+						 gw_error_estimate *result, gw_error *error)
+{
+	const gw_probe_choice *c = &e->choice;
+	keep_sound(task, e);
+	if (c->count < 2 || !(mean > 0.0))
+		return GW_OK;
+	double *room = gw_allocate_array(c->count, VALUES * sizeof *room);
+	if (!room)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
+	double *value[VALUES] = { room, room + c->count, room + 2 * (size_t)c->count };
+	list_errors(task, e, mean, value);
+	gw_probe_mean square = gw_probe_average(c, value[EXCESS]);
+	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_probe_average(c, value[HALVES]).mean;
+	result->points = c->count;
+	result->relative_rms = result->gathered = rms;
+	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
+	double spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
+	result->spread = hypot(spread, UNSEEN_SHARE * rms);
+	result->bias = gw_probe_average(c, value[OFF]).mean;
+	/* A point's light is a mean over records, each of which gathers like a half does. */
+	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
+	result->noise = fmin(sqrt(half * own / samples / RECORDS_A_POINT), rms);
+	free(room);
+	return GW_OK;
+}
+
+/* What the edges of lamps' shadows add, and noise of the normals. */
+static gw_status add_lamps(const gw_estimate_task *task, const estimate *e, double mean,
+						   gw_error_estimate *result, gw_error *error)
+{
+	double square;
+	if (!task->direct || !(mean > 0.0))
+		return GW_OK;
+	gw_status status = gw_shadow_error(task->surfels, task->direct, e->counts,
+									   gw_thread_count(task->threads), &square, error);
+	result->shadows = status == GW_OK ? sqrt(square) / mean : 0.0;
+	if (status == GW_OK && task->turned)
+		result->normals =
+			sqrt(gw_normal_error(task->surfels, task->direct, task->turned, e->counts)) / mean;
+	result->relative_rms = hypot(result->relative_rms, hypot(result->shadows, result->normals));
+	return status;
+}
+
+/* What emitters that are too bright or too dark add: as much as points have their light from them.
+ * Of light that reached a surface for the first time, theirs is at most what they send out; a sky
+ * may have brought the rest, as lamps did beside that. */
+static void add_emission(const gw_estimate_task *task, const estimate *e, double mean,
+						 gw_error_estimate *result)
+{
+	const gw_surfels *s = task->surfels;
+	double sent = 0.0, first = 0.0, lamps = 0.0, square = 0.0;
+	size_t used = 0;
+	if (!task->records || !s->emission || !(mean > 0.0))
+		return;
+	for (size_t i = 0; i < s->count; i++) {
+		double area = (double)s->area[i];
+		sent += area * gw_luminance(s->emission + 3 * i) / reciprocal_pi;
+		first += area * gw_luminance(task->first + 4 * i);
+		lamps += task->direct ? area * gw_luminance(task->direct + 4 * i) : 0.0;
+	}
+	double share = first > 0.0 ? fmin(sent / first, 1.0) : 0.0;
+	double share_reflected = share > 0.0 ? share * first / (first + lamps) : 0.0;
+	for (size_t i = 0; i < s->count; i++) {
+		if (!e->counts[i])
+			continue;
+		double light = share * reflected(s, i, task->first + 4 * i) +
+					   share_reflected * reflected(s, i, task->indirect + 4 * i);
+		square += light * light;
+		used++;
+	}
+	result->emission = used ? gw_emission_error(s) * sqrt(square / (double)used) / mean : 0.0;
+	result->relative_rms = hypot(result->relative_rms, result->emission);
+}
+
+/* Where the points stand, and what they see. */
+static gw_status look(const gw_estimate_task *task, const gw_probe_task *probes, estimate *e,
+					  gw_error *error)
+{
+	const gw_probe_choice *c = &e->choice;
+	gw_status status = gw_probe_hits_find(probes, c->point, c->count, task->hits, error);
+	if (status != GW_OK)
+		return status;
+	e->behind = gw_allocate_zeros(c->count, sizeof *e->behind);
+	if (!e->behind)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
+	count_behind(task->hits, e->behind);
+	return gw_probe_hits_place(probes, c->point, c->count, &e->place, error);
+}
+
+/* Luminance of what each surfel sends out and gathers see. */
+static float *list_radiance(const gw_estimate_task *task)
+{
+	const gw_surfels *s = task->surfels;
+	float *light = gw_allocate_array(s->count, sizeof *light);
+	for (size_t i = 0; i < s->count && light; i++) {
+		double sum = s->emission ? gw_luminance(s->emission + 3 * i) : 0.0;
+		if (task->bounces)
+			sum += reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i);
+		if (task->bounces && task->direct)
+			sum += reflected(s, i, task->direct + 4 * i);
+		light[i] = (float)sum;
+	}
+	return light;
+}
+
+/* What the geometry by itself says. */
+static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
+								const gw_buffer *lobe_radiance, double mean,
+								gw_error_estimate *result, gw_error *error)
+{
+	double rms = 0.0;
+	if (!(mean > 0.0))
+		return GW_OK;
+	float *light = task->records ? list_radiance(task) : NULL;
+	if (task->records && !light)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
+					   task->surfels->count);
+	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
+	const gw_geometry_task check = { .gpu = task->passes->gpu,
+									 .octree = task->octree,
+									 .surfels = task->surfels,
+									 .counts = e->counts,
+									 .seed = task->seed,
+									 .threads = task->threads,
+									 .records = task->records,
+									 .rays = task->rays_of_records,
+									 .read_back = task->read_back,
+									 .lobe_radiance = task->bounces ? lobe_radiance : NULL,
+									 .radiance = light,
+									 .sky = task->sky,
+									 .map = task->map,
+									 .limit = task->limit,
+									 .direct = shadows ? task->direct : NULL,
+									 .lights = task->lights,
+									 .light_count = task->light_count,
+									 .options = task->options };
+	gw_status status = gw_geometry_error(&check, &rms, error);
+	free(light);
+	result->geometry = rms / mean;
+	return status;
+}
+
+/* What the points find, and what that says of the bake. */
+static gw_status solve_again(const gw_estimate_task *task, estimate *e, double mean,
+							 gw_error_estimate *result, gw_error *error)
+{
+	gw_gpu *gpu = task->passes->gpu;
+	gw_buffer radiance = { 0 };
+	gw_emitters reflectors = { 0 };
+	const gw_probe_task probes = { .passes = task->passes,
+								   .octree = task->octree,
+								   .surfels = task->surfels,
+								   .emitters = task->emitters,
+								   .rays = gw_estimate_rays(task->rays),
+								   .seed = task->seed };
+	gw_status status = draw(task, e->counts, &e->choice, error);
+	if (status != GW_OK || e->choice.count == 0)
+		return status;
+	status = look(task, &probes, e, error);
+	if (status == GW_OK && task->bounces)
+		status = shade_all(task, &radiance, error);
+	if (status == GW_OK && task->bounces)
+		status = gw_emitters_make(gpu, task->octree, &radiance, false, &reflectors, error);
+	for (int half = 0; half < 2 && status == GW_OK; half++)
+		status = gather_half(task, &probes, half, &reflectors, e, error);
+	if (status == GW_OK)
+		status = check_geometry(task, e, &radiance, mean, result, error);
+	if (status == GW_OK)
+		status = compare(task, e, mean, result, error);
+	gw_emitters_destroy(gpu, &reflectors);
+	gw_buffer_destroy(gpu, &radiance);
+	return status;
+}
+
+gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
+							  gw_error *error)
+{
+	const gw_surfels *s = task->surfels;
+	gw_probe_choice choice = { 0 };
+	bool *counts = gw_allocate_array(s->count, sizeof *counts);
+	if (!counts)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
+	choose_points(s, counts);
+	gw_status status =
+		gw_probe_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
+	if (status == GW_OK && choice.count > 0)
+		status = gw_probe_hits_find(task, choice.point, choice.count, hits, error);
+	gw_probe_choice_clear(&choice);
+	free(counts);
+	return status;
+}
+
+gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *result,
+							gw_error *error)
+{
+	estimate e = { 0 };
+	*result = (gw_error_estimate){ 0 };
+	e.counts = gw_allocate_array(task->surfels->count, sizeof *e.counts);
+	if (!e.counts)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
+					   task->surfels->count);
+	choose_points(task->surfels, e.counts);
+	double mean = mean_radiance(task, e.counts);
+	gw_status status = GW_OK;
+	if (task->records)
+		status = solve_again(task, &e, mean, result, error);
+	else
+		status = check_geometry(task, &e, NULL, mean, result, error);
+	if (status == GW_OK)
+		status = add_lamps(task, &e, mean, result, error);
+	if (status == GW_OK)
+		add_emission(task, &e, mean, result);
+	result->relative_rms = hypot(result->relative_rms, result->geometry);
+	gw_records_destroy(task->passes->gpu, &e.place);
+	gw_probe_choice_clear(&e.choice);
+	free(e.behind);
+	free(e.half[0]);
+	free(e.half[1]);
+	free(e.counts);
+	return status;
+}

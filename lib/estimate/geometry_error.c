@@ -1,0 +1,472 @@
+/*
+ * geometry_error.c - see geometry_error.h.
+ */
+#include "estimate/geometry_error.h"
+
+#include "estimate/check_discs.h"
+#include "light/direct_light.h"
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "estimate/probe_choice.h"
+#include "light/shader_functions.h"
+#include "base/shared_math.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Rays of records that are looked at, half of them such that leave the scene: a tenth of what a
+ * bake of 100,000 points takes. */
+#define RAYS_MOST 32768u
+
+/* Points that look at the lamps, and the least, where lamps are many or have an extent. */
+#define LAMP_POINTS_MOST 400u
+#define LAMP_POINTS_LEAST 50u
+
+/* So near, discs that face alike are of the surface that a ray leaves: radii, and of records, which
+ * have none, spacings. */
+#define OWN_RADII 2.0f
+#define OWN_SPACINGS 3.2f
+
+/* Share of the rays that pass the backs of discs, from which on a place may be inside something. */
+#define BEHIND_LEAST 0.25
+
+#define FAR_METRES 1e30f
+#define ROUNDING 1e-4 /* of a lamp's light */
+#define CHUNK 16u
+
+static const double pi = 3.14159265358979323846;
+
+/* What is read of the device. */
+typedef struct views {
+	gw_view disc, clip;
+	gw_view position, normal, hit; /* of records */
+	gw_view reflected, emission;   /* of lobes */
+	gw_view first, fragment;       /* surfels of leaves, where some emit */
+	gw_view texel;                 /* of the sky's map */
+} views;
+
+/* What one record's rays say; sums over those that were looked at stand for all. */
+typedef struct gathered {
+	double excess[2]; /* radiance that two halves of the rays bring too much, each a half */
+	double albedo;    /* mean, of what the rays meet; 0 where that is nothing */
+} gathered;
+
+typedef struct check {
+	const gw_geometry_task *task;
+	gw_check_discs discs;
+	views view;
+	uint32_t stride_leaving, stride_hit; /* one of so many rays is looked at */
+	gathered *record;
+	const gw_light_push *lamp; /* lamps */
+	size_t lamps;
+	gw_probe_choice choice; /* the points that look at them, and */
+	double *excess;         /* radiance that each has too much */
+} check;
+
+/* What was found of one kind of light, in radiance and its squares. */
+typedef struct finding {
+	double mean, variance; /* of all points' error, and of the finding */
+	double square;         /* mean square error, noise taken off */
+	double kept;           /* share of light that is reflected again */
+} finding;
+
+static double reflectance(const gw_surfels *s, size_t i)
+{
+	return gw_luminance(s->albedo + 3 * i);
+}
+
+/* By how much a value lies outside of what two say. */
+static double outside(double value, double a, double b)
+{
+	return value - fmin(fmax(value, fmin(a, b)), fmax(a, b));
+}
+
+/* ----------------------------------------------------------------------------------- gathering */
+
+/* Luminance of the environment in a direction: sky_map.glsl. */
+static double sky_light(const check *c, gw_vec3 d)
+{
+	const gw_sky_map *m = c->task->map;
+	const float *texel = c->view.texel.bytes;
+	double light = gw_luminance(c->task->sky);
+	if (!texel)
+		return light;
+	float height = m->y_up ? d.y : d.z, north = m->y_up ? -d.z : d.y;
+	float u = atan2f(d.x, north) / (2.0f * GW_PI) + 0.5f - m->turn;
+	float v = acosf(gw_smaller(gw_larger(height, -1.0f), 1.0f)) / GW_PI;
+	uint32_t column = (uint32_t)((u - floorf(u)) * (float)m->width);
+	uint32_t row = (uint32_t)(v * (float)m->height);
+	column = column < m->width ? column : m->width - 1;
+	row = row < m->height ? row : m->height - 1;
+	return light + gw_luminance(texel + 4 * ((size_t)row * m->width + column));
+}
+
+static double emission_of(const gw_surfels *s, uint32_t surfel)
+{
+	return surfel == GW_NONE || !s->emission ? 0.0 : gw_luminance(s->emission + 3 * (size_t)surfel);
+}
+
+/* Is a surfel one of those that a lobe is the mean of? */
+static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
+{
+	const uint32_t *first = c->view.first.bytes, *word = c->view.fragment.bytes;
+	for (uint32_t f = first[slot >> 1]; f < first[(slot >> 1) + 1]; f++)
+		if ((word[f] & 0x3fffffffu) == surfel)
+			return true;
+	return false;
+}
+
+/* Do a lobe and a surfel that the same ray meets agree about what emits? */
+static bool agree(const check *c, uint32_t slot, double emission, uint32_t surfel)
+{
+	return surfel != GW_NONE &&
+		   ((emission > 0.0) == (emission_of(c->task->surfels, surfel) > 0.0) ||
+			is_part(c, slot, surfel));
+}
+
+/* What a lobe sends to a ray. Its emission is a mean over all that lies in it, which matters little
+ * where emitters are sampled by their area: as long as discs agree that the ray meets one, or
+ * none, theirs counts. */
+static double lobe_light(const check *c, uint32_t slot, const gw_check_hit *hit)
+{
+	const float *reflected = c->view.reflected.bytes, *mean = c->view.emission.bytes;
+	double light = reflected ? gw_luminance(reflected + 4 * (size_t)slot) : 0.0;
+	double emission = mean ? gw_luminance(mean + 4 * (size_t)slot) : 0.0;
+	if (mean && agree(c, slot, emission, hit->small))
+		emission = emission_of(c->task->surfels, hit->small);
+	else if (mean && agree(c, slot, emission, hit->large))
+		emission = emission_of(c->task->surfels, hit->large);
+	return light + emission;
+}
+
+static uint32_t lobe_hit(const check *c, size_t record, uint32_t k)
+{
+	return ((const uint32_t *)c->view.hit.bytes)[record * c->task->rays->rays + k];
+}
+
+/* What one ray says. */
+typedef struct ray_finding {
+	double excess; /* radiance that it brings too much */
+	double albedo; /* of what it meets */
+	bool behind;   /* it passed the back of a disc */
+} ray_finding;
+
+static ray_finding check_ray(const check *c, size_t record, uint32_t k)
+{
+	const gw_geometry_task *t = c->task;
+	const float *low = t->octree->cube_minimum;
+	const float *own = (const float *)c->view.normal.bytes + 4 * record;
+	gw_vec3 place = gw_xyz((const float *)c->view.position.bytes + 4 * record);
+	gw_check_ray ray = { .direction =
+							 gw_record_ray(place, gw_xyz(own), k, t->rays->rays, t->rays->seed),
+						 .facing = gw_xyz(own),
+						 .own = OWN_SPACINGS * t->surfels->spacing,
+						 .t_max = FAR_METRES };
+	ray.origin =
+		gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(place, t->octree->leaf_size));
+	gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
+	uint32_t lobe = lobe_hit(c, record, k);
+	bool leaves = lobe == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
+	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
+	double small = hit.small == GW_NONE ? sky : (double)t->radiance[hit.small];
+	double large = hit.large == GW_NONE ? sky : (double)t->radiance[hit.large];
+	double found = (double)own[3] * (lobe == GW_NONE ? sky : lobe_light(c, lobe, &hit));
+	return (ray_finding){ .excess = outside(found, small, large),
+						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
+						  .behind = hit.behind };
+}
+
+static bool is_buried(const check *c, size_t record)
+{
+	return ((const float *)c->view.normal.bytes)[4 * record + 3] == 0.0f;
+}
+
+static void check_record(const check *c, size_t record)
+{
+	uint32_t rays = c->task->rays->rays, phase = pcg_hash((uint32_t)record);
+	gathered sum = { 0 };
+	double behind = 0.0, all = 0.0;
+	for (uint32_t k = 0; k < rays; k++) {
+		uint32_t turn = k + phase;
+		uint32_t stride = lobe_hit(c, record, k) == GW_NONE ? c->stride_leaving : c->stride_hit;
+		if (turn % stride != 0)
+			continue;
+		ray_finding ray = check_ray(c, record, k);
+		double share = (double)stride / rays;
+		sum.excess[turn / stride % 2] += share * ray.excess;
+		sum.albedo += share * ray.albedo;
+		behind += ray.behind ? share : 0.0;
+		all += share;
+	}
+	/* Inside something solid it is dark, unless the discs are sure that it is none. */
+	if (is_buried(c, record) && behind > BEHIND_LEAST * all)
+		sum.excess[0] = sum.excess[1] = 0.0;
+	c->record[record] = sum;
+}
+
+static void check_records(void *user, size_t first, size_t last, uint32_t worker)
+{
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		check_record(user, i);
+}
+
+/* How much of a mean over the points, and of a mean of squares, each record stands for. */
+static void weigh_records(const gw_geometry_task *t, double *mean, double *square)
+{
+	const gw_read_back *rows = t->read_back;
+	double used = 0.0;
+	for (size_t i = 0; i < rows->count; i++) {
+		double rho = reflectance(t->surfels, i);
+		used += t->counts[i] ? 1.0 : 0.0;
+		for (uint32_t e = rows->first[i]; e < rows->first[i + 1] && t->counts[i]; e++) {
+			mean[rows->record[e]] += rho * (double)rows->weight[e];
+			square[rows->record[e]] += rho * rho * (double)rows->weight[e];
+		}
+	}
+	for (size_t r = 0; r < t->records->count && used > 0.0; r++) {
+		mean[r] /= used;
+		square[r] /= used;
+	}
+}
+
+static void choose_rays(check *c)
+{
+	size_t rays = (size_t)c->task->records->count * c->task->rays->rays, leaving = 0;
+	const uint32_t *hit = c->view.hit.bytes;
+	for (size_t i = 0; i < rays; i++)
+		leaving += hit[i] == GW_NONE;
+	c->stride_leaving = (uint32_t)(leaving / (RAYS_MOST / 2) + 1);
+	c->stride_hit = (uint32_t)((rays - leaving) / (RAYS_MOST / 2) + 1);
+}
+
+/* The halves' products have no noise in them on average; what is left of it is taken off as well,
+ * so that one ray that is far off says little. */
+static finding sum_records(const check *c, const double *mean, const double *square)
+{
+	finding f = { 0 };
+	double whole = 0.0, spread = 0.0;
+	for (size_t r = 0; r < c->task->records->count; r++) {
+		double a = c->record[r].excess[0], b = c->record[r].excess[1];
+		f.mean += mean[r] * (a + b);
+		f.variance += mean[r] * mean[r] * (a - b) * (a - b);
+		f.square += square[r] * 4.0 * a * b;
+		spread += square[r] * square[r] * 16.0 * a * a * b * b;
+		f.kept += mean[r] * c->record[r].albedo;
+		whole += mean[r];
+	}
+	f.square = fmax(f.square - sqrt(spread), 0.0);
+	f.kept = whole > 0.0 ? f.kept / whole : 0.0;
+	return f;
+}
+
+static gw_status check_gathered(check *c, finding *found, gw_error *error)
+{
+	size_t count = c->task->records->count;
+	double *weight = gw_allocate_zeros(count, 2 * sizeof *weight);
+	c->record = gw_allocate_array(count, sizeof *c->record);
+	gw_status status = GW_OK;
+	if (weight && c->record) {
+		choose_rays(c);
+		weigh_records(c->task, weight, weight + count);
+		gw_parallel_for(c->task->threads, count, CHUNK, check_records, c);
+		*found = sum_records(c, weight, weight + count);
+	} else {
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu records", count);
+	}
+	free(weight);
+	free(c->record);
+	return status;
+}
+
+/* --------------------------------------------------------------------------------------- lamps */
+
+/* A lamp's irradiance at a surfel as luminance, where nothing is in the way. */
+static double lamp_light(const gw_light_push *lamp, const float *normal, gw_vec3 place,
+						 gw_vec3 *towards, float *distance)
+{
+	float share = gw_lamp_share(lamp, place, towards, distance);
+	float light =
+		share * gw_larger(0.0f, gw_dot(gw_xyz((const float[]){ normal[0], normal[1], normal[2] }),
+									   *towards));
+	if (lamp->type != GW_PUSH_SUN)
+		light /= *distance * *distance;
+	return (double)(light * gw_luminance_of(gw_xyz(&lamp->power.x)));
+}
+
+/* Adds what reaches a surfel of it, between small discs and between large ones. */
+static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, double light[2])
+{
+	const gw_surfels *s = c->task->surfels;
+	const gw_octree *o = c->task->octree;
+	const float *p = s->position + 3 * surfel, *n = s->normal + 3 * surfel, *low = o->cube_minimum;
+	gw_vec3 at = { p[0], p[1], p[2] }, towards;
+	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
+	const float *shone_on = s->lamp_normal ? s->lamp_normal + 3 * surfel : n;
+	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
+	double whole = lamp_light(lamp, shone_on, place, &towards, &distance);
+	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
+		float range;
+		gw_check_ray ray = { .origin = at,
+							 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
+							 .facing = { n[0], n[1], n[2] },
+							 .own = OWN_RADII * s->radius[surfel],
+							 .both_sides = true };
+		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
+		gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
+		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
+		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;
+	}
+}
+
+static void check_points(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const check *c = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		size_t surfel = c->choice.point[i];
+		double light[2] = { 0 }, found = gw_luminance(c->task->direct + 4 * surfel);
+		for (size_t l = 0; l < c->lamps; l++)
+			add_lamp(c, &c->lamp[l], surfel, light);
+		double off = outside(found, light[0] * (1.0 + ROUNDING), light[1] * (1.0 - ROUNDING));
+		c->excess[i] = reflectance(c->task->surfels, surfel) / pi * off;
+	}
+}
+
+/* Points for the lamps, more where these shine; how many, by how many rays each takes. */
+static gw_status choose_points(check *c, gw_error *error)
+{
+	const gw_geometry_task *t = c->task;
+	size_t count = t->surfels->count, rays = 0;
+	double *light = gw_allocate_array(count, sizeof *light);
+	if (!light)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", count);
+	for (size_t i = 0; i < count; i++)
+		light[i] = reflectance(t->surfels, i) * gw_luminance(t->direct + 4 * i);
+	for (size_t l = 0; l < c->lamps; l++)
+		rays += c->lamp[l].samples;
+	size_t wanted = rays > 0 ? RAYS_MOST / 2 / rays : 0;
+	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
+	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
+	gw_status status = gw_probe_choose(t->counts, (const double *const[]){ light }, 1, count,
+									   (uint32_t)wanted, t->seed, &c->choice, error);
+	free(light);
+	return status;
+}
+
+static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
+{
+	uint32_t count = c->choice.count;
+	c->excess = gw_allocate_array(count, 2 * sizeof *c->excess);
+	if (!c->excess)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+	gw_parallel_for(c->task->threads, count, CHUNK, check_points, c);
+	double *square = c->excess + count;
+	for (size_t i = 0; i < count; i++)
+		square[i] = c->excess[i] * c->excess[i];
+	gw_probe_mean mean = gw_probe_average(&c->choice, c->excess);
+	gw_probe_mean squares = gw_probe_average(&c->choice, square);
+	*found = (finding){ .mean = mean.mean,
+						.variance = mean.variance,
+						.square = fmax(squares.mean - sqrt(squares.variance), 0.0) };
+	free(c->excess);
+	return GW_OK;
+}
+
+static gw_status check_lamps(check *c, finding *found, gw_error *error)
+{
+	const gw_geometry_task *t = c->task;
+	gw_light_push *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
+	if (!lamp)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
+	for (size_t i = 0; i < t->light_count; i++)
+		if (gw_light_shines(&t->lights[i]))
+			lamp[c->lamps++] = gw_light_push_of(&t->lights[i], t->octree, t->surfels, t->options);
+	c->lamp = lamp;
+	gw_status status = choose_points(c, error);
+	if (status == GW_OK && c->choice.count > 1)
+		status = look_at_lamps(c, found, error);
+	gw_probe_choice_clear(&c->choice);
+	free(lamp);
+	return status;
+}
+
+/* ---------------------------------------------------------------------------------------- both */
+
+static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *error)
+{
+	const gw_octree *o = t->octree;
+	uint64_t records = 16 * (uint64_t)t->records->count, slots = 32 * (uint64_t)o->leaf_count;
+	const gw_sky_map *m = t->map;
+	gw_status status = gw_view_open(t->gpu, &t->records->position, records, &v->position, error);
+	if (status == GW_OK)
+		status = gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error);
+	if (status == GW_OK)
+		status = gw_view_open(t->gpu, &t->rays->lobe, records / 4 * t->rays->rays, &v->hit, error);
+	if (status == GW_OK && t->lobe_radiance)
+		status = gw_view_open(t->gpu, t->lobe_radiance, slots, &v->reflected, error);
+	if (status == GW_OK && t->surfels->emission)
+		status = gw_view_open(t->gpu, &o->lobe_emission, slots, &v->emission, error);
+	if (status == GW_OK && t->surfels->emission)
+		status = gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1),
+							  &v->first, error);
+	if (status == GW_OK && t->surfels->emission)
+		status = gw_view_open(t->gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count,
+							  &v->fragment, error);
+	if (status == GW_OK && m && m->width > 0)
+		status =
+			gw_view_open(t->gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &v->texel, error);
+	return status;
+}
+
+static gw_status open_discs(check *c, gw_error *error)
+{
+	const gw_geometry_task *t = c->task;
+	uint64_t bytes = 16 * (uint64_t)t->surfels->count;
+	gw_status status = gw_view_open(t->gpu, &t->octree->surfel_disc, bytes, &c->view.disc, error);
+	if (status == GW_OK)
+		status = gw_view_open(t->gpu, &t->octree->surfel_clip, bytes, &c->view.clip, error);
+	if (status == GW_OK)
+		status = gw_check_discs_make(t->surfels, c->view.disc.bytes, c->view.clip.bytes,
+									 t->octree->leaf_size, &c->discs, error);
+	return status;
+}
+
+static void close_all(check *c)
+{
+	gw_view *view[] = { &c->view.disc,     &c->view.clip,     &c->view.position, &c->view.normal,
+						&c->view.hit,      &c->view.texel,    &c->view.first,    &c->view.fragment,
+						&c->view.emission, &c->view.reflected };
+	for (size_t i = 0; i < sizeof view / sizeof view[0]; i++)
+		gw_view_close(view[i]);
+	gw_check_discs_clear(&c->discs);
+}
+
+/* What is wrong on average is so in each reflection: 1 + kept + kept^2 and so on. */
+static double reflections(double kept, uint32_t limit)
+{
+	kept = fmin(kept, (double)GW_ALBEDO_MAX);
+	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+}
+
+gw_status gw_geometry_error(const gw_geometry_task *task, double *rms, gw_error *error)
+{
+	check c = { .task = task };
+	finding rays = { 0 }, lamps = { 0 };
+	gw_status status = open_discs(&c, error);
+	if (status == GW_OK && task->records)
+		status = open_records(task, &c.view, error);
+	if (status == GW_OK && task->records)
+		status = check_gathered(&c, &rays, error);
+	if (status == GW_OK && task->direct)
+		status = check_lamps(&c, &lamps, error);
+	close_all(&c);
+	double mean = rays.mean + lamps.mean;
+	double sure = fmax(mean * mean - rays.variance - lamps.variance, 0.0);
+	double single = fmax(rays.square + lamps.square - mean * mean, 0.0);
+	*rms = reflections(rays.kept, task->limit) * sqrt(sure);
+	*rms = status == GW_OK ? hypot(*rms, sqrt(single)) : 0.0;
+	return status;
+}

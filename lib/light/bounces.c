@@ -1,0 +1,288 @@
+/*
+ * bounces.c - see bounces.h.
+ *
+ * With T the transport of one bounce (interpolate at the lobes, reflect, gather at the records),
+ * the irradiance of all bounces is sum T^n E. Rows of T sum to at most the mean albedo of what a
+ * record sees, so gathering the albedo itself gives q, the largest row sum, and what is left after
+ * a bounce of energy e is at most e q / (1 - q). q < 1 because albedo is clamped below 1: bounces
+ * always converge.
+ *
+ * Bounces may begin with a guess c at the lobes' irradiance of all reflected light (Salm 4.5: what
+ * a frame leaves to the next). If W interpolates at the lobes and G gathers what they reflect, the
+ * records' irradiance is y = b + G W y with b of the first reflection. One step from the guess
+ * gives y = b + G c, what is missing is G (W y - c) and all that it becomes by further bounces:
+ * small where the guess was good, of both signs, and under the same bound.
+ */
+#include "light/bounces.h"
+
+#include "base/clock.h"
+#include "light/hit_lobes.h"
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* More reflections than this are never needed: 0.99^2000 is 2e-9. */
+#define BOUNCE_CEILING 2000u
+
+#define SUM_CHUNK 4096u /* lobes whose light is added up at a time */
+
+gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
+						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
+{
+	const gw_binding bindings[] = {
+		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
+		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
+		gw_whole(records_irradiance),        gw_window(lobe_radiance, 16)
+	};
+	return gw_passes_run(passes, GW_PASS_LOBE_SHADE, bindings,
+						 &(gw_record_push){ .direct_share = direct_share },
+						 2 * (uint64_t)octree->leaf_count, error);
+}
+
+/* Sums over lobes, a chunk at a time, so that the order does not depend on threads. */
+typedef struct lobe_sums {
+	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
+	size_t slots;
+	double *power; /* a chunk: area * |luminance(L)| */
+	float *largest;
+} lobe_sums;
+
+static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_error *error)
+{
+	sums->slots = 2 * (size_t)task->octree->leaf_count;
+	size_t chunks = sums->slots / SUM_CHUNK + 1;
+	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
+	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
+	if (!sums->power || !sums->largest)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu lobes",
+					   sums->slots);
+	return gw_view_open(task->passes->gpu, &task->octree->lobe_centre, 16 * sums->slots,
+						&sums->centre, error);
+}
+
+static void sums_destroy(lobe_sums *sums)
+{
+	gw_view_close(&sums->centre);
+	free(sums->power);
+	free(sums->largest);
+}
+
+static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const lobe_sums *sums = user;
+	const float *centre = sums->centre.bytes, *radiance = sums->radiance.bytes;
+	double power = 0.0;
+	float largest = 0.0f;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		const float *l = radiance + 4 * i;
+		for (int c = 0; c < 3; c++)
+			largest = l[c] > largest ? l[c] : largest;
+		power += (double)centre[4 * i + 3] * fabs(gw_luminance(l));
+	}
+	sums->power[first / SUM_CHUNK] = power;
+	sums->largest[first / SUM_CHUNK] = largest;
+}
+
+/* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
+static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
+						 float *largest, gw_error *error)
+{
+	gw_status status = gw_view_open(task->passes->gpu, task->lobe_radiance, 16 * sums->slots,
+									&sums->radiance, error);
+	if (status != GW_OK)
+		return status;
+	gw_parallel_for(task->passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
+	gw_view_close(&sums->radiance);
+	double sum = 0.0;
+	*largest = 0.0f;
+	for (size_t chunk = 0; chunk * SUM_CHUNK < sums->slots; chunk++) {
+		sum += sums->power[chunk];
+		*largest = fmaxf(*largest, sums->largest[chunk]);
+	}
+	double cell = (double)task->octree->leaf_size;
+	*energy = sum * 3.14159265358979323846 * cell * cell;
+	return isfinite(*energy) ? GW_OK
+							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
+}
+
+/* The largest row sum of a bounce: every lobe sends out its albedo, the records gather it. */
+static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
+{
+	gw_records *records = task->records;
+	gw_status status = task->step.gather(task->step.self, &task->octree->lobe_albedo, 1.0f, error);
+	gw_view view = { 0 };
+	if (status == GW_OK)
+		status = gw_view_open(task->passes->gpu, &records->gathered, 16 * (uint64_t)records->count,
+							  &view, error);
+	const float *gathered = view.bytes;
+	double largest = 0.0;
+	for (size_t i = 0; i < records->count && status == GW_OK; i++) {
+		for (int c = 0; c < 3; c++)
+			largest = fmax(largest, (double)gathered[4 * i + (size_t)c]);
+	}
+	*contraction = fmin(largest / 3.14159265358979323846, (double)GW_ALBEDO_MAX);
+	gw_view_close(&view);
+	return status;
+}
+
+static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_error *error)
+{
+	gw_bounce *grown =
+		gw_resize_array(bounces->bounce, bounces->bounce_count + 1, sizeof *bounces->bounce);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for bounce %u",
+					   bounces->bounce_count + 1);
+	bounces->bounce = grown;
+	bounces->bounce[bounces->bounce_count++] = (gw_bounce){ energy, seconds };
+	return GW_OK;
+}
+
+/* Gathers once and adds it to the indirect irradiance. */
+static gw_status gather_once(const gw_bounces_task *task, bool first, float largest,
+							 gw_error *error)
+{
+	gw_records *records = task->records;
+	const gw_trace_step *step = &task->step;
+	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
+		step->self, task->lobe_radiance, largest, error);
+	if (status != GW_OK)
+		return status;
+	return gw_light_add(task->passes, &records->gathered, &records->indirect, records->count,
+						error);
+}
+
+/* The first gather, a step from the guess, and the radiance of what is missing. *guessed receives
+ * the energy that the guess reflects. */
+static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, float largest,
+							   double *guessed, gw_error *error)
+{
+	gw_records *records = task->records;
+	gw_status status = gather_once(task, true, largest, error);
+	if (status == GW_OK)
+		status = gw_buffer_fill(task->passes->gpu, &records->gathered, 0, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &records->gathered,
+								task->carried, 1.0f, task->lobe_radiance, error);
+	if (status == GW_OK)
+		status = measure(task, sums, guessed, &largest, error);
+	if (status == GW_OK)
+		status = gather_once(task, false, largest, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
+								task->carried, -1.0f, task->lobe_radiance, error);
+	return status;
+}
+
+/* Bounces under way. */
+typedef struct progress {
+	const gw_bounces_task *task;
+	lobe_sums sums;
+	gw_hit_lobes hits; /* where a CPU kernel shades: lobes that are not hit can be left out */
+	bool by_hits;
+	bool gathered; /* records->gathered is what the last bounce brought, and not reflected yet */
+	double energy; /* that the last bounce reflects */
+	float largest;
+} progress;
+
+/* The energy that is reflected of what has been gathered. */
+static gw_status measure_gathered(progress *p, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double cell = (double)task->octree->leaf_size;
+	p->gathered = true;
+	p->energy = gw_hit_lobes_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	return isfinite(p->energy)
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
+}
+
+/* One more bounce. Where only lobes that are hit count, they reflect before the next gather, else
+ * all do after this one. */
+static gw_status bounce_once(progress *p, bool first, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	if (p->gathered)
+		gw_hit_lobes_shade(task->passes, task->octree, task->records, &p->hits,
+						   task->lobe_radiance);
+	gw_status status = gather_once(task, first, p->largest, error);
+	if (status == GW_OK && p->by_hits)
+		return measure_gathered(p, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->gathered,
+								task->lobe_direct, 0.0f, task->lobe_radiance, error);
+	return status == GW_OK ? measure(task, &p->sums, &p->energy, &p->largest, error) : status;
+}
+
+/* The reflection of direct light, and what bounds the others. */
+static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double started = gw_seconds();
+	gw_status status = sums_create(task, &p->sums, error);
+	if (status == GW_OK)
+		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
+								task->lobe_direct, 1.0f, task->lobe_radiance, error);
+	if (status == GW_OK)
+		status = measure(task, &p->sums, &p->energy, &p->largest, error);
+	if (status == GW_OK)
+		status = append(bounces, p->energy, gw_seconds() - started, error);
+	if (status == GW_OK && task->limit > 1 && !task->no_bound)
+		status = find_contraction(task, &bounces->contraction, error);
+	p->by_hits = task->step.hits && task->limit > 1 &&
+				 gw_passes_way(task->passes, GW_PASS_LOBE_SHADE, NULL) == GW_WAY_CPU;
+	if (status == GW_OK && p->by_hits)
+		status = gw_hit_lobes_find(task->passes, task->octree, task->records, task->step.hits,
+								   &p->hits, error);
+	return status;
+}
+
+static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	double total = 0.0;
+	gw_status status = begin(p, bounces, error);
+	double q = bounces->contraction;
+	bool automatic = task->limit == GW_BOUNCES_AUTO;
+	uint32_t limit = automatic ? BOUNCE_CEILING : task->limit;
+	for (uint32_t n = 1; status == GW_OK; n++) {
+		total += p->energy;
+		bounces->remaining = total > 0.0 ? p->energy * q / (1.0 - q) / total : 0.0;
+		bool enough = automatic && bounces->remaining <= (double)task->tolerance;
+		if (n >= limit || enough || p->energy <= 0.0)
+			break;
+		if (task->cancelled && task->cancelled(task->user))
+			return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped at bounce %u", n + 1);
+		double started = gw_seconds(), guessed = 0.0;
+		if (n == 1 && task->carried && automatic) {
+			status = begin_carried(task, &p->sums, p->largest, &guessed, error);
+			if (status == GW_OK)
+				status = measure(task, &p->sums, &p->energy, &p->largest, error);
+		} else {
+			status = bounce_once(p, n == 1, error);
+		}
+		total += guessed;
+		if (status == GW_OK)
+			status = append(bounces, p->energy, gw_seconds() - started, error);
+	}
+	return status;
+}
+
+gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error)
+{
+	*bounces = (gw_bounces){ 0 };
+	progress p = { .task = task };
+	gw_status status = run(&p, bounces, error);
+	sums_destroy(&p.sums);
+	gw_hit_lobes_clear(&p.hits);
+	if (status != GW_OK) {
+		free(bounces->bounce);
+		*bounces = (gw_bounces){ 0 };
+	}
+	return status;
+}

@@ -1,0 +1,118 @@
+/*
+ * cpu_kernels.c - the CPU kernels of the light's passes: loops over the shaders' texts (kernel.h).
+ */
+#include "light/host_loop.h"
+#include "light/transport_layout.h"
+
+#define CHUNK 4096u       /* lobes, surfels or rays that a thread takes at a time */
+#define CHUNK_POINTS 512u /* points that look for records */
+#define CHUNK_HITS 65536u /* hits or vectors that are added up */
+
+/* Elements of which each has so many rays or samples. */
+static size_t chunk_of(size_t rays, uint32_t samples)
+{
+	return rays / (samples > 0 ? samples : 1) + 1;
+}
+
+void gw_cpu_light_visibility(gw_passes *passes, const gw_binding *b, const void *push,
+							 uint64_t count)
+{
+	const gw_light_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_LIGHT_VISIBILITY,
+		(gw_kernel_run){ .kernel = gw_kernel_light_visibility, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK, p->samples));
+}
+
+void gw_cpu_light_irradiance(gw_passes *passes, const gw_binding *b, const void *push,
+							 uint64_t count)
+{
+	gw_kernel_loop(
+		passes, GW_PASS_LIGHT_IRRADIANCE,
+		(gw_kernel_run){ .kernel = gw_kernel_light_irradiance, .bindings = b, .push = push }, count,
+		CHUNK);
+}
+
+void gw_cpu_lobe_direct(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_LOBE_DIRECT,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_direct, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_record_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_RECORD_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_rays, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_record_again(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_RECORD_AGAIN,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_again, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_record_emitters(gw_passes *passes, const gw_binding *b, const void *push,
+							uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_EMITTERS,
+		(gw_kernel_run){ .kernel = gw_kernel_record_emitters, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK, p->light_samples));
+}
+
+void gw_cpu_record_sky(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_RECORD_SKY,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_sky, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->sky_samples));
+}
+
+void gw_cpu_record_first(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_RECORD_FIRST,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_first, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->rays));
+}
+
+void gw_cpu_record_gather(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_GATHER,
+		(gw_kernel_run){ .kernel = gw_kernel_record_gather, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK_HITS, p->rays));
+}
+
+void gw_cpu_record_add(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_RECORD_ADD,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_add, .bindings = b, .push = push },
+				   count, CHUNK_HITS);
+}
+
+void gw_cpu_lobe_weights(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_LOBE_WEIGHTS,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_weights, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
+}
+
+void gw_cpu_lobe_shade(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_LOBE_SHADE,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_shade, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_read_back(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_READ_BACK,
+				   (gw_kernel_run){ .kernel = gw_kernel_read_back, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
+}

@@ -1,0 +1,298 @@
+/*
+ * direct_light.c - see direct_light.h. For each light: which share of it each surfel sees, then its
+ * irradiance, then the mean over the lobes.
+ */
+#include "light/direct_light.h"
+
+#include "base/memory.h"
+#include "surfels/normal_error.h"
+#include "light/shadow_map.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEGREES (3.14159265358979323846 / 180.0)
+
+/* Shadow rays to a light that has an extent. */
+#define PENUMBRA_RAYS 16u
+
+#define UPLOAD_SURFELS 65536u /* at a time */
+
+static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
+						   const char *remedy, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_USAGE, "light %zu (%s%s%s): %s is %g; %s", index + 1,
+				   gw_light_type_name(light->type), light->name[0] ? " " : "", light->name, what,
+				   value, remedy);
+}
+
+static gw_status check_color(size_t index, const gw_light *light, const char *what,
+							 const float color[3], gw_error *error)
+{
+	for (int c = 0; c < 3; c++) {
+		if (!isfinite(color[c]) || color[c] < 0.0f)
+			return bad_light(index, light, what, (double)color[c],
+							 "give three finite numbers of at least 0", error);
+	}
+	return GW_OK;
+}
+
+static gw_status check_direction(size_t index, const gw_light *light, gw_error *error)
+{
+	const double *d = light->direction;
+	double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+	if (!isfinite(length) || length <= 0.0)
+		return bad_light(index, light, "length of the direction", length,
+						 "give a direction of finite length above 0", error);
+	return GW_OK;
+}
+
+static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error)
+{
+	for (int axis = 0; axis < 3; axis++) {
+		if (!isfinite(light->position[axis]))
+			return bad_light(index, light, "a coordinate", light->position[axis],
+							 "give a finite position", error);
+	}
+	if (!isfinite(light->radius) || light->radius < 0.0f)
+		return bad_light(index, light, "radius", (double)light->radius, "give metres of at least 0",
+						 error);
+	if (light->type == GW_LIGHT_SPOT) {
+		if (!(light->outer_angle > 0.0f && light->outer_angle <= 180.0f))
+			return bad_light(index, light, "outer angle", (double)light->outer_angle,
+							 "give degrees from the axis above 0 and up to 180", error);
+		if (!(light->inner_angle >= 0.0f && light->inner_angle <= light->outer_angle))
+			return bad_light(index, light, "inner angle", (double)light->inner_angle,
+							 "give degrees from 0 to the outer angle", error);
+		gw_status status = check_direction(index, light, error);
+		if (status != GW_OK)
+			return status;
+	}
+	return check_color(index, light, "intensity", light->intensity, error);
+}
+
+static gw_status check_environment(size_t index, const gw_light *light, size_t *maps,
+								   gw_error *error)
+{
+	if (light->map && (light->map_width == 0 || light->map_height == 0))
+		return bad_light(index, light, "a side of the map", 0.0, "give a map with pixels", error);
+	if (light->map && !isfinite(light->rotation))
+		return bad_light(index, light, "rotation", (double)light->rotation, "give degrees", error);
+	if (light->map && ++*maps > 1)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"light %zu is the second with a map; a bake takes one, so bake twice and add",
+			index + 1);
+	return check_color(index, light, "radiance", light->radiance, error);
+}
+
+gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
+{
+	size_t maps = 0;
+	for (size_t i = 0; i < count; i++) {
+		const gw_light *light = &lights[i];
+		gw_status status = GW_OK;
+		switch (light->type) {
+		case GW_LIGHT_POINT:
+		case GW_LIGHT_SPOT:
+			status = check_lamp(i, light, error);
+			break;
+		case GW_LIGHT_SUN:
+			if (!(light->angle >= 0.0f && light->angle < 90.0f))
+				return bad_light(i, light, "angle", (double)light->angle,
+								 "give degrees from 0 to below 90", error);
+			status = check_direction(i, light, error);
+			if (status == GW_OK)
+				status = check_color(i, light, "irradiance", light->irradiance, error);
+			break;
+		case GW_LIGHT_ENVIRONMENT:
+			status = check_environment(i, light, &maps, error);
+			break;
+		default:
+			return gw_fail(error, GW_ERROR_USAGE, "light %zu has the unknown type %d", i + 1,
+						   (int)light->type);
+		}
+		if (status != GW_OK)
+			return status;
+	}
+	return GW_OK;
+}
+
+bool gw_light_shines(const gw_light *light)
+{
+	const float *power = light->type == GW_LIGHT_SUN ? light->irradiance : light->intensity;
+	return light->type != GW_LIGHT_ENVIRONMENT && (power[0] > 0 || power[1] > 0 || power[2] > 0);
+}
+
+/* Subtracting the frame's origin in double keeps large coordinates exact. */
+gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
+							   const gw_surfels *surfels, const gw_bake_options *options)
+{
+	gw_light_push push = { .type = light->type == GW_LIGHT_SUN    ? GW_PUSH_SUN
+								   : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
+																  : GW_PUSH_POINT,
+						   .samples = 1,
+						   .cos_inner = (float)cos((double)light->inner_angle * DEGREES),
+						   .cos_outer = (float)cos((double)light->outer_angle * DEGREES),
+						   .seed = (uint32_t)options->seed,
+						   .shadows = options->shadows != GW_SHADOWS_NONE };
+	double cell = (double)octree->leaf_size;
+	double g[3];
+	for (int axis = 0; axis < 3; axis++)
+		g[axis] =
+			((light->position[axis] - surfels->origin[axis]) - (double)octree->cube_minimum[axis]) /
+			cell;
+	push.position =
+		(vec4){ (float)g[0], (float)g[1], (float)g[2], (float)((double)light->radius / cell) };
+	const double *d = light->direction;
+	double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+	double scale = length > 0.0 ? 1.0 / length : 0.0;
+	push.direction = (vec4){ (float)(d[0] * scale), (float)(d[1] * scale), (float)(d[2] * scale),
+							 (float)tan((double)light->angle * 0.5 * DEGREES) };
+	bool sun = light->type == GW_LIGHT_SUN;
+	const float *power = sun ? light->irradiance : light->intensity;
+	double unit = sun ? 1.0 : 1.0 / (cell * cell);
+	push.power = (vec4){ (float)((double)power[0] * unit), (float)((double)power[1] * unit),
+						 (float)((double)power[2] * unit), 0.0f };
+	if ((sun && light->angle > 0.0f) || (!sun && light->radius > 0.0f))
+		push.samples = PENUMBRA_RAYS;
+	return push;
+}
+
+/* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
+ * they are, or as far off as they may be. */
+static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off, gw_buffer *normal,
+								gw_error *error)
+{
+	const float *own = surfels->lamp_normal ? surfels->lamp_normal : surfels->normal;
+	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	if (!chunk)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
+					   surfels->count);
+	gw_status status =
+		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
+						 "normals for lamps", normal, error);
+	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
+		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
+		for (size_t i = 0; i < count; i++) {
+			size_t s = first + i;
+			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
+			if (off)
+				gw_normal_turn(own + 3 * s, surfels->lamp_off[s], s, chunk + 4 * i);
+			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
+		}
+		status =
+			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);
+	}
+	free(chunk);
+	return status;
+}
+
+static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
+								  const gw_light_push *push, uint64_t count,
+								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
+{
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(octree), gw_window(&octree->surfel_position, 16),
+		gw_window(normal, 16),     gw_window(visibility, 4),
+		GW_DISC_BINDINGS(octree),  GW_TREE_BINDING(octree)
+	};
+	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
+}
+
+static gw_status find_visibility(gw_passes *passes, const gw_octree *octree,
+								 const gw_surfels *surfels, const gw_light_push *push,
+								 const gw_bake_options *options, const gw_buffer *normal,
+								 gw_buffer *visibility, gw_error *error)
+{
+	/* Maps show planes in cells, and of large discs no more than that. */
+	bool maps = options->shadows == GW_SHADOWS_MAPS && octree->tree_discs == 0;
+	if (maps)
+		return gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
+										visibility, error);
+	if (options->shadows != GW_SHADOWS_NONE)
+		return trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
+	return GW_OK;
+}
+
+static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
+								const gw_light_push *push, uint64_t count, const gw_buffer *normal,
+								const gw_buffer *visibility, gw_buffer *irradiance, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
+									gw_window(visibility, 4), gw_window(irradiance, 16) };
+	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
+}
+
+gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+						   gw_buffer *lobes, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
+									gw_whole(&octree->fragment_surfel),
+									gw_whole(&octree->fragment_weight), gw_whole(surfels),
+									gw_window(lobes, 16) };
+	return gw_passes_run(passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 },
+						 2 * (uint64_t)octree->leaf_count, error);
+}
+
+gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						  const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
+						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error)
+{
+	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
+	const gw_buffer *normal = surfels->lamp_normal ? &own_normal : &octree->surfel_normal;
+	uint64_t count = surfels->count;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+										4 * count, "visibility", &visibility, error);
+	if (status == GW_OK && surfels->lamp_normal)
+		status = upload_normals(passes->gpu, surfels, false, &own_normal, error);
+	if (status == GW_OK && turned)
+		status = upload_normals(passes->gpu, surfels, true, &off_normal, error);
+	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
+		if (!gw_light_shines(&lights[i]))
+			continue;
+		gw_light_push push = gw_light_push_of(&lights[i], octree, surfels, options);
+		status =
+			find_visibility(passes, octree, surfels, &push, options, normal, &visibility, error);
+		if (status == GW_OK)
+			status = add_irradiance(passes, octree, &push, count, normal, &visibility,
+									surfel_irradiance, error);
+		if (status == GW_OK && turned)
+			status = add_irradiance(passes, octree, &push, count, &off_normal, &visibility, turned,
+									error);
+	}
+	if (status == GW_OK)
+		status = gw_average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
+	gw_buffer_destroy(passes->gpu, &off_normal);
+	gw_buffer_destroy(passes->gpu, &own_normal);
+	gw_buffer_destroy(passes->gpu, &visibility);
+	return status;
+}
+
+gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 const gw_light *light, const gw_bake_options *options, float *share,
+						 gw_error *error)
+{
+	gw_buffer visibility = { 0 };
+	const gw_light_push push = gw_light_push_of(light, octree, surfels, options);
+	uint64_t bytes = 4 * (uint64_t)surfels->count;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+										"visibility", &visibility, error);
+	const float one = 1.0f;
+	uint32_t seen;
+	memcpy(&seen, &one, sizeof seen);
+	if (status == GW_OK)
+		status = gw_buffer_fill(passes->gpu, &visibility, seen, error);
+	if (status == GW_OK)
+		status = find_visibility(passes, octree, surfels, &push, options, &octree->surfel_normal,
+								 &visibility, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(passes->gpu, &visibility, 0, share, bytes, error);
+	for (size_t i = 0; i < surfels->count && status == GW_OK; i++)
+		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
+	gw_buffer_destroy(passes->gpu, &visibility);
+	return status;
+}

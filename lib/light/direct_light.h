@@ -1,0 +1,52 @@
+/*
+ * direct_light.h - light of point, spot and sun lights at every surfel (Salm 4.2): analytic, with
+ * shadows traced at every surfel or looked up in shadow maps; and its mean in every lobe.
+ */
+#ifndef DIRECT_LIGHT_H
+#define DIRECT_LIGHT_H
+
+#include "octree/octree_bindings.h"
+#include "light/transport_layout.h"
+
+/* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
+ * The sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
+gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error);
+
+/* Whether a light of these is of a type that direct_light computes and is not black. */
+bool gw_light_shines(const gw_light *light);
+
+/* A light as passes get it, in grid coordinates: an intensity in W/sr becomes one per leaf cell
+ * squared. */
+gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
+							   const gw_surfels *surfels, const gw_bake_options *options);
+
+/*
+ * Adds the irradiance of every such light.
+ *   surfel_irradiance  texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller
+ *   lobe_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each lobe
+ *   surfels            gives the local frame
+ *   turned             NULL, or like surfel_irradiance: receives what it would be if each normal
+ *                      were off as lamp_off says, which has to be there (normal_error.h)
+ */
+gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						  const gw_light *lights, size_t light_count,
+						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
+						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error);
+
+/*
+ * The share of one light that each surfel sees, whichever way it faces.
+ *   share   surfel count, 0..1, on the host
+ */
+gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
+						 const gw_light *light, const gw_bake_options *options, float *share,
+						 gw_error *error);
+
+/*
+ * Area-weighted means over the lobes.
+ *   surfels   texel buffer R32G32B32A32_SFLOAT, surfel count
+ *   lobes     2 * leaf_count vec4, receives them; w is 0
+ */
+gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+						   gw_buffer *lobes, gw_error *error);
+
+#endif

@@ -1,0 +1,355 @@
+/*
+ * gather_rays.c - see gather_rays.h.
+ */
+#include "light/gather_rays.h"
+
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <stdlib.h>
+
+gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t rays, uint32_t seed,
+							   gw_ray_gather *gather, gw_error *error)
+{
+	*gather = (gw_ray_gather){ .rays = rays, .seed = seed };
+	uint64_t count = (uint64_t)rays * records->count;
+	if (count > UINT32_MAX)
+		return gw_fail(
+			error, GW_ERROR_MEMORY,
+			"%u records with %u rays each are more than 2^32 rays; use fewer --rays or a "
+			"larger --record-spacing",
+			records->count, rays);
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
+										"hit lobe", &gather->lobe, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
+								  "hit distance", &gather->distance, error);
+	if (status != GW_OK)
+		gw_ray_gather_destroy(gpu, gather);
+	return status;
+}
+
+gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error)
+{
+	uint64_t count = (uint64_t)rays * records->count;
+	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = {
+			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
+			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
+			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree),
+			GW_TREE_BINDING(octree)
+		};
+		gw_record_push push = { .rays = rays, .seed = seed };
+		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
+	}
+	if (status != GW_OK)
+		gw_ray_gather_destroy(passes->gpu, gather);
+	return status;
+}
+
+void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
+{
+	gw_buffer_destroy(gpu, &gather->lobe);
+	gw_buffer_destroy(gpu, &gather->distance);
+	gw_buffer_destroy(gpu, &gather->through);
+}
+
+/* Puts what another buffer holds behind *buffer. */
+static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer *buffer,
+						gw_error *error)
+{
+	gw_buffer joined = { 0 };
+	uint64_t bytes = buffer->bytes + more->bytes;
+	char *values = gw_allocate_array(bytes, 1);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu bytes of %s",
+					   (unsigned long long)bytes, buffer->name);
+	gw_status status = gw_buffer_download(gpu, buffer, 0, values, buffer->bytes, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, more, 0, values + buffer->bytes, more->bytes, error);
+	if (status == GW_OK)
+		status =
+			gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, buffer->name, &joined, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &joined, 0, values, bytes, error);
+	free(values);
+	if (status != GW_OK) {
+		gw_buffer_destroy(gpu, &joined);
+		return status;
+	}
+	gw_buffer_destroy(gpu, buffer);
+	*buffer = joined;
+	return GW_OK;
+}
+
+gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
+							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_status status =
+		gw_ray_gather_trace(passes, octree, further, gather->rays, gather->seed, own, error);
+	if (status == GW_OK)
+		status = append(gpu, VK_FORMAT_R32_UINT, &own->lobe, &gather->lobe, error);
+	if (status == GW_OK)
+		status = append(gpu, VK_FORMAT_R32_SFLOAT, &own->distance, &gather->distance, error);
+	return status;
+}
+
+gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_openings *openings, gw_ray_gather *gather, gw_error *error)
+{
+	if (openings->count == 0 || gather->through.handle != VK_NULL_HANDLE)
+		return GW_OK;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+										4 * (uint64_t)records->count, "sky through openings",
+										&gather->through, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = {
+			GW_TRACE_BINDINGS(octree),   gw_whole(&records->position),   gw_whole(&records->normal),
+			gw_whole(&openings->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree),
+			GW_TREE_BINDING(octree)
+		};
+		gw_record_push push = { .seed = gather->seed, .openings = openings->count };
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_OPENINGS, bindings, &push, records->count, error);
+	}
+	if (status != GW_OK)
+		gw_buffer_destroy(passes->gpu, &gather->through);
+	return status;
+}
+
+gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
+									 const gw_records *further, const gw_openings *openings,
+									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
+{
+	if (gather->through.handle == VK_NULL_HANDLE)
+		return GW_OK;
+	gw_status status = gw_ray_gather_open(passes, octree, further, openings, own, error);
+	return status == GW_OK
+			   ? append(passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
+			   : status;
+}
+
+/* Adds samples of the emitters to `sampled`. */
+static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								 const gw_sampled_sources *sources, gw_record_push push,
+								 gw_buffer *sampled, gw_error *error)
+{
+	const gw_emitters *emitters = sources->emitters;
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
+									gw_whole(emitters->radiance),
+									gw_whole(&emitters->table),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16),
+									gw_whole(sources->part ? sources->part : emitters->radiance),
+									GW_DISC_BINDINGS(octree),
+									GW_TREE_BINDING(octree) };
+	push.batch_count = push.light_samples;
+	return gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count, error);
+}
+
+/* Any buffer will do where there are none. */
+static const gw_buffer *spheres_of(const gw_sampled_sources *sources)
+{
+	return sources->openings && sources->openings->count > 0 ? &sources->openings->sphere
+															 : sources->emitters->radiance;
+}
+
+/* The same for the map of the sky. */
+static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							const gw_sampled_sources *sources, gw_record_push push,
+							gw_buffer *sampled, gw_error *error)
+{
+	const gw_sky_map *map = sources->map;
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
+		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
+		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources)),   GW_TREE_BINDING(octree)
+	};
+	push.batch_count = push.sky_samples;
+	return gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
+}
+
+/* Adds the sky as rays and samples of openings see it. */
+static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray_gather *gather,
+							const gw_sampled_sources *sources, gw_record_push push,
+							gw_buffer *sampled, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+									gw_whole(&gather->through),
+									gw_whole(spheres_of(sources)),
+									gw_whole(push.sky_width > 0 ? &sources->map->texel
+																: sources->emitters->radiance),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(sampled, 16) };
+	push.seed = gather->seed;
+	push.batch_count = push.rays;
+	return gw_passes_run(passes, GW_PASS_OPENING_LIGHT, bindings, &push, records->count, error);
+}
+
+static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
+{
+	const gw_sky_map *map = sources->map;
+	if (!map || map->width == 0)
+		return;
+	push->sky_width = map->width;
+	push->sky_height = map->height;
+	push->sky_samples = sources->map_samples;
+	push->sky_hits = sources->map_hits;
+	push->sky_total = map->total;
+	push->sky_turn = map->turn;
+	push->sky_y_up = map->y_up;
+}
+
+gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+					   gw_error *error)
+{
+	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
+	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
+						 error);
+}
+
+/* What the rays themselves meet, and what was sampled. */
+static gw_status gather_hits(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, const gw_sampled_sources *sources,
+							 gw_record_push push, const gw_buffer *sampled, gw_buffer *irradiance,
+							 gw_error *error)
+{
+	const gw_buffer *radiance = sources->emitters->radiance;
+	/* The directions of the rays are made again, from their seed. */
+	push.seed = gather->seed;
+	if (push.openings > 0) {
+		push.sky = (vec4){ 0 };
+		push.sky_hits = 0;
+	}
+	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+									gw_whole(&gather->distance),
+									gw_whole(&octree->lobe_plane),
+									gw_whole(radiance),
+									gw_window(sampled, 16),
+									gw_window(&records->position, 16),
+									gw_window(&records->normal, 16),
+									gw_window(irradiance, 16),
+									gw_whole(sources->part ? sources->part : radiance),
+									gw_whole(push.sky_width > 0 ? &sources->map->texel
+																: radiance) };
+	return gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
+}
+
+/* All sources at once. */
+static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								const gw_ray_gather *gather, const gw_sampled_sources *sources,
+								gw_buffer *irradiance, gw_error *error)
+{
+	const gw_emitters *emitters = sources->emitters;
+	const float *sky = sources->sky;
+	bool map = sources->map && sources->map->width > 0;
+	gw_buffer sampled = { 0 };
+	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
+	if (dark && sources->looked)
+		return gw_buffer_fill(passes->gpu, irradiance, 0, error);
+	bool sampled_too =
+		emitters->count > 0 && !(sources->use_hits && gw_emitters_are_everywhere(emitters));
+	gw_record_push push = { .rays = gather->rays,
+							.seed = sources->seed,
+							.light_samples = sampled_too ? sources->samples : 0,
+							.emitters = emitters->count,
+							.emitter_power = emitters->power,
+							.use_hits = sources->use_hits && emitters->count > 0,
+							.looked = sources->looked,
+							.sky = { sky[0], sky[1], sky[2], 0.0f } };
+	put_map(sources, &push);
+	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
+	if (shines && sources->openings && gather->through.handle != VK_NULL_HANDLE)
+		push.openings = sources->openings->count;
+	gw_status status =
+		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
+	if (status == GW_OK && push.light_samples > 0)
+		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
+	if (status == GW_OK && push.sky_width > 0)
+		status = sample_sky(passes, octree, records, sources, push, &sampled, error);
+	if (status == GW_OK && push.openings > 0)
+		status = add_opened(passes, records, gather, sources, push, &sampled, error);
+	if (status == GW_OK)
+		status = gather_hits(passes, octree, records, gather, sources, push, &sampled, irradiance,
+							 error);
+	gw_buffer_destroy(passes->gpu, &sampled);
+	return status;
+}
+
+/* What emitters alone bring, unless that is kept from before. */
+static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							   const gw_ray_gather *gather, const gw_sampled_sources *sources,
+							   gw_error *error)
+{
+	const float black[3] = { 0 };
+	gw_sampled_sources alone = *sources;
+	if (sources->kept->handle != VK_NULL_HANDLE)
+		return GW_OK;
+	alone.sky = black;
+	alone.map = NULL;
+	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+										16 * (uint64_t)records->count, "irradiance from emitters",
+										sources->kept, error);
+	if (status == GW_OK)
+		status = gather_sources(passes, octree, records, gather, &alone, sources->kept, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(passes->gpu, sources->kept);
+	return status;
+}
+
+gw_status gw_ray_gather_sample_further(gw_passes *passes, const gw_octree *octree,
+									   gw_records *further, const gw_ray_gather *own,
+									   const gw_sampled_sources *sources, gw_error *error)
+{
+	gw_buffer more = { 0 };
+	gw_sampled_sources alone = *sources;
+	alone.kept = &more;
+	alone.looked = false;
+	gw_status status = keep_emitters(passes, octree, further, own, &alone, error);
+	if (status == GW_OK)
+		status = append(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, &more, sources->kept, error);
+	gw_buffer_destroy(passes->gpu, &more);
+	return status;
+}
+
+gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								const gw_ray_gather *gather, const gw_sampled_sources *sources,
+								gw_buffer *irradiance, gw_error *error)
+{
+	const gw_emitters none = { .radiance = sources->emitters->radiance };
+	gw_sampled_sources others = *sources;
+	if (!sources->kept)
+		return gather_sources(passes, octree, records, gather, sources, irradiance, error);
+	others.emitters = &none;
+	gw_status status = keep_emitters(passes, octree, records, gather, sources, error);
+	if (status == GW_OK)
+		status = gather_sources(passes, octree, records, gather, &others, irradiance, error);
+	if (status == GW_OK)
+		status = gw_light_add(passes, sources->kept, irradiance, records->count, error);
+	return status;
+}
+
+gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							 const gw_ray_gather *gather, gw_error *error)
+{
+	const float black[3] = { 0 };
+	const gw_emitters none = { .radiance = &octree->lobe_emission };
+	const gw_sampled_sources nothing = { .emitters = &none, .sky = black };
+	return gw_ray_gather_sampled(passes, octree, records, gather, &nothing, &records->first, error);
+}
+
+gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
+							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
+									gw_window(&records->normal, 16),
+									gw_window(&records->gathered, 16) };
+	gw_record_push push = { .rays = gather->rays };
+	return gw_passes_run(passes, GW_PASS_RECORD_GATHER, bindings, &push, records->count, error);
+}

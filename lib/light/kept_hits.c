@@ -1,0 +1,264 @@
+/*
+ * kept_hits.c - see kept_hits.h.
+ */
+#include "light/kept_hits.h"
+
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static gw_buffer *writable(const gw_buffer *buffer)
+{
+	return (gw_buffer *)(uintptr_t)buffer;
+}
+
+/* Positions and normals of records, 6 floats each, for free(). */
+static gw_status fetch_places(gw_gpu *gpu, const gw_records *records, float **place,
+							  gw_error *error)
+{
+	size_t n = records->count;
+	float *position = gw_allocate_array(n, 4 * sizeof *position);
+	float *normal = gw_allocate_array(n, 4 * sizeof *normal);
+	*place = gw_allocate_array(n, 6 * sizeof **place);
+	gw_status status = GW_OK;
+	if (!position || !normal || !*place)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", n);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, writable(&records->position), 0, position, 16 * n, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, writable(&records->normal), 0, normal, 16 * n, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++) {
+		memcpy(*place + 6 * i, position + 4 * i, 12);
+		memcpy(*place + 6 * i + 3, normal + 4 * i, 12);
+	}
+	free(position);
+	free(normal);
+	if (status != GW_OK) {
+		free(*place);
+		*place = NULL;
+	}
+	return status;
+}
+
+/* Morton keys of the leaves, ascending, for free(). */
+static gw_status fetch_leaves(gw_gpu *gpu, const gw_octree *octree, uint64_t **key, gw_error *error)
+{
+	size_t n = octree->leaf_count;
+	uint32_t *cell = gw_allocate_array(n, 4 * sizeof *cell);
+	*key = gw_allocate_array(n, sizeof **key);
+	gw_status status = GW_OK;
+	if (!cell || !*key)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu leaves", n);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, writable(&octree->leaf_cell), 0, cell, 16 * n, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++)
+		(*key)[i] = gw_morton_encode(cell[4 * i], cell[4 * i + 1], cell[4 * i + 2]);
+	free(cell);
+	if (status != GW_OK) {
+		free(*key);
+		*key = NULL;
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------ the hash of records */
+
+static uint32_t hash_place(const float place[6])
+{
+	uint32_t word[6];
+	uint64_t sum = 0;
+	memcpy(word, place, sizeof word);
+	for (int i = 0; i < 6; i++)
+		sum = (sum ^ word[i]) * 0x9e3779b97f4a7c15u;
+	return (uint32_t)(sum >> 32);
+}
+
+static bool list_records(gw_kept_hits *kept)
+{
+	kept->mask = 1;
+	while (kept->mask / 2 < kept->record_count && kept->mask < UINT32_MAX / 2)
+		kept->mask = kept->mask * 2 + 1;
+	kept->bucket = gw_allocate_zeros((size_t)kept->mask + 1, sizeof *kept->bucket);
+	if (!kept->bucket)
+		return false;
+	for (uint32_t i = 0; i < kept->record_count; i++) {
+		uint32_t at = hash_place(kept->place + 6 * (size_t)i) & kept->mask;
+		while (kept->bucket[at] != 0)
+			at = (at + 1) & kept->mask;
+		kept->bucket[at] = i + 1;
+	}
+	return true;
+}
+
+static uint32_t find_record(const gw_kept_hits *kept, const float place[6])
+{
+	uint32_t at = hash_place(place) & kept->mask;
+	for (; kept->bucket[at] != 0; at = (at + 1) & kept->mask)
+		if (memcmp(kept->place + 6 * (size_t)(kept->bucket[at] - 1), place, 24) == 0)
+			return kept->bucket[at] - 1;
+	return GW_NONE;
+}
+
+gw_status gw_kept_hits_take(gw_gpu *gpu, const gw_octree *octree, const gw_records *records,
+							gw_ray_gather *rays, gw_kept_hits *kept, gw_error *error)
+{
+	*kept = (gw_kept_hits){ .record_count = records->count, .leaf_count = octree->leaf_count };
+	gw_status status = fetch_places(gpu, records, &kept->place, error);
+	if (status == GW_OK)
+		status = fetch_leaves(gpu, octree, &kept->leaf_key, error);
+	if (status == GW_OK && !list_records(kept))
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	if (status == GW_OK) {
+		kept->rays = *rays;
+		*rays = (gw_ray_gather){ 0 };
+	} else {
+		gw_kept_hits_destroy(gpu, kept);
+	}
+	return status;
+}
+
+void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept)
+{
+	gw_ray_gather_destroy(gpu, &kept->rays);
+	free(kept->place);
+	free(kept->bucket);
+	free(kept->leaf_key);
+	*kept = (gw_kept_hits){ 0 };
+}
+
+/* ------------------------------------------------------------------------------------- tracing */
+
+/* What goes to the device for one frame. */
+typedef struct keep_tables {
+	gw_buffer known_record, leaf_now, box, list;
+} keep_tables;
+
+static gw_status upload(gw_gpu *gpu, VkFormat format, const void *values, uint64_t bytes,
+						const char *name, gw_buffer *buffer, gw_error *error)
+{
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+	return status == GW_OK ? gw_buffer_upload(gpu, buffer, 0, values, bytes, error) : status;
+}
+
+static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_kept_hits *kept,
+							   keep_tables *tables, gw_error *error)
+{
+	float *place = NULL;
+	uint32_t *known = gw_allocate_array(records->count, sizeof *known);
+	gw_status status =
+		known ? fetch_places(gpu, records, &place, error)
+			  : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	for (uint32_t i = 0; i < records->count && status == GW_OK; i++)
+		known[i] = find_record(kept, place + 6 * (size_t)i);
+	if (status == GW_OK)
+		status = upload(gpu, VK_FORMAT_R32_UINT, known, 4 * (uint64_t)records->count,
+						"records known before", &tables->known_record, error);
+	free(place);
+	free(known);
+	return status;
+}
+
+/* All old leaves are among the new ones; both are in ascending order. */
+static gw_status match_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_kept_hits *kept,
+							  keep_tables *tables, gw_error *error)
+{
+	uint64_t *key = NULL;
+	uint32_t *now = gw_allocate_array(kept->leaf_count, sizeof *now), at = 0;
+	gw_status status =
+		now ? fetch_leaves(gpu, octree, &key, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u leaves", kept->leaf_count);
+	for (uint32_t i = 0; i < kept->leaf_count && status == GW_OK; i++) {
+		while (at < octree->leaf_count && key[at] < kept->leaf_key[i])
+			at++;
+		if (at == octree->leaf_count || key[at] != kept->leaf_key[i])
+			status = gw_fail(error, GW_ERROR_INTERNAL, "a leaf that stood still is gone");
+		now[i] = at;
+	}
+	if (status == GW_OK)
+		status = upload(gpu, VK_FORMAT_R32_UINT, now, 4 * (uint64_t)kept->leaf_count,
+						"leaves as they are now", &tables->leaf_now, error);
+	free(key);
+	free(now);
+	return status;
+}
+
+static gw_status keep(gw_passes *passes, const gw_records *records, const gw_kept_hits *kept,
+					  const keep_tables *tables, uint32_t box_count, gw_ray_gather *gather,
+					  gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&kept->rays.lobe),      gw_whole(&kept->rays.distance),
+									gw_whole(&tables->known_record), gw_whole(&tables->leaf_now),
+									gw_whole(&records->position),    gw_whole(&records->normal),
+									gw_whole(&tables->box),          gw_window(&gather->lobe, 4),
+									gw_window(&gather->distance, 4), gw_whole(&tables->list) };
+	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed, .boxes = box_count };
+	return gw_passes_run(passes, GW_PASS_RECORD_KEEP, bindings, &push,
+						 (uint64_t)gather->rays * records->count, error);
+}
+
+static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							  const keep_tables *tables, gw_ray_gather *gather, uint64_t *traced,
+							  gw_error *error)
+{
+	uint32_t listed;
+	gw_status status =
+		gw_buffer_download(passes->gpu, writable(&tables->list), 0, &listed, 4, error);
+	if (status != GW_OK)
+		return status;
+	*traced = listed;
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
+									gw_whole(&records->normal), gw_whole(&tables->list),
+									gw_whole(&gather->lobe),    gw_whole(&gather->distance),
+									GW_DISC_BINDINGS(octree),   GW_TREE_BINDING(octree) };
+	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
+	return gw_passes_run(passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
+}
+
+static gw_status make_tables(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_kept_hits *kept, const gw_changed_box *boxes,
+							 uint32_t box_count, keep_tables *tables, gw_error *error)
+{
+	uint64_t rays = (uint64_t)kept->rays.rays * records->count;
+	gw_status status = match_records(passes->gpu, records, kept, tables, error);
+	if (status == GW_OK)
+		status = match_leaves(passes->gpu, octree, kept, tables, error);
+	if (status == GW_OK)
+		status = upload(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, boxes,
+						sizeof *boxes * (uint64_t)box_count, "changed boxes", &tables->box, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * (rays + 1),
+								  "rays to trace again", &tables->list, error);
+	return status;
+}
+
+gw_status gw_kept_hits_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_kept_hits *kept, const gw_changed_box *boxes,
+							 uint32_t box_count, gw_ray_gather *gather, uint64_t *traced,
+							 gw_error *error)
+{
+	uint64_t rays = (uint64_t)kept->rays.rays * records->count;
+	keep_tables tables = { 0 };
+	/* Lists that are too long to be bound as a whole. */
+	if (4 * (rays + 1) > gw_gpu_limits(passes->gpu)->maxStorageBufferRange) {
+		*traced = rays;
+		return gw_ray_gather_trace(passes, octree, records, kept->rays.rays, kept->rays.seed,
+								   gather, error);
+	}
+	gw_status status =
+		gw_ray_gather_create(passes->gpu, records, kept->rays.rays, kept->rays.seed, gather, error);
+	if (status == GW_OK)
+		status = make_tables(passes, octree, records, kept, boxes, box_count, &tables, error);
+	if (status == GW_OK)
+		status = keep(passes, records, kept, &tables, box_count, gather, error);
+	if (status == GW_OK)
+		status = trace_listed(passes, octree, records, &tables, gather, traced, error);
+	gw_buffer_destroy(passes->gpu, &tables.known_record);
+	gw_buffer_destroy(passes->gpu, &tables.leaf_now);
+	gw_buffer_destroy(passes->gpu, &tables.box);
+	gw_buffer_destroy(passes->gpu, &tables.list);
+	if (status != GW_OK)
+		gw_ray_gather_destroy(passes->gpu, gather);
+	return status;
+}

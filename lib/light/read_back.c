@@ -1,0 +1,222 @@
+/*
+ * read_back.c - see read_back.h. Rows come from the device in chunks of equal width and are packed
+ * here.
+ */
+#include "light/read_back.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "light/transport_layout.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Surfels whose rows are found at a time. */
+#define CHUNK 32768u
+
+/* Rows on their way from the device. */
+typedef struct rows {
+	gw_buffer record, weight;
+	uint32_t *host_record; /* GW_SURFEL_WEIGHTS * CHUNK */
+	float *host_weight;
+	size_t room; /* entries that the packed arrays hold */
+} rows;
+
+static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
+{
+	const uint64_t words = (uint64_t)GW_SURFEL_WEIGHTS * CHUNK;
+	r->host_record = gw_allocate_array(words, sizeof *r->host_record);
+	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
+	if (!r->host_record || !r->host_weight)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for weights of records");
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
+										"records of surfels", &r->record, error);
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
+								  "weights of surfels", &r->weight, error);
+	return status;
+}
+
+/* Room for a further chunk; lists grow by half. */
+static gw_status reserve(gw_read_back *b, rows *r, size_t used, gw_error *error)
+{
+	size_t needed = used + (size_t)GW_SURFEL_WEIGHTS * CHUNK;
+	if (needed > UINT32_MAX)
+		return gw_fail(error, GW_ERROR_MEMORY, "%zu surfels have more than 2^32 records near",
+					   b->count);
+	if (needed <= r->room)
+		return GW_OK;
+	size_t room = needed + used / 2;
+	uint32_t *record = gw_resize_array(b->record, room, sizeof *record);
+	if (record)
+		b->record = record;
+	float *weight = gw_resize_array(b->weight, room, sizeof *weight);
+	if (weight)
+		b->weight = weight;
+	if (!record || !weight)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu weights of records", room);
+	r->room = room;
+	return GW_OK;
+}
+
+static void put_row(gw_read_back *b, size_t surfel, const uint32_t *record, const float *weight,
+					size_t count)
+{
+	uint32_t used = b->first[surfel];
+	assert(b->record != NULL && b->weight != NULL);
+	memcpy(b->record + used, record, count * sizeof *record);
+	memcpy(b->weight + used, weight, count * sizeof *weight);
+	b->first[surfel + 1] = used + (uint32_t)count;
+}
+
+/* Which rows are looked for, and those that stay. */
+typedef struct renewal {
+	const gw_buffer *reach;     /* NULL: all are */
+	const bool *closer;         /* those that are */
+	const gw_read_back *before; /* has the others */
+} renewal;
+
+static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t first, size_t count)
+{
+	for (size_t i = 0; i < count; i++) {
+		size_t row = i * GW_SURFEL_WEIGHTS, n = 0;
+		if (how->reach && !how->closer[first + i]) {
+			const gw_read_back *old = how->before;
+			uint32_t from = old->first[first + i];
+			put_row(b, first + i, old->record + from, old->weight + from,
+					old->first[first + i + 1] - from);
+			continue;
+		}
+		while (n < GW_SURFEL_WEIGHTS && r->host_record[row + n] != GW_NONE)
+			n++;
+		put_row(b, first + i, r->host_record + row, r->host_weight + row, n);
+	}
+}
+
+static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						   const renewal *how, rows *r, gw_read_back *b, gw_error *error)
+{
+	gw_status status = create(passes->gpu, r, error);
+	for (size_t first = 0; first < b->count && status == GW_OK; first += CHUNK) {
+		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
+		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
+		status = reserve(b, r, b->first[first], error);
+		if (status == GW_OK)
+			status = gw_records_weigh_surfels(passes, octree, records, how->reach, first, count,
+											  &r->record, &r->weight, error);
+		if (status == GW_OK)
+			status = gw_buffer_download(passes->gpu, &r->record, 0, r->host_record, bytes, error);
+		if (status == GW_OK)
+			status = gw_buffer_download(passes->gpu, &r->weight, 0, r->host_weight, bytes, error);
+		if (status == GW_OK)
+			pack(b, r, how, first, count);
+	}
+	return status;
+}
+
+/* Gives back what the lists did not need; when that fails they stay as they are. */
+static void shrink(gw_read_back *b)
+{
+	uint32_t *record = gw_resize_array(b->record, b->first[b->count], sizeof *record);
+	float *weight = gw_resize_array(b->weight, b->first[b->count], sizeof *weight);
+	b->record = record ? record : b->record;
+	b->weight = weight ? weight : b->weight;
+}
+
+static gw_status make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+					  const renewal *how, size_t surfel_count, gw_read_back *read_back,
+					  gw_error *error)
+{
+	rows r = { .room = 0 };
+	*read_back = (gw_read_back){ .count = surfel_count };
+	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
+	gw_status status =
+		read_back->first
+			? find_rows(passes, octree, records, how, &r, read_back, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu surfels", surfel_count);
+	gw_buffer_destroy(passes->gpu, &r.record);
+	gw_buffer_destroy(passes->gpu, &r.weight);
+	free(r.host_record);
+	free(r.host_weight);
+	if (status == GW_OK)
+		shrink(read_back);
+	else
+		gw_read_back_clear(read_back);
+	return status;
+}
+
+gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							size_t surfel_count, gw_read_back *read_back, gw_error *error)
+{
+	return make(passes, octree, records, &(renewal){ .reach = NULL }, surfel_count, read_back,
+				error);
+}
+
+gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_buffer *reach, const bool *closer, gw_read_back *read_back,
+							 gw_error *error)
+{
+	gw_read_back again;
+	const renewal how = { reach, closer, read_back };
+	gw_status status = make(passes, octree, records, &how, read_back->count, &again, error);
+	if (status != GW_OK)
+		return status;
+	gw_read_back_clear(read_back);
+	*read_back = again;
+	return GW_OK;
+}
+
+void gw_read_back_clear(gw_read_back *read_back)
+{
+	free(read_back->first);
+	free(read_back->record);
+	free(read_back->weight);
+	*read_back = (gw_read_back){ 0 };
+}
+
+typedef struct product {
+	const gw_read_back *matrix;
+	const float *records;
+	float *surfels;
+} product;
+
+static void multiply(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const product *p = user;
+	const gw_read_back *b = p->matrix;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		float sum[3] = { 0 };
+		for (uint32_t e = b->first[i]; e < b->first[i + 1]; e++) {
+			const float *value = p->records + 4 * (size_t)b->record[e];
+			for (int c = 0; c < 3; c++)
+				sum[c] += b->weight[e] * value[c];
+		}
+		memcpy(p->surfels + 4 * i, sum, sizeof sum);
+		p->surfels[4 * i + 3] = 0.0f;
+	}
+}
+
+void gw_read_back_apply(const gw_read_back *read_back, const float *records, uint32_t threads,
+						float *surfels)
+{
+	product p = { read_back, records, surfels };
+	gw_parallel_for(gw_thread_count(threads), read_back->count, 16384, multiply, &p);
+}
+
+double gw_read_back_variance(const gw_read_back *read_back, const double *light, size_t surfel,
+							 double lonely)
+{
+	double mean = 0.0, squares = 0.0, spread = 0.0;
+	for (uint32_t e = read_back->first[surfel]; e < read_back->first[surfel + 1]; e++) {
+		double weight = (double)read_back->weight[e];
+		mean += weight * light[read_back->record[e]];
+		squares += weight * weight;
+	}
+	for (uint32_t e = read_back->first[surfel]; e < read_back->first[surfel + 1]; e++) {
+		double off = light[read_back->record[e]] - mean;
+		spread += (double)read_back->weight[e] * off * off;
+	}
+	return squares > 0.999 ? lonely * mean * mean : spread / (1.0 - squares) * squares;
+}

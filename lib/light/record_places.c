@@ -1,0 +1,198 @@
+/*
+ * record_places.c - see record_places.h.
+ */
+#include "light/record_places.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Lobes whose normals are closer than this share a record. */
+#define LIKE_NORMAL 0.7f
+
+/* Darts that stuck, listed by cells of a hash table; a cell is one spacing wide. */
+typedef struct dart_table {
+	uint32_t *head; /* bucket -> chosen index + 1 */
+	uint32_t *next; /* chosen index -> chosen index + 1 */
+	uint32_t mask;
+	float cell;
+} dart_table;
+
+typedef struct dart {
+	uint64_t order;
+	uint32_t slot;
+} dart;
+
+static uint64_t mix(uint64_t v)
+{
+	/* SplitMix64's finaliser (Steele et al. 2014). */
+	v += 0x9e3779b97f4a7c15u;
+	v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
+	v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
+	return v ^ (v >> 31);
+}
+
+static int by_order(const void *a, const void *b)
+{
+	const dart *x = a, *y = b;
+	if (x->order != y->order)
+		return x->order < y->order ? -1 : 1;
+	return x->slot < y->slot ? -1 : x->slot > y->slot;
+}
+
+static int by_value(const void *a, const void *b)
+{
+	uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+	return x < y ? -1 : x > y;
+}
+
+static uint32_t bucket(const dart_table *table, int64_t x, int64_t y, int64_t z)
+{
+	uint64_t key =
+		((uint64_t)x & 0x1fffff) | ((uint64_t)y & 0x1fffff) << 21 | ((uint64_t)z & 0x1fffff) << 42;
+	return (uint32_t)mix(key) & table->mask;
+}
+
+/* Do two lobes lie on the same piece of surface, nearer than the spacing? */
+static bool conflict(const float *centre, const float *plane, size_t a, size_t b, float spacing,
+					 float off_plane)
+{
+	float squared = 0.0f, alignment = 0.0f, height = 0.0f;
+	for (size_t axis = 0; axis < 3; axis++) {
+		float d = centre[4 * a + axis] - centre[4 * b + axis];
+		squared += d * d;
+		alignment += plane[4 * a + axis] * plane[4 * b + axis];
+		height += d * plane[4 * b + axis];
+	}
+	return squared < spacing * spacing && alignment > LIKE_NORMAL && fabsf(height) < off_plane;
+}
+
+/* What a slot's own spacing is, and how far off its plane another surface begins. */
+static float spacing_at(const gw_place_task *task, size_t slot, float *off_plane)
+{
+	float spacing = task->closer ? task->closer[slot] : task->spacing;
+	*off_plane = 0.3f * task->radius * (task->closer ? spacing / task->spacing : 1.0f);
+	return spacing;
+}
+
+static uint32_t bucket_of(const dart_table *table, const float *centre)
+{
+	return bucket(table, (int64_t)floorf(centre[0] / table->cell),
+				  (int64_t)floorf(centre[1] / table->cell),
+				  (int64_t)floorf(centre[2] / table->cell));
+}
+
+/* A cell and those around it, i % 3 - 1, i / 3 % 3 - 1 and i / 9 - 1 away: nearest first, because
+ * most darts find that there is one already. */
+static const int8_t around[27] = { 13, 4,  10, 12, 14, 16, 22, 1, 3, 5,  7,  9,  11, 15,
+								   17, 19, 21, 23, 25, 0,  2,  6, 8, 18, 20, 24, 26 };
+
+static bool crowded(const dart_table *table, const gw_place_task *task, const uint32_t *chosen,
+					uint32_t slot)
+{
+	float off_plane, spacing = spacing_at(task, slot, &off_plane);
+	int64_t cell[3];
+	for (size_t axis = 0; axis < 3; axis++)
+		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)slot + axis] / table->cell);
+	for (int n = 0; n < 27; n++) {
+		int i = around[n];
+		uint32_t b =
+			bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1);
+		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
+			if (conflict(task->centre, task->plane, slot, chosen[at - 1], spacing, off_plane))
+				return true;
+		}
+	}
+	return false;
+}
+
+/* Enters chosen[at] into the table. */
+static void stick(dart_table *table, const gw_place_task *task, const uint32_t *chosen, size_t at)
+{
+	uint32_t b = bucket_of(table, &task->centre[4 * (size_t)chosen[at]]);
+	table->next[at] = table->head[b];
+	table->head[b] = (uint32_t)at + 1;
+}
+
+/* Behind the kept ones. */
+static size_t throw_darts(dart_table *table, const gw_place_task *task, const dart *darts,
+						  size_t dart_count, uint32_t *chosen)
+{
+	size_t count = task->kept_count;
+	for (size_t i = 0; i < count; i++)
+		stick(table, task, chosen, i);
+	for (size_t i = 0; i < dart_count; i++) {
+		if (crowded(table, task, chosen, darts[i].slot))
+			continue;
+		chosen[count] = darts[i].slot;
+		stick(table, task, chosen, count++);
+	}
+	return count;
+}
+
+/* A dart's turn follows from what its lobe is, so that a lobe far away does not change it. */
+static uint64_t turn_of(const float *centre, const float *plane, size_t slot, uint64_t seed)
+{
+	uint64_t words[4];
+	memcpy(words, centre + 4 * slot, 16);
+	memcpy(words + 2, plane + 4 * slot, 16);
+	for (int i = 0; i < 4; i++)
+		seed = mix(words[i] ^ mix(seed));
+	return seed;
+}
+
+static size_t list_darts(const float *centre, const float *plane, size_t slots, uint64_t seed,
+						 dart *darts)
+{
+	size_t count = 0;
+	for (size_t slot = 0; slot < slots; slot++) {
+		if (centre[4 * slot + 3] > 0.0f)
+			darts[count++] = (dart){ turn_of(centre, plane, slot, seed), (uint32_t)slot };
+	}
+	return count;
+}
+
+/* All lobes in a random order, as far as there is room; or all of them. */
+static size_t choose(dart_table *table, const gw_place_task *task, dart *darts, uint32_t *chosen)
+{
+	size_t count = list_darts(task->centre, task->plane, task->slots, task->seed, darts);
+	if (task->spacing > 0.0f) {
+		qsort(darts, count, sizeof *darts, by_order);
+		for (size_t i = 0; i < task->kept_count; i++)
+			chosen[i] = task->kept[i];
+		count = throw_darts(table, task, darts, count, chosen);
+		qsort(chosen + task->kept_count, count - task->kept_count, sizeof *chosen, by_value);
+	} else {
+		for (size_t i = 0; i < count; i++)
+			chosen[i] = darts[i].slot;
+	}
+	return count;
+}
+
+gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
+						   gw_error *error)
+{
+	dart_table table = { .mask = 1, .cell = task->spacing };
+	while (table.mask < task->slots && table.mask < UINT32_MAX / 2)
+		table.mask = table.mask * 2 + 1;
+	dart *darts = gw_allocate_array(task->slots, sizeof *darts);
+	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
+	table.next = gw_allocate_array(task->slots, sizeof *table.next);
+	*chosen = gw_allocate_array(task->slots, sizeof **chosen);
+	gw_status status = GW_OK;
+	if (!darts || !table.head || !table.next || !*chosen) {
+		status = gw_fail(error, GW_ERROR_MEMORY,
+						 "no host memory for %zu candidates of records; bake at a smaller depth",
+						 task->slots);
+		free(*chosen);
+		*chosen = NULL;
+	} else {
+		*count = choose(&table, task, darts, *chosen);
+	}
+	free(darts);
+	free(table.head);
+	free(table.next);
+	return status;
+}

@@ -1,0 +1,372 @@
+/*
+ * records.c - see records.h. Placement is on the host (record_places.c); listing by blocks, weights
+ * and read-back are passes.
+ */
+#include "light/records.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "light/record_places.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Radius of influence when every lobe is a record, leaf cells. */
+#define RADIUS_DENSE 1.6f
+
+/* Ends of a visibility test are lifted this far off the surface, leaf cells: half a disc's radius.
+ */
+#define LIFT 0.65f
+
+static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char *name,
+					   gw_buffer *buffer, gw_error *error)
+{
+	return gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+}
+
+/* The level whose cells are at least so many radii wide: two are best where all lookups reach as
+ * far as the radius, one where records were added and lookups are shorter. */
+static void choose_blocks(const gw_octree *octree, float radii, gw_records *records)
+{
+	uint32_t up = (uint32_t)ceilf(log2f(radii * records->radius));
+	records->block_level = octree->depth > up ? octree->depth - up : 0;
+	if (records->block_level > octree->depth - 1)
+		records->block_level = octree->depth - 1;
+	if (records->block_level == octree->depth - 1) {
+		records->block_tile_first = 0;
+		records->block_count = octree->leaf_tile_count;
+	} else {
+		uint32_t level = records->block_level + 1;
+		records->block_tile_first = octree->tile_first[level];
+		records->block_count = octree->tile_first[level + 1] - octree->tile_first[level];
+	}
+}
+
+gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	gw_buffer *const buffer[] = { &records->first, &records->indirect, &records->gathered };
+	const char *const name[] = { "record first irradiance", "record indirect irradiance",
+								 "record gathered irradiance" };
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < 3 && status == GW_OK; i++)
+		status = texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count, name[i],
+					   buffer[i], error);
+	return status;
+}
+
+static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
+								gw_error *error)
+{
+	const VkFormat f4 = VK_FORMAT_R32G32B32A32_SFLOAT, u1 = VK_FORMAT_R32_UINT;
+	uint64_t n = records->count, slots = 2 * (uint64_t)octree->leaf_count;
+	const struct {
+		gw_buffer *buffer;
+		VkFormat format;
+		uint64_t bytes;
+		const char *name;
+	} rows[] = {
+		{ &records->position, f4, 16 * n, "record position" },
+		{ &records->normal, f4, 16 * n, "record normal" },
+		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
+		{ &records->block_record, u1, 4 * n, "block record" },
+		{ &records->lobe_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
+		  "lobe record" },
+		{ &records->lobe_weight, f4, 4 * GW_WEIGHTS * slots, "lobe weight" },
+	};
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+		if (rows[i].buffer->handle == VK_NULL_HANDLE)
+			status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
+	if (status == GW_OK)
+		status = gw_records_make_room(gpu, records, error);
+	return status;
+}
+
+/* Puts a record on each of the lobes that are listed. */
+static gw_status put_on_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
+							  gw_records *records, gw_error *error)
+{
+	const gw_binding bindings[] = {
+		gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
+		gw_whole(&octree->surfel_position), gw_whole(&octree->lobe_plane),
+		gw_whole(&octree->lobe_centre),     gw_window(lobe, 4),
+		gw_window(&records->position, 16),  gw_window(&records->normal, 16)
+	};
+	return gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
+						 records->count, error);
+}
+
+/* Counting sort of the records by block: block_first is where each block's list starts. False when
+ * a record has none, which only a faulty device says. */
+static bool sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_count,
+						  uint32_t *first, uint32_t *sorted)
+{
+	memset(first, 0, ((size_t)block_count + 1) * sizeof *first);
+	for (uint32_t i = 0; i < count; i++) {
+		if (block[i] >= block_count)
+			return false;
+		first[block[i] + 1]++;
+	}
+	for (uint32_t b = 0; b < block_count; b++)
+		first[b + 1] += first[b];
+	/* Backwards from each list's end, so that records stay in ascending order. */
+	for (uint32_t i = count; i-- > 0;)
+		sorted[--first[block[i] + 1]] = i;
+	/* first[b + 1] has moved to the start of list b: move the starts into place. */
+	for (uint32_t b = 0; b < block_count; b++)
+		first[b] = first[b + 1];
+	first[block_count] = count;
+	return true;
+}
+
+static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
+							   gw_records *records, gw_error *error)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_buffer block_of = { 0 };
+	uint32_t *block = gw_allocate_array(records->count, sizeof *block);
+	uint32_t *sorted = gw_allocate_array(records->count, sizeof *sorted);
+	uint32_t *first = gw_allocate_array((size_t)records->block_count + 1, sizeof *first);
+	gw_status status = GW_OK;
+	if (!block || !sorted || !first)
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", records->count);
+	if (status == GW_OK)
+		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								  4 * (uint64_t)records->count, "record block", &block_of, error);
+	if (status == GW_OK) {
+		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
+										gw_whole(&octree->node),
+										gw_window(&records->position, 16),
+										gw_window(&block_of, 4),
+										gw_window(lobe, 4),
+										gw_whole(&octree->leaf_cell) };
+		gw_lookup_push push = { .block_level = records->block_level,
+								.tile_first = records->block_tile_first };
+		status =
+			gw_passes_run(passes, GW_PASS_RECORD_BLOCK, bindings, &push, records->count, error);
+	}
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)records->count, error);
+	if (status == GW_OK &&
+		!sort_by_block(block, records->count, records->block_count, first, sorted))
+		status = gw_fail(error, GW_ERROR_INTERNAL,
+						 "the device found no place in the octree for some of %u records; update "
+						 "its driver or choose another with --device",
+						 records->count);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &records->block_first, 0, first,
+								  4 * ((uint64_t)records->block_count + 1), error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &records->block_record, 0, sorted,
+								  4 * (uint64_t)records->count, error);
+	gw_buffer_destroy(gpu, &block_of);
+	free(block);
+	free(sorted);
+	free(first);
+	return status;
+}
+
+/* Throws darts; the chosen lobes become records->lobe and records->count. */
+static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_task task,
+							  gw_records *records, gw_error *error)
+{
+	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
+	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
+	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
+	gw_status status = GW_OK;
+	if (!centre || !plane)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, &octree->lobe_centre, 0, centre, 16 * slots, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, &octree->lobe_plane, 0, plane, 16 * slots, error);
+	task.centre = centre;
+	task.plane = plane;
+	task.slots = slots;
+	task.radius = records->radius;
+	if (status == GW_OK)
+		status = gw_place_records(&task, &records->lobe, &count, error);
+	records->count = (uint32_t)count;
+	free(centre);
+	free(plane);
+	return status;
+}
+
+/* Puts the records on their lobes, and lists them. */
+static gw_status put_and_list(gw_passes *passes, const gw_octree *octree, gw_records *records,
+							  gw_error *error)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_buffer lobe = { 0 };
+	uint64_t bytes = 4 * (uint64_t)records->count;
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+										"record lobe", &lobe, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &lobe, 0, records->lobe, bytes, error);
+	if (status == GW_OK)
+		status = put_on_lobes(passes, octree, &lobe, records, error);
+	if (status == GW_OK)
+		status = list_by_block(passes, octree, &lobe, records, error);
+	gw_buffer_destroy(gpu, &lobe);
+	return status;
+}
+
+/* What *records has of lobe weights stays. */
+static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
+					   gw_records *records, gw_error *error)
+{
+	records->radius = fmaxf(GW_LOBE_REACH * task->spacing, RADIUS_DENSE);
+	gw_status status = choose_lobes(passes->gpu, octree, *task, records, error);
+	choose_blocks(octree, task->kept_count > 0 ? 1.0f : 2.0f, records);
+	if (status == GW_OK)
+		status = create_buffers(passes->gpu, octree, records, error);
+	if (status == GW_OK && records->count > 0)
+		status = put_and_list(passes, octree, records, error);
+	if (status != GW_OK)
+		gw_records_destroy(passes->gpu, records);
+	return status;
+}
+
+gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
+						   gw_records *records, gw_error *error)
+{
+	*records = (gw_records){ 0 };
+	return place(passes, octree, &(gw_place_task){ .spacing = spacing, .seed = seed }, records,
+				 error);
+}
+
+gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
+						 const float *lobe_spacing, gw_records *records, gw_error *error)
+{
+	gw_place_task task = { .spacing = spacing,
+						   .closer = lobe_spacing,
+						   .kept = records->lobe,
+						   .kept_count = records->count,
+						   .seed = seed };
+	gw_records more = { .lobe_record = records->lobe_record, .lobe_weight = records->lobe_weight };
+	records->lobe_record = records->lobe_weight = (gw_buffer){ 0 };
+	gw_status status = place(passes, octree, &task, &more, error);
+	gw_records_destroy(passes->gpu, records);
+	*records = more;
+	return status;
+}
+
+gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
+						 gw_records *records, gw_error *error)
+{
+	*records = (gw_records){ .count = count };
+	const struct {
+		gw_buffer *buffer;
+		const float *values;
+		const char *name;
+	} rows[] = {
+		{ &records->position, position, "probe position" },
+		{ &records->normal, normal, "probe normal" },
+		{ &records->gathered, NULL, "probe gathered irradiance" },
+	};
+	uint64_t bytes = 16 * (uint64_t)count;
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++) {
+		status =
+			texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, bytes, rows[i].name, rows[i].buffer, error);
+		if (status == GW_OK && rows[i].values)
+			status = gw_buffer_upload(gpu, rows[i].buffer, 0, rows[i].values, bytes, error);
+	}
+	if (status != GW_OK)
+		gw_records_destroy(gpu, records);
+	return status;
+}
+
+void gw_records_destroy(gw_gpu *gpu, gw_records *records)
+{
+	gw_buffer *all[] = { &records->position,     &records->normal,      &records->block_first,
+						 &records->block_record, &records->first,       &records->indirect,
+						 &records->gathered,     &records->lobe_record, &records->lobe_weight };
+	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+		gw_buffer_destroy(gpu, all[i]);
+	free(records->lobe);
+	*records = (gw_records){ 0 };
+}
+
+gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
+						   const float *spacing, const bool *closer, size_t count,
+						   gw_buffer *buffer, gw_error *error)
+{
+	float *values = gw_allocate_array(count, sizeof *values);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
+	for (size_t i = 0; i < count; i++)
+		values[i] =
+			closer[i] ? fminf(fmaxf(reach * spacing[i], RADIUS_DENSE), records->radius) : 0.0f;
+	gw_status status =
+		texel(gpu, VK_FORMAT_R32_SFLOAT, 4 * (uint64_t)count, "reach for records", buffer, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, buffer, 0, values, 4 * (uint64_t)count, error);
+	free(values);
+	return status;
+}
+
+static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
+{
+	return (gw_lookup_push){ .block_level = records->block_level,
+							 .tile_first = records->block_tile_first,
+							 .radius = records->radius,
+							 .lift = LIFT,
+							 .visibility = 1,
+							 .own_reach = reach != NULL };
+}
+
+/* The first ten bindings of both lookups. */
+#define LOOKUP_BINDINGS                                                                            \
+	GW_TRACE_BINDINGS(octree), gw_whole(&octree->level_directory), gw_whole(&records->position),   \
+		gw_whole(&records->normal), gw_whole(&records->block_first),                               \
+		gw_whole(&records->block_record)
+
+gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								 const gw_buffer *reach, gw_error *error)
+{
+	gw_lookup_push push = lookup(records, reach);
+	const gw_binding bindings[] = { LOOKUP_BINDINGS,
+									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
+									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
+									gw_whole(reach ? reach : &records->position),
+									GW_TREE_BINDING(octree) };
+	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
+						 2 * (uint64_t)octree->leaf_count, error);
+}
+
+gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
+								   const gw_records *records, const gw_buffer *reach,
+								   uint64_t first, uint64_t count, gw_buffer *record,
+								   gw_buffer *weight, gw_error *error)
+{
+	gw_lookup_push push = lookup(records, reach);
+	push.surfel_first = (uint32_t)first;
+	const gw_binding bindings[] = { LOOKUP_BINDINGS,
+									gw_whole(&octree->surfel_position),
+									gw_whole(&octree->surfel_normal),
+									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
+									gw_window(weight, 4 * GW_SURFEL_WEIGHTS),
+									gw_whole(reach ? reach : &records->position),
+									GW_TREE_BINDING(octree) };
+	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
+}
+
+gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error)
+{
+	const gw_buffer *parts[2] = { &records->first, &records->indirect };
+	float *values = gw_allocate_array(records->count, 4 * sizeof *values);
+	gw_status status = GW_OK;
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	for (size_t k = 0; k < 2 && status == GW_OK; k++) {
+		status = gw_buffer_download(gpu, parts[k], 0, values, 16 * (uint64_t)records->count, error);
+		for (size_t i = 0; i < records->count && status == GW_OK; i++)
+			light[i] = (k ? light[i] : 0.0) + gw_luminance(values + 4 * i);
+	}
+	free(values);
+	return status;
+}

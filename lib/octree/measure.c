@@ -1,0 +1,89 @@
+/* measure.c - what a cloud looks like before it is baked; see gw_measure in glowworm.h. */
+#include "octree/octree.h"
+#include "surfels/surfel_steps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * Bytes that a bake holds at its peak, by what they grow with. A point: input, map and result, 140.
+ * A surfel: its own arrays, 100, about one leaf with two lobes, 190, and 16 fragments of 16 bytes
+ * in two buffers while they are sorted, 512. Both directories of the octree: 16 MiB at most.
+ */
+#define POINT_BYTES 140u
+#define SURFEL_BYTES 802u
+#define FIXED_BYTES (64u << 20)
+
+/* Of clouds with more surfels than this, about as many are looked at, in stretches of Morton order:
+ * patches of surface in which all but those at their borders, 3 in 100, have all their neighbours.
+ */
+#define LOOKED_AT 1048576u
+#define STRETCH 65536u
+
+/* What is known of all surfels before some are chosen. */
+typedef struct whole_cloud {
+	uint64_t surfels;
+} whole_cloud;
+
+static gw_status choose_stretches(void *user, const gw_surfels *surfels, uint8_t *chosen,
+								  gw_error *error)
+{
+	whole_cloud *whole = user;
+	size_t stretches = (surfels->count + STRETCH - 1) / STRETCH;
+	size_t most = LOOKED_AT / STRETCH, wanted = stretches < most ? stretches : most;
+	(void)error;
+	whole->surfels = surfels->count;
+	for (size_t i = 0; i < wanted; i++) {
+		size_t first = i * stretches / wanted * STRETCH, left = surfels->count - first;
+		memset(chosen + first, 1, left < STRETCH ? left : STRETCH);
+	}
+	return GW_OK;
+}
+
+static void count_normals(const gw_points *points, gw_statistics *statistics)
+{
+	for (size_t i = 0; points->normal && i < points->count; i++) {
+		if (gw_normal_length(points->normal + 3 * i) > 0)
+			statistics->normals_given++;
+		else
+			statistics->normals_bad++;
+	}
+}
+
+static void measure_spacing(const gw_surfels *surfels, const float *gap, gw_statistics *statistics)
+{
+	static const double share[3] = { 0.05, 0.5, 0.95 };
+	size_t n = surfels->count;
+	for (int k = 0; k < 3 && n > 1; k++)
+		statistics->spacing[k] =
+			(double)gw_rank_float(gap, n, (size_t)(share[k] * (double)(n - 1)));
+	double area = (double)gw_rank_float(surfels->area, n, n / 2);
+	statistics->density = 1 / area;
+}
+
+gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
+					 gw_error *error)
+{
+	whole_cloud whole = { 0 };
+	gw_surfels_options options = { .threads = threads,
+								   .choose = choose_stretches,
+								   .chooser = &whole,
+								   .choose_by_place = true };
+	gw_surfels surfels;
+	float *gap = NULL;
+	*statistics = (gw_statistics){ .points = points->count };
+	gw_status status = gw_surfels_make_with_gaps(points, &options, &surfels, &gap, error);
+	if (status != GW_OK)
+		return status;
+	statistics->finite = gw_finite_bounds(points, statistics->minimum, statistics->maximum);
+	statistics->duplicates = surfels.duplicates;
+	count_normals(points, statistics);
+	measure_spacing(&surfels, gap, statistics);
+	statistics->depth = gw_octree_auto_depth(&surfels);
+	statistics->memory = FIXED_BYTES + (uint64_t)points->count * POINT_BYTES +
+						 whole.surfels * SURFEL_BYTES;
+	free(gap);
+	gw_surfels_clear(&surfels);
+	return GW_OK;
+}

@@ -1,0 +1,326 @@
+/*
+ * octree.c - builds the octree from surfels; the steps are in octree_steps.h.
+ */
+#include "octree/octree_steps.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
+						   gw_buffer *buffer, gw_error *error)
+{
+	return gw_buffer_create(work->gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+}
+
+gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, size_t count,
+							gw_error *error)
+{
+	for (size_t i = 0; i < count; i++)
+		GW_TRY(gw_octree_buffer(work, parts[i].format, parts[i].bytes, parts[i].name,
+								parts[i].buffer, error));
+	return GW_OK;
+}
+
+static double extent_of(const gw_surfels *surfels)
+{
+	double extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
+	return extent;
+}
+
+/* The least depth whose cube has that many cells a side and two free ones on each; NaN gives 1. */
+static uint32_t depth_of(double cells)
+{
+	for (uint32_t depth = 1; depth < GW_DEPTH_MAX; depth++) {
+		double side = (double)(1u << depth);
+		if (!(cells > side - 2 * fmin(2, side / 4)))
+			return depth;
+	}
+	return GW_DEPTH_MAX;
+}
+
+uint32_t gw_octree_auto_depth(const gw_surfels *surfels)
+{
+	return depth_of(extent_of(surfels) / ((double)GW_LEAF_SPACING * (double)surfels->spacing));
+}
+
+/* Bytes of the list of fragments that has to be bound as a whole. */
+static bool fragments_fit(const gw_octree_work *work, uint64_t fragments)
+{
+	return 4 * fragments <= gw_gpu_limits(work->gpu)->maxStorageBufferRange &&
+		   fragments <= gw_gpu_limits(work->gpu)->maxTexelBufferElements && fragments < UINT32_MAX;
+}
+
+/* There are too many fragments: says so, and at which depth there aren't. */
+static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_error *error)
+{
+	uint32_t depth = work->octree->depth, fitting = depth;
+	uint64_t fewer = fragments;
+	while (--fitting > 0) {
+		gw_octree_forget_upload(work);
+		GW_TRY(gw_octree_upload(work, fitting, error));
+		GW_TRY(gw_octree_count_fragments(work, &fewer, error));
+		if (fragments_fit(work, fewer))
+			return gw_fail(error, GW_ERROR_MEMORY,
+						   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at "
+						   "most %u: use --depth %u or fewer points",
+						   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
+						   gw_gpu_limits(work->gpu)->maxStorageBufferRange, fitting);
+	}
+	return gw_fail(error, GW_ERROR_MEMORY,
+				   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %u: "
+				   "use fewer points; no --depth is small enough",
+				   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
+				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
+}
+
+/* Fragments of work's some surfels. */
+static gw_status make_fragments(gw_octree_work *work, gw_error *error)
+{
+	uint64_t fragments;
+	GW_TRY(gw_octree_count_fragments(work, &fragments, error));
+	if (!fragments_fit(work, fragments))
+		return fail_fragments(work, fragments, error);
+	work->octree->fragment_count = (uint32_t)fragments;
+	return gw_octree_write_fragments(work, error);
+}
+
+/* The fragments of surfels that stay are made once; those of the others now. */
+static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octree_kept *kept,
+									 gw_error *error)
+{
+	gw_fragment_list moving = { 0 };
+	gw_status status = GW_OK;
+	if (kept->still.count == 0 && still > 0) {
+		work->some = still;
+		GW_TRY(make_fragments(work, error));
+		GW_TRY(gw_octree_fetch_fragments(work, &kept->still, error));
+	}
+	work->from = still;
+	work->some = work->surfels->count - still;
+	if (work->some > 0)
+		status = make_fragments(work, error);
+	if (status == GW_OK && work->some > 0)
+		status = gw_octree_fetch_fragments(work, &moving, error);
+	if (status == GW_OK)
+		status = gw_octree_merge_fragments(work, &kept->still, &moving, error);
+	gw_fragment_list_clear(&moving);
+	return status;
+}
+
+static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_octree_kept *kept,
+					   gw_error *error)
+{
+	GW_TRY(gw_octree_upload(work, depth, error));
+	if (kept != NULL)
+		GW_TRY(make_kept_fragments(work, still, kept, error));
+	else
+		GW_TRY(make_fragments(work, error));
+	GW_TRY(gw_octree_make_tiles(work, error));
+	GW_TRY(gw_octree_reduce_leaves(work, error));
+	return gw_octree_plant_discs(work, error);
+}
+
+static void destroy_work(gw_octree_work *work)
+{
+	gw_gpu *gpu = work->gpu;
+	gw_buffer *buffer[] = {
+		&work->surfel_albedo,   &work->surfel_bend,
+		&work->surfel_emission, &work->surfel_offset,
+		&work->surfel_samples,  &work->unsorted_surfel,
+		&work->unsorted_weight, &work->unsorted_centroid,
+		&work->marks,           &work->fragment_centroid,
+		&work->first,           &work->seed,
+		&work->ray_mark,        &work->distance,
+	};
+	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
+		gw_buffer_destroy(gpu, buffer[i]);
+	for (uint32_t t = 0; t <= GW_DEPTH_MAX; t++) {
+		gw_buffer_destroy(gpu, &work->real[t]);
+		gw_buffer_destroy(gpu, &work->parent[t]);
+	}
+	gw_sort_list_destroy(gpu, &work->keys);
+	gw_sort_list_destroy(gpu, &work->list);
+	gw_radix_sort_destroy(gpu, &work->sort);
+	gw_passes_destroy(&work->passes);
+}
+
+/* Passes that are kept are lent to a build. */
+static void borrow(gw_octree_work *work, gw_octree_kept *kept)
+{
+	work->passes = kept->passes;
+	work->passes.gpu = work->gpu;
+	work->sort = kept->sort;
+}
+
+static void give_back(gw_octree_work *work, gw_octree_kept *kept)
+{
+	kept->passes = work->passes;
+	kept->sort = work->sort;
+	work->passes = (gw_passes){ 0 };
+	work->sort = (gw_radix_sort){ 0 };
+}
+
+static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, size_t still,
+							gw_octree_kept *kept, uint32_t depth, double leaf_size,
+							gw_octree *octree, gw_error *error)
+{
+	gw_octree_work work = { .gpu = gpu,
+							.passes.gpu = gpu,
+							.surfels = surfels,
+							.octree = octree,
+							.leaf_size = leaf_size,
+							.some = surfels->count };
+	if (kept != NULL)
+		borrow(&work, kept);
+	gw_status status = build(&work, depth, still, kept, error);
+	if (kept != NULL)
+		give_back(&work, kept);
+	destroy_work(&work);
+	if (status != GW_OK)
+		gw_octree_destroy(gpu, octree);
+	return status;
+}
+
+static gw_status fail_count(const gw_surfels *surfels, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA, "an octree of %zu points: it can hold 1 to %u",
+				   surfels->count, GW_FRAGMENT_SURFEL);
+}
+
+/* Notes why a build with leaves of a width was given up; the first one counts. */
+static void note_coarser(double leaf_size, const gw_error *reason, float *wanted,
+						 char why[GW_OCTREE_WHY])
+{
+	if (*wanted > 0.0f)
+		return;
+	*wanted = (float)leaf_size;
+	snprintf(why, GW_OCTREE_WHY, "%.*s", GW_OCTREE_WHY - 1, reason->text);
+}
+
+gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error)
+{
+	double leaf_size = (double)leaf_spacing * (double)surfels->spacing;
+	float wanted = 0.0f;
+	char why[GW_OCTREE_WHY] = "";
+	memset(octree, 0, sizeof *octree);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
+	for (;;) {
+		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
+		gw_status status = build_once(gpu, surfels, 0, NULL, depth, leaf_size, octree, error);
+		if (status == GW_OK) {
+			octree->wanted_leaf_size = wanted;
+			memcpy(octree->why_coarser, why, sizeof why);
+		}
+		if (status != GW_ERROR_MEMORY || depth == 1)
+			return status;
+		note_coarser(leaf_size, error, &wanted, why);
+		leaf_size *= 1.4142135623730951;
+	}
+}
+
+gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
+						  gw_error *error)
+{
+	memset(octree, 0, sizeof *octree);
+	if (depth > GW_DEPTH_MAX)
+		return gw_fail(error, GW_ERROR_USAGE, "an octree of depth %u: it has to be 1 to %u", depth,
+					   GW_DEPTH_MAX);
+	if (depth == GW_DEPTH_AUTO)
+		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, octree, error);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
+	return build_once(gpu, surfels, 0, NULL, depth, 0, octree, error);
+}
+
+static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+							 float leaf_spacing, gw_octree_kept *kept, gw_octree *octree,
+							 gw_error *error)
+{
+	bool given = depth != GW_DEPTH_AUTO;
+	kept->leaf_size = given ? 0 : (double)leaf_spacing * (double)surfels->spacing;
+	for (;;) {
+		kept->depth = given ? depth : depth_of(extent_of(surfels) / kept->leaf_size);
+		gw_status status =
+			build_once(gpu, surfels, still, kept, kept->depth, kept->leaf_size, octree, error);
+		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
+			return status;
+		gw_fragment_list_clear(&kept->still);
+		note_coarser(kept->leaf_size, error, &kept->wanted_leaf_size, kept->why_coarser);
+		kept->leaf_size *= 1.4142135623730951;
+	}
+}
+
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
+							   gw_error *error)
+{
+	memset(octree, 0, sizeof *octree);
+	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
+		return fail_count(surfels, error);
+	bool first = *kept == NULL;
+	if (first)
+		*kept = gw_allocate_zeros(1, sizeof **kept);
+	if (*kept == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
+	gw_status status =
+		first ? build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error)
+			  : build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
+						   error);
+	if (status == GW_OK) {
+		octree->wanted_leaf_size = (*kept)->wanted_leaf_size;
+		memcpy(octree->why_coarser, (*kept)->why_coarser, sizeof octree->why_coarser);
+	} else if (first) {
+		gw_octree_kept_destroy(gpu, kept);
+	}
+	return status;
+}
+
+void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept)
+{
+	if (*kept == NULL)
+		return;
+	gw_fragment_list_clear(&(*kept)->still);
+	gw_radix_sort_destroy(gpu, &(*kept)->sort);
+	gw_passes_destroy(&(*kept)->passes);
+	free(*kept);
+	*kept = NULL;
+}
+
+void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
+{
+	gw_buffer *buffer[] = {
+		&octree->node,
+		&octree->tile_key,
+		&octree->tile_neighbour,
+		&octree->leaf_tile_key,
+		&octree->leaf_tile_neighbour,
+		&octree->leaf_tile,
+		&octree->leaf_cell,
+		&octree->level_directory,
+		&octree->ray_directory,
+		&octree->leaf_geometry,
+		&octree->lobe_plane,
+		&octree->lobe_centre,
+		&octree->lobe_albedo,
+		&octree->lobe_emission,
+		&octree->leaf_fragment,
+		&octree->fragment_surfel,
+		&octree->fragment_weight,
+		&octree->surfel_position,
+		&octree->surfel_normal,
+		&octree->surfel_disc,
+		&octree->surfel_clip,
+		&octree->disc_tree,
+	};
+	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
+		gw_buffer_destroy(gpu, buffer[i]);
+	memset(octree, 0, sizeof *octree);
+}

@@ -1,0 +1,177 @@
+/*
+ * octree.h - the sparse voxel octree on the device (Salm 2015, section 4.3).
+ *
+ * Terms, after the thesis. The octree's cube has 2^depth leaf cells a side; a node of level l is
+ * one of (2^l)^3 cells. A tile is the group of the eight children of one node, in Morton order; the
+ * root tile holds the eight nodes of level 1 and is tile 0. A node holds one tile pointer, which
+ * also addresses the brick of 3x3x3 voxels of that tile (8 own voxels and 19 that repeat the
+ * neighbours' on the positive sides, so that hardware can filter across bricks). Tiles whose nodes
+ * are leaves are leaf tiles: they have an address space and brick pool of their own and store no
+ * nodes, only a bit field that says which leaves exist. Where a sample that falls into the half
+ * voxel on a tile's negative side would miss a tile, an empty border tile is added.
+ *
+ * The build is sort-based: fragments (sample, leaf) sorted by Morton key give leaves, leaves give
+ * leaf tiles, these the tiles of each level above; counts are known before anything is allocated
+ * and the result does not depend on scheduling. Coordinates: grid coordinates g = (p -
+ * cube_minimum) / leaf_size, in [0, 2^depth); the Morton key of a cell interleaves z, y, x with x
+ * lowest: bit 3i is bit i of x, 3i+1 of y, 3i+2 of z; octant = x | y << 1 | z << 2.
+ */
+#ifndef OCTREE_H
+#define OCTREE_H
+
+#include "device/gpu.h"
+#include "surfels/surfels.h"
+
+/* Directory: dense tables of tile pointers down to this level, so that a walk need not start at
+ * the root. */
+#define GW_DIRECTORY_LEVEL_MAX 7u
+
+/* Room for a sentence. */
+#define GW_OCTREE_WHY 512
+
+typedef struct gw_octree {
+	uint32_t depth;
+	/* metres */
+	float leaf_size;
+	/* metres; 0 where leaves are as wide as they were to be, else how wide that is: memory or a
+	 * limit of the device did not allow for it, and why says which */
+	float wanted_leaf_size;
+	char why_coarser[GW_OCTREE_WHY];
+	/* local frame, metres; at least two leaf cells below the bounds */
+	float cube_minimum[3];
+	/* T = min(depth - 1, GW_DIRECTORY_LEVEL_MAX) */
+	uint32_t directory_level;
+
+	uint32_t leaf_count;
+	/* with border tiles */
+	uint32_t leaf_tile_count;
+	/* non-leaf tiles of all levels, with border tiles */
+	uint32_t tile_count;
+	/* of both kinds */
+	uint32_t border_tile_count;
+	uint32_t fragment_count;
+	/* surfels whose disc is larger than GW_DISC_MAX leaf cells */
+	uint32_t tree_discs;
+	/* tiles of level l (whose nodes are of level l) are tile_first[l] .. tile_first[l + 1] -
+	 * 1; l = 1..depth - 1 */
+	uint32_t tile_first[GW_DEPTH_MAX + 2];
+
+	/* Tree. Pointers are stored plus one; 0 means none. */
+	/* R32_UINT, 8 * tile_count: pointer to the child tile; at level depth - 1 to the leaf tile */
+	gw_buffer node;
+	/* R32G32_UINT, tile_count: Morton key of the tile's parent cell (level l - 1) */
+	gw_buffer tile_key;
+	/* R32_UINT, 8 * tile_count: [octant]: pointer (plus one) to the tile of the same level one
+	 * tile further along the axes in octant (1 = +x, 3 = +x+y, ...; [0] is the tile itself) */
+	gw_buffer tile_neighbour;
+	/* R32G32_UINT, leaf_tile_count: Morton key of its parent cell (level depth - 1) */
+	gw_buffer leaf_tile_key;
+	/* R32_UINT, 8 * leaf_tile_count, as tile_neighbour */
+	gw_buffer leaf_tile_neighbour;
+	/* R32G32_UINT, leaf_tile_count: x = index of its first leaf, y = bit field: bits 0-7 leaf
+	 * exists, bits 8-15 it has a first lobe, 16-23 a second one, 24-31 its lobes' surface fills
+	 * it */
+	gw_buffer leaf_tile;
+	/* R32G32B32A32_UINT, leaf_count: cell x, y, z and leaf tile */
+	gw_buffer leaf_cell;
+
+	/* Directory. level_directory: for t = 0..T, entry (8^t - 1) / 7 + x + (y << t) + (z << 2t) is
+	 * the pointer (plus one) to the tile of that cell's children (a leaf tile where t = depth - 1).
+	 * ray_directory: for level T alone; bit 31 set: the cell holds leaves with lobes, low bits are
+	 * the pointer (not plus one) to its children's tile; else the chessboard distance, in cells of
+	 * level T and at most 255, to the nearest cell that holds some. */
+	/* R32_UINT */
+	gw_buffer level_directory;
+	/* R32_UINT, 8^T */
+	gw_buffer ray_directory;
+
+	/* Leaves. A leaf holds at most two lobes: planes with the mean of what lies in the leaf. Slot
+	 * 2 * leaf + s; unused slots are zero. */
+	/* R32G32B32A32_SFLOAT, 2 * leaf_count: by RoI intersection volume (Salm 4.3.4): [2i] =
+	 * albedo rgb times opacity, opacity (may exceed 1, see there); [2i+1] = NDF xyz times
+	 * opacity, 0 */
+	gw_buffer leaf_geometry;
+	/* R32G32B32A32_SFLOAT, 2 * leaf_count: unit normal n, offset c; the plane is n . (g - cell
+	 * centre) = c, in leaf cells */
+	gw_buffer lobe_plane;
+	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
+	gw_buffer lobe_centre;
+	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided */
+	gw_buffer lobe_albedo;
+	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
+	gw_buffer lobe_emission;
+
+	/* Fragments, sorted by leaf and then by surfel: who contributes to which leaf. */
+	/* R32_UINT, leaf_count + 1: first fragment of each leaf */
+	gw_buffer leaf_fragment;
+	/* R32_UINT, fragment_count: bits 0-29 the surfel; bit 30: which lobe it joined; bit 31: a
+	 * RoI fragment (weight is an intersection volume, leaf cells^3) rather than a disc
+	 * fragment (weight is an area, leaf cells^2) */
+	gw_buffer fragment_surfel;
+	/* R32_SFLOAT, fragment_count */
+	gw_buffer fragment_weight;
+
+	/* Samples on the device, in surfel order (windowed by streaming passes). */
+	/* R32G32B32A32_SFLOAT: grid coordinates g, RoI (leaf cells, <= 1) */
+	gw_buffer surfel_position;
+	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, -1 if all its
+	 * cuts are at creases */
+	gw_buffer surfel_normal;
+	/* R32G32B32A32_SFLOAT: radius and area of the disc, direction of the first clip (see
+	 * gw_surfels; lengths in leaf cells) */
+	gw_buffer surfel_disc;
+	/* R32G32B32A32_SFLOAT: distance of the first clip; direction and distance of the second */
+	gw_buffer surfel_clip;
+
+	/* Large discs. Such a surfel contributes all of its area to the leaf of its centre, so that
+	 * there is a lobe that stands for it; where its surface is, only this tree knows. */
+	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, lobes are slots. One texel, 0,
+	 * when there are none */
+	gw_buffer disc_tree;
+} gw_octree;
+
+/* The depth that GW_DEPTH_AUTO gives when memory suffices. */
+uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
+
+/*
+ * Builds the octree of a cloud.
+ *   depth   1..GW_DEPTH_MAX: leaves are as small as the depth allows; GW_DEPTH_AUTO: as
+ *           gw_octree_build_spaced with GW_LEAF_SPACING
+ *   octree  on success to be freed with gw_octree_destroy; zeroed on failure
+ * Fails with GW_ERROR_MEMORY, with the bytes needed and a depth that would fit.
+ */
+gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth, gw_octree *octree,
+						  gw_error *error);
+
+/*
+ * Builds the octree of a cloud with leaves of a width, or as much wider as memory and the device's
+ * limits ask for; then the octree says so.
+ *   leaf_spacing  the width, in surfels->spacing
+ */
+gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error);
+void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
+
+/* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
+typedef struct gw_octree_kept gw_octree_kept;
+
+/*
+ * Builds the same octree as the functions above, to the last bit, quicker when it is built again
+ * with surfels of which only those at and after `still` have moved (Salm 4.5).
+ *   surfels       the first `still` of them, bounds and spacing must be the same in every call, or,
+ *                 in the first one, may be all there are
+ *   depth         as of gw_octree_build
+ *   leaf_spacing  as of gw_octree_build_spaced, for GW_DEPTH_AUTO
+ *   kept          *kept is NULL in the first call, which chooses depth and width of the leaves; to
+ *                 be destroyed with gw_octree_kept_destroy
+ */
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
+							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
+							   gw_error *error);
+void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept); /* sets *kept to NULL */
+
+/* Morton key of a cell and back; coordinates below 2^21. */
+uint64_t gw_morton_encode(uint32_t x, uint32_t y, uint32_t z);
+void gw_morton_decode(uint64_t key, uint32_t cell[3]);
+
+#endif

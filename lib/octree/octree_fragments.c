@@ -1,0 +1,249 @@
+/*
+ * octree_fragments.c - surfels in grid coordinates, and the leaves that each contributes to; see
+ * octree_steps.h.
+ */
+#include "octree/octree_steps.h"
+
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Surfels converted at once. */
+#define UPLOAD_SURFELS 65536u
+
+/* The least RoI; keeps shares of it finite. */
+#define ROI_MIN 1e-6f
+
+/* Discs in leaf cells and their areas in leaf cells^2: no more than what keeps squares within
+ * float32; and less than the least would leave its range when means are divided by it. */
+#define RADIUS_MAX 1e12
+#define AREA_MAX 1e24
+#define AREA_MIN 1e-12
+
+static float larger(float a, float b)
+{
+	return a > b ? a : b;
+}
+
+/*
+ * The cube's side is 2^depth leaf cells, of which two (a quarter of the side, if that is less) on
+ * each side are left free for regions of influence, discs and border tiles. Leaves are as small as
+ * that allows, but at least leaf_size metres wide.
+ */
+static void choose_cube(const gw_surfels *surfels, double leaf_size, gw_octree *octree)
+{
+	double side = (double)(1u << octree->depth), margin = fmin(2, side / 4), extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
+	/* One point: its piece of surface is about a cell. */
+	if (!(extent > 0))
+		extent = (surfels->spacing > 0 ? (double)surfels->spacing : 1) * (side - 2 * margin);
+	/* A little larger, so that rounding keeps the margin. */
+	octree->leaf_size = (float)(extent / (side - 2 * margin) * (1 + 1e-5));
+	octree->leaf_size = larger(octree->leaf_size, larger((float)leaf_size, FLT_MIN));
+	for (int k = 0; k < 3; k++) {
+		double middle = 0.5 * ((double)surfels->minimum[k] + (double)surfels->maximum[k]);
+		octree->cube_minimum[k] = (float)(middle - 0.5 * side * (double)octree->leaf_size);
+	}
+	octree->directory_level =
+		octree->depth - 1 < GW_DIRECTORY_LEVEL_MAX ? octree->depth - 1 : GW_DIRECTORY_LEVEL_MAX;
+}
+
+/* Converts one surfel's `k`-th array of what goes to the device. */
+static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int which, float out[4])
+{
+	double leaf = (double)octree->leaf_size;
+	const float *clip = s->clip + 6 * i;
+	float to_cells = (float)(1 / leaf);
+	switch (which) {
+	case 0:
+		for (int k = 0; k < 3; k++)
+			out[k] =
+				(float)(((double)s->position[3 * i + (size_t)k] - (double)octree->cube_minimum[k]) /
+						leaf);
+		out[3] = (float)fmin(1, (double)s->nearest[i] / leaf);
+		out[3] = larger(out[3], ROI_MIN);
+		break;
+	case 1:
+		for (int k = 0; k < 3; k++)
+			out[k] = s->normal[3 * i + (size_t)k];
+		out[3] = s->two_sided[i] ? 1 : s->creased && s->creased[i] ? -1 : 0;
+		break;
+	case 2:
+		out[0] = (float)fmin(RADIUS_MAX, (double)s->radius[i] / leaf);
+		out[1] = (float)fmin(AREA_MAX, fmax(AREA_MIN, (double)s->area[i] / (leaf * leaf)));
+		out[2] = clip[0];
+		out[3] = clip[1];
+		break;
+	case 3:
+		out[0] = clip[2] * to_cells;
+		out[1] = clip[3];
+		out[2] = clip[4];
+		out[3] = clip[5] * to_cells;
+		break;
+	case 4:
+		for (int k = 0; k < 3; k++)
+			out[k] = s->bend ? (float)((double)s->bend[3 * i + (size_t)k] * leaf) : 0;
+		out[3] = 0;
+		break;
+	default:
+		for (int k = 0; k < 3; k++)
+			out[k] = (which == 5 ? s->albedo : s->emission)[3 * i + (size_t)k];
+		out[3] = 0;
+	}
+}
+
+static gw_status upload_array(gw_octree_work *work, int which, gw_buffer *buffer, float *chunk,
+							  gw_error *error)
+{
+	const gw_surfels *s = work->surfels;
+	for (size_t first = 0; first < s->count; first += UPLOAD_SURFELS) {
+		size_t count = s->count - first < UPLOAD_SURFELS ? s->count - first : UPLOAD_SURFELS;
+		for (size_t i = 0; i < count; i++)
+			convert(work->octree, s, first + i, which, chunk + 4 * i);
+		GW_TRY(gw_buffer_upload(work->gpu, buffer, 16 * (uint64_t)first, chunk, 16 * count, error));
+	}
+	return GW_OK;
+}
+
+static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	const struct {
+		gw_buffer *buffer;
+		const char *name;
+	} array[] = {
+		{ &octree->surfel_position, "surfel positions" },
+		{ &octree->surfel_normal, "surfel normals" },
+		{ &octree->surfel_disc, "surfel discs" },
+		{ &octree->surfel_clip, "surfel clips" },
+		{ &work->surfel_bend, "surfel bends" },
+		{ &work->surfel_albedo, "surfel albedos" },
+		{ &work->surfel_emission, "surfel emission" },
+	};
+	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
+	for (int i = 0; i < 7; i++) {
+		bool there = i < 6 || work->surfels->emission != NULL;
+		GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, there ? bytes : 16,
+								array[i].name, array[i].buffer, error));
+		if (there)
+			GW_TRY(upload_array(work, i, array[i].buffer, chunk, error));
+	}
+	return GW_OK;
+}
+
+gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error)
+{
+	const gw_surfels *s = work->surfels;
+	work->octree->depth = depth;
+	choose_cube(s, work->leaf_size, work->octree);
+	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
+	if (chunk == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", s->count);
+	gw_status status = upload_arrays(work, chunk, error);
+	free(chunk);
+	return status;
+}
+
+void gw_octree_forget_upload(gw_octree_work *work)
+{
+	gw_buffer *buffer[] = {
+		&work->octree->surfel_position, &work->octree->surfel_normal, &work->octree->surfel_disc,
+		&work->octree->surfel_clip,     &work->surfel_bend,           &work->surfel_albedo,
+		&work->surfel_emission,         &work->surfel_offset,         &work->surfel_samples
+	};
+	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
+		gw_buffer_destroy(work->gpu, buffer[i]);
+}
+
+bool gw_octree_is_wide(const gw_octree_work *work)
+{
+	return 3 * work->octree->depth > 32;
+}
+
+/* Counting writes nothing but counts; other outputs are stood in for. */
+static gw_status run_fragments(gw_octree_work *work, bool emit, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_buffer *stand_in = &work->surfel_offset;
+	gw_buffer *high = gw_octree_is_wide(work) ? &work->keys.high : &work->keys.low;
+	gw_fragments_push push = { .side = 1u << octree->depth,
+							   .emit = emit,
+							   .wide = gw_octree_is_wide(work),
+							   .base = (uint32_t)work->from };
+	gw_binding bindings[] = {
+		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->surfel_normal),
+		GW_WHOLE(&octree->surfel_disc),
+		GW_WHOLE(&octree->surfel_clip),
+		GW_WHOLE(&work->surfel_bend),
+		GW_WINDOW(&work->surfel_offset, 4),
+		GW_WINDOW(&work->surfel_samples, 4),
+		GW_WHOLE(emit ? &work->keys.low : stand_in),
+		GW_WHOLE(emit ? high : stand_in),
+		GW_WHOLE(emit ? &work->unsorted_surfel : stand_in),
+		GW_WHOLE(emit ? &work->unsorted_weight : stand_in),
+		GW_WHOLE(emit ? &work->unsorted_centroid : stand_in),
+	};
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FRAGMENTS, bindings, &push, work->some,
+						 error);
+}
+
+gw_status gw_octree_count_fragments(gw_octree_work *work, uint64_t *total, gw_error *error)
+{
+	uint64_t bytes = 4 * (uint64_t)work->some;
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "fragments of surfels",
+							&work->surfel_offset, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "samples of discs",
+							&work->surfel_samples, error));
+	GW_TRY(run_fragments(work, false, error));
+	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->surfel_offset, work->some,
+							 total, error);
+}
+
+static gw_status gather(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments",
+							&octree->fragment_surfel, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments",
+							&octree->fragment_weight, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments",
+							&work->fragment_centroid, error));
+	gw_binding bindings[] = {
+		GW_WINDOW(&work->keys.payload, 4),      GW_WHOLE(&work->unsorted_surfel),
+		GW_WHOLE(&work->unsorted_weight),       GW_WHOLE(&work->unsorted_centroid),
+		GW_WINDOW(&octree->fragment_surfel, 4), GW_WINDOW(&octree->fragment_weight, 4),
+		GW_WINDOW(&work->fragment_centroid, 4),
+	};
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_GATHER, bindings, &(gw_keys_push){ 0 },
+						 octree->fragment_count, error);
+}
+
+gw_status gw_octree_write_fragments(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint64_t bytes = 4 * (uint64_t)octree->fragment_count;
+	GW_TRY(gw_sort_list_create(work->gpu, octree->fragment_count, gw_octree_is_wide(work),
+							   &work->keys, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "surfels of fragments, unsorted",
+							&work->unsorted_surfel, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_SFLOAT, bytes, "weights of fragments, unsorted",
+							&work->unsorted_weight, error));
+	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, bytes, "centroids of fragments, unsorted",
+							&work->unsorted_centroid, error));
+	GW_TRY(run_fragments(work, true, error));
+	gw_buffer_destroy(work->gpu, &work->surfel_offset);
+	gw_buffer_destroy(work->gpu, &work->surfel_samples);
+	GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->keys, 3 * octree->depth, error));
+	gw_sort_list_trim(work->gpu, &work->keys);
+	GW_TRY(gather(work, error));
+	gw_buffer_destroy(work->gpu, &work->keys.payload);
+	gw_buffer_destroy(work->gpu, &work->unsorted_surfel);
+	gw_buffer_destroy(work->gpu, &work->unsorted_weight);
+	gw_buffer_destroy(work->gpu, &work->unsorted_centroid);
+	return GW_OK;
+}

@@ -1,0 +1,111 @@
+/*
+ * octree_large.c - the tree of the discs that are too large for leaves; see octree_steps.h.
+ */
+#include "octree/octree_steps.h"
+
+#include "surfels/disc_tree.h"
+#include "base/memory.h"
+#include "light/transport_layout.h"
+
+#include <stdlib.h>
+
+/* Whose disc is too large, as convert of octree_fragments.c and its shader see it; of what is far
+ * off all the rest none is. */
+static bool is_large(const gw_octree_work *work, size_t surfel)
+{
+	const gw_octree *octree = work->octree;
+	double leaf = (double)octree->leaf_size, side = (double)(1u << octree->depth);
+	for (size_t k = 0; k < 3; k++) {
+		double cell =
+			((double)work->surfels->position[3 * surfel + k] - (double)octree->cube_minimum[k]) /
+			leaf;
+		if (!(cell >= 0 && cell <= side))
+			return false;
+	}
+	return (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
+}
+
+/* Enters the lobes that stand for surfels: those of their first disc fragments. */
+static gw_status find_lobes(gw_octree_work *work, uint32_t *lobe, gw_error *error)
+{
+	const gw_octree *octree = work->octree;
+	size_t leaves = octree->leaf_count, fragments = octree->fragment_count;
+	uint32_t *first = gw_allocate_array(leaves + 1, sizeof *first);
+	uint32_t *surfel = gw_allocate_array(fragments, sizeof *surfel);
+	gw_status status = GW_OK;
+	if (!first || !surfel)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu fragments", fragments);
+	if (status == GW_OK)
+		status = gw_buffer_download(work->gpu, (gw_buffer *)&octree->leaf_fragment, 0, first,
+									4 * (uint64_t)(leaves + 1), error);
+	if (status == GW_OK)
+		status = gw_buffer_download(work->gpu, (gw_buffer *)&octree->fragment_surfel, 0, surfel,
+									4 * (uint64_t)fragments, error);
+	for (size_t leaf = 0; leaf < leaves && status == GW_OK; leaf++)
+		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
+			uint32_t *own = lobe + (surfel[f] & GW_FRAGMENT_SURFEL);
+			if ((surfel[f] & GW_FRAGMENT_ROI) == 0 && *own == GW_NONE)
+				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_LOBE) != 0);
+		}
+	free(first);
+	free(surfel);
+	return status;
+}
+
+/* The large discs in coordinates of the grid; returns how many. */
+static size_t list_large(const gw_octree_work *work, const uint32_t *lobe, gw_disc *disc)
+{
+	const gw_octree *octree = work->octree;
+	const float *low = octree->cube_minimum;
+	const gw_disc_shape shape = { .scale = 1 / (double)octree->leaf_size,
+								  .origin = { (double)low[0], (double)low[1], (double)low[2] },
+								  .widen = 1 };
+	size_t count = 0;
+	for (size_t i = 0; i < work->surfels->count; i++) {
+		if (!is_large(work, i))
+			continue;
+		disc[count] = gw_disc_of_surfel(work->surfels, i, &shape);
+		disc[count++].lobe = lobe[i];
+	}
+	return count;
+}
+
+static gw_status make_tree(gw_octree_work *work, gw_disc_tree *tree, gw_error *error)
+{
+	size_t surfels = work->surfels->count;
+	uint32_t *lobe = gw_allocate_array(surfels, sizeof *lobe);
+	gw_disc *disc = gw_allocate_array(work->octree->tree_discs, sizeof *disc);
+	gw_status status = GW_OK;
+	if (!lobe || !disc)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u large discs",
+						 work->octree->tree_discs);
+	for (size_t i = 0; i < surfels && status == GW_OK; i++)
+		lobe[i] = GW_NONE;
+	if (status == GW_OK)
+		status = find_lobes(work, lobe, error);
+	if (status == GW_OK)
+		status = gw_disc_tree_build(disc, list_large(work, lobe, disc), tree, error);
+	free(lobe);
+	free(disc);
+	return status;
+}
+
+gw_status gw_octree_plant_discs(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_disc_tree tree = { 0 };
+	const uint32_t none[4] = { 0 };
+	octree->tree_discs = 0;
+	for (size_t i = 0; i < work->surfels->count; i++)
+		octree->tree_discs += is_large(work, i);
+	gw_status status = octree->tree_discs > 0 ? make_tree(work, &tree, error) : GW_OK;
+	uint64_t bytes = 16 * (uint64_t)(tree.texels > 0 ? tree.texels : 1);
+	if (status == GW_OK)
+		status = gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_UINT, bytes, "tree of large discs",
+								  &octree->disc_tree, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(work->gpu, &octree->disc_tree, 0, tree.word ? tree.word : none,
+								  bytes, error);
+	gw_disc_tree_clear(&tree);
+	return status;
+}

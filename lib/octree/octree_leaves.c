@@ -1,0 +1,210 @@
+/*
+ * octree_leaves.c - what lies in each leaf, and the directory that lets rays skip what is empty;
+ * see octree_steps.h.
+ */
+#include "octree/octree_steps.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Fragments of the leaf that has most. */
+static gw_status find_longest(gw_octree_work *work, uint32_t *longest, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint64_t words = (uint64_t)octree->leaf_count + 1;
+	uint32_t *first = gw_allocate_array(words, sizeof *first);
+	if (first == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %u leaves",
+					   octree->leaf_count);
+	gw_status status =
+		gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first, 4 * words, error);
+	*longest = 0;
+	for (uint32_t i = 0; i < octree->leaf_count && status == GW_OK; i++)
+		if (first[i + 1] - first[i] > *longest)
+			*longest = first[i + 1] - first[i];
+	free(first);
+	return status;
+}
+
+static gw_status create_leaves(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint64_t leaves = octree->leaf_count, cells = UINT64_C(1) << 3 * octree->directory_level;
+	VkFormat floats = VK_FORMAT_R32G32B32A32_SFLOAT;
+	uint64_t emission = work->surfels->emission != NULL ? 32 * leaves : 16;
+	const gw_octree_part part[] = {
+		{ &octree->leaf_geometry, floats, 32 * leaves, "geometry of leaves" },
+		{ &octree->lobe_plane, floats, 32 * leaves, "planes of lobes" },
+		{ &octree->lobe_centre, floats, 32 * leaves, "centroids of lobes" },
+		{ &octree->lobe_albedo, floats, 32 * leaves, "albedos of lobes" },
+		{ &octree->lobe_emission, floats, emission, "emission of lobes" },
+		{ &octree->ray_directory, VK_FORMAT_R32_UINT, 4 * cells, "directory of rays" },
+		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of lobes" },
+		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
+		{ &work->distance, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells" },
+	};
+	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
+}
+
+/* Lobes' emission; when there is none, a buffer of one texel that the passes leave alone. */
+static gw_binding emission_binding(gw_octree *octree, bool emissive)
+{
+	return emissive ? GW_WINDOW(&octree->lobe_emission, 32) : GW_WHOLE(&octree->lobe_emission);
+}
+
+static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
+						gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_binding seeding[] = {
+		GW_WHOLE(&octree->leaf_fragment),      GW_WHOLE(&octree->fragment_surfel),
+		GW_WHOLE(&octree->fragment_weight),    GW_WHOLE(&octree->surfel_normal),
+		GW_WHOLE(&work->surfel_albedo),        GW_WINDOW(&work->seed, 16),
+		GW_WINDOW(&octree->leaf_geometry, 32),
+	};
+	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
+		push.from = (uint32_t)from;
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_SEED, seeding, &push, octree->leaf_count,
+							 error));
+	}
+	gw_binding adding[] = {
+		GW_WHOLE(&octree->leaf_fragment),
+		GW_WHOLE(&octree->leaf_cell),
+		GW_WHOLE(&octree->fragment_weight),
+		GW_WHOLE(&work->fragment_centroid),
+		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->surfel_normal),
+		GW_WHOLE(&work->surfel_albedo),
+		GW_WHOLE(&work->surfel_emission),
+		GW_WHOLE(&work->surfel_bend),
+		GW_WHOLE(&octree->fragment_surfel),
+		GW_WINDOW(&work->seed, 16),
+		GW_WINDOW(&octree->lobe_plane, 32),
+		GW_WINDOW(&octree->lobe_centre, 32),
+		GW_WINDOW(&octree->lobe_albedo, 32),
+		emission_binding(octree, push.emissive),
+	};
+	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
+		push.from = (uint32_t)from;
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_LOBES, adding, &push, octree->leaf_count,
+							 error));
+	}
+	return GW_OK;
+}
+
+static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_binding bindings[] = {
+		GW_WHOLE(&octree->leaf_cell),
+		GW_WHOLE(&octree->fragment_surfel),
+		GW_WHOLE(&octree->surfel_position),
+		GW_WHOLE(&octree->surfel_normal),
+		GW_WINDOW(&work->seed, 16),
+		GW_WINDOW(&octree->lobe_plane, 32),
+		GW_WINDOW(&octree->lobe_centre, 32),
+		GW_WINDOW(&octree->lobe_albedo, 32),
+		emission_binding(octree, push.emissive),
+		GW_WHOLE(&octree->leaf_tile),
+		GW_WHOLE(&work->ray_mark),
+	};
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_FINISH, bindings, &push, octree->leaf_count,
+						 error);
+}
+
+/* The least of the 13 cells around one that come before it in the order of z, y, x; step is -1, and
+ * 1 for those that come behind. */
+static unsigned least_before(const uint8_t *cell, ptrdiff_t row, ptrdiff_t layer, ptrdiff_t step)
+{
+	unsigned least = cell[step];
+	for (ptrdiff_t x = -1; x <= 1; x++) {
+		unsigned in_layer = cell[step * row + x];
+		least = in_layer < least ? in_layer : least;
+		for (ptrdiff_t y = -1; y <= 1; y++) {
+			unsigned beside = cell[step * layer + y * row + x];
+			least = beside < least ? beside : least;
+		}
+	}
+	return least;
+}
+
+/*
+ * Chessboard distances to the nearest cell of 0, in a grid with a rim of one cell that stays as it
+ * is. Two passes in opposite orders are exact: a shortest way goes first along, then against one.
+ */
+static void spread_distances(uint8_t *grid, size_t side)
+{
+	ptrdiff_t row = (ptrdiff_t)side + 2, layer = row * row;
+	for (int pass = 0; pass < 2; pass++) {
+		ptrdiff_t step = pass == 0 ? -1 : 1;
+		for (size_t n = 0; n < side * side * side; n++) {
+			size_t i = pass == 0 ? n : side * side * side - 1 - n;
+			uint8_t *cell = grid + (i / (side * side) + 1) * (size_t)layer +
+							(i / side % side + 1) * (size_t)row + i % side + 1;
+			unsigned least = *cell > 1 ? least_before(cell, row, layer, step) + 1 : *cell;
+			*cell = (uint8_t)(least < *cell ? least : *cell);
+		}
+	}
+}
+
+/* Marks of `side`^3 cells become distances, at most GW_DISTANCE_FAR. */
+static bool make_distances(uint32_t *cells, size_t side)
+{
+	size_t row = side + 2;
+	uint8_t *grid = gw_allocate_array(row * row * row, 1);
+	if (grid == NULL)
+		return false;
+	memset(grid, GW_DISTANCE_FAR, row * row * row);
+	for (size_t i = 0; i < side * side * side; i++)
+		if (cells[i] != 0)
+			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1] =
+				0;
+	spread_distances(grid, side);
+	for (size_t i = 0; i < side * side * side; i++)
+		cells[i] =
+			grid[(i / (side * side) + 1) * row * row + (i / side % side + 1) * row + i % side + 1];
+	free(grid);
+	return true;
+}
+
+/* On the host, which looks at each cell twice; threads with one cell each would have to search. */
+static gw_status find_distances(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	size_t side = (size_t)1 << octree->directory_level, cells = side * side * side;
+	uint32_t *host = gw_allocate_array(cells, sizeof *host);
+	gw_status status = GW_OK;
+	if (host == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %zu cells", cells);
+	status = gw_buffer_download(work->gpu, &work->ray_mark, 0, host, 4 * cells, error);
+	if (status == GW_OK && !make_distances(host, side))
+		status = gw_fail(error, GW_ERROR_MEMORY, "not enough memory for %zu cells", cells);
+	if (status == GW_OK)
+		status = gw_buffer_upload(work->gpu, &work->distance, 0, host, 4 * cells, error);
+	free(host);
+	if (status != GW_OK)
+		return status;
+	gw_distance_push push = { .level = octree->directory_level };
+	gw_binding bindings[] = { GW_WHOLE(&work->distance), GW_WHOLE(&octree->level_directory),
+							  GW_WINDOW(&octree->ray_directory, 4) };
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_DISTANCE, bindings, &push, cells, error);
+}
+
+gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	uint32_t longest;
+	GW_TRY(find_longest(work, &longest, error));
+	GW_TRY(create_leaves(work, error));
+	gw_leaves_push push = {
+		.leaves = octree->leaf_count,
+		.emissive = work->surfels->emission != NULL,
+		.depth = octree->depth,
+		.directory_level = octree->directory_level,
+	};
+	GW_TRY(reduce(work, push, longest, error));
+	GW_TRY(finish(work, push, error));
+	return find_distances(work, error);
+}

@@ -1,0 +1,267 @@
+/*
+ * render_octree.c - see render_octree.h.
+ */
+#include "picture/render_octree.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Pixels that are on the device at once: 48 MB. */
+#define BATCH ((size_t)1 << 20)
+
+/* What a batch needs on the device. */
+typedef struct batch {
+	gw_buffer position, normal, result; /* vec4 a pixel */
+	float *host;                        /* 4 a pixel */
+} batch;
+
+/* ------------------------------------------------------------------------------- making */
+
+static float largest_of(const float *values, size_t count)
+{
+	float largest = 0.0f;
+	for (size_t i = 0; i < count; i++)
+		largest = fmaxf(largest, values[i]);
+	return largest;
+}
+
+static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
+								 const float *radiance, gw_error *error)
+{
+	float *wide = gw_allocate_zeros(surfels->count, 4 * sizeof *wide);
+	if (!wide)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the radiance of %zu surfels",
+					   surfels->count);
+	for (size_t i = 0; i < 3 * surfels->count; i++)
+		wide[i / 3 * 4 + i % 3] = radiance[i];
+	uint64_t bytes = 16 * (uint64_t)surfels->count;
+	gw_status status = gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+										bytes, "surfel radiance", &o->surfel_radiance, error);
+	if (status == GW_OK)
+		status = gw_buffer_upload(o->gpu, &o->surfel_radiance, 0, wide, bytes, error);
+	free(wide);
+	return status;
+}
+
+static gw_status average_lobes(gw_render_octree *o, gw_error *error)
+{
+	uint64_t slots = 2 * (uint64_t)o->octree.leaf_count;
+	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * slots,
+							"lobe radiance", &o->lobe_radiance, error));
+	const gw_binding bindings[] = { gw_whole(&o->octree.leaf_fragment),
+									gw_whole(&o->octree.fragment_surfel),
+									gw_whole(&o->octree.fragment_weight),
+									gw_whole(&o->surfel_radiance),
+									gw_window(&o->lobe_radiance, 16) };
+	return gw_passes_run(&o->passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 }, slots,
+						 error);
+}
+
+static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error)
+{
+	GW_TRY(gw_cone_gather_create(o->gpu, &o->octree, 1, 0, &o->bricks, error));
+	o->has_bricks = true;
+	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks, &o->lobe_radiance, largest,
+							   &o->scale, error);
+}
+
+static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const float *radiance,
+					  const gw_render_octree_options *options, gw_error *error)
+{
+	const gw_gpu_options device = { .device = options->device,
+									.memory = options->memory,
+									.passes = options->passes,
+									.validate_synchronization =
+										options->validate == GW_VALIDATE_CALLS,
+									.validate_gpu_assisted =
+										options->validate == GW_VALIDATE_ACCESSES };
+	GW_TRY(gw_gpu_create(&device, &o->gpu, error));
+	if (options->depth == GW_DEPTH_AUTO)
+		GW_TRY(gw_octree_build_spaced(o->gpu, surfels, options->leaf_spacing, &o->octree, error));
+	else
+		GW_TRY(gw_octree_build(o->gpu, surfels, options->depth, &o->octree, error));
+	gw_octree_passes(&o->passes, o->gpu, &o->octree);
+	GW_TRY(upload_radiance(o, surfels, radiance, error));
+	GW_TRY(average_lobes(o, error));
+	return options->bricks ? fill_bricks(o, largest_of(radiance, 3 * surfels->count), error)
+						   : GW_OK;
+}
+
+gw_status gw_render_octree_create(const gw_surfels *surfels, const float *radiance,
+								  const gw_render_octree_options *options, gw_render_octree **made,
+								  gw_error *error)
+{
+	*made = NULL;
+	gw_render_octree *o = gw_allocate_zeros(1, sizeof *o);
+	if (!o)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for an octree");
+	gw_status status = make(o, surfels, radiance, options, error);
+	if (status == GW_OK)
+		*made = o;
+	else
+		gw_render_octree_destroy(&o);
+	return status;
+}
+
+void gw_render_octree_destroy(gw_render_octree **octree)
+{
+	gw_render_octree *o = *octree;
+	*octree = NULL;
+	if (!o)
+		return;
+	if (o->gpu) {
+		gw_cone_gather_destroy(o->gpu, &o->bricks);
+		gw_buffer_destroy(o->gpu, &o->lobe_radiance);
+		gw_buffer_destroy(o->gpu, &o->surfel_radiance);
+		if (o->passes.gpu)
+			gw_passes_destroy(&o->passes);
+		gw_octree_destroy(o->gpu, &o->octree);
+		gw_gpu_destroy(&o->gpu);
+	}
+	free(o);
+}
+
+/* ------------------------------------------------------------------------------- pixels */
+
+static void to_grid(const gw_octree *octree, const float metres[3], float grid[3])
+{
+	for (int k = 0; k < 3; k++)
+		grid[k] = (metres[k] - octree->cube_minimum[k]) / octree->leaf_size;
+}
+
+/* Where the eye is, for a push. */
+static vec4 eye_of(const gw_render_octree *o, const gw_pixels *pixels, float w)
+{
+	float eye[3];
+	to_grid(&o->octree, pixels->eye, eye);
+	return (vec4){ eye[0], eye[1], eye[2], w };
+}
+
+static gw_status open_batch(gw_render_octree *o, size_t pixels, batch *b, gw_error *error)
+{
+	size_t count = pixels < BATCH ? pixels : BATCH;
+	b->host = gw_allocate_array(count, 4 * sizeof *b->host);
+	if (!b->host)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu pixels", count);
+	gw_buffer *const buffer[] = { &b->position, &b->normal, &b->result };
+	static const char *const name[] = { "pixel position", "pixel normal", "pixel result" };
+	for (int i = 0; i < 3; i++)
+		GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								16 * (uint64_t)count, name[i], buffer[i], error));
+	return GW_OK;
+}
+
+static void close_batch(gw_render_octree *o, batch *b)
+{
+	gw_buffer_destroy(o->gpu, &b->position);
+	gw_buffer_destroy(o->gpu, &b->normal);
+	gw_buffer_destroy(o->gpu, &b->result);
+	free(b->host);
+}
+
+static gw_status load_batch(gw_render_octree *o, batch *b, const gw_pixels *pixels, size_t first,
+							size_t count, gw_error *error)
+{
+	for (size_t i = 0; i < count; i++) {
+		to_grid(&o->octree, pixels->position + 4 * (first + i), b->host + 4 * i);
+		b->host[4 * i + 3] = pixels->position[4 * (first + i) + 3];
+	}
+	GW_TRY(gw_buffer_upload(o->gpu, &b->position, 0, b->host, 16 * (uint64_t)count, error));
+	return gw_buffer_upload(o->gpu, &b->normal, 0, pixels->normal + 4 * first, 16 * (uint64_t)count,
+							error);
+}
+
+/* One pass over a batch. */
+typedef gw_status (*batch_pass)(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
+								const void *how, size_t first, size_t count, gw_error *error);
+
+static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch_pass run,
+							 const void *how, float *result, gw_error *error)
+{
+	batch b = { .host = NULL };
+	gw_status status = pixels->count ? open_batch(o, pixels->count, &b, error) : GW_OK;
+	for (size_t first = 0; first < pixels->count && status == GW_OK; first += BATCH) {
+		size_t count = pixels->count - first < BATCH ? pixels->count - first : BATCH;
+		status = load_batch(o, &b, pixels, first, count, error);
+		if (status == GW_OK)
+			status = run(o, &b, pixels, how, first, count, error);
+		if (status == GW_OK)
+			status = gw_buffer_download(o->gpu, &b.result, 0, result + 4 * first,
+										16 * (uint64_t)count, error);
+	}
+	close_batch(o, &b);
+	return status;
+}
+
+static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
+						  const void *how, size_t first, size_t count, gw_error *error)
+{
+	const gw_reflection *r = how;
+	const gw_octree *t = &o->octree;
+	gw_pixel_push push = { .rays = r->rays,
+						   .seed = r->seed,
+						   .pixel_first = (uint32_t)first,
+						   .eye = eye_of(o, pixels, 0.0f),
+						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(t),        GW_DISC_BINDINGS(t),       gw_whole(&o->surfel_radiance),
+		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
+		GW_TREE_BINDING(t)
+	};
+	gw_status status = GW_OK;
+	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
+		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);
+		if (status == GW_OK && r->cancelled && r->cancelled(r->user))
+			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
+	}
+	return status;
+}
+
+static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass,
+							const gw_cone_push *push, size_t count, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&o->octree.level_directory),
+									gw_whole(&o->octree.node),
+									gw_voxels_of(&o->bricks.leaf_pool),
+									gw_voxels_of(&o->bricks.mip_pool),
+									gw_window(&b->position, 16),
+									gw_window(&b->normal, 16),
+									gw_window(&b->result, 16) };
+	return gw_passes_run(&o->passes, pass, bindings, push, count, error);
+}
+
+static gw_status run_cone(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
+						  const void *how, size_t first, size_t count, gw_error *error)
+{
+	const gw_reflection *r = how;
+	(void)first;
+	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, r->sky);
+	push.eye = eye_of(o, pixels, 0.0f);
+	return run_bricks(o, b, GW_PASS_PIXEL_CONE, &push, count, error);
+}
+
+gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,
+								   const gw_reflection *reflection, float *reflected,
+								   gw_error *error)
+{
+	return run_batches(o, pixels, reflection->cone ? run_cone : run_rays, reflection, reflected,
+					   error);
+}
+
+static gw_status run_read(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
+						  const void *how, size_t first, size_t count, gw_error *error)
+{
+	const float black[3] = { 0 };
+	(void)first;
+	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, black);
+	push.eye = eye_of(o, pixels, *(const bool *)how ? 1.0f : 0.0f);
+	return run_bricks(o, b, GW_PASS_PIXEL_BRICKS, &push, count, error);
+}
+
+gw_status gw_render_octree_read(gw_render_octree *o, const gw_pixels *pixels, bool cubic,
+								float *radiance, gw_error *error)
+{
+	return run_batches(o, pixels, run_read, &cubic, radiance, error);
+}

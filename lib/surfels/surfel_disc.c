@@ -1,0 +1,470 @@
+/*
+ * surfel_disc.c - the piece of surface that each point stands for; see surfel_steps.h.
+ *
+ * Neighbours on the same surface (like normals, near the plane) are projected to the plane of the
+ * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
+ * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
+ * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
+ * disc are cut there, at an empty side once more by what surfel_rims.c finds. Where it curves, the
+ * disc is bent to follow it, so that it does not stick out.
+ */
+#include "surfels/surfel_plane.h"
+
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DISC_RANK 8      /* the disc reaches to this neighbour on the surface */
+#define SAME_SURFACE 0.6 /* least cosine between normals */
+#define VOID_STEP 0.75   /* how far behind an edge the surface is looked for, of the reach */
+#define VOID_WIDTH 1.8   /* most width of a void, of the reach */
+#define VOID_SLOPE 0.7
+#define CREASE_VOTES 3       /* neighbours that have to agree on a crease */
+#define CREASE_DOUBT 0.1     /* by how much a point may lie on the wrong side, of the reach */
+#define LONE_RADIUS 0.01f    /* metres, of a scene that is one point */
+#define STRAY_SEEN 4         /* neighbours that tell */
+#define STRAY_CONE 0.95      /* least share of their length that their offsets have in common */
+#define STRAY_GAP 30         /* how many times further off than from each other they are */
+#define STRAY_JUMP 8.0f      /* how many times further off than the neighbours before them */
+#define STRAY_NEAREST 0.475f /* without any before them: how far, of the furthest */
+#define BEND_POINTS 6        /* neighbours from which on a bend is looked for */
+#define BEND_RIDGE 1e-5      /* keeps neighbours on a line from telling about the other direction */
+#define BEND_MOST 0.5        /* slope of a disc's rim against its plane */
+
+static const double pi = 3.14159265358979323846;
+
+/*
+ * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
+ * there, by number of neighbours: with 16 it is 0.45 (measured: less leaves discs that stick out
+ * over edges, more cuts discs inside a surface). For fewer, the extent that as many points, spread
+ * evenly over a disc, fall short of with the same probability (1.75 %); at least 0.15.
+ */
+static const double open_extent[GW_NEIGHBOURS + 1] = {
+	0, 0, 0, 0, 0.15, 0.15, 0.15, 0.15, 0.16, 0.22, 0.27, 0.31, 0.34, 0.37, 0.40, 0.43, 0.45,
+};
+
+/* Where the surfel's plane meets other surfaces: one line a neighbour on such a surface. */
+typedef struct crease_lines {
+	gw_half_plane line[GW_NEIGHBOURS];
+	uint32_t count;
+} crease_lines;
+
+typedef struct disc_step {
+	gw_neighbours *search;
+	gw_surfels *surfels;
+	float *gap;        /* NULL or count */
+	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	uint8_t *stray;    /* count, 1 where that is because all others are far off */
+	uint8_t *rim;      /* count, a bit for each clip that borders on nothing */
+	bool measure_noise, rough_area;
+} disc_step;
+
+/*
+ * The line in the surfel's plane where that of a neighbour on another surface crosses it. In a
+ * concave crease each point lies in front of the other's plane, in a convex one behind it; where
+ * the two disagree by more than doubt allows, the surfaces do not meet there.
+ */
+static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double reach,
+						gw_half_plane *line)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	float t[3], b[3];
+	double cosine = 0, x = 0, y = 0, ahead = 0, facing = 0;
+	gw_tangent_frame(n, t, b);
+	for (size_t k = 0; k < 3; k++) {
+		double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
+		cosine += (double)(n[k] * m[k]);
+		x += (double)(m[k] * t[k]);
+		y += (double)(m[k] * b[k]);
+		ahead += (double)n[k] * d;
+		facing -= (double)m[k] * d;
+	}
+	if (fabs(cosine) > SAME_SURFACE || s->two_sided[surfel] || s->two_sided[other])
+		return false;
+	double side = ahead + facing < 0 ? -1 : 1, slope = sqrt(x * x + y * y);
+	if (fmin(side * ahead, side * facing) < -CREASE_DOUBT * reach)
+		return false;
+	*line = (gw_half_plane){ -side * x / slope, -side * y / slope, fmax(side * facing, 0) / slope };
+	return line->offset < reach;
+}
+
+static void find_creases(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						 double reach, crease_lines *creases)
+{
+	creases->count = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		creases->count +=
+			find_crease(s, surfel, list->index[j], reach, creases->line + creases->count);
+}
+
+/* What a neighbour's height is made of: its products with a bend are the bent disc's height. */
+static void bend_terms(const gw_flat_point *p, double reach, double term[3])
+{
+	double x = p->x / reach, y = p->y / reach;
+	term[0] = 0.5 * x * x;
+	term[1] = x * y;
+	term[2] = 0.5 * y * y;
+}
+
+/* Solves m[.][0..2] x = m[.][3], positive definite, by Gauss-Jordan elimination; x replaces
+ * m[.][3].
+ */
+static void solve_three(double m[3][4])
+{
+	for (int p = 0; p < 3; p++) {
+		for (int r = 0; r < 3; r++) {
+			double factor = m[r][p] / m[p][p];
+			for (int c = p; c < 4 && r != p; c++)
+				m[r][c] -= factor * m[p][c];
+		}
+		for (int c = 3; c >= p; c--)
+			m[p][c] /= m[p][p];
+	}
+}
+
+/* Sum of squares of what a bend leaves of the neighbours' heights. */
+static double unexplained(const gw_flat_point *kept, uint32_t count, const double bend[3])
+{
+	double sum = 0, reach = kept[count - 1].distance, term[3];
+	for (uint32_t j = 0; j < count; j++) {
+		bend_terms(kept + j, reach, term);
+		double rest = kept[j].height;
+		for (int k = 0; k < 3; k++)
+			rest -= bend[k] * term[k];
+		sum += rest * rest;
+	}
+	return sum;
+}
+
+/*
+ * How the surface curves away from the normal's plane: height = (a x^2 + 2 b x y + c y^2) / 2, by
+ * least squares over the neighbours. Of what it explains that part is kept which is not noise, as
+ * their variances tell.
+ */
+static void fit_bend(const gw_flat_point *kept, uint32_t count, double radius, float bend[3])
+{
+	double reach = kept[count - 1].distance, m[3][4] = { 0 }, term[3];
+	if (count < BEND_POINTS)
+		return;
+	for (uint32_t j = 0; j < count; j++) {
+		bend_terms(kept + j, reach, term);
+		for (int r = 0; r < 3; r++) {
+			for (int c = 0; c < 3; c++)
+				m[r][c] += term[r] * term[c];
+			m[r][3] += term[r] * kept[j].height;
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		m[k][k] += BEND_RIDGE * count;
+	solve_three(m);
+	const double found[3] = { m[0][3], m[1][3], m[2][3] }, none[3] = { 0 };
+	double left = unexplained(kept, count, found);
+	double signal = (unexplained(kept, count, none) - left) / 3, noise = left / (count - 3);
+	if (!(signal > noise))
+		return;
+	double rim = hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
+	double share = fmin(1 - noise / signal, BEND_MOST / rim);
+	for (int k = 0; k < 3; k++)
+		bend[k] = (float)(share * found[k] / reach / reach);
+}
+
+/*
+ * How far the surface goes on beyond its last point. On average this is half the distance between
+ * points: for regular points the distance to the nearest, for random ones the mean distance to the
+ * nearest is half a spacing and the last point of an edge a quarter of a spacing from it.
+ */
+static double edge_margin(const gw_flat_point *kept, double reach)
+{
+	return fmin(fmax(0.5 * kept[0].distance, 0.06 * reach), 0.25 * reach);
+}
+
+/* The mean of the lines that agree with the nearest one, which are then taken off the list. */
+static uint32_t merge_lines(crease_lines *creases, double reach, gw_half_plane *mean)
+{
+	uint32_t left = 0, votes = 0;
+	gw_half_plane nearest = creases->line[0];
+	*mean = (gw_half_plane){ 0, 0, 0 };
+	for (uint32_t j = 1; j < creases->count; j++)
+		if (creases->line[j].offset < nearest.offset)
+			nearest = creases->line[j];
+	for (uint32_t j = 0; j < creases->count; j++) {
+		gw_half_plane line = creases->line[j];
+		if (gw_along(&nearest, line.x, line.y) < 0.7 ||
+			line.offset - nearest.offset > 0.35 * reach) {
+			creases->line[left++] = line;
+			continue;
+		}
+		votes++;
+		mean->x += line.x;
+		mean->y += line.y;
+		mean->offset += line.offset;
+	}
+	creases->count = left;
+	double length = hypot(mean->x, mean->y);
+	*mean = (gw_half_plane){ mean->x / length, mean->y / length, mean->offset / votes };
+	return votes;
+}
+
+/* At most two creases, the nearest ones on which enough neighbours agree. */
+static uint32_t take_creases(crease_lines *creases, double reach, gw_half_plane edge[2])
+{
+	uint32_t found = 0;
+	while (creases->count > 0 && found < 2) {
+		if (merge_lines(creases, reach, edge + found) >= CREASE_VOTES)
+			found++;
+	}
+	return found;
+}
+
+/* Do the surface's points lie all around a place in the surfel's plane? */
+static bool is_surrounded(const disc_step *step, size_t surfel, double x, double y)
+{
+	gw_neighbour_list list;
+	gw_flat_point flat[GW_NEIGHBOURS];
+	gw_plane_look_at(step->search, step->surfels, surfel, x, y, &list);
+	uint32_t count = gw_plane_flatten(step->surfels, surfel, &list, flat), seen = 0;
+	for (uint32_t j = 0; j < count; j++)
+		for (int d = 0; d < GW_DIRECTIONS; d++)
+			if (gw_direction[d][0] * (flat[j].x - x) + gw_direction[d][1] * (flat[j].y - y) > 0)
+				seen |= 1u << d;
+	return seen == (1u << GW_DIRECTIONS) - 1;
+}
+
+/*
+ * Where points are spread at random they leave voids some three of their spacings wide; to the
+ * points around one it looks as if the surface ended there. Is there more of it on the other side?
+ *   list   what lies around the void
+ */
+static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_list *list,
+					const gw_half_plane *edge, double reach)
+{
+	gw_flat_point flat[GW_NEIGHBOURS];
+	uint32_t count = gw_plane_flatten(step->surfels, surfel, list, flat);
+	for (uint32_t j = 0; j < count; j++) {
+		double ahead = gw_along(edge, flat[j].x, flat[j].y);
+		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
+		if (ahead > edge->offset && ahead <= VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
+			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
+	}
+	return false;
+}
+
+bool gw_plane_meets_crease(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						   gw_half_plane *edge, double reach)
+{
+	crease_lines creases;
+	gw_half_plane line;
+	find_creases(s, surfel, list, VOID_WIDTH * reach, &creases);
+	while (creases.count > 0)
+		if (merge_lines(&creases, reach, &line) >= CREASE_VOTES &&
+			gw_along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
+			*edge = line;
+			return true;
+		}
+	return false;
+}
+
+/* The direction, away from the edge that was found, in which the surface's points reach least far.
+ * `extent` is theirs in all directions. */
+static int find_open_side(const double *extent, const gw_half_plane *edge, uint32_t found)
+{
+	int best = -1;
+	for (int d = 0; d < GW_DIRECTIONS; d++) {
+		if (found == 1 && gw_along(edge, gw_direction[d][0], gw_direction[d][1]) > GW_COS_60)
+			continue;
+		if (best < 0 || extent[d] < extent[best])
+			best = d;
+	}
+	return best;
+}
+
+/* Adds half-planes beyond which the surface has no points, up to two with those already found, from
+ * which they are turned by 60 degrees or more.
+ *   at_creases   how many there are already; those of them that lie at creases, too, are counted,
+ *                and for the others bits are set in step->rim */
+static uint32_t find_edges(const disc_step *step, size_t surfel, const gw_flat_point *kept,
+						   uint32_t count, gw_half_plane edge[2], uint32_t *at_creases)
+{
+	uint32_t found = *at_creases;
+	double reach = kept[count - 1].distance, extent[GW_DIRECTIONS] = { 0 };
+	for (uint32_t j = 0; j < count; j++)
+		for (int d = 0; d < GW_DIRECTIONS / 2; d++) {
+			double way = gw_direction[d][0] * kept[j].x + gw_direction[d][1] * kept[j].y;
+			double *back = extent + GW_DIRECTIONS / 2; /* the opposite directions */
+			extent[d] = way > extent[d] ? way : extent[d];
+			back[d] = -way > back[d] ? -way : back[d];
+		}
+	while (found < 2) {
+		int d = find_open_side(extent, edge, found);
+		gw_half_plane side = { gw_direction[d][0], gw_direction[d][1], extent[d] };
+		gw_neighbour_list behind;
+		if (!(side.offset < open_extent[count] * reach))
+			break;
+		gw_plane_look_at(step->search, step->surfels, surfel, VOID_STEP * reach * side.x,
+						 VOID_STEP * reach * side.y, &behind);
+		if (goes_on(step, surfel, &behind, &side, reach)) {
+			extent[d] = reach;
+			continue;
+		}
+		edge[found] = side;
+		if (gw_plane_meets_crease(step->surfels, surfel, &behind, edge + found, reach)) {
+			(*at_creases)++;
+		} else {
+			edge[found].offset += edge_margin(kept, reach);
+			step->rim[surfel] |= (uint8_t)(1u << found);
+		}
+		found++;
+	}
+	return found;
+}
+
+/*
+ * How many of the neighbours are near, where all others are far off: they lie in one direction, so
+ * far that their distances from each other are nothing to that. A stray point has none near; a few
+ * that are together have each other. Points beside a denser patch have some of their own scale
+ * around (neighbour_scales.h).
+ */
+static uint32_t count_near(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+{
+	float last = list->count ? list->distance[list->count - 1] : 0;
+	for (uint32_t near = 0; near + STRAY_SEEN <= list->count; near++) {
+		float far = list->distance[near];
+		if (near > 0 ? far < STRAY_JUMP * list->distance[near - 1] : far < STRAY_NEAREST * last)
+			continue;
+		gw_neighbour_list others = { .count = list->count - near };
+		memcpy(others.index, list->index + near, others.count * sizeof *others.index);
+		memcpy(others.distance, list->distance + near, others.count * sizeof *others.distance);
+		if (gw_neighbours_one_sidedness(s, surfel, &others) > STRAY_CONE &&
+			(double)far > STRAY_GAP * gw_neighbours_median_gap(s, &others))
+			return near;
+	}
+	return list->count;
+}
+
+static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
+{
+	gw_surfels *s = step->surfels;
+	float radius = list->count ? fmaxf(0.5f * list->distance[0], FLT_MIN) : LONE_RADIUS;
+	s->radius[surfel] = radius;
+	s->area[surfel] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+	step->isolated[surfel] = 1;
+}
+
+static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
+{
+	disc_step *step = user;
+	gw_surfels *s = step->surfels;
+	gw_neighbour_list near = *all;
+	const gw_neighbour_list *list = &near;
+	near.count = count_near(s, surfel, all);
+	gw_flat_point flat[GW_NEIGHBOURS];
+	double noise;
+	/* Smoothing may bring points together. */
+	s->nearest[surfel] = fmaxf(gw_neighbours_nearest(step->search, surfel, all), FLT_MIN);
+	if (step->gap)
+		step->gap[surfel] = all->count ? all->distance[0] : INFINITY;
+
+	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
+	uint32_t kept = gw_plane_surface(s, surfel, list, flat, &noise);
+	if (step->measure_noise)
+		s->noise[surfel] = (float)noise;
+	if (kept < 3 || !(flat[0].distance > 0)) {
+		store_isolated(step, surfel, near.count > 0 ? list : all);
+		step->stray[surfel] = near.count < all->count;
+		return;
+	}
+	gw_half_plane edge[2];
+	/* Half the reach is less than the 8th neighbour's distance but where scan lines are far apart:
+	 * there it closes the gaps between them. */
+	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
+	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
+	crease_lines creases;
+	find_creases(s, surfel, list, reach, &creases);
+	uint32_t at_creases = take_creases(&creases, reach, edge);
+	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
+	double area = step->rough_area ? pi * radius * radius / DISC_RANK
+								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);
+	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
+	s->area[surfel] = fmaxf((float)area, FLT_MIN);
+	s->creased[surfel] =
+		edges > 0 && edges == at_creases && (double)s->noise[surfel] < GW_CREASE_NOISE * reach;
+	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
+	gw_plane_store_clips(s, surfel, edge, edges);
+}
+
+static void count_stray(gw_surfels *s, size_t surfel, bool stray)
+{
+	const float *p = s->position + 3 * surfel;
+	float off = 0;
+	for (int k = 0; k < 3; k++)
+		off = fmaxf(off, fmaxf(s->minimum[k] - p[k], p[k] - s->maximum[k]));
+	if (!stray && !(off > 0))
+		return;
+	s->strays++;
+	s->stray_distance = fmaxf(s->stray_distance, stray ? s->nearest[surfel] : off);
+}
+
+/* Isolated surfels are lit from both sides and no larger than the median of the others. */
+static gw_status finish(disc_step *step, gw_error *error)
+{
+	gw_surfels *s = step->surfels;
+	float *width = gw_allocate_array(s->count, sizeof *width);
+	size_t measured = 0;
+	if (!width)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the spacing of %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		if (!step->isolated[i])
+			width[measured++] = sqrtf(s->area[i]);
+	float median = measured ? gw_rank_float(width, measured, measured / 2) : INFINITY;
+	for (size_t i = 0; i < s->count; i++) {
+		if (step->isolated[i]) {
+			float radius = fminf(s->radius[i], median);
+			s->radius[i] = radius;
+			s->area[i] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+			s->two_sided[i] = 1;
+		}
+		count_stray(s, i, step->stray[i]);
+		s->given_area += (double)s->area[i];
+		width[i] = sqrtf(s->area[i]);
+	}
+	s->spacing = gw_rank_float(width, s->count, s->count / 2);
+	free(width);
+	return GW_OK;
+}
+
+gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
+						gw_error *error)
+{
+	disc_step step = { .search = search, .surfels = surfels, .gap = gap, .rough_area = rough_area };
+	size_t n = surfels->count;
+	surfels->nearest = gw_allocate_array(n, sizeof(float));
+	surfels->radius = gw_allocate_array(n, sizeof(float));
+	surfels->area = gw_allocate_array(n, sizeof(float));
+	surfels->clip = gw_allocate_zeros(n, 6 * sizeof(float));
+	surfels->bend = gw_allocate_zeros(n, 3 * sizeof(float));
+	surfels->creased = gw_allocate_zeros(n, sizeof *surfels->creased);
+	step.measure_noise = !surfels->noise;
+	if (step.measure_noise)
+		surfels->noise = gw_allocate_array(n, sizeof(float));
+	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
+	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
+	step.rim = gw_allocate_zeros(n, sizeof *step.rim);
+	gw_status status = GW_OK;
+	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.stray ||
+		!step.rim)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, make_disc, &step, error);
+	if (status == GW_OK)
+		status = gw_rims_settle(search, surfels, rough_area, step.rim, error);
+	if (status == GW_OK)
+		status = finish(&step, error);
+	free(step.isolated);
+	free(step.stray);
+	free(step.rim);
+	return status;
+}

@@ -1,0 +1,140 @@
+/* surfels.c - runs the steps from points to surfels; see surfels.h. */
+#include "surfels/surfel_steps.h"
+
+#include "base/memory.h"
+#include "surfels/plane_error.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Two counting passes over the float's bits, which order non-negative floats as integers. */
+float gw_rank_float(const float *values, size_t count, size_t rank)
+{
+	uint32_t high = 0, bits;
+	for (int pass = 0; pass < 2; pass++) {
+		uint32_t in_bin[1u << 16] = { 0 };
+		for (size_t i = 0; i < count; i++) {
+			memcpy(&bits, values + i, sizeof bits);
+			if (pass == 0)
+				in_bin[bits >> 16]++;
+			else if (bits >> 16 == high)
+				in_bin[bits & 0xffff]++;
+		}
+		uint32_t bin = 0;
+		for (; bin < 0xffff && rank >= in_bin[bin]; bin++)
+			rank -= in_bin[bin];
+		bits = high << 16 | bin;
+		high = bin;
+	}
+	float value;
+	memcpy(&value, &bits, sizeof value);
+	return value;
+}
+
+/* Who chooses may want to see normals. Those that are missing need neighbours, all of them. */
+static gw_status choose(const gw_points *points, const gw_surfels_options *options,
+						gw_surfels *surfels, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = GW_OK;
+	if (surfels->normals_given < surfels->count && !options->choose_by_place) {
+		status = gw_neighbours_open(surfels, options, &search, error);
+		if (status == GW_OK)
+			status = gw_normals_complete(points, options, search, surfels, error);
+		gw_neighbours_close(search);
+	}
+	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
+}
+
+/* Missing normals, and how far off they are. */
+static gw_status complete_normals(const gw_points *points, const gw_surfels_options *options,
+								  gw_neighbours *search, gw_surfels *s, gw_error *error)
+{
+	if (s->normals_given == s->count)
+		return GW_OK;
+	s->lamp_off = gw_allocate_zeros(s->count, sizeof *s->lamp_off);
+	if (!s->lamp_off)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu missing normals", s->count);
+	for (size_t i = 0; i < s->count; i++) {
+		const float *n = s->normal + 3 * i;
+		s->lamp_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
+	}
+	gw_status status = gw_normals_complete(points, options, search, s, error);
+	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+}
+
+static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
+							gw_surfels *surfels, float **gap, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = gw_frame_make(points, options, surfels, error);
+	if (status == GW_OK && options->choose)
+		status = choose(points, options, surfels, error);
+	if (status != GW_OK)
+		return status;
+	if (gap) {
+		*gap = gw_allocate_array(surfels->count, sizeof **gap);
+		if (!*gap)
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
+	}
+	status = gw_neighbours_open(surfels, options, &search, error);
+	if (status != GW_OK)
+		return status;
+	bool smoothed = false;
+	status = complete_normals(points, options, search, surfels, error);
+	if (status == GW_OK)
+		status = gw_surfels_smooth(search, surfels, &smoothed, error);
+	if (smoothed) {
+		gw_neighbours_close(search);
+		search = NULL;
+		status = gw_neighbours_open(surfels, options, &search, error);
+	}
+	if (status == GW_OK)
+		status = gw_discs_make(search, surfels, options->rough_area, gap ? *gap : NULL, error);
+	gw_neighbours_close(search);
+	return status;
+}
+
+gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
+									gw_surfels *surfels, float **gap, gw_error *error)
+{
+	*surfels = (gw_surfels){ .count = 0 };
+	if (gap)
+		*gap = NULL;
+	gw_status status = make_steps(points, options, surfels, gap, error);
+	if (status != GW_OK) {
+		gw_surfels_clear(surfels);
+		if (gap) {
+			free(*gap);
+			*gap = NULL;
+		}
+	}
+	return status;
+}
+
+gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
+						  gw_surfels *surfels, gw_error *error)
+{
+	return gw_surfels_make_with_gaps(points, options, surfels, NULL, error);
+}
+
+void gw_surfels_clear(gw_surfels *surfels)
+{
+	free(surfels->position);
+	free(surfels->normal);
+	free(surfels->lamp_normal);
+	free(surfels->lamp_off);
+	free(surfels->normal_length);
+	free(surfels->albedo);
+	free(surfels->emission);
+	free(surfels->nearest);
+	free(surfels->radius);
+	free(surfels->area);
+	free(surfels->clip);
+	free(surfels->bend);
+	free(surfels->creased);
+	free(surfels->two_sided);
+	free(surfels->noise);
+	free(surfels->surfel_of_point);
+	*surfels = (gw_surfels){ .count = 0 };
+}

@@ -1,0 +1,74 @@
+/*
+ * brick_cones.glsl - reading the brick pools, and cones through them. Uses the texel buffers
+ * level_directory and node (octree.h), the images leaf_pool and mip_pool (brick_pool.glsl) and
+ * `push`, a gw_cone_push.
+ *
+ * Along a cone, extinction is the area that the voxels show to it, one-sided and per cell size, and
+ * it is composited additively until the cone is full, which makes a flat wall opaque exactly once
+ * at any angle; what is left sees the sky.
+ */
+#ifndef BRICK_CONES_GLSL
+#define BRICK_CONES_GLSL
+
+#include "octree/octree_tiles.glsl"
+#include "light/brick_pool.glsl"
+
+vec4 sample_face(bool leaves, vec3 at, int face)
+{
+	at.z += float(face * int(leaves ? push.leaf_face_depth : push.mip_face_depth));
+	return leaves ? textureLod(leaf_pool, at / vec3(textureSize(leaf_pool, 0)), 0.0)
+				  : textureLod(mip_pool, at / vec3(textureSize(mip_pool, 0)), 0.0);
+}
+
+/* F and G per leaf cell of path that voxels of size 2^up leaf cells show to a ray. */
+vec4 sample_level(vec3 g, vec3 direction, uint up)
+{
+	float size = exp2(float(up));
+	float cells = exp2(float(depth - up));
+	/* Beyond the outermost voxels' centres they fade to nothing over one voxel. */
+	vec3 v = clamp(g / size, vec3(0.5), vec3(cells - 0.5));
+	vec3 inside = max(vec3(0.0), 1.0 - abs(g / size - v));
+	uvec3 base = uvec3(v - 0.5) >> 1;
+	uint tile = find_tile(base, depth - up - 1u);
+	if (tile == 0u)
+		return vec4(0.0);
+	bool leaves = up == 0u;
+	vec3 at = vec3(brick_corner(tile - 1u, leaves ? push.leaf_bricks[0] : push.mip_bricks[0],
+								leaves ? push.leaf_bricks[1] : push.mip_bricks[1])) +
+			  v - 2.0 * vec3(base);
+	vec3 weight = abs(direction);
+	vec4 sum = weight.x * sample_face(leaves, at, direction.x < 0.0 ? 0 : 1) +
+			   weight.y * sample_face(leaves, at, direction.y < 0.0 ? 2 : 3) +
+			   weight.z * sample_face(leaves, at, direction.z < 0.0 ? 4 : 5);
+	return sum * (inside.x * inside.y * inside.z / size);
+}
+
+vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
+{
+	float side = exp2(float(depth));
+	vec3 radiance = vec3(0.0);
+	float filled = 0.0;
+	float t = push.start;
+	for (uint step = 0u; step < 256u && filled < 0.995; step++) {
+		float width = max(1.0, 2.0 * t * tangent);
+		vec3 g = origin + direction * (t + 0.5 * width);
+		if (any(lessThan(g, vec3(-width))) || any(greaterThan(g, vec3(side + width))))
+			break;
+		float level = min(log2(width), float(depth - 1u));
+		uint up = uint(level);
+		vec4 shown = sample_level(g, direction, up);
+		float between = level - float(up);
+		if (between > 1e-3 && up + 1u < depth)
+			shown = mix(shown, sample_level(g, direction, up + 1u), between);
+		float opacity = width * shown.w;
+		if (opacity > 1e-6) {
+			float taken = min(opacity, 1.0 - filled);
+			radiance += shown.xyz * (width * taken / opacity);
+			filled += taken;
+		}
+		t += width;
+	}
+	return radiance / push.scale + (1.0 - min(filled, 1.0)) * push.sky.xyz;
+}
+
+#endif

@@ -1,0 +1,57 @@
+/*
+ * brick_inject.comp - fills the leaf pool: one invocation a voxel of a brick, its redundant
+ * positive boundary included (Salm 4.3.1, 4.4.1). Each lobe shows area * max(0, n . face) to a
+ * face; one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall
+ * sampled by scattered points lets nothing through.
+ */
+#version 460
+
+#include "light/transport_layout.h"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer leaf_tile;
+layout(binding = 1) uniform usamplerBuffer leaf_tile_neighbour;
+layout(binding = 2) uniform samplerBuffer lobe_plane;
+layout(binding = 3) uniform samplerBuffer lobe_centre;
+layout(binding = 4) uniform samplerBuffer lobe_radiance;
+layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
+layout(push_constant) uniform Push
+{
+	gw_cone_push push;
+};
+
+#include "light/brick_pool.glsl"
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint element = push.first + i;
+	uint brick = element / 27u, v = element % 27u;
+	uvec3 voxel = uvec3(v % 3u, v / 3u % 3u, v / 9u);
+	uint side = (voxel.x >> 1) | (voxel.y >> 1) << 1 | (voxel.z >> 1) << 2;
+	uint octant = (voxel.x & 1u) | (voxel.y & 1u) << 1 | (voxel.z & 1u) << 2;
+	uint tile = texelFetch(leaf_tile_neighbour, int(8u * brick + side)).x;
+	uvec2 entry = tile == 0u ? uvec2(0u) : texelFetch(leaf_tile, int(tile - 1u)).xy;
+	bool exists = ((entry.y >> (8u + octant)) & 1u) != 0u;
+	uint leaf = entry.x + uint(bitCount(entry.y & ((1u << octant) - 1u)));
+	ivec3 corner = brick_corner(brick, push.leaf_bricks[0], push.leaf_bricks[1]) + ivec3(voxel);
+
+	vec4 radiance[2];
+	vec3 facing[2];
+	for (uint s = 0u; s < 2u; s++) {
+		int slot = int(2u * leaf + s);
+		bool lobe = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
+		radiance[s] =
+			lobe ? vec4(texelFetch(lobe_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
+		facing[s] =
+			lobe ? texelFetch(lobe_plane, slot).xyz * texelFetch(lobe_centre, slot).w : vec3(0.0);
+	}
+	for (int f = 0; f < 6; f++) {
+		vec4 shown = radiance[0] * max(0.0, dot(facing[0], FACE_NORMAL[f])) +
+					 radiance[1] * max(0.0, dot(facing[1], FACE_NORMAL[f]));
+		imageStore(leaf_pool, corner + ivec3(0, 0, f * int(push.leaf_face_depth)),
+				   min(shown * push.gain, vec4(65504.0)));
+	}
+}

@@ -1,0 +1,36 @@
+/*
+ * light_irradiance.comp - adds one light's irradiance at each surfel: analytic, times the
+ * visibility that light_visibility.comp or shadow_map_visibility.comp found. The fourth component
+ * is luminance that was hidden: above 0 by surface of which nobody knows exactly where it ends,
+ * below 0 by what ends at a crease; not there where the lamp has an extent, whose penumbra is far
+ * wider than what is unknown of a crease.
+ */
+#include "base/pass.glsl"
+#include "light/transport_layout.h"
+
+BUFFER(0, readonly, vec4, surfel_position);
+BUFFER(1, readonly, vec4, surfel_normal);
+BUFFER(2, readonly, float, visibility);
+BUFFER(3, readwrite, vec4, irradiance);
+PUSH(gw_light_push);
+
+#include "light/light.glsl"
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	float distance;
+	vec3 towards, power = push.power.xyz;
+	float share = light_share(surfel_position[i].xyz, towards, distance);
+	float e = share * light_cosine(surfel_normal[i], towards);
+	if (push.type != GW_PUSH_SUN)
+		e /= distance * distance;
+	float seen = push.shadows != 0u ? visibility[i] : 1.0f, sign = 1.0f;
+	if (seen >= GW_HIDDEN_BY_CREASE) {
+		seen -= GW_HIDDEN_BY_CREASE;
+		sign = push.samples > 1u ? 0.0f : -1.0f;
+	}
+	irradiance[i] += vec4(e * power * seen, e * luminance(power) * (sign * (1.0f - seen)));
+}

@@ -1,0 +1,83 @@
+/*
+ * light_visibility.comp - which share of a light each surfel sees, by shadow rays.
+ *
+ * One invocation a surfel. A light without extent gets one ray; one with a radius gets
+ * push.samples rays to points spread over the disc that it shows: first to its rim, and to the rest
+ * of it only where some of these see it and some do not. GW_HIDDEN_BY_CREASE is added
+ * where what hides the light ends at creases.
+ */
+#include "octree/octree_layout.h"
+#include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
+
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, lobe_plane);
+TEXELS(4, vec4, lobe_centre);
+BUFFER(5, readonly, vec4, surfel_position);
+BUFFER(6, readonly, vec4, surfel_normal);
+BUFFER(7, readwrite, float, visibility);
+TEXELS(8, uint, leaf_fragment);
+TEXELS(9, uint, fragment_surfel);
+TEXELS(10, vec4, surfel_place);
+TEXELS(11, vec4, surfel_facing);
+TEXELS(12, vec4, surfel_disc);
+TEXELS(13, vec4, surfel_clip);
+TEXELS(14, uvec4, disc_tree);
+PUSH(gw_light_push);
+
+#include "octree/octree_discs.glsl"
+#include "octree/trace.glsl"
+#include "light/light.glsl"
+
+/* Do most of the discs in the lobe's leaf that end there do so at a crease? */
+bool ends_at_crease(uint lobe)
+{
+	uint last = texelFetch(leaf_fragment, int(lobe >> 1) + 1).x;
+	int votes = 0;
+	for (uint f = texelFetch(leaf_fragment, int(lobe >> 1)).x; f < last; f++) {
+		int surfel = int(texelFetch(fragment_surfel, int(f)).x & GW_FRAGMENT_SURFEL);
+		vec4 size = texelFetch(surfel_disc, surfel);
+		if (size.z != 0.0f || size.w != 0.0f)
+			votes += texelFetch(surfel_facing, surfel).w < -0.5f ? 1 : -1;
+	}
+	return votes > 0;
+}
+
+/* Share of the light that is seen from where the ray begins. */
+float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
+{
+	float seen = 0.0f, hidden = 0.0f;
+	uint rays = push.samples;
+	for (uint s = 0u; s < rays; s++) {
+		aim_at_light(push.samples - 1u - s, turn, towards, distance, ray);
+		uint lobe = trace(ray).lobe;
+		if (lobe == GW_NONE)
+			seen += 1.0f;
+		else if (ends_at_crease(lobe))
+			hidden = GW_HIDDEN_BY_CREASE;
+		if (s + 1u == GW_LIGHT_RIM && (seen == 0.0f || seen == float(GW_LIGHT_RIM)))
+			rays = GW_LIGHT_RIM;
+	}
+	return seen / float(rays) + hidden;
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 g = surfel_position[i].xyz, towards;
+	vec4 normal = surfel_normal[i];
+	float distance;
+	visibility[i] = 0.0f;
+	if (!(light_share(g, towards, distance) > 0.0f && light_cosine(normal, towards) > 0.0f))
+		return;
+	/* The ray leaves the surface behind the noise; the normal is the point's own. */
+	vec3 facing = texelFetch(surfel_facing, int(push.first + i)).xyz;
+	facing = dot(normal.xyz, towards) < 0.0f ? -facing : facing;
+	Ray ray = { g, towards, facing, g, distance, true };
+	visibility[i] =
+		share_seen(towards, distance, unit_float(pcg_hash2(push.first + i, push.seed)), ray);
+}

@@ -1,0 +1,38 @@
+/*
+ * lobe_direct.comp - irradiance of each lobe from point, spot and sun lights: the area-weighted
+ * mean over the surfels that lie in it. Of leaves with very many fragments every n-th counts, so
+ * that no invocation loops long.
+ */
+#include "base/pass.glsl"
+#include "light/transport_layout.h"
+
+TEXELS(0, uint, leaf_fragment);
+TEXELS(1, uint, fragment_surfel);
+TEXELS(2, float, fragment_weight);
+TEXELS(3, vec4, surfel_irradiance);
+BUFFER(4, writeonly, vec4, lobe_direct);
+PUSH(gw_record_push);
+
+#define FRAGMENTS 1024u
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint slot = push.first + i;
+	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
+	uint last = texelFetch(leaf_fragment, int((slot >> 1) + 1u)).x;
+	uint stride = max(1u, (last - first) / FRAGMENTS);
+	vec3a sum = vec3a(0.0f);
+	float area = 0.0f;
+	for (uint f = first; f < last; f += stride) {
+		uint surfel = texelFetch(fragment_surfel, int(f)).x;
+		if ((surfel >> 31) != 0u || ((surfel >> 30) & 1u) != (slot & 1u))
+			continue;
+		float weight = texelFetch(fragment_weight, int(f)).x;
+		sum += weight * vec3a(texelFetch(surfel_irradiance, int(surfel & 0x3fffffffu)));
+		area += weight;
+	}
+	lobe_direct[i] = vec4(area > 0.0f ? vec3(sum / area) : vec3(0.0f), 0.0f);
+}

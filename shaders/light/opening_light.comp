@@ -1,0 +1,79 @@
+/*
+ * opening_light.comp - sky light of the records where it comes through openings: from the gather
+ * rays that left the scene, and from the samples of the openings that did. Both stand for the same
+ * light, and where the sky has a map so do directions drawn from it (record_sky.comp); the balance
+ * heuristic shares it out. One invocation takes a batch of a record's rays, and with the first of
+ * them its samples.
+ */
+#version 460
+
+#include "light/transport_layout.h"
+#include "base/sampling.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer hit_lobe;
+layout(binding = 1) uniform usamplerBuffer sky_seen;
+layout(binding = 2) uniform samplerBuffer opening;
+layout(binding = 3) uniform samplerBuffer sky_texel;
+layout(binding = 4) readonly buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 5) readonly buffer Normal
+{
+	vec4 record_normal[];
+};
+layout(binding = 6) buffer Sum
+{
+	vec4 record_sampled[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
+
+#include "light/openings.glsl"
+#include "light/record_ray.glsl"
+#include "light/sky_map.glsl"
+
+/* Radiance from a direction over how densely all that may find it do. */
+vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
+{
+	float cosine = max(0.0, dot(normal, direction));
+	float density = float(push.rays) * cosine / GW_PI +
+					float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, total);
+	vec3 sum = push.sky.xyz / max(density, 1e-30);
+	if (push.sky_width != 0u) {
+		vec3 radiance = texelFetch(sky_texel, sky_texel_at(direction)).xyz;
+		density += float(push.sky_samples) * luminance(radiance) / push.sky_total;
+		sum += radiance / max(density, 1e-30);
+	}
+	return sum * cosine;
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint record = push.first + i;
+	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
+	float total = openings_weight(g, normal), passed = 0.0;
+	vec3 sum = vec3(0.0);
+	for (uint k = push.batch_first; k < push.batch_first + push.batch_count; k++) {
+		if (texelFetch(hit_lobe, int(record * push.rays + k)).x != GW_NONE)
+			continue;
+		float cosine;
+		vec3 direction = record_ray(g, normal, k, cosine);
+		sum += share_of_sky(g, normal, direction, total);
+	}
+	uint seen = push.batch_first == 0u ? texelFetch(sky_seen, int(record)).x : 0u;
+	uint own = openings_random(g);
+	int j = 0;
+	for (uint m = 0u; m < GW_OPENING_SAMPLES && seen >> m != 0u; m++) {
+		vec3 direction = openings_direction(g, normal, m, total, own, j, passed);
+		if ((seen >> m & 1u) != 0u)
+			sum += share_of_sky(g, normal, direction, total);
+	}
+	record_sampled[i].xyz += sum;
+}

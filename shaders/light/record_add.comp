@@ -1,0 +1,17 @@
+/*
+ * record_add.comp - adds what one bounce brought to what the records have.
+ */
+#include "base/pass.glsl"
+#include "light/transport_layout.h"
+
+BUFFER(0, readonly, vec4, record_gathered);
+BUFFER(1, readwrite, vec4, record_sum);
+PUSH(gw_record_push);
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	record_sum[i] += record_gathered[i];
+}

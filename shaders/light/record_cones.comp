@@ -1,0 +1,56 @@
+/*
+ * record_cones.comp - trace and shade step by cones: gathers the radiance in the brick pools over
+ * each record's hemisphere (Salm 4.4.3, Crassin). The hemisphere is cut into strata of equal
+ * cosine-weighted size; each is a cone of half the stratum's aperture.
+ */
+#version 460
+
+#include "octree/octree_walk.glsl"
+#include "light/transport_layout.h"
+#include "base/sampling.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer level_directory;
+layout(binding = 1) uniform usamplerBuffer node;
+layout(binding = 2) uniform sampler3D leaf_pool;
+layout(binding = 3) uniform sampler3D mip_pool;
+layout(binding = 4) readonly buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 5) readonly buffer Normal
+{
+	vec4 record_normal[];
+};
+layout(binding = 6) writeonly buffer Gathered
+{
+	vec4 record_gathered[];
+};
+layout(push_constant) uniform Push
+{
+	gw_cone_push push;
+};
+
+#include "light/brick_cones.glsl"
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 normal = record_normal[i].xyz;
+	float open = record_normal[i].w; /* 0 inside something solid */
+	vec3 origin = record_position[i].xyz + 0.5 * normal;
+	float turn = unit_float(pcg_hash2(hash_place(record_position[i].xyz), push.seed));
+	vec3 sum = vec3(0.0);
+	for (uint c = 0u; c < push.cones; c++) {
+		float cosine;
+		vec3 direction = disc_to_hemisphere(spiral_disc(c, push.cones, 0.5, turn), normal, cosine);
+		/* A stratum is pi / cones of projected solid angle. */
+		float solid_angle = min(GW_PI / (float(push.cones) * max(cosine, 0.05)), 2.0 * GW_PI * 0.9);
+		float c_half = 1.0 - solid_angle / (2.0 * GW_PI);
+		float tangent = 0.5 * sqrt(max(0.0, 1.0 - c_half * c_half)) / c_half;
+		sum += trace_cone(origin, direction, tangent);
+	}
+	record_gathered[i] = vec4(sum * open * (GW_PI / float(push.cones)), 0.0);
+}

@@ -1,0 +1,86 @@
+/*
+ * record_emitters.comp - irradiance of the records from emitters, by points sampled on them.
+ *
+ * An emitter is chosen by its power (alias table), a point on the disc of its area; the sample is
+ * combined with the gather rays by the balance heuristic (Veach): weight M p_area / (M p_area + K
+ * p_ray), both as densities of solid angle. One invocation takes a batch of a record's samples.
+ */
+#include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
+
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, lobe_plane);
+TEXELS(4, vec4, lobe_centre);
+TEXELS(5, vec4, lobe_emission);
+TEXELS(6, uvec4, emitter); /* lobe, alias, probability (float bits), 0 */
+BUFFER(7, readonly, vec4, record_position);
+BUFFER(8, readonly, vec4, record_normal);
+BUFFER(9, readwrite, vec4, record_sampled);
+TEXELS(10, vec4, lobe_part); /* of lobe_emission: what is gathered */
+TEXELS(11, uint, leaf_fragment);
+TEXELS(12, uint, fragment_surfel);
+TEXELS(13, vec4, surfel_place);
+TEXELS(14, vec4, surfel_facing);
+TEXELS(15, vec4, surfel_disc);
+TEXELS(16, vec4, surfel_clip);
+TEXELS(17, uvec4, disc_tree);
+PUSH(gw_record_push);
+
+#include "octree/octree_discs.glsl"
+#include "octree/trace.glsl"
+
+/* The lobe that sample m of push.light_samples stands for. The emitters lie in Morton order, so
+ * that a stretch of the table for each sample spreads the samples over them. */
+int choose_emitter(uint m, uint random)
+{
+	float choice =
+		(float(m) + unit_float(random)) / float(push.light_samples) * float(push.emitters);
+	uint entry = min(uint(choice), push.emitters - 1u);
+	uvec4 row = texelFetch(emitter, int(entry));
+	if (choice - float(entry) >= uintBitsToFloat(row.z))
+		row = texelFetch(emitter, int(row.y));
+	return int(row.x);
+}
+
+vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
+{
+	int lobe = choose_emitter(m, random);
+	vec4 centre = texelFetch(lobe_centre, lobe);
+	vec3 plane = texelFetch(lobe_plane, lobe).xyz, t, b;
+	tangent_frame(plane, t, b);
+	float radius = sqrt(unit_float(pcg_hash2(random, 1u)) * centre.w / GW_PI);
+	float turn = 2.0f * GW_PI * unit_float(pcg_hash2(random, 2u));
+	vec3 to = t * (radius * cos(turn)) + b * (radius * sin(turn)) + (centre.xyz - g);
+	float squared = dot(to, to);
+	vec3 direction = to * inversesqrt(max(squared, 1e-12f));
+	float cosine = dot(normal, direction), cosine_emitter = -dot(plane, direction);
+	if (cosine <= 0.0f || cosine_emitter <= 1e-4f || squared < 1e-8f)
+		return vec3(0.0f);
+	/* The emitter's own plane, or one within a cell of the point, does not shadow it; of a large
+	 * one, what lies within its extent. */
+	float extent = centre.w > GW_LOBE_LARGE ? sqrt(centre.w / GW_PI) : 1.0f;
+	Ray ray = { g, direction, normal, g, sqrt(squared) - extent, false };
+	uint seen = trace(ray).lobe;
+	if (seen != GW_NONE && seen != uint(lobe))
+		return vec3(0.0f);
+	float emission = luminance(texelFetch(lobe_emission, lobe).xyz);
+	float density = emission / push.emitter_power * squared / cosine_emitter;
+	float by_samples = float(push.light_samples) * density;
+	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
+	return texelFetch(lobe_part, lobe).xyz *
+		   (cosine / density * (by_samples / (by_samples + by_rays)));
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
+	uint own = pcg_hash2(hash_place(g), push.seed ^ GW_EMITTER_SEED);
+	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
+		sum += sample_emitter(g, normal, m, pcg_hash2(own, m));
+	record_sampled[i].xyz += sum / float(push.light_samples);
+}

@@ -1,0 +1,29 @@
+/*
+ * record_gather.comp - one bounce at the records: mean radiance of what their rays hit, a sparse
+ * product over the stored hits. E = pi/K sum L(hit). Adds it to the indirect irradiance.
+ */
+#include "base/pass.glsl"
+#include "base/shared_math.h"
+#include "light/transport_layout.h"
+
+TEXELS(0, uint, hit_lobe);
+TEXELS(1, vec4, lobe_radiance);
+BUFFER(2, readonly, vec4, record_normal); /* w: 0 if buried */
+BUFFER(3, writeonly, vec4, record_gathered);
+PUSH(gw_record_push);
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint first = (push.first + i) * push.rays;
+	vec3a sum = vec3a(0.0f);
+	for (uint k = first; k < first + push.rays; k++) {
+		uint lobe = texelFetch(hit_lobe, int(k)).x;
+		if (lobe != GW_NONE)
+			sum += vec3a(texelFetch(lobe_radiance, int(lobe)));
+	}
+	sum = sum * record_normal[i].w * (GW_PI / float(push.rays));
+	record_gathered[i] = vec4(vec3(sum), 0.0f);
+}

@@ -1,0 +1,64 @@
+/*
+ * record_place.comp - place step: where on its lobe a record stands.
+ *
+ * The centroid of a lobe can lie beyond the end of the surface, where discs stick out over an edge,
+ * and a record there would see what no point sees. So a record stands where the lobe's plane is
+ * nearest to the surfel nearest to the centroid; where surfels are further apart than that, at the
+ * centroid. Of leaves with very many fragments every n-th is looked at.
+ */
+#version 460
+
+#include "light/transport_layout.h"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer leaf_fragment;
+layout(binding = 1) uniform usamplerBuffer fragment_surfel;
+layout(binding = 2) uniform samplerBuffer surfel_position;
+layout(binding = 3) uniform samplerBuffer lobe_plane;
+layout(binding = 4) uniform samplerBuffer lobe_centre;
+layout(binding = 5) readonly buffer Lobe
+{
+	uint record_lobe[];
+};
+layout(binding = 6) writeonly buffer Position
+{
+	vec4 record_position[];
+};
+layout(binding = 7) writeonly buffer Normal
+{
+	vec4 record_normal[];
+};
+layout(push_constant) uniform Push
+{
+	gw_record_push push;
+};
+
+const uint FRAGMENTS = 1024u;
+const float APART = 1.5; /* leaf cells */
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	uint slot = record_lobe[i];
+	vec3 normal = texelFetch(lobe_plane, int(slot)).xyz;
+	vec3 centre = texelFetch(lobe_centre, int(slot)).xyz;
+	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
+	uint last = texelFetch(leaf_fragment, int((slot >> 1) + 1u)).x;
+	uint stride = max(1u, (last - first) / FRAGMENTS);
+	vec3 place = centre;
+	float nearest = APART * APART;
+	for (uint f = first; f < last; f += stride) {
+		uint word = texelFetch(fragment_surfel, int(f)).x;
+		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (slot & 1u))
+			continue;
+		vec3 off = texelFetch(surfel_position, int(word & 0x3fffffffu)).xyz - centre;
+		if (dot(off, off) < nearest) {
+			nearest = dot(off, off);
+			place = centre + off - normal * dot(normal, off);
+		}
+	}
+	record_position[i] = vec4(place, 0.0);
+	record_normal[i] = vec4(normal, 0.0);
+}

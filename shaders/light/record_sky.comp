@@ -1,0 +1,78 @@
+/*
+ * record_sky.comp - irradiance of the records from the environment's map, by directions drawn from
+ * it.
+ *
+ * A texel is chosen by its luminance times its solid angle (alias table), a direction in it evenly;
+ * so the density is luminance / total. Combined with the gather rays and the samples of openings by
+ * the balance heuristic, as in opening_light.comp. One invocation takes a batch of a record's
+ * samples.
+ */
+#include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
+
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, lobe_plane);
+TEXELS(4, vec4, lobe_centre);
+TEXELS(5, vec4, sky_texel);
+TEXELS(6, uvec2, sky_alias); /* alias, probability (float bits) */
+BUFFER(7, readonly, vec4, record_position);
+BUFFER(8, readonly, vec4, record_normal);
+BUFFER(9, readwrite, vec4, record_sampled);
+TEXELS(10, uint, leaf_fragment);
+TEXELS(11, uint, fragment_surfel);
+TEXELS(12, vec4, surfel_place);
+TEXELS(13, vec4, surfel_facing);
+TEXELS(14, vec4, surfel_disc);
+TEXELS(15, vec4, surfel_clip);
+TEXELS(16, vec4, opening);
+TEXELS(17, uvec4, disc_tree);
+PUSH(gw_record_push);
+
+#include "octree/octree_discs.glsl"
+#include "octree/trace.glsl"
+#include "light/openings.glsl"
+#include "light/sky_map.glsl"
+
+/* The m-th of a record's samples comes from the m-th of as many equal stretches of the table, so
+ * that they spread over the sky as evenly as its light does. */
+vec3 sample_sky(vec3 g, vec3 normal, float openings, uint m, uint random)
+{
+	uint texels = push.sky_width * push.sky_height;
+	float choice = (float(m) + unit_float(random)) / float(push.sky_samples);
+	uint texel = min(uint(choice * float(texels)), texels - 1u);
+	uvec2 row = texelFetch(sky_alias, int(texel)).xy;
+	if (unit_float(pcg_hash2(random, 3u)) >= uintBitsToFloat(row.y))
+		texel = row.x;
+	vec3 direction =
+		sky_direction(texel, unit_float(pcg_hash2(random, 1u)), unit_float(pcg_hash2(random, 2u)));
+	float cosine = dot(normal, direction);
+	if (cosine <= 0.0f)
+		return vec3(0.0f);
+	Ray ray = { g, direction, normal, g, GW_FAR, false };
+	if (trace(ray).lobe != GW_NONE)
+		return vec3(0.0f);
+	vec3 radiance = texelFetch(sky_texel, int(texel)).xyz;
+	float density = luminance(radiance) / push.sky_total;
+	float by_samples = float(push.sky_samples) * density;
+	float by_others = push.sky_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
+	if (openings > 0.0f)
+		by_others += float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, openings);
+	return radiance * (cosine / max(density, 1e-30f) * (by_samples / (by_samples + by_others)));
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 g = record_position[i].xyz;
+	vec3 normal = record_normal[i].xyz;
+	uint own = pcg_hash2(hash_place(g), push.seed ^ GW_SKY_SEED);
+	float openings = openings_weight(g, normal);
+	vec3 sum = vec3(0.0f);
+	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
+		sum += sample_sky(g, normal, openings, m, pcg_hash2(own, m));
+	record_sampled[i].xyz += sum / float(push.sky_samples);
+}

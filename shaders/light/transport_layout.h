@@ -1,0 +1,144 @@
+/*
+ * transport_layout.h - push-constant blocks of the light transport passes, shared by C and GLSL.
+ *
+ * Lengths are in leaf cells and positions in grid coordinates unless said otherwise. Every block
+ * starts with the span that the device layer fills (gpu.h).
+ */
+#ifndef TRANSPORT_LAYOUT_H
+#define TRANSPORT_LAYOUT_H
+
+#include "base/shared_types.h"
+#include "octree/trace_constants.h"
+
+
+/* Records that a lobe's irradiance is interpolated from, at most. */
+#define GW_WEIGHTS 8u
+
+/* Records that a surfel's light is interpolated from, at most: records stand a spacing apart and
+ * reach 1.6 spacings, so that about 7 speak for a place on a surface. */
+#define GW_SURFEL_WEIGHTS 32u
+
+/* Samples of the openings to the sky that a record takes: one bit each of a word. */
+#define GW_OPENING_SAMPLES 32u
+
+/* Values of gw_light_push.type: as gw_light_type. */
+#define GW_PUSH_POINT 0u
+#define GW_PUSH_SPOT 1u
+#define GW_PUSH_SUN 2u
+
+/* Added to a visibility, which is at most 1, where what hides the light ends at a crease. */
+#define GW_HIDDEN_BY_CREASE 2.0f
+
+/* One light, for its visibility and its irradiance. */
+SHARED_STRUCT(gw_light_push)
+{
+	uint first, count;
+	uint type;
+	uint samples;   /* shadow rays a point: 1 for a sharp shadow */
+	vec4 position;  /* grid coordinates; w: radius */
+	vec4 direction; /* unit, the way light travels; w: tangent of the sun's angular radius */
+	vec4 power;     /* intensity / leaf_size^2, or irradiance; w: unused */
+	float cos_inner, cos_outer;
+	uint seed;
+	uint shadows; /* 1: multiply by the visibility buffer */
+};
+SHARED_SIZE(gw_light_push, 80);
+SHARED_OFFSET(gw_light_push, position, 16);
+SHARED_OFFSET(gw_light_push, direction, 32);
+SHARED_OFFSET(gw_light_push, power, 48);
+SHARED_OFFSET(gw_light_push, cos_inner, 64);
+SHARED_OFFSET(gw_light_push, shadows, 76);
+
+/* Records: rays, samples of emitters, gathers. */
+SHARED_STRUCT(gw_record_push)
+{
+	uint first, count;
+	uint rays;          /* gather rays a record, K */
+	uint light_samples; /* samples of the emitters a record, M */
+	uint batch_first;   /* of the light samples taken in this run */
+	uint batch_count;
+	uint emitters; /* entries of the emitter table */
+	uint seed;
+	float emitter_power; /* sum over emitters of luminance(Le) * area, leaf cells^2 */
+	float spacing;       /* record spacing */
+	float direct_share;  /* shade: how much of the lobes' direct irradiance is added */
+	uint use_hits;       /* first gather: emitters seen by rays count (by the balance heuristic) */
+	vec4 sky;            /* radiance of the environment */
+	uint sky_width, sky_height; /* of the map; 0: there is none */
+	uint sky_samples;           /* of the map, a record */
+	uint sky_hits;              /* first gather: rays that leave the scene see the map as well */
+	float sky_total;            /* its luminance, summed over solid angle */
+	float sky_turn;             /* of its centre, in turns clockwise from y */
+	uint sky_y_up;
+	uint looked; /* first gather: what lies nearest and who is buried is known */
+	uint openings; /* to the sky, of which a record takes GW_OPENING_SAMPLES samples; 0: none */
+	uint unused[3];
+};
+SHARED_SIZE(gw_record_push, 112);
+SHARED_OFFSET(gw_record_push, sky, 48);
+SHARED_OFFSET(gw_record_push, sky_total, 80);
+
+/* Rays of records that keep their hits, or are traced again. */
+SHARED_STRUCT(gw_keep_push)
+{
+	uint first, count;
+	uint rays; /* a record */
+	uint seed;
+	uint boxes; /* around what has changed */
+};
+SHARED_SIZE(gw_keep_push, 20);
+
+/* Finding records near a point. */
+SHARED_STRUCT(gw_lookup_push)
+{
+	uint first, count;
+	uint block_level; /* octree level of the blocks that records are listed by */
+	float radius;     /* of influence of a record, R */
+	float lift;       /* both ends of a visibility test are lifted this far off the surface */
+	uint visibility;  /* 1: test it where a record's surroundings are nearer than the point */
+	uint tile_first;  /* first tile whose parent cells are of block_level */
+	uint surfel_first; /* of the surfels looked at in this run */
+	uint own_reach;    /* 1: points look as far as a buffer says, not `radius` */
+};
+SHARED_SIZE(gw_lookup_push, 36);
+
+/* Cones and the brick pools. */
+SHARED_STRUCT(gw_cone_push)
+{
+	uint first, count;
+	uint cones;
+	uint seed;
+	uint level;           /* mipmap: of the tiles that are filled; leaf level = depth */
+	uint tile_first;      /* mipmap: first tile of that level */
+	uint from_leaves;     /* mipmap: 1 when the children's bricks are in the leaf pool */
+	float scale;          /* radiance is stored times this, so that half floats hold it */
+	uint leaf_bricks[2];  /* bricks a row and rows a layer of the leaf pool */
+	uint mip_bricks[2];   /* of the mipmap pool */
+	uint leaf_face_depth; /* texels in z from one face's layer stack to the next, leaf pool */
+	uint mip_face_depth;
+	float gain;  /* over-coverage of a leaf's faces */
+	float start; /* leaf cells along the normal where a cone starts */
+	vec4 sky;
+	vec4 eye; /* pixels: where it is, grid coordinates; w: 1 to sample tricubically */
+};
+SHARED_SIZE(gw_cone_push, 96);
+SHARED_OFFSET(gw_cone_push, scale, 28);
+SHARED_OFFSET(gw_cone_push, sky, 64);
+SHARED_OFFSET(gw_cone_push, eye, 80);
+
+/* What pixels see reflected. */
+SHARED_STRUCT(gw_pixel_push)
+{
+	uint first, count;
+	uint rays; /* a pixel whose surface is rough; a mirror takes one */
+	uint seed;
+	uint pixel_first; /* number of the first pixel of this batch */
+	uint ray;         /* that this run adds */
+	vec4 eye;         /* grid coordinates */
+	vec4 sky;         /* radiance of what rays see that meet nothing */
+};
+SHARED_SIZE(gw_pixel_push, 64);
+SHARED_OFFSET(gw_pixel_push, eye, 32);
+SHARED_OFFSET(gw_pixel_push, sky, 48);
+
+#endif

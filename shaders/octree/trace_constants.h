@@ -1,0 +1,87 @@
+/*
+ * trace_constants.h - numbers by which rays are traced and samples drawn, the same for passes and
+ * for the loops of the host that stand in for them.
+ */
+#ifndef TRACE_CONSTANTS_H
+#define TRACE_CONSTANTS_H
+
+/* A lobe, record or surfel that there is not. */
+#define GW_NONE 0xffffffffu
+
+/* Cells that a ray visits, at most. */
+#define GW_WALK_STEPS 4096u
+
+/* Within so many leaf cells of its start a ray may meet the surface that it leaves; planes that
+ * rise less than that height over it are its own. */
+#define GW_NEAR 2.0f
+#define GW_NEAR_HEIGHT 0.1f
+
+/* Of that height, what a plane across that surface needs. */
+#define GW_LIKE_LEAST 0.1f
+
+/* Leaf cells by which planes reach beyond their cells for rays that come from in front: surface
+ * that cuts off but a corner of a cell may leave nothing in it. For rays from behind it is less,
+ * since planes that stick out over convex edges would shadow what lies before them. */
+#define GW_FRONT_SLACK 0.5f
+#define GW_BACK_SLACK 0.05f
+
+/* Lobes with at least this cosine between their normals are pieces of one surface; a ray that has
+ * left one goes on along it within so many cells. */
+#define GW_LIKE_COSINE 0.5f
+#define GW_GAP_MOST 1.75f
+
+/* Leaf cells: how far noise may put a point behind a surface that meets its own; and how far each
+ * of two lobes lies in front of the other where they meet as a floor and a wall do. */
+#define GW_NOISE_DEPTH 0.25f
+#define GW_CONCAVE_HEIGHT 0.02f
+
+/* Leaf cells: a ray may pass between two discs that were cut at the same crease. */
+#define GW_DISC_SLACK 0.02f
+
+/* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
+#define GW_DISC_FRAGMENTS 256u
+
+/* Inside a surface the densities of the discs at a place add up to about 1. Where one of some eight
+ * is alone, it sticks out over a ridge, and there is no surface. */
+#define GW_COVER_LEAST 0.2f
+
+/* A place has discs all around it when so many of eight half-planes hold one. */
+#define GW_SEEN_AROUND 7
+#define GW_SQRT_HALF 0.70710678f
+
+/* Two cuts leave no less of a disc than this. */
+#define GW_SHARE_LEAST 0.05f
+
+/* Of a tree of discs: texels of a disc, and nodes that a ray visits, at most. */
+#define GW_DISC_TEXELS 5u
+#define GW_DISC_STEPS 16384u
+
+/* A ray meets a bent disc within this times its radius, squared, of its centre. */
+#define GW_DISC_REACH_SQUARED 1.1f
+
+/* Radii of a disc: how near a ray's start it may be one of the surface that the ray leaves; how far
+ * above that surface its centre has to lie to be none; and how far it reaches beyond its cuts, so
+ * that no ray passes between two discs that were cut at the same crease. */
+#define GW_DISC_NEAR 1.25f
+#define GW_DISC_HEIGHT 0.02f
+#define GW_DISC_CUT_SLACK 0.02f
+
+/* Of the discs of one surface that a ray meets the one is taken whose centre is nearest: they count
+ * as dished, by this share of the radius at the rim. Finer surface takes precedence over them where
+ * it lies up to so much, and this share of the radius, behind. Seen at least at this sine. */
+#define GW_DISC_DISH 0.1f
+#define GW_DISC_YIELD 0.02f
+#define GW_DISC_GRAZING 0.05f
+
+/* Rays to the rim of a light. The outermost points of the spiral lie less than a quarter of a turn
+ * apart, so that a straight edge that all of them miss cuts at most 9 % off the disc. */
+#define GW_LIGHT_RIM 5u
+
+/* Leaf cells^2: a lobe with more area than planes have in a cell is one of large discs. */
+#define GW_LOBE_LARGE 8.0f
+
+/* Set the random numbers of a record's samples apart from those of its rays. */
+#define GW_EMITTER_SEED 0x68bc21ebu
+#define GW_SKY_SEED 0x5851f42du
+
+#endif

@@ -1,0 +1,67 @@
+/*
+ * glossy.glsl - light that a glossy surface reflects towards the eye: which way, and how much.
+ *
+ * A surface is a rough dielectric or metal over a diffuse one. Its microfacets are GGX with
+ * alpha = roughness^2; those that the eye sees are drawn by the method of Dupuy and Benyoub 2023.
+ * Each reflects the Fresnel share F (Schlick's, of the reflectance at normal incidence), and the
+ * rest goes into the diffuse surface below, so that the two never add up to more than 1. What a
+ * facet throws into the surface is taken to leave it again, mirrored at the surface, not lost.
+ */
+#ifndef GLOSSY_GLSL
+#define GLOSSY_GLSL
+
+#include "base/sampling.glsl"
+
+/* Below this alpha, all facets lie within the surface: a mirror. */
+const float MIRROR_ALPHA = 1e-3;
+
+/* Cosine below which the eye counts as grazing. */
+const float GRAZING = 1e-3;
+
+float fresnel(float reflectance, float cosine)
+{
+	float c = 1.0 - clamp(cosine, 0.0, 1.0);
+	float c2 = c * c;
+	return reflectance + (1.0 - reflectance) * c2 * c2 * c;
+}
+
+/* A facet's normal. All in the surface's frame, whose z is the normal; u in [0, 1)^2. */
+vec3 visible_facet(vec3 eye, float alpha, vec2 u)
+{
+	vec3 stretched = normalize(vec3(alpha * eye.xy, eye.z));
+	float phi = 2.0 * GW_PI * u.x;
+	float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
+	float s = sqrt(max(0.0, 1.0 - z * z));
+	vec3 h = vec3(s * cos(phi), s * sin(phi), z) + stretched;
+	return normalize(vec3(alpha * h.xy, max(h.z, 1e-6)));
+}
+
+/* Normals that turn away from the eye by up to the arc sine of this are those of a rim, rough in
+ * the blended normals; by more, those of a surface seen from behind. */
+const float RIM = 0.4;
+
+/* The surface's normal on the eye's side, and not quite edge-on. */
+vec3 face_eye(vec3 normal, vec3 to_eye)
+{
+	vec3 n = dot(normal, to_eye) < -RIM ? -normal : normal;
+	float cosine = dot(n, to_eye);
+	return cosine < GRAZING ? normalize(n + to_eye * (GRAZING - cosine)) : n;
+}
+
+/* The k-th direction that light comes from; share: how much of it is reflected. */
+vec3 reflected_direction(vec3 normal, vec3 to_eye, float roughness, float reflectance, vec2 u,
+						 out float share)
+{
+	float alpha = roughness * roughness;
+	vec3 t, b;
+	tangent_frame(normal, t, b);
+	vec3 eye = vec3(dot(t, to_eye), dot(b, to_eye), dot(normal, to_eye));
+	vec3 facet = alpha < MIRROR_ALPHA ? vec3(0.0, 0.0, 1.0) : visible_facet(eye, alpha, u);
+	float cosine = dot(eye, facet);
+	vec3 light = 2.0 * cosine * facet - eye;
+	light.z = max(abs(light.z), GRAZING);
+	share = fresnel(reflectance, cosine);
+	return normalize(t * light.x + b * light.y + normal * light.z);
+}
+
+#endif

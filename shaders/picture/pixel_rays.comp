@@ -1,0 +1,113 @@
+/*
+ * pixel_rays.comp - the glossy bounce by rays: one invocation a pixel. Rays go against the planes
+ * in the leaves; where one meets a plane, the radiance is that of the discs there, blended as in
+ * the picture itself, so that a mirror shows the surface as sharp as the eye sees it. rgb is the
+ * light reflected, w the share of all light that is. One run adds one ray, because all loops of an
+ * invocation count together towards what the software driver allows.
+ */
+#version 460
+
+#include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
+#include "picture/glossy.glsl"
+
+layout(local_size_x_id = 0) in;
+layout(binding = 0) uniform usamplerBuffer ray_directory;
+layout(binding = 1) uniform usamplerBuffer node;
+layout(binding = 2) uniform usamplerBuffer leaf_tile;
+layout(binding = 3) uniform samplerBuffer lobe_plane;
+layout(binding = 4) uniform samplerBuffer lobe_centre;
+layout(binding = 5) uniform usamplerBuffer leaf_fragment;
+layout(binding = 6) uniform usamplerBuffer fragment_surfel;
+layout(binding = 7) uniform samplerBuffer surfel_place;
+layout(binding = 8) uniform samplerBuffer surfel_facing;
+layout(binding = 9) uniform samplerBuffer surfel_disc;
+layout(binding = 10) uniform samplerBuffer surfel_clip;
+layout(binding = 11) uniform samplerBuffer surfel_radiance;
+layout(binding = 12) readonly buffer Position
+{
+	vec4 pixel_position[]; /* grid coordinates, roughness */
+};
+layout(binding = 13) readonly buffer Normal
+{
+	vec4 pixel_normal[]; /* unit, reflectance */
+};
+layout(binding = 14) buffer Reflected
+{
+	vec4 pixel_reflected[];
+};
+layout(binding = 15) uniform usamplerBuffer disc_tree;
+layout(push_constant) uniform Push
+{
+	gw_pixel_push push;
+};
+
+#include "octree/octree_discs.glsl"
+#include "octree/trace.glsl"
+
+/* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
+ * rough one takes. */
+const float STRONG = 0.3;
+const uint LEAST_RAYS = 8u;
+
+/* The discs of a lobe at a place, blended with a weight that falls to nothing at the rim. Where
+ * none reaches, all of them alike. */
+vec3 radiance_at(uint lobe, vec3 at)
+{
+	uint first = texelFetch(leaf_fragment, int(lobe >> 1)).x;
+	uint last = texelFetch(leaf_fragment, int(lobe >> 1) + 1).x;
+	vec3 near = vec3(0.0), all = vec3(0.0);
+	float near_weight = 0.0, all_weight = 0.0;
+	for (uint f = first; f < last; f++) {
+		uint word = texelFetch(fragment_surfel, int(f)).x;
+		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (lobe & 1u))
+			continue;
+		int surfel = int(word & 0x3fffffffu);
+		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
+		vec3 facing = texelFetch(surfel_facing, surfel).xyz;
+		off -= facing * dot(facing, off);
+		float radius = texelFetch(surfel_disc, surfel).x;
+		float weight = max(0.0, 1.0 - dot(off, off) / (radius * radius));
+		vec3 radiance = texelFetch(surfel_radiance, surfel).xyz;
+		near += weight * weight * radiance;
+		near_weight += weight * weight;
+		all += radiance;
+		all_weight += 1.0;
+	}
+	return near_weight > 1e-6 ? near / near_weight : all / max(all_weight, 1.0);
+}
+
+/* What is hardly reflected may be noisy: the rest of the light hides it. */
+uint rays_of(float roughness, float share)
+{
+	if (roughness * roughness < MIRROR_ALPHA)
+		return 1u;
+	float part = min(1.0, share / STRONG);
+	uint least = min(push.rays, LEAST_RAYS);
+	return clamp(uint(ceil(part * float(push.rays))), least, push.rays);
+}
+
+void main()
+{
+	uint i = gl_GlobalInvocationID.x;
+	if (i >= push.count)
+		return;
+	vec3 g = pixel_position[i].xyz;
+	float roughness = pixel_position[i].w, reflectance = pixel_normal[i].w;
+	vec3 to_eye = normalize(push.eye.xyz - g);
+	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
+	uint own = pcg_hash2(push.pixel_first + push.first + i, push.seed);
+	vec2 turn = vec2(unit_float(own), unit_float(pcg_hash(own)));
+	uint rays = rays_of(roughness, fresnel(reflectance, dot(normal, to_eye)));
+	if (push.ray >= rays)
+		return;
+	/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
+	vec2 u = fract(turn + float(push.ray) * vec2(0.7548776662, 0.5698402910));
+	float share;
+	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
+	Ray ray = { g, direction, normal, g, GW_FAR, false };
+	Hit hit = trace(ray);
+	vec3 seen = hit.lobe != GW_NONE ? radiance_at(hit.lobe, g + direction * hit.t) : push.sky.xyz;
+	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
+	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
+}
