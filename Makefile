@@ -88,6 +88,7 @@ $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 KERNELS         := light_visibility light_irradiance lobe_direct record_rays record_again record_emitters \
                    record_sky record_first record_gather record_add lobe_weights lobe_shade read_back
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
+KERNEL_OF        = -DPASS=gw_kernel_$(1) -DPASS_TEXT='"light/$(1).comp"'
 
 $(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 	@rm -f $@
@@ -110,7 +111,7 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 
 $(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/light/kernel.cpp shaders/light/%.comp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
-	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -DPASS=gw_kernel_$* -DPASS_TEXT='"light/$*.comp"' -MMD -MP -c -o $@ $<
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) -Werror=double-promotion $(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
 
 # Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
 # not stop the next build, so each gets an empty rule, as -MP gives those of C.
@@ -243,7 +244,12 @@ $(BUILD)/analysis/%.cpp.txt: %.cpp
 	@mkdir -p $(@D)
 	@$(call ANALYSE,$(CXXFLAGS)) 2>$@.new; mv $@.new $@
 
-analysis: $(ANALYSED)
+KERNELS_ANALYSED := $(KERNELS:%=$(BUILD)/analysis/kernels/%.txt)
+$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shaders/light/%.comp
+	@mkdir -p $(@D)
+	@$(call ANALYSE,$(CXXFLAGS) $(call KERNEL_OF,$*)) 2>$@.new; mv $@.new $@
+
+analysis: $(ANALYSED) $(KERNELS_ANALYSED)
 
 lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the folders' READMEs
 	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis

@@ -65,6 +65,14 @@ bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like_least)
 	return height >= GW_NEAR_HEIGHT * max(like_least, GW_LIKE_LEAST);
 }
 
+/* How far a plane reaches beyond its cell, for a ray that comes so fast nearer to its front. */
+float plane_slack(float approach)
+{
+	if (!TRACE_DISCS)
+		return cell_slack;
+	return approach < 0.0f ? GW_FRONT_SLACK : GW_BACK_SLACK;
+}
+
 /*
  * Does the ray meet a lobe's plane in or near its cell, nearer than what it has hit?
  *
@@ -85,10 +93,8 @@ bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) h
 	if (distance < 0.0f || distance >= hit.t)
 		return false;
 	vec3 off = ray.origin + ray.direction * distance - stretch.centre;
-	float beyond = max(abs(off.x), max(abs(off.y), abs(off.z))) - 0.5f, slack = cell_slack;
-	if (TRACE_DISCS)
-		slack = own.approach < 0.0f ? GW_FRONT_SLACK : GW_BACK_SLACK;
-	if (beyond > slack)
+	float beyond = max(abs(off.x), max(abs(off.y), abs(off.z))) - 0.5f;
+	if (beyond > plane_slack(own.approach))
 		return false;
 	if (distance < GW_NEAR &&
 		(own.approach > 0.0f || !rises_over_start(ray, own, dot(own.normal, ray.facing))))
