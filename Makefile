@@ -49,7 +49,7 @@ comma    := ,
 VDB_SOURCE      := formats/grids/vdb_grids.cpp
 VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
-LIB_SOURCES     := $(wildcard lib/*/*.c lib/*/*.cpp)
+LIB_SOURCES     := $(filter-out lib/light/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*/*.c)
 PUBLIC_HEADERS  := $(wildcard lib/*.h)
@@ -79,6 +79,13 @@ VERSION := $(shell sed -n 's/.*define GW_VERSION "\(.*\)"/\1/p' lib/glowworm.h)
 SONAME  := libglowworm.so.$(basename $(VERSION))
 SHARED  := libglowworm.so.$(VERSION)
 
+# Passes that run on the processor as well: lib/light/kernel.cpp, compiled with the text of each.
+KERNELS         := light_visibility light_irradiance lobe_direct record_rays record_again record_emitters \
+                   record_sky record_first record_gather record_add lobe_weights lobe_shade read_back
+KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
+KERNEL_OF        = -DPASS=gw_kernel_$(1) -DPASS_TEXT='"light/$(1).comp"'
+LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
+
 # Pages of the manual and completions, of which the program itself writes what repeats its options.
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
@@ -93,15 +100,15 @@ $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/li
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
 
-$(BUILD)/libglowworm.a: $(call objects,$(LIB_SOURCES))
+$(BUILD)/libglowworm.a: $(LIB_OBJECTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
 
 # Only what the public headers declare is visible from outside.
 LIB_FLAGS := -fvisibility=hidden
-$(call objects,$(LIB_SOURCES)): OWN_FLAGS := $(LIB_FLAGS)
+$(LIB_OBJECTS): OWN_FLAGS := $(LIB_FLAGS)
 
-$(BUILD)/$(SHARED): $(call objects,$(LIB_SOURCES)) lib/libglowworm.map
+$(BUILD)/$(SHARED): $(LIB_OBJECTS) lib/libglowworm.map
 	$(CXX) $(LDFLAGS) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=lib/libglowworm.map \
 		$(if $(filter sanitize,$(config)),,-Wl$(comma)-z$(comma)defs) \
 		-o $@ $(filter %.o,$^) $(LDLIBS)
@@ -129,11 +136,15 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -MMD -MP -c -o $@ $<
 
+$(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/light/kernel.cpp shaders/light/%.comp $(BUILD_FLAGS)
+	@mkdir -p $(@D)
+	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -Werror=double-promotion $(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
+
 # Shaders become comma-separated words that lib/device/shaders.c includes. A header that is gone must
 # not stop the next build, so each gets an empty rule, as -MP gives those of C.
 $(BUILD)/shaders/%.spv.inc: shaders/%.comp
 	@mkdir -p $(@D)
-	$(GLSLC) --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
+	$(GLSLC) -std=460 --target-env=vulkan1.2 -O -mfmt=num -Ishaders -MD -MF $(BUILD)/shaders/$*.d -MT $@ -o $@ $<
 	@sed -e 's/^[^:]*://' $(@:.spv.inc=.d) | tr -s ' \\' '\n' | sed -e '/./s/$$/:/' >$@.absent
 	@cat $@.absent >>$(@:.spv.inc=.d) && rm $@.absent
 
@@ -260,7 +271,12 @@ $(BUILD)/analysis/%.cpp.txt: %.cpp
 	@mkdir -p $(@D)
 	@$(call ANALYSE,$(CXXFLAGS)) 2>$@.new; mv $@.new $@
 
-analysis: $(ANALYSED)
+KERNELS_ANALYSED := $(KERNELS:%=$(BUILD)/analysis/kernels/%.txt)
+$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shaders/light/%.comp
+	@mkdir -p $(@D)
+	@$(call ANALYSE,$(CXXFLAGS) $(call KERNEL_OF,$*)) 2>$@.new; mv $@.new $@
+
+analysis: $(ANALYSED) $(KERNELS_ANALYSED)
 
 lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the folders' READMEs
 	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/libglowworm.so $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis

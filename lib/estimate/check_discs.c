@@ -178,21 +178,20 @@ static box add_node(building *b, size_t first, size_t last, uint32_t *number)
 static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, const float *clip,
 							 float cell)
 {
-	gw_vec3 normal = gw_xyz(
-				(const float[]){ s->normal[3 * i], s->normal[3 * i + 1], s->normal[3 * i + 2] }),
-			t, b;
+	float tangent[3], bitangent[3];
 	const float row[2][3] = { { disc[2], disc[3], clip[0] }, { clip[1], clip[2], clip[3] } };
 	float small = SMALL * s->radius[i], large = LARGE * s->radius[i];
 	gw_check_disc d = { .place = { s->position[3 * i], s->position[3 * i + 1],
 								   s->position[3 * i + 2] },
 						.small = small * small,
-						.normal = normal,
+						.normal = { s->normal[3 * i], s->normal[3 * i + 1], s->normal[3 * i + 2] },
 						.large = large * large,
 						.surfel = (uint32_t)i,
 						.two_sided = s->two_sided[i] };
-	gw_frame_of(normal, &t, &b);
+	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
 	for (int c = 0; c < 2; c++) {
-		gw_vec3 v = gw_plus(gw_times(t, row[c][0]), gw_times(b, row[c][1]));
+		gw_vec3 v =
+			gw_plus(gw_times(gw_xyz(tangent), row[c][0]), gw_times(gw_xyz(bitangent), row[c][1]));
 		d.cut[c][0] = v.x;
 		d.cut[c][1] = v.y;
 		d.cut[c][2] = v.z;

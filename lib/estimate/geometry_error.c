@@ -5,11 +5,12 @@
 
 #include "estimate/check_discs.h"
 #include "light/direct_light.h"
-#include "light/host_rays.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "estimate/probe_choice.h"
+#include "light/shader_functions.h"
+#include "base/shared_math.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -186,7 +187,7 @@ static bool is_buried(const check *c, size_t record)
 
 static void check_record(const check *c, size_t record)
 {
-	uint32_t rays = c->task->rays->rays, phase = gw_mix((uint32_t)record);
+	uint32_t rays = c->task->rays->rays, phase = pcg_hash((uint32_t)record);
 	gathered sum = { 0 };
 	double behind = 0.0, all = 0.0;
 	for (uint32_t k = 0; k < rays; k++) {
@@ -322,19 +323,16 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	gw_vec3 at = { p[0], p[1], p[2] }, towards;
 	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
 	const float *shone_on = s->lamp_normal ? s->lamp_normal + 3 * surfel : n;
-	float distance, turn = gw_unit_float(gw_mix2((uint32_t)surfel, lamp->seed));
+	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
 	double whole = lamp_light(lamp, shone_on, place, &towards, &distance);
 	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
-		gw_ray aimed;
-		gw_lamp_aim(lamp, k, turn, towards, distance, &aimed);
+		float range;
 		gw_check_ray ray = { .origin = at,
-							 .direction = aimed.direction,
+							 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
 							 .facing = { n[0], n[1], n[2] },
 							 .own = OWN_RADII * s->radius[surfel],
-							 .t_max = aimed.t_max * o->leaf_size,
 							 .both_sides = true };
-		if (lamp->type == GW_PUSH_SUN)
-			ray.t_max = FAR_METRES;
+		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
 		gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
 		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
 		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;

@@ -16,7 +16,7 @@
 #include "light/bounces.h"
 
 #include "glowworm_host.h"
-#include "light/host_products.h"
+#include "light/hit_lobes.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -196,7 +196,7 @@ static gw_status measure_gathered(progress *p, gw_error *error)
 	const gw_bounces_task *task = p->task;
 	double cell = (double)task->octree->leaf_size;
 	p->gathered = true;
-	p->energy = gw_host_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	p->energy = gw_hit_lobes_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
@@ -208,7 +208,7 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	if (p->gathered)
-		gw_host_shade_hits(task->passes, task->octree, task->records, &p->hits,
+		gw_hit_lobes_shade(task->passes, task->octree, task->records, &p->hits,
 						   task->lobe_radiance);
 	gw_status status = gather_once(task, first, p->largest, error);
 	if (status == GW_OK && p->by_hits)

@@ -1,162 +1,118 @@
 /*
- * cpu_kernels.c - the CPU kernels of the light's passes: what a shader's bindings and push
- * constants hold, given to the loop that does the same (host_rays.h, host_lookup.h,
- * host_products.h). Numbers in brackets are bindings, as the shader lists them.
+ * cpu_kernels.c - the CPU kernels of the light's passes: loops over the shaders' texts (kernel.h).
  */
-#include "light/host_lookup.h"
-#include "light/host_products.h"
-#include "light/host_rays.h"
-#include "octree/octree_bindings.h"
+#include "light/host_loop.h"
+#include "light/transport_layout.h"
 
-#include <assert.h>
+#define CHUNK 4096u       /* lobes, surfels or rays that a thread takes at a time */
+#define CHUNK_POINTS 512u /* points that look for records */
+#define CHUNK_HITS 65536u /* hits or vectors that are added up */
 
-/* ------------------------------------------------------------------------------------- lamps */
+/* Elements of which each has so many rays or samples. */
+static size_t chunk_of(size_t rays, uint32_t samples)
+{
+	return rays / (samples > 0 ? samples : 1) + 1;
+}
 
 void gw_cpu_light_visibility(gw_passes *passes, const gw_binding *b, const void *push,
 							 uint64_t count)
 {
-	gw_octree octree = gw_octree_of_bindings(passes, b, b + 8, b + 14);
-	gw_host_light_visibility(passes, &octree, push, b[6].buffer, (size_t)count, b[7].buffer);
+	const gw_light_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_LIGHT_VISIBILITY,
+		(gw_kernel_run){ .kernel = gw_kernel_light_visibility, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK, p->samples));
 }
 
 void gw_cpu_light_irradiance(gw_passes *passes, const gw_binding *b, const void *push,
 							 uint64_t count)
 {
-	gw_octree octree = { .surfel_position = *b[0].buffer };
-	gw_host_light_irradiance(passes, &octree, push, b[1].buffer, b[2].buffer, (size_t)count,
-							 b[3].buffer);
+	gw_kernel_loop(
+		passes, GW_PASS_LIGHT_IRRADIANCE,
+		(gw_kernel_run){ .kernel = gw_kernel_light_irradiance, .bindings = b, .push = push }, count,
+		CHUNK);
 }
 
 void gw_cpu_lobe_direct(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_octree octree = { .leaf_count = (uint32_t)(count / 2),
-						 .leaf_fragment = *b[0].buffer,
-						 .fragment_surfel = *b[1].buffer,
-						 .fragment_weight = *b[2].buffer };
-	(void)push;
-	gw_host_average(passes, &octree, b[3].buffer, b[4].buffer);
-}
-
-/* ------------------------------------------------------------------------------------ records */
-
-/* So many records, whose positions and normals are two bindings next to each other. */
-static gw_records records_of(const gw_binding *place, uint64_t count)
-{
-	return (gw_records){ .count = (uint32_t)count,
-						 .position = *place[0].buffer,
-						 .normal = *place[1].buffer };
+	gw_kernel_loop(passes, GW_PASS_LOBE_DIRECT,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_direct, .bindings = b, .push = push },
+				   count, CHUNK);
 }
 
 void gw_cpu_record_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	const gw_record_push *p = push;
-	gw_octree octree = gw_octree_of_bindings(passes, b, b + 9, b + 15);
-	gw_records records = records_of(b + 5, count / p->rays);
-	gw_ray_gather gather = {
-		.rays = p->rays, .seed = p->seed, .lobe = *b[7].buffer, .distance = *b[8].buffer
-	};
-	gw_host_record_rays(passes, &octree, &records, &gather);
+	gw_kernel_loop(passes, GW_PASS_RECORD_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_rays, .bindings = b, .push = push },
+				   count, CHUNK);
 }
 
 void gw_cpu_record_again(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	const gw_keep_push *p = push;
-	gw_octree octree = gw_octree_of_bindings(passes, b, b + 10, b + 16);
-	gw_records records = records_of(b + 5, 0);
-	gw_ray_gather gather = {
-		.rays = p->rays, .seed = p->seed, .lobe = *b[8].buffer, .distance = *b[9].buffer
-	};
-	gw_host_record_again(passes, &octree, &records, b[7].buffer, (uint32_t)count, &gather);
+	gw_kernel_loop(passes, GW_PASS_RECORD_AGAIN,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_again, .bindings = b, .push = push },
+				   count, CHUNK);
 }
 
 void gw_cpu_record_emitters(gw_passes *passes, const gw_binding *b, const void *push,
 							uint64_t count)
 {
-	gw_octree octree = gw_octree_of_bindings(passes, b, b + 11, b + 17);
-	gw_records records = records_of(b + 7, count);
-	const gw_emitters emitters = { .radiance = b[5].buffer, .table = *b[6].buffer };
-	const gw_sampled_sources sources = { .emitters = &emitters, .part = b[10].buffer };
-	gw_host_record_emitters(passes, &octree, &records, &sources, push, b[9].buffer);
+	const gw_record_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_EMITTERS,
+		(gw_kernel_run){ .kernel = gw_kernel_record_emitters, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK, p->light_samples));
 }
 
 void gw_cpu_record_sky(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_octree octree = gw_octree_of_bindings(passes, b, b + 10, b + 17);
-	gw_records records = records_of(b + 7, count);
-	const gw_sky_map map = { .texel = *b[5].buffer, .alias = *b[6].buffer };
-	gw_host_record_sky(passes, &octree, &records, &map, push, b[9].buffer);
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_RECORD_SKY,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_sky, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->sky_samples));
 }
 
 void gw_cpu_record_first(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_octree octree = { .lobe_plane = *b[2].buffer };
-	gw_records records = records_of(b + 5, count);
-	const gw_ray_gather gather = { .lobe = *b[0].buffer, .distance = *b[1].buffer };
-	const gw_emitters emitters = { .radiance = b[3].buffer };
-	const gw_sampled_sources sources = { .emitters = &emitters, .part = b[8].buffer };
-	gw_host_record_first(passes, &octree, &records, &gather, &sources, push, b[4].buffer,
-						 b[7].buffer);
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_RECORD_FIRST,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_first, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->rays));
 }
 
 void gw_cpu_record_gather(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	const gw_ray_gather gather = { .rays = ((const gw_record_push *)push)->rays,
-								   .lobe = *b[0].buffer };
-	gw_records records = { .count = (uint32_t)count,
-						   .normal = *b[2].buffer,
-						   .gathered = *b[3].buffer };
-	gw_host_gather(passes, &gather, b[1].buffer, &records);
+	const gw_record_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_GATHER,
+		(gw_kernel_run){ .kernel = gw_kernel_record_gather, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK_HITS, p->rays));
 }
 
 void gw_cpu_record_add(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	(void)push;
-	gw_host_add(passes, b[0].buffer, b[1].buffer, count);
-}
-
-/* ------------------------------------------------------------------------ lobes and surfels */
-
-void gw_cpu_lobe_shade(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
-{
-	gw_octree octree = { .leaf_count = (uint32_t)(count / 2), .lobe_albedo = *b[0].buffer };
-	const gw_records records = { .lobe_record = *b[2].buffer, .lobe_weight = *b[3].buffer };
-	gw_host_shade(passes, &octree, &records, b[4].buffer, b[1].buffer,
-				  ((const gw_record_push *)push)->direct_share, b[5].buffer);
-}
-
-/* What both look-ups begin with. */
-static gw_records listed_records(const gw_binding *b)
-{
-	gw_records records = records_of(b + 6, 0);
-	records.block_first = *b[8].buffer;
-	records.block_record = *b[9].buffer;
-	return records;
-}
-
-static gw_octree leveled_octree(const gw_passes *passes, const gw_binding *b,
-								const gw_binding *tree)
-{
-	gw_octree octree = gw_octree_of_bindings(passes, b, NULL, tree);
-	octree.level_directory = *b[5].buffer;
-	return octree;
+	gw_kernel_loop(passes, GW_PASS_RECORD_ADD,
+				   (gw_kernel_run){ .kernel = gw_kernel_record_add, .bindings = b, .push = push },
+				   count, CHUNK_HITS);
 }
 
 void gw_cpu_lobe_weights(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_octree octree = leveled_octree(passes, b, b + 13);
-	gw_records records = listed_records(b);
-	octree.leaf_count = (uint32_t)(count / 2);
-	records.lobe_record = *b[10].buffer;
-	records.lobe_weight = *b[11].buffer;
-	gw_host_weigh_lobes(passes, &octree, &records, b[12].buffer, push);
+	gw_kernel_loop(passes, GW_PASS_LOBE_WEIGHTS,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_weights, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
+}
+
+void gw_cpu_lobe_shade(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_LOBE_SHADE,
+				   (gw_kernel_run){ .kernel = gw_kernel_lobe_shade, .bindings = b, .push = push },
+				   count, CHUNK);
 }
 
 void gw_cpu_read_back(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_octree octree = leveled_octree(passes, b, b + 15);
-	gw_records records = listed_records(b);
-	octree.surfel_position = *b[10].buffer;
-	octree.surfel_normal = *b[11].buffer;
-	gw_host_weigh_surfels(passes, &octree, &records, b[14].buffer, push, (size_t)count,
-						  b[12].buffer, b[13].buffer);
+	gw_kernel_loop(passes, GW_PASS_READ_BACK,
+				   (gw_kernel_run){ .kernel = gw_kernel_read_back, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
 }

@@ -1,14 +1,17 @@
 /*
- * host_loop.h - what loops of the host that stand in for passes have in common.
+ * host_loop.h - loops of the processor that stand in for passes.
  */
 #ifndef HOST_LOOP_H
 #define HOST_LOOP_H
 
 #include "glowworm_host.h"
+#include "device/gpu_internal.h"
+#include "device/kernel.h"
 #include "base/parallel.h"
 #include "device/passes.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 typedef struct gw_stoppable_loop {
 	gw_gpu *gpu;
@@ -38,6 +41,34 @@ static inline void gw_host_loop(gw_passes *passes, gw_pass_id id, size_t count, 
 	if (!gw_gpu_stopped(passes->gpu))
 		gw_parallel_for(passes->threads, count, chunk, gw_work_unless_stopped, &loop);
 	passes->device_seconds[id] += gw_seconds() - start;
+}
+
+/* One run of a kernel. */
+typedef struct gw_kernel_run {
+	gw_kernel *kernel;
+	const gw_binding *bindings;
+	const void *push;        /* as gw_passes_run has it */
+	const uint32_t *element; /* which elements are run, or NULL: all */
+	gw_kernel_input input;   /* what gw_kernel_loop makes of it */
+} gw_kernel_run;
+
+static inline void gw_kernel_work(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const gw_kernel_run *run = user;
+	(void)worker;
+	run->kernel(&run->input, first, last);
+}
+
+/* Runs a kernel by gw_host_loop. */
+static inline void gw_kernel_loop(gw_passes *passes, gw_pass_id id, gw_kernel_run run,
+								  uint64_t count, size_t chunk)
+{
+	_Alignas(16) unsigned char push[GW_PUSH_BYTES_MAX] = { 0 };
+	const gw_span all = { .first = 0, .count = UINT32_MAX };
+	memcpy(push, run.push, gw_pass_row_of(id)->push_bytes);
+	memcpy(push, &all, sizeof all);
+	run.input = (gw_kernel_input){ run.bindings, passes->constant, push, run.element };
+	gw_host_loop(passes, id, (size_t)count, chunk, gw_kernel_work, &run);
 }
 
 #endif

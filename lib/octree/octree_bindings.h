@@ -1,6 +1,5 @@
 /*
- * octree_bindings.h - what passes read of an octree, as bindings and specialisation constants; and
- * the way back, for CPU kernels.
+ * octree_bindings.h - what passes read of an octree, as bindings and specialisation constants.
  */
 #ifndef OCTREE_BINDINGS_H
 #define OCTREE_BINDINGS_H
@@ -24,15 +23,5 @@ bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree);
 		gw_whole(&(octree)->surfel_disc), gw_whole(&(octree)->surfel_clip)
 /* And disc_tree.glsl, which comes last. */
 #define GW_TREE_BINDING(octree) gw_whole(&(octree)->disc_tree)
-
-/*
- * The octree that these bindings are of, as far as passes know it: its other members are 0.
- *   trace   five bindings of GW_TRACE_BINDINGS
- *   discs   six of GW_DISC_BINDINGS, or NULL for passes whose rays ask planes alone
- *   tree    GW_TREE_BINDING, or NULL
- * Only where buffers lie in the processor's memory.
- */
-gw_octree gw_octree_of_bindings(const gw_passes *passes, const gw_binding *trace,
-								const gw_binding *discs, const gw_binding *tree);
 
 #endif

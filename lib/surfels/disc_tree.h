@@ -4,8 +4,8 @@
  * The octree's leaves have one width; surface that is sampled much more coarsely than that lives
  * here. The tree knows nothing of octrees: lengths are in any unit, the same for discs and rays.
  *
- * It is one array of words in depth-first order, four to a texel, which C and GLSL
- * (disc_tree.glsl) walk in one loop without a stack: a node whose box is missed says where to go
+ * It is one array of words in depth-first order, four to a texel, which disc_tree.glsl walks in one
+ * loop without a stack: a node whose box is missed says where to go
  * on. Texel 0 is the header: the number of nodes. Then two texels a node: low corner of its box and
  * the node to go on with when it is missed; high corner and the first texel of its disc, or
  * GW_NONE for a node that has children, which come next. Then GW_DISC_TEXELS a disc: place and
@@ -90,9 +90,9 @@ typedef struct gw_disc_hit {
  * its start a ray meets the surface that it leaves: there backs of discs are not seen, and fronts
  * only of discs whose centre rises above that surface. Thread-safe.
  */
+#ifdef __cplusplus
+extern "C"
+#endif
 gw_disc_hit gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray);
-
-/* Does the ray meet anything? Quicker where nobody asks what. */
-bool gw_disc_tree_any(const gw_disc_tree *tree, const gw_disc_ray *ray);
 
 #endif

@@ -7,18 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3])
-{
-	float s = normal[2] >= 0.0f ? 1.0f : -1.0f;
-	float a = -1.0f / (s + normal[2]), c = normal[0] * normal[1] * a;
-	tangent[0] = 1.0f + s * normal[0] * normal[0] * a;
-	tangent[1] = s * c;
-	tangent[2] = -s * normal[0];
-	bitangent[0] = c;
-	bitangent[1] = s + normal[1] * normal[1] * a;
-	bitangent[2] = -normal[1];
-}
-
 /* Two counting passes over the float's bits, which order non-negative floats as integers. */
 float gw_rank_float(const float *values, size_t count, size_t rank)
 {

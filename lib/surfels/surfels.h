@@ -41,8 +41,11 @@ static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
 
 /*
  * Two unit tangents of a unit normal, right-handed (tangent x bitangent = normal), continuous but
- * for one pole; the shaders' surfel code uses the same formula (Duff et al. 2017, branchless ONB).
+ * for one pole: tangent_frame of sampling.glsl.
  */
+#ifdef __cplusplus
+extern "C"
+#endif
 void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3]);
 
 #endif

@@ -1,44 +1,25 @@
 /*
- * sampling.glsl - random numbers, directions and frames.
+ * sampling.glsl - directions and frames, and random numbers for places.
  */
 #ifndef SAMPLING_GLSL
 #define SAMPLING_GLSL
 
-const float PI = 3.14159265358979;
-
-/* PCG hash (Jarzynski and Olano 2020): one well-mixed word from one word. */
-uint hash(uint v)
-{
-	uint state = v * 747796405u + 2891336453u;
-	uint word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
-	return (word >> 22) ^ word;
-}
-
-uint hash2(uint a, uint b)
-{
-	return hash(a ^ hash(b + 0x9e3779b9u));
-}
+#include "base/pass.glsl"
+#include "base/shared_math.h"
 
 /* A word for a place: what is random there then does not depend on what else is in the scene. */
 uint hash_place(vec3 g)
 {
-	uvec3 bits = floatBitsToUint(g);
-	return hash2(bits.x, hash2(bits.y, bits.z));
+	return pcg_hash2(floatBitsToUint(g.x), pcg_hash2(floatBitsToUint(g.y), floatBitsToUint(g.z)));
 }
 
-/* [0, 1), from the upper 24 bits. */
-float unit_float(uint word)
+/* Tangents of a unit normal (Duff et al. 2017). */
+void tangent_frame(vec3 n, OUT(vec3) t, OUT(vec3) b)
 {
-	return float(word >> 8) * (1.0 / 16777216.0);
-}
-
-/* Tangents of a unit normal; the same formula as gw_tangent_frame in lib/ (Duff et al. 2017). */
-void tangent_frame(vec3 n, out vec3 t, out vec3 b)
-{
-	float s = n.z >= 0.0 ? 1.0 : -1.0;
-	float a = -1.0 / (s + n.z);
+	float s = n.z >= 0.0f ? 1.0f : -1.0f;
+	float a = -1.0f / (s + n.z);
 	float c = n.x * n.y * a;
-	t = vec3(1.0 + s * n.x * n.x * a, s * c, -s * n.x);
+	t = vec3(1.0f + s * n.x * n.x * a, s * c, -s * n.x);
 	b = vec3(c, s + n.y * n.y * a, -n.y);
 }
 
@@ -47,22 +28,22 @@ void tangent_frame(vec3 n, out vec3 t, out vec3 b)
 vec2 spiral_disc(uint i, uint n, float u, float turn)
 {
 	float r = sqrt((float(i) + u) / float(n));
-	float phi = 2.0 * PI * fract(float(i) * 0.618033988749895 + turn);
+	float phi = 2.0f * GW_PI * fract(float(i) * 0.618033988749895f + turn);
 	return r * vec2(cos(phi), sin(phi));
 }
 
 /* Direction about n whose projection on the surface is the disc point: cosine-weighted. */
-vec3 disc_to_hemisphere(vec2 p, vec3 n, out float cosine)
+vec3 disc_to_hemisphere(vec2 p, vec3 n, OUT(float) cosine)
 {
 	vec3 t, b;
 	tangent_frame(n, t, b);
-	cosine = sqrt(max(0.0, 1.0 - dot(p, p)));
+	cosine = sqrt(max(0.0f, 1.0f - dot(p, p)));
 	return normalize(t * p.x + b * p.y + n * cosine);
 }
 
 float luminance(vec3 c)
 {
-	return dot(c, vec3(0.2126, 0.7152, 0.0722));
+	return dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
 #endif

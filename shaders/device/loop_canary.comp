@@ -2,7 +2,7 @@
  * loop_canary.comp - how often a loop of one invocation runs: software drivers end long ones and
  * say nothing. What each step makes of the last one shows that it was run, not reckoned.
  */
-#version 450
+#version 460
 
 layout(local_size_x_id = 0) in;
 

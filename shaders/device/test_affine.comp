@@ -3,7 +3,7 @@
  *
  * Both buffers are windowed: they are indexed from 0 in every slice.
  */
-#version 450
+#version 460
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint factor = 1;

@@ -2,7 +2,7 @@
  * test_faults.comp - for the unit test of the device layer: reads and writes where it is told to,
  * so that a test can plant what validation must report.
  */
-#version 450
+#version 460
 
 layout(local_size_x_id = 0) in;
 

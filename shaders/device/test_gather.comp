@@ -4,7 +4,7 @@
  * One invocation does one element: it writes the texel (i, i / 2, i / 4) of a storage image when
  * `write` is 1, else adds up what the texel buffer, the same texel and a filtered sample hold.
  */
-#version 450
+#version 460
 
 layout(local_size_x_id = 0) in;
 

@@ -5,40 +5,54 @@
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
-/* Irradiance on a plane that faces the light, at grid position g; also the unit direction towards
- * the light and the distance to it in leaf cells. Spot lights fall off by smoothstep in the cosine.
- */
-float light_irradiance(vec3 g, out vec3 towards, out float distance)
+#include "octree/ray.glsl"
+#include "base/sampling.glsl"
+#include "light/transport_layout.h"
+
+/* Share of its power that the light sends towards a place, where it is from there, and how far in
+ * leaf cells. Spot lights fall off by smoothstep in the cosine. */
+float light_share(vec3 g, OUT(vec3) towards, OUT(float) distance)
 {
 	if (push.type == GW_PUSH_SUN) {
 		towards = -push.direction.xyz;
-		distance = 1e9;
-		return 1.0;
+		distance = GW_FAR;
+		return 1.0f;
 	}
 	vec3 to = push.position.xyz - g;
-	float squared = dot(to, to);
+	float squared = dot(to, to), inner = push.cos_inner, outer = push.cos_outer;
 	/* Nearer than the light's own radius, or on the light itself, the distance stops falling. */
-	float nearest = max(push.position.w * push.position.w, 1e-12);
-	distance = sqrt(max(squared, nearest));
-	towards = squared > 0.0 ? to * inversesqrt(squared) : vec3(0.0);
-	float share = 1.0;
-	if (push.type == GW_PUSH_SPOT) {
-		float cosine = -dot(towards, push.direction.xyz);
-		float x =
-			push.cos_inner > push.cos_outer
-				? clamp((cosine - push.cos_outer) / (push.cos_inner - push.cos_outer), 0.0, 1.0)
-				: (cosine >= push.cos_outer ? 1.0 : 0.0);
-		share = x * x * (3.0 - 2.0 * x);
-	}
-	return share / max(squared, nearest);
+	distance = sqrt(max(squared, max(push.position.w * push.position.w, 1e-12f)));
+	towards = to * (squared > 0.0f ? 1.0f / sqrt(squared) : 0.0f);
+	if (push.type != GW_PUSH_SPOT)
+		return 1.0f;
+	float cosine = -dot(towards, push.direction.xyz);
+	if (!(inner > outer))
+		return cosine >= outer ? 1.0f : 0.0f;
+	float x = clamp((cosine - outer) / (inner - outer), 0.0f, 1.0f);
+	return x * x * (3.0f - 2.0f * x);
 }
 
-/* That irradiance on the surface; a surfel whose normal is not trusted (w = 1) is lit from both
+/* Cosine at which light comes in; a surfel whose normal is not trusted (w = 1) is lit from both
  * sides. */
-float light_cosine(vec3 g, vec4 normal, float facing, vec3 towards)
+float light_cosine(vec4 normal, vec3 towards)
 {
 	float cosine = dot(normal.xyz, towards);
-	return facing * (normal.w > 0.5 ? abs(cosine) : max(cosine, 0.0));
+	return normal.w > 0.5f ? abs(cosine) : max(cosine, 0.0f);
+}
+
+/* Aims the s-th ray, of push.samples, at a place of the disc that the light shows, whose middle is
+ * `towards` at that distance; `turn` is by how much the places are turned, in turns. */
+void aim_at_light(uint s, float turn, vec3 towards, float distance, INOUT(Ray) ray)
+{
+	vec2 p = vec2(0.0f, 0.0f);
+	vec3 t, b;
+	bool sun = push.type == GW_PUSH_SUN;
+	tangent_frame(towards, t, b);
+	if (push.samples > 1u)
+		p = spiral_disc(s, push.samples, 0.5f, turn) * (sun ? push.direction.w : push.position.w);
+	vec3 to = t * p.x + b * p.y + towards * (sun ? 1.0f : distance);
+	ray.direction = normalize(to);
+	ray.t_max = sun ? GW_FAR : length(to);
 }
 
 #endif

@@ -5,50 +5,32 @@
  * below 0 by what ends at a crease; not there where the lamp has an extent, whose penumbra is far
  * wider than what is unknown of a crease.
  */
-#version 460
-
+#include "base/pass.glsl"
 #include "light/transport_layout.h"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Position
-{
-	vec4 surfel_position[];
-};
-layout(binding = 1) readonly buffer Normal
-{
-	vec4 surfel_normal[];
-};
-layout(binding = 2) readonly buffer Visibility
-{
-	float visibility[];
-};
-layout(binding = 3) buffer Irradiance
-{
-	vec4 irradiance[];
-};
-layout(push_constant) uniform Push
-{
-	gw_light_push push;
-};
+BUFFER(0, readonly, vec4, surfel_position);
+BUFFER(1, readonly, vec4, surfel_normal);
+BUFFER(2, readonly, float, visibility);
+BUFFER(3, readwrite, vec4, irradiance);
+PUSH(gw_light_push);
 
 #include "light/light.glsl"
-#include "base/sampling.glsl"
 
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec3 g = surfel_position[i].xyz;
 	float distance;
-	vec3 towards;
-	float facing = light_irradiance(g, towards, distance);
-	float e = light_cosine(g, surfel_normal[i], facing, towards);
-	float seen = push.shadows != 0u ? visibility[i] : 1.0, sign = 1.0;
+	vec3 towards, power = push.power.xyz;
+	float share = light_share(surfel_position[i].xyz, towards, distance);
+	float e = share * light_cosine(surfel_normal[i], towards);
+	if (push.type != GW_PUSH_SUN)
+		e /= distance * distance;
+	float seen = push.shadows != 0u ? visibility[i] : 1.0f, sign = 1.0f;
 	if (seen >= GW_HIDDEN_BY_CREASE) {
 		seen -= GW_HIDDEN_BY_CREASE;
-		sign = push.samples > 1u ? 0.0 : -1.0;
+		sign = push.samples > 1u ? 0.0f : -1.0f;
 	}
-	float hidden = sign * (1.0 - seen);
-	irradiance[i] += e * vec4(push.power.xyz * seen, luminance(push.power.xyz) * hidden);
+	irradiance[i] += vec4(e * power * seen, e * luminance(power) * (sign * (1.0f - seen)));
 }

@@ -3,37 +3,26 @@
  * is interpolated from the records (and, for the first reflection, of the lights' direct
  * irradiance).
  */
-#version 460
-
+#include "base/pass.glsl"
+#include "base/shared_math.h"
 #include "light/transport_layout.h"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Albedo
-{
-	vec4 lobe_albedo[];
-};
-layout(binding = 1) readonly buffer Direct
-{
-	vec4 lobe_direct[];
-};
-layout(binding = 2) uniform usamplerBuffer lobe_record; /* four a texel, GW_WEIGHTS a lobe */
-layout(binding = 3) uniform samplerBuffer lobe_weight;
-layout(binding = 4) uniform samplerBuffer record_irradiance;
-layout(binding = 5) writeonly buffer Radiance
-{
-	vec4 lobe_radiance[];
-};
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+BUFFER(0, readonly, vec4, lobe_albedo);
+BUFFER(1, readonly, vec4, lobe_direct);
+TEXELS(2, uvec4, lobe_record); /* four a texel, GW_WEIGHTS a lobe */
+TEXELS(3, vec4, lobe_weight);
+TEXELS(4, vec4, record_irradiance);
+BUFFER(5, writeonly, vec4, lobe_radiance);
+PUSH(gw_record_push);
 
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec3 e = push.direct_share * lobe_direct[i].xyz;
+	vec3a e = vec3a(0.0f);
+	if (push.direct_share != 0.0f)
+		e = push.direct_share * vec3a(lobe_direct[i]);
 	int row = int(push.first + i) * int(GW_WEIGHTS / 4u);
 	for (int t = row; t < row + int(GW_WEIGHTS / 4u); t++) {
 		uvec4 record = texelFetch(lobe_record, t);
@@ -41,7 +30,7 @@ void main()
 			break;
 		vec4 weight = texelFetch(lobe_weight, t);
 		for (int k = 0; k < 4 && record[k] != GW_NONE; k++)
-			e += weight[k] * texelFetch(record_irradiance, int(record[k])).xyz;
+			e += weight[k] * vec3a(texelFetch(record_irradiance, int(record[k])));
 	}
-	lobe_radiance[i] = vec4(lobe_albedo[i].xyz * e / 3.14159265358979, 0.0);
+	lobe_radiance[i] = vec4(vec3(vec3a(lobe_albedo[i]) * e / GW_PI), 0.0f);
 }

@@ -40,7 +40,7 @@ layout(push_constant) uniform Push
 vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 {
 	float cosine = max(0.0, dot(normal, direction));
-	float density = float(push.rays) * cosine / PI +
+	float density = float(push.rays) * cosine / GW_PI +
 					float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, total);
 	vec3 sum = push.sky.xyz / max(density, 1e-30);
 	if (push.sky_width != 0u) {

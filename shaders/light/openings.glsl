@@ -13,7 +13,7 @@
 float opening_share(vec3 to, float radius)
 {
 	float x = radius * radius / dot(to, to);
-	return x >= 1.0 ? 2.0 : x / (1.0 + sqrt(1.0 - x));
+	return x >= 1.0f ? 2.0f : x / (1.0f + sqrt(1.0f - x));
 }
 
 /* What an opening counts for at a place, over its share; 0 only where all of it lies behind. */
@@ -21,13 +21,13 @@ float opening_slant(vec3 to, float radius, vec3 normal)
 {
 	float height = dot(to, normal);
 	if (height <= -radius)
-		return 0.0;
-	return clamp(height * inversesqrt(max(dot(to, to), 1e-12)), 0.1, 1.0);
+		return 0.0f;
+	return clamp(height * inversesqrt(max(dot(to, to), 1e-12f)), 0.1f, 1.0f);
 }
 
 float openings_weight(vec3 g, vec3 normal)
 {
-	float sum = 0.0;
+	float sum = 0.0f;
 	for (int j = 0; j < int(push.openings); j++) {
 		vec4 sphere = texelFetch(opening, j);
 		vec3 to = sphere.xyz - g;
@@ -39,26 +39,26 @@ float openings_weight(vec3 g, vec3 normal)
 /* Density of openings_direction over solid angle; total: openings_weight there. */
 float openings_density(vec3 g, vec3 normal, vec3 direction, float total)
 {
-	float sum = 0.0;
+	float sum = 0.0f;
 	for (int j = 0; j < int(push.openings); j++) {
 		vec4 sphere = texelFetch(opening, j);
 		vec3 to = sphere.xyz - g;
 		float along = dot(to, direction), beside = dot(to, to) - along * along;
 		bool inside = dot(to, to) <= sphere.w * sphere.w;
-		if (inside || (along > 0.0 && beside <= sphere.w * sphere.w))
+		if (inside || (along > 0.0f && beside <= sphere.w * sphere.w))
 			sum += opening_slant(to, sphere.w, normal);
 	}
-	return total > 0.0 ? sum / (2.0 * PI * total) : 0.0;
+	return total > 0.0f ? sum / (2.0f * GW_PI * total) : 0.0f;
 }
 
 /* The m-th of GW_OPENING_SAMPLES directions of the place at g; they share the openings evenly. The
  * loop goes on from opening j, at which `passed` of the weight lies behind, so that it visits each
  * but once for all samples; own is random for the place. */
-vec3 openings_direction(vec3 g, vec3 normal, uint m, float total, uint own, inout int j,
-						inout float passed)
+vec3 openings_direction(vec3 g, vec3 normal, uint m, float total, uint own, INOUT(int) j,
+						INOUT(float) passed)
 {
 	float n = float(GW_OPENING_SAMPLES);
-	float choice = (float(m) + unit_float(hash2(own, 3u * m))) / n * total;
+	float choice = (float(m) + unit_float(pcg_hash2(own, 3u * m))) / n * total;
 	vec4 sphere = texelFetch(opening, j);
 	vec3 to = sphere.xyz - g;
 	float weight = opening_share(to, sphere.w) * opening_slant(to, sphere.w, normal);
@@ -68,18 +68,18 @@ vec3 openings_direction(vec3 g, vec3 normal, uint m, float total, uint own, inou
 		to = sphere.xyz - g;
 		weight = opening_share(to, sphere.w) * opening_slant(to, sphere.w, normal);
 	}
-	float u = unit_float(hash2(own, 3u * m + 1u)) * opening_share(to, sphere.w);
-	float sine = sqrt(max(0.0, u * (2.0 - u)));
-	float phi = 2.0 * PI * unit_float(hash2(own, 3u * m + 2u));
-	vec3 axis = to * inversesqrt(max(dot(to, to), 1e-12)), t, b;
+	float u = unit_float(pcg_hash2(own, 3u * m + 1u)) * opening_share(to, sphere.w);
+	float sine = sqrt(max(0.0f, u * (2.0f - u)));
+	float phi = 2.0f * GW_PI * unit_float(pcg_hash2(own, 3u * m + 2u));
+	vec3 axis = to * inversesqrt(max(dot(to, to), 1e-12f)), t, b;
 	tangent_frame(axis, t, b);
-	return normalize(axis * (1.0 - u) + (t * cos(phi) + b * sin(phi)) * sine);
+	return normalize(axis * (1.0f - u) + (t * cos(phi) + b * sin(phi)) * sine);
 }
 
 /* What is random at a place for these samples. */
 uint openings_random(vec3 g)
 {
-	return hash2(hash_place(g), push.seed ^ 0x7f4a7c15u);
+	return pcg_hash2(hash_place(g), push.seed ^ 0x7f4a7c15u);
 }
 
 #endif

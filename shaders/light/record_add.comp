@@ -1,23 +1,12 @@
 /*
  * record_add.comp - adds what one bounce brought to what the records have.
  */
-#version 460
-
+#include "base/pass.glsl"
 #include "light/transport_layout.h"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) readonly buffer Gathered
-{
-	vec4 record_gathered[];
-};
-layout(binding = 1) buffer Sum
-{
-	vec4 record_sum[];
-};
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+BUFFER(0, readonly, vec4, record_gathered);
+BUFFER(1, readwrite, vec4, record_sum);
+PUSH(gw_record_push);
 
 void main()
 {

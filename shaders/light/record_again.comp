@@ -1,44 +1,30 @@
 /*
  * record_again.comp - traces the rays that record_keep.comp lists, as record_rays.comp does.
  */
-#version 460
-
-#include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
-#include "base/sampling.glsl"
+#include "octree/octree_walk.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer ray_directory;
-layout(binding = 1) uniform usamplerBuffer node;
-layout(binding = 2) uniform usamplerBuffer leaf_tile;
-layout(binding = 3) uniform samplerBuffer lobe_plane;
-layout(binding = 4) uniform samplerBuffer lobe_centre;
-layout(binding = 5) uniform samplerBuffer record_position;
-layout(binding = 6) uniform samplerBuffer record_normal;
-layout(binding = 7) uniform usamplerBuffer list;
-layout(binding = 8) writeonly buffer Lobe
-{
-	uint hit_lobe[];
-};
-layout(binding = 9) writeonly buffer Distance
-{
-	float hit_distance[];
-};
-layout(binding = 10) uniform usamplerBuffer leaf_fragment;
-layout(binding = 11) uniform usamplerBuffer fragment_surfel;
-layout(binding = 12) uniform samplerBuffer surfel_place;
-layout(binding = 13) uniform samplerBuffer surfel_facing;
-layout(binding = 14) uniform samplerBuffer surfel_disc;
-layout(binding = 15) uniform samplerBuffer surfel_clip;
-layout(binding = 16) uniform usamplerBuffer disc_tree;
-layout(push_constant) uniform Push
-{
-	gw_keep_push push;
-};
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, lobe_plane);
+TEXELS(4, vec4, lobe_centre);
+TEXELS(5, vec4, record_position);
+TEXELS(6, vec4, record_normal);
+TEXELS(7, uint, list);
+BUFFER(8, writeonly, uint, hit_lobe);
+BUFFER(9, writeonly, float, hit_distance);
+TEXELS(10, uint, leaf_fragment);
+TEXELS(11, uint, fragment_surfel);
+TEXELS(12, vec4, surfel_place);
+TEXELS(13, vec4, surfel_facing);
+TEXELS(14, vec4, surfel_disc);
+TEXELS(15, vec4, surfel_clip);
+TEXELS(16, uvec4, disc_tree);
+PUSH(gw_keep_push);
 
 #include "octree/octree_discs.glsl"
-#include "octree/octree_trace.glsl"
-#include "octree/disc_tree.glsl"
+#include "octree/trace.glsl"
 #include "light/record_ray.glsl"
 
 void main()
@@ -46,16 +32,11 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint ray = texelFetch(list, int(1u + push.first + i)).x;
-	uint record = ray / push.rays;
-	vec3 g = texelFetch(record_position, int(record)).xyz;
-	vec3 normal = texelFetch(record_normal, int(record)).xyz;
-	float cosine;
-	vec3 direction = record_ray(g, normal, ray % push.rays, cosine);
-	uint lobe;
-	float t;
-	bool behind;
-	bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
-	hit_lobe[ray] = hit ? lobe : GW_NONE;
-	hit_distance[ray] = (hit ? t : 1e9) * (behind ? -1.0 : 1.0);
+	uint number = texelFetch(list, int(1u + push.first + i)).x;
+	int record = int(number / push.rays);
+	vec3 g = texelFetch(record_position, record).xyz,
+		 normal = texelFetch(record_normal, record).xyz;
+	Hit hit = trace(gather_ray(g, normal, number % push.rays));
+	hit_lobe[number] = hit.lobe;
+	hit_distance[number] = hit.behind ? -hit.t : hit.t;
 }

@@ -41,16 +41,16 @@ void main()
 	vec3 normal = record_normal[i].xyz;
 	float open = record_normal[i].w; /* 0 inside something solid */
 	vec3 origin = record_position[i].xyz + 0.5 * normal;
-	float turn = unit_float(hash2(hash_place(record_position[i].xyz), push.seed));
+	float turn = unit_float(pcg_hash2(hash_place(record_position[i].xyz), push.seed));
 	vec3 sum = vec3(0.0);
 	for (uint c = 0u; c < push.cones; c++) {
 		float cosine;
 		vec3 direction = disc_to_hemisphere(spiral_disc(c, push.cones, 0.5, turn), normal, cosine);
 		/* A stratum is pi / cones of projected solid angle. */
-		float solid_angle = min(PI / (float(push.cones) * max(cosine, 0.05)), 2.0 * PI * 0.9);
-		float c_half = 1.0 - solid_angle / (2.0 * PI);
+		float solid_angle = min(GW_PI / (float(push.cones) * max(cosine, 0.05)), 2.0 * GW_PI * 0.9);
+		float c_half = 1.0 - solid_angle / (2.0 * GW_PI);
 		float tangent = 0.5 * sqrt(max(0.0, 1.0 - c_half * c_half)) / c_half;
 		sum += trace_cone(origin, direction, tangent);
 	}
-	record_gathered[i] = vec4(sum * open * (PI / float(push.cones)), 0.0);
+	record_gathered[i] = vec4(sum * open * (GW_PI / float(push.cones)), 0.0);
 }

@@ -5,52 +5,35 @@
  * combined with the gather rays by the balance heuristic (Veach): weight M p_area / (M p_area + K
  * p_ray), both as densities of solid angle. One invocation takes a batch of a record's samples.
  */
-#version 460
-
-#include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
-#include "base/sampling.glsl"
+#include "octree/octree_walk.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer ray_directory;
-layout(binding = 1) uniform usamplerBuffer node;
-layout(binding = 2) uniform usamplerBuffer leaf_tile;
-layout(binding = 3) uniform samplerBuffer lobe_plane;
-layout(binding = 4) uniform samplerBuffer lobe_centre;
-layout(binding = 5) uniform samplerBuffer lobe_emission;
-layout(binding = 6) uniform usamplerBuffer emitter; /* lobe, alias, probability (float bits), 0 */
-layout(binding = 7) readonly buffer Position
-{
-	vec4 record_position[];
-};
-layout(binding = 8) readonly buffer Normal
-{
-	vec4 record_normal[];
-};
-layout(binding = 9) buffer Sum
-{
-	vec4 record_sampled[];
-};
-layout(binding = 10) uniform samplerBuffer lobe_part; /* of lobe_emission: what is gathered */
-layout(binding = 11) uniform usamplerBuffer leaf_fragment;
-layout(binding = 12) uniform usamplerBuffer fragment_surfel;
-layout(binding = 13) uniform samplerBuffer surfel_place;
-layout(binding = 14) uniform samplerBuffer surfel_facing;
-layout(binding = 15) uniform samplerBuffer surfel_disc;
-layout(binding = 16) uniform samplerBuffer surfel_clip;
-layout(binding = 17) uniform usamplerBuffer disc_tree;
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, lobe_plane);
+TEXELS(4, vec4, lobe_centre);
+TEXELS(5, vec4, lobe_emission);
+TEXELS(6, uvec4, emitter); /* lobe, alias, probability (float bits), 0 */
+BUFFER(7, readonly, vec4, record_position);
+BUFFER(8, readonly, vec4, record_normal);
+BUFFER(9, readwrite, vec4, record_sampled);
+TEXELS(10, vec4, lobe_part); /* of lobe_emission: what is gathered */
+TEXELS(11, uint, leaf_fragment);
+TEXELS(12, uint, fragment_surfel);
+TEXELS(13, vec4, surfel_place);
+TEXELS(14, vec4, surfel_facing);
+TEXELS(15, vec4, surfel_disc);
+TEXELS(16, vec4, surfel_clip);
+TEXELS(17, uvec4, disc_tree);
+PUSH(gw_record_push);
 
 #include "octree/octree_discs.glsl"
-#include "octree/octree_trace.glsl"
-#include "octree/disc_tree.glsl"
+#include "octree/trace.glsl"
 
-/* Sample m of push.light_samples. The emitters lie in Morton order, so that a stretch of the table
- * for each sample spreads the samples over them. */
-vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
+/* The lobe that sample m of push.light_samples stands for. The emitters lie in Morton order, so
+ * that a stretch of the table for each sample spreads the samples over them. */
+int choose_emitter(uint m, uint random)
 {
 	float choice =
 		(float(m) + unit_float(random)) / float(push.light_samples) * float(push.emitters);
@@ -58,40 +41,36 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 	uvec4 row = texelFetch(emitter, int(entry));
 	if (choice - float(entry) >= uintBitsToFloat(row.z))
 		row = texelFetch(emitter, int(row.y));
-	int lobe = int(row.x);
-	vec4 plane = texelFetch(lobe_plane, lobe);
+	return int(row.x);
+}
+
+vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
+{
+	int lobe = choose_emitter(m, random);
 	vec4 centre = texelFetch(lobe_centre, lobe);
-	vec3 emission = texelFetch(lobe_emission, lobe).xyz;
-
-	vec3 t, b;
-	tangent_frame(plane.xyz, t, b);
-	float u = unit_float(hash2(random, 1u)), v = unit_float(hash2(random, 2u));
-	vec2 p = sqrt(u * centre.w / PI) * vec2(cos(2.0 * PI * v), sin(2.0 * PI * v));
-	vec3 to = centre.xyz + t * p.x + b * p.y - g;
+	vec3 plane = texelFetch(lobe_plane, lobe).xyz, t, b;
+	tangent_frame(plane, t, b);
+	float radius = sqrt(unit_float(pcg_hash2(random, 1u)) * centre.w / GW_PI);
+	float turn = 2.0f * GW_PI * unit_float(pcg_hash2(random, 2u));
+	vec3 to = t * (radius * cos(turn)) + b * (radius * sin(turn)) + (centre.xyz - g);
 	float squared = dot(to, to);
-	vec3 direction = to * inversesqrt(max(squared, 1e-12));
-	float cosine = dot(normal, direction);
-	float cosine_emitter = -dot(plane.xyz, direction);
-	if (cosine <= 0.0 || cosine_emitter <= 1e-4 || squared < 1e-8)
-		return vec3(0.0);
-
+	vec3 direction = to * inversesqrt(max(squared, 1e-12f));
+	float cosine = dot(normal, direction), cosine_emitter = -dot(plane, direction);
+	if (cosine <= 0.0f || cosine_emitter <= 1e-4f || squared < 1e-8f)
+		return vec3(0.0f);
 	/* The emitter's own plane, or one within a cell of the point, does not shadow it; of a large
 	 * one, what lies within its extent. */
-	float extent = centre.w > GW_LOBE_LARGE ? sqrt(centre.w / PI) : 1.0;
-	uint seen;
-	float t_hit;
-	bool behind;
-	float distance = sqrt(squared);
-	if (trace(g, tangent_plane_at(g, normal), direction, distance - extent, false, seen,
-			  t_hit, behind) &&
-		seen != uint(lobe))
-		return vec3(0.0);
-
-	float density = luminance(emission) / push.emitter_power * squared / cosine_emitter;
+	float extent = centre.w > GW_LOBE_LARGE ? sqrt(centre.w / GW_PI) : 1.0f;
+	Ray ray = { g, direction, normal, g, sqrt(squared) - extent, false };
+	uint seen = trace(ray).lobe;
+	if (seen != GW_NONE && seen != uint(lobe))
+		return vec3(0.0f);
+	float emission = luminance(texelFetch(lobe_emission, lobe).xyz);
+	float density = emission / push.emitter_power * squared / cosine_emitter;
 	float by_samples = float(push.light_samples) * density;
-	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / PI : 0.0;
-	return texelFetch(lobe_part, lobe).xyz * (cosine / density) *
-		   (by_samples / (by_samples + by_rays));
+	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
+	return texelFetch(lobe_part, lobe).xyz *
+		   (cosine / density * (by_samples / (by_samples + by_rays)));
 }
 
 void main()
@@ -99,11 +78,9 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec3 g = record_position[i].xyz;
-	vec3 normal = record_normal[i].xyz;
-	uint own = hash2(hash_place(g), push.seed ^ GW_EMITTER_SEED);
-	vec3 sum = vec3(0.0);
-	for (uint m = 0u; m < push.batch_count; m++)
-		sum += sample_emitter(g, normal, push.batch_first + m, hash2(own, push.batch_first + m));
+	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
+	uint own = pcg_hash2(hash_place(g), push.seed ^ GW_EMITTER_SEED);
+	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
+		sum += sample_emitter(g, normal, m, pcg_hash2(own, m));
 	record_sampled[i].xyz += sum / float(push.light_samples);
 }

@@ -2,25 +2,15 @@
  * record_gather.comp - one bounce at the records: mean radiance of what their rays hit, a sparse
  * product over the stored hits. E = pi/K sum L(hit). Adds it to the indirect irradiance.
  */
-#version 460
-
+#include "base/pass.glsl"
+#include "base/shared_math.h"
 #include "light/transport_layout.h"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer hit_lobe;
-layout(binding = 1) uniform samplerBuffer lobe_radiance;
-layout(binding = 2) readonly buffer Normal
-{
-	vec4 record_normal[];
-}; /* w: 0 if buried */
-layout(binding = 3) writeonly buffer Gathered
-{
-	vec4 record_gathered[];
-};
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+TEXELS(0, uint, hit_lobe);
+TEXELS(1, vec4, lobe_radiance);
+BUFFER(2, readonly, vec4, record_normal); /* w: 0 if buried */
+BUFFER(3, writeonly, vec4, record_gathered);
+PUSH(gw_record_push);
 
 void main()
 {
@@ -28,12 +18,12 @@ void main()
 	if (i >= push.count)
 		return;
 	uint first = (push.first + i) * push.rays;
-	vec3 sum = vec3(0.0);
-	for (uint k = 0u; k < push.rays; k++) {
-		uint lobe = texelFetch(hit_lobe, int(first + k)).x;
+	vec3a sum = vec3a(0.0f);
+	for (uint k = first; k < first + push.rays; k++) {
+		uint lobe = texelFetch(hit_lobe, int(k)).x;
 		if (lobe != GW_NONE)
-			sum += texelFetch(lobe_radiance, int(lobe)).xyz;
+			sum += vec3a(texelFetch(lobe_radiance, int(lobe)));
 	}
-	record_gathered[i] =
-		vec4(sum * record_normal[i].w * (3.14159265358979 / float(push.rays)), 0.0);
+	sum = sum * record_normal[i].w * (GW_PI / float(push.rays));
+	record_gathered[i] = vec4(vec3(sum), 0.0f);
 }

@@ -7,43 +7,65 @@
  * from the point counts nothing, which is tested only where something is nearer to the record than
  * the point is.
  *
- * The including shader defines `void use_record(uint record, float weight)` and sets `reach`, at
- * most push.radius, for each point; find_records calls it for each record with a weight above 0 and
- * returns the sum of the weights. When no record qualifies it calls it for the nearest record of
- * the blocks within push.radius, with weight 1; when there is none it returns 0.
+ * The including shader binds row_record and row_weight, of which ROW_WIDTH a point, and sets `row`,
+ * the first of a point's, `used` to 0, and `reach`, at most push.radius.
  */
 #ifndef RECORD_LOOKUP_GLSL
 #define RECORD_LOOKUP_GLSL
 
-float reach; /* how far the point looks for records, leaf cells */
+#include "octree/octree_tiles.glsl"
+#include "octree/trace.glsl"
 
-float record_weight(vec3 g, vec3 normal, bool both_sides, vec3 record, vec3 record_facing)
+uint row, used; /* how many of the row are filled */
+float reach;    /* how far the point looks for records, leaf cells */
+
+/* The point that looks. */
+struct Seeker {
+	vec3 g, normal;
+	bool both_sides;
+};
+
+/* Puts a record into the row, in place of the lightest when it is full. */
+void use_record(uint record, float weight)
 {
-	vec3 off = g - record;
-	float alignment = dot(normal, record_facing);
-	if (both_sides)
-		alignment = abs(alignment);
-	float squared = dot(off, off) / (reach * reach);
-	float plane = abs(dot(off, record_facing)) / (0.3 * reach);
-	if (squared >= 1.0 || plane >= 1.0 || alignment < 0.7)
-		return 0.0;
-	float near = (1.0 - squared) * (1.0 - squared);
-	float aligned = alignment * alignment;
-	aligned *= aligned;
-	return near * aligned * aligned * (1.0 - plane);
+	uint at = row + used;
+	if (used < ROW_WIDTH) {
+		used++;
+	} else {
+		at = row;
+		for (uint w = row + 1u; w < row + ROW_WIDTH; w++)
+			at = row_weight[w] < row_weight[at] ? w : at;
+		if (row_weight[at] >= weight)
+			return;
+	}
+	row_record[at] = record;
+	row_weight[at] = weight;
 }
 
-bool record_visible(vec3 g, vec3 normal, vec4 record, vec3 record_facing)
+float record_weight(IN(Seeker) seeker, vec3 off, vec3 facing)
 {
-	vec3 to = record.xyz + record_facing * push.lift - (g + normal * push.lift);
+	float alignment = dot(seeker.normal, facing);
+	if (seeker.both_sides)
+		alignment = abs(alignment);
+	float squared = dot(off, off) / (reach * reach);
+	float plane = abs(dot(off, facing)) / (0.3f * reach);
+	if (squared >= 1.0f || plane >= 1.0f || alignment < 0.7f)
+		return 0.0f;
+	float near = (1.0f - squared) * (1.0f - squared);
+	float aligned = alignment * alignment;
+	aligned *= aligned;
+	return near * aligned * aligned * (1.0f - plane);
+}
+
+bool record_visible(IN(Seeker) seeker, vec4 record, vec3 facing)
+{
+	vec3 from = seeker.g + seeker.normal * push.lift;
+	vec3 to = record.xyz + facing * push.lift - from;
 	float distance = length(to);
-	if (push.visibility == 0u || distance < record.w || distance < 1e-4)
+	if (push.visibility == 0u || distance < record.w || distance < 1e-4f)
 		return true;
-	uint lobe;
-	float t;
-	bool behind;
-	return !trace(g + normal * push.lift, tangent_plane_at(g, normal), to / distance, distance,
-				  true, lobe, t, behind);
+	Ray ray = { from, to * (1.0f / distance), seeker.normal, seeker.g, distance, true };
+	return trace(ray).lobe == GW_NONE;
 }
 
 /* First and last of the records of a block; none where the octree has no such block, or all of it
@@ -51,9 +73,11 @@ bool record_visible(vec3 g, vec3 normal, vec4 record, vec3 record_facing)
 uvec2 block_span(ivec3 cell, vec3 g, float size, float limit)
 {
 	int cells = 1 << push.block_level;
-	vec3 outside = max(abs(g - (vec3(cell) + 0.5) * size) - 0.5 * size, 0.0);
-	if (dot(outside, outside) >= limit * limit || any(lessThan(cell, ivec3(0))) ||
-		any(greaterThanEqual(cell, ivec3(cells))))
+	vec3 off = g - (vec3(cell) + 0.5f) * size;
+	vec3 outside = vec3(max(abs(off.x) - 0.5f * size, 0.0f), max(abs(off.y) - 0.5f * size, 0.0f),
+						max(abs(off.z) - 0.5f * size, 0.0f));
+	if (dot(outside, outside) >= limit * limit || min(cell.x, min(cell.y, cell.z)) < 0 ||
+		max(cell.x, max(cell.y, cell.z)) >= cells)
 		return uvec2(0u);
 	uint pointer = find_tile(uvec3(cell), push.block_level);
 	if (pointer == 0u)
@@ -62,66 +86,71 @@ uvec2 block_span(ivec3 cell, vec3 g, float size, float limit)
 	return uvec2(texelFetch(block_first, block).x, texelFetch(block_first, block + 1).x);
 }
 
-/* The n-th block of those that `within` reaches into from g, x first; their number a side. */
-ivec3 nth_block(vec3 g, float size, float within, int n, out int count)
+void weigh_block(IN(Seeker) seeker, uvec2 span)
 {
-	ivec3 low = ivec3(floor((g - within) / size));
-	ivec3 side = ivec3(floor((g + within) / size)) - low + 1;
-	count = side.x * side.y * side.z;
-	return low + ivec3(n % side.x, n / side.x % side.y, n / (side.x * side.y));
+	for (uint r = span.x; r < span.y; r++) {
+		uint record = texelFetch(block_record, int(r)).x;
+		vec4 position = texelFetch(record_position, int(record));
+		vec3 off = seeker.g - position.xyz;
+		if (dot(off, off) >= reach * reach)
+			continue;
+		vec3 facing = texelFetch(record_normal, int(record)).xyz;
+		float weight = record_weight(seeker, off, facing);
+		if (weight > 0.0f && record_visible(seeker, position, facing))
+			use_record(record, weight);
+	}
 }
 
-uint nearest_record(vec3 g, vec3 normal, float size)
+/* The nearest record, by a cost that grows with the angle between the normals, becomes the row's
+ * first; its weight is that cost. */
+void find_nearest(IN(Seeker) seeker, uvec2 span)
 {
-	uint nearest = GW_NONE;
-	float nearest_cost = 1e30;
-	int count;
-	nth_block(g, size, push.radius, 0, count);
-	for (int n = 0; n < count; n++) {
-		uvec2 span = block_span(nth_block(g, size, push.radius, n, count), g, size, 1e9);
-		for (uint r = span.x; r < span.y; r++) {
-			uint record = texelFetch(block_record, int(r)).x;
-			vec3 position = texelFetch(record_position, int(record)).xyz;
-			vec3 facing = texelFetch(record_normal, int(record)).xyz;
-			float cost = distance(g, position) * (1.5 - dot(normal, facing));
-			if (cost < nearest_cost) {
-				nearest_cost = cost;
-				nearest = record;
-			}
+	for (uint r = span.x; r < span.y; r++) {
+		uint record = texelFetch(block_record, int(r)).x;
+		vec3 off = seeker.g - texelFetch(record_position, int(record)).xyz;
+		vec3 facing = texelFetch(record_normal, int(record)).xyz;
+		float cost = length(off) * (1.5f - dot(seeker.normal, facing));
+		if (used == 0u ? cost < 1e30f : cost < row_weight[row]) {
+			used = 1u;
+			row_record[row] = record;
+			row_weight[row] = cost;
 		}
 	}
-	return nearest;
 }
 
-float find_records(vec3 g, vec3 normal, bool both_sides)
+/* Looks at the blocks that `within` reaches into, x first: weighs all records of those within
+ * reach, or finds the nearest. */
+void look_at_blocks(IN(Seeker) seeker, float within, bool nearest)
 {
-	float size = exp2(float(depth - push.block_level)), sum = 0.0;
-	int count;
-	nth_block(g, size, reach, 0, count);
-	for (int n = 0; n < count; n++) {
-		uvec2 span = block_span(nth_block(g, size, reach, n, count), g, size, reach);
-		for (uint r = span.x; r < span.y; r++) {
-			uint record = texelFetch(block_record, int(r)).x;
-			vec4 position = texelFetch(record_position, int(record));
-			vec3 off = g - position.xyz;
-			if (dot(off, off) >= reach * reach)
-				continue;
-			vec3 facing = texelFetch(record_normal, int(record)).xyz;
-			float weight = record_weight(g, normal, both_sides, position.xyz, facing);
-			if (weight > 0.0 && record_visible(g, normal, position, facing)) {
-				use_record(record, weight);
-				sum += weight;
+	float size = float(1u << (depth - push.block_level));
+	ivec3 low = ivec3(floor((seeker.g - within) / size));
+	ivec3 high = ivec3(floor((seeker.g + within) / size));
+	for (int z = low.z; z <= high.z; z++)
+		for (int y = low.y; y <= high.y; y++)
+			for (int x = low.x; x <= high.x; x++) {
+				uvec2 span = block_span(ivec3(x, y, z), seeker.g, size, nearest ? 1e9f : reach);
+				if (nearest)
+					find_nearest(seeker, span);
+				else
+					weigh_block(seeker, span);
 			}
-		}
+}
+
+/* Fills the row, and makes its weights sum to 1; where no record qualifies, with the nearest in the
+ * blocks within push.radius. */
+void find_records(IN(Seeker) seeker)
+{
+	look_at_blocks(seeker, reach, false);
+	if (used == 0u) {
+		look_at_blocks(seeker, push.radius, true);
+		if (used > 0u)
+			row_weight[row] = 1.0f;
 	}
-	if (sum == 0.0) {
-		uint nearest = nearest_record(g, normal, size);
-		if (nearest != GW_NONE) {
-			use_record(nearest, 1.0);
-			sum = 1.0;
-		}
-	}
-	return sum;
+	float sum = 0.0f;
+	for (uint w = row; w < row + used; w++)
+		sum += row_weight[w];
+	for (uint w = row; w < row + used; w++)
+		row_weight[w] /= sum;
 }
 
 #endif

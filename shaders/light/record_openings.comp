@@ -4,8 +4,8 @@
  */
 #version 460
 
-#include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
 #include "base/sampling.glsl"
 
 layout(local_size_x_id = 0) in;
@@ -34,8 +34,7 @@ layout(push_constant) uniform Push
 };
 
 #include "octree/octree_discs.glsl"
-#include "octree/octree_trace.glsl"
-#include "octree/disc_tree.glsl"
+#include "octree/trace.glsl"
 #include "light/openings.glsl"
 
 void main()
@@ -46,17 +45,13 @@ void main()
 	int record = int(push.first + i);
 	vec3 g = texelFetch(record_position, record).xyz;
 	vec3 normal = texelFetch(record_normal, record).xyz;
-	vec4 tangent_plane = tangent_plane_at(g, normal);
 	float total = openings_weight(g, normal), passed = 0.0;
 	uint own = openings_random(g), seen = 0u;
 	int j = 0;
 	for (uint m = 0u; m < GW_OPENING_SAMPLES && total > 0.0; m++) {
 		vec3 direction = openings_direction(g, normal, m, total, own, j, passed);
-		uint lobe;
-		float t;
-		bool behind;
-		if (dot(direction, normal) > 0.0 &&
-			!trace(g, tangent_plane, direction, 1e9, false, lobe, t, behind))
+		Ray ray = { g, direction, normal, g, GW_FAR, false };
+		if (dot(direction, normal) > 0.0 && trace(ray).lobe == GW_NONE)
 			seen |= 1u << m;
 	}
 	sky_seen[i] = seen;

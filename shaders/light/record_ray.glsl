@@ -1,16 +1,27 @@
 /*
- * record_ray.glsl - direction of the k-th gather ray of the record at g. Uses push.rays and
- * push.seed.
+ * record_ray.glsl - gather rays of the record at g. Uses push.rays and push.seed.
  */
 #ifndef RECORD_RAY_GLSL
 #define RECORD_RAY_GLSL
 
-vec3 record_ray(vec3 g, vec3 normal, uint k, out float cosine)
+#include "octree/ray.glsl"
+#include "base/sampling.glsl"
+
+/* Direction of the k-th, and its cosine with the normal. */
+vec3 record_ray(vec3 g, vec3 normal, uint k, OUT(float) cosine)
 {
-	uint own = hash2(hash_place(g), push.seed);
+	uint own = pcg_hash2(hash_place(g), push.seed);
 	float turn = unit_float(own);
-	float u = unit_float(hash2(own, k));
+	float u = unit_float(pcg_hash2(own, k));
 	return disc_to_hemisphere(spiral_disc(k, push.rays, u, turn), normal, cosine);
+}
+
+/* The k-th gather ray of a record. */
+Ray gather_ray(vec3 g, vec3 normal, uint k)
+{
+	float cosine;
+	Ray ray = { g, record_ray(g, normal, k, cosine), normal, g, GW_FAR, false };
+	return ray;
 }
 
 #endif

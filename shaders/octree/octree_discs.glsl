@@ -15,7 +15,7 @@
 #ifndef OCTREE_DISCS_GLSL
 #define OCTREE_DISCS_GLSL
 
-#define TRACE_DISCS
+#define TRACE_DISCS true
 
 #include "base/sampling.glsl"
 #include "octree/trace_constants.h"
@@ -24,34 +24,62 @@
  * all. */
 float share_left(vec2 direction, float distance)
 {
-	float u = clamp(distance, -1.0, 1.0);
-	return dot(direction, direction) > 0.0 ? 1.0 - (acos(u) - u * sqrt(1.0 - u * u)) / PI : 1.0;
+	if (!(dot(direction, direction) > 0.0f))
+		return 1.0f;
+	float u = clamp(distance, -1.0f, 1.0f);
+	return 1.0f - (acos(u) - u * sqrt(1.0f - u * u)) / GW_PI;
 }
 
 /* How much surface there is at each place of a disc: its area over that of what the cuts leave. */
 float disc_density(vec4 size, vec4 clip)
 {
-	float left = share_left(size.zw, clip.x / size.x) + share_left(clip.yz, clip.w / size.x) - 1.0;
-	return size.y / (PI * size.x * size.x * max(left, GW_SHARE_LEAST));
+	float left = share_left(size.zw, clip.x / size.x) + share_left(clip.yz, clip.w / size.x) - 1.0f;
+	return size.y / (GW_PI * size.x * size.x * max(left, GW_SHARE_LEAST));
+}
+
+/* Is a fragment one of the lobe's own discs? */
+bool is_disc_of(uint slot, uint word)
+{
+	return word >> 31 == 0u && (word >> 30 & 1u) == (slot & 1u);
+}
+
+/* What a disc says about a place: its vote, and how much it adds to the cover; 0 where it does not
+ * reach. */
+int disc_vote(int surfel, vec3 at, INOUT(float) cover)
+{
+	vec4 size = texelFetch(surfel_disc, surfel);
+	vec3 off = at - texelFetch(surfel_place, surfel).xyz;
+	vec3 normal = texelFetch(surfel_facing, surfel).xyz, t, b;
+	off -= normal * dot(normal, off);
+	float radius = size.x + GW_DISC_SLACK;
+	if (dot(off, off) > radius * radius)
+		return 0;
+	vec4 clip = texelFetch(surfel_clip, surfel);
+	tangent_frame(normal, t, b);
+	vec2 p = vec2(dot(t, off), dot(b, off));
+	if (max(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w) > GW_DISC_SLACK)
+		return -1;
+	cover += disc_density(size, clip);
+	return 2;
 }
 
 /* Do the lobe's discs lie all around a place? */
-bool is_surrounded(int slot, vec3 at)
+bool is_surrounded(uint slot, vec3 at)
 {
-	const vec2 way[4] = vec2[4](vec2(1.0, 0.0), vec2(GW_SQRT_HALF), vec2(0.0, 1.0),
-								vec2(-GW_SQRT_HALF, GW_SQRT_HALF));
-	uint seen = 0u, last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
+	vec2 way[4] = { vec2(1.0f, 0.0f), vec2(GW_SQRT_HALF, GW_SQRT_HALF), vec2(0.0f, 1.0f),
+					vec2(-GW_SQRT_HALF, GW_SQRT_HALF) };
+	uint seen = 0u, last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	vec3 t, b;
-	tangent_frame(texelFetch(lobe_plane, slot).xyz, t, b);
-	for (uint f = texelFetch(leaf_fragment, slot >> 1).x; f < last; f++) {
+	tangent_frame(texelFetch(lobe_plane, int(slot)).xyz, t, b);
+	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
+		if (!is_disc_of(slot, word))
 			continue;
 		vec3 off = texelFetch(surfel_place, int(word & 0x3fffffffu)).xyz - at;
 		vec2 p = vec2(dot(off, t), dot(off, b));
 		for (int d = 0; d < 4; d++) {
 			float along = dot(way[d], p);
-			seen |= along > 0.0 ? 1u << d : along < 0.0 ? 16u << d : 0u;
+			seen |= along > 0.0f ? 1u << d : along < 0.0f ? 16u << d : 0u;
 		}
 	}
 	return bitCount(seen) >= GW_SEEN_AROUND;
@@ -59,51 +87,38 @@ bool is_surrounded(int slot, vec3 at)
 
 /* Do the lobe's discs lie on both sides of a place, along its crease with a surface of a normal?
  * At the free end of a wall they lie on one. */
-bool is_along_crease(int slot, vec3 other, vec3 at)
+bool is_along_crease(uint slot, vec3 other, vec3 at)
 {
-	vec3 crease = cross(texelFetch(lobe_plane, slot).xyz, other);
-	uint last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
+	vec3 crease = cross(texelFetch(lobe_plane, int(slot)).xyz, other);
+	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	bool before = false, after = false;
-	for (uint f = texelFetch(leaf_fragment, slot >> 1).x; f < last; f++) {
+	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
+		if (!is_disc_of(slot, word))
 			continue;
 		float along = dot(crease, texelFetch(surfel_place, int(word & 0x3fffffffu)).xyz - at);
-		before = before || along < 0.0;
-		after = after || along > 0.0;
+		before = before || along < 0.0f;
+		after = after || along > 0.0f;
 	}
 	return before && after;
 }
 
-bool is_covered(int slot, vec3 at)
+bool is_covered(uint slot, vec3 at)
 {
-	uint first = texelFetch(leaf_fragment, slot >> 1).x;
-	uint last = texelFetch(leaf_fragment, (slot >> 1) + 1).x;
+	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
+	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	if (last - first > GW_DISC_FRAGMENTS)
 		return true;
 	int votes = 0;
-	float cover = 0.0;
+	float cover = 0.0f;
 	bool cut = false;
 	for (uint f = first; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != uint(slot & 1))
+		if (!is_disc_of(slot, word))
 			continue;
-		int surfel = int(word & 0x3fffffffu);
-		vec4 size = texelFetch(surfel_disc, surfel);
-		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
-		vec3 normal = texelFetch(surfel_facing, surfel).xyz, t, b;
-		off -= normal * dot(normal, off);
-		float radius = size.x + GW_DISC_SLACK;
-		if (dot(off, off) > radius * radius)
-			continue;
-		vec4 clip = texelFetch(surfel_clip, surfel);
-		tangent_frame(normal, t, b);
-		vec2 p = vec2(dot(t, off), dot(b, off));
-		vec2 over = vec2(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w);
-		bool kept = max(over.x, over.y) <= GW_DISC_SLACK;
-		votes += kept ? 2 : -1;
-		cut = cut || !kept;
-		cover += kept ? disc_density(size, clip) : 0.0;
+		int vote = disc_vote(int(word & 0x3fffffffu), at, cover);
+		votes += vote;
+		cut = cut || vote < 0;
 	}
 	return (votes > 0 && cover > GW_COVER_LEAST) || (!cut && is_surrounded(slot, at));
 }

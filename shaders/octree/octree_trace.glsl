@@ -6,30 +6,24 @@
 #ifndef OCTREE_TRACE_GLSL
 #define OCTREE_TRACE_GLSL
 
+#include "octree/ray.glsl"
 #include "octree/trace_constants.h"
 
+#ifndef TRACE_DISCS
+#define TRACE_DISCS false
+bool is_covered(uint, vec3)
+{
+	return true;
+}
+
+bool is_along_crease(uint, vec3, vec3)
+{
+	return false;
+}
+#endif
+
 /* A plane holds a little beyond its cell, so that neighbouring planes leave no crack. */
-layout(constant_id = 3) const float cell_slack = 0.02;
-
-/* Distance along the ray to where it leaves the box from low to high (cells of that size). */
-float exit_distance(vec3 origin, vec3 inverse, bvec3 forward, vec3 low, vec3 high)
-{
-	vec3 far = (mix(low, high, forward) - origin) * inverse;
-	return min(far.x, min(far.y, far.z));
-}
-
-/* The plane of a surface: normal n and distance d from the origin, n . g = d. */
-vec4 tangent_plane_at(vec3 g, vec3 normal)
-{
-	return vec4(normal, dot(normal, g));
-}
-
-/* What stays the same on a ray's way. */
-struct Ray {
-	vec3 origin, direction;
-	vec4 tangent_plane; /* of the surface that it leaves */
-	bool both_sides;
-};
+CONSTANT(3, float, cell_slack, 0.02f);
 
 /* A lobe as a ray passes it: at a distance t it is approach * t - rise above the plane. */
 struct Passage {
@@ -47,35 +41,40 @@ struct Stretch {
 	bool concave;       /* they meet as a floor and a wall do, seen from inside */
 };
 
-float height_over(Passage lobe, float t)
+float height_over(IN(Passage) lobe, float t)
 {
 	return lobe.approach * t - lobe.rise;
 }
 
 /* Is there surface on the lobe's plane where the ray is? Behind a concave crease it goes
  * on as far as the lobe does along it. */
-bool holds(Ray ray, Stretch stretch, uint slot, float t)
+bool holds(IN(Ray) ray, bool covered, bool concave, uint slot, float t)
 {
-#ifdef TRACE_DISCS
-	if (stretch.covered)
+	if (!TRACE_DISCS || covered)
 		return true;
 	vec3 at = ray.origin + ray.direction * t;
 	vec3 other = texelFetch(lobe_plane, int(slot ^ 1u)).xyz;
-	return (stretch.concave && is_along_crease(int(slot), other, at)) || is_covered(int(slot), at);
-#else
-	return true;
-#endif
+	return (concave && is_along_crease(slot, other, at)) || is_covered(slot, at);
 }
 
-bool rises_over_start(Ray ray, Passage own, float like_least)
+/* Does a lobe rise over the surface that the ray leaves? */
+bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like_least)
 {
 	vec3 middle = texelFetch(lobe_centre, int(own.lobe)).xyz;
-	float height = dot(ray.tangent_plane.xyz, middle) - ray.tangent_plane.w;
+	float height = dot(ray.facing, middle) - dot(ray.facing, ray.foot);
 	return height >= GW_NEAR_HEIGHT * max(like_least, GW_LIKE_LEAST);
 }
 
+/* How far a plane reaches beyond its cell, for a ray that comes so fast nearer to its front. */
+float plane_slack(float approach)
+{
+	if (!TRACE_DISCS)
+		return cell_slack;
+	return approach < 0.0f ? GW_FRONT_SLACK : GW_BACK_SLACK;
+}
+
 /*
- * Does the ray meet a lobe's plane in or near its cell, nearer than t?
+ * Does the ray meet a lobe's plane in or near its cell, nearer than what it has hit?
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within GW_NEAR cells a plane counts only if its
@@ -86,37 +85,32 @@ bool rises_over_start(Ray ray, Passage own, float like_least)
  * Seen from in front a plane may reach far beyond its cell, since what lies behind the surface is
  * dark anyway; seen from behind it would stick out over convex edges and shadow them.
  */
-bool meets_plane(Ray ray, Stretch stretch, Passage own, inout float t, inout bool behind)
+bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) hit)
 {
-	if (abs(own.approach) < 1e-6)
+	if (abs(own.approach) < 1e-6f)
 		return false;
 	float distance = own.rise / own.approach;
-	if (distance < 0.0 || distance >= t)
+	if (distance < 0.0f || distance >= hit.t)
 		return false;
-	vec3 off = abs(ray.origin + ray.direction * distance - stretch.centre);
-	float beyond = max(off.x, max(off.y, off.z)) - 0.5, slack = cell_slack;
-#ifdef TRACE_DISCS
-	slack = own.approach < 0.0 ? GW_FRONT_SLACK : GW_BACK_SLACK;
-#endif
-	if (beyond > slack)
+	vec3 off = ray.origin + ray.direction * distance - stretch.centre;
+	float beyond = max(abs(off.x), max(abs(off.y), abs(off.z))) - 0.5f;
+	if (beyond > plane_slack(own.approach))
 		return false;
 	if (distance < GW_NEAR &&
-		(own.approach > 0.0 ||
-		 !rises_over_start(ray, own, dot(own.normal, ray.tangent_plane.xyz))))
+		(own.approach > 0.0f || !rises_over_start(ray, own, dot(own.normal, ray.facing))))
 		return false;
-	if (own.approach > 0.0) {
-		behind = true;
+	if (own.approach > 0.0f) {
+		hit.behind = true;
 		if (!ray.both_sides)
 			return false;
 	}
-	stretch.covered = stretch.covered && beyond <= GW_BACK_SLACK;
-	if (!holds(ray, stretch, own.lobe, distance))
+	bool covered = stretch.covered && beyond <= GW_BACK_SLACK;
+	if (!holds(ray, covered, stretch.concave, own.lobe, distance))
 		return false;
-	t = distance;
+	hit.t = distance;
 	return true;
 }
 
-#ifdef TRACE_DISCS
 /*
  * Is the ray behind the lobe where it enters its cell, though nothing stopped it?
  *
@@ -124,45 +118,42 @@ bool meets_plane(Ray ray, Stretch stretch, Passage own, inout float t, inout boo
  * next one of the same surface has passed between them. And at its start a ray is in the rock when
  * noise has put the point behind the wall at whose foot it is.
  */
-bool came_through(Ray ray, Stretch stretch, Passage own, Passage last, bool like)
+bool came_through(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage) last, bool like)
 {
 	float height = height_over(own, stretch.enter);
-	if (!(height < 0.0))
+	if (!(height < 0.0f))
 		return false;
 	if (stretch.enter < GW_NEAR) {
-		if (like || height < -GW_NOISE_DEPTH || own.approach >= 0.0 ||
-			!rises_over_start(ray, own, 0.0) ||
-			!is_along_crease(int(own.lobe), ray.tangent_plane.xyz, ray.origin))
+		if (like || height < -GW_NOISE_DEPTH || own.approach >= 0.0f ||
+			!rises_over_start(ray, own, 0.0f) || !is_along_crease(own.lobe, ray.facing, ray.origin))
 			return false;
 	} else if (!like || last.lobe == GW_NONE || stretch.enter - last.leave > GW_GAP_MOST ||
-			   height_over(last, last.leave) < 0.0) {
+			   height_over(last, last.leave) < 0.0f) {
 		return false;
 	}
-	return holds(ray, stretch, own.lobe, stretch.enter);
+	return holds(ray, stretch.covered, stretch.concave, own.lobe, stretch.enter);
 }
-#endif
 
 /* One lobe of a cell; `last` becomes it when it is of the surface that the ray goes along. */
-void meet_lobe(Ray ray, Stretch stretch, uint slot, inout Passage last, inout uint lobe,
-			   inout float t, inout bool behind)
+void meet_lobe(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last, INOUT(Hit) hit)
 {
 	vec4 plane = texelFetch(lobe_plane, int(slot));
-	Passage own = Passage(slot, plane.xyz, dot(plane.xyz, ray.direction),
-						  plane.w - dot(plane.xyz, ray.origin - stretch.centre), stretch.leave);
-	if (meets_plane(ray, stretch, own, t, behind)) {
-		lobe = slot;
+	float rise = plane.w - dot(plane.xyz, ray.origin - stretch.centre);
+	Passage own = { slot, plane.xyz, dot(plane.xyz, ray.direction), rise, stretch.leave };
+	if (meets_plane(ray, stretch, own, hit)) {
+		hit.lobe = slot;
 		return;
 	}
-#ifdef TRACE_DISCS
+	if (!TRACE_DISCS)
+		return;
 	bool like = dot(own.normal, last.normal) > GW_LIKE_COSINE;
-	if (stretch.enter < t && came_through(ray, stretch, own, last, like)) {
-		lobe = slot;
-		t = min(t, stretch.leave);
-	} else if (like && (stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0 ||
-						holds(ray, stretch, slot, stretch.leave))) {
+	if (stretch.enter < hit.t && came_through(ray, stretch, own, last, like)) {
+		hit.lobe = slot;
+		hit.t = min(hit.t, stretch.leave);
+	} else if (like && (stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0f ||
+						holds(ray, stretch.covered, stretch.concave, slot, stretch.leave))) {
 		last = own;
 	}
-#endif
 }
 
 /* Does a lobe's centre lie in front of another one's plane? */
@@ -173,101 +164,130 @@ bool rises_over(vec3 centre, uint slot, uint over)
 	return dot(plane.xyz, middle - centre) - plane.w > GW_CONCAVE_HEIGHT;
 }
 
-/* The lobes of a cell that has some. */
-void meet_leaf(Ray ray, uvec2 tile, uint octant, inout Stretch stretch, inout Passage last,
-			   inout uint lobe, inout float t, inout bool behind)
+/* The lobes of a leaf that has some. */
+void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Passage) last,
+			   INOUT(Hit) hit)
 {
 	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
-	bool second = ((tile.y >> (16u + octant)) & 1u) != 0u;
-	stretch.covered = ((tile.y >> (24u + octant)) & 1u) != 0u;
+	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
+	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
 	stretch.concave = second && !stretch.covered &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
-	meet_lobe(ray, stretch, 2u * leaf, last, lobe, t, behind);
+	meet_lobe(ray, stretch, 2u * leaf, last, hit);
 	if (second)
-		meet_lobe(ray, stretch, 2u * leaf + 1u, last, lobe, t, behind);
+		meet_lobe(ray, stretch, 2u * leaf + 1u, last, hit);
+}
+
+/* ------------------------------------------------------------------------------------- walking */
+
+/* What stays the same on a ray's way. */
+struct Walk {
+	vec3a origin, direction, inverse;
+	vec3a ahead; /* 1 where the ray goes up, -1 where it goes down */
+	vec3a far;   /* 1 where it goes up, else 0: the side on which it leaves a cell */
+	ivec3a last; /* of the octree's cells */
+};
+
+float smallest(vec3a of)
+{
+	vec3 v = vec3(of);
+	return min(v.x, min(v.y, v.z));
+}
+
+float largest(vec3a of)
+{
+	vec3 v = vec3(of);
+	return max(v.x, max(v.y, v.z));
+}
+
+Walk walk_of(IN(Ray) ray, float side)
+{
+	vec3 d = ray.direction;
+	vec3a ahead =
+		vec3a(d.x >= 0.0f ? 1.0f : -1.0f, d.y >= 0.0f ? 1.0f : -1.0f, d.z >= 0.0f ? 1.0f : -1.0f);
+	vec3a inverse = vec3a(inverse_of(d.x), inverse_of(d.y), inverse_of(d.z));
+	Walk walk = { vec3a(ray.origin), vec3a(d), inverse, ahead, 0.5f * (ahead * ahead + ahead),
+				  ivec3a(int(side) - 1) };
+	return walk;
+}
+
+/* The cell at a distance, inside the octree. */
+ivec3a cell_at(IN(Walk) walk, float t)
+{
+	return clamp(ivec3a(walk.origin + walk.direction * t), ivec3a(0), walk.last);
+}
+
+/* Distance to where the ray leaves a cell of a level, with `reach` more around it. */
+float leaving(IN(Walk) walk, ivec3a cell, uint shift, uint reach)
+{
+	vec3a corner = vec3a(cell >> int(shift)) + walk.far + walk.ahead * float(reach);
+	return smallest((corner * float(1u << shift) - walk.origin) * walk.inverse);
+}
+
+uint octant_of(ivec3a cell, uint shift)
+{
+	ivec3 bit = ivec3(cell >> int(shift) & 1);
+	return uint(bit.x | bit.y << 1 | bit.z << 2);
+}
+
+/* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
+ * that, unless it is hit. */
+float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Passage) last,
+				  INOUT(Hit) hit)
+{
+	uint level = directory_level, shift = depth - level;
+	ivec3 c = ivec3(cell >> int(shift));
+	uint entry = texelFetch(ray_directory, c.x + (c.y << level) + (c.z << (2u * level))).x;
+	if (entry >> 31 == 0u) /* Nothing within entry - 1 cells around this one. */
+		return leaving(walk, cell, shift, entry > 1u ? entry - 1u : 0u);
+	uint pointer = (entry & 0x7fffffffu) + 1u;
+	for (; shift > 1u && pointer != 0u; shift--)
+		pointer = texelFetch(node, int(8u * (pointer - 1u) + octant_of(cell, shift - 1u))).x;
+	if (pointer == 0u) /* An empty node of this level. */
+		return leaving(walk, cell, shift, 0u);
+	uvec2 tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
+	uint octant = octant_of(cell, 0u);
+	Stretch stretch = { vec3(vec3a(cell) + 0.5f), t, leaving(walk, cell, 0u, 0u), false, false };
+	if ((tile.y >> (8u + octant) & 1u) != 0u)
+		meet_leaf(ray, tile, octant, stretch, last, hit);
+	return stretch.leave;
+}
+
+/* What a ray does that is still behind the surface it left when that should be behind it. */
+void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
+{
+	if (hit.lobe == GW_NONE && last.lobe != GW_NONE && height_over(last, t) < 0.0f) {
+		hit.lobe = last.lobe;
+		hit.t = min(hit.t, last.leave);
+	}
 }
 
 /*
  * The nearest lobe whose front side the ray meets before t_max. Back sides let it through, because
  * planes that stick out over convex edges would darken what lies behind them, but `behind` says
- * that one was met first; with `both_sides` they stop the ray. tangent_plane is that of the surface
- * it leaves. Noise may put its start behind that surface, whose planes do not count there; but a
- * ray that is still behind it at a distance of GW_NEAR has gone into the rock.
+ * that one was met first; with `both_sides` they stop the ray. Noise may put its start behind the
+ * surface that it leaves, whose planes do not count there; but a ray that is still behind it at a
+ * distance of GW_NEAR has gone into the rock.
  */
-bool trace_octree(vec3 origin, vec4 tangent_plane, vec3 direction, float t_max, bool both_sides,
-				  out uint lobe, out float t_hit, out bool behind)
+Hit trace_octree(IN(Ray) ray)
 {
-	float side = exp2(float(depth));
-	float nudge = 1e-5 + side * 4e-7;
-	bvec3 forward = greaterThanEqual(direction, vec3(0.0));
-	vec3 inverse = 1.0 / mix(direction, mix(vec3(-1e-20), vec3(1e-20), forward),
-							 lessThan(abs(direction), vec3(1e-20)));
-	uint coarse_shift = depth - directory_level;
-
-	vec3 near = (mix(vec3(side), vec3(0.0), forward) - origin) * inverse;
-	float t = max(0.0, max(near.x, max(near.y, near.z)));
-	float t_end = min(t_max, exit_distance(origin, inverse, forward, vec3(0.0), vec3(side)));
-	lobe = GW_NONE;
-	t_hit = t_max;
-	behind = false;
-	Ray ray = Ray(origin, direction, tangent_plane, both_sides);
-	Passage last = Passage(GW_NONE, tangent_plane.xyz, 0.0, 0.0, 0.0);
+	Hit hit = { GW_NONE, ray.t_max, false };
+	float side = float(1u << depth), nudge = 1e-5f + side * 4e-7f;
+	Walk walk = walk_of(ray, side);
+	float t = max(0.0f, largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
+	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
+	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
 	bool near_start = true;
-
-	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end; step++) {
-		vec3 g = origin + direction * (t + nudge);
-		uvec3 cell = uvec3(clamp(g, vec3(0.0), vec3(side - 1.0)));
-		uvec3 c = cell >> coarse_shift;
-		uint entry = texelFetch(ray_directory, int(c.x + (c.y << directory_level) +
-												   (c.z << (2u * directory_level))))
-						 .x;
-		vec3 low, high;
-		if ((entry & 0x80000000u) == 0u) {
-			/* Nothing within entry - 1 cells around this one. */
-			float reach = float(max(entry, 1u) - 1u);
-			float size = exp2(float(coarse_shift));
-			low = (vec3(c) - reach) * size;
-			high = (vec3(c) + 1.0 + reach) * size;
-		} else {
-			uint pointer = (entry & 0x7fffffffu) + 1u;
-			uint level = directory_level;
-			for (; level < depth - 1u && pointer != 0u; level++) {
-				uvec3 child = (cell >> (depth - level - 1u)) & 1u;
-				uint octant = child.x | child.y << 1 | child.z << 2;
-				pointer = texelFetch(node, int(8u * (pointer - 1u) + octant)).x;
-			}
-			if (pointer == 0u) {
-				/* An empty node of this level. */
-				float size = exp2(float(depth - level));
-				low = vec3(cell >> (depth - level)) * size;
-				high = low + size;
-			} else {
-				uvec2 tile = texelFetch(leaf_tile, int(pointer - 1u)).xy;
-				uint octant = (cell.x & 1u) | (cell.y & 1u) << 1 | (cell.z & 1u) << 2;
-				low = vec3(cell);
-				high = low + 1.0;
-				Stretch stretch = Stretch(low + 0.5, t,
-										  exit_distance(origin, inverse, forward, low, high), false,
-										  false);
-				if (((tile.y >> (8u + octant)) & 1u) != 0u)
-					meet_leaf(ray, tile, octant, stretch, last, lobe, t_hit, behind);
-				if (lobe != GW_NONE)
-					return true;
-			}
-		}
-		t = max(exit_distance(origin, inverse, forward, low, high), t + nudge);
+	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++) {
+		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, last, hit);
+		t = max(next, t + nudge);
 		if (near_start && (t >= GW_NEAR || t >= t_end)) {
 			near_start = false;
-			if (last.lobe != GW_NONE &&
-				height_over(last, min(t_end, max(last.leave, GW_NEAR))) < 0.0) {
-				lobe = last.lobe;
-				t_hit = min(t_hit, last.leave);
-				return true;
-			}
+			leave_start(last, min(t_end, max(last.leave, GW_NEAR)), hit);
 		}
 	}
-	return false;
+	return hit;
 }
 
 #endif

@@ -5,9 +5,10 @@
 #ifndef OCTREE_WALK_GLSL
 #define OCTREE_WALK_GLSL
 
+#include "base/pass.glsl"
 #include "octree/trace_constants.h"
 
-layout(constant_id = 1) const uint depth = 8u;
-layout(constant_id = 2) const uint directory_level = 7u;
+CONSTANT(1, uint, depth, 8u);
+CONSTANT(2, uint, directory_level, 7u);
 
 #endif

@@ -29,7 +29,7 @@ float fresnel(float reflectance, float cosine)
 vec3 visible_facet(vec3 eye, float alpha, vec2 u)
 {
 	vec3 stretched = normalize(vec3(alpha * eye.xy, eye.z));
-	float phi = 2.0 * PI * u.x;
+	float phi = 2.0 * GW_PI * u.x;
 	float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
 	float s = sqrt(max(0.0, 1.0 - z * z));
 	vec3 h = vec3(s * cos(phi), s * sin(phi), z) + stretched;

@@ -7,8 +7,8 @@
  */
 #version 460
 
-#include "octree/octree_walk.glsl"
 #include "light/transport_layout.h"
+#include "octree/octree_walk.glsl"
 #include "picture/glossy.glsl"
 
 layout(local_size_x_id = 0) in;
@@ -43,8 +43,7 @@ layout(push_constant) uniform Push
 };
 
 #include "octree/octree_discs.glsl"
-#include "octree/octree_trace.glsl"
-#include "octree/disc_tree.glsl"
+#include "octree/trace.glsl"
 
 /* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
  * rough one takes. */
@@ -97,19 +96,18 @@ void main()
 	float roughness = pixel_position[i].w, reflectance = pixel_normal[i].w;
 	vec3 to_eye = normalize(push.eye.xyz - g);
 	vec3 normal = face_eye(pixel_normal[i].xyz, to_eye);
-	uint own = hash2(push.pixel_first + push.first + i, push.seed);
-	vec2 turn = vec2(unit_float(own), unit_float(hash(own)));
+	uint own = pcg_hash2(push.pixel_first + push.first + i, push.seed);
+	vec2 turn = vec2(unit_float(own), unit_float(pcg_hash(own)));
 	uint rays = rays_of(roughness, fresnel(reflectance, dot(normal, to_eye)));
 	if (push.ray >= rays)
 		return;
 	/* Multiples of the powers of the plastic number fill the square evenly (Roberts 2018). */
 	vec2 u = fract(turn + float(push.ray) * vec2(0.7548776662, 0.5698402910));
-	float share, t;
+	float share;
 	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
-	uint lobe;
-	bool behind;
-	bool hit = trace(g, tangent_plane_at(g, normal), direction, 1e9, false, lobe, t, behind);
-	vec3 seen = hit ? radiance_at(lobe, g + direction * t) : push.sky.xyz;
+	Ray ray = { g, direction, normal, g, GW_FAR, false };
+	Hit hit = trace(ray);
+	vec3 seen = hit.lobe != GW_NONE ? radiance_at(hit.lobe, g + direction * hit.t) : push.sky.xyz;
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
 	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
 }

@@ -1,0 +1,70 @@
+/*
+ * shader_functions.cpp - see shader_functions.h. As in kernel.cpp the texts of shaders/ become
+ * bodies of structs, whose members are what they refer to.
+ */
+#include "light/shader_functions.h"
+
+#include "base/shared_math.h"
+
+namespace glsl
+{
+namespace
+{
+
+struct directions {
+#include "octree/ray.glsl"
+#include "base/sampling.glsl"
+};
+
+struct light : directions {
+	gw_light_push push;
+#include "light/light.glsl"
+};
+
+struct record : directions {
+	gw_record_push push;
+#include "light/record_ray.glsl"
+};
+
+vec3 from_c(gw_vec3 v)
+{
+	return vec3(v.x, v.y, v.z);
+}
+
+gw_vec3 to_c(vec3 v)
+{
+	return gw_vec3{ v.x, v.y, v.z };
+}
+
+} // namespace
+} // namespace glsl
+
+using namespace glsl;
+
+gw_vec3 gw_record_ray(gw_vec3 g, gw_vec3 normal, uint32_t k, uint32_t rays, uint32_t seed)
+{
+	record of = {};
+	float cosine;
+	of.push.rays = rays;
+	of.push.seed = seed;
+	return to_c(of.record_ray(from_c(g), from_c(normal), k, cosine));
+}
+
+float gw_lamp_share(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
+{
+	light lamp = { {}, *push };
+	vec3 direction;
+	float share = lamp.light_share(from_c(g), direction, *distance);
+	*towards = to_c(direction);
+	return share;
+}
+
+gw_vec3 gw_lamp_aim(const gw_light_push *push, uint32_t s, float turn, gw_vec3 towards,
+					float distance, float *range)
+{
+	light lamp = { {}, *push };
+	light::Ray ray = {};
+	lamp.aim_at_light(s, turn, from_c(towards), distance, ray);
+	*range = ray.t_max;
+	return to_c(ray.direction);
+}

@@ -1,0 +1,32 @@
+/*
+ * trace.glsl - rays through the octree and the tree of its large discs, which is how scenes are
+ * traced.
+ */
+#ifndef TRACE_GLSL
+#define TRACE_GLSL
+
+#include "octree/octree_trace.glsl"
+#include "octree/disc_tree.glsl"
+
+/* Whether the tree holds anything: mostly it does not, and costs nothing. */
+CONSTANT(4, uint, has_discs, 0u);
+
+/* The nearest lobe that the ray meets, or GW_NONE. Where both have the surface that is hit, the
+ * octree's is the finer one. */
+Hit trace(IN(Ray) ray)
+{
+	if (has_discs == 0u)
+		return trace_octree(ray);
+	DiscHit disc = trace_discs(ray);
+	Ray nearer = ray;
+	nearer.t_max = min(disc.yields, ray.t_max);
+	Hit hit = trace_octree(nearer);
+	if (hit.lobe == GW_NONE) {
+		hit.lobe = disc.lobe;
+		hit.t = disc.t;
+	}
+	hit.behind = hit.behind || disc.behind < hit.t;
+	return hit;
+}
+
+#endif
