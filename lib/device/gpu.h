@@ -30,8 +30,8 @@ typedef struct gw_gpu_options {
 	gw_drivers *drivers;           /* NULL, or loaded before: used when there is no validation; they
 									  outlive the device */
 	double slice_seconds;          /* target length of one dispatch; 0: 0.05 */
-	gw_pass_choice passes;         /* see passes.h. GW_PASSES_CPU fails with GW_ERROR_USAGE where the
-									  device does not share memory */
+	gw_pass_choice passes;         /* see passes.h. GW_PASSES_CPU fails with GW_ERROR_USAGE where
+									  the device does not share memory */
 	bool (*cancelled)(void *user); /* NULL, or asked between dispatches */
 	void *user;
 } gw_gpu_options;
