@@ -80,8 +80,8 @@ SONAME  := libglowworm.so.$(basename $(VERSION))
 SHARED  := libglowworm.so.$(VERSION)
 
 # Passes that run on the processor as well: lib/light/kernel.cpp, compiled with the text of each.
-KERNELS         := light_visibility light_irradiance lobe_direct record_rays record_again record_emitters \
-                   record_sky record_first record_gather record_add lobe_weights lobe_shade read_back
+KERNELS         := light_visibility light_irradiance facet_direct record_rays record_again record_emitters \
+                   record_sky record_first record_gather record_add facet_weights facet_shade read_back
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
 KERNEL_OF        = -DPASS=gw_kernel_$(1) -DPASS_TEXT='"light/$(1).comp"'
 LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)

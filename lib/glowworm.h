@@ -241,8 +241,8 @@ typedef struct gw_bake_options {
 	gw_validation validate;   /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;              /* fill gw_bake_result.voxels */
 	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
-	bool occlusion;           /* fill gw_bake_result.openness */
-	float occlusion_distance; /* metres; 0: surfaces at any distance count */
+	bool ambient_occlusion;   /* fill gw_bake_result.ambient_occlusion */
+	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
 					around a point disagree, as a standard error of their mean. It knows the noise
 					of gathered light and how fast that changes, but not the error of shadows and of
@@ -381,8 +381,8 @@ typedef struct gw_report {
 	uint32_t count_count;
 	gw_bounce *bounce;
 	uint32_t bounce_count;
-	/* Seconds on the device, over all bounces: shading the lobes, which for cones are then injected
-	 * and filtered; tracing rays, once; gathering what rays hit, or by cones. */
+	/* Seconds on the device, over all bounces: shading the facets, which for cones are then
+	 * injected and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
 	gw_price price;                   /* of about half of that error, or what comes nearest to it */
@@ -438,12 +438,12 @@ typedef struct gw_bake_result {
 								   rest they add up to radiance but for roundings, which for
 								   GW_METHOD_CONES are of 16-bit numbers */
 	size_t lamp_count;
-	float *rest;      /* 3 * count, what points that emit add to L; NULL when none does */
-	float *openness;  /* count, 0..1: cosine-weighted share of the hemisphere in which
-						 nothing is nearer than occlusion_distance; NULL unless asked */
-	float *error;     /* count, see gw_bake_options.errors; NULL unless asked */
-	float *roi;       /* count, side of the region of influence in leaf cells */
-	gw_voxels voxels; /* empty unless gw_bake_options.voxels */
+	float *rest;              /* 3 * count, what points that emit add to L; NULL when none does */
+	float *ambient_occlusion; /* count, 0..1: cosine-weighted share of the hemisphere in which
+						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
+	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
+	float *roi;               /* count, side of the region of influence in leaf cells */
+	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
 	gw_report report;
 } gw_bake_result;
 

@@ -35,16 +35,16 @@ typedef struct gw_surfels {
 	float *position;              /* 3 * count, metres in the local frame; of noisy points their
 									 place on the surface that they scatter around */
 	float *normal;                /* 3 * count, unit; of noisy points that of this surface */
-	float *lamp_normal;   /* NULL when no point is noisy, else 3 * count, unit, the points' own
-							 without what of them is noise: lamps shine on these */
-	float *lamp_off;      /* NULL when no point is noisy and all normals were given, else count,
-							 radians, RMS angle by which the normals that lamps shine on are
-							 expected to be off */
-	float *normal_length; /* count, length of the given normal in (0, 1]: spread of the NDF */
-	float *albedo;        /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
-	float *emission;      /* 3 * count, >= 0; NULL when nothing emits */
-	float *nearest;       /* count, maximum-norm distance to the nearest other surfel, metres
-							 (Salm 4.3.4); infinity for a cloud of one */
+	float *shading_normal;     /* NULL when no point is noisy, else 3 * count, unit, the points' own
+							   without what of them is noise: lamps shine on these */
+	float *shading_normal_off; /* NULL when no point is noisy and all normals were given, else
+						count, radians, RMS angle by which the normals that lamps shine on are
+						expected to be off */
+	float *normal_length;      /* count, length of the given normal in (0, 1]: spread of the NDF */
+	float *albedo;    /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
+	float *emission;  /* 3 * count, >= 0; NULL when nothing emits */
+	float *nearest;   /* count, maximum-norm distance to the nearest other surfel, metres
+						 (Salm 4.3.4); infinity for a cloud of one */
 	float *radius;    /* count, metres, of the disc: distance to the 8th neighbour on the surface,
 						 or half that to the furthest where scan lines are far apart */
 	float *area;      /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */
@@ -217,7 +217,7 @@ gw_status gw_viewpoint_find(const gw_surfels *surfels, const float *luminance, c
 /* --------------------------------------------------------------------------------- what is seen */
 
 /*
- * Surfels and triangles seen by a camera: a G-buffer, made on the host.
+ * Surfels and triangles seen by a camera: a G-buffer, made on the CPU.
  *
  * Deferred, as in Salm 4.1 and 4.6: geometry is drawn once into a buffer of attributes, and a later
  * pass turns those into colours. A surfel is a flat disc, drawn with exact perspective: along each
@@ -470,7 +470,7 @@ gw_status gw_render_octree_shadow(gw_render_octree *octree, const gw_surfels *su
 /* ---------------------------------------------------------------------------------------- cells */
 
 /*
- * The octree's cells on the host, level by level, for those who want to see them
+ * The octree's cells on the CPU, level by level, for those who want to see them
  * (Salm, figure 5.1).
  */
 

@@ -65,9 +65,8 @@ int main(void)
 		lamp.position[0] = 1.5 + cos(turn);
 		lamp.position[1] = 1.5 + sin(turn);
 		lamp.position[2] = 0.6 + 0.25 * i;
-		good = lighting
-				   ? check(gw_lighting_change(lighting, &lamp, 1, &error), &error)
-				   : check(gw_lighting_create(scene, &lamp, 1, &lighting, &error), &error);
+		good = lighting ? check(gw_lighting_change(lighting, &lamp, 1, &error), &error)
+						: check(gw_lighting_create(scene, &lamp, 1, &lighting, &error), &error);
 		good = good && check(gw_lighting_radiance(lighting, radiance, &error), &error);
 		if (good)
 			printf("lamp at %.2f %.2f %.2f: mean %.3f, floor %.3f\n", lamp.position[0],

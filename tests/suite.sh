@@ -151,7 +151,7 @@ for item in "$@"; do
 		;;
 	shaders)
 		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" \
-			tests/physics/test_{rims,leaks,shadow_map,openings,glossy}.c
+			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy}.c
 		;;
 	cli) run_cli "$build" ;;
 	interop) run_cli "$build" tests/interop/*.sh ;;

@@ -254,8 +254,7 @@ gw_status compare_figures_check(const compare_figures *f, const settings *s, gw_
 					   "the best 99 %% are off by %.3f %%, more than --max-best99 %g allows",
 					   100.0 * c->best_99, (double)s->max_best_99);
 	if (exceeds(fabs(c->bias), s->max_bias))
-		return gw_fail(error, STATUS_MISSED,
-					   "the bias is %+.3f %%, more than --max-bias %g allows", 100.0 * c->bias,
-					   (double)s->max_bias);
+		return gw_fail(error, STATUS_MISSED, "the bias is %+.3f %%, more than --max-bias %g allows",
+					   100.0 * c->bias, (double)s->max_bias);
 	return GW_OK;
 }

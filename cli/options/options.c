@@ -130,29 +130,22 @@ static const char *format_name(int i)
 
 /* -------------------------------------------------------------------------------- the table */
 
+/* The verbs that an option is for, as FOR(BAKE | RENDER). */
+enum {
+	BAKE = 1u << VERB_BAKE,
+	SAMPLE = 1u << VERB_SAMPLE,
+	INFO = 1u << VERB_INFO,
+	COMPARE = 1u << VERB_COMPARE,
+	TRADEOFF = 1u << VERB_TRADEOFF,
+	MIX = 1u << VERB_MIX,
+	CONVERT = 1u << VERB_CONVERT,
+	RENDER = 1u << VERB_RENDER,
+	DOCTOR = 1u << VERB_DOCTOR,
+	EVERY_VERB = (1u << VERB_COUNT) - 1
+};
+
 #define AT(member) .offset = offsetof(settings, member)
-#define BAKE .verbs = 1u << VERB_BAKE
-#define TRADEOFF .verbs = 1u << VERB_TRADEOFF
-#define SCENE .verbs = 1u << VERB_BAKE | 1u << VERB_TRADEOFF
-#define PICTURED SCENE | 1u << VERB_RENDER
-#define INFO .verbs = 1u << VERB_INFO
-#define COMPARE .verbs = 1u << VERB_COMPARE
-#define MIX .verbs = 1u << VERB_MIX
-#define RENDER .verbs = 1u << VERB_RENDER
-#define DOCTOR 1u << VERB_DOCTOR
-#define LIGHTS .verbs = 1u << VERB_BAKE | 1u << VERB_MIX
-#define SHOWS .verbs = 1u << VERB_BAKE | 1u << VERB_RENDER
-#define MESHES .verbs = 1u << VERB_BAKE | 1u << VERB_SAMPLE
-#define SWEPT MESHES | 1u << VERB_TRADEOFF
-#define SHOWN SHOWS | 1u << VERB_TRADEOFF
-#define TALKS MESHES | 1u << VERB_RENDER
-#define MAKES MESHES | 1u << VERB_MIX
-#define CHOOSES MAKES | 1u << VERB_CONVERT
-#define WRITES CHOOSES | 1u << VERB_COMPARE | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
-#define READS                                                                                      \
-	.verbs = 1u << VERB_BAKE | 1u << VERB_INFO | 1u << VERB_COMPARE | 1u << VERB_MIX |             \
-			 1u << VERB_CONVERT | 1u << VERB_RENDER | 1u << VERB_TRADEOFF
-#define THREADED READS | 1u << VERB_SAMPLE
+#define FOR(mask) .verbs = (mask)
 #define QUIETLY .effect = OPTION_LEAVES_POINTS
 #define RANGE(low, high) .minimum = (low), .maximum = (high)
 #define LIMIT RANGE(0.0, 1e6), .automatic = "none", .automatic_value = (NAN)
@@ -163,246 +156,259 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, MAKES, AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX), AT(output),
+	  .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
-	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, CHOOSES, AT(output_format),
-	  .choice = format_name, .group = "Output",
+	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT),
+	  AT(output_format), .choice = format_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
-	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY, WRITES, AT(force), .group = "Output",
-	  .help = "overwrite files that exist" },
-	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(vdb), .group = "Output",
+	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(force),
+	  .group = "Output", .help = "overwrite files that exist" },
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
-	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_half), .group = "Output",
+	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(vdb_half), .group = "Output",
 	  .help = "store 16-bit floats in the grids" },
-	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(vdb_points), .group = "Output",
+	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(vdb_points), .group = "Output",
 	  .help = "put the points beside the grids, as a point grid: P, radiance, Cd (albedo), N" },
-	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, BAKE, AT(vdb_voxel), RANGE(0.0, 1e9),
+	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, FOR(BAKE), AT(vdb_voxel), RANGE(0.0, 1e9),
 	  .group = "Output",
 	  .help = "metres a voxel of the grids is wide, wider than the octree's cells; 0: as wide" },
-	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(report), .group = "Output",
+	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
-	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(save_transport),
+	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(save_transport),
 	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
-	{ "fields", 0, "LIST", OPTION_FIELDS, BAKE, .scene = true, AT(fields), .choice = field_name,
-	  .group = "Output", .help = "more columns for the points, with commas between them" },
-	{ "ao-distance", 0, "X", OPTION_REAL, BAKE, .scene = true, AT(bake.occlusion_distance),
-	  RANGE(0.0, 1e9), .automatic = "none", .automatic_value = 0.0, .open = true, .group = "Output",
+	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE), .scene = true, AT(fields),
+	  .choice = field_name, .group = "Output",
+	  .help = "more columns for the points, with commas between them" },
+	{ "ao-distance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true,
+	  AT(bake.ambient_occlusion_distance), RANGE(0.0, 1e9), .automatic = "none",
+	  .automatic_value = 0.0, .open = true, .group = "Output",
 	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
-	{ "colors", 0, NULL, OPTION_CHOICE, LIGHTS, .scene = true, AT(colors), .choice = colors_name,
-	  .group = "Output",
+	{ "colors", 0, NULL, OPTION_CHOICE, FOR(BAKE | MIX), .scene = true, AT(colors),
+	  .choice = colors_name, .group = "Output",
 	  .help = "what red, green and blue hold: a tone-mapped preview, or what came in" },
-	{ "exposure", 0, "EV", OPTION_REAL, LIGHTS, .scene = true, AT(exposure), RANGE(-100.0, 100.0),
-	  AUTOMATIC(NAN), .group = "Output",
+	{ "exposure", 0, "EV", OPTION_REAL, FOR(BAKE | MIX), .scene = true, AT(exposure),
+	  RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
 	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
 
-	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(worst), .group = "Output",
+	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), AT(worst), .group = "Output",
 	  .help = "write the points with the largest errors there, the worst first, with the columns "
 			  "scalar_error and scalar_truth_radiance_*" },
-	{ "worst-count", 0, "N", OPTION_COUNT, QUIETLY, COMPARE, AT(worst_count), RANGE(1.0, 4e9),
+	{ "worst-count", 0, "N", OPTION_COUNT, QUIETLY, FOR(COMPARE), AT(worst_count), RANGE(1.0, 4e9),
 	  .group = "Output", .help = "how many those are" },
-	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, COMPARE, AT(json_file), .group = "Output",
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), AT(json_file), .group = "Output",
 	  .help = "write the figures as JSON; - prints them instead of the table" },
 
-	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(csv), .group = "Output",
+	{ "csv", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), AT(csv), .group = "Output",
 	  .help = "write the table as comma-separated values; - prints them instead of the table" },
-	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, TRADEOFF, AT(svg), .group = "Output",
+	{ "svg", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(TRADEOFF), AT(svg), .group = "Output",
 	  .help = "draw error against seconds and against memory" },
 
-	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_rel_rmse), LIMIT,
+	{ "max-relrmse", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_rel_rmse), LIMIT,
 	  .group = "Limits", .help = "largest relRMSE of the radiance's luminance, 0.05 being 5 %" },
-	{ "max-best99", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_best_99), LIMIT,
+	{ "max-best99", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_best_99), LIMIT,
 	  .group = "Limits", .help = "the same without the hundredth of the points that is worst" },
-	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, COMPARE, AT(max_bias), LIMIT, .group = "Limits",
+	{ "max-bias", 0, "X", OPTION_REAL, QUIETLY, FOR(COMPARE), AT(max_bias), LIMIT,
+	  .group = "Limits",
 	  .help = "largest difference of the means, to either side, as a share of the truth's" },
 
-	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, MIX, .group = "Lamps",
+	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, RENDER, AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
 	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
 			  "standard output. Several pictures are numbered: FILE-0001.png" },
-	{ "size", 0, "WxH", OPTION_TEXT, RENDER, AT(render.size), .group = "Output",
+	{ "size", 0, "WxH", OPTION_TEXT, FOR(RENDER), AT(render.size), .group = "Output",
 	  .help = "width and height of the picture in pixels, 1 to 16384 each" },
-	{ "samples", 0, "N", OPTION_COUNT, RENDER, AT(render.samples), RANGE(1.0, 8.0),
+	{ "samples", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.samples), RANGE(1.0, 8.0),
 	  .group = "Output", .help = "take N by N samples in every pixel" },
-	{ "background", 0, "COLOR", OPTION_TEXT, RENDER, AT(render.background), .group = "Output",
+	{ "background", 0, "COLOR", OPTION_TEXT, FOR(RENDER), AT(render.background), .group = "Output",
 	  .help =
 		  "behind the points: R,G,B or one number, linear, 0 to 1; none leaves it transparent" },
-	{ "exposure", 0, "EV", OPTION_REAL, RENDER, AT(exposure), RANGE(-100.0, 100.0), AUTOMATIC(NAN),
-	  .group = "Output",
+	{ "exposure", 0, "EV", OPTION_REAL, FOR(RENDER), AT(exposure), RANGE(-100.0, 100.0),
+	  AUTOMATIC(NAN), .group = "Output",
 	  .help = "as a camera's exposure value at ISO 100: a larger one is darker; auto meters what "
 			  "is in view" },
-	{ "tone", 0, NULL, OPTION_CHOICE, RENDER, AT(render.tone), .choice = tone_name,
+	{ "tone", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.tone), .choice = tone_name,
 	  .group = "Output", .help = "how light is fitted into the range of a screen" },
-	{ "false-colour", 0, NULL, OPTION_FLAG, RENDER, AT(render.false_color), .group = "Output",
+	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.false_color), .group = "Output",
 	  .help = "show the luminance by colours, with a scale" },
-	{ "camera", 'c', "CAMERA", OPTION_TEXT, RENDER, AT(render.camera), .group = "Camera",
+	{ "camera", 'c', "CAMERA", OPTION_TEXT, FOR(RENDER), AT(render.camera), .group = "Camera",
 	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
 			  "angle of view; or auto, inside or outside, which choose a place" },
-	{ "orbit", 0, "N", OPTION_COUNT, RENDER, AT(render.orbit), RANGE(1.0, 10000.0),
+	{ "orbit", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.orbit), RANGE(1.0, 10000.0),
 	  .group = "Camera",
 	  .help = "make N pictures all around what the camera looks at; a camera that was placed "
 			  "inside automatically turns on the spot" },
-	{ "path", 0, "FILE", OPTION_TEXT, RENDER, AT(render.path), .group = "Camera",
+	{ "path", 0, "FILE", OPTION_TEXT, FOR(RENDER), AT(render.path), .group = "Camera",
 	  .help = "make a picture for every line of a text file; a line is what --camera takes" },
-	{ "mesh", 0, "FILE", OPTION_TEXT, RENDER, AT(render.mesh), .group = "Scene",
+	{ "mesh", 0, "FILE", OPTION_TEXT, FOR(RENDER), AT(render.mesh), .group = "Scene",
 	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
 			  "points on them, and not these points" },
-	{ "cull", 0, NULL, OPTION_FLAG, RENDER, AT(render.cull), .group = "Camera",
+	{ "cull", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
-	{ "view", 0, "VIEW", OPTION_VIEW, RENDER, AT(render.view), .choice = view_name,
+	{ "view", 0, "VIEW", OPTION_VIEW, FOR(RENDER), AT(render.view), .choice = view_name,
 	  .group = "Camera",
 	  .help = "what to show; auto is the radiance of a lit cloud, else its albedo in the light of "
 			  "a lamp at the camera" },
 
-	{ "glossy", 0, NULL, OPTION_CHOICE, RENDER, AT(render.glossy), .choice = glossy_name,
+	{ "glossy", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.glossy), .choice = glossy_name,
 	  .group = "Light",
 	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
 			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
-	{ "glossy-rays", 0, "N", OPTION_COUNT, RENDER, AT(render.glossy_rays), RANGE(1.0, 1024.0),
+	{ "glossy-rays", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.glossy_rays), RANGE(1.0, 1024.0),
 	  .group = "Light",
 	  .help = "rays a pixel that shows a rough glossy point; a mirror takes one" },
-	{ "radiance", 0, NULL, OPTION_CHOICE, RENDER, AT(render.radiance), .choice = radiance_name,
+	{ "radiance", 0, NULL, OPTION_CHOICE, FOR(RENDER), AT(render.radiance), .choice = radiance_name,
 	  .group = "Light",
 	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
 			  "sampling" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, PICTURED, .group = "Scene",
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | TRADEOFF | RENDER), .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, BAKE, AT(transport), .group = "Scene",
+	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, SHOWN, .scene = true, .group = "Scene",
-	  .help = "where the diffuse reflectance comes from" },
-	{ "albedo-scale", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.scale),
+	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	  .group = "Scene", .help = "where the diffuse reflectance comes from" },
+	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(points.scale),
 	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
-	{ "albedo-white", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(points.white), RANGE(0.0, 1.0),
-	  .group = "Scene", .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(gamma), .choice = gamma_name,
-	  .group = "Scene", .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, SHOWN, .scene = true, AT(up), .choice = up_name,
-	  .group = "Scene",
+	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(points.white),
+	  RANGE(0.0, 1.0), .group = "Scene",
+	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	  AT(gamma), .choice = gamma_name, .group = "Scene",
+	  .help = "how the input's colours are encoded" },
+	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(up),
+	  .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
 		  "the format" },
-	{ "format", 0, NULL, OPTION_TEXT, READS, AT(format), .choice = format_name, .group = "Scene",
+	{ "format", 0, NULL, OPTION_TEXT,
+	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(format),
+	  .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
-	{ "columns", 0, "LIST", OPTION_TEXT, READS, AT(columns), .group = "Scene",
+	{ "columns", 0, "LIST", OPTION_TEXT,
+	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(columns), .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, SWEPT, .scene = true, AT(density), RANGE(0.0, 1e12),
-	  .open = true, AUTOMATIC(0.0), .group = "Scene",
+	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(density),
+	  RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
-	{ "count", 0, "N", OPTION_COUNT, SWEPT, .scene = true, AT(count), RANGE(1.0, 4e9),
-	  .group = "Scene", .help = "points on all meshes together, when nothing says their density" },
+	{ "count", 0, "N", OPTION_COUNT, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(count),
+	  RANGE(1.0, 4e9), .group = "Scene",
+	  .help = "points on all meshes together, when nothing says their density" },
 
-	{ "method", 'm', NULL, OPTION_CHOICE, BAKE, .scene = true, AT(bake.method),
+	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
-	{ "quality", 0, NULL, OPTION_CHOICE, BAKE, .scene = true, AT(quality), .choice = quality_name,
-	  .group = "Light",
+	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(quality),
+	  .choice = quality_name, .group = "Light",
 	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
 			  "that go together; those that are given by themselves win" },
-	{ "max-error", 'e', "X", OPTION_REAL, SCENE, .scene = true, AT(bake.max_error), RANGE(0.0, 1.0),
-	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.max_error),
+	  RANGE(0.0, 1.0), .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
 			  "radiance; starts from --quality or, when that is not given, from few records" },
-	{ "time", 't', "S", OPTION_REAL, BAKE, .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
+	{ "time", 't', "S", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.shadows),
-	  .choice = shadows_name, .group = "Light", .help = "how lights are hidden by surfaces" },
-	{ "depth", 'd', "N", OPTION_COUNT, PICTURED, .scene = true, AT(bake.depth),
+	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	  AT(bake.shadows), .choice = shadows_name, .group = "Light",
+	  .help = "how lights are hidden by surfaces" },
+	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(bake.depth),
 	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
-	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER), .scene = true, AT(bake.leaf_spacing),
+	  RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
-	{ "bounces", 'b', "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.bounces),
+	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.bounces),
 	  RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
 			  "goes on until the rest is below the tolerance" },
-	{ "tolerance", 0, "X", OPTION_REAL, SCENE, .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0),
-	  .open = true, .group = "Light",
+	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.tolerance),
+	  RANGE(0.0, 1.0), .open = true, .group = "Light",
 	  .help = "share of the light that --bounces auto may leave out" },
-	{ "rays", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
+	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
 	  .group = "Light", .help = "gather rays a record, for --method rays" },
-	{ "light-samples", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.light_samples),
+	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.light_samples),
 	  RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "samples of the points that emit light, a record" },
-	{ "cones", 0, "N", OPTION_COUNT, BAKE, .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
+	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
 	  .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "record-spacing", 0, "X", OPTION_REAL, BAKE | 1u << VERB_RENDER, .scene = true,
+	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER), .scene = true,
 	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
-	{ "shadow-map-size", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.shadow_map_size),
-	  RANGE(16.0, 8192.0), .group = "Light",
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true,
+	  AT(bake.shadow_map_size), RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },
-	{ "estimate-points", 0, "N", OPTION_COUNT, SCENE, .scene = true, AT(bake.estimate_points),
-	  RANGE(0.0, 1e6), .group = "Light",
+	{ "estimate-points", 0, "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true,
+	  AT(bake.estimate_points), RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; where records are "
 			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, SWEPT, .scene = true, AT(bake.seed), .group = "Light",
-	  .help = "of all random numbers" },
+	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(bake.seed),
+	  .group = "Light", .help = "of all random numbers" },
 
-	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, BAKE, AT(frames), .group = "Frames",
+	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(frames), .group = "Frames",
 	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
 			  "gets a file of its own: FILE-0007.ply, or the number where FILE has %04d. Without "
 			  "this, frame 0 is baked" },
-	{ "independent", 0, NULL, OPTION_FLAG, BAKE, AT(independent), .group = "Frames",
+	{ "independent", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(independent), .group = "Frames",
 	  .help = "let no frame begin with the light of the one before: slower, but the same bytes "
 			  "whichever frames are asked for" },
-	{ "rebuild", 0, NULL, OPTION_FLAG, BAKE, AT(rebuild), .group = "Frames",
-	  .help = "bake every frame from scratch, to check and to compare" },
 
-	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY, THREADED | DOCTOR, .scene = true,
-	  AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
+	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY,
+	  FOR(BAKE | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR),
+	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, PICTURED | DOCTOR, .scene = true, AT(bake.memory),
-	  AUTOMATIC(0.0), .group = "Machine",
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER | DOCTOR),
+	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, PICTURED | DOCTOR, .scene = true, AT(bake.device),
-	  .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | TRADEOFF | RENDER | DOCTOR), .scene = true,
+	  AT(bake.device), .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
-	{ "passes", 0, NULL, OPTION_CHOICE, PICTURED, .scene = true, AT(bake.passes),
-	  .choice = passes_name, .group = "Developers",
-	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
-			  "of the processor where there are some, which takes the software driver; auto is "
-			  "whatever is quicker. The light is the same but for roundings" },
-	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, PICTURED, AT(bake.validate),
-	  .choice = validation_name, .group = "Developers",
+	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(rebuild), .group = "For developers",
+	  .help = "bake every frame from scratch, to check and to compare" },
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER), AT(bake.validate),
+	  .choice = validation_name, .group = "For developers",
 	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
 			  "each call and at what has to wait for what; accesses at each access of shaders to "
 			  "memory" },
+	{ "passes", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	  AT(bake.passes), .choice = passes_name, .group = "For developers",
+	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
+			  "of the processor where there are some, which takes the software driver; auto is "
+			  "whatever is quicker. The light is the same but for roundings" },
 
-	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(devices), .group = "Messages",
+	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, INFO, AT(json), .group = "Messages",
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, .verbs = DOCTOR, AT(json), .group = "Messages",
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR), AT(json), .group = "Messages",
 	  .help = "print JSON" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, SHOWN, AT(progress), .choice = progress_name,
-	  .group = "Messages",
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER), AT(progress),
+	  .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
-	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(explain), .group = "Messages",
+	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(explain), .group = "Messages",
 	  .help = "say which effects the scene called for, and why" },
-	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, SHOWS, AT(profile), .group = "Messages",
-	  .help = "show time and memory of each stage" },
-	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, BAKE, AT(print_scene), .group = "Messages",
+	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | RENDER), AT(profile),
+	  .group = "Messages", .help = "show time and memory of each stage" },
+	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, MAKES | 1u << VERB_RENDER | 1u << VERB_TRADEOFF,
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | TRADEOFF | MIX | RENDER),
 	  AT(quiet), .group = "Messages", .help = "print errors only" },
-	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, TALKS, AT(verbose), .group = "Messages",
-	  .help = "say what was read, made and written" },
-	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, .verbs = (1u << VERB_COUNT) - 1, AT(help),
-	  .group = "Messages", .help = "print this and stop" },
+	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
+	  .group = "Messages", .help = "say what was read, made and written" },
+	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, FOR(EVERY_VERB), AT(help), .group = "Messages",
+	  .help = "print this and stop" },
 	{ .name = NULL },
 };
 

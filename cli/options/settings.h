@@ -61,7 +61,7 @@ typedef enum settings_field {
 	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
 	SETTINGS_FIELD_IRRADIANCE, /* both together */
 	SETTINGS_FIELD_ROI,        /* side of the region of influence */
-	SETTINGS_FIELD_AO,         /* openness: ambient light, 0..1 */
+	SETTINGS_FIELD_AO,         /* ambient occlusion: ambient light, 0..1 */
 	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
 	SETTINGS_FIELD_ERROR,      /* how far records disagree */
 	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */

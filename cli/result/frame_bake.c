@@ -503,7 +503,7 @@ static gw_status run(frame_run *r)
 	if (status == GW_OK)
 		status = lights_at(s, r->scene->up, 0, first, r->error);
 	gw_bake_options options = s->bake;
-	options.occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
+	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	if (status == GW_OK)

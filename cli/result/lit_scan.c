@@ -214,7 +214,7 @@ static gw_status make_fields(maker *m)
 	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ROI)
 		status = add_floats(m, "scalar_roi", m->result->roi, 1);
 	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_AO)
-		status = add_floats(m, "scalar_ao", m->result->openness, 1);
+		status = add_floats(m, "scalar_ao", m->result->ambient_occlusion, 1);
 	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_NORMALS)
 		status = make_used_normals(m);
 	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ERROR)

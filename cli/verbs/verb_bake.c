@@ -200,7 +200,7 @@ static gw_status light_points(bake *b)
 	double start = now();
 	gw_bake_options options = b->settings->bake;
 	options.voxels = b->settings->vdb != NULL;
-	options.occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
+	options.ambient_occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	/* What reading took is gone; a limit of 0 would be none. */

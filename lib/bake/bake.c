@@ -106,7 +106,7 @@ static gw_status light_directly(bake *b, gw_error *error)
 static gw_status place_records(bake *b, gw_error *error)
 {
 	b->round_start = gw_seconds();
-	if (b->density.lobe_spacing)
+	if (b->density.facet_spacing)
 		return gw_scene_add_records(&b->scene, &b->density, error);
 	return gw_scene_place_records(&b->scene, error);
 }
@@ -190,7 +190,7 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->scene.options.occlusion);
+		   (b->light.plan.records || keeps_transport(b) || b->scene.options.ambient_occlusion);
 }
 
 static bool needs_estimate(const bake *b)
@@ -205,7 +205,7 @@ static bool needs_lamps(const bake *b)
 
 static bool needs_record_fields(const bake *b)
 {
-	return b->scene.options.occlusion || b->scene.options.errors;
+	return b->scene.options.ambient_occlusion || b->scene.options.errors;
 }
 
 static bool needs_voxels(const bake *b)
@@ -325,7 +325,7 @@ static gw_bake_options as_even(const bake *b)
 {
 	gw_bake_options even = b->scene.options;
 	const gw_report *r = b->report;
-	if (r->round_count > 1 && b->density.lobe_spacing && r->records > 0)
+	if (r->round_count > 1 && b->density.facet_spacing && r->records > 0)
 		even.record_spacing *=
 			(float)sqrt((double)r->round[b->first_round].records / (double)r->records);
 	return even;
@@ -402,13 +402,13 @@ static gw_status confirm(bake *b, gw_error *error)
 {
 	gw_bake_options *o = &b->scene.options, asked = *o;
 	gw_report *r = b->report;
-	gw_probe_hits_forget(&b->scene.probed);
+	gw_check_point_hits_forget(&b->scene.check_points);
 	o->seed ^= CONFIRM_SEED;
 	o->estimate_points = asked.estimate_points < UINT32_MAX / CONFIRM_POINTS
 							 ? CONFIRM_POINTS * asked.estimate_points
 							 : asked.estimate_points;
 	gw_status status = gw_lighting_estimate(&b->light, error);
-	gw_probe_hits_forget(&b->scene.probed);
+	gw_check_point_hits_forget(&b->scene.check_points);
 	o->seed = asked.seed;
 	o->estimate_points = asked.estimate_points;
 	r->round[r->round_count - 1].error = r->error;
@@ -449,8 +449,8 @@ static gw_status refine(bake *b, gw_error *error)
 static void report_profile(const gw_passes *passes, gw_report *report)
 {
 	const double *seconds = passes->device_seconds;
-	report->inject_seconds =
-		seconds[GW_PASS_LOBE_SHADE] + seconds[GW_PASS_BRICK_INJECT] + seconds[GW_PASS_BRICK_MIPMAP];
+	report->inject_seconds = seconds[GW_PASS_FACET_SHADE] + seconds[GW_PASS_BRICK_INJECT] +
+							 seconds[GW_PASS_BRICK_MIPMAP];
 	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
 							seconds[GW_PASS_RECORD_FIRST];
 	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
@@ -463,10 +463,10 @@ static double ray_seconds(const bake *b)
 										  GW_PASS_RECORD_SKY, GW_PASS_RECORD_FIRST,
 										  GW_PASS_RECORD_GATHER };
 	const gw_report *r = b->report;
-	double seconds = 0.0, probes = (double)b->scene.probed.traced;
+	double seconds = 0.0, check_points = (double)b->scene.check_points.traced;
 	for (size_t i = 0; i < sizeof of_rays / sizeof *of_rays; i++)
 		seconds += b->scene.passes.device_seconds[of_rays[i]];
-	return r->rays > 0 ? seconds / ((double)r->rays + probes) : 0.0;
+	return r->rays > 0 ? seconds / ((double)r->rays + check_points) : 0.0;
 }
 
 /* What a smaller error would cost. Of cones it is not known: theirs has parts that stay. */
@@ -489,7 +489,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 		.rays = b->scene.options.rays,
 		.records = (double)r->records,
 		.spacing = (double)b->scene.options.record_spacing,
-		.refined = b->density.lobe_spacing != NULL,
+		.refined = b->density.facet_spacing != NULL,
 		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
 		.round_seconds = fmax(round - ray * records * first->rays, 0.0),
 		.ray_seconds = ray,
@@ -588,7 +588,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 		free(r->lamp[i]);
 	free(r->lamp);
 	free(r->rest);
-	free(r->openness);
+	free(r->ambient_occlusion);
 	free(r->error);
 	free(r->roi);
 	gw_voxels_clear(&r->voxels);

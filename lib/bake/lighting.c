@@ -62,10 +62,10 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	gw_status status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
 							  &lighting->surfel_direct, error);
 	if (status == GW_OK)
-		status = darken(lighting, GW_BUFFER_TEXEL, slots, "lobe direct irradiance",
-						&lighting->lobe_direct, error);
-	bool off = lighting->plan.lamps && lighting->whole == NULL && scene->surfels.lamp_off &&
-			   scene->options.estimate_points > 0;
+		status = darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
+						&lighting->facet_direct, error);
+	bool off = lighting->plan.lamps && lighting->whole == NULL &&
+			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
 	if (status == GW_OK && off)
 		status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 						"irradiance of normals that are off", &lighting->surfel_turned, error);
@@ -73,22 +73,22 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 		status =
 			gw_direct_light(&scene->passes, &scene->octree, &scene->surfels, lighting->lights,
 							lighting->light_count, &scene->options, &lighting->surfel_direct,
-							&lighting->lobe_direct, off ? &lighting->surfel_turned : NULL, error);
+							&lighting->facet_direct, off ? &lighting->surfel_turned : NULL, error);
 	return status;
 }
 
 /* ------------------------------------------------------------------------------ first gather */
 
-static void report_openings(gw_report *report, const gw_openings *openings)
+static void report_portals(gw_report *report, const gw_portals *portals)
 {
-	double percent = 100.0 * (double)openings->escaped;
-	if (openings->count > 0)
-		gw_report_effect(report, "openings", "sampled beside the rays",
+	double percent = 100.0 * (double)portals->escaped;
+	if (portals->count > 0)
+		gw_report_effect(report, "portals", "sampled beside the rays",
 						 "%.3g %% of the rays leave the scene; %u cells let most of them through",
-						 percent, openings->count);
+						 percent, portals->count);
 	else
-		gw_report_effect(report, "openings", NULL, "%.3g %% of the rays leave the scene%s", percent,
-						 percent > 0.0 ? ", through no narrow opening" : "");
+		gw_report_effect(report, "portals", NULL, "%.3g %% of the rays leave the scene%s", percent,
+						 percent > 0.0 ? ", through no portal" : "");
 }
 
 static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
@@ -97,7 +97,7 @@ static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 		return GW_OK;
 	gw_status status = gw_scene_open_to_sky(lighting->scene, error);
 	if (status == GW_OK)
-		report_openings(lighting->scene->report, &lighting->scene->openings);
+		report_portals(lighting->scene->report, &lighting->scene->portals);
 	return status;
 }
 
@@ -111,7 +111,7 @@ static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 										 .map = &lighting->map,
 										 .map_samples = s->options.light_samples,
 										 .map_hits = true,
-										 .openings = &s->openings,
+										 .portals = &s->portals,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
 										 .kept = lighting->plan.emitters ? &s->sampled : NULL };
@@ -160,10 +160,11 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
 	if (status != GW_OK || (!in_voxels && !seen))
 		return status;
-	status = gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
-								   in_voxels ? &s->octree.lobe_emission : &lighting->lobe_radiance,
-								   in_voxels ? largest_emission(&s->surfels) : 1.0f,
-								   plan->sky_radiance, &s->records.gathered, error);
+	status =
+		gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
+							  in_voxels ? &s->octree.facet_emission : &lighting->facet_radiance,
+							  in_voxels ? largest_emission(&s->surfels) : 1.0f, plan->sky_radiance,
+							  &s->records.gathered, error);
 	return status == GW_OK ? add_gathered(s, error) : status;
 }
 
@@ -189,12 +190,12 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_status status =
-		darken(lighting, GW_BUFFER_TEXEL, slots, "lobe radiance", &lighting->lobe_radiance, error);
+	gw_status status = darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance",
+							  &lighting->facet_radiance, error);
 	gw_emitters_destroy(s->gpu, &lighting->emitters);
-	lighting->emitters.radiance = &s->octree.lobe_emission;
+	lighting->emitters.radiance = &s->octree.facet_emission;
 	if (status == GW_OK && lighting->plan.emitters)
-		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.lobe_emission, true,
+		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
 								  &lighting->emitters, error);
 	if (status == GW_OK)
 		status = make_map(lighting, error);
@@ -206,16 +207,16 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 
 /* ----------------------------------------------------------------------------------- bounces */
 
-static gw_status gather_by_rays(void *self, const gw_buffer *lobe_radiance, float largest,
+static gw_status gather_by_rays(void *self, const gw_buffer *facet_radiance, float largest,
 								gw_error *error)
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	(void)largest;
-	return gw_ray_gather_bounce(&s->passes, &s->rays, lobe_radiance, &s->records, error);
+	return gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error);
 }
 
 /* Parts are sampled by the radiance of the whole, so it is copied. */
-static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *lobe_radiance,
+static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radiance,
 							  gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -223,12 +224,12 @@ static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *lobe_radia
 	gw_status status = darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
 							  &lighting->patch_radiance, error);
 	if (status == GW_OK)
-		status = gw_light_add(&s->passes, lobe_radiance, &lighting->patch_radiance, slots, error);
+		status = gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, slots, error);
 	lighting->patches.radiance = &lighting->patch_radiance;
 	return status;
 }
 
-/* Samples lit lobes, half as often as what emits: patches carry less of the light, and of all that
+/* Samples lit facets, half as often as what emits: patches carry less of the light, and of all that
  * is done for other lamps this takes the longest. part is NULL, or what is gathered of their
  * radiance. */
 static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const gw_buffer *part,
@@ -248,41 +249,41 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
  */
-static gw_status gather_patches(void *self, const gw_buffer *lobe_radiance, float largest,
+static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, float largest,
 								gw_error *error)
 {
 	gw_lighting *lighting = self;
 	gw_scene *s = lighting->scene;
 	if (lighting->whole)
 		return lighting->whole->patches_sampled
-				   ? sample_patches(s, &lighting->whole->patches, lobe_radiance, error)
-				   : gather_by_rays(self, lobe_radiance, largest, error);
+				   ? sample_patches(s, &lighting->whole->patches, facet_radiance, error)
+				   : gather_by_rays(self, facet_radiance, largest, error);
 	gw_emitters *patches = &lighting->patches;
 	gw_emitters_destroy(s->gpu, patches);
-	gw_status status = gw_emitters_make(s->gpu, &s->octree, lobe_radiance, false, patches, error);
+	gw_status status = gw_emitters_make(s->gpu, &s->octree, facet_radiance, false, patches, error);
 	if (status != GW_OK)
 		return status;
 	lighting->patches_sampled = gw_emitters_are_small(patches);
 	status = lighting->patches_sampled ? sample_patches(s, patches, NULL, error)
-									   : gather_by_rays(self, lobe_radiance, largest, error);
+									   : gather_by_rays(self, facet_radiance, largest, error);
 	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
-		status = keep_patches(lighting, lobe_radiance, error);
+		status = keep_patches(lighting, facet_radiance, error);
 	else
 		gw_emitters_destroy(s->gpu, patches);
 	return status;
 }
 
-static gw_status gather_by_cones(void *self, const gw_buffer *lobe_radiance, float largest,
+static gw_status gather_by_cones(void *self, const gw_buffer *facet_radiance, float largest,
 								 gw_error *error)
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	const float black[3] = { 0 };
-	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, lobe_radiance,
+	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, facet_radiance,
 								 largest, black, &s->records.gathered, error);
 }
 
-/* The guess at the surfels' light, as the mean over each lobe. */
-static gw_status carry(const gw_lighting *lighting, gw_buffer *lobes, gw_error *error)
+/* The guess at the surfels' light, as the mean over each facet. */
+static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_buffer surfels = { 0 };
@@ -293,10 +294,10 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *lobes, gw_error *
 		status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  32 * (uint64_t)s->octree.leaf_count, "carried light of lobes",
-								  lobes, error);
+								  32 * (uint64_t)s->octree.leaf_count, "carried light of facets",
+								  facets, error);
 	if (status == GW_OK)
-		status = gw_average_lobes(&s->passes, &s->octree, &surfels, lobes, error);
+		status = gw_average_facets(&s->passes, &s->octree, &surfels, facets, error);
 	gw_buffer_destroy(s->gpu, &surfels);
 	return status;
 }
@@ -310,8 +311,8 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_bounces_task task = { .passes = &s->passes,
 							 .octree = &s->octree,
 							 .records = &s->records,
-							 .lobe_direct = &lighting->lobe_direct,
-							 .lobe_radiance = &lighting->lobe_radiance,
+							 .facet_direct = &lighting->facet_direct,
+							 .facet_radiance = &lighting->facet_radiance,
 							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
 									   .gather_first = rays ? gather_patches : NULL,
 									   .hits = rays ? &s->rays : NULL,
@@ -420,17 +421,17 @@ static uint32_t rays_of(const gw_bake_options *o)
 gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
-	const gw_probe_task task = { .passes = &s->passes,
-								 .octree = &s->octree,
-								 .surfels = &s->surfels,
-								 .emitters = &lighting->emitters,
-								 .rays = gw_estimate_rays(rays_of(&s->options)),
-								 .seed = (uint32_t)s->options.seed };
-	return s->probed.count > 0
+	const gw_check_point_task task = { .passes = &s->passes,
+									   .octree = &s->octree,
+									   .surfels = &s->surfels,
+									   .emitters = &lighting->emitters,
+									   .rays = gw_estimate_rays(rays_of(&s->options)),
+									   .seed = (uint32_t)s->options.seed };
+	return s->check_points.count > 0
 			   ? GW_OK
 			   : gw_estimate_foresee(
 					 &task, gw_estimate_points(s->options.estimate_points, s->records.count),
-					 &s->probed, error);
+					 &s->check_points, error);
 }
 
 gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
@@ -450,10 +451,10 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 										.read_back = &s->read_back,
 										.rays_of_records = &s->rays,
 										.emitters = &lighting->emitters,
-										.lobe_direct = &lighting->lobe_direct,
+										.facet_direct = &lighting->facet_direct,
 										.sky = lighting->plan.sky_radiance,
 										.map = &lighting->map,
-										.openings = &s->openings,
+										.portals = &s->portals,
 										.bounces = lighting->plan.bounces,
 										.direct = direct,
 										.turned = turned,
@@ -469,7 +470,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 										.light_count = lighting->light_count,
 										.options = o,
 										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-										.hits = &s->probed };
+										.hits = &s->check_points };
 		status = gw_estimate_error(&task, &s->report->error, error);
 	}
 	free(turned);
@@ -483,7 +484,7 @@ void gw_lighting_drop_gathered(gw_lighting *lighting)
 	free(lighting->surfel_first);
 	free(lighting->surfel_indirect);
 	lighting->surfel_first = lighting->surfel_indirect = NULL;
-	gw_buffer_destroy(gpu, &lighting->lobe_radiance);
+	gw_buffer_destroy(gpu, &lighting->facet_radiance);
 	gw_buffer_destroy(gpu, &lighting->patch_radiance);
 	gw_emitters_destroy(gpu, &lighting->patches);
 	gw_emitters_destroy(gpu, &lighting->emitters);
@@ -503,5 +504,5 @@ void gw_lighting_clear(gw_lighting *lighting)
 	gw_lighting_drop_map(lighting);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_direct);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_turned);
-	gw_buffer_destroy(lighting->scene->gpu, &lighting->lobe_direct);
+	gw_buffer_destroy(lighting->scene->gpu, &lighting->facet_direct);
 }

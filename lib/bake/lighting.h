@@ -25,16 +25,16 @@ struct gw_lighting {
 	 * done as there, so that the parts add up to the whole but for roundings. */
 	const gw_lighting *whole;
 	bool kept;                /* parts will follow: keep what they need */
-	gw_emitters patches;      /* of the kept: the lit lobes, and */
+	gw_emitters patches;      /* of the kept: the lit facets, and */
 	gw_buffer patch_radiance; /* what they reflect first */
 	bool patches_sampled;     /* whether they were sampled */
-	gw_emitters emitters;     /* the lobes that emit */
+	gw_emitters emitters;     /* the facets that emit */
 	gw_sky_map map;           /* of the environment light that has one */
 	bool map_made;
 	gw_buffer surfel_direct; /* vec4 a surfel: irradiance from lamps */
 	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
-	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the host */
-	gw_buffer lobe_direct, lobe_radiance;  /* vec4 a lobe */
+	float *surfel_first, *surfel_indirect;  /* 4 a surfel, on the CPU */
+	gw_buffer facet_direct, facet_radiance; /* vec4 a facet */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
 							 bounces by rays begin */
 	gw_light *own_lights; /* NULL, or lights, owned: of lightings that are kept (handles.c) */
@@ -46,7 +46,7 @@ void gw_lighting_plan(gw_lighting *lighting);
 /* Decides the same as the whole for a part: for these lights, and the emission of points or not. */
 void gw_lighting_plan_part(gw_lighting *part, bool emission);
 
-/* Light of lamps at every surfel and lobe. */
+/* Light of lamps at every surfel and facet. */
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error);
 
 /* Light that reaches the records straight from emitters and sky. */

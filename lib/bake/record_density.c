@@ -26,11 +26,11 @@
 
 /* What the records of one lighting say. */
 typedef struct density_work {
-	double *light;         /* records: luminance of irradiance */
-	double *mass;          /* records */
-	float *most, *factor;  /* records */
-	uint32_t *lobe_record; /* GW_WEIGHTS * 2 * leaf_count */
-	float *lobe_weight;    /* likewise */
+	double *light;          /* records: luminance of irradiance */
+	double *mass;           /* records */
+	float *most, *factor;   /* records */
+	uint32_t *facet_record; /* GW_WEIGHTS * 2 * leaf_count */
+	float *facet_weight;    /* likewise */
 	size_t records, slots;
 } density_work;
 
@@ -103,15 +103,15 @@ static bool come_closer(float *spacing, double factor)
 }
 
 /* Factors between records are interpolated as light is. */
-static void refine_lobes(const density_work *w, gw_record_density *density)
+static void refine_facets(const density_work *w, gw_record_density *density)
 {
 	for (size_t slot = 0; slot < w->slots; slot++) {
 		double factor = 0.0;
-		const uint32_t *record = w->lobe_record + GW_WEIGHTS * slot;
-		const float *weight = w->lobe_weight + GW_WEIGHTS * slot;
+		const uint32_t *record = w->facet_record + GW_WEIGHTS * slot;
+		const float *weight = w->facet_weight + GW_WEIGHTS * slot;
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			factor += (double)weight[k] * (double)w->factor[record[k]];
-		density->lobe_closer[slot] = come_closer(&density->lobe_spacing[slot], factor);
+		density->facet_closer[slot] = come_closer(&density->facet_spacing[slot], factor);
 	}
 }
 
@@ -135,27 +135,27 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 	w->mass = gw_allocate_zeros(w->records, sizeof *w->mass);
 	w->most = gw_allocate_array(w->records, sizeof *w->most);
 	w->factor = gw_allocate_array(w->records, sizeof *w->factor);
-	w->lobe_record = gw_allocate_array(words, sizeof *w->lobe_record);
-	w->lobe_weight = gw_allocate_array(words, sizeof *w->lobe_weight);
-	bool first = density->lobe_spacing == NULL;
+	w->facet_record = gw_allocate_array(words, sizeof *w->facet_record);
+	w->facet_weight = gw_allocate_array(words, sizeof *w->facet_weight);
+	bool first = density->facet_spacing == NULL;
 	if (first) {
-		density->lobe_spacing = gw_allocate_array(w->slots, sizeof(float));
+		density->facet_spacing = gw_allocate_array(w->slots, sizeof(float));
 		density->surfel_spacing = gw_allocate_array(s->surfels.count, sizeof(float));
-		density->lobe_closer = gw_allocate_array(w->slots, sizeof(bool));
+		density->facet_closer = gw_allocate_array(w->slots, sizeof(bool));
 		density->surfel_closer = gw_allocate_array(s->surfels.count, sizeof(bool));
 	}
-	if (!w->light || !w->mass || !w->most || !w->factor || !w->lobe_record || !w->lobe_weight ||
-		!density->lobe_spacing || !density->surfel_spacing || !density->lobe_closer ||
+	if (!w->light || !w->mass || !w->most || !w->factor || !w->facet_record || !w->facet_weight ||
+		!density->facet_spacing || !density->surfel_spacing || !density->facet_closer ||
 		!density->surfel_closer)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to refine %zu records", w->records);
 	for (size_t i = 0; i < w->slots && first; i++)
-		density->lobe_spacing[i] = s->options.record_spacing;
+		density->facet_spacing[i] = s->options.record_spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = s->options.record_spacing;
 	gw_status status =
-		gw_buffer_download(s->gpu, &s->records.lobe_record, 0, w->lobe_record, 4 * words, error);
-	return status == GW_OK ? gw_buffer_download(s->gpu, &s->records.lobe_weight, 0, w->lobe_weight,
-												4 * words, error)
+		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error);
+	return status == GW_OK ? gw_buffer_download(s->gpu, &s->records.facet_weight, 0,
+												w->facet_weight, 4 * words, error)
 						   : status;
 }
 
@@ -172,30 +172,30 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 		double sum = 0.0;
 		spread_mass(s, &w);
 		for (size_t i = 0; i < w.records; i++) {
-			float room = density->lobe_spacing[s->records.lobe[i]] / GW_RECORD_SPACING_LEAST;
+			float room = density->facet_spacing[s->records.facet[i]] / GW_RECORD_SPACING_LEAST;
 			w.most[i] = fminf(fmaxf(room * room, 1.0f), FACTOR_MOST);
 		}
 		gw_density_factors(w.mass, w.most, w.records, wish, w.factor);
 		for (size_t i = 0; i < w.records; i++)
 			sum += (double)w.factor[i];
 		*growth = w.records > 0 ? sum / (double)w.records : 1.0;
-		refine_lobes(&w, density);
+		refine_facets(&w, density);
 		refine_surfels(&s->read_back, &w, density);
 	}
 	free(w.light);
 	free(w.mass);
 	free(w.most);
 	free(w.factor);
-	free(w.lobe_record);
-	free(w.lobe_weight);
+	free(w.facet_record);
+	free(w.facet_weight);
 	return status;
 }
 
 void gw_record_density_clear(gw_record_density *density)
 {
-	free(density->lobe_spacing);
+	free(density->facet_spacing);
 	free(density->surfel_spacing);
-	free(density->lobe_closer);
+	free(density->facet_closer);
 	free(density->surfel_closer);
 	*density = (gw_record_density){ 0 };
 }

@@ -19,7 +19,7 @@ typedef struct gw_density_wish {
 	double most_growth; /* all records are to become at most so many times as many */
 } gw_density_wish;
 
-/* Records never stand nearer than this to each other, leaf cells: lobes are about 1 wide. */
+/* Records never stand nearer than this to each other, leaf cells: facets are about 1 wide. */
 #define GW_RECORD_SPACING_LEAST 0.8f
 
 /*

@@ -30,15 +30,16 @@ static gw_status to_points(const gw_surfels *surfels, const float *values, float
 	return GW_OK;
 }
 
-/* ---------------------------------------------------------------------------------- openness */
+/* ---------------------------------------------------------------------------------- ambient
+ * occlusion */
 
 /* Share of each record's rays that go farther than the distance; negative distances passed the back
  * of a surface. */
 static gw_status open_records(const gw_scene *s, float *open, gw_error *error)
 {
 	uint64_t rays = s->rays.rays, hits = rays * s->records.count;
-	float wanted = s->options.occlusion_distance / s->octree.leaf_size;
-	float limit = s->options.occlusion_distance > 0.0f ? fminf(wanted, 1e9f) : 1e9f;
+	float wanted = s->options.ambient_occlusion_distance / s->octree.leaf_size;
+	float limit = s->options.ambient_occlusion_distance > 0.0f ? fminf(wanted, 1e9f) : 1e9f;
 	float *distance = allocate((size_t)hits, error);
 	if (!distance)
 		return GW_ERROR_MEMORY;
@@ -53,7 +54,7 @@ static gw_status open_records(const gw_scene *s, float *open, gw_error *error)
 	return status;
 }
 
-static gw_status find_openness(const gw_scene *s, float **points, gw_error *error)
+static gw_status find_ambient_occlusion(const gw_scene *s, float **points, gw_error *error)
 {
 	const gw_read_back *rows = &s->read_back;
 	float *records = allocate(4 * (size_t)s->records.count, error);
@@ -97,8 +98,8 @@ gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *
 {
 	const gw_bake_options *o = &lighting->scene->options;
 	gw_status status = GW_OK;
-	if (o->occlusion)
-		status = find_openness(lighting->scene, &result->openness, error);
+	if (o->ambient_occlusion)
+		status = find_ambient_occlusion(lighting->scene, &result->ambient_occlusion, error);
 	if (status == GW_OK && o->errors)
 		status = find_errors(lighting, &result->error, error);
 	return status;

@@ -7,11 +7,12 @@
 #include "bake/lighting.h"
 
 /*
- * Fills in result->openness and result->error, where the options ask for them.
+ * Fills in result->ambient_occlusion and result->error, where the options ask for them.
  *
- * Openness: rays leave a record with a density that follows the cosine, so the share of them that
- * meets nothing within the distance is ambient light, 1 on a free plane. Points interpolate it like
- * light. A point without a record near holds 1, nothing being known that hides it.
+ * Ambient occlusion: rays leave a record with a density that follows the cosine, so the share of
+ * them that meets nothing within the distance is ambient light, 1 on a free plane. Points
+ * interpolate it like light. A point without a record near holds 1, nothing being known that hides
+ * it.
  *
  * Error: with weights w that sum to 1, the variance of the records around a point is
  * V = sum w (E - mean)^2 / (1 - sum w^2), and that of their mean V sum w^2. Where one record alone

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Records nearer to each other than this many leaf cells share the same few lobes. */
+/* Records nearer to each other than this many leaf cells share the same few facets. */
 #define SPACING_LEAST 1.5f
 
 /* On rough surfaces narrower leaves than this get holes, which the estimate does not see. */

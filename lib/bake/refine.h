@@ -4,10 +4,10 @@
  * A bake that has a target solves and estimates its error. As long as that helps, it adds records
  * where those that there are disagree (record_density.h); all that was traced stays. Then it solves
  * again with settings that attack the larger part of what is left: noise of the rays
- * (GW_ESTIMATE: the halves of a probe's rays disagree, and so will records) asks for more rays, the
- * rest for more records, and when those stand as dense as the leaves, for narrower leaves. When a
- * round did not help, the next one attacks both; when that does not help either, what is left is
- * not a matter of settings and more work would be in vain.
+ * (GW_ESTIMATE: the halves of a check point's rays disagree, and so will records) asks for more
+ * rays, the rest for more records, and when those stand as dense as the leaves, for narrower
+ * leaves. When a round did not help, the next one attacks both; when that does not help either,
+ * what is left is not a matter of settings and more work would be in vain.
  */
 #ifndef REFINE_H
 #define REFINE_H

@@ -58,7 +58,7 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 			out->indirect_irradiance[3 * i + c] = indirect;
 			out->albedo[3 * i + c] = albedo;
 			out->normal[3 * i + c] =
-				(surfels->lamp_normal ? surfels->lamp_normal : surfels->normal)[3 * s + c];
+				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * s + c];
 			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
 		}
 	}
@@ -182,6 +182,6 @@ gw_status gw_result_collect_voxels(gw_lighting *lighting, gw_bake_result *result
 							.octree = &scene->octree,
 							.surfels = &scene->surfels,
 							.records = lighting->plan.records ? &scene->records : NULL,
-							.lobe_direct = &lighting->lobe_direct };
+							.facet_direct = &lighting->facet_direct };
 	return gw_voxels_collect(&task, &result->voxels, error);
 }

@@ -152,8 +152,8 @@ gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, 
 		(points->emission && !p->emission))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
-	scaled->options.occlusion_distance =
-		fminf(ldexpf(options->occlusion_distance, scaled->length), DISTANCE_MOST);
+	scaled->options.ambient_occlusion_distance =
+		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
 	return GW_OK;
 }
 

@@ -50,7 +50,7 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
 		{ "largest error", (double)o->max_error, 0, 1 },
-		{ "occlusion distance", (double)o->occlusion_distance, 0, 1e9 },
+		{ "occlusion distance", (double)o->ambient_occlusion_distance, 0, 1e9 },
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
@@ -304,15 +304,15 @@ void gw_scene_forget_further(gw_scene *scene)
 void gw_scene_forget_samples(gw_scene *scene)
 {
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
-	gw_probe_hits_forget_emitted(&scene->probed);
+	gw_check_point_hits_forget_emitted(&scene->check_points);
 	gw_scene_forget_further(scene);
 }
 
 void gw_scene_forget_light(gw_scene *scene)
 {
 	gw_scene_forget_samples(scene);
-	gw_probe_hits_clear(&scene->probed);
-	gw_openings_destroy(scene->gpu, &scene->openings);
+	gw_check_point_hits_clear(&scene->check_points);
+	gw_portals_destroy(scene->gpu, &scene->portals);
 	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
@@ -328,7 +328,7 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 		status = make_pools(scene, error);
 	if (status == GW_OK)
 		status =
-			gw_records_weigh_lobes(&scene->passes, &scene->octree, &scene->records, NULL, error);
+			gw_records_weigh_facets(&scene->passes, &scene->octree, &scene->records, NULL, error);
 	if (status == GW_OK)
 		status = gw_read_back_make(&scene->passes, &scene->octree, &scene->records,
 								   scene->surfels.count, &scene->read_back, error);
@@ -358,19 +358,19 @@ static gw_status list_further(gw_scene *scene, uint32_t first, gw_error *error)
 /* Which records light what, where they have come closer. */
 static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_error *error)
 {
-	gw_buffer lobes = { 0 }, surfels = { 0 };
+	gw_buffer facets = { 0 }, surfels = { 0 };
 	gw_status status =
-		gw_records_reach(s->gpu, &s->records, GW_LOBE_REACH, density->lobe_spacing,
-						 density->lobe_closer, 2 * (size_t)s->octree.leaf_count, &lobes, error);
+		gw_records_reach(s->gpu, &s->records, GW_FACET_REACH, density->facet_spacing,
+						 density->facet_closer, 2 * (size_t)s->octree.leaf_count, &facets, error);
 	if (status == GW_OK)
 		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, density->surfel_spacing,
 								  density->surfel_closer, s->surfels.count, &surfels, error);
 	if (status == GW_OK)
-		status = gw_records_weigh_lobes(&s->passes, &s->octree, &s->records, &lobes, error);
+		status = gw_records_weigh_facets(&s->passes, &s->octree, &s->records, &facets, error);
 	if (status == GW_OK)
 		status = gw_read_back_again(&s->passes, &s->octree, &s->records, &surfels,
 									density->surfel_closer, &s->read_back, error);
-	gw_buffer_destroy(s->gpu, &lobes);
+	gw_buffer_destroy(s->gpu, &facets);
 	gw_buffer_destroy(s->gpu, &surfels);
 	return status;
 }
@@ -381,7 +381,7 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 	uint32_t before = scene->records.count;
 	gw_scene_forget_further(scene);
 	gw_status status = gw_records_add(&scene->passes, &scene->octree, o->record_spacing, o->seed,
-									  density->lobe_spacing, &scene->records, error);
+									  density->facet_spacing, &scene->records, error);
 	scene->report->records = scene->records.count;
 	if (status == GW_OK && scene->records.count > before)
 		status = list_further(scene, before, error);
@@ -398,13 +398,12 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	gw_status status = GW_OK;
-	if (!s->openings.looked)
-		status =
-			gw_openings_find(&s->passes, &s->octree, &s->records, &s->rays, &s->openings, error);
+	if (!s->portals.looked)
+		status = gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error);
 	if (status == GW_OK && s->further.count > 0)
-		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->openings,
+		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->portals,
 											&s->rays, &s->further_rays, error);
-	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->openings,
+	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->portals,
 												&s->rays, error)
 						   : status;
 }
@@ -437,12 +436,12 @@ void gw_scene_drop_records(gw_scene *scene)
 {
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
 	gw_ray_gather_destroy(scene->gpu, &scene->rays);
-	gw_openings_destroy(scene->gpu, &scene->openings);
+	gw_portals_destroy(scene->gpu, &scene->portals);
 	gw_records_destroy(scene->gpu, &scene->records);
 	gw_scene_forget_further(scene);
 	gw_read_back_clear(&scene->read_back);
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
-	gw_probe_hits_clear(&scene->probed);
+	gw_check_point_hits_clear(&scene->check_points);
 	memset(scene->passes.device_seconds, 0, sizeof scene->passes.device_seconds);
 }
 

@@ -5,7 +5,7 @@
  * The steps, in this order; each needs the ones before:
  *
  *   open device -> surfels -> octree -> records, with what their rays hit and the weights by which
- *   lobes and surfels interpolate between them
+ *   facets and surfels interpolate between them
  *
  * A scene's light lies in a gw_lighting; gathering also uses work space of the records here.
  * Thread-safety: one thread at a time.
@@ -21,9 +21,9 @@
 
 /* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
 typedef struct gw_record_density {
-	float *lobe_spacing;               /* 2 * leaf_count */
-	float *surfel_spacing;             /* surfel count */
-	bool *lobe_closer, *surfel_closer; /* likewise: whose spacing has become less */
+	float *facet_spacing;               /* 2 * leaf_count */
+	float *surfel_spacing;              /* surfel count */
+	bool *facet_closer, *surfel_closer; /* likewise: whose spacing has become less */
 } gw_record_density;
 
 /* Where the work is, for those who wait. All zero: nothing has begun. */
@@ -53,10 +53,10 @@ struct gw_scene {
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
-	gw_probe_hits probed;       /* what the points see that estimates solve again */
-	gw_openings openings;       /* looked for when a sky first shines */
-	gw_records further;         /* places of records that were added and are not in it yet */
-	gw_ray_gather further_rays; /* and their hits */
+	gw_check_point_hits check_points; /* what the points see that estimates solve again */
+	gw_portals portals;               /* looked for when a sky first shines */
+	gw_records further;               /* places of records that were added and are not in it yet */
+	gw_ray_gather further_rays;       /* and their hits */
 
 	/* For scenes in which some surfels move. */
 	bool keeps;                  /* the octree is built with what builds before it left */
@@ -114,16 +114,16 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error);
 /* Writes what the octree is into the report; building it does so, too. */
 void gw_scene_report_octree(const gw_scene *scene);
 
-/* Places the records, finds what they see, and which of them light each lobe and each surfel. */
+/* Places the records, finds what they see, and which of them light each facet and each surfel. */
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
 
 /*
- * Adds records where the density says, finds what they see, and which records light each lobe and
+ * Adds records where the density says, finds what they see, and which records light each facet and
  * each surfel then. What others saw stays. On failure the records are to be dropped.
  */
 gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
 
-/* Sees to it that narrow openings to the sky are known and sampled from all records. */
+/* Sees to it that portals to the sky are known and sampled from all records. */
 gw_status gw_scene_open_to_sky(gw_scene *scene, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */

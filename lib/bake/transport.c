@@ -425,7 +425,7 @@ static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error
 	return GW_OK;
 }
 
-/* The mean emission of each lobe's surfels. */
+/* The mean emission of each facet's surfels. */
 static gw_status average_emission(gw_scene *scene, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;
@@ -442,13 +442,13 @@ static gw_status average_emission(gw_scene *scene, gw_error *error)
 								  16 * (uint64_t)s->count, "emission of surfels", &emission, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(scene->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
-	gw_buffer_destroy(scene->gpu, &o->lobe_emission);
+	gw_buffer_destroy(scene->gpu, &o->facet_emission);
 	if (status == GW_OK)
 		status = gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)o->leaf_count, "emission of lobes",
-								  &o->lobe_emission, error);
+								  32 * (uint64_t)o->leaf_count, "emission of facets",
+								  &o->facet_emission, error);
 	if (status == GW_OK)
-		status = gw_average_lobes(&scene->passes, o, &emission, &o->lobe_emission, error);
+		status = gw_average_facets(&scene->passes, o, &emission, &o->facet_emission, error);
 	gw_buffer_destroy(scene->gpu, &emission);
 	free(rows);
 	return status;
@@ -471,9 +471,9 @@ static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_e
 		return status == GW_OK ? average_emission(scene, error) : status;
 	free(s->emission);
 	s->emission = NULL;
-	gw_buffer_destroy(scene->gpu, &scene->octree.lobe_emission);
+	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
 	return gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16,
-							"emission of lobes", &scene->octree.lobe_emission, error);
+							"emission of facets", &scene->octree.facet_emission, error);
 }
 
 gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_transport *transport,

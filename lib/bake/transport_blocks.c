@@ -16,7 +16,7 @@
 #define POINTS_MAX (UINT64_C(1) << 30)
 
 /* Bits of gw_transport_numbers.noisy: which arrays there are. */
-#define NOISY 1u /* normals for lamps */
+#define NOISY 1u /* shading normals */
 #define OFF 2u   /* how far normals are off */
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
@@ -50,15 +50,15 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.ray_seed = scene->rays.seed;
 	n.entries = scene->read_back.first[s->count];
 	n.light_samples = scene->sampled.handle ? scene->options.light_samples : 0;
-	n.looked = scene->openings.looked;
-	n.openings = scene->openings.count;
-	n.escaped = scene->openings.escaped;
+	n.looked = scene->portals.looked;
+	n.portals = scene->portals.count;
+	n.escaped = scene->portals.escaped;
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
-	n.noisy = (s->lamp_normal ? NOISY : 0) | (s->lamp_off ? OFF : 0);
-	n.probes = scene->probed.count;
-	n.probe_rays = scene->probed.rays;
-	n.probes_lit = scene->probed.emitted != NULL;
+	n.noisy = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0);
+	n.check_points = scene->check_points.count;
+	n.check_point_rays = scene->check_points.rays;
+	n.check_points_lit = scene->check_points.emitted != NULL;
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -79,9 +79,10 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->points <= POINTS_MAX && n->depth >= 1 && n->depth <= GW_DEPTH_MAX &&
 		   n->directory_level == directory && n->rays > 0 && n->rays <= 4096 &&
 		   (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 && n->looked <= 1 &&
-		   n->openings <= GW_OPENINGS_MOST && n->opened == (n->openings > 0) &&
-		   n->noisy <= (NOISY | OFF) && n->probes <= n->surfels && n->probe_rays <= 4096 &&
-		   n->probes_lit <= (n->emits && n->probes > 0) && isfinite(n->leaf_size) &&
+		   n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
+		   n->noisy <= (NOISY | OFF) && n->check_points <= n->surfels &&
+		   n->check_point_rays <= 4096 &&
+		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
 		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
 		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
@@ -112,9 +113,10 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 								   .block_count = n->block_count,
 								   .block_tile_first = n->block_tile_first };
 	scene->rays = (gw_ray_gather){ .rays = n->rays, .seed = n->ray_seed };
-	scene->openings =
-		(gw_openings){ .looked = n->looked, .count = n->openings, .escaped = n->escaped };
-	scene->probed = (gw_probe_hits){ .count = n->probes, .rays = n->probe_rays };
+	scene->portals =
+		(gw_portals){ .looked = n->looked, .count = n->portals, .escaped = n->escaped };
+	scene->check_points =
+		(gw_check_point_hits){ .count = n->check_points, .rays = n->check_point_rays };
 	scene->read_back = (gw_read_back){ .count = (size_t)n->surfels };
 	memcpy(s->origin, n->origin, sizeof n->origin);
 	memcpy(s->minimum, n->minimum, sizeof n->minimum);
@@ -175,9 +177,9 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "positions", &s->position, 12 * count);
 	host(l, "normals", &s->normal, 12 * count);
 	if (n->noisy & NOISY)
-		host(l, "normals for lamps", &s->lamp_normal, 12 * count);
+		host(l, "shading normals", &s->shading_normal, 12 * count);
 	if (n->noisy & OFF)
-		host(l, "errors of normals", &s->lamp_off, 4 * count);
+		host(l, "errors of normals", &s->shading_normal_off, 4 * count);
 	host(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
 		host(l, "emission", &s->emission, 12 * count);
@@ -211,12 +213,12 @@ static void list_tree(list *l, gw_octree *o, const gw_transport_numbers *n)
 
 static void list_leaves(list *l, gw_octree *o, const gw_transport_numbers *n)
 {
-	uint64_t lobes = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
-	device(l, "geometry of leaves", &o->leaf_geometry, lobes);
-	device(l, "planes of lobes", &o->lobe_plane, lobes);
-	device(l, "centroids of lobes", &o->lobe_centre, lobes);
-	device(l, "albedos of lobes", &o->lobe_albedo, lobes);
-	device(l, "emission of lobes", &o->lobe_emission, n->emits ? lobes : 16);
+	uint64_t facets = 32 * (uint64_t)n->leaves, surfels = 16 * n->surfels;
+	device(l, "geometry of leaves", &o->leaf_geometry, facets);
+	device(l, "planes of facets", &o->facet_plane, facets);
+	device(l, "centroids of facets", &o->facet_centre, facets);
+	device(l, "albedos of facets", &o->facet_albedo, facets);
+	device(l, "emission of facets", &o->facet_emission, n->emits ? facets : 16);
 	words(l, "fragments of leaves", &o->leaf_fragment, 4 * ((uint64_t)n->leaves + 1),
 		  (uint64_t)n->fragments + 1);
 	index_below(device(l, "surfels of fragments", &o->fragment_surfel, 4 * (uint64_t)n->fragments),
@@ -237,15 +239,15 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	uint64_t slots = 2 * (uint64_t)n->leaves, hits = (uint64_t)n->rays * n->records;
 	device(l, "record position", &r->position, 16 * (uint64_t)n->records);
 	device(l, "record normal", &r->normal, 16 * (uint64_t)n->records);
-	index_below(device(l, "lobe record", &r->lobe_record, 4 * GW_WEIGHTS * slots),
+	index_below(device(l, "facet record", &r->facet_record, 4 * GW_WEIGHTS * slots),
 				VK_FORMAT_R32G32B32A32_UINT, n->records, UINT32_MAX, 1);
-	device(l, "lobe weight", &r->lobe_weight, 4 * GW_WEIGHTS * slots);
-	words(l, "hit lobe", &scene->rays.lobe, 4 * hits, slots);
+	device(l, "facet weight", &r->facet_weight, 4 * GW_WEIGHTS * slots);
+	words(l, "hit facet", &scene->rays.facet, 4 * hits, slots);
 	scalars(l, "hit distance", &scene->rays.distance, 4 * hits);
-	if (n->openings)
-		device(l, "openings", &scene->openings.sphere, 16 * (uint64_t)n->openings);
+	if (n->portals)
+		device(l, "portals", &scene->portals.sphere, 16 * (uint64_t)n->portals);
 	if (n->opened)
-		words(l, "sky through openings", &scene->rays.through, 4 * (uint64_t)n->records,
+		words(l, "sky through portals", &scene->rays.through, 4 * (uint64_t)n->records,
 			  WORDS_LIMIT);
 	index_below(host(l, "rows of surfels", &scene->read_back.first, 4 * (n->surfels + 1)), 0,
 				(uint64_t)n->entries + 1, UINT32_MAX, 1);
@@ -254,18 +256,19 @@ static void list_records(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "weights of surfels", &scene->read_back.weight, 4 * (uint64_t)n->entries);
 }
 
-static void list_probes(list *l, gw_scene *scene, const gw_transport_numbers *n)
+static void list_check_points(list *l, gw_scene *scene, const gw_transport_numbers *n)
 {
-	gw_probe_hits *p = &scene->probed;
-	uint64_t gathers = GW_PROBE_GATHERS * (uint64_t)n->probes, hits = gathers * n->probe_rays;
-	if (n->probes == 0)
+	gw_check_point_hits *p = &scene->check_points;
+	uint64_t gathers = GW_CHECK_POINT_GATHERS * (uint64_t)n->check_points,
+			 hits = gathers * n->check_point_rays;
+	if (n->check_points == 0)
 		return;
-	index_below(host(l, "points of the estimate", &p->point, 4 * (uint64_t)n->probes), 0,
+	index_below(host(l, "points of the estimate", &p->point, 4 * (uint64_t)n->check_points), 0,
 				n->surfels, UINT32_MAX, 1);
-	index_below(host(l, "what they see", &p->lobe, 4 * hits), 0, 2 * (uint64_t)n->leaves,
+	index_below(host(l, "what they see", &p->facet, 4 * hits), 0, 2 * (uint64_t)n->leaves,
 				UINT32_MAX, 1);
 	host(l, "how far that is", &p->distance, 4 * hits);
-	if (n->probes_lit)
+	if (n->check_points_lit)
 		host(l, "light of emitters there", &p->emitted, 16 * gathers);
 }
 
@@ -277,7 +280,7 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list_tree(&l, &scene->octree, numbers);
 	list_leaves(&l, &scene->octree, numbers);
 	list_records(&l, scene, numbers);
-	list_probes(&l, scene, numbers);
+	list_check_points(&l, scene, numbers);
 	if (numbers->light_samples)
 		device(&l, "light of emitters", &scene->sampled, 16 * (uint64_t)numbers->records);
 	return l.count;

@@ -17,15 +17,16 @@ typedef struct gw_transport_numbers {
 	uint32_t depth, directory_level, leaves, leaf_tiles, tiles, border_tiles, fragments;
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
 	uint32_t records, block_level, block_count, block_tile_first, rays, ray_seed;
-	uint32_t entries;          /* of the way back from the records */
-	uint32_t emits;            /* 1: there are emissions of surfels and lobes */
-	uint32_t light_samples;    /* whose light is kept; 0: none are */
-	uint32_t looked, openings; /* to the sky: whether they were looked for, how many there are */
-	uint32_t opened;           /* 1: they were sampled from the records */
+	uint32_t entries;         /* of the way back from the records */
+	uint32_t emits;           /* 1: there are emissions of surfels and facets */
+	uint32_t light_samples;   /* whose light is kept; 0: none are */
+	uint32_t looked, portals; /* to the sky: whether they were looked for, how many there are */
+	uint32_t opened;          /* 1: they were sampled from the records */
 	float escaped;
 	uint32_t noisy; /* bits: 1 given normals are there besides smooth ones, 2 and their errors */
-	uint32_t probes, probe_rays; /* points whose error was estimated, and rays of a gather there */
-	uint32_t probes_lit;         /* 1: what emitters brought them is kept */
+	uint32_t check_points,
+		check_point_rays;      /* points whose error was estimated, and rays of a gather there */
+	uint32_t check_points_lit; /* 1: what emitters brought them is kept */
 } gw_transport_numbers;
 
 /* One array. */

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Host copies of what the leaves hold; 4 floats a lobe slot unless said. */
+/* Host copies of what the leaves hold; 4 floats a facet slot unless said. */
 typedef struct leaf_arrays {
 	float *geometry, *centre, *albedo, *emission, *plane, *direct, *gathered;
 	uint32_t *cell; /* 4 a leaf */
@@ -28,7 +28,7 @@ static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint
 	return gw_buffer_download(task->passes->gpu, buffer, 0, *values, 16 * texels, error);
 }
 
-/* What the lobes reflect of all that was gathered, into a buffer of its own. */
+/* What the facets reflect of all that was gathered, into a buffer of its own. */
 static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)task->octree->leaf_count;
@@ -41,8 +41,8 @@ static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_e
 		status = gw_buffer_create(task->passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 								  16 * slots, "voxel radiance", &reflected, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
-								task->lobe_direct, 0.0f, &reflected, error);
+		status = gw_facets_shade(task->passes, task->octree, records, &records->indirect,
+								 task->facet_direct, 0.0f, &reflected, error);
 	if (status == GW_OK)
 		status = fetch(task, &reflected, slots, (void **)values, error);
 	gw_buffer_destroy(task->passes->gpu, &reflected);
@@ -59,11 +59,11 @@ static gw_status fetch_all(const gw_voxels_task *task, leaf_arrays *arrays, gw_e
 		void **values;
 	} rows[] = {
 		{ &o->leaf_geometry, slots, (void **)&arrays->geometry },
-		{ &o->lobe_centre, slots, (void **)&arrays->centre },
-		{ &o->lobe_albedo, slots, (void **)&arrays->albedo },
-		{ &o->lobe_emission, slots, (void **)&arrays->emission },
-		{ &o->lobe_plane, slots, (void **)&arrays->plane },
-		{ task->lobe_direct, slots, (void **)&arrays->direct },
+		{ &o->facet_centre, slots, (void **)&arrays->centre },
+		{ &o->facet_albedo, slots, (void **)&arrays->albedo },
+		{ &o->facet_emission, slots, (void **)&arrays->emission },
+		{ &o->facet_plane, slots, (void **)&arrays->plane },
+		{ task->facet_direct, slots, (void **)&arrays->direct },
 		{ &o->leaf_cell, o->leaf_count, (void **)&arrays->cell },
 	};
 	gw_status status = GW_OK;
@@ -88,8 +88,8 @@ static gw_status allocate(size_t count, gw_voxels *voxels, gw_error *error)
 	return GW_OK;
 }
 
-/* Area-weighted means over a leaf's lobes. A leaf that only a region of influence touches has no
- * lobe: its albedo comes from there. */
+/* Area-weighted means over a leaf's facets. A leaf that only a region of influence touches has no
+ * facet: its albedo comes from there. */
 static void fill_voxel(const leaf_arrays *arrays, size_t leaf, gw_voxels *voxels)
 {
 	const float *geometry = &arrays->geometry[8 * leaf];

@@ -1,5 +1,5 @@
 /*
- * parallel.c - loops over host threads.
+ * parallel.c - loops over CPU threads.
  */
 #include "base/parallel.h"
 

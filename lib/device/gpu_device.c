@@ -129,7 +129,7 @@ void gw_gpu_name(gw_gpu *gpu, VkObjectType type, uint64_t handle, const char *na
 
 /* ------------------------------------------------------------------------------ opening */
 
-/* Whether the device is the host's processor and can use its memory as it lies. */
+/* Whether the device is the CPU and can use its memory as it lies. */
 static bool can_import(const gw_candidate *device)
 {
 	uint32_t count = 0;

@@ -332,7 +332,7 @@ void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer)
 	*buffer = (gw_buffer){ 0 };
 }
 
-/* The same on the host: the software driver's fill goes word by word through a copy. */
+/* The same on the CPU: the software driver's fill goes word by word through a copy. */
 static void fill_mapped(gw_buffer *buffer, uint32_t word)
 {
 	uint64_t bytes = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
@@ -429,7 +429,7 @@ gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offs
 	return copy_buffer(gpu, buffer, offset, data, NULL, bytes, error);
 }
 
-/* --------------------------------------------------------------------------- on the host */
+/* --------------------------------------------------------------------------- on the CPU */
 
 bool gw_gpu_shares_memory(const gw_gpu *gpu)
 {

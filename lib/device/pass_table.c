@@ -15,20 +15,20 @@
 #define DISC_LOOPS (19u * 19u * 5u + 27u)
 #define SEARCH_LOOPS (7u * 34u)
 
-/* Samples of emitters and the sky, and rays that may have met an opening, of one invocation. */
+/* Samples of emitters and the sky, and rays that may have met a portal, of one invocation. */
 #define LIGHT_BATCH 16u
-#define OPENING_BATCH 32u
+#define PORTAL_BATCH 32u
 
 /* Reasons. */
 #define OCTREE "the octree is built one way on every device, which a CPU kernel would hardly hasten"
 #define PLACES "once a bake, for each record a few steps"
 #define SAMPLER "the driver's sampler filters images, which a loop would have to do itself"
 #define PIXELS "for glossy pictures, which few ask for"
-#define OPENINGS "few scenes have openings to a sky, and there it is a small part of a bake"
+#define PORTALS "few scenes have portals to a sky, and there it is a small part of a bake"
 
-static bool has_no_openings(const void *push)
+static bool has_no_portals(const void *push)
 {
-	return ((const gw_record_push *)push)->openings == 0;
+	return ((const gw_record_push *)push)->portals == 0;
 }
 
 static bool sees_no_map(const void *push)
@@ -61,8 +61,8 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 									SEARCH_LOOPS, .why = OCTREE },
 	[GW_PASS_OCTREE_SEED] = { "octree_seed", "tttttss", sizeof(gw_leaves_push), GW_REDUCE_RUN,
 							  .why = OCTREE },
-	[GW_PASS_OCTREE_LOBES] = { "octree_lobes", "tttttttttssssss", sizeof(gw_leaves_push),
-							   3 * GW_REDUCE_RUN, .why = OCTREE },
+	[GW_PASS_OCTREE_FACETS] = { "octree_facets", "tttttttttssssss", sizeof(gw_leaves_push),
+								3 * GW_REDUCE_RUN, .why = OCTREE },
 	[GW_PASS_OCTREE_FINISH] = { "octree_finish", "ttttsssssss", sizeof(gw_leaves_push),
 								.why = OCTREE },
 	[GW_PASS_OCTREE_DISTANCE] = { "octree_distance", "tts", sizeof(gw_distance_push),
@@ -77,8 +77,8 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 										.why = "shadow maps are there to be compared with rays" },
 	[GW_PASS_LIGHT_IRRADIANCE] = { "light_irradiance", "ssss", sizeof(gw_light_push),
 								   .cpu = gw_cpu_light_irradiance },
-	[GW_PASS_LOBE_DIRECT] = { "lobe_direct", "tttts", sizeof(gw_record_push), 2048,
-							  .cpu = gw_cpu_lobe_direct },
+	[GW_PASS_FACET_DIRECT] = { "facet_direct", "tttts", sizeof(gw_record_push), 2048,
+							   .cpu = gw_cpu_facet_direct },
 	[GW_PASS_RECORD_PLACE] = { "record_place", "tttttsss", sizeof(gw_record_push), 2048,
 							   .why = PLACES },
 	[GW_PASS_RECORD_BLOCK] = { "record_block", "ttssst", sizeof(gw_lookup_push), 32,
@@ -93,21 +93,21 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 								  4096, BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_emitters },
 	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttttt", sizeof(gw_record_push), 4096,
 							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky,
-							 .cpu_takes = has_no_openings, .why = OPENINGS },
-	[GW_PASS_RECORD_OPENINGS] = { "record_openings", "ttttttttsttttttt", sizeof(gw_record_push),
-								  4096, .why = OPENINGS },
-	[GW_PASS_OPENING_LIGHT] = { "opening_light", "ttttsss", sizeof(gw_record_push), 4096,
-								BATCHES_OF(OPENING_BATCH), .why = OPENINGS },
+							 .cpu_takes = has_no_portals, .why = PORTALS },
+	[GW_PASS_RECORD_PORTALS] = { "record_portals", "ttttttttsttttttt", sizeof(gw_record_push), 4096,
+								 .why = PORTALS },
+	[GW_PASS_PORTAL_LIGHT] = { "portal_light", "ttttsss", sizeof(gw_record_push), 4096,
+							   BATCHES_OF(PORTAL_BATCH), .why = PORTALS },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096,
 							   .cpu = gw_cpu_record_first, .cpu_takes = sees_no_map,
 							   .why = "few skies have a map that rays see as well" },
 	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096,
 								.cpu = gw_cpu_record_gather },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), .cpu = gw_cpu_record_add },
-	[GW_PASS_LOBE_WEIGHTS] = { "lobe_weights", "ttttttttttsstt", sizeof(gw_lookup_push), 4096,
-							   .cpu = gw_cpu_lobe_weights },
-	[GW_PASS_LOBE_SHADE] = { "lobe_shade", "ssttts", sizeof(gw_record_push), GW_WEIGHTS,
-							 .cpu = gw_cpu_lobe_shade },
+	[GW_PASS_FACET_WEIGHTS] = { "facet_weights", "ttttttttttsstt", sizeof(gw_lookup_push), 4096,
+								.cpu = gw_cpu_facet_weights },
+	[GW_PASS_FACET_SHADE] = { "facet_shade", "ssttts", sizeof(gw_record_push), GW_WEIGHTS,
+							  .cpu = gw_cpu_facet_shade },
 	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsstt", sizeof(gw_lookup_push), 4096,
 							.cpu = gw_cpu_read_back },
 

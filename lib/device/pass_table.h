@@ -26,7 +26,7 @@ typedef enum gw_pass_id {
 	GW_PASS_OCTREE_LINK,
 	GW_PASS_OCTREE_LEAF_TILES,
 	GW_PASS_OCTREE_SEED,
-	GW_PASS_OCTREE_LOBES,
+	GW_PASS_OCTREE_FACETS,
 	GW_PASS_OCTREE_FINISH,
 	GW_PASS_OCTREE_DISTANCE,
 	/* light */
@@ -34,7 +34,7 @@ typedef enum gw_pass_id {
 	GW_PASS_SHADOW_MAP_SPLAT,
 	GW_PASS_SHADOW_MAP_VISIBILITY,
 	GW_PASS_LIGHT_IRRADIANCE,
-	GW_PASS_LOBE_DIRECT,
+	GW_PASS_FACET_DIRECT,
 	GW_PASS_RECORD_PLACE,
 	GW_PASS_RECORD_BLOCK,
 	GW_PASS_RECORD_RAYS,
@@ -42,13 +42,13 @@ typedef enum gw_pass_id {
 	GW_PASS_RECORD_AGAIN,
 	GW_PASS_RECORD_EMITTERS,
 	GW_PASS_RECORD_SKY,
-	GW_PASS_RECORD_OPENINGS,
-	GW_PASS_OPENING_LIGHT,
+	GW_PASS_RECORD_PORTALS,
+	GW_PASS_PORTAL_LIGHT,
 	GW_PASS_RECORD_FIRST,
 	GW_PASS_RECORD_GATHER,
 	GW_PASS_RECORD_ADD,
-	GW_PASS_LOBE_WEIGHTS,
-	GW_PASS_LOBE_SHADE,
+	GW_PASS_FACET_WEIGHTS,
+	GW_PASS_FACET_SHADE,
 	GW_PASS_READ_BACK,
 	/* cones */
 	GW_PASS_RECORD_DIRECTIONS,
@@ -94,9 +94,9 @@ const gw_pass_row *gw_pass_row_of(gw_pass_id id);
 
 /* CPU kernels, in the order of the table; each is where its pass is used. */
 gw_cpu_kernel gw_cpu_prefix_sum, gw_cpu_radix_count, gw_cpu_radix_scatter;
-gw_cpu_kernel gw_cpu_light_visibility, gw_cpu_light_irradiance, gw_cpu_lobe_direct;
+gw_cpu_kernel gw_cpu_light_visibility, gw_cpu_light_irradiance, gw_cpu_facet_direct;
 gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, gw_cpu_record_sky,
 	gw_cpu_record_first, gw_cpu_record_gather, gw_cpu_record_add;
-gw_cpu_kernel gw_cpu_lobe_weights, gw_cpu_lobe_shade, gw_cpu_read_back;
+gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
 
 #endif

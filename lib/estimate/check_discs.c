@@ -21,9 +21,9 @@
  * further from the middle of the disc: by this share of a radius at the rim. */
 #define MIDDLE 0.25f
 
-#define ALIKE 0.5f      /* cosine between normals of one surface, within its roughness */
-#define RISE 0.02f      /* radii above a disc: from there on it may be in the light's way */
-#define CUT_SLACK 0.02f /* radii of the surfel */
+#define ALIKE 0.5f        /* cosine between normals of one surface, within its roughness */
+#define RISE 0.02f        /* radii above a disc: from there on it may be in the light's way */
+#define CUT_OVERLAP 0.02f /* radii of the surfel */
 
 #define LEAF_DISCS 4u
 #define STACK 128u /* three wait a level at most, and a level quarters the discs */
@@ -195,7 +195,7 @@ static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, c
 		d.cut[c][0] = v.x;
 		d.cut[c][1] = v.y;
 		d.cut[c][2] = v.z;
-		d.cut[c][3] = row[c][2] * cell + CUT_SLACK * s->radius[i];
+		d.cut[c][3] = row[c][2] * cell + CUT_OVERLAP * s->radius[i];
 	}
 	return d;
 }
@@ -245,7 +245,7 @@ void gw_check_discs_clear(gw_check_discs *discs)
 
 typedef struct walk {
 	const gw_check_ray *ray;
-	float t_small, t_large, behind;
+	float t_small, t_large, nearest_back_face;
 	gw_check_hit hit;
 } walk;
 
@@ -273,7 +273,7 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 	bool small = squared <= d->small && !is_cut_off(d, at) &&
 				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));
 	if (approach > 0.0f && !ray->both_sides && !d->two_sided) {
-		w->behind = small ? gw_smaller(w->behind, t) : w->behind;
+		w->nearest_back_face = small ? gw_smaller(w->nearest_back_face, t) : w->nearest_back_face;
 		return;
 	}
 	t += MIDDLE * squared / sqrtf(d->small);
@@ -339,7 +339,7 @@ gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ra
 	walk w = { .ray = ray,
 			   .t_small = ray->t_max,
 			   .t_large = ray->t_max,
-			   .behind = ray->t_max,
+			   .nearest_back_face = ray->t_max,
 			   .hit = { .small = GW_NONE, .large = GW_NONE } };
 	gw_vec3 d = ray->direction;
 	const float origin[3] = { ray->origin.x, ray->origin.y, ray->origin.z };
@@ -357,6 +357,6 @@ gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ra
 		else
 			top = open_node(discs->node + next.number, origin, inverse, w.t_small, stack, top);
 	}
-	w.hit.behind = w.behind < w.t_small;
+	w.hit.passed_back_face = w.nearest_back_face < w.t_small;
 	return w.hit;
 }

@@ -49,7 +49,7 @@ typedef struct gw_check_ray {
 /* Surfels that the ray meets first, or GW_NONE: among small discs and among large ones. */
 typedef struct gw_check_hit {
 	uint32_t small, large;
-	bool behind; /* the ray passed the back of a small disc before it met one */
+	bool passed_back_face; /* the ray passed the back of a small disc before it met one */
 } gw_check_hit;
 
 /* Thread-safe. */

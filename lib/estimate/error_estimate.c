@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "surfels/normal_error.h"
 #include "base/parallel.h"
-#include "estimate/probe_choice.h"
+#include "estimate/check_point_choice.h"
 #include "estimate/shadow_error.h"
 #include "light/transport_layout.h"
 
@@ -24,7 +24,7 @@
 #define HALF_MOST 512u
 
 /* Points that are solved again: see gw_estimate_points. */
-#define RECORDS_A_PROBE 20u
+#define RECORDS_A_CHECK_POINT 20u
 #define POINTS_MOST 4u
 
 /* Records that light a point, by their weights: 1 / sum w^2. */
@@ -42,11 +42,11 @@ static const double reciprocal_pi = 0.31830988618379067;
 
 /* What the estimate of one lighting needs. */
 typedef struct estimate {
-	bool *counts;           /* one a surfel: whether its error counts */
-	gw_probe_choice choice; /* points that are solved again */
-	gw_records place;       /* position and normal of each, and what it gathers */
-	uint32_t *behind;       /* one a probe: rays that passed the back of a surface */
-	float *half[2];         /* 4 a probe, irradiance that the first and the second gather found */
+	bool *counts;                 /* one a surfel: whether its error counts */
+	gw_check_point_choice choice; /* points that are solved again */
+	gw_records place;             /* position and normal of each, and what it gathers */
+	uint32_t *behind;             /* one a check point: rays that passed the back of a surface */
+	float *half[2]; /* 4 a check point, irradiance that the first and the second gather found */
 } estimate;
 
 uint32_t gw_estimate_rays(uint32_t rays)
@@ -57,7 +57,7 @@ uint32_t gw_estimate_rays(uint32_t rays)
 
 uint32_t gw_estimate_points(uint32_t wanted, uint32_t records)
 {
-	uint64_t points = records / RECORDS_A_PROBE, most = POINTS_MOST * (uint64_t)wanted;
+	uint64_t points = records / RECORDS_A_CHECK_POINT, most = POINTS_MOST * (uint64_t)wanted;
 	points = points < most ? points : most;
 	if (points < wanted)
 		points = wanted;
@@ -95,18 +95,18 @@ static void predict(const gw_estimate_task *task, const double *light, double *v
 					double *contrast, float *radiance)
 {
 	const gw_surfels *s = task->surfels;
-	gw_probe_disagreement(task->read_back, light, task->threads, variance);
+	gw_check_point_disagreement(task->read_back, light, task->threads, variance);
 	for (size_t i = 0; i < s->count; i++) {
 		double rho = gw_luminance(s->albedo + 3 * i);
 		variance[i] *= rho * rho;
 		radiance[i] =
 			(float)(reflected(s, i, task->first + 4 * i) + reflected(s, i, task->indirect + 4 * i));
 	}
-	gw_probe_contrast(s, radiance, task->threads, contrast);
+	gw_check_point_contrast(s, radiance, task->threads, contrast);
 }
 
-static gw_status draw(const gw_estimate_task *task, const bool *counts, gw_probe_choice *choice,
-					  gw_error *error)
+static gw_status draw(const gw_estimate_task *task, const bool *counts,
+					  gw_check_point_choice *choice, gw_error *error)
 {
 	size_t points = task->surfels->count;
 	double *light = gw_allocate_array(task->records->count, sizeof *light);
@@ -120,8 +120,8 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts, gw_probe
 		status = gw_records_light(task->passes->gpu, task->records, light, error);
 	if (status == GW_OK) {
 		predict(task, light, part[0], part[1], radiance);
-		status = gw_probe_choose(counts, (const double *const[]){ part[0], part[1] }, 2, points,
-								 task->points, task->seed, choice, error);
+		status = gw_check_point_choose(counts, (const double *const[]){ part[0], part[1] }, 2,
+									   points, task->points, task->seed, choice, error);
 	}
 	free(light);
 	free(part[0]);
@@ -130,7 +130,7 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts, gw_probe
 	return status;
 }
 
-/* What the lobes send out in the end, their own emission left out. */
+/* What the facets send out in the end, their own emission left out. */
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
@@ -144,11 +144,11 @@ static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw
 		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)task->octree->leaf_count, "final lobe radiance",
+								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance",
 								  radiance, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, records, &total, task->lobe_direct,
-								1.0f, radiance, error);
+		status = gw_facets_shade(task->passes, task->octree, records, &total, task->facet_direct,
+								 1.0f, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }
@@ -166,7 +166,7 @@ static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint
 	return status;
 }
 
-/* Light straight from some emitters, or from what lobes reflect, added to e->half[half]. */
+/* Light straight from some emitters, or from what facets reflect, added to e->half[half]. */
 static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *rays, int half,
 							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
 {
@@ -178,9 +178,9 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 						   : status;
 }
 
-static void count_behind(const gw_probe_hits *hits, uint32_t *behind)
+static void count_behind(const gw_check_point_hits *hits, uint32_t *behind)
 {
-	size_t rows = GW_PROBE_GATHERS * (size_t)hits->count;
+	size_t rows = GW_CHECK_POINT_GATHERS * (size_t)hits->count;
 	for (size_t i = 0; i < rows * hits->rays; i++)
 		behind[i / hits->rays % hits->count] += hits->distance[i] < 0.0f;
 }
@@ -199,7 +199,7 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										  .map = task->map,
 										  .map_samples = samples,
 										  .map_hits = true,
-										  .openings = task->openings,
+										  .portals = task->portals,
 										  .seed = rays->seed,
 										  .kept = task->hits->emitted ? emitted : NULL };
 	const gw_sampled_sources reflected = { .emitters = reflectors,
@@ -209,9 +209,9 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										   .sky = black,
 										   .seed = rays->seed };
 	gw_status status = GW_OK;
-	if (task->openings)
+	if (task->portals)
 		status =
-			gw_ray_gather_open(task->passes, task->octree, &e->place, task->openings, rays, error);
+			gw_ray_gather_open(task->passes, task->octree, &e->place, task->portals, rays, error);
 	if (status == GW_OK)
 		status = gather_from(task, rays, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)
@@ -219,16 +219,16 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 	return status;
 }
 
-static gw_status gather_half(const gw_estimate_task *task, const gw_probe_task *probes, int half,
-							 const gw_emitters *reflectors, estimate *e, gw_error *error)
+static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_task *check_points,
+							 int half, const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
 	gw_ray_gather rays = { 0 };
 	gw_buffer emitted = { 0 };
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
-	gw_status status =
-		gw_probe_hits_gather(probes, task->hits, &e->place, (uint32_t)half, &rays, &emitted, error);
+	gw_status status = gw_check_point_hits_gather(check_points, task->hits, &e->place,
+												  (uint32_t)half, &rays, &emitted, error);
 	if (status == GW_OK)
 		status = gather_along(task, &rays, half, &emitted, reflectors, e, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
@@ -264,7 +264,7 @@ static bool is_sound(const gw_estimate_task *task, const estimate *e, size_t i)
 /* Leaves the points that are sound, which then stand for all. */
 static void keep_sound(const gw_estimate_task *task, estimate *e)
 {
-	gw_probe_choice *c = &e->choice;
+	gw_check_point_choice *c = &e->choice;
 	double all = 0.0, sound = 0.0;
 	uint32_t kept = 0;
 	for (uint32_t i = 0; i < c->count; i++) {
@@ -287,7 +287,7 @@ static void keep_sound(const gw_estimate_task *task, estimate *e)
 static void list_errors(const gw_estimate_task *task, const estimate *e, double mean,
 						double *value[VALUES])
 {
-	const gw_probe_choice *c = &e->choice;
+	const gw_check_point_choice *c = &e->choice;
 	for (size_t i = 0; i < c->count; i++) {
 		size_t s = c->point[i];
 		double a = reflected(task->surfels, s, e->half[0] + 4 * i);
@@ -304,7 +304,7 @@ static void list_errors(const gw_estimate_task *task, const estimate *e, double 
 static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 						 gw_error_estimate *result, gw_error *error)
 {
-	const gw_probe_choice *c = &e->choice;
+	const gw_check_point_choice *c = &e->choice;
 	keep_sound(task, e);
 	if (c->count < 2 || !(mean > 0.0))
 		return GW_OK;
@@ -313,14 +313,14 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
 	double *value[VALUES] = { room, room + c->count, room + 2 * (size_t)c->count };
 	list_errors(task, e, mean, value);
-	gw_probe_mean square = gw_probe_average(c, value[EXCESS]);
-	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_probe_average(c, value[HALVES]).mean;
+	gw_check_point_mean square = gw_check_point_average(c, value[EXCESS]);
+	double rms = sqrt(fmax(square.mean, 0.0)), half = gw_check_point_average(c, value[HALVES]).mean;
 	result->points = c->count;
 	result->relative_rms = result->gathered = rms;
 	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
 	double spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
 	result->spread = hypot(spread, UNSEEN_SHARE * rms);
-	result->bias = gw_probe_average(c, value[OFF]).mean;
+	result->bias = gw_check_point_average(c, value[OFF]).mean;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
 	result->noise = fmin(sqrt(half * own / samples / RECORDS_A_POINT), rms);
@@ -377,18 +377,19 @@ static void add_emission(const gw_estimate_task *task, const estimate *e, double
 }
 
 /* Where the points stand, and what they see. */
-static gw_status look(const gw_estimate_task *task, const gw_probe_task *probes, estimate *e,
-					  gw_error *error)
+static gw_status look(const gw_estimate_task *task, const gw_check_point_task *check_points,
+					  estimate *e, gw_error *error)
 {
-	const gw_probe_choice *c = &e->choice;
-	gw_status status = gw_probe_hits_find(probes, c->point, c->count, task->hits, error);
+	const gw_check_point_choice *c = &e->choice;
+	gw_status status =
+		gw_check_point_hits_find(check_points, c->point, c->count, task->hits, error);
 	if (status != GW_OK)
 		return status;
 	e->behind = gw_allocate_zeros(c->count, sizeof *e->behind);
 	if (!e->behind)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
 	count_behind(task->hits, e->behind);
-	return gw_probe_hits_place(probes, c->point, c->count, &e->place, error);
+	return gw_check_point_hits_place(check_points, c->point, c->count, &e->place, error);
 }
 
 /* Luminance of what each surfel sends out and gathers see. */
@@ -409,7 +410,7 @@ static float *list_radiance(const gw_estimate_task *task)
 
 /* What the geometry by itself says. */
 static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
-								const gw_buffer *lobe_radiance, double mean,
+								const gw_buffer *facet_radiance, double mean,
 								gw_error_estimate *result, gw_error *error)
 {
 	double rms = 0.0;
@@ -429,7 +430,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 									 .records = task->records,
 									 .rays = task->rays_of_records,
 									 .read_back = task->read_back,
-									 .lobe_radiance = task->bounces ? lobe_radiance : NULL,
+									 .facet_radiance = task->bounces ? facet_radiance : NULL,
 									 .radiance = light,
 									 .sky = task->sky,
 									 .map = task->map,
@@ -451,22 +452,22 @@ static gw_status solve_again(const gw_estimate_task *task, estimate *e, double m
 	gw_gpu *gpu = task->passes->gpu;
 	gw_buffer radiance = { 0 };
 	gw_emitters reflectors = { 0 };
-	const gw_probe_task probes = { .passes = task->passes,
-								   .octree = task->octree,
-								   .surfels = task->surfels,
-								   .emitters = task->emitters,
-								   .rays = gw_estimate_rays(task->rays),
-								   .seed = task->seed };
+	const gw_check_point_task check_points = { .passes = task->passes,
+											   .octree = task->octree,
+											   .surfels = task->surfels,
+											   .emitters = task->emitters,
+											   .rays = gw_estimate_rays(task->rays),
+											   .seed = task->seed };
 	gw_status status = draw(task, e->counts, &e->choice, error);
 	if (status != GW_OK || e->choice.count == 0)
 		return status;
-	status = look(task, &probes, e, error);
+	status = look(task, &check_points, e, error);
 	if (status == GW_OK && task->bounces)
 		status = shade_all(task, &radiance, error);
 	if (status == GW_OK && task->bounces)
 		status = gw_emitters_make(gpu, task->octree, &radiance, false, &reflectors, error);
 	for (int half = 0; half < 2 && status == GW_OK; half++)
-		status = gather_half(task, &probes, half, &reflectors, e, error);
+		status = gather_half(task, &check_points, half, &reflectors, e, error);
 	if (status == GW_OK)
 		status = check_geometry(task, e, &radiance, mean, result, error);
 	if (status == GW_OK)
@@ -476,20 +477,20 @@ static gw_status solve_again(const gw_estimate_task *task, estimate *e, double m
 	return status;
 }
 
-gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
-							  gw_error *error)
+gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
+							  gw_check_point_hits *hits, gw_error *error)
 {
 	const gw_surfels *s = task->surfels;
-	gw_probe_choice choice = { 0 };
+	gw_check_point_choice choice = { 0 };
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
 	choose_points(s, counts);
 	gw_status status =
-		gw_probe_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
+		gw_check_point_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
 	if (status == GW_OK && choice.count > 0)
-		status = gw_probe_hits_find(task, choice.point, choice.count, hits, error);
-	gw_probe_choice_clear(&choice);
+		status = gw_check_point_hits_find(task, choice.point, choice.count, hits, error);
+	gw_check_point_choice_clear(&choice);
 	free(counts);
 	return status;
 }
@@ -516,7 +517,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 		add_emission(task, &e, mean, result);
 	result->relative_rms = hypot(result->relative_rms, result->geometry);
 	gw_records_destroy(task->passes->gpu, &e.place);
-	gw_probe_choice_clear(&e.choice);
+	gw_check_point_choice_clear(&e.choice);
 	free(e.behind);
 	free(e.half[0]);
 	free(e.half[1]);

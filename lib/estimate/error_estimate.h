@@ -7,7 +7,7 @@
  * interpolating between them and stopping the bounces cost. It does not see what the octree's
  * planes leave of the geometry, because these rays meet the same planes: 0.25 to 0.4 % RMS on
  * scenes of 100,000 points with known answers; the spread has a tenth of the error for that. The
- * points are drawn at random, more of them where errors are likely (probe_choice.h).
+ * points are drawn at random, more of them where errors are likely (check_point_choice.h).
  *
  * Each point gathers twice with half of the rays. Half of the two halves' mean square difference is
  * the variance of one half; a quarter of it is the noise of their mean, which is taken off the mean
@@ -22,7 +22,7 @@
 #define ERROR_ESTIMATE_H
 
 #include "light/gather_rays.h"
-#include "estimate/probe_hits.h"
+#include "estimate/check_point_hits.h"
 #include "light/read_back.h"
 
 typedef struct gw_estimate_task {
@@ -34,14 +34,14 @@ typedef struct gw_estimate_task {
 	const gw_records *records;
 	const gw_read_back *read_back; /* from the records to the surfels */
 	const gw_ray_gather *rays_of_records;
-	const gw_emitters *emitters;  /* count 0 when nothing emits */
-	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
-	const float *sky;             /* 3, radiance of the environment */
-	const gw_sky_map *map;        /* of the environment, or NULL */
-	const gw_openings *openings;  /* through which it shines, or NULL */
-	bool bounces;                 /* whether light was reflected more than once */
-	const float *direct;          /* 4 a surfel or NULL, irradiance from lamps */
-	const float *turned;          /* the same with normals that are off, or NULL */
+	const gw_emitters *emitters;   /* count 0 when nothing emits */
+	const gw_buffer *facet_direct; /* irradiance of the facets from point, spot and sun lights */
+	const float *sky;              /* 3, radiance of the environment */
+	const gw_sky_map *map;         /* of the environment, or NULL */
+	const gw_portals *portals;     /* through which it shines, or NULL */
+	bool bounces;                  /* whether light was reflected more than once */
+	const float *direct;           /* 4 a surfel or NULL, irradiance from lamps */
+	const float *turned;           /* the same with normals that are off, or NULL */
 	const float *first;           /* 4 a surfel, irradiance as the bake found it: unreflected ... */
 	const float *indirect;        /* 4 a surfel ... and reflected */
 	uint32_t rays, light_samples; /* of a record, above 0 */
@@ -50,8 +50,8 @@ typedef struct gw_estimate_task {
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
-	uint32_t limit;      /* reflections, or GW_BOUNCES_AUTO */
-	gw_probe_hits *hits; /* what is known of what points see; theirs in the end */
+	uint32_t limit;            /* reflections, or GW_BOUNCES_AUTO */
+	gw_check_point_hits *hits; /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */
@@ -62,8 +62,8 @@ uint32_t gw_estimate_rays(uint32_t rays);
 uint32_t gw_estimate_points(uint32_t wanted, uint32_t records);
 
 /* Finds what points see that an estimate of so many points may ask for, whatever will shine. */
-gw_status gw_estimate_foresee(const gw_probe_task *task, uint32_t points, gw_probe_hits *hits,
-							  gw_error *error);
+gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
+							  gw_check_point_hits *hits, gw_error *error);
 
 /*
  * Estimates the error of the bake's radiance.

@@ -8,7 +8,7 @@
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "estimate/probe_choice.h"
+#include "estimate/check_point_choice.h"
 #include "light/shader_functions.h"
 #include "base/shared_math.h"
 #include "light/transport_layout.h"
@@ -43,7 +43,7 @@ static const double pi = 3.14159265358979323846;
 typedef struct views {
 	gw_view disc, clip;
 	gw_view position, normal, hit; /* of records */
-	gw_view reflected, emission;   /* of lobes */
+	gw_view reflected, emission;   /* of facets */
 	gw_view first, fragment;       /* surfels of leaves, where some emit */
 	gw_view texel;                 /* of the sky's map */
 } views;
@@ -62,9 +62,9 @@ typedef struct check {
 	gathered *record;
 	const gw_light_push *lamp; /* lamps */
 	size_t lamps;
-	gw_probe_choice choice; /* the points that look at them, and */
-	double *excess;         /* radiance that each has too much */
-	atomic_bool stopped;    /* somebody asked to stop: what is found is not whole */
+	gw_check_point_choice choice; /* the points that look at them, and */
+	double *excess;               /* radiance that each has too much */
+	atomic_bool stopped;          /* somebody asked to stop: what is found is not whole */
 } check;
 
 /* What was found of one kind of light, in radiance and its squares. */
@@ -110,7 +110,7 @@ static double emission_of(const gw_surfels *s, uint32_t surfel)
 	return surfel == GW_NONE || !s->emission ? 0.0 : gw_luminance(s->emission + 3 * (size_t)surfel);
 }
 
-/* Is a surfel one of those that a lobe is the mean of? */
+/* Is a surfel one of those that a facet is the mean of? */
 static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
 {
 	const uint32_t *first = c->view.first.bytes, *word = c->view.fragment.bytes;
@@ -120,7 +120,7 @@ static bool is_part(const check *c, uint32_t slot, uint32_t surfel)
 	return false;
 }
 
-/* Do a lobe and a surfel that the same ray meets agree about what emits? */
+/* Do a facet and a surfel that the same ray meets agree about what emits? */
 static bool agree(const check *c, uint32_t slot, double emission, uint32_t surfel)
 {
 	return surfel != GW_NONE &&
@@ -128,10 +128,10 @@ static bool agree(const check *c, uint32_t slot, double emission, uint32_t surfe
 			is_part(c, slot, surfel));
 }
 
-/* What a lobe sends to a ray. Its emission is a mean over all that lies in it, which matters little
- * where emitters are sampled by their area: as long as discs agree that the ray meets one, or
- * none, theirs counts. */
-static double lobe_light(const check *c, uint32_t slot, const gw_check_hit *hit)
+/* What a facet sends to a ray. Its emission is a mean over all that lies in it, which matters
+ * little where emitters are sampled by their area: as long as discs agree that the ray meets one,
+ * or none, theirs counts. */
+static double facet_light(const check *c, uint32_t slot, const gw_check_hit *hit)
 {
 	const float *reflected = c->view.reflected.bytes, *mean = c->view.emission.bytes;
 	double light = reflected ? gw_luminance(reflected + 4 * (size_t)slot) : 0.0;
@@ -143,16 +143,16 @@ static double lobe_light(const check *c, uint32_t slot, const gw_check_hit *hit)
 	return light + emission;
 }
 
-static uint32_t lobe_hit(const check *c, size_t record, uint32_t k)
+static uint32_t facet_hit(const check *c, size_t record, uint32_t k)
 {
 	return ((const uint32_t *)c->view.hit.bytes)[record * c->task->rays->rays + k];
 }
 
 /* What one ray says. */
 typedef struct ray_finding {
-	double excess; /* radiance that it brings too much */
-	double albedo; /* of what it meets */
-	bool behind;   /* it passed the back of a disc */
+	double excess;         /* radiance that it brings too much */
+	double albedo;         /* of what it meets */
+	bool passed_back_face; /* of a disc */
 } ray_finding;
 
 static ray_finding check_ray(const check *c, size_t record, uint32_t k)
@@ -169,15 +169,15 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 	ray.origin =
 		gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(place, t->octree->leaf_size));
 	gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
-	uint32_t lobe = lobe_hit(c, record, k);
-	bool leaves = lobe == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
+	uint32_t facet = facet_hit(c, record, k);
+	bool leaves = facet == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
 	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
 	double small = hit.small == GW_NONE ? sky : (double)t->radiance[hit.small];
 	double large = hit.large == GW_NONE ? sky : (double)t->radiance[hit.large];
-	double found = (double)own[3] * (lobe == GW_NONE ? sky : lobe_light(c, lobe, &hit));
+	double found = (double)own[3] * (facet == GW_NONE ? sky : facet_light(c, facet, &hit));
 	return (ray_finding){ .excess = outside(found, small, large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
-						  .behind = hit.behind };
+						  .passed_back_face = hit.passed_back_face };
 }
 
 static bool is_buried(const check *c, size_t record)
@@ -192,14 +192,14 @@ static void check_record(const check *c, size_t record)
 	double behind = 0.0, all = 0.0;
 	for (uint32_t k = 0; k < rays; k++) {
 		uint32_t turn = k + phase;
-		uint32_t stride = lobe_hit(c, record, k) == GW_NONE ? c->stride_leaving : c->stride_hit;
+		uint32_t stride = facet_hit(c, record, k) == GW_NONE ? c->stride_leaving : c->stride_hit;
 		if (turn % stride != 0)
 			continue;
 		ray_finding ray = check_ray(c, record, k);
 		double share = (double)stride / rays;
 		sum.excess[turn / stride % 2] += share * ray.excess;
 		sum.albedo += share * ray.albedo;
-		behind += ray.behind ? share : 0.0;
+		behind += ray.passed_back_face ? share : 0.0;
 		all += share;
 	}
 	/* Inside something solid it is dark, unless the discs are sure that it is none. */
@@ -311,7 +311,7 @@ static double lamp_light(const gw_light_push *lamp, const float *normal, gw_vec3
 									   *towards));
 	if (lamp->type != GW_PUSH_SUN)
 		light /= *distance * *distance;
-	return (double)(light * gw_luminance_of(gw_xyz(&lamp->power.x)));
+	return (double)(light * gw_luminance_of(gw_xyz(&lamp->intensity.x)));
 }
 
 /* Adds what reaches a surfel of it, between small discs and between large ones. */
@@ -322,7 +322,7 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	const float *p = s->position + 3 * surfel, *n = s->normal + 3 * surfel, *low = o->cube_minimum;
 	gw_vec3 at = { p[0], p[1], p[2] }, towards;
 	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
-	const float *shone_on = s->lamp_normal ? s->lamp_normal + 3 * surfel : n;
+	const float *shone_on = s->shading_normal ? s->shading_normal + 3 * surfel : n;
 	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
 	double whole = lamp_light(lamp, shone_on, place, &towards, &distance);
 	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
@@ -367,8 +367,8 @@ static gw_status choose_points(check *c, gw_error *error)
 	size_t wanted = rays > 0 ? RAYS_MOST / 2 / rays : 0;
 	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
 	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
-	gw_status status = gw_probe_choose(t->counts, (const double *const[]){ light }, 1, count,
-									   (uint32_t)wanted, t->seed, &c->choice, error);
+	gw_status status = gw_check_point_choose(t->counts, (const double *const[]){ light }, 1, count,
+											 (uint32_t)wanted, t->seed, &c->choice, error);
 	free(light);
 	return status;
 }
@@ -388,8 +388,8 @@ static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
 	double *square = c->excess + count;
 	for (size_t i = 0; i < count; i++)
 		square[i] = c->excess[i] * c->excess[i];
-	gw_probe_mean mean = gw_probe_average(&c->choice, c->excess);
-	gw_probe_mean squares = gw_probe_average(&c->choice, square);
+	gw_check_point_mean mean = gw_check_point_average(&c->choice, c->excess);
+	gw_check_point_mean squares = gw_check_point_average(&c->choice, square);
 	*found = (finding){ .mean = mean.mean,
 						.variance = mean.variance,
 						.square = fmax(squares.mean - sqrt(squares.variance), 0.0) };
@@ -410,7 +410,7 @@ static gw_status check_lamps(check *c, finding *found, gw_error *error)
 	gw_status status = choose_points(c, error);
 	if (status == GW_OK && c->choice.count > 1)
 		status = look_at_lamps(c, found, error);
-	gw_probe_choice_clear(&c->choice);
+	gw_check_point_choice_clear(&c->choice);
 	free(lamp);
 	return status;
 }
@@ -426,11 +426,11 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 	if (status == GW_OK)
 		status = gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error);
 	if (status == GW_OK)
-		status = gw_view_open(t->gpu, &t->rays->lobe, records / 4 * t->rays->rays, &v->hit, error);
-	if (status == GW_OK && t->lobe_radiance)
-		status = gw_view_open(t->gpu, t->lobe_radiance, slots, &v->reflected, error);
+		status = gw_view_open(t->gpu, &t->rays->facet, records / 4 * t->rays->rays, &v->hit, error);
+	if (status == GW_OK && t->facet_radiance)
+		status = gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error);
 	if (status == GW_OK && t->surfels->emission)
-		status = gw_view_open(t->gpu, &o->lobe_emission, slots, &v->emission, error);
+		status = gw_view_open(t->gpu, &o->facet_emission, slots, &v->emission, error);
 	if (status == GW_OK && t->surfels->emission)
 		status = gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1),
 							  &v->first, error);

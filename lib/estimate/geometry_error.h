@@ -33,7 +33,7 @@ typedef struct gw_geometry_task {
 	const gw_ray_gather *rays;     /* what their rays hit */
 	const gw_read_back *read_back; /* whom they light */
 	const gw_buffer
-		*lobe_radiance;    /* what lobes reflect in the end, or NULL: nothing that counts */
+		*facet_radiance;   /* what facets reflect in the end, or NULL: nothing that counts */
 	const float *radiance; /* one a surfel: luminance of what it sends out likewise */
 	const float *sky;      /* 3, radiance of the environment */
 	const gw_sky_map *map; /* of the environment, or NULL */

@@ -1,14 +1,14 @@
 /*
  * bounces.c - see bounces.h.
  *
- * With T the transport of one bounce (interpolate at the lobes, reflect, gather at the records),
+ * With T the transport of one bounce (interpolate at the facets, reflect, gather at the records),
  * the irradiance of all bounces is sum T^n E. Rows of T sum to at most the mean albedo of what a
  * record sees, so gathering the albedo itself gives q, the largest row sum, and what is left after
  * a bounce of energy e is at most e q / (1 - q). q < 1 because albedo is clamped below 1: bounces
  * always converge.
  *
- * Bounces may begin with a guess c at the lobes' irradiance of all reflected light (Salm 4.5: what
- * a frame leaves to the next). If W interpolates at the lobes and G gathers what they reflect, the
+ * Bounces may begin with a guess c at the facets' irradiance of all reflected light (Salm 4.5: what
+ * a frame leaves to the next). If W interpolates at the facets and G gathers what they reflect, the
  * records' irradiance is y = b + G W y with b of the first reflection. One step from the guess
  * gives y = b + G c, what is missing is G (W y - c) and all that it becomes by further bounces:
  * small where the guess was good, of both signs, and under the same bound.
@@ -16,7 +16,7 @@
 #include "light/bounces.h"
 
 #include "glowworm_host.h"
-#include "light/hit_lobes.h"
+#include "light/hit_facets.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -28,44 +28,44 @@
 /* More reflections than this are never needed: 0.99^2000 is 2e-9. */
 #define BOUNCE_CEILING 2000u
 
-#define SUM_CHUNK 4096u /* lobes whose light is added up at a time */
+#define SUM_CHUNK 4096u /* facets whose light is added up at a time */
 
-gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						 float direct_share, gw_buffer *lobe_radiance, gw_error *error)
+gw_status gw_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						  const gw_buffer *records_irradiance, const gw_buffer *facet_direct,
+						  float direct_share, gw_buffer *facet_radiance, gw_error *error)
 {
 	const gw_binding bindings[] = {
-		gw_window(&octree->lobe_albedo, 16), gw_window(lobe_direct, 16),
-		gw_whole(&records->lobe_record),     gw_whole(&records->lobe_weight),
-		gw_whole(records_irradiance),        gw_window(lobe_radiance, 16)
+		gw_window(&octree->facet_albedo, 16), gw_window(facet_direct, 16),
+		gw_whole(&records->facet_record),     gw_whole(&records->facet_weight),
+		gw_whole(records_irradiance),         gw_window(facet_radiance, 16)
 	};
-	return gw_passes_run(passes, GW_PASS_LOBE_SHADE, bindings,
+	return gw_passes_run(passes, GW_PASS_FACET_SHADE, bindings,
 						 &(gw_record_push){ .direct_share = direct_share },
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-/* Sums over lobes, a chunk at a time, so that the order does not depend on threads. */
-typedef struct lobe_sums {
+/* Sums over facets, a chunk at a time, so that the order does not depend on threads. */
+typedef struct facet_sums {
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
 	size_t slots;
 	double *power; /* a chunk: area * |luminance(L)| */
 	float *largest;
-} lobe_sums;
+} facet_sums;
 
-static gw_status sums_create(const gw_bounces_task *task, lobe_sums *sums, gw_error *error)
+static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_error *error)
 {
 	sums->slots = 2 * (size_t)task->octree->leaf_count;
 	size_t chunks = sums->slots / SUM_CHUNK + 1;
 	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
 	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
 	if (!sums->power || !sums->largest)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu lobes",
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu facets",
 					   sums->slots);
-	return gw_view_open(task->passes->gpu, &task->octree->lobe_centre, 16 * sums->slots,
+	return gw_view_open(task->passes->gpu, &task->octree->facet_centre, 16 * sums->slots,
 						&sums->centre, error);
 }
 
-static void sums_destroy(lobe_sums *sums)
+static void sums_destroy(facet_sums *sums)
 {
 	gw_view_close(&sums->centre);
 	free(sums->power);
@@ -74,7 +74,7 @@ static void sums_destroy(lobe_sums *sums)
 
 static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
-	const lobe_sums *sums = user;
+	const facet_sums *sums = user;
 	const float *centre = sums->centre.bytes, *radiance = sums->radiance.bytes;
 	double power = 0.0;
 	float largest = 0.0f;
@@ -89,11 +89,11 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 	sums->largest[first / SUM_CHUNK] = largest;
 }
 
-/* Energy that the lobes reflect, pi * area * |luminance(L)|, and the largest component. */
-static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *energy,
+/* Energy that the facets reflect, pi * area * |luminance(L)|, and the largest component. */
+static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {
-	gw_status status = gw_view_open(task->passes->gpu, task->lobe_radiance, 16 * sums->slots,
+	gw_status status = gw_view_open(task->passes->gpu, task->facet_radiance, 16 * sums->slots,
 									&sums->radiance, error);
 	if (status != GW_OK)
 		return status;
@@ -111,11 +111,11 @@ static gw_status measure(const gw_bounces_task *task, lobe_sums *sums, double *e
 							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
-/* The largest row sum of a bounce: every lobe sends out its albedo, the records gather it. */
+/* The largest row sum of a bounce: every facet sends out its albedo, the records gather it. */
 static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
 {
 	gw_records *records = task->records;
-	gw_status status = task->step.gather(task->step.self, &task->octree->lobe_albedo, 1.0f, error);
+	gw_status status = task->step.gather(task->step.self, &task->octree->facet_albedo, 1.0f, error);
 	gw_view view = { 0 };
 	if (status == GW_OK)
 		status = gw_view_open(task->passes->gpu, &records->gathered, 16 * (uint64_t)records->count,
@@ -150,7 +150,7 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 	gw_records *records = task->records;
 	const gw_trace_step *step = &task->step;
 	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
-		step->self, task->lobe_radiance, largest, error);
+		step->self, task->facet_radiance, largest, error);
 	if (status != GW_OK)
 		return status;
 	return gw_light_add(task->passes, &records->gathered, &records->indirect, records->count,
@@ -159,7 +159,7 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 
 /* The first gather, a step from the guess, and the radiance of what is missing. *guessed receives
  * the energy that the guess reflects. */
-static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, float largest,
+static gw_status begin_carried(const gw_bounces_task *task, facet_sums *sums, float largest,
 							   double *guessed, gw_error *error)
 {
 	gw_records *records = task->records;
@@ -167,23 +167,23 @@ static gw_status begin_carried(const gw_bounces_task *task, lobe_sums *sums, flo
 	if (status == GW_OK)
 		status = gw_buffer_fill(task->passes->gpu, &records->gathered, 0, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, records, &records->gathered,
-								task->carried, 1.0f, task->lobe_radiance, error);
+		status = gw_facets_shade(task->passes, task->octree, records, &records->gathered,
+								 task->carried, 1.0f, task->facet_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, sums, guessed, &largest, error);
 	if (status == GW_OK)
 		status = gather_once(task, false, largest, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, records, &records->indirect,
-								task->carried, -1.0f, task->lobe_radiance, error);
+		status = gw_facets_shade(task->passes, task->octree, records, &records->indirect,
+								 task->carried, -1.0f, task->facet_radiance, error);
 	return status;
 }
 
 /* Bounces under way. */
 typedef struct progress {
 	const gw_bounces_task *task;
-	lobe_sums sums;
-	gw_hit_lobes hits; /* where a CPU kernel shades: lobes that are not hit can be left out */
+	facet_sums sums;
+	gw_hit_facets hits; /* where a CPU kernel shades: facets that are not hit can be left out */
 	bool by_hits;
 	bool gathered; /* records->gathered is what the last bounce brought, and not reflected yet */
 	double energy; /* that the last bounce reflects */
@@ -196,26 +196,27 @@ static gw_status measure_gathered(progress *p, gw_error *error)
 	const gw_bounces_task *task = p->task;
 	double cell = (double)task->octree->leaf_size;
 	p->gathered = true;
-	p->energy = gw_hit_lobes_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	p->energy = gw_hit_facets_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
 
-/* One more bounce. Where only lobes that are hit count, they reflect before the next gather, else
+/* One more bounce. Where only facets that are hit count, they reflect before the next gather, else
  * all do after this one. */
 static gw_status bounce_once(progress *p, bool first, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	if (p->gathered)
-		gw_hit_lobes_shade(task->passes, task->octree, task->records, &p->hits,
-						   task->lobe_radiance);
+		gw_hit_facets_shade(task->passes, task->octree, task->records, &p->hits,
+							task->facet_radiance);
 	gw_status status = gather_once(task, first, p->largest, error);
 	if (status == GW_OK && p->by_hits)
 		return measure_gathered(p, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->gathered,
-								task->lobe_direct, 0.0f, task->lobe_radiance, error);
+		status =
+			gw_facets_shade(task->passes, task->octree, task->records, &task->records->gathered,
+							task->facet_direct, 0.0f, task->facet_radiance, error);
 	return status == GW_OK ? measure(task, &p->sums, &p->energy, &p->largest, error) : status;
 }
 
@@ -226,8 +227,8 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	double started = gw_seconds();
 	gw_status status = sums_create(task, &p->sums, error);
 	if (status == GW_OK)
-		status = gw_lobes_shade(task->passes, task->octree, task->records, &task->records->first,
-								task->lobe_direct, 1.0f, task->lobe_radiance, error);
+		status = gw_facets_shade(task->passes, task->octree, task->records, &task->records->first,
+								 task->facet_direct, 1.0f, task->facet_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, &p->sums, &p->energy, &p->largest, error);
 	if (status == GW_OK)
@@ -235,10 +236,10 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
 	p->by_hits = task->step.hits && task->limit > 1 &&
-				 gw_passes_way(task->passes, GW_PASS_LOBE_SHADE, NULL) == GW_WAY_CPU;
+				 gw_passes_way(task->passes, GW_PASS_FACET_SHADE, NULL) == GW_WAY_CPU;
 	if (status == GW_OK && p->by_hits)
-		status = gw_hit_lobes_find(task->passes, task->octree, task->records, task->step.hits,
-								   &p->hits, error);
+		status = gw_hit_facets_find(task->passes, task->octree, task->records, task->step.hits,
+									&p->hits, error);
 	return status;
 }
 
@@ -279,7 +280,7 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 	progress p = { .task = task };
 	gw_status status = run(&p, bounces, error);
 	sums_destroy(&p.sums);
-	gw_hit_lobes_clear(&p.hits);
+	gw_hit_facets_clear(&p.hits);
 	if (status != GW_OK) {
 		free(bounces->bounce);
 		*bounces = (gw_bounces){ 0 };

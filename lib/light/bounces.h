@@ -8,12 +8,13 @@
 #include "light/gather_cones.h"
 #include "light/gather_rays.h"
 
-/* One trace step: fills records->gathered from the lobes' radiance. largest is its largest
+/* One trace step: fills records->gathered from the facets' radiance. largest is its largest
  * component. gather_first, or NULL, takes its place for the first reflection, of light that lamps
  * and emitters may have thrown on a few small patches. hits, or NULL, is what gather follows. */
 typedef struct gw_trace_step {
-	gw_status (*gather)(void *self, const gw_buffer *lobe_radiance, float largest, gw_error *error);
-	gw_status (*gather_first)(void *self, const gw_buffer *lobe_radiance, float largest,
+	gw_status (*gather)(void *self, const gw_buffer *facet_radiance, float largest,
+						gw_error *error);
+	gw_status (*gather_first)(void *self, const gw_buffer *facet_radiance, float largest,
 							  gw_error *error);
 	const gw_ray_gather *hits;
 	void *self;
@@ -31,10 +32,10 @@ typedef struct gw_bounces_task {
 	gw_passes *passes;
 	const gw_octree *octree;
 	gw_records *records;
-	const gw_buffer *lobe_direct; /* irradiance of the lobes from point, spot and sun lights */
-	gw_buffer *lobe_radiance;     /* texel buffer, 2 * leaf_count vec4: work space */
+	const gw_buffer *facet_direct; /* irradiance of the facets from point, spot and sun lights */
+	gw_buffer *facet_radiance;     /* texel buffer, 2 * leaf_count vec4: work space */
 	gw_trace_step step;
-	const gw_buffer *carried; /* NULL, or a guess at the lobes' reflected irradiance, with which
+	const gw_buffer *carried; /* NULL, or a guess at the facets' reflected irradiance, with which
 								 bounces that follow the tolerance begin. For trace steps that bear
 								 radiance below 0 */
 	uint32_t limit;           /* reflections, GW_BOUNCES_AUTO: until tolerance */
@@ -51,10 +52,10 @@ typedef struct gw_bounces_task {
  */
 gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error);
 
-/* Radiance that the lobes reflect of irradiance `records_irradiance` and of direct_share times
- * lobe_direct. */
-gw_status gw_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						 const gw_buffer *records_irradiance, const gw_buffer *lobe_direct,
-						 float direct_share, gw_buffer *lobe_radiance, gw_error *error);
+/* Radiance that the facets reflect of irradiance `records_irradiance` and of direct_share times
+ * facet_direct. */
+gw_status gw_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						  const gw_buffer *records_irradiance, const gw_buffer *facet_direct,
+						  float direct_share, gw_buffer *facet_radiance, gw_error *error);
 
 #endif

@@ -1,10 +1,10 @@
 /*
  * cpu_kernels.c - the CPU kernels of the light's passes: loops over the shaders' texts (kernel.h).
  */
-#include "light/host_loop.h"
+#include "light/cpu_loop.h"
 #include "light/transport_layout.h"
 
-#define CHUNK 4096u       /* lobes, surfels or rays that a thread takes at a time */
+#define CHUNK 4096u       /* facets, surfels or rays that a thread takes at a time */
 #define CHUNK_POINTS 512u /* points that look for records */
 #define CHUNK_HITS 65536u /* hits or vectors that are added up */
 
@@ -33,10 +33,10 @@ void gw_cpu_light_irradiance(gw_passes *passes, const gw_binding *b, const void 
 		CHUNK);
 }
 
-void gw_cpu_lobe_direct(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+void gw_cpu_facet_direct(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_kernel_loop(passes, GW_PASS_LOBE_DIRECT,
-				   (gw_kernel_run){ .kernel = gw_kernel_lobe_direct, .bindings = b, .push = push },
+	gw_kernel_loop(passes, GW_PASS_FACET_DIRECT,
+				   (gw_kernel_run){ .kernel = gw_kernel_facet_direct, .bindings = b, .push = push },
 				   count, CHUNK);
 }
 
@@ -96,17 +96,18 @@ void gw_cpu_record_add(gw_passes *passes, const gw_binding *b, const void *push,
 				   count, CHUNK_HITS);
 }
 
-void gw_cpu_lobe_weights(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+void gw_cpu_facet_weights(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_kernel_loop(passes, GW_PASS_LOBE_WEIGHTS,
-				   (gw_kernel_run){ .kernel = gw_kernel_lobe_weights, .bindings = b, .push = push },
-				   count, CHUNK_POINTS);
+	gw_kernel_loop(
+		passes, GW_PASS_FACET_WEIGHTS,
+		(gw_kernel_run){ .kernel = gw_kernel_facet_weights, .bindings = b, .push = push }, count,
+		CHUNK_POINTS);
 }
 
-void gw_cpu_lobe_shade(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+void gw_cpu_facet_shade(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
-	gw_kernel_loop(passes, GW_PASS_LOBE_SHADE,
-				   (gw_kernel_run){ .kernel = gw_kernel_lobe_shade, .bindings = b, .push = push },
+	gw_kernel_loop(passes, GW_PASS_FACET_SHADE,
+				   (gw_kernel_run){ .kernel = gw_kernel_facet_shade, .bindings = b, .push = push },
 				   count, CHUNK);
 }
 

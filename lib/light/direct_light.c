@@ -1,6 +1,6 @@
 /*
  * direct_light.c - see direct_light.h. For each light: which share of it each surfel sees, then its
- * irradiance, then the mean over the lobes.
+ * irradiance, then the mean over the facets.
  */
 #include "light/direct_light.h"
 
@@ -154,8 +154,8 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 	bool sun = light->type == GW_LIGHT_SUN;
 	const float *power = sun ? light->irradiance : light->intensity;
 	double unit = sun ? 1.0 : 1.0 / (cell * cell);
-	push.power = (vec4){ (float)((double)power[0] * unit), (float)((double)power[1] * unit),
-						 (float)((double)power[2] * unit), 0.0f };
+	push.intensity = (vec4){ (float)((double)power[0] * unit), (float)((double)power[1] * unit),
+							 (float)((double)power[2] * unit), 0.0f };
 	if ((sun && light->angle > 0.0f) || (!sun && light->radius > 0.0f))
 		push.samples = PENUMBRA_RAYS;
 	return push;
@@ -166,21 +166,21 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off, gw_buffer *normal,
 								gw_error *error)
 {
-	const float *own = surfels->lamp_normal ? surfels->lamp_normal : surfels->normal;
+	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (!chunk)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
 					   surfels->count);
 	gw_status status =
 		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
-						 "normals for lamps", normal, error);
+						 "shading normals", normal, error);
 	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
 			size_t s = first + i;
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
-				gw_normal_turn(own + 3 * s, surfels->lamp_off[s], s, chunk + 4 * i);
+				gw_normal_turn(own + 3 * s, surfels->shading_normal_off[s], s, chunk + 4 * i);
 			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =
@@ -226,28 +226,28 @@ static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
 	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
 }
 
-gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
-						   gw_buffer *lobes, gw_error *error)
+gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+							gw_buffer *facets, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&octree->leaf_fragment),
 									gw_whole(&octree->fragment_surfel),
 									gw_whole(&octree->fragment_weight), gw_whole(surfels),
-									gw_window(lobes, 16) };
-	return gw_passes_run(passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 },
+									gw_window(facets, 16) };
+	return gw_passes_run(passes, GW_PASS_FACET_DIRECT, bindings, &(gw_record_push){ 0 },
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						  const gw_light *lights, size_t light_count,
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error)
+						  gw_buffer *facet_direct, gw_buffer *turned, gw_error *error)
 {
 	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
-	const gw_buffer *normal = surfels->lamp_normal ? &own_normal : &octree->surfel_normal;
+	const gw_buffer *normal = surfels->shading_normal ? &own_normal : &octree->surfel_normal;
 	uint64_t count = surfels->count;
 	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 										4 * count, "visibility", &visibility, error);
-	if (status == GW_OK && surfels->lamp_normal)
+	if (status == GW_OK && surfels->shading_normal)
 		status = upload_normals(passes->gpu, surfels, false, &own_normal, error);
 	if (status == GW_OK && turned)
 		status = upload_normals(passes->gpu, surfels, true, &off_normal, error);
@@ -265,7 +265,7 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 									error);
 	}
 	if (status == GW_OK)
-		status = gw_average_lobes(passes, octree, surfel_irradiance, lobe_direct, error);
+		status = gw_average_facets(passes, octree, surfel_irradiance, facet_direct, error);
 	gw_buffer_destroy(passes->gpu, &off_normal);
 	gw_buffer_destroy(passes->gpu, &own_normal);
 	gw_buffer_destroy(passes->gpu, &visibility);

@@ -1,6 +1,6 @@
 /*
  * direct_light.h - light of point, spot and sun lights at every surfel (Salm 4.2): analytic, with
- * shadows traced at every surfel or looked up in shadow maps; and its mean in every lobe.
+ * shadows traced at every surfel or looked up in shadow maps; and its mean in every facet.
  */
 #ifndef DIRECT_LIGHT_H
 #define DIRECT_LIGHT_H
@@ -23,30 +23,30 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 /*
  * Adds the irradiance of every such light.
  *   surfel_irradiance  texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller
- *   lobe_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each lobe
+ *   facet_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each facet
  *   surfels            gives the local frame
  *   turned             NULL, or like surfel_irradiance: receives what it would be if each normal
- *                      were off as lamp_off says, which has to be there (normal_error.h)
+ *                      were off as shading_normal_off says, which has to be there (normal_error.h)
  */
 gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						  const gw_light *lights, size_t light_count,
 						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *lobe_direct, gw_buffer *turned, gw_error *error);
+						  gw_buffer *facet_direct, gw_buffer *turned, gw_error *error);
 
 /*
  * The share of one light that each surfel sees, whichever way it faces.
- *   share   surfel count, 0..1, on the host
+ *   share   surfel count, 0..1, on the CPU
  */
 gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
 						 const gw_light *light, const gw_bake_options *options, float *share,
 						 gw_error *error);
 
 /*
- * Area-weighted means over the lobes.
+ * Area-weighted means over the facets.
  *   surfels   texel buffer R32G32B32A32_SFLOAT, surfel count
- *   lobes     2 * leaf_count vec4, receives them; w is 0
+ *   facets     2 * leaf_count vec4, receives them; w is 0
  */
-gw_status gw_average_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
-						   gw_buffer *lobes, gw_error *error);
+gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
+							gw_buffer *facets, gw_error *error);
 
 #endif

@@ -11,7 +11,7 @@
 #include <string.h>
 
 typedef struct emitter_row {
-	uint32_t lobe;
+	uint32_t facet;
 	uint32_t alias;
 	float probability;
 	uint32_t zero;
@@ -33,7 +33,7 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 			double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
 			if (!(power > 0.0))
 				continue;
-			rows[n].lobe = (uint32_t)i;
+			rows[n].facet = (uint32_t)i;
 			share[n++] = power;
 			total += power;
 		}
@@ -85,7 +85,7 @@ gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer
 	gw_view values = { 0 }, centre = { 0 };
 	gw_status status = gw_view_open(gpu, radiance, 16 * slots, &values, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->lobe_centre, 16 * slots, &centre, error);
+		status = gw_view_open(gpu, &octree->facet_centre, 16 * slots, &centre, error);
 	if (status == GW_OK)
 		count_emitters(values.bytes, centre.bytes, slots, emitters);
 	if (status == GW_OK && emitters->count > 0 && (always || gw_emitters_are_small(emitters)))

@@ -1,5 +1,5 @@
 /*
- * emitters.h - lobes that send out light, ready to be sampled by their power: those that emit, and
+ * emitters.h - facets that send out light, ready to be sampled by their power: those that emit, and
  * those that lamps light brightly.
  */
 #ifndef EMITTERS_H
@@ -8,18 +8,18 @@
 #include "octree/octree_bindings.h"
 
 typedef struct gw_emitters {
-	const gw_buffer *radiance; /* of the lobes: not owned, outlives the emitters */
-	uint32_t count;            /* lobes that send out light */
+	const gw_buffer *radiance; /* of the facets: not owned, outlives the emitters */
+	uint32_t count;            /* facets that send out light */
 	float power;               /* sum of luminance(L) * area, leaf cells^2 */
 	double area_share;         /* of the whole surface, 0..1 */
 	double evenness; /* share of the whole surface that, glowing evenly, would be as easily
 						missed by rays: (sum L a)^2 / (sum L^2 a sum a), 0..1 */
-	gw_buffer table; /* R32G32B32A32_UINT, count rows: lobe, alias row, probability (float bits), 0
+	gw_buffer table; /* R32G32B32A32_UINT, count rows: facet, alias row, probability (float bits), 0
 						(alias method, Walker 1977, Vose 1991) */
 } gw_emitters;
 
-/* Lists the lobes of an octree that send out light; count is 0 and the table empty when none does.
- *   radiance   texel buffer, vec4 a lobe slot; smaller than that: nothing emits
+/* Lists the facets of an octree that send out light; count is 0 and the table empty when none does.
+ *   radiance   texel buffer, vec4 a facet slot; smaller than that: nothing emits
  *   always     whether the table is made even when they are not small, as below */
 gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer *radiance,
 						   bool always, gw_emitters *emitters, gw_error *error);

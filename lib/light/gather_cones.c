@@ -79,12 +79,12 @@ gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, cons
 }
 
 static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_cone_gather *gather,
-						const gw_buffer *lobe_radiance, gw_cone_push push, gw_error *error)
+						const gw_buffer *facet_radiance, gw_cone_push push, gw_error *error)
 {
 	const gw_binding leaves[] = {
-		gw_whole(&octree->leaf_tile),  gw_whole(&octree->leaf_tile_neighbour),
-		gw_whole(&octree->lobe_plane), gw_whole(&octree->lobe_centre),
-		gw_whole(lobe_radiance),       gw_voxels_of(&gather->leaf_pool)
+		gw_whole(&octree->leaf_tile),   gw_whole(&octree->leaf_tile_neighbour),
+		gw_whole(&octree->facet_plane), gw_whole(&octree->facet_centre),
+		gw_whole(facet_radiance),       gw_voxels_of(&gather->leaf_pool)
 	};
 	gw_status status = gw_passes_run(passes, GW_PASS_BRICK_INJECT, leaves, &push,
 									 27 * (uint64_t)octree->leaf_tile_count, error);
@@ -102,23 +102,23 @@ static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_con
 }
 
 gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
-							  const gw_cone_gather *gather, const gw_buffer *lobe_radiance,
+							  const gw_cone_gather *gather, const gw_buffer *facet_radiance,
 							  float largest, float *scale, gw_error *error)
 {
 	const float black[3] = { 0 };
 	*scale = largest > 0.0f ? STORED_LARGEST / largest : 1.0f;
-	return inject(passes, octree, gather, lobe_radiance, gw_cone_gather_push(gather, *scale, black),
-				  error);
+	return inject(passes, octree, gather, facet_radiance,
+				  gw_cone_gather_push(gather, *scale, black), error);
 }
 
 gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
-								const gw_records *records, const gw_buffer *lobe_radiance,
+								const gw_records *records, const gw_buffer *facet_radiance,
 								float largest, const float sky[3], gw_buffer *gathered,
 								gw_error *error)
 {
 	float scale;
 	gw_status status =
-		gw_cone_gather_fill(passes, octree, gather, lobe_radiance, largest, &scale, error);
+		gw_cone_gather_fill(passes, octree, gather, facet_radiance, largest, &scale, error);
 	const gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_whole(&octree->level_directory),

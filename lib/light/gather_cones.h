@@ -2,7 +2,7 @@
  * gather_cones.h - trace step by cones: brick pools of directional voxels, their mipmaps, and cones
  * through them (Salm 4.4.1 to 4.4.3). Every bounce injects, filters and gathers anew.
  *
- * The voxels are not the thesis's: each face holds the area that the leaf's lobes show to it and
+ * The voxels are not the thesis's: each face holds the area that the leaf's facets show to it and
  * extinction is composited additively, which needs no empirical brightness factor (see
  * record_cones.comp); measured against path traced truth the thesis's opacity is 74-96 % too dark.
  */
@@ -26,23 +26,23 @@ gw_status gw_cone_gather_create(gw_gpu *gpu, const gw_octree *octree, uint32_t c
 void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather);
 
 /*
- * One bounce: injects the radiance of the lobes, builds the mipmaps, gathers by cones.
- *   lobe_radiance   texel buffer, 2 * leaf_count vec4
+ * One bounce: injects the radiance of the facets, builds the mipmaps, gathers by cones.
+ *   facet_radiance   texel buffer, 2 * leaf_count vec4
  *   largest         largest component in it: radiance is scaled so that half floats hold it
  *   sky             what is seen where a cone is not filled
  *   gathered        receives irradiance, records->count vec4
  */
 gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
-								const gw_records *records, const gw_buffer *lobe_radiance,
+								const gw_records *records, const gw_buffer *facet_radiance,
 								float largest, const float sky[3], gw_buffer *gathered,
 								gw_error *error);
 
 /*
- * The first half of a bounce by itself: fills the bricks with the radiance of the lobes.
+ * The first half of a bounce by itself: fills the bricks with the radiance of the facets.
  *   scale   receives what radiance was multiplied by
  */
 gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
-							  const gw_cone_gather *gather, const gw_buffer *lobe_radiance,
+							  const gw_cone_gather *gather, const gw_buffer *facet_radiance,
 							  float largest, float *scale, gw_error *error);
 
 /* What a pass that reads the bricks is pushed. */

@@ -20,7 +20,7 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 			"larger --record-spacing",
 			records->count, rays);
 	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-										"hit lobe", &gather->lobe, error);
+										"hit facet", &gather->facet, error);
 	if (status == GW_OK)
 		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
 								  "hit distance", &gather->distance, error);
@@ -37,7 +37,7 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
-			gw_whole(&records->normal),      gw_window(&gather->lobe, 4),
+			gw_whole(&records->normal),      gw_window(&gather->facet, 4),
 			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree),
 			GW_TREE_BINDING(octree)
 		};
@@ -51,7 +51,7 @@ gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const 
 
 void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 {
-	gw_buffer_destroy(gpu, &gather->lobe);
+	gw_buffer_destroy(gpu, &gather->facet);
 	gw_buffer_destroy(gpu, &gather->distance);
 	gw_buffer_destroy(gpu, &gather->through);
 }
@@ -91,29 +91,29 @@ gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw
 	gw_status status =
 		gw_ray_gather_trace(passes, octree, further, gather->rays, gather->seed, own, error);
 	if (status == GW_OK)
-		status = append(gpu, VK_FORMAT_R32_UINT, &own->lobe, &gather->lobe, error);
+		status = append(gpu, VK_FORMAT_R32_UINT, &own->facet, &gather->facet, error);
 	if (status == GW_OK)
 		status = append(gpu, VK_FORMAT_R32_SFLOAT, &own->distance, &gather->distance, error);
 	return status;
 }
 
 gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_openings *openings, gw_ray_gather *gather, gw_error *error)
+							 const gw_portals *portals, gw_ray_gather *gather, gw_error *error)
 {
-	if (openings->count == 0 || gather->through.handle != VK_NULL_HANDLE)
+	if (portals->count == 0 || gather->through.handle != VK_NULL_HANDLE)
 		return GW_OK;
 	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-										4 * (uint64_t)records->count, "sky through openings",
+										4 * (uint64_t)records->count, "sky through portals",
 										&gather->through, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
-			GW_TRACE_BINDINGS(octree),   gw_whole(&records->position),   gw_whole(&records->normal),
-			gw_whole(&openings->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree),
+			GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),   gw_whole(&records->normal),
+			gw_whole(&portals->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree),
 			GW_TREE_BINDING(octree)
 		};
-		gw_record_push push = { .seed = gather->seed, .openings = openings->count };
+		gw_record_push push = { .seed = gather->seed, .portals = portals->count };
 		status =
-			gw_passes_run(passes, GW_PASS_RECORD_OPENINGS, bindings, &push, records->count, error);
+			gw_passes_run(passes, GW_PASS_RECORD_PORTALS, bindings, &push, records->count, error);
 	}
 	if (status != GW_OK)
 		gw_buffer_destroy(passes->gpu, &gather->through);
@@ -121,12 +121,12 @@ gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const g
 }
 
 gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
-									 const gw_records *further, const gw_openings *openings,
+									 const gw_records *further, const gw_portals *portals,
 									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
 {
 	if (gather->through.handle == VK_NULL_HANDLE)
 		return GW_OK;
-	gw_status status = gw_ray_gather_open(passes, octree, further, openings, own, error);
+	gw_status status = gw_ray_gather_open(passes, octree, further, portals, own, error);
 	return status == GW_OK
 			   ? append(passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
 			   : status;
@@ -154,8 +154,8 @@ static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_
 /* Any buffer will do where there are none. */
 static const gw_buffer *spheres_of(const gw_sampled_sources *sources)
 {
-	return sources->openings && sources->openings->count > 0 ? &sources->openings->sphere
-															 : sources->emitters->radiance;
+	return sources->portals && sources->portals->count > 0 ? &sources->portals->sphere
+														   : sources->emitters->radiance;
 }
 
 /* The same for the map of the sky. */
@@ -173,12 +173,12 @@ static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_recor
 	return gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
 }
 
-/* Adds the sky as rays and samples of openings see it. */
+/* Adds the sky as rays and samples of portals see it. */
 static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray_gather *gather,
 							const gw_sampled_sources *sources, gw_record_push push,
 							gw_buffer *sampled, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+	const gw_binding bindings[] = { gw_whole(&gather->facet),
 									gw_whole(&gather->through),
 									gw_whole(spheres_of(sources)),
 									gw_whole(push.sky_width > 0 ? &sources->map->texel
@@ -188,7 +188,7 @@ static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray
 									gw_window(sampled, 16) };
 	push.seed = gather->seed;
 	push.batch_count = push.rays;
-	return gw_passes_run(passes, GW_PASS_OPENING_LIGHT, bindings, &push, records->count, error);
+	return gw_passes_run(passes, GW_PASS_PORTAL_LIGHT, bindings, &push, records->count, error);
 }
 
 static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
@@ -222,13 +222,13 @@ static gw_status gather_hits(gw_passes *passes, const gw_octree *octree, gw_reco
 	const gw_buffer *radiance = sources->emitters->radiance;
 	/* The directions of the rays are made again, from their seed. */
 	push.seed = gather->seed;
-	if (push.openings > 0) {
+	if (push.portals > 0) {
 		push.sky = (vec4){ 0 };
 		push.sky_hits = 0;
 	}
-	const gw_binding bindings[] = { gw_whole(&gather->lobe),
+	const gw_binding bindings[] = { gw_whole(&gather->facet),
 									gw_whole(&gather->distance),
-									gw_whole(&octree->lobe_plane),
+									gw_whole(&octree->facet_plane),
 									gw_whole(radiance),
 									gw_window(sampled, 16),
 									gw_window(&records->position, 16),
@@ -264,8 +264,8 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	put_map(sources, &push);
 	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
-	if (shines && sources->openings && gather->through.handle != VK_NULL_HANDLE)
-		push.openings = sources->openings->count;
+	if (shines && sources->portals && gather->through.handle != VK_NULL_HANDLE)
+		push.portals = sources->portals->count;
 	gw_status status =
 		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
@@ -273,7 +273,7 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
 	if (status == GW_OK && push.sky_width > 0)
 		status = sample_sky(passes, octree, records, sources, push, &sampled, error);
-	if (status == GW_OK && push.openings > 0)
+	if (status == GW_OK && push.portals > 0)
 		status = add_opened(passes, records, gather, sources, push, &sampled, error);
 	if (status == GW_OK)
 		status = gather_hits(passes, octree, records, gather, sources, push, &sampled, irradiance,
@@ -339,15 +339,16 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 							 const gw_ray_gather *gather, gw_error *error)
 {
 	const float black[3] = { 0 };
-	const gw_emitters none = { .radiance = &octree->lobe_emission };
+	const gw_emitters none = { .radiance = &octree->facet_emission };
 	const gw_sampled_sources nothing = { .emitters = &none, .sky = black };
 	return gw_ray_gather_sampled(passes, octree, records, gather, &nothing, &records->first, error);
 }
 
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
-							   const gw_buffer *lobe_radiance, gw_records *records, gw_error *error)
+							   const gw_buffer *facet_radiance, gw_records *records,
+							   gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&gather->lobe), gw_whole(lobe_radiance),
+	const gw_binding bindings[] = { gw_whole(&gather->facet), gw_whole(facet_radiance),
 									gw_window(&records->normal, 16),
 									gw_window(&records->gathered, 16) };
 	gw_record_push push = { .rays = gather->rays };

@@ -7,17 +7,17 @@
 #define GATHER_RAYS_H
 
 #include "light/emitters.h"
-#include "light/openings.h"
+#include "light/portals.h"
 #include "light/records.h"
 #include "light/sky_map.h"
 
 typedef struct gw_ray_gather {
 	uint32_t rays; /* a record */
 	uint32_t seed;
-	gw_buffer lobe;     /* R32_UINT, rays * records: what each ray hit, GW_NONE for nothing */
+	gw_buffer facet;    /* R32_UINT, rays * records: what each ray hit, GW_NONE for nothing */
 	gw_buffer distance; /* R32_SFLOAT, likewise, leaf cells */
-	gw_buffer through;  /* R32_UINT, a record: which samples of the openings to the sky leave the
-						   scene; empty until a sky shines in by openings */
+	gw_buffer through;  /* R32_UINT, a record: which samples of the portals leave the
+						   scene; empty until a sky shines in by portals */
 } gw_ray_gather;
 
 /* Makes room for the hits of `rays` rays from every record. */
@@ -34,13 +34,13 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
 							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error);
 
-/* Samples the openings to the sky from every record, into gather->through, unless that is there. */
+/* Samples the portals from every record, into gather->through, unless that is there. */
 gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_openings *openings, gw_ray_gather *gather, gw_error *error);
+							 const gw_portals *portals, gw_ray_gather *gather, gw_error *error);
 
 /* The same from further records, whose hits alone are *own, behind the others. */
 gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
-									 const gw_records *further, const gw_openings *openings,
+									 const gw_records *further, const gw_portals *portals,
 									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error);
 
 /* What a sampled gather looks for. */
@@ -56,9 +56,9 @@ typedef struct gw_sampled_sources {
 							  see it too, combined likewise */
 	uint32_t map_samples;
 	bool map_hits;
-	const gw_openings *openings; /* NULL, or those to the sky, sampled by gather->through */
-	bool looked;                 /* what is nearest and which are buried is known already */
-	uint32_t seed;               /* of the samples */
+	const gw_portals *portals; /* NULL, or those to the sky, sampled by gather->through */
+	bool looked;               /* what is nearest and which are buried is known already */
+	uint32_t seed;             /* of the samples */
 	gw_buffer *kept; /* NULL, or where what emitters brought is left for another time: vec4 a
 						record. A buffer that exists is taken in place of their samples and hits */
 } gw_sampled_sources;
@@ -85,7 +85,7 @@ gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_reco
 
 /* One bounce: irradiance from what the rays hit, into records->gathered. */
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
-							   const gw_buffer *lobe_radiance, gw_records *records,
+							   const gw_buffer *facet_radiance, gw_records *records,
 							   gw_error *error);
 
 /* Adds `count` vec4 of one buffer to those of another. */

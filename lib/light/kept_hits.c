@@ -188,10 +188,10 @@ static gw_status keep(gw_passes *passes, const gw_records *records, const gw_kep
 					  const keep_tables *tables, uint32_t box_count, gw_ray_gather *gather,
 					  gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&kept->rays.lobe),      gw_whole(&kept->rays.distance),
+	const gw_binding bindings[] = { gw_whole(&kept->rays.facet),     gw_whole(&kept->rays.distance),
 									gw_whole(&tables->known_record), gw_whole(&tables->leaf_now),
 									gw_whole(&records->position),    gw_whole(&records->normal),
-									gw_whole(&tables->box),          gw_window(&gather->lobe, 4),
+									gw_whole(&tables->box),          gw_window(&gather->facet, 4),
 									gw_window(&gather->distance, 4), gw_whole(&tables->list) };
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed, .boxes = box_count };
 	return gw_passes_run(passes, GW_PASS_RECORD_KEEP, bindings, &push,
@@ -210,7 +210,7 @@ static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const 
 	*traced = listed;
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
 									gw_whole(&records->normal), gw_whole(&tables->list),
-									gw_whole(&gather->lobe),    gw_whole(&gather->distance),
+									gw_whole(&gather->facet),   gw_whole(&gather->distance),
 									GW_DISC_BINDINGS(octree),   GW_TREE_BINDING(octree) };
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);

@@ -1,5 +1,5 @@
 /*
- * kernel.cpp - a pass of shaders/ as a loop of the host; built once for each that the Makefile
+ * kernel.cpp - a pass of shaders/ as a CPU loop; built once for each that the Makefile
  * lists, with PASS as its name and PASS_TEXT as the name of its file.
  *
  * The text becomes the body of a struct: bindings, constants, and what GLSL calls globals are

@@ -7,7 +7,7 @@
 
 #include "light/records.h"
 
-/* A sparse matrix on the host, a row a surfel. */
+/* A sparse matrix on the CPU, a row a surfel. */
 typedef struct gw_read_back {
 	size_t count;     /* surfels */
 	uint32_t *first;  /* count + 1: where each row starts; rows of surfels with no record near are

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lobes whose normals are closer than this share a record. */
+/* Facets whose normals are closer than this share a record. */
 #define LIKE_NORMAL 0.7f
 
 /* Darts that stuck, listed by cells of a hash table; a cell is one spacing wide. */
@@ -55,7 +55,7 @@ static uint32_t bucket(const dart_table *table, int64_t x, int64_t y, int64_t z)
 	return (uint32_t)mix(key) & table->mask;
 }
 
-/* Do two lobes lie on the same piece of surface, nearer than the spacing? */
+/* Do two facets lie on the same piece of surface, nearer than the spacing? */
 static bool conflict(const float *centre, const float *plane, size_t a, size_t b, float spacing,
 					 float off_plane)
 {
@@ -132,7 +132,7 @@ static size_t throw_darts(dart_table *table, const gw_place_task *task, const da
 	return count;
 }
 
-/* A dart's turn follows from what its lobe is, so that a lobe far away does not change it. */
+/* A dart's turn follows from what its facet is, so that a facet far away does not change it. */
 static uint64_t turn_of(const float *centre, const float *plane, size_t slot, uint64_t seed)
 {
 	uint64_t words[4];
@@ -154,7 +154,7 @@ static size_t list_darts(const float *centre, const float *plane, size_t slots, 
 	return count;
 }
 
-/* All lobes in a random order, as far as there is room; or all of them. */
+/* All facets in a random order, as far as there is room; or all of them. */
 static size_t choose(dart_table *table, const gw_place_task *task, dart *darts, uint32_t *chosen)
 {
 	size_t count = list_darts(task->centre, task->plane, task->slots, task->seed, darts);

@@ -1,5 +1,5 @@
 /*
- * record_places.h - where records go: dart throwing over the lobes, on the host.
+ * record_places.h - where records go: dart throwing over the facets, on the CPU.
  */
 #ifndef RECORD_PLACES_H
 #define RECORD_PLACES_H
@@ -7,11 +7,11 @@
 #include "glowworm.h"
 
 typedef struct gw_place_task {
-	const float *centre, *plane; /* 4 * slots, as gw_octree.lobe_centre and lobe_plane; slots of
+	const float *centre, *plane; /* 4 * slots, as gw_octree.facet_centre and facet_plane; slots of
 									area 0 are skipped */
 	size_t slots;
-	float spacing;        /* leaf cells; 0 chooses every lobe */
-	float radius;         /* of influence, leaf cells: how far off a lobe's plane counts as another
+	float spacing;        /* leaf cells; 0 chooses every facet */
+	float radius;         /* of influence, leaf cells: how far off a facet's plane counts as another
 							 surface */
 	const float *closer;  /* NULL, or one a slot: its own spacing, at most the spacing, which has to
 							 be above 0; the radius shrinks with it */
@@ -21,7 +21,7 @@ typedef struct gw_place_task {
 } gw_place_task;
 
 /*
- * Chooses lobes for records, see gw_records_place.
+ * Chooses facets for records, see gw_records_place.
  *   chosen   receives the slots, allocated: those that are kept as they are, then the others in
  *            ascending order; freed by the caller
  */

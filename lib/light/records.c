@@ -1,5 +1,5 @@
 /*
- * records.c - see records.h. Placement is on the host (record_places.c); listing by blocks, weights
+ * records.c - see records.h. Placement is on the CPU (record_places.c); listing by blocks, weights
  * and read-back are passes.
  */
 #include "light/records.h"
@@ -13,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Radius of influence when every lobe is a record, leaf cells. */
+/* Radius of influence when every facet is a record, leaf cells. */
 #define RADIUS_DENSE 1.6f
 
-/* Ends of a visibility test are lifted this far off the surface, leaf cells: half a disc's radius.
+/* Ends of a visibility test are moved this far off the surface, leaf cells: half a disc's radius.
  */
-#define LIFT 0.65f
+#define RAY_OFFSET 0.65f
 
 static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char *name,
 					   gw_buffer *buffer, gw_error *error)
@@ -71,9 +71,9 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 		{ &records->normal, f4, 16 * n, "record normal" },
 		{ &records->block_first, u1, 4 * ((uint64_t)records->block_count + 1), "block first" },
 		{ &records->block_record, u1, 4 * n, "block record" },
-		{ &records->lobe_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
-		  "lobe record" },
-		{ &records->lobe_weight, f4, 4 * GW_WEIGHTS * slots, "lobe weight" },
+		{ &records->facet_record, VK_FORMAT_R32G32B32A32_UINT, 4 * GW_WEIGHTS * slots,
+		  "facet record" },
+		{ &records->facet_weight, f4, 4 * GW_WEIGHTS * slots, "facet weight" },
 	};
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
@@ -84,14 +84,14 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 	return status;
 }
 
-/* Puts a record on each of the lobes that are listed. */
-static gw_status put_on_lobes(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
-							  gw_records *records, gw_error *error)
+/* Puts a record on each of the facets that are listed. */
+static gw_status put_on_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *facet,
+							   gw_records *records, gw_error *error)
 {
 	const gw_binding bindings[] = {
 		gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
-		gw_whole(&octree->surfel_position), gw_whole(&octree->lobe_plane),
-		gw_whole(&octree->lobe_centre),     gw_window(lobe, 4),
+		gw_whole(&octree->surfel_position), gw_whole(&octree->facet_plane),
+		gw_whole(&octree->facet_centre),    gw_window(facet, 4),
 		gw_window(&records->position, 16),  gw_window(&records->normal, 16)
 	};
 	return gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
@@ -121,7 +121,7 @@ static bool sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_
 	return true;
 }
 
-static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const gw_buffer *lobe,
+static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const gw_buffer *facet,
 							   gw_records *records, gw_error *error)
 {
 	gw_gpu *gpu = passes->gpu;
@@ -141,7 +141,7 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const
 										gw_whole(&octree->node),
 										gw_window(&records->position, 16),
 										gw_window(&block_of, 4),
-										gw_window(lobe, 4),
+										gw_window(facet, 4),
 										gw_whole(&octree->leaf_cell) };
 		gw_lookup_push push = { .block_level = records->block_level,
 								.tile_first = records->block_tile_first };
@@ -169,57 +169,57 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const
 	return status;
 }
 
-/* Throws darts; the chosen lobes become records->lobe and records->count. */
-static gw_status choose_lobes(gw_gpu *gpu, const gw_octree *octree, gw_place_task task,
-							  gw_records *records, gw_error *error)
+/* Throws darts; the chosen facets become records->facet and records->count. */
+static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_task task,
+							   gw_records *records, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
 	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
 	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
 	gw_status status = GW_OK;
 	if (!centre || !plane)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, &octree->lobe_centre, 0, centre, 16 * slots, error);
+		status = gw_buffer_download(gpu, &octree->facet_centre, 0, centre, 16 * slots, error);
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, &octree->lobe_plane, 0, plane, 16 * slots, error);
+		status = gw_buffer_download(gpu, &octree->facet_plane, 0, plane, 16 * slots, error);
 	task.centre = centre;
 	task.plane = plane;
 	task.slots = slots;
 	task.radius = records->radius;
 	if (status == GW_OK)
-		status = gw_place_records(&task, &records->lobe, &count, error);
+		status = gw_place_records(&task, &records->facet, &count, error);
 	records->count = (uint32_t)count;
 	free(centre);
 	free(plane);
 	return status;
 }
 
-/* Puts the records on their lobes, and lists them. */
+/* Puts the records on their facets, and lists them. */
 static gw_status put_and_list(gw_passes *passes, const gw_octree *octree, gw_records *records,
 							  gw_error *error)
 {
 	gw_gpu *gpu = passes->gpu;
-	gw_buffer lobe = { 0 };
+	gw_buffer facet = { 0 };
 	uint64_t bytes = 4 * (uint64_t)records->count;
 	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"record lobe", &lobe, error);
+										"record facet", &facet, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &lobe, 0, records->lobe, bytes, error);
+		status = gw_buffer_upload(gpu, &facet, 0, records->facet, bytes, error);
 	if (status == GW_OK)
-		status = put_on_lobes(passes, octree, &lobe, records, error);
+		status = put_on_facets(passes, octree, &facet, records, error);
 	if (status == GW_OK)
-		status = list_by_block(passes, octree, &lobe, records, error);
-	gw_buffer_destroy(gpu, &lobe);
+		status = list_by_block(passes, octree, &facet, records, error);
+	gw_buffer_destroy(gpu, &facet);
 	return status;
 }
 
-/* What *records has of lobe weights stays. */
+/* What *records has of facet weights stays. */
 static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
 					   gw_records *records, gw_error *error)
 {
-	records->radius = fmaxf(GW_LOBE_REACH * task->spacing, RADIUS_DENSE);
-	gw_status status = choose_lobes(passes->gpu, octree, *task, records, error);
+	records->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
+	gw_status status = choose_facets(passes->gpu, octree, *task, records, error);
 	choose_blocks(octree, task->kept_count > 0 ? 1.0f : 2.0f, records);
 	if (status == GW_OK)
 		status = create_buffers(passes->gpu, octree, records, error);
@@ -239,15 +239,16 @@ gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spa
 }
 
 gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						 const float *lobe_spacing, gw_records *records, gw_error *error)
+						 const float *facet_spacing, gw_records *records, gw_error *error)
 {
 	gw_place_task task = { .spacing = spacing,
-						   .closer = lobe_spacing,
-						   .kept = records->lobe,
+						   .closer = facet_spacing,
+						   .kept = records->facet,
 						   .kept_count = records->count,
 						   .seed = seed };
-	gw_records more = { .lobe_record = records->lobe_record, .lobe_weight = records->lobe_weight };
-	records->lobe_record = records->lobe_weight = (gw_buffer){ 0 };
+	gw_records more = { .facet_record = records->facet_record,
+						.facet_weight = records->facet_weight };
+	records->facet_record = records->facet_weight = (gw_buffer){ 0 };
 	gw_status status = place(passes, octree, &task, &more, error);
 	gw_records_destroy(passes->gpu, records);
 	*records = more;
@@ -263,9 +264,9 @@ gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal
 		const float *values;
 		const char *name;
 	} rows[] = {
-		{ &records->position, position, "probe position" },
-		{ &records->normal, normal, "probe normal" },
-		{ &records->gathered, NULL, "probe gathered irradiance" },
+		{ &records->position, position, "check point position" },
+		{ &records->normal, normal, "check point normal" },
+		{ &records->gathered, NULL, "check point gathered irradiance" },
 	};
 	uint64_t bytes = 16 * (uint64_t)count;
 	gw_status status = GW_OK;
@@ -282,12 +283,12 @@ gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal
 
 void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 {
-	gw_buffer *all[] = { &records->position,     &records->normal,      &records->block_first,
-						 &records->block_record, &records->first,       &records->indirect,
-						 &records->gathered,     &records->lobe_record, &records->lobe_weight };
+	gw_buffer *all[] = { &records->position,     &records->normal,       &records->block_first,
+						 &records->block_record, &records->first,        &records->indirect,
+						 &records->gathered,     &records->facet_record, &records->facet_weight };
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_buffer_destroy(gpu, all[i]);
-	free(records->lobe);
+	free(records->facet);
 	*records = (gw_records){ 0 };
 }
 
@@ -314,7 +315,7 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 	return (gw_lookup_push){ .block_level = records->block_level,
 							 .tile_first = records->block_tile_first,
 							 .radius = records->radius,
-							 .lift = LIFT,
+							 .ray_offset = RAY_OFFSET,
 							 .visibility = 1,
 							 .own_reach = reach != NULL };
 }
@@ -325,16 +326,16 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 		gw_whole(&records->normal), gw_whole(&records->block_first),                               \
 		gw_whole(&records->block_record)
 
-gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 const gw_buffer *reach, gw_error *error)
+gw_status gw_records_weigh_facets(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								  const gw_buffer *reach, gw_error *error)
 {
 	gw_lookup_push push = lookup(records, reach);
 	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-									gw_window(&records->lobe_record, 4 * GW_WEIGHTS),
-									gw_window(&records->lobe_weight, 4 * GW_WEIGHTS),
+									gw_window(&records->facet_record, 4 * GW_WEIGHTS),
+									gw_window(&records->facet_weight, 4 * GW_WEIGHTS),
 									gw_whole(reach ? reach : &records->position),
 									GW_TREE_BINDING(octree) };
-	return gw_passes_run(passes, GW_PASS_LOBE_WEIGHTS, bindings, &push,
+	return gw_passes_run(passes, GW_PASS_FACET_WEIGHTS, bindings, &push,
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 

@@ -1,9 +1,9 @@
 /*
  * records.h - places at which light is gathered (Ward's irradiance records), and the way back from
- * them to lobes and surfels.
+ * them to facets and surfels.
  *
- * One pipeline serves every method: `place` records on the lobes of the octree, `trace` what they
- * see, `shade` what was seen, keep irradiance as the basis, `read back` at lobes and surfels by
+ * One pipeline serves every method: `place` records on the facets of the octree, `trace` what they
+ * see, `shade` what was seen, keep irradiance as the basis, `read back` at facets and surfels by
  * distance, normal, plane and visibility. Rays (gather_rays.h) and cones (gather_cones.h) are two
  * trace steps.
  */
@@ -18,7 +18,7 @@ typedef struct gw_records {
 	uint32_t block_level; /* octree level of the cells that list them */
 	uint32_t block_count;
 	uint32_t block_tile_first; /* first tile whose parent cells are blocks */
-	uint32_t *lobe;     /* on the host: where each was placed; NULL for those put elsewhere */
+	uint32_t *facet;           /* on the CPU: where each was placed; NULL for those put elsewhere */
 	gw_buffer position; /* R32G32B32A32_SFLOAT: grid coordinates; w: distance to the nearest thing
 						   the record saw */
 	gw_buffer normal;   /* R32G32B32A32_SFLOAT; w: 0 if the record lies inside something solid */
@@ -26,44 +26,42 @@ typedef struct gw_records {
 	gw_buffer block_record; /* R32_UINT, count */
 	gw_buffer
 		first; /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
-	gw_buffer indirect;    /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
-	gw_buffer gathered;    /* R32G32B32A32_SFLOAT, of the latest bounce */
-	gw_buffer lobe_record; /* R32G32B32A32_UINT, GW_WEIGHTS * 2 * leaf_count words: see
-							  lobe_weights.comp */
-	gw_buffer lobe_weight; /* R32G32B32A32_SFLOAT, likewise */
+	gw_buffer indirect;     /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
+	gw_buffer gathered;     /* R32G32B32A32_SFLOAT, of the latest bounce */
+	gw_buffer facet_record; /* R32G32B32A32_UINT, GW_WEIGHTS * 2 * leaf_count words: see
+							  facet_weights.comp */
+	gw_buffer facet_weight; /* R32G32B32A32_SFLOAT, likewise */
 } gw_records;
 
 /*
- * Places records on the lobes by dart throwing: in a random but fixed order, a lobe gets a record
+ * Places records on the facets by dart throwing: in a random but fixed order, a facet gets a record
  * unless one with a like normal lies nearer than `spacing` leaf cells on the same surface; so every
- * lobe lies within that distance of a record. spacing 0: one on every lobe (Salm 4.4.3).
+ * facet lies within that distance of a record. spacing 0: one on every facet (Salm 4.4.3).
  */
 gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
 						   gw_records *records, gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
 /*
- * Adds records until every lobe lies within its own spacing of one. Those that there are keep their
- * places and come first, and lobes keep those that they take light from; light is forgotten, and
- * the distance to the nearest thing.
- *   spacing        with which the first records were placed, above 0
- *   lobe_spacing   2 * leaf_count: each lobe's own, at most that
+ * Adds records until every facet lies within its own spacing of one. Those that there are keep
+ * their places and come first, and facets keep those that they take light from; light is forgotten,
+ * and the distance to the nearest thing. spacing        with which the first records were placed,
+ * above 0 facet_spacing   2 * leaf_count: each facet's own, at most that
  */
 gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						 const float *lobe_spacing, gw_records *records, gw_error *error);
+						 const float *facet_spacing, gw_records *records, gw_error *error);
 
-/* How many of their spacings far lobes and surfels look for records where those stand closer. Where
- * surfels look farther, more records speak for them and their noise is averaged; that of lobes is
- * averaged by the rays that hit them. */
-#define GW_LOBE_REACH 1.6f
+/* How many of their spacings far facets and surfels look for records where those stand closer.
+ * Where surfels look farther, more records speak for them and their noise is averaged; that of
+ * facets is averaged by the rays that hit them. */
+#define GW_FACET_REACH 1.6f
 #define GW_SURFEL_REACH 2.25f
 
 /*
- * How far lobes or surfels look for records that stand closer, as a buffer for the functions below:
- * reach times their spacing, at most the records' radius.
- *   spacing   count, leaf cells
- *   closer    count: those that are false get 0, and keep the records that they have
- *   buffer    receives a texel buffer, owned by the caller on success
+ * How far facets or surfels look for records that stand closer, as a buffer for the functions
+ * below: reach times their spacing, at most the records' radius. spacing   count, leaf cells closer
+ * count: those that are false get 0, and keep the records that they have buffer    receives a texel
+ * buffer, owned by the caller on success
  */
 gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
 						   const float *spacing, const bool *closer, size_t count,
@@ -84,11 +82,11 @@ gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal
 /* Luminance of all the irradiance that records gathered; light receives one a record. */
 gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error);
 
-/* Finds the records each lobe's irradiance is interpolated from. Needs record position w.
+/* Finds the records each facet's irradiance is interpolated from. Needs record position w.
  *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count; those of 0
  *           keep what they have */
-gw_status gw_records_weigh_lobes(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 const gw_buffer *reach, gw_error *error);
+gw_status gw_records_weigh_facets(gw_passes *passes, const gw_octree *octree, gw_records *records,
+								  const gw_buffer *reach, gw_error *error);
 
 /*
  * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.

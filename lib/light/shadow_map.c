@@ -1,6 +1,6 @@
 /*
  * shadow_map.c - see shadow_map.h. For each view of a light and each window of its map: clear, draw
- * the lobes, look up the surfels that lie in it.
+ * the facets, look up the surfels that lie in it.
  */
 #include "light/shadow_map.h"
 
@@ -34,7 +34,7 @@ typedef struct shadow_map {
 	uint32_t window;       /* of a window, without borders */
 	float low[3], high[3]; /* bounds of the cloud, grid coordinates */
 	gw_buffer depth;       /* R32_SFLOAT, a window with borders: distance / range */
-	gw_buffer most;        /* one word: tiles of the largest picture of a lobe */
+	gw_buffer most;        /* one word: tiles of the largest picture of a facet */
 	gw_buffer *visibility;
 } shadow_map;
 
@@ -51,11 +51,11 @@ static float dot3(vec4 a, const float b[3])
 
 /* -------------------------------------------------------------------------------- windows */
 
-/* Draws all lobes into the window; further runs draw what is left of large pictures. */
-static gw_status draw_lobes(shadow_map *map, gw_shadow_push *push, gw_error *error)
+/* Draws all facets into the window; further runs draw what is left of large pictures. */
+static gw_status draw_facets(shadow_map *map, gw_shadow_push *push, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&map->octree->leaf_cell),
-									gw_whole(&map->octree->lobe_plane), gw_whole(&map->depth),
+									gw_whole(&map->octree->facet_plane), gw_whole(&map->depth),
 									gw_whole(&map->most) };
 	gw_gpu *gpu = map->passes->gpu;
 	uint32_t rounds = 1;
@@ -75,7 +75,7 @@ static gw_status run_window(shadow_map *map, gw_shadow_push *push, gw_error *err
 {
 	gw_status status = gw_buffer_fill(map->passes->gpu, &map->depth, FAR_DEPTH, error);
 	if (status == GW_OK)
-		status = draw_lobes(map, push, error);
+		status = draw_facets(map, push, error);
 	if (status != GW_OK)
 		return status;
 	const gw_binding bindings[] = { gw_whole(&map->depth),

@@ -8,7 +8,7 @@
 
 /*
  * Bytes that a bake holds at its peak, by what they grow with. A point: input, map and result, 140.
- * A surfel: its own arrays, 100, about one leaf with two lobes, 190, and 16 fragments of 16 bytes
+ * A surfel: its own arrays, 100, about one leaf with two facets, 190, and 16 fragments of 16 bytes
  * in two buffers while they are sorted, 512. Both directories of the octree: 16 MiB at most.
  */
 #define POINT_BYTES 140u
@@ -57,8 +57,8 @@ static void measure_spacing(const gw_surfels *surfels, const float *gap, gw_stat
 	size_t n = surfels->count;
 	for (int k = 0; k < 3 && n > 1; k++)
 		statistics->spacing[k] =
-			(double)gw_rank_float(gap, n, (size_t)(share[k] * (double)(n - 1)));
-	double area = (double)gw_rank_float(surfels->area, n, n / 2);
+			(double)gw_nth_element(gap, n, (size_t)(share[k] * (double)(n - 1)));
+	double area = (double)gw_nth_element(surfels->area, n, n / 2);
 	statistics->density = 1 / area;
 }
 

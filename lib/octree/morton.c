@@ -1,5 +1,5 @@
 /*
- * morton.c - Morton keys on the host; see octree.h.
+ * morton.c - Morton keys on the CPU; see octree.h.
  */
 #include "octree/octree.h"
 

@@ -69,7 +69,7 @@ typedef struct gw_octree {
 	/* R32_UINT, 8 * leaf_tile_count, as tile_neighbour */
 	gw_buffer leaf_tile_neighbour;
 	/* R32G32_UINT, leaf_tile_count: x = index of its first leaf, y = bit field: bits 0-7 leaf
-	 * exists, bits 8-15 it has a first lobe, 16-23 a second one, 24-31 its lobes' surface fills
+	 * exists, bits 8-15 it has a first facet, 16-23 a second one, 24-31 its facets' surface fills
 	 * it */
 	gw_buffer leaf_tile;
 	/* R32G32B32A32_UINT, leaf_count: cell x, y, z and leaf tile */
@@ -77,7 +77,7 @@ typedef struct gw_octree {
 
 	/* Directory. level_directory: for t = 0..T, entry (8^t - 1) / 7 + x + (y << t) + (z << 2t) is
 	 * the pointer (plus one) to the tile of that cell's children (a leaf tile where t = depth - 1).
-	 * ray_directory: for level T alone; bit 31 set: the cell holds leaves with lobes, low bits are
+	 * ray_directory: for level T alone; bit 31 set: the cell holds leaves with facets, low bits are
 	 * the pointer (not plus one) to its children's tile; else the chessboard distance, in cells of
 	 * level T and at most 255, to the nearest cell that holds some. */
 	/* R32_UINT */
@@ -85,7 +85,7 @@ typedef struct gw_octree {
 	/* R32_UINT, 8^T */
 	gw_buffer ray_directory;
 
-	/* Leaves. A leaf holds at most two lobes: planes with the mean of what lies in the leaf. Slot
+	/* Leaves. A leaf holds at most two facets: planes with the mean of what lies in the leaf. Slot
 	 * 2 * leaf + s; unused slots are zero. */
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: by RoI intersection volume (Salm 4.3.4): [2i] =
 	 * albedo rgb times opacity, opacity (may exceed 1, see there); [2i+1] = NDF xyz times
@@ -93,18 +93,18 @@ typedef struct gw_octree {
 	gw_buffer leaf_geometry;
 	/* R32G32B32A32_SFLOAT, 2 * leaf_count: unit normal n, offset c; the plane is n . (g - cell
 	 * centre) = c, in leaf cells */
-	gw_buffer lobe_plane;
+	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
-	gw_buffer lobe_centre;
+	gw_buffer facet_centre;
 	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided */
-	gw_buffer lobe_albedo;
+	gw_buffer facet_albedo;
 	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
-	gw_buffer lobe_emission;
+	gw_buffer facet_emission;
 
 	/* Fragments, sorted by leaf and then by surfel: who contributes to which leaf. */
 	/* R32_UINT, leaf_count + 1: first fragment of each leaf */
 	gw_buffer leaf_fragment;
-	/* R32_UINT, fragment_count: bits 0-29 the surfel; bit 30: which lobe it joined; bit 31: a
+	/* R32_UINT, fragment_count: bits 0-29 the surfel; bit 30: which facet it joined; bit 31: a
 	 * RoI fragment (weight is an intersection volume, leaf cells^3) rather than a disc
 	 * fragment (weight is an area, leaf cells^2) */
 	gw_buffer fragment_surfel;
@@ -124,8 +124,8 @@ typedef struct gw_octree {
 	gw_buffer surfel_clip;
 
 	/* Large discs. Such a surfel contributes all of its area to the leaf of its centre, so that
-	 * there is a lobe that stands for it; where its surface is, only this tree knows. */
-	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, lobes are slots. One texel, 0,
+	 * there is a facet that stands for it; where its surface is, only this tree knows. */
+	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, facets are slots. One texel, 0,
 	 * when there are none */
 	gw_buffer disc_tree;
 } gw_octree;

@@ -8,18 +8,18 @@
 /* How far a leaf's plane reaches beyond its cell, in cells, to close the cracks between neighbours.
  * Of the rays inside a sphere 30 cells wide 0.19 % escape at 0.02, 0.08 % at 0.1; from 0.2 on,
  * planes that stick out over edges cost more light than cracks do. */
-#define CELL_SLACK 0.1f
+#define PLANE_OVERLAP 0.1f
 
-enum { DEPTH, DIRECTORY_LEVEL, SLACK, HAS_LARGE_DISCS };
+enum { DEPTH, DIRECTORY_LEVEL, OVERLAP, HAS_LARGE_DISCS };
 
 void gw_octree_passes(gw_passes *passes, gw_gpu *gpu, const gw_octree *octree)
 {
-	const float slack = CELL_SLACK;
+	const float overlap = PLANE_OVERLAP;
 	*passes = (gw_passes){ .gpu = gpu,
 						   .constant = { [DEPTH] = octree->depth,
 										 [DIRECTORY_LEVEL] = octree->directory_level,
 										 [HAS_LARGE_DISCS] = octree->tree_discs > 0 } };
-	memcpy(&passes->constant[SLACK], &slack, sizeof slack);
+	memcpy(&passes->constant[OVERLAP], &overlap, sizeof overlap);
 }
 
 bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree)

@@ -16,7 +16,7 @@ bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree);
 /* What octree_trace.glsl reads of an octree, and octree_discs.glsl, in the order of their lists. */
 #define GW_TRACE_BINDINGS(octree)                                                                  \
 	gw_whole(&(octree)->ray_directory), gw_whole(&(octree)->node), gw_whole(&(octree)->leaf_tile), \
-		gw_whole(&(octree)->lobe_plane), gw_whole(&(octree)->lobe_centre)
+		gw_whole(&(octree)->facet_plane), gw_whole(&(octree)->facet_centre)
 #define GW_DISC_BINDINGS(octree)                                                                   \
 	gw_whole(&(octree)->leaf_fragment), gw_whole(&(octree)->fragment_surfel),                      \
 		gw_whole(&(octree)->surfel_position), gw_whole(&(octree)->surfel_normal),                  \

@@ -25,8 +25,8 @@ static bool is_large(const gw_octree_work *work, size_t surfel)
 	return (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
-/* Enters the lobes that stand for surfels: those of their first disc fragments. */
-static gw_status find_lobes(gw_octree_work *work, uint32_t *lobe, gw_error *error)
+/* Enters the facets that stand for surfels: those of their first disc fragments. */
+static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *error)
 {
 	const gw_octree *octree = work->octree;
 	size_t leaves = octree->leaf_count, fragments = octree->fragment_count;
@@ -43,9 +43,9 @@ static gw_status find_lobes(gw_octree_work *work, uint32_t *lobe, gw_error *erro
 									4 * (uint64_t)fragments, error);
 	for (size_t leaf = 0; leaf < leaves && status == GW_OK; leaf++)
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
-			uint32_t *own = lobe + (surfel[f] & GW_FRAGMENT_SURFEL);
+			uint32_t *own = facet + (surfel[f] & GW_FRAGMENT_SURFEL);
 			if ((surfel[f] & GW_FRAGMENT_ROI) == 0 && *own == GW_NONE)
-				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_LOBE) != 0);
+				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_FACET) != 0);
 		}
 	free(first);
 	free(surfel);
@@ -53,7 +53,7 @@ static gw_status find_lobes(gw_octree_work *work, uint32_t *lobe, gw_error *erro
 }
 
 /* The large discs in coordinates of the grid; returns how many. */
-static size_t list_large(const gw_octree_work *work, const uint32_t *lobe, gw_disc *disc)
+static size_t list_large(const gw_octree_work *work, const uint32_t *facet, gw_disc *disc)
 {
 	const gw_octree *octree = work->octree;
 	const float *low = octree->cube_minimum;
@@ -65,7 +65,7 @@ static size_t list_large(const gw_octree_work *work, const uint32_t *lobe, gw_di
 		if (!is_large(work, i))
 			continue;
 		disc[count] = gw_disc_of_surfel(work->surfels, i, &shape);
-		disc[count++].lobe = lobe[i];
+		disc[count++].facet = facet[i];
 	}
 	return count;
 }
@@ -73,19 +73,19 @@ static size_t list_large(const gw_octree_work *work, const uint32_t *lobe, gw_di
 static gw_status make_tree(gw_octree_work *work, gw_disc_tree *tree, gw_error *error)
 {
 	size_t surfels = work->surfels->count;
-	uint32_t *lobe = gw_allocate_array(surfels, sizeof *lobe);
+	uint32_t *facet = gw_allocate_array(surfels, sizeof *facet);
 	gw_disc *disc = gw_allocate_array(work->octree->tree_discs, sizeof *disc);
 	gw_status status = GW_OK;
-	if (!lobe || !disc)
+	if (!facet || !disc)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u large discs",
 						 work->octree->tree_discs);
 	for (size_t i = 0; i < surfels && status == GW_OK; i++)
-		lobe[i] = GW_NONE;
+		facet[i] = GW_NONE;
 	if (status == GW_OK)
-		status = find_lobes(work, lobe, error);
+		status = find_facets(work, facet, error);
 	if (status == GW_OK)
-		status = gw_disc_tree_build(disc, list_large(work, lobe, disc), tree, error);
-	free(lobe);
+		status = gw_disc_tree_build(disc, list_large(work, facet, disc), tree, error);
+	free(facet);
 	free(disc);
 	return status;
 }

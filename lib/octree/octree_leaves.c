@@ -36,22 +36,22 @@ static gw_status create_leaves(gw_octree_work *work, gw_error *error)
 	uint64_t emission = work->surfels->emission != NULL ? 32 * leaves : 16;
 	const gw_octree_part part[] = {
 		{ &octree->leaf_geometry, floats, 32 * leaves, "geometry of leaves" },
-		{ &octree->lobe_plane, floats, 32 * leaves, "planes of lobes" },
-		{ &octree->lobe_centre, floats, 32 * leaves, "centroids of lobes" },
-		{ &octree->lobe_albedo, floats, 32 * leaves, "albedos of lobes" },
-		{ &octree->lobe_emission, floats, emission, "emission of lobes" },
+		{ &octree->facet_plane, floats, 32 * leaves, "planes of facets" },
+		{ &octree->facet_centre, floats, 32 * leaves, "centroids of facets" },
+		{ &octree->facet_albedo, floats, 32 * leaves, "albedos of facets" },
+		{ &octree->facet_emission, floats, emission, "emission of facets" },
 		{ &octree->ray_directory, VK_FORMAT_R32_UINT, 4 * cells, "directory of rays" },
-		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of lobes" },
+		{ &work->seed, VK_FORMAT_R32G32B32A32_UINT, 16 * leaves, "seeds of facets" },
 		{ &work->ray_mark, VK_FORMAT_R32_UINT, 4 * cells, "marked cells" },
 		{ &work->distance, VK_FORMAT_R32_UINT, 4 * cells, "distances to marked cells" },
 	};
 	return gw_octree_buffers(work, part, sizeof part / sizeof *part, error);
 }
 
-/* Lobes' emission; when there is none, a buffer of one texel that the passes leave alone. */
+/* Facets' emission; when there is none, a buffer of one texel that the passes leave alone. */
 static gw_binding emission_binding(gw_octree *octree, bool emissive)
 {
-	return emissive ? GW_WINDOW(&octree->lobe_emission, 32) : GW_WHOLE(&octree->lobe_emission);
+	return emissive ? GW_WINDOW(&octree->facet_emission, 32) : GW_WHOLE(&octree->facet_emission);
 }
 
 static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t longest,
@@ -81,15 +81,15 @@ static gw_status reduce(gw_octree_work *work, gw_leaves_push push, uint32_t long
 		GW_WHOLE(&work->surfel_bend),
 		GW_WHOLE(&octree->fragment_surfel),
 		GW_WINDOW(&work->seed, 16),
-		GW_WINDOW(&octree->lobe_plane, 32),
-		GW_WINDOW(&octree->lobe_centre, 32),
-		GW_WINDOW(&octree->lobe_albedo, 32),
+		GW_WINDOW(&octree->facet_plane, 32),
+		GW_WINDOW(&octree->facet_centre, 32),
+		GW_WINDOW(&octree->facet_albedo, 32),
 		emission_binding(octree, push.emissive),
 	};
 	for (uint64_t from = 0; from < longest; from += GW_REDUCE_RUN) {
 		push.from = (uint32_t)from;
-		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_LOBES, adding, &push, octree->leaf_count,
-							 error));
+		GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_FACETS, adding, &push,
+							 octree->leaf_count, error));
 	}
 	return GW_OK;
 }
@@ -103,9 +103,9 @@ static gw_status finish(gw_octree_work *work, gw_leaves_push push, gw_error *err
 		GW_WHOLE(&octree->surfel_position),
 		GW_WHOLE(&octree->surfel_normal),
 		GW_WINDOW(&work->seed, 16),
-		GW_WINDOW(&octree->lobe_plane, 32),
-		GW_WINDOW(&octree->lobe_centre, 32),
-		GW_WINDOW(&octree->lobe_albedo, 32),
+		GW_WINDOW(&octree->facet_plane, 32),
+		GW_WINDOW(&octree->facet_centre, 32),
+		GW_WINDOW(&octree->facet_albedo, 32),
 		emission_binding(octree, push.emissive),
 		GW_WHOLE(&octree->leaf_tile),
 		GW_WHOLE(&work->ray_mark),

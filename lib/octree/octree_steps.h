@@ -17,7 +17,7 @@
 #include "octree/octree_layout.h"
 #include "device/radix_sort.h"
 
-/* Sorted fragments on the host: low and high words of keys (high only where keys are wide),
+/* Sorted fragments on the CPU: low and high words of keys (high only where keys are wide),
  * surfels, weights, centroids. */
 #define GW_FRAGMENT_WORDS 5u
 typedef struct gw_fragment_list {
@@ -130,7 +130,7 @@ gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *hig
 /* Leaves, tiles, pointers, level_directory. */
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);
 
-/* Geometry, lobes, ray_directory. */
+/* Geometry, facets, ray_directory. */
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error);
 
 /* tree_discs, disc_tree. */

@@ -46,17 +46,17 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 	return status;
 }
 
-static gw_status average_lobes(gw_render_octree *o, gw_error *error)
+static gw_status average_facets(gw_render_octree *o, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)o->octree.leaf_count;
 	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * slots,
-							"lobe radiance", &o->lobe_radiance, error));
+							"facet radiance", &o->facet_radiance, error));
 	const gw_binding bindings[] = { gw_whole(&o->octree.leaf_fragment),
 									gw_whole(&o->octree.fragment_surfel),
 									gw_whole(&o->octree.fragment_weight),
 									gw_whole(&o->surfel_radiance),
-									gw_window(&o->lobe_radiance, 16) };
-	return gw_passes_run(&o->passes, GW_PASS_LOBE_DIRECT, bindings, &(gw_record_push){ 0 }, slots,
+									gw_window(&o->facet_radiance, 16) };
+	return gw_passes_run(&o->passes, GW_PASS_FACET_DIRECT, bindings, &(gw_record_push){ 0 }, slots,
 						 error);
 }
 
@@ -64,7 +64,7 @@ static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error
 {
 	GW_TRY(gw_cone_gather_create(o->gpu, &o->octree, 1, 0, &o->bricks, error));
 	o->has_bricks = true;
-	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks, &o->lobe_radiance, largest,
+	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks, &o->facet_radiance, largest,
 							   &o->scale, error);
 }
 
@@ -85,7 +85,7 @@ static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const floa
 		GW_TRY(gw_octree_build(o->gpu, surfels, options->depth, &o->octree, error));
 	gw_octree_passes(&o->passes, o->gpu, &o->octree);
 	GW_TRY(upload_radiance(o, surfels, radiance, error));
-	GW_TRY(average_lobes(o, error));
+	GW_TRY(average_facets(o, error));
 	return options->bricks ? fill_bricks(o, largest_of(radiance, 3 * surfels->count), error)
 						   : GW_OK;
 }
@@ -114,7 +114,7 @@ void gw_render_octree_destroy(gw_render_octree **octree)
 		return;
 	if (o->gpu) {
 		gw_cone_gather_destroy(o->gpu, &o->bricks);
-		gw_buffer_destroy(o->gpu, &o->lobe_radiance);
+		gw_buffer_destroy(o->gpu, &o->facet_radiance);
 		gw_buffer_destroy(o->gpu, &o->surfel_radiance);
 		if (o->passes.gpu)
 			gw_passes_destroy(&o->passes);

@@ -39,5 +39,5 @@ gw_disc_hit gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray)
 							   ray->t_max,
 							   ray->both_sides };
 	glsl::discs::DiscHit hit = glsl::discs(tree->word ? tree->word : empty).trace_discs(aimed);
-	return gw_disc_hit{ hit.disc, hit.lobe, hit.t, hit.yields, hit.behind };
+	return gw_disc_hit{ hit.disc, hit.facet, hit.t, hit.yields, hit.nearest_back_face };
 }

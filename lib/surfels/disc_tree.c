@@ -38,7 +38,7 @@ gw_disc gw_disc_of_surfel(const gw_surfels *surfels, size_t surfel, const gw_dis
 								 surfels->normal[3 * surfel + 2] },
 					 .radius =
 						 (float)((double)surfels->radius[surfel] * shape->scale * shape->widen),
-					 .lobe = (uint32_t)surfel };
+					 .facet = (uint32_t)surfel };
 	float place[3];
 	for (size_t k = 0; k < 3; k++) {
 		place[k] =
@@ -141,7 +141,7 @@ static void store_disc(const build *b, uint32_t number)
 	const gw_disc *d = b->discs + number;
 	uint32_t *texel = b->word + 4 * ((size_t)b->first_texel + GW_DISC_TEXELS * (size_t)number);
 	store(texel, d->place.x, d->place.y, d->place.z, gw_bits_of(d->radius));
-	store(texel + 4, d->normal.x, d->normal.y, d->normal.z, d->lobe);
+	store(texel + 4, d->normal.x, d->normal.y, d->normal.z, d->facet);
 	store(texel + 8, d->clip[0], d->clip[1], d->clip[2], number);
 	store(texel + 12, d->clip[3], d->clip[4], d->clip[5], 0);
 	store(texel + 16, d->bend[0], d->bend[1], d->bend[2], 0);
@@ -191,7 +191,7 @@ uint64_t gw_disc_tree_texels(uint32_t discs)
 	return discs ? 1 + 2 * (2 * (uint64_t)discs - 1) + GW_DISC_TEXELS * (uint64_t)discs : 1;
 }
 
-bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t lobes)
+bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t facets)
 {
 	uint64_t nodes = discs ? 2 * (uint64_t)discs - 1 : 0, first = 1 + 2 * nodes;
 	if (discs >= DISCS_MAX || word[0] != nodes)
@@ -205,7 +205,7 @@ bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t lobes)
 		if (node[7] < first || (node[7] - first) % GW_DISC_TEXELS != 0 ||
 			(node[7] - first) / GW_DISC_TEXELS >= discs)
 			return false;
-		if (word[4 * ((uint64_t)node[7] + 1) + 3] >= lobes)
+		if (word[4 * ((uint64_t)node[7] + 1) + 3] >= facets)
 			return false;
 	}
 	return true;

@@ -1,5 +1,5 @@
 /*
- * disc_tree.h - discs in a bounding volume hierarchy, and rays against them, on the host.
+ * disc_tree.h - discs in a bounding volume hierarchy, and rays against them, on the CPU.
  *
  * The octree's leaves have one width; surface that is sampled much more coarsely than that lives
  * here. The tree knows nothing of octrees: lengths are in any unit, the same for discs and rays.
@@ -9,7 +9,7 @@
  * on. Texel 0 is the header: the number of nodes. Then two texels a node: low corner of its box and
  * the node to go on with when it is missed; high corner and the first texel of its disc, or
  * GW_NONE for a node that has children, which come next. Then GW_DISC_TEXELS a disc: place and
- * radius; normal and lobe; first clip and number; second clip and 0; bend and 0.
+ * radius; normal and facet; first clip and number; second clip and 0; bend and 0.
  */
 #ifndef DISC_TREE_H
 #define DISC_TREE_H
@@ -24,9 +24,9 @@
 typedef struct gw_disc {
 	gw_vec3 place, normal; /* unit normal; rays meet the side that it points to */
 	float radius;
-	float clip[6]; /* two half-planes that cut it, in the frame of gw_tangent_frame */
-	float bend[3]; /* per unit of length */
-	uint32_t lobe; /* whatever the caller wants to know of a disc that is hit */
+	float clip[6];  /* two half-planes that cut it, in the frame of gw_tangent_frame */
+	float bend[3];  /* per unit of length */
+	uint32_t facet; /* whatever the caller wants to know of a disc that is hit */
 } gw_disc;
 
 /* How discs are made of surfels. */
@@ -38,7 +38,7 @@ typedef struct gw_disc_shape {
 	bool flat;        /* without bend */
 } gw_disc_shape;
 
-/* The disc of a surfel; its lobe is the surfel. */
+/* The disc of a surfel; its facet is the surfel. */
 gw_disc gw_disc_of_surfel(const gw_surfels *surfels, size_t surfel, const gw_disc_shape *shape);
 
 typedef struct gw_disc_tree {
@@ -63,9 +63,9 @@ uint64_t gw_disc_tree_texels(uint32_t discs);
 /*
  * Whether words from a file are a tree of so many discs whose walk ends and stays within it.
  *   word    4 * gw_disc_tree_texels(discs)
- *   lobes   numbers of lobes are below this
+ *   facets   numbers of facets are below this
  */
-bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t lobes);
+bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t facets);
 
 /* One ray. */
 typedef struct gw_disc_ray {
@@ -76,12 +76,12 @@ typedef struct gw_disc_ray {
 } gw_disc_ray;
 
 typedef struct gw_disc_hit {
-	uint32_t disc; /* number of the disc, or GW_NONE */
-	uint32_t lobe; /* of the disc, or GW_NONE */
-	float t;       /* t_max when nothing is hit */
-	float yields;  /* what of finer surface a ray meets up to here takes precedence: t and a bit
-					  more, or t_max */
-	float behind;  /* distance to the nearest back of a disc before t_max, or t_max */
+	uint32_t disc;  /* number of the disc, or GW_NONE */
+	uint32_t facet; /* of the disc, or GW_NONE */
+	float t;        /* t_max when nothing is hit */
+	float yields;   /* what of finer surface a ray meets up to here takes precedence: t and a bit
+					   more, or t_max */
+	float nearest_back_face; /* distance to the nearest back of a disc before t_max, or t_max */
 } gw_disc_hit;
 
 /*
@@ -93,6 +93,7 @@ typedef struct gw_disc_hit {
 #ifdef __cplusplus
 extern "C"
 #endif
-gw_disc_hit gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray);
+	gw_disc_hit
+	gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray);
 
 #endif

@@ -12,12 +12,12 @@
 
 /*
  * A list is one-sided when the mean of its offsets is more than this share of their mean length: of
- * a half-plane it is 0.64. That happens at rims, too, but there the neighbours are as far from each
- * other as the surfel is from them: distances between them, of the list's reach, are 0.16 on
- * average there, in a corner 0.11. Those in a denser patch are nearer to each other: below CLOSE,
- * or below CLOSE_AND_OFF and so many times nearer than the surfel is to the nearest of them. What
- * passes that by chance does not the last test: the reach of a list there is less than this share
- * of the surfel's.
+ * a half-plane it is 0.64. That happens at boundaries, too, but there the neighbours are as far
+ * from each other as the surfel is from them: distances between them, of the list's reach, are 0.16
+ * on average there, in a corner 0.11. Those in a denser patch are nearer to each other: below
+ * CLOSE, or below CLOSE_AND_OFF and so many times nearer than the surfel is to the nearest of them.
+ * What passes that by chance does not the last test: the reach of a list there is less than this
+ * share of the surfel's.
  */
 #define ONE_SIDED 0.5
 #define CLOSE 0.06

@@ -1,9 +1,9 @@
 /*
  * normal_error.h - what errors of the normals do to the light of lamps.
  *
- * How far off the normals are is known (lamp_normals.h, plane_error.h), but not which way. So lamps
- * shine once more, without looking for shadows again, on normals that are turned by as much, each
- * in a random direction; the mean square of what that changes is that of the error.
+ * How far off the normals are is known (shading_normals.h, plane_error.h), but not which way. So
+ * lamps shine once more, without looking for shadows again, on normals that are turned by as much,
+ * each in a random direction; the mean square of what that changes is that of the error.
  */
 #ifndef NORMAL_ERROR_H
 #define NORMAL_ERROR_H

@@ -1,8 +1,8 @@
-/* normals.c - normals for points that come without; see surfel_steps.h and normal_sides.h. */
+/* normals.c - normals for points that come without; see surfel_steps.h and normal_orientation.h. */
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
-#include "surfels/normal_sides.h"
+#include "surfels/normal_orientation.h"
 #include "surfels/plane_normal.h"
 
 #include <math.h>
@@ -329,7 +329,7 @@ static gw_status choose_sides(normal_step *step, const gw_surfels_options *optio
 		step->next[i] = (step->state[i] & ESTIMATED) != 0;
 	gw_status status =
 		doubtful
-			? gw_normal_sides(options, step->search, step->surfels, step->next, doubtful, error)
+			? gw_orient_normals(options, step->search, step->surfels, step->next, doubtful, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
 	for (size_t i = 0; status == GW_OK && i < count; i++)
 		step->state[i] |= doubtful[i] ? UNTRUSTED : 0;

@@ -61,7 +61,7 @@ static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *
 	const float *p = s->position + 3 * surfel, *n = s->normal + 3 * surfel;
 	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
 	*sums = (line_sums){ 0 };
-	for (uint32_t j = 0; j < list->count && reach > 0 && s->lamp_off[surfel] > 0; j++) {
+	for (uint32_t j = 0; j < list->count && reach > 0 && s->shading_normal_off[surfel] > 0; j++) {
 		size_t other = list->index[j];
 		const float *q = s->position + 3 * other, *m = s->normal + 3 * other;
 		double sign, height = 0, near = (double)list->distance[j] / reach;
@@ -157,8 +157,8 @@ gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *e
 		size_t last = n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION;
 		region_line line = fit_line(step.sums + first, last - first);
 		for (size_t i = first; i < last; i++)
-			if (surfels->lamp_off[i] > 0)
-				surfels->lamp_off[i] = error_of(&step.sums[i], &line);
+			if (surfels->shading_normal_off[i] > 0)
+				surfels->shading_normal_off[i] = error_of(&step.sums[i], &line);
 	}
 	free(step.sums);
 	return status;

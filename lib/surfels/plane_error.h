@@ -14,10 +14,9 @@
 #include "surfels/normal_noise.h"
 
 /*
- * Replaces what is above 0 in lamp_off by the RMS angle by which the normals there are off,
- * radians: one value for GW_NOISE_REGION surfels.
- *   search   of the surfels at their given positions
- * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ * Replaces what is above 0 in shading_normal_off by the RMS angle by which the normals there are
+ * off, radians: one value for GW_NOISE_REGION surfels. search   of the surfels at their given
+ * positions Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *error);
 

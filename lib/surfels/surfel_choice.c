@@ -81,7 +81,7 @@ static gw_status estimate_roughly(gw_surfels *s, gw_error *error)
 			s->radius[i] = (float)sqrt(DISC_POINTS * area / pi);
 		}
 	}
-	s->spacing = sqrtf(gw_rank_float(s->area, n, n / 2));
+	s->spacing = sqrtf(gw_nth_element(s->area, n, n / 2));
 	return GW_OK;
 }
 

@@ -5,8 +5,8 @@
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
  * overlap, so areas add up whatever the distribution of the points. Where another surface crosses
  * the plane in a crease, or the neighbours leave one side empty, the surface ends; the cell and the
- * disc are cut there, at an empty side once more by what surfel_rims.c finds. Where it curves, the
- * disc is bent to follow it, so that it does not stick out.
+ * disc are cut there, at an empty side once more by what surfel_boundaries.c finds. Where it
+ * curves, the disc is bent to follow it, so that it does not stick out.
  */
 #include "surfels/surfel_plane.h"
 
@@ -32,7 +32,7 @@
 #define STRAY_NEAREST 0.475f /* without any before them: how far, of the furthest */
 #define BEND_POINTS 6        /* neighbours from which on a bend is looked for */
 #define BEND_RIDGE 1e-5      /* keeps neighbours on a line from telling about the other direction */
-#define BEND_MOST 0.5        /* slope of a disc's rim against its plane */
+#define BEND_MOST 0.5        /* slope of a disc's edge against its plane */
 
 static const double pi = 3.14159265358979323846;
 
@@ -58,7 +58,7 @@ typedef struct disc_step {
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
 	uint8_t *stray;    /* count, 1 where that is because all others are far off */
-	uint8_t *rim;      /* count, a bit for each clip that borders on nothing */
+	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
 
@@ -165,8 +165,9 @@ static void fit_bend(const gw_flat_point *kept, uint32_t count, double radius, f
 	double signal = (unexplained(kept, count, none) - left) / 3, noise = left / (count - 3);
 	if (!(signal > noise))
 		return;
-	double rim = hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
-	double share = fmin(1 - noise / signal, BEND_MOST / rim);
+	double edge_slope_reach =
+		hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
+	double share = fmin(1 - noise / signal, BEND_MOST / edge_slope_reach);
 	for (int k = 0; k < 3; k++)
 		bend[k] = (float)(share * found[k] / reach / reach);
 }
@@ -192,7 +193,7 @@ static uint32_t merge_lines(crease_lines *creases, double reach, gw_half_plane *
 			nearest = creases->line[j];
 	for (uint32_t j = 0; j < creases->count; j++) {
 		gw_half_plane line = creases->line[j];
-		if (gw_along(&nearest, line.x, line.y) < 0.7 ||
+		if (gw_distance_along(&nearest, line.x, line.y) < 0.7 ||
 			line.offset - nearest.offset > 0.35 * reach) {
 			creases->line[left++] = line;
 			continue;
@@ -244,7 +245,7 @@ static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_lis
 	gw_flat_point flat[GW_NEIGHBOURS];
 	uint32_t count = gw_plane_flatten(step->surfels, surfel, list, flat);
 	for (uint32_t j = 0; j < count; j++) {
-		double ahead = gw_along(edge, flat[j].x, flat[j].y);
+		double ahead = gw_distance_along(edge, flat[j].x, flat[j].y);
 		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
 		if (ahead > edge->offset && ahead <= VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
 			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
@@ -260,7 +261,7 @@ bool gw_plane_meets_crease(const gw_surfels *s, size_t surfel, const gw_neighbou
 	find_creases(s, surfel, list, VOID_WIDTH * reach, &creases);
 	while (creases.count > 0)
 		if (merge_lines(&creases, reach, &line) >= CREASE_VOTES &&
-			gw_along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
+			gw_distance_along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
 			*edge = line;
 			return true;
 		}
@@ -273,7 +274,8 @@ static int find_open_side(const double *extent, const gw_half_plane *edge, uint3
 {
 	int best = -1;
 	for (int d = 0; d < GW_DIRECTIONS; d++) {
-		if (found == 1 && gw_along(edge, gw_direction[d][0], gw_direction[d][1]) > GW_COS_60)
+		if (found == 1 &&
+			gw_distance_along(edge, gw_direction[d][0], gw_direction[d][1]) > GW_COS_60)
 			continue;
 		if (best < 0 || extent[d] < extent[best])
 			best = d;
@@ -284,7 +286,7 @@ static int find_open_side(const double *extent, const gw_half_plane *edge, uint3
 /* Adds half-planes beyond which the surface has no points, up to two with those already found, from
  * which they are turned by 60 degrees or more.
  *   at_creases   how many there are already; those of them that lie at creases, too, are counted,
- *                and for the others bits are set in step->rim */
+ *                and for the others bits are set in step->boundary */
 static uint32_t find_edges(const disc_step *step, size_t surfel, const gw_flat_point *kept,
 						   uint32_t count, gw_half_plane edge[2], uint32_t *at_creases)
 {
@@ -314,7 +316,7 @@ static uint32_t find_edges(const disc_step *step, size_t surfel, const gw_flat_p
 			(*at_creases)++;
 		} else {
 			edge[found].offset += edge_margin(kept, reach);
-			step->rim[surfel] |= (uint8_t)(1u << found);
+			step->boundary[surfel] |= (uint8_t)(1u << found);
 		}
 		found++;
 	}
@@ -418,7 +420,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 	for (size_t i = 0; i < s->count; i++)
 		if (!step->isolated[i])
 			width[measured++] = sqrtf(s->area[i]);
-	float median = measured ? gw_rank_float(width, measured, measured / 2) : INFINITY;
+	float median = measured ? gw_nth_element(width, measured, measured / 2) : INFINITY;
 	for (size_t i = 0; i < s->count; i++) {
 		if (step->isolated[i]) {
 			float radius = fminf(s->radius[i], median);
@@ -430,7 +432,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
-	s->spacing = gw_rank_float(width, s->count, s->count / 2);
+	s->spacing = gw_nth_element(width, s->count, s->count / 2);
 	free(width);
 	return GW_OK;
 }
@@ -451,20 +453,20 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
-	step.rim = gw_allocate_zeros(n, sizeof *step.rim);
+	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
 		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.stray ||
-		!step.rim)
+		!step.boundary)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
 	if (status == GW_OK)
-		status = gw_rims_settle(search, surfels, rough_area, step.rim, error);
+		status = gw_boundaries_settle(search, surfels, rough_area, step.boundary, error);
 	if (status == GW_OK)
 		status = finish(&step, error);
 	free(step.isolated);
 	free(step.stray);
-	free(step.rim);
+	free(step.boundary);
 	return status;
 }

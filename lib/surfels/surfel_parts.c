@@ -180,13 +180,13 @@ static bool append(void *array, size_t count, const void *from, size_t more, siz
 /* Normals of noisy points are of two kinds, which are the same where points are clean. */
 static bool give_normals(gw_surfels *s)
 {
-	if (s->lamp_normal == NULL)
-		s->lamp_normal = gw_allocate_array(s->count, 3 * sizeof *s->lamp_normal);
+	if (s->shading_normal == NULL)
+		s->shading_normal = gw_allocate_array(s->count, 3 * sizeof *s->shading_normal);
 	else
 		return true;
-	if (s->lamp_normal != NULL)
-		memcpy(s->lamp_normal, s->normal, 3 * s->count * sizeof *s->normal);
-	return s->lamp_normal != NULL;
+	if (s->shading_normal != NULL)
+		memcpy(s->shading_normal, s->normal, 3 * s->count * sizeof *s->normal);
+	return s->shading_normal != NULL;
 }
 
 static void add_counts(gw_surfels *all, const gw_surfels *part)
@@ -213,13 +213,13 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 		memcpy(all->minimum, part->minimum, sizeof all->minimum);
 		memcpy(all->maximum, part->maximum, sizeof all->maximum);
 	}
-	if ((n > 0 && part->lamp_normal && !give_normals(all)) ||
-		(all->lamp_normal && !give_normals(part)))
+	if ((n > 0 && part->shading_normal && !give_normals(all)) ||
+		(all->shading_normal && !give_normals(part)))
 		return false;
 	bool good = append(&all->position, n, part->position, m, v) &&
 				append(&all->normal, n, part->normal, m, v) &&
-				append(&all->lamp_normal, n, part->lamp_normal, m, v) &&
-				append(&all->lamp_off, n, part->lamp_off, m, sizeof(float)) &&
+				append(&all->shading_normal, n, part->shading_normal, m, v) &&
+				append(&all->shading_normal_off, n, part->shading_normal_off, m, sizeof(float)) &&
 				append(&all->normal_length, n, part->normal_length, m, sizeof(float)) &&
 				append(&all->albedo, n, part->albedo, m, v) &&
 				append(&all->emission, n, part->emission, m, v) &&
@@ -294,7 +294,7 @@ static bool find_spacing(gw_surfels *all)
 		return false;
 	for (size_t i = 0; i < all->count; i++)
 		width[i] = sqrtf(all->area[i]);
-	all->spacing = gw_rank_float(width, all->count, all->count / 2);
+	all->spacing = gw_nth_element(width, all->count, all->count / 2);
 	free(width);
 	return true;
 }
@@ -441,9 +441,9 @@ static void move_surfel(const similarity *s, const gw_surfels *own, size_t i, gw
 	for (size_t k = 0; k < 3; k++)
 		all->position[3 * j + k] = (float)(s->scale * to[k] + s->shift[k] - all->origin[k]);
 	turn_normal(s, own->normal + 3 * i, all->normal + 3 * j);
-	if (all->lamp_normal)
-		turn_normal(s, (own->lamp_normal ? own->lamp_normal : own->normal) + 3 * i,
-					all->lamp_normal + 3 * j);
+	if (all->shading_normal)
+		turn_normal(s, (own->shading_normal ? own->shading_normal : own->normal) + 3 * i,
+					all->shading_normal + 3 * j);
 	plane_turn q;
 	find_plane_turn(s, own->normal + 3 * i, all->normal + 3 * j, q);
 	turn_clips(s, q, own->clip + 6 * i, all->clip + 6 * j);

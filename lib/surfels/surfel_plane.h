@@ -28,7 +28,7 @@ typedef struct gw_half_plane {
 	double x, y, offset; /* unit direction; inside is x u + y v <= offset */
 } gw_half_plane;
 
-static inline double gw_along(const gw_half_plane *h, double x, double y)
+static inline double gw_distance_along(const gw_half_plane *h, double x, double y)
 {
 	return h->x * x + h->y * y;
 }

@@ -7,9 +7,9 @@
  * points' normals; they are 0 between any two points of a circle, so that curved surfaces neither
  * shrink nor count as noise.
  *
- * What lamps shine on is finer than that surface: lamp_normals.c.
+ * What lamps shine on is finer than that surface: shading_normals.c.
  */
-#include "surfels/lamp_normals.h"
+#include "surfels/shading_normals.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -145,7 +145,7 @@ static bool find_levels(const float *noise, size_t count, float *level)
 	bool noisy = false;
 	for (size_t first = 0; first < count; first += REGION) {
 		size_t length = count - first < REGION ? count - first : REGION;
-		level[first / REGION] = gw_rank_float(noise + first, length, length / 2);
+		level[first / REGION] = gw_nth_element(noise + first, length, length / 2);
 		noisy = noisy || (double)level[first / REGION] > NOISE_LEAST;
 	}
 	return noisy;
@@ -173,9 +173,9 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
 }
 
 /*
- * What lamps shine on, into surfels->normal and lamp_off; `level` and `spare` are to work in. What
- * is known of estimated normals stays: their noise is not their own, so that means of them do not
- * lessen it.
+ * What lamps shine on, into surfels->normal and shading_normal_off; `level` and `spare` are to work
+ * in. What is known of estimated normals stays: their noise is not their own, so that means of them
+ * do not lessen it.
  */
 static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const smooth_step *step,
 							   const float *smooth, float *level, float *spare, gw_error *error)
@@ -185,11 +185,11 @@ static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const smoot
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", s->count);
 	gw_status status = gw_normal_noise(search, s, level, spare, error);
 	if (status == GW_OK)
-		status = gw_lamp_normals_make(search, s, smooth, step->own, level, spare, off, error);
-	for (size_t i = 0; i < s->count && s->lamp_off; i++)
-		off[i] = s->lamp_off[i] > 0 ? s->lamp_off[i] : off[i];
-	free(s->lamp_off);
-	s->lamp_off = off;
+		status = gw_shading_normals_make(search, s, smooth, step->own, level, spare, off, error);
+	for (size_t i = 0; i < s->count && s->shading_normal_off; i++)
+		off[i] = s->shading_normal_off[i] > 0 ? s->shading_normal_off[i] : off[i];
+	free(s->shading_normal_off);
+	s->shading_normal_off = off;
 	return status;
 }
 
@@ -219,7 +219,7 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 		*smoothed = status == GW_OK;
 	}
 	if (*smoothed) {
-		surfels->lamp_normal = surfels->normal;
+		surfels->shading_normal = surfels->normal;
 		surfels->normal = normal;
 		normal = surfels->position;
 		surfels->position = position;

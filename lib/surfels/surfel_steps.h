@@ -110,7 +110,7 @@ void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour
  * Estimates normals that are 0, 0, 0, orients them and sets two_sided where they cannot be trusted.
  * A normal is that of the plane through the neighbours or, near creases, of a neighbour's plane
  * that the surfel lies on and that is of one face alone. Orientation: to the scanner that saw it,
- * or the nearest one when nobody knows; without scanners as normal_sides.h says.
+ * or the nearest one when nobody knows; without scanners as normal_orientation.h says.
  */
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error);
@@ -118,11 +118,10 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 /*
  * Finds the noise of the points. Where it is significant, replaces position and normal by those of
  * the surface that the points scatter around, keeps the normals from before, without their noise,
- * in lamp_normal, and fills lamp_off and noise. Clean clouds stay as they are; in those partly
- * clean, what lies in clean parts.
- *   search     must have the surfels as they are; when they change it is of no more use
- *   smoothed   receives whether anything was replaced
- * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ * in shading_normal, and fills shading_normal_off and noise. Clean clouds stay as they are; in
+ * those partly clean, what lies in clean parts. search     must have the surfels as they are; when
+ * they change it is of no more use smoothed   receives whether anything was replaced Fails with
+ * GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
 							gw_error *error);
@@ -137,14 +136,14 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 						gw_error *error);
 
 /*
- * Settles where surfaces end that border on nothing: replaces the clips of discs near such rims,
- * and forgets rims that few surfels see. Part of gw_discs_make; see surfel_rims.c.
- *   surfels   with all that gw_discs_make fills per surfel; clip, area and creased may change
- *   rim       count, a bit for each clip of a surfel that was taken for a rim
- * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ * Settles where surfaces end that border on nothing: replaces the clips of discs near such
+ * boundaries, and forgets boundaries that few surfels see. Part of gw_discs_make; see
+ * surfel_boundaries.c. surfels   with all that gw_discs_make fills per surfel; clip, area and
+ * creased may change boundary       count, a bit for each clip of a surfel that was taken for a
+ * boundary Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_rims_settle(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
-						 const uint8_t *rim, gw_error *error);
+gw_status gw_boundaries_settle(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
+							   const uint8_t *boundary, gw_error *error);
 
 /* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
@@ -154,6 +153,6 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
  * Value of rank `rank` (0 is the smallest) among count non-negative floats, without sorting them.
  *   rank  below count
  */
-float gw_rank_float(const float *values, size_t count, size_t rank);
+float gw_nth_element(const float *values, size_t count, size_t rank);
 
 #endif

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Two counting passes over the float's bits, which order non-negative floats as integers. */
-float gw_rank_float(const float *values, size_t count, size_t rank)
+float gw_nth_element(const float *values, size_t count, size_t rank)
 {
 	uint32_t high = 0, bits;
 	for (int pass = 0; pass < 2; pass++) {
@@ -52,12 +52,12 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 {
 	if (s->normals_given == s->count)
 		return GW_OK;
-	s->lamp_off = gw_allocate_zeros(s->count, sizeof *s->lamp_off);
-	if (!s->lamp_off)
+	s->shading_normal_off = gw_allocate_zeros(s->count, sizeof *s->shading_normal_off);
+	if (!s->shading_normal_off)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu missing normals", s->count);
 	for (size_t i = 0; i < s->count; i++) {
 		const float *n = s->normal + 3 * i;
-		s->lamp_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
+		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
 	gw_status status = gw_normals_complete(points, options, search, s, error);
 	return status == GW_OK ? gw_plane_error(search, s, error) : status;
@@ -122,8 +122,8 @@ void gw_surfels_clear(gw_surfels *surfels)
 {
 	free(surfels->position);
 	free(surfels->normal);
-	free(surfels->lamp_normal);
-	free(surfels->lamp_off);
+	free(surfels->shading_normal);
+	free(surfels->shading_normal_off);
 	free(surfels->normal_length);
 	free(surfels->albedo);
 	free(surfels->emission);

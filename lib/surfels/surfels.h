@@ -1,5 +1,5 @@
 /*
- * surfels.h - from bare points to pieces of surface (surfels), on the host; glowworm_picture.h has
+ * surfels.h - from bare points to pieces of surface (surfels), on the CPU; glowworm_picture.h has
  * what they are.
  *
  * Steps, in the order of the data's way: frame (local origin, canonical order, duplicates merged),
@@ -46,6 +46,7 @@ static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
 #ifdef __cplusplus
 extern "C"
 #endif
-void gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3]);
+	void
+	gw_tangent_frame(const float normal[3], float tangent[3], float bitangent[3]);
 
 #endif

@@ -8,7 +8,7 @@
 #include "base/shared_math.h"
 
 /* A word for a place: what is random there then does not depend on what else is in the scene. */
-uint hash_place(vec3 g)
+uint pcg_hash_place(vec3 g)
 {
 	return pcg_hash2(floatBitsToUint(g.x), pcg_hash2(floatBitsToUint(g.y), floatBitsToUint(g.z)));
 }

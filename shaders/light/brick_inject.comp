@@ -1,6 +1,6 @@
 /*
  * brick_inject.comp - fills the leaf pool: one invocation a voxel of a brick, its redundant
- * positive boundary included (Salm 4.3.1, 4.4.1). Each lobe shows area * max(0, n . face) to a
+ * positive boundary included (Salm 4.3.1, 4.4.1). Each facet shows area * max(0, n . face) to a
  * face; one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall
  * sampled by scattered points lets nothing through.
  */
@@ -11,9 +11,9 @@
 layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer leaf_tile;
 layout(binding = 1) uniform usamplerBuffer leaf_tile_neighbour;
-layout(binding = 2) uniform samplerBuffer lobe_plane;
-layout(binding = 3) uniform samplerBuffer lobe_centre;
-layout(binding = 4) uniform samplerBuffer lobe_radiance;
+layout(binding = 2) uniform samplerBuffer facet_plane;
+layout(binding = 3) uniform samplerBuffer facet_centre;
+layout(binding = 4) uniform samplerBuffer facet_radiance;
 layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
 layout(push_constant) uniform Push
 {
@@ -42,11 +42,12 @@ void main()
 	vec3 facing[2];
 	for (uint s = 0u; s < 2u; s++) {
 		int slot = int(2u * leaf + s);
-		bool lobe = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
+		bool facet = exists && (s == 0u || ((entry.y >> (16u + octant)) & 1u) != 0u);
 		radiance[s] =
-			lobe ? vec4(texelFetch(lobe_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
+			facet ? vec4(texelFetch(facet_radiance, slot).xyz * push.scale, 1.0) : vec4(0.0);
 		facing[s] =
-			lobe ? texelFetch(lobe_plane, slot).xyz * texelFetch(lobe_centre, slot).w : vec3(0.0);
+			facet ? texelFetch(facet_plane, slot).xyz * texelFetch(facet_centre, slot).w
+				  : vec3(0.0);
 	}
 	for (int f = 0; f < 6; f++) {
 		vec4 shown = radiance[0] * max(0.0, dot(facing[0], FACE_NORMAL[f])) +

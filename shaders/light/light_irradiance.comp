@@ -22,7 +22,7 @@ void main()
 	if (i >= push.count)
 		return;
 	float distance;
-	vec3 towards, power = push.power.xyz;
+	vec3 towards, power = push.intensity.xyz;
 	float share = light_share(surfel_position[i].xyz, towards, distance);
 	float e = share * light_cosine(surfel_normal[i], towards);
 	if (push.type != GW_PUSH_SUN)

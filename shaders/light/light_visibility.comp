@@ -13,8 +13,8 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 BUFFER(5, readonly, vec4, surfel_position);
 BUFFER(6, readonly, vec4, surfel_normal);
 BUFFER(7, readwrite, float, visibility);
@@ -31,12 +31,12 @@ PUSH(gw_light_push);
 #include "octree/trace.glsl"
 #include "light/light.glsl"
 
-/* Do most of the discs in the lobe's leaf that end there do so at a crease? */
-bool ends_at_crease(uint lobe)
+/* Do most of the discs in the facet's leaf that end there do so at a crease? */
+bool ends_at_crease(uint facet)
 {
-	uint last = texelFetch(leaf_fragment, int(lobe >> 1) + 1).x;
+	uint last = texelFetch(leaf_fragment, int(facet >> 1) + 1).x;
 	int votes = 0;
-	for (uint f = texelFetch(leaf_fragment, int(lobe >> 1)).x; f < last; f++) {
+	for (uint f = texelFetch(leaf_fragment, int(facet >> 1)).x; f < last; f++) {
 		int surfel = int(texelFetch(fragment_surfel, int(f)).x & GW_FRAGMENT_SURFEL);
 		vec4 size = texelFetch(surfel_disc, surfel);
 		if (size.z != 0.0f || size.w != 0.0f)
@@ -52,10 +52,10 @@ float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
 	uint rays = push.samples;
 	for (uint s = 0u; s < rays; s++) {
 		aim_at_light(push.samples - 1u - s, turn, towards, distance, ray);
-		uint lobe = trace(ray).lobe;
-		if (lobe == GW_NONE)
+		uint facet = trace(ray).facet;
+		if (facet == GW_NONE)
 			seen += 1.0f;
-		else if (ends_at_crease(lobe))
+		else if (ends_at_crease(facet))
 			hidden = GW_HIDDEN_BY_CREASE;
 		if (s + 1u == GW_LIGHT_RIM && (seen == 0.0f || seen == float(GW_LIGHT_RIM)))
 			rays = GW_LIGHT_RIM;

@@ -8,8 +8,8 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 TEXELS(5, uint, level_directory);
 TEXELS(6, vec4, record_position);
 TEXELS(7, vec4, record_normal);

@@ -7,12 +7,12 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 TEXELS(5, vec4, record_position);
 TEXELS(6, vec4, record_normal);
 TEXELS(7, uint, list);
-BUFFER(8, writeonly, uint, hit_lobe);
+BUFFER(8, writeonly, uint, hit_facet);
 BUFFER(9, writeonly, float, hit_distance);
 TEXELS(10, uint, leaf_fragment);
 TEXELS(11, uint, fragment_surfel);
@@ -37,6 +37,6 @@ void main()
 	vec3 g = texelFetch(record_position, record).xyz,
 		 normal = texelFetch(record_normal, record).xyz;
 	Hit hit = trace(gather_ray(g, normal, number % push.rays));
-	hit_lobe[number] = hit.lobe;
-	hit_distance[number] = hit.behind ? -hit.t : hit.t;
+	hit_facet[number] = hit.facet;
+	hit_distance[number] = hit.passed_back_face ? -hit.t : hit.t;
 }

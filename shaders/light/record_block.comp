@@ -1,7 +1,7 @@
 /*
  * record_block.comp - the block that lists each record: the child tile of the octree cell of
  * push.block_level in which it lies, counted from that level's first tile. A record may stand off
- * its lobe's leaf, where the octree has no such cell: then it is listed where its leaf lies.
+ * its facet's leaf, where the octree has no such cell: then it is listed where its leaf lies.
  */
 #version 460
 
@@ -19,9 +19,9 @@ layout(binding = 3) writeonly buffer Block
 {
 	uint record_block[];
 };
-layout(binding = 4) readonly buffer Lobe
+layout(binding = 4) readonly buffer Facet
 {
-	uint record_lobe[];
+	uint record_facet[];
 };
 layout(binding = 5) uniform usamplerBuffer leaf_cell;
 layout(push_constant) uniform Push
@@ -41,7 +41,7 @@ void main()
 	vec3 cell = clamp(floor(record_position[i].xyz / size), vec3(0.0), vec3(cells - 1.0));
 	uint pointer = find_tile(uvec3(cell), push.block_level);
 	if (pointer == 0u) {
-		uvec3 leaf = texelFetch(leaf_cell, int(record_lobe[i] >> 1)).xyz;
+		uvec3 leaf = texelFetch(leaf_cell, int(record_facet[i] >> 1)).xyz;
 		pointer = find_tile(leaf >> (depth - push.block_level), push.block_level);
 	}
 	record_block[i] = pointer - 1u - push.tile_first;

@@ -41,7 +41,7 @@ void main()
 	vec3 normal = record_normal[i].xyz;
 	float open = record_normal[i].w; /* 0 inside something solid */
 	vec3 origin = record_position[i].xyz + 0.5 * normal;
-	float turn = unit_float(pcg_hash2(hash_place(record_position[i].xyz), push.seed));
+	float turn = unit_float(pcg_hash2(pcg_hash_place(record_position[i].xyz), push.seed));
 	vec3 sum = vec3(0.0);
 	for (uint c = 0u; c < push.cones; c++) {
 		float cosine;

@@ -11,14 +11,14 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
-TEXELS(5, vec4, lobe_emission);
-TEXELS(6, uvec4, emitter); /* lobe, alias, probability (float bits), 0 */
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
+TEXELS(5, vec4, facet_emission);
+TEXELS(6, uvec4, emitter); /* facet, alias, probability (float bits), 0 */
 BUFFER(7, readonly, vec4, record_position);
 BUFFER(8, readonly, vec4, record_normal);
 BUFFER(9, readwrite, vec4, record_sampled);
-TEXELS(10, vec4, lobe_part); /* of lobe_emission: what is gathered */
+TEXELS(10, vec4, facet_part); /* of facet_emission: what is gathered */
 TEXELS(11, uint, leaf_fragment);
 TEXELS(12, uint, fragment_surfel);
 TEXELS(13, vec4, surfel_place);
@@ -31,7 +31,7 @@ PUSH(gw_record_push);
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 
-/* The lobe that sample m of push.light_samples stands for. The emitters lie in Morton order, so
+/* The facet that sample m of push.light_samples stands for. The emitters lie in Morton order, so
  * that a stretch of the table for each sample spreads the samples over them. */
 int choose_emitter(uint m, uint random)
 {
@@ -46,9 +46,9 @@ int choose_emitter(uint m, uint random)
 
 vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 {
-	int lobe = choose_emitter(m, random);
-	vec4 centre = texelFetch(lobe_centre, lobe);
-	vec3 plane = texelFetch(lobe_plane, lobe).xyz, t, b;
+	int facet = choose_emitter(m, random);
+	vec4 centre = texelFetch(facet_centre, facet);
+	vec3 plane = texelFetch(facet_plane, facet).xyz, t, b;
 	tangent_frame(plane, t, b);
 	float radius = sqrt(unit_float(pcg_hash2(random, 1u)) * centre.w / GW_PI);
 	float turn = 2.0f * GW_PI * unit_float(pcg_hash2(random, 2u));
@@ -60,16 +60,16 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 		return vec3(0.0f);
 	/* The emitter's own plane, or one within a cell of the point, does not shadow it; of a large
 	 * one, what lies within its extent. */
-	float extent = centre.w > GW_LOBE_LARGE ? sqrt(centre.w / GW_PI) : 1.0f;
+	float extent = centre.w > GW_FACET_LARGE ? sqrt(centre.w / GW_PI) : 1.0f;
 	Ray ray = { g, direction, normal, g, sqrt(squared) - extent, false };
-	uint seen = trace(ray).lobe;
-	if (seen != GW_NONE && seen != uint(lobe))
+	uint seen = trace(ray).facet;
+	if (seen != GW_NONE && seen != uint(facet))
 		return vec3(0.0f);
-	float emission = luminance(texelFetch(lobe_emission, lobe).xyz);
+	float emission = luminance(texelFetch(facet_emission, facet).xyz);
 	float density = emission / push.emitter_power * squared / cosine_emitter;
 	float by_samples = float(push.light_samples) * density;
 	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
-	return texelFetch(lobe_part, lobe).xyz *
+	return texelFetch(facet_part, facet).xyz *
 		   (cosine / density * (by_samples / (by_samples + by_rays)));
 }
 
@@ -79,7 +79,7 @@ void main()
 	if (i >= push.count)
 		return;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
-	uint own = pcg_hash2(hash_place(g), push.seed ^ GW_EMITTER_SEED);
+	uint own = pcg_hash2(pcg_hash_place(g), push.seed ^ GW_EMITTER_SEED);
 	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
 		sum += sample_emitter(g, normal, m, pcg_hash2(own, m));
 	record_sampled[i].xyz += sum / float(push.light_samples);

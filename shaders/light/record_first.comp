@@ -7,15 +7,15 @@
 #include "base/pass.glsl"
 #include "light/transport_layout.h"
 
-TEXELS(0, uint, hit_lobe);
+TEXELS(0, uint, hit_facet);
 TEXELS(1, float, hit_distance);
-TEXELS(2, vec4, lobe_plane);
-TEXELS(3, vec4, lobe_emission);
+TEXELS(2, vec4, facet_plane);
+TEXELS(3, vec4, facet_emission);
 BUFFER(4, readonly, vec4, record_sampled);
 BUFFER(5, readwrite, vec4, record_position);
 BUFFER(6, readwrite, vec4, record_normal);
 BUFFER(7, writeonly, vec4, record_first);
-TEXELS(8, vec4, lobe_part); /* of lobe_emission: what is gathered */
+TEXELS(8, vec4, facet_part); /* of facet_emission: what is gathered */
 TEXELS(9, vec4, sky_texel);
 PUSH(gw_record_push);
 
@@ -23,13 +23,13 @@ PUSH(gw_record_push);
 #include "light/sky_map.glsl"
 
 /* Share of an emitter's light that the hit of gather ray k stands for. */
-float hit_share(vec3 g, vec3 normal, uint k, int lobe, float t)
+float hit_share(vec3 g, vec3 normal, uint k, int facet, float t)
 {
 	float ray_cosine;
 	vec3 direction = record_ray(g, normal, k, ray_cosine);
 	float cosine = max(0.0f, dot(normal, direction));
-	float cosine_emitter = max(1e-4f, -dot(texelFetch(lobe_plane, lobe).xyz, direction));
-	float emission = luminance(texelFetch(lobe_emission, lobe).xyz);
+	float cosine_emitter = max(1e-4f, -dot(texelFetch(facet_plane, facet).xyz, direction));
+	float emission = luminance(texelFetch(facet_emission, facet).xyz);
 	float density = emission / push.emitter_power * t * t / cosine_emitter;
 	float by_rays = float(push.rays) * cosine / GW_PI;
 	return by_rays / (by_rays + float(push.light_samples) * density);
@@ -49,15 +49,15 @@ vec3 seen_sky(vec3 g, vec3 normal, uint k)
 /* What ray k brings, whose hit is the h-th of all. */
 vec3 light_of_ray(vec3 g, vec3 normal, uint k, int h)
 {
-	uint lobe = texelFetch(hit_lobe, h).x;
-	if (lobe == GW_NONE)
+	uint facet = texelFetch(hit_facet, h).x;
+	if (facet == GW_NONE)
 		return push.sky_hits != 0u ? push.sky.xyz + seen_sky(g, normal, k) : push.sky.xyz;
-	if (push.use_hits == 0u || !(luminance(texelFetch(lobe_emission, int(lobe)).xyz) > 0.0f))
+	if (push.use_hits == 0u || !(luminance(texelFetch(facet_emission, int(facet)).xyz) > 0.0f))
 		return vec3(0.0f);
 	float share = 1.0f;
 	if (push.light_samples > 0u)
-		share = hit_share(g, normal, k, int(lobe), abs(texelFetch(hit_distance, h).x));
-	return texelFetch(lobe_part, int(lobe)).xyz * share;
+		share = hit_share(g, normal, k, int(facet), abs(texelFetch(hit_distance, h).x));
+	return texelFetch(facet_part, int(facet)).xyz * share;
 }
 
 /* The nearest thing that a record sees; one that sees mostly the backs of surfaces lies inside

@@ -6,8 +6,8 @@
 #include "base/shared_math.h"
 #include "light/transport_layout.h"
 
-TEXELS(0, uint, hit_lobe);
-TEXELS(1, vec4, lobe_radiance);
+TEXELS(0, uint, hit_facet);
+TEXELS(1, vec4, facet_radiance);
 BUFFER(2, readonly, vec4, record_normal); /* w: 0 if buried */
 BUFFER(3, writeonly, vec4, record_gathered);
 PUSH(gw_record_push);
@@ -20,9 +20,9 @@ void main()
 	uint first = (push.first + i) * push.rays;
 	vec3a sum = vec3a(0.0f);
 	for (uint k = first; k < first + push.rays; k++) {
-		uint lobe = texelFetch(hit_lobe, int(k)).x;
-		if (lobe != GW_NONE)
-			sum += vec3a(texelFetch(lobe_radiance, int(lobe)));
+		uint facet = texelFetch(hit_facet, int(k)).x;
+		if (facet != GW_NONE)
+			sum += vec3a(texelFetch(facet_radiance, int(facet)));
 	}
 	sum = sum * record_normal[i].w * (GW_PI / float(push.rays));
 	record_gathered[i] = vec4(vec3(sum), 0.0f);

@@ -2,7 +2,7 @@
  * record_keep.comp - which rays still hit what they hit before something moved in (Salm 4.5).
  *
  * A ray of a record that was there before keeps its hit when nothing on its way has changed: when
- * the way to the hit passes none of the boxes around what moves. Lobes have other numbers now. The
+ * the way to the hit passes none of the boxes around what moves. Facets have other numbers now. The
  * other rays are listed, in any order; record_again.comp traces them.
  */
 #version 460
@@ -11,16 +11,16 @@
 #include "light/transport_layout.h"
 
 layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer known_lobe; /* of the records as they were */
+layout(binding = 0) uniform usamplerBuffer known_facet; /* of the records as they were */
 layout(binding = 1) uniform samplerBuffer known_distance;
 layout(binding = 2) uniform usamplerBuffer known_record; /* of each record: which it was, or NONE */
 layout(binding = 3) uniform usamplerBuffer leaf_now;     /* of each leaf as it was */
 layout(binding = 4) uniform samplerBuffer record_position;
 layout(binding = 5) uniform samplerBuffer record_normal;
 layout(binding = 6) uniform samplerBuffer box; /* two corners each */
-layout(binding = 7) writeonly buffer Lobe
+layout(binding = 7) writeonly buffer Facet
 {
-	uint hit_lobe[];
+	uint hit_facet[];
 };
 layout(binding = 8) writeonly buffer Distance
 {
@@ -64,12 +64,12 @@ void main()
 		vec3 way = record_ray(g, texelFetch(record_normal, int(record)).xyz, k, cosine);
 		vec3 away = mix(vec3(-1.0), vec3(1.0), greaterThanEqual(way, vec3(0.0)));
 		vec3 inverse = away / max(abs(way), vec3(1e-20));
-		uint lobe = texelFetch(known_lobe, int(before * push.rays + k)).x;
+		uint facet = texelFetch(known_facet, int(before * push.rays + k)).x;
 		float t = texelFetch(known_distance, int(before * push.rays + k)).x;
 		if (!passes_box(g, inverse, abs(t))) {
-			hit_lobe[i] = lobe == GW_NONE
+			hit_facet[i] = facet == GW_NONE
 							  ? GW_NONE
-							  : 2u * texelFetch(leaf_now, int(lobe >> 1)).x + (lobe & 1u);
+							  : 2u * texelFetch(leaf_now, int(facet >> 1)).x + (facet & 1u);
 			hit_distance[i] = t;
 			return;
 		}

@@ -59,13 +59,13 @@ float record_weight(IN(Seeker) seeker, vec3 off, vec3 facing)
 
 bool record_visible(IN(Seeker) seeker, vec4 record, vec3 facing)
 {
-	vec3 from = seeker.g + seeker.normal * push.lift;
-	vec3 to = record.xyz + facing * push.lift - from;
+	vec3 from = seeker.g + seeker.normal * push.ray_offset;
+	vec3 to = record.xyz + facing * push.ray_offset - from;
 	float distance = length(to);
 	if (push.visibility == 0u || distance < record.w || distance < 1e-4f)
 		return true;
 	Ray ray = { from, to * (1.0f / distance), seeker.normal, seeker.g, distance, true };
-	return trace(ray).lobe == GW_NONE;
+	return trace(ray).facet == GW_NONE;
 }
 
 /* First and last of the records of a block; none where the octree has no such block, or all of it

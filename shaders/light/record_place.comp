@@ -1,10 +1,10 @@
 /*
- * record_place.comp - place step: where on its lobe a record stands.
+ * record_place.comp - place step: where on its facet a record stands.
  *
- * The centroid of a lobe can lie beyond the end of the surface, where discs stick out over an edge,
- * and a record there would see what no point sees. So a record stands where the lobe's plane is
- * nearest to the surfel nearest to the centroid; where surfels are further apart than that, at the
- * centroid. Of leaves with very many fragments every n-th is looked at.
+ * The centroid of a facet can lie beyond the end of the surface, where discs stick out over an
+ * edge, and a record there would see what no point sees. So a record stands where the facet's plane
+ * is nearest to the surfel nearest to the centroid; where surfels are further apart than that, at
+ * the centroid. Of leaves with very many fragments every n-th is looked at.
  */
 #version 460
 
@@ -14,11 +14,11 @@ layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer leaf_fragment;
 layout(binding = 1) uniform usamplerBuffer fragment_surfel;
 layout(binding = 2) uniform samplerBuffer surfel_position;
-layout(binding = 3) uniform samplerBuffer lobe_plane;
-layout(binding = 4) uniform samplerBuffer lobe_centre;
-layout(binding = 5) readonly buffer Lobe
+layout(binding = 3) uniform samplerBuffer facet_plane;
+layout(binding = 4) uniform samplerBuffer facet_centre;
+layout(binding = 5) readonly buffer Facet
 {
-	uint record_lobe[];
+	uint record_facet[];
 };
 layout(binding = 6) writeonly buffer Position
 {
@@ -41,9 +41,9 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint slot = record_lobe[i];
-	vec3 normal = texelFetch(lobe_plane, int(slot)).xyz;
-	vec3 centre = texelFetch(lobe_centre, int(slot)).xyz;
+	uint slot = record_facet[i];
+	vec3 normal = texelFetch(facet_plane, int(slot)).xyz;
+	vec3 centre = texelFetch(facet_centre, int(slot)).xyz;
 	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
 	uint last = texelFetch(leaf_fragment, int((slot >> 1) + 1u)).x;
 	uint stride = max(1u, (last - first) / FRAGMENTS);

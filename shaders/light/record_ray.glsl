@@ -10,7 +10,7 @@
 /* Direction of the k-th, and its cosine with the normal. */
 vec3 record_ray(vec3 g, vec3 normal, uint k, OUT(float) cosine)
 {
-	uint own = pcg_hash2(hash_place(g), push.seed);
+	uint own = pcg_hash2(pcg_hash_place(g), push.seed);
 	float turn = unit_float(own);
 	float u = unit_float(pcg_hash2(own, k));
 	return disc_to_hemisphere(spiral_disc(k, push.rays, u, turn), normal, cosine);

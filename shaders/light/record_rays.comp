@@ -9,11 +9,11 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 TEXELS(5, vec4, record_position);
 TEXELS(6, vec4, record_normal);
-BUFFER(7, writeonly, uint, hit_lobe);
+BUFFER(7, writeonly, uint, hit_facet);
 BUFFER(8, writeonly, float, hit_distance);
 TEXELS(9, uint, leaf_fragment);
 TEXELS(10, uint, fragment_surfel);
@@ -38,7 +38,7 @@ void main()
 	vec3 g = texelFetch(record_position, record).xyz,
 		 normal = texelFetch(record_normal, record).xyz;
 	Hit hit = trace(gather_ray(g, normal, number % push.rays));
-	hit_lobe[i] = hit.lobe;
+	hit_facet[i] = hit.facet;
 	/* Negative: the ray passed the back of a surface on its way. */
-	hit_distance[i] = hit.behind ? -hit.t : hit.t;
+	hit_distance[i] = hit.passed_back_face ? -hit.t : hit.t;
 }

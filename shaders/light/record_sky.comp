@@ -3,8 +3,8 @@
  * it.
  *
  * A texel is chosen by its luminance times its solid angle (alias table), a direction in it evenly;
- * so the density is luminance / total. Combined with the gather rays and the samples of openings by
- * the balance heuristic, as in opening_light.comp. One invocation takes a batch of a record's
+ * so the density is luminance / total. Combined with the gather rays and the samples of portals by
+ * the balance heuristic, as in portal_light.comp. One invocation takes a batch of a record's
  * samples.
  */
 #include "light/transport_layout.h"
@@ -13,8 +13,8 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 TEXELS(5, vec4, sky_texel);
 TEXELS(6, uvec2, sky_alias); /* alias, probability (float bits) */
 BUFFER(7, readonly, vec4, record_position);
@@ -26,18 +26,18 @@ TEXELS(12, vec4, surfel_place);
 TEXELS(13, vec4, surfel_facing);
 TEXELS(14, vec4, surfel_disc);
 TEXELS(15, vec4, surfel_clip);
-TEXELS(16, vec4, opening);
+TEXELS(16, vec4, portal);
 TEXELS(17, uvec4, disc_tree);
 PUSH(gw_record_push);
 
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
-#include "light/openings.glsl"
+#include "light/portals.glsl"
 #include "light/sky_map.glsl"
 
 /* The m-th of a record's samples comes from the m-th of as many equal stretches of the table, so
  * that they spread over the sky as evenly as its light does. */
-vec3 sample_sky(vec3 g, vec3 normal, float openings, uint m, uint random)
+vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
 {
 	uint texels = push.sky_width * push.sky_height;
 	float choice = (float(m) + unit_float(random)) / float(push.sky_samples);
@@ -51,14 +51,14 @@ vec3 sample_sky(vec3 g, vec3 normal, float openings, uint m, uint random)
 	if (cosine <= 0.0f)
 		return vec3(0.0f);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
-	if (trace(ray).lobe != GW_NONE)
+	if (trace(ray).facet != GW_NONE)
 		return vec3(0.0f);
 	vec3 radiance = texelFetch(sky_texel, int(texel)).xyz;
 	float density = luminance(radiance) / push.sky_total;
 	float by_samples = float(push.sky_samples) * density;
 	float by_others = push.sky_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
-	if (openings > 0.0f)
-		by_others += float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, openings);
+	if (portals > 0.0f)
+		by_others += float(GW_PORTAL_SAMPLES) * portals_density(g, normal, direction, portals);
 	return radiance * (cosine / max(density, 1e-30f) * (by_samples / (by_samples + by_others)));
 }
 
@@ -69,10 +69,10 @@ void main()
 		return;
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;
-	uint own = pcg_hash2(hash_place(g), push.seed ^ GW_SKY_SEED);
-	float openings = openings_weight(g, normal);
+	uint own = pcg_hash2(pcg_hash_place(g), push.seed ^ GW_SKY_SEED);
+	float portals = portals_weight(g, normal);
 	vec3 sum = vec3(0.0f);
 	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
-		sum += sample_sky(g, normal, openings, m, pcg_hash2(own, m));
+		sum += sample_sky(g, normal, portals, m, pcg_hash2(own, m));
 	record_sampled[i].xyz += sum / float(push.sky_samples);
 }

@@ -14,7 +14,7 @@
 /* Texels that the filter reaches beyond the one it is centred on. */
 #define GW_SHADOW_BORDER 3u
 
-/* Side of the part of a lobe's picture that one invocation draws in one run, texels. */
+/* Side of the part of a facet's picture that one invocation draws in one run, texels. */
 #define GW_SHADOW_TILE 80u
 
 SHARED_STRUCT(gw_shadow_push)

@@ -1,11 +1,11 @@
 /*
- * shadow_map_splat.comp - draws the lobes into a shadow map: of each texel, the distance to the
+ * shadow_map_splat.comp - draws the facets into a shadow map: of each texel, the distance to the
  * nearest plane in the leaves.
  *
- * One invocation a lobe. A lobe is drawn as what a shadow ray would meet, its plane within its
+ * One invocation a facet. A facet is drawn as what a shadow ray would meet, its plane within its
  * cell, so the pieces join without holes. Both sides are drawn, because a wall that was scanned
  * from inside keeps the sun out. The nearest is kept by atomicMin on the bits of distances, which
- * order as integers do, so the map does not depend on the order of invocations. Lobes near a lamp
+ * order as integers do, so the map does not depend on the order of invocations. Facets near a lamp
  * cover many texels; a run draws one tile of each, and `most` tells how many runs are needed.
  */
 #version 460
@@ -13,9 +13,9 @@
 #include "light/shadow_layout.h"
 
 layout(local_size_x_id = 0) in;
-layout(constant_id = 3) const float cell_slack = 0.02;
+layout(constant_id = 3) const float plane_overlap = 0.02;
 layout(binding = 0) uniform usamplerBuffer leaf_cell;
-layout(binding = 1) uniform samplerBuffer lobe_plane;
+layout(binding = 1) uniform samplerBuffer facet_plane;
 layout(binding = 2) buffer Map { uint shadow_map[]; };
 layout(binding = 3) buffer Most { uint most; };
 layout(push_constant) uniform Push { gw_shadow_push push; };
@@ -28,7 +28,7 @@ const float NEAREST = 0.01;
 /* A box around the part of the plane that lies in the cell: flat where the plane faces an axis. */
 void plane_box(vec4 plane, inout vec3 centre, out vec3 extent)
 {
-	extent = vec3(0.5 + cell_slack);
+	extent = vec3(0.5 + plane_overlap);
 	vec3 n = abs(plane.xyz);
 	int k = n.x >= max(n.y, n.z) ? 0 : n.y >= n.z ? 1 : 2;
 	float reach = extent.x * (n.x + n.y + n.z - n[k]) / n[k];
@@ -81,7 +81,7 @@ void draw(ivec2 texel, vec3 centre, vec4 plane)
 		return;
 	float t = (plane.w - dot(plane.xyz, origin - centre)) / approach;
 	vec3 off = abs(origin + direction * t - centre);
-	if (t < 0.0 || max(off.x, max(off.y, off.z)) > 0.5 + cell_slack)
+	if (t < 0.0 || max(off.x, max(off.y, off.z)) > 0.5 + plane_overlap)
 		return;
 	uint depth = floatBitsToUint(min(t * length(direction) / push.up.w, 1.0));
 	uint index = uint(texel.y) * push.side + uint(texel.x);
@@ -95,7 +95,7 @@ void main()
 	if (i >= push.count)
 		return;
 	uint slot = push.first + i;
-	vec4 plane = texelFetch(lobe_plane, int(slot));
+	vec4 plane = texelFetch(facet_plane, int(slot));
 	if (dot(plane.xyz, plane.xyz) < 0.25)
 		return;
 	vec3 centre = vec3(texelFetch(leaf_cell, int(slot >> 1)).xyz) + 0.5;

@@ -25,8 +25,8 @@ layout(push_constant) uniform Push { gw_shadow_push push; };
 #include "light/shadow_ray.glsl"
 
 const float FILTER_RADIUS = 2.5; /* texels */
-const float LIFT = 0.15;         /* leaf cells: scatter of surfels about the planes in the leaves */
-const float TEXEL_LIFT = 0.5;    /* texels: a map's plane is known at texel centres */
+const float RAY_OFFSET = 0.15;   /* leaf cells: scatter of surfels about the planes in the leaves */
+const float TEXEL_OFFSET = 0.5;  /* texels: a map's plane is known at texel centres */
 const float SHARPNESS = 4.0;     /* of the exponential, per leaf cell */
 const float VARIANCE_MIN = 0.01; /* leaf cells squared: that scatter again */
 
@@ -83,7 +83,7 @@ void main()
 	vec3 normal = surfel_normal[i].xyz;
 	if (dot(normal, sun ? push.forward.xyz : g - push.origin.xyz) > 0.0)
 		normal = -normal;
-	g += normal * (LIFT + TEXEL_LIFT * (sun ? 1.0 : place.z) / push.right.w);
+	g += normal * (RAY_OFFSET + TEXEL_OFFSET * (sun ? 1.0 : place.z) / push.right.w);
 	float t = sun ? dot(push.forward.xyz, g - push.origin.xyz) : length(g - push.origin.xyz);
 	vec3 moments = filter_map(texel, g, t, normal);
 	float variance = max(moments.y - moments.x * moments.x, VARIANCE_MIN);

@@ -10,15 +10,15 @@
 #include "base/shared_types.h"
 #include "octree/trace_constants.h"
 
-/* Records that a lobe's irradiance is interpolated from, at most. */
+/* Records that a facet's irradiance is interpolated from, at most. */
 #define GW_WEIGHTS 8u
 
 /* Records that a surfel's light is interpolated from, at most: records stand a spacing apart and
  * reach 1.6 spacings, so that about 7 speak for a place on a surface. */
 #define GW_SURFEL_WEIGHTS 32u
 
-/* Samples of the openings to the sky that a record takes: one bit each of a word. */
-#define GW_OPENING_SAMPLES 32u
+/* Samples of the portals that a record takes: one bit each of a word. */
+#define GW_PORTAL_SAMPLES 32u
 
 /* Values of gw_light_push.type: as gw_light_type. */
 #define GW_PUSH_POINT 0u
@@ -36,7 +36,7 @@ SHARED_STRUCT(gw_light_push)
 	uint samples;   /* shadow rays a point: 1 for a sharp shadow */
 	vec4 position;  /* grid coordinates; w: radius */
 	vec4 direction; /* unit, the way light travels; w: tangent of the sun's angular radius */
-	vec4 power;     /* intensity / leaf_size^2, or irradiance; w: unused */
+	vec4 intensity; /* intensity / leaf_size^2, or irradiance; w: unused */
 	float cos_inner, cos_outer;
 	uint seed;
 	uint shadows; /* 1: multiply by the visibility buffer */
@@ -44,7 +44,7 @@ SHARED_STRUCT(gw_light_push)
 SHARED_SIZE(gw_light_push, 80);
 SHARED_OFFSET(gw_light_push, position, 16);
 SHARED_OFFSET(gw_light_push, direction, 32);
-SHARED_OFFSET(gw_light_push, power, 48);
+SHARED_OFFSET(gw_light_push, intensity, 48);
 SHARED_OFFSET(gw_light_push, cos_inner, 64);
 SHARED_OFFSET(gw_light_push, shadows, 76);
 
@@ -60,7 +60,7 @@ SHARED_STRUCT(gw_record_push)
 	uint seed;
 	float emitter_power; /* sum over emitters of luminance(Le) * area, leaf cells^2 */
 	float spacing;       /* record spacing */
-	float direct_share;  /* shade: how much of the lobes' direct irradiance is added */
+	float direct_share;  /* shade: how much of the facets' direct irradiance is added */
 	uint use_hits;       /* first gather: emitters seen by rays count (by the balance heuristic) */
 	vec4 sky;            /* radiance of the environment */
 	uint sky_width, sky_height; /* of the map; 0: there is none */
@@ -69,8 +69,8 @@ SHARED_STRUCT(gw_record_push)
 	float sky_total;            /* its luminance, summed over solid angle */
 	float sky_turn;             /* of its centre, in turns clockwise from y */
 	uint sky_y_up;
-	uint looked;   /* first gather: what lies nearest and who is buried is known */
-	uint openings; /* to the sky, of which a record takes GW_OPENING_SAMPLES samples; 0: none */
+	uint looked;  /* first gather: what lies nearest and who is buried is known */
+	uint portals; /* to the sky, of which a record takes GW_PORTAL_SAMPLES samples; 0: none */
 	uint unused[3];
 };
 SHARED_SIZE(gw_record_push, 112);
@@ -93,7 +93,7 @@ SHARED_STRUCT(gw_lookup_push)
 	uint first, count;
 	uint block_level;  /* octree level of the blocks that records are listed by */
 	float radius;      /* of influence of a record, R */
-	float lift;        /* both ends of a visibility test are lifted this far off the surface */
+	float ray_offset;  /* both ends of a visibility test are moved this far off the surface */
 	uint visibility;   /* 1: test it where a record's surroundings are nearer than the point */
 	uint tile_first;   /* first tile whose parent cells are of block_level */
 	uint surfel_first; /* of the surfels looked at in this run */

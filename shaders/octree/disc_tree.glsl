@@ -11,8 +11,8 @@
 
 /* See gw_disc_hit. */
 struct DiscHit {
-	uint disc, lobe; /* GW_NONE when nothing is hit */
-	float t, yields, behind;
+	uint disc, facet; /* GW_NONE when nothing is hit */
+	float t, yields, nearest_back_face;
 };
 
 /* Where a ray meets a disc. */
@@ -70,7 +70,7 @@ bool meets_disc(int disc, vec4 place, vec3 normal, IN(Ray) ray, OUT(DiscMeeting)
 	vec3 cut = uintBitsToFloat(texelFetch(disc_tree, disc + 2).xyz);
 	vec3 other = uintBitsToFloat(texelFetch(disc_tree, disc + 3).xyz);
 	float over = max(cut.x * p.x + cut.y * p.y - cut.z, other.x * p.x + other.y * p.y - other.z);
-	return dot(p, p) <= radius * radius && over <= GW_DISC_CUT_SLACK * radius;
+	return dot(p, p) <= radius * radius && over <= GW_CUT_OVERLAP * radius;
 }
 
 /* Is a disc so near to the start of the ray one of the surface that the ray leaves? */
@@ -92,7 +92,7 @@ void hit_disc(int disc, IN(Ray) ray, INOUT(DiscHit) hit)
 	if (m.t < GW_DISC_NEAR * place.w && is_own_disc(place, normal, ray, m.approach))
 		return;
 	if (m.approach > 0.0f) {
-		hit.behind = min(hit.behind, m.t);
+		hit.nearest_back_face = min(hit.nearest_back_face, m.t);
 		if (!ray.both_sides)
 			return;
 	}
@@ -100,7 +100,7 @@ void hit_disc(int disc, IN(Ray) ray, INOUT(DiscHit) hit)
 		return;
 	hit.t = m.t;
 	hit.yields = m.yields;
-	hit.lobe = facing.w;
+	hit.facet = facing.w;
 	hit.disc = texelFetch(disc_tree, disc + 2).w;
 }
 

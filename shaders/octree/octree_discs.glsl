@@ -1,7 +1,7 @@
 /*
- * octree_discs.glsl - where in its cell a lobe's plane is really covered by surface. Uses the texel
- * buffers lobe_plane, leaf_fragment, fragment_surfel, surfel_place, surfel_facing, surfel_disc and
- * surfel_clip (octree.h); include it before octree_trace.glsl.
+ * octree_discs.glsl - where in its cell a facet's plane is really covered by surface. Uses the
+ * texel buffers facet_plane, leaf_fragment, fragment_surfel, surfel_place, surfel_facing,
+ * surfel_disc and surfel_clip (octree.h); include it before octree_trace.glsl.
  *
  * A plane fills its cell, so alone it would end a surface a cell too far, and a shadow's edge with
  * it. The discs end where the surface does; inside a surface some eight of them cover each place.
@@ -37,7 +37,7 @@ float disc_density(vec4 size, vec4 clip)
 	return size.y / (GW_PI * size.x * size.x * max(left, GW_SHARE_LEAST));
 }
 
-/* Is a fragment one of the lobe's own discs? */
+/* Is a fragment one of the facet's own discs? */
 bool is_disc_of(uint slot, uint word)
 {
 	return word >> 31 == 0u && (word >> 30 & 1u) == (slot & 1u);
@@ -51,26 +51,26 @@ int disc_vote(int surfel, vec3 at, INOUT(float) cover)
 	vec3 off = at - texelFetch(surfel_place, surfel).xyz;
 	vec3 normal = texelFetch(surfel_facing, surfel).xyz, t, b;
 	off -= normal * dot(normal, off);
-	float radius = size.x + GW_DISC_SLACK;
+	float radius = size.x + GW_DISC_OVERLAP;
 	if (dot(off, off) > radius * radius)
 		return 0;
 	vec4 clip = texelFetch(surfel_clip, surfel);
 	tangent_frame(normal, t, b);
 	vec2 p = vec2(dot(t, off), dot(b, off));
-	if (max(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w) > GW_DISC_SLACK)
+	if (max(dot(size.zw, p) - clip.x, dot(clip.yz, p) - clip.w) > GW_DISC_OVERLAP)
 		return -1;
 	cover += disc_density(size, clip);
 	return 2;
 }
 
-/* Do the lobe's discs lie all around a place? */
+/* Do the facet's discs lie all around a place? */
 bool is_surrounded(uint slot, vec3 at)
 {
 	vec2 way[4] = { vec2(1.0f, 0.0f), vec2(GW_SQRT_HALF, GW_SQRT_HALF), vec2(0.0f, 1.0f),
 					vec2(-GW_SQRT_HALF, GW_SQRT_HALF) };
 	uint seen = 0u, last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	vec3 t, b;
-	tangent_frame(texelFetch(lobe_plane, int(slot)).xyz, t, b);
+	tangent_frame(texelFetch(facet_plane, int(slot)).xyz, t, b);
 	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if (!is_disc_of(slot, word))
@@ -85,11 +85,11 @@ bool is_surrounded(uint slot, vec3 at)
 	return bitCount(seen) >= GW_SEEN_AROUND;
 }
 
-/* Do the lobe's discs lie on both sides of a place, along its crease with a surface of a normal?
+/* Do the facet's discs lie on both sides of a place, along its crease with a surface of a normal?
  * At the free end of a wall they lie on one. */
 bool is_along_crease(uint slot, vec3 other, vec3 at)
 {
-	vec3 crease = cross(texelFetch(lobe_plane, int(slot)).xyz, other);
+	vec3 crease = cross(texelFetch(facet_plane, int(slot)).xyz, other);
 	uint last = texelFetch(leaf_fragment, int(slot >> 1) + 1).x;
 	bool before = false, after = false;
 	for (uint f = texelFetch(leaf_fragment, int(slot >> 1)).x; f < last; f++) {

@@ -1,6 +1,6 @@
 /*
  * octree_distance.comp - the directory of rays, of the distances of cells to the nearest one that
- * holds lobes: see ray_directory in lib/octree/octree.h.
+ * holds facets: see ray_directory in lib/octree/octree.h.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,7 +9,7 @@
 
 layout(local_size_x_id = 0) in;
 
-layout(binding = 0) uniform usamplerBuffer distance_of; /* 0: it holds lobes itself */
+layout(binding = 0) uniform usamplerBuffer distance_of; /* 0: it holds facets itself */
 layout(binding = 1) uniform usamplerBuffer level_directory;
 layout(binding = 2) writeonly buffer Directory { uint ray_directory[]; }; /* windowed */
 

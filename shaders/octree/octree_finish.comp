@@ -1,6 +1,6 @@
 /*
- * octree_finish.comp - the last step: turns the sums of each lobe into means, and says in the
- * leaf's tile, and in its cell of the directory, that there are lobes and whether they fill it.
+ * octree_finish.comp - the last step: turns the sums of each facet into means, and says in the
+ * leaf's tile, and in its cell of the directory, that there are facets and whether they fill it.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -14,16 +14,16 @@ layout(binding = 1) uniform usamplerBuffer fragment_surfel;
 layout(binding = 2) uniform samplerBuffer surfel_position;
 layout(binding = 3) uniform samplerBuffer surfel_normal;
 layout(binding = 4) readonly buffer Seeds { uvec4 seed[]; }; /* this and the next four: windowed */
-layout(binding = 5) buffer Planes { vec4 lobe_plane[]; };
-layout(binding = 6) buffer Centres { vec4 lobe_centre[]; };
-layout(binding = 7) buffer Albedos { vec4 lobe_albedo[]; };
-layout(binding = 8) buffer Emissions { vec4 lobe_emission[]; };
+layout(binding = 5) buffer Planes { vec4 facet_plane[]; };
+layout(binding = 6) buffer Centres { vec4 facet_centre[]; };
+layout(binding = 7) buffer Albedos { vec4 facet_albedo[]; };
+layout(binding = 8) buffer Emissions { vec4 facet_emission[]; };
 layout(binding = 9) buffer LeafTiles { uvec2 leaf_tile[]; };
 layout(binding = 10) buffer Marks { uint mark[]; }; /* of the cells of the directory's level */
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
-/* A lobe with less area than this share of its plane's in the cell has an edge there, or a gap. */
+/* A facet with less area than this share of its plane's in the cell has an edge there, or a gap. */
 const float FILLED = 0.85;
 
 /* Area of the plane n . (g - centre) = c within a unit cell: the derivative by c of the volume
@@ -42,13 +42,13 @@ float area_in_cell(vec3 n, float c)
 	return sum / (2.0 * n.x * n.y * n.z);
 }
 
-/* Returns whether the lobe fills its cell. `first`: a fragment of the lobe, for lobes without area
- * or whose normals cancel. */
-bool finish_lobe(uint slot, uvec3 cell, uint first)
+/* Returns whether the facet fills its cell. `first`: a fragment of the facet, for facets without
+ * area or whose normals cancel. */
+bool finish_facet(uint slot, uvec3 cell, uint first)
 {
 	int surfel = int(texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL);
-	vec3 sum = lobe_plane[slot].xyz;
-	vec4 centre = lobe_centre[slot], albedo = lobe_albedo[slot];
+	vec3 sum = facet_plane[slot].xyz;
+	vec4 centre = facet_centre[slot], albedo = facet_albedo[slot];
 	float area = centre.w, length_of_sum = length(sum);
 	/* 1e-6 of the area is what rounding leaves of normals that cancel. */
 	vec3 normal = length_of_sum > 1e-6 * area ? sum / length_of_sum
@@ -56,11 +56,11 @@ bool finish_lobe(uint slot, uvec3 cell, uint first)
 	float scale = area > 0.0 ? 1.0 / area : 0.0;
 	vec3 c = clamp(centre.xyz * scale, -0.5, 0.5);
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
-	lobe_plane[slot] = vec4(normal, offset);
-	lobe_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
-	lobe_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0 : 0.0);
+	facet_plane[slot] = vec4(normal, offset);
+	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
+	facet_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0 : 0.0);
 	if (push.emissive != 0u)
-		lobe_emission[slot] = vec4(lobe_emission[slot].xyz * scale, 0.0);
+		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);
 	return area >= FILLED * area_in_cell(normal, offset);
 }
 
@@ -75,10 +75,10 @@ void main()
 	if (start.x == 0u)
 		return;
 	uint bits = 1u << (8u + octant);
-	bool filled = finish_lobe(2u * local, cell.xyz, start.x - 1u);
+	bool filled = finish_facet(2u * local, cell.xyz, start.x - 1u);
 	if (start.z != 0u) {
 		bits |= 1u << (16u + octant);
-		if (!finish_lobe(2u * local + 1u, cell.xyz, start.z - 1u))
+		if (!finish_facet(2u * local + 1u, cell.xyz, start.z - 1u))
 			filled = false;
 	}
 	if (filled)

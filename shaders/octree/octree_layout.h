@@ -21,7 +21,7 @@
 
 /* Bits of fragment_surfel. */
 #define GW_FRAGMENT_SURFEL 0x3fffffffu
-#define GW_FRAGMENT_LOBE 0x40000000u
+#define GW_FRAGMENT_FACET 0x40000000u
 #define GW_FRAGMENT_ROI 0x80000000u
 
 SHARED_STRUCT(gw_fragments_push)

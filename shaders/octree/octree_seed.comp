@@ -1,6 +1,6 @@
 /*
  * octree_seed.comp - the first step of each leaf's reduction: what lies there by RoI, and its
- * largest disc fragment, the seed of its first lobe.
+ * largest disc fragment, the seed of its first facet.
  *
  * A run takes GW_REDUCE_RUN fragments of each leaf, in order; long leaves take several runs.
  */
@@ -16,7 +16,7 @@ layout(binding = 1) uniform usamplerBuffer fragment_surfel;
 layout(binding = 2) uniform samplerBuffer fragment_weight;
 layout(binding = 3) uniform samplerBuffer surfel_normal;
 layout(binding = 4) uniform samplerBuffer surfel_albedo;
-/* Windowed. Seed: fragment plus one, bits of its weight, first fragment plus one of lobe 1. */
+/* Windowed. Seed: fragment plus one, bits of its weight, first fragment plus one of facet 1. */
 layout(binding = 5) buffer Seeds { uvec4 seed[]; };
 layout(binding = 6) buffer Geometry { vec4 leaf_geometry[]; };
 

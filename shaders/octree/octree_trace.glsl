@@ -1,6 +1,6 @@
 /*
  * octree_trace.glsl - tracing rays. Uses the texel buffers ray_directory, node, leaf_tile,
- * lobe_plane and lobe_centre (octree.h). With octree_discs.glsl before it, a plane that does not
+ * facet_plane and facet_centre (octree.h). With octree_discs.glsl before it, a plane that does not
  * fill its cell counts only where discs cover it, and no ray passes between planes.
  */
 #ifndef OCTREE_TRACE_GLSL
@@ -23,62 +23,62 @@ bool is_along_crease(uint, vec3, vec3)
 #endif
 
 /* A plane holds a little beyond its cell, so that neighbouring planes leave no crack. */
-CONSTANT(3, float, cell_slack, 0.02f);
+CONSTANT(3, float, plane_overlap, 0.02f);
 
-/* A lobe as a ray passes it: at a distance t it is approach * t - rise above the plane. */
+/* A facet as a ray passes it: at a distance t it is approach * t - rise above the plane. */
 struct Passage {
-	uint lobe; /* slot, or GW_NONE */
+	uint facet; /* slot, or GW_NONE */
 	vec3 normal;
 	float approach, rise;
-	float leave; /* distance at which the ray leaves the lobe's cell */
+	float leave; /* distance at which the ray leaves the facet's cell */
 };
 
 /* A ray's way through a cell. */
 struct Stretch {
 	vec3 centre;
 	float enter, leave; /* distances */
-	bool covered;       /* its lobes end nowhere in it */
+	bool covered;       /* its facets end nowhere in it */
 	bool concave;       /* they meet as a floor and a wall do, seen from inside */
 };
 
-float height_over(IN(Passage) lobe, float t)
+float height_over(IN(Passage) facet, float t)
 {
-	return lobe.approach * t - lobe.rise;
+	return facet.approach * t - facet.rise;
 }
 
-/* Is there surface on the lobe's plane where the ray is? Behind a concave crease it goes
- * on as far as the lobe does along it. */
+/* Is there surface on the facet's plane where the ray is? Behind a concave crease it goes
+ * on as far as the facet does along it. */
 bool holds(IN(Ray) ray, bool covered, bool concave, uint slot, float t)
 {
 	if (!TRACE_DISCS || covered)
 		return true;
 	vec3 at = ray.origin + ray.direction * t;
-	vec3 other = texelFetch(lobe_plane, int(slot ^ 1u)).xyz;
+	vec3 other = texelFetch(facet_plane, int(slot ^ 1u)).xyz;
 	return (concave && is_along_crease(slot, other, at)) || is_covered(slot, at);
 }
 
-/* Does a lobe rise over the surface that the ray leaves? */
+/* Does a facet rise over the surface that the ray leaves? */
 bool rises_over_start(IN(Ray) ray, IN(Passage) own, float like_least)
 {
-	vec3 middle = texelFetch(lobe_centre, int(own.lobe)).xyz;
+	vec3 middle = texelFetch(facet_centre, int(own.facet)).xyz;
 	float height = dot(ray.facing, middle) - dot(ray.facing, ray.foot);
 	return height >= GW_NEAR_HEIGHT * max(like_least, GW_LIKE_LEAST);
 }
 
 /* How far a plane reaches beyond its cell, for a ray that comes so fast nearer to its front. */
-float plane_slack(float approach)
+float plane_overlap_for(float approach)
 {
 	if (!TRACE_DISCS)
-		return cell_slack;
-	return approach < 0.0f ? GW_FRONT_SLACK : GW_BACK_SLACK;
+		return plane_overlap;
+	return approach < 0.0f ? GW_PLANE_FRONT_OVERLAP : GW_PLANE_BACK_OVERLAP;
 }
 
 /*
- * Does the ray meet a lobe's plane in or near its cell, nearer than what it has hit?
+ * Does the ray meet a facet's plane in or near its cell, nearer than what it has hit?
  *
  * Near its start a ray meets the surface it leaves: planes bent by noise, and at convex edges
  * planes that stick out of their cells' surface. So within GW_NEAR cells a plane counts only if its
- * lobe's centre lies above the tangent plane of that surface, and only its front side. A plane
+ * facet's centre lies above the tangent plane of that surface, and only its front side. A plane
  * that is not like that surface, as the wall at whose foot it ends, is not one of its own: there
  * GW_NEAR_HEIGHT is less, since the floor may leave but a strip of the wall in its cell.
  *
@@ -94,25 +94,25 @@ bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) h
 		return false;
 	vec3 off = ray.origin + ray.direction * distance - stretch.centre;
 	float beyond = max(abs(off.x), max(abs(off.y), abs(off.z))) - 0.5f;
-	if (beyond > plane_slack(own.approach))
+	if (beyond > plane_overlap_for(own.approach))
 		return false;
 	if (distance < GW_NEAR &&
 		(own.approach > 0.0f || !rises_over_start(ray, own, dot(own.normal, ray.facing))))
 		return false;
 	if (own.approach > 0.0f) {
-		hit.behind = true;
+		hit.passed_back_face = true;
 		if (!ray.both_sides)
 			return false;
 	}
-	bool covered = stretch.covered && beyond <= GW_BACK_SLACK;
-	if (!holds(ray, covered, stretch.concave, own.lobe, distance))
+	bool covered = stretch.covered && beyond <= GW_PLANE_BACK_OVERLAP;
+	if (!holds(ray, covered, stretch.concave, own.facet, distance))
 		return false;
 	hit.t = distance;
 	return true;
 }
 
 /*
- * Is the ray behind the lobe where it enters its cell, though nothing stopped it?
+ * Is the ray behind the facet where it enters its cell, though nothing stopped it?
  *
  * Planes of neighbouring cells do not meet, so a ray that was in front of one and is behind the
  * next one of the same surface has passed between them. And at its start a ray is in the rock when
@@ -125,30 +125,31 @@ bool came_through(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, IN(Passage)
 		return false;
 	if (stretch.enter < GW_NEAR) {
 		if (like || height < -GW_NOISE_DEPTH || own.approach >= 0.0f ||
-			!rises_over_start(ray, own, 0.0f) || !is_along_crease(own.lobe, ray.facing, ray.origin))
+			!rises_over_start(ray, own, 0.0f) ||
+			!is_along_crease(own.facet, ray.facing, ray.origin))
 			return false;
-	} else if (!like || last.lobe == GW_NONE || stretch.enter - last.leave > GW_GAP_MOST ||
+	} else if (!like || last.facet == GW_NONE || stretch.enter - last.leave > GW_GAP_MOST ||
 			   height_over(last, last.leave) < 0.0f) {
 		return false;
 	}
-	return holds(ray, stretch.covered, stretch.concave, own.lobe, stretch.enter);
+	return holds(ray, stretch.covered, stretch.concave, own.facet, stretch.enter);
 }
 
-/* One lobe of a cell; `last` becomes it when it is of the surface that the ray goes along. */
-void meet_lobe(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last, INOUT(Hit) hit)
+/* One facet of a cell; `last` becomes it when it is of the surface that the ray goes along. */
+void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last, INOUT(Hit) hit)
 {
-	vec4 plane = texelFetch(lobe_plane, int(slot));
+	vec4 plane = texelFetch(facet_plane, int(slot));
 	float rise = plane.w - dot(plane.xyz, ray.origin - stretch.centre);
 	Passage own = { slot, plane.xyz, dot(plane.xyz, ray.direction), rise, stretch.leave };
 	if (meets_plane(ray, stretch, own, hit)) {
-		hit.lobe = slot;
+		hit.facet = slot;
 		return;
 	}
 	if (!TRACE_DISCS)
 		return;
 	bool like = dot(own.normal, last.normal) > GW_LIKE_COSINE;
 	if (stretch.enter < hit.t && came_through(ray, stretch, own, last, like)) {
-		hit.lobe = slot;
+		hit.facet = slot;
 		hit.t = min(hit.t, stretch.leave);
 	} else if (like && (stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0f ||
 						holds(ray, stretch.covered, stretch.concave, slot, stretch.leave))) {
@@ -156,15 +157,15 @@ void meet_lobe(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last,
 	}
 }
 
-/* Does a lobe's centre lie in front of another one's plane? */
+/* Does a facet's centre lie in front of another one's plane? */
 bool rises_over(vec3 centre, uint slot, uint over)
 {
-	vec4 plane = texelFetch(lobe_plane, int(over));
-	vec3 middle = texelFetch(lobe_centre, int(slot)).xyz;
+	vec4 plane = texelFetch(facet_plane, int(over));
+	vec3 middle = texelFetch(facet_centre, int(slot)).xyz;
 	return dot(plane.xyz, middle - centre) - plane.w > GW_CONCAVE_HEIGHT;
 }
 
-/* The lobes of a leaf that has some. */
+/* The facets of a leaf that has some. */
 void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Passage) last,
 			   INOUT(Hit) hit)
 {
@@ -174,9 +175,9 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INO
 	stretch.concave = second && !stretch.covered &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
-	meet_lobe(ray, stretch, 2u * leaf, last, hit);
+	meet_facet(ray, stretch, 2u * leaf, last, hit);
 	if (second)
-		meet_lobe(ray, stretch, 2u * leaf + 1u, last, hit);
+		meet_facet(ray, stretch, 2u * leaf + 1u, last, hit);
 }
 
 /* ------------------------------------------------------------------------------------- walking */
@@ -257,18 +258,18 @@ float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Passag
 /* What a ray does that is still behind the surface it left when that should be behind it. */
 void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
 {
-	if (hit.lobe == GW_NONE && last.lobe != GW_NONE && height_over(last, t) < 0.0f) {
-		hit.lobe = last.lobe;
+	if (hit.facet == GW_NONE && last.facet != GW_NONE && height_over(last, t) < 0.0f) {
+		hit.facet = last.facet;
 		hit.t = min(hit.t, last.leave);
 	}
 }
 
 /*
- * The nearest lobe whose front side the ray meets before t_max. Back sides let it through, because
- * planes that stick out over convex edges would darken what lies behind them, but `behind` says
- * that one was met first; with `both_sides` they stop the ray. Noise may put its start behind the
- * surface that it leaves, whose planes do not count there; but a ray that is still behind it at a
- * distance of GW_NEAR has gone into the rock.
+ * The nearest facet whose front side the ray meets before t_max. Back sides let it through, because
+ * planes that stick out over convex edges would darken what lies behind them, but passed_back_face
+ * says that one was met first; with `both_sides` they stop the ray. Noise may put its start behind
+ * the surface that it leaves, whose planes do not count there; but a ray that is still behind it at
+ * a distance of GW_NEAR has gone into the rock.
  */
 Hit trace_octree(IN(Ray) ray)
 {
@@ -279,7 +280,7 @@ Hit trace_octree(IN(Ray) ray)
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
 	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
 	bool near_start = true;
-	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end && hit.lobe == GW_NONE; step++) {
+	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end && hit.facet == GW_NONE; step++) {
 		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, last, hit);
 		t = max(next, t + nudge);
 		if (near_start && (t >= GW_NEAR || t >= t_end)) {

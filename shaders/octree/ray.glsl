@@ -13,9 +13,9 @@ struct Ray {
 };
 
 struct Hit {
-	uint lobe;   /* slot, or GW_NONE */
+	uint facet;   /* slot, or GW_NONE */
 	float t;     /* t_max when nothing is hit */
-	bool behind; /* the ray passed the back of a surface */
+	bool passed_back_face;
 };
 
 /* A distance at which rays have left every scene, leaf cells. */

@@ -11,7 +11,7 @@
 /* Whether the tree holds anything: mostly it does not, and costs nothing. */
 CONSTANT(4, uint, has_discs, 0u);
 
-/* The nearest lobe that the ray meets, or GW_NONE. Where both have the surface that is hit, the
+/* The nearest facet that the ray meets, or GW_NONE. Where both have the surface that is hit, the
  * octree's is the finer one. */
 Hit trace(IN(Ray) ray)
 {
@@ -21,11 +21,11 @@ Hit trace(IN(Ray) ray)
 	Ray nearer = ray;
 	nearer.t_max = min(disc.yields, ray.t_max);
 	Hit hit = trace_octree(nearer);
-	if (hit.lobe == GW_NONE) {
-		hit.lobe = disc.lobe;
+	if (hit.facet == GW_NONE) {
+		hit.facet = disc.facet;
 		hit.t = disc.t;
 	}
-	hit.behind = hit.behind || disc.behind < hit.t;
+	hit.passed_back_face = hit.passed_back_face || disc.nearest_back_face < hit.t;
 	return hit;
 }
 

@@ -1,11 +1,11 @@
 /*
  * trace_constants.h - numbers by which rays are traced and samples drawn, the same for passes and
- * for the loops of the host that stand in for them.
+ * for the CPU loops that stand in for them.
  */
 #ifndef TRACE_CONSTANTS_H
 #define TRACE_CONSTANTS_H
 
-/* A lobe, record or surfel that there is not. */
+/* A facet, record or surfel that there is not. */
 #define GW_NONE 0xffffffffu
 
 /* Cells that a ray visits, at most. */
@@ -22,21 +22,21 @@
 /* Leaf cells by which planes reach beyond their cells for rays that come from in front: surface
  * that cuts off but a corner of a cell may leave nothing in it. For rays from behind it is less,
  * since planes that stick out over convex edges would shadow what lies before them. */
-#define GW_FRONT_SLACK 0.5f
-#define GW_BACK_SLACK 0.05f
+#define GW_PLANE_FRONT_OVERLAP 0.5f
+#define GW_PLANE_BACK_OVERLAP 0.05f
 
-/* Lobes with at least this cosine between their normals are pieces of one surface; a ray that has
+/* Facets with at least this cosine between their normals are pieces of one surface; a ray that has
  * left one goes on along it within so many cells. */
 #define GW_LIKE_COSINE 0.5f
 #define GW_GAP_MOST 1.75f
 
 /* Leaf cells: how far noise may put a point behind a surface that meets its own; and how far each
- * of two lobes lies in front of the other where they meet as a floor and a wall do. */
+ * of two facets lies in front of the other where they meet as a floor and a wall do. */
 #define GW_NOISE_DEPTH 0.25f
 #define GW_CONCAVE_HEIGHT 0.02f
 
 /* Leaf cells: a ray may pass between two discs that were cut at the same crease. */
-#define GW_DISC_SLACK 0.02f
+#define GW_DISC_OVERLAP 0.02f
 
 /* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
 #define GW_DISC_FRAGMENTS 256u
@@ -64,7 +64,7 @@
  * that no ray passes between two discs that were cut at the same crease. */
 #define GW_DISC_NEAR 1.25f
 #define GW_DISC_HEIGHT 0.02f
-#define GW_DISC_CUT_SLACK 0.02f
+#define GW_CUT_OVERLAP 0.02f
 
 /* Of the discs of one surface that a ray meets the one is taken whose centre is nearest: they count
  * as dished, by this share of the radius at the rim. Finer surface takes precedence over them where
@@ -77,8 +77,8 @@
  * apart, so that a straight edge that all of them miss cuts at most 9 % off the disc. */
 #define GW_LIGHT_RIM 5u
 
-/* Leaf cells^2: a lobe with more area than planes have in a cell is one of large discs. */
-#define GW_LOBE_LARGE 8.0f
+/* Leaf cells^2: a facet with more area than planes have in a cell is one of large discs. */
+#define GW_FACET_LARGE 8.0f
 
 /* Set the random numbers of a record's samples apart from those of its rays. */
 #define GW_EMITTER_SEED 0x68bc21ebu

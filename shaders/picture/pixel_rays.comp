@@ -15,8 +15,8 @@ layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer ray_directory;
 layout(binding = 1) uniform usamplerBuffer node;
 layout(binding = 2) uniform usamplerBuffer leaf_tile;
-layout(binding = 3) uniform samplerBuffer lobe_plane;
-layout(binding = 4) uniform samplerBuffer lobe_centre;
+layout(binding = 3) uniform samplerBuffer facet_plane;
+layout(binding = 4) uniform samplerBuffer facet_centre;
 layout(binding = 5) uniform usamplerBuffer leaf_fragment;
 layout(binding = 6) uniform usamplerBuffer fragment_surfel;
 layout(binding = 7) uniform samplerBuffer surfel_place;
@@ -50,17 +50,17 @@ layout(push_constant) uniform Push
 const float STRONG = 0.3;
 const uint LEAST_RAYS = 8u;
 
-/* The discs of a lobe at a place, blended with a weight that falls to nothing at the rim. Where
+/* The discs of a facet at a place, blended with a weight that falls to nothing at the rim. Where
  * none reaches, all of them alike. */
-vec3 radiance_at(uint lobe, vec3 at)
+vec3 radiance_at(uint facet, vec3 at)
 {
-	uint first = texelFetch(leaf_fragment, int(lobe >> 1)).x;
-	uint last = texelFetch(leaf_fragment, int(lobe >> 1) + 1).x;
+	uint first = texelFetch(leaf_fragment, int(facet >> 1)).x;
+	uint last = texelFetch(leaf_fragment, int(facet >> 1) + 1).x;
 	vec3 near = vec3(0.0), all = vec3(0.0);
 	float near_weight = 0.0, all_weight = 0.0;
 	for (uint f = first; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (lobe & 1u))
+		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (facet & 1u))
 			continue;
 		int surfel = int(word & 0x3fffffffu);
 		vec3 off = at - texelFetch(surfel_place, surfel).xyz;
@@ -107,7 +107,7 @@ void main()
 	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
 	Hit hit = trace(ray);
-	vec3 seen = hit.lobe != GW_NONE ? radiance_at(hit.lobe, g + direction * hit.t) : push.sky.xyz;
+	vec3 seen = hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : push.sky.xyz;
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
 	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
 }

@@ -28,13 +28,13 @@ static gw_status measure(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth,
 		return status;
 	gw_gpu_account after = gw_gpu_read_account(gpu);
 	printf("%zu points, depth %u: %u fragments, %u leaves, %u leaf tiles, %u tiles, %u border\n",
-	       surfels->count, depth, octree.fragment_count, octree.leaf_count, octree.leaf_tile_count,
-	       octree.tile_count, octree.border_tile_count);
+		   surfels->count, depth, octree.fragment_count, octree.leaf_count, octree.leaf_tile_count,
+		   octree.tile_count, octree.border_tile_count);
 	printf("  %.3f s, of it %.3f s on the device and %.3f s compiling; %.1f MB kept, %.1f MB "
-	       "peak\n",
-	       seconds() - start, after.device_seconds - before.device_seconds,
-	       after.compile_seconds - before.compile_seconds,
-	       (double)(after.bytes - before.bytes) * 1e-6, (double)after.peak_bytes * 1e-6);
+		   "peak\n",
+		   seconds() - start, after.device_seconds - before.device_seconds,
+		   after.compile_seconds - before.compile_seconds,
+		   (double)(after.bytes - before.bytes) * 1e-6, (double)after.peak_bytes * 1e-6);
 	gw_octree_destroy(gpu, &octree);
 	return GW_OK;
 }
@@ -48,7 +48,7 @@ int main(int argc, char **argv)
 	gw_gpu_options options = { 0 };
 	gw_surfels surfels;
 	if (!octree_points_sphere(count, 1, &surfels) ||
-	    gw_gpu_create(&options, &gpu, &error) != GW_OK) {
+		gw_gpu_create(&options, &gpu, &error) != GW_OK) {
 		fprintf(stderr, "bench_octree: %s\n", error.text[0] ? error.text : "out of memory");
 		return 1;
 	}

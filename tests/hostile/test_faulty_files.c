@@ -44,7 +44,7 @@ static struct fault {
 	bool hit;
 } fault;
 
-static long blocks_left = -1; /* on the disk; -1: as it is */
+static long blocks_left = -1;  /* on the disk; -1: as it is */
 static bool cut_short;         /* reads end before the file does */
 static bool no_memory_to_copy; /* for the next file that is opened */
 static bool cut_when_mapped;   /* the input is emptied after it was opened, before it is read */
@@ -550,8 +550,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(outputs_on_a_failing_disk),  cmocka_unit_test(outputs_in_a_failing_folder),
-		cmocka_unit_test(outputs_on_a_small_disk),
-		cmocka_unit_test(outputs_left_by_the_dead),
+		cmocka_unit_test(outputs_on_a_small_disk),    cmocka_unit_test(outputs_left_by_the_dead),
 		cmocka_unit_test(verbs_on_a_failing_disk),    cmocka_unit_test(inputs_on_a_failing_disk),
 		cmocka_unit_test(inputs_cut_after_reading),   cmocka_unit_test(inputs_cut_while_mapped),
 		cmocka_unit_test(readers_of_vanishing_files), cmocka_unit_test(inputs_changed_while_mapped),

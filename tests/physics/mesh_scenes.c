@@ -515,8 +515,8 @@ static size_t place_points(const mesh_scene *s, const mesh_sampling *how, double
 			place_on(triangle, a - floor(a), b - floor(b), place);
 			if (is_hidden(s, place, triangle->normal))
 				continue;
-			if (how->uneven > 0.0 && random_number(&state) >= scanned_share(s, how->uneven, place,
-																			triangle->normal))
+			if (how->uneven > 0.0 &&
+				random_number(&state) >= scanned_share(s, how->uneven, place, triangle->normal))
 				continue;
 			if (out && n == out->count)
 				return n;

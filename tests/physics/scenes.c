@@ -50,10 +50,10 @@ size_t scene_add(scene *s, const double position[3], const double normal[3], flo
 }
 
 void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
-                     size_t n, size_t m, float albedo)
+					 size_t n, size_t m, float albedo)
 {
 	double normal[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
-		                 u[0] * v[1] - u[1] * v[0] };
+						 u[0] * v[1] - u[1] * v[0] };
 	double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
 	for (size_t k = 0; k < 3; k++)
 		normal[k] /= length;
@@ -70,7 +70,7 @@ void scene_add_patch(scene *s, const double corner[3], const double u[3], const 
 }
 
 void scene_add_sphere(scene *s, const double centre[3], double radius, size_t count, int facing,
-                      float albedo)
+					  float albedo)
 {
 	for (size_t i = 0; i < count; i++) {
 		double z = 1.0 - (2.0 * (double)i + 1.0) / (double)count;
@@ -85,7 +85,7 @@ void scene_add_sphere(scene *s, const double centre[3], double radius, size_t co
 }
 
 void scene_add_box(scene *s, const double corner[3], const double size[3], double per_metre,
-                   float albedo)
+				   float albedo)
 {
 	for (size_t axis = 0; axis < 3; axis++) {
 		size_t a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -106,12 +106,12 @@ void scene_make_cellar(scene *s)
 	const struct {
 		double corner[3], u[3], v[3]; /* inwards is along u x v */
 	} patch[] = {
-		{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },            /* floor */
-		{ { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },            /* walls */
+		{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, /* floor */
+		{ { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }, /* walls */
 		{ { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 } },
 		{ { 0, 0, 0 }, { 0, 0, 1 }, { 1, 0, 0 } },
 		{ { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
-		{ { 0, 0, 1 }, { 0, 1, 0 }, { 0.375, 0, 0 } },        /* ceiling, around the hole */
+		{ { 0, 0, 1 }, { 0, 1, 0 }, { 0.375, 0, 0 } }, /* ceiling, around the hole */
 		{ { 0.625, 0, 1 }, { 0, 1, 0 }, { 0.375, 0, 0 } },
 		{ { 0.375, 0, 1 }, { 0, 0.375, 0 }, { 0.25, 0, 0 } },
 		{ { 0.375, 0.625, 1 }, { 0, 0.375, 0 }, { 0.25, 0, 0 } },
@@ -163,10 +163,10 @@ void scene_make_hall(scene *s)
 gw_points scene_points(const scene *s)
 {
 	return (gw_points){ .count = s->count,
-		                .position = s->position,
-		                .normal = s->normal,
-		                .albedo = s->albedo,
-		                .emission = s->emits ? s->emission : NULL };
+						.position = s->position,
+						.normal = s->normal,
+						.albedo = s->albedo,
+						.emission = s->emits ? s->emission : NULL };
 }
 
 void scene_clear(scene *s)
@@ -190,7 +190,7 @@ void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate)
 }
 
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-                           const gw_bake_options *options)
+						   const gw_bake_options *options)
 {
 	gw_bake_result *result;
 	gw_error error = { 0 };
@@ -243,6 +243,6 @@ const gw_effect *scene_effect(const gw_report *report, const char *name)
 gw_light scene_point_light(double x, double y, double z, float intensity)
 {
 	return (gw_light){ .type = GW_LIGHT_POINT,
-		               .position = { x, y, z },
-		               .intensity = { intensity, intensity, intensity } };
+					   .position = { x, y, z },
+					   .intensity = { intensity, intensity, intensity } };
 }

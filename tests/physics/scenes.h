@@ -32,18 +32,18 @@ size_t scene_add(scene *s, const double position[3], const double normal[3], flo
  *   corner, u, v   metres; u and v are the sides, the normal is along u x v
  */
 void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
-                     size_t n, size_t m, float albedo);
+					 size_t n, size_t m, float albedo);
 
 /*
  * Adds `count` points spread evenly over a sphere (golden-angle spiral).
  *   facing   -1: normals towards the centre, 1: away from it
  */
 void scene_add_sphere(scene *s, const double centre[3], double radius, size_t count, int facing,
-                      float albedo);
+					  float albedo);
 
 /* Adds the six walls of a box that is lit from inside; per_metre points a metre along each edge. */
 void scene_add_box(scene *s, const double corner[3], const double size[3], double per_metre,
-                   float albedo);
+				   float albedo);
 
 /*
  * An open hall with all that a bake can light: five walls in three colours, a ball, a lamp of
@@ -71,7 +71,7 @@ void scene_choose_passes(gw_pass_choice *passes, gw_validation *validate);
 /* Bakes, as scene_choose_passes says; the result is freed by the caller with
  * gw_bake_result_destroy. */
 gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-                           const gw_bake_options *options);
+						   const gw_bake_options *options);
 
 /* The area that each point stands for, m^2, as the library finds it; freed by the caller. */
 double *scene_areas(const gw_points *points);

@@ -409,7 +409,7 @@ static size_t lit_at_the_foot(double depth, size_t *count)
  * stands close to it. Were strips of up to a fifth of a cell left out, as of a surface of the
  * floor's own, then in every fifth of the eight places every sixth point of the foot's first row
  * would be lit: 128 / 30 = 4, and by the light's slope of 1/2 as many of the second row, 8. Strips
- * of less than a twentieth have no lobe: a quarter of that, 2, and their root.
+ * of less than a twentieth have no facet: a quarter of that, 2, and their root.
  */
 static void no_sun_at_the_foot(void **state)
 {

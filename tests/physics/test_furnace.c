@@ -270,7 +270,7 @@ static void closed_cube(void **state)
 {
 	(void)state;
 	/* Of the leaves only those at edges could leave a crack, 4 of 120 along a wall, and of their
-	 * width a cell's slack closes all but the worst 1 %. */
+	 * width a plane's overlap closes all but the worst 1 %. */
 	check_cube(GW_METHOD_RAYS, 4.0 / 120 * 0.01);
 	/* Far away a cone looks at voxels a quarter of the room wide. Those that a wall ends in are
 	 * half empty along the edge, and the gain of 1.5 makes up for a third. On average over a strip
@@ -280,7 +280,7 @@ static void closed_cube(void **state)
 
 /*
  * Two closed rooms 1.2 leaf cells apart, a lamp in one: the other stays dark. A ray has to slip
- * through cracks of two walls, of which each lets under 0.1 % through (see CELL_SLACK): that a
+ * through cracks of two walls, of which each lets under 0.1 % through (see PLANE_OVERLAP): that a
  * tenth of those finds another crack within a cell and a half allows 0.05 %, with the five bounces
  * that albedo 0.5 makes of one. Interpolating from records beyond the wall would show as 0.15 %.
  */

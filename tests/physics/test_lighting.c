@@ -223,8 +223,8 @@ static void lit_again_by_cones(void **state)
 	same_and_other_lights(scene_make_hall, GW_METHOD_CONES);
 }
 
-/* Means over lobes are taken in another order than the octree's: 24 bits each, some hundred terms;
- * samples follow shares of power, which a rounding can turn from one lobe to its neighbour. */
+/* Means over facets are taken in another order than the octree's: 24 bits each, some hundred terms;
+ * samples follow shares of power, which a rounding can turn from one facet to its neighbour. */
 static void other_emission(void **state)
 {
 	(void)state;
@@ -373,12 +373,12 @@ static void make_wall(scene *s)
 					50, 0.5f);
 }
 
-static gw_bake_result *bake_openness(const scene *s, float distance)
+static gw_bake_result *bake_ambient_occlusion(const scene *s, float distance)
 {
 	const gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
-	options.occlusion = true;
-	options.occlusion_distance = distance;
+	options.ambient_occlusion = true;
+	options.ambient_occlusion_distance = distance;
 	return scene_bake(&points, NULL, 0, &options);
 }
 
@@ -386,19 +386,19 @@ static gw_bake_result *bake_openness(const scene *s, float distance)
  * error is sqrt(0.5 * 0.5 / 64 / 3) = 0.036 if directions were drawn at random; they are spread
  * evenly, which is better. Points of the floor in the middle third, where the wall's ends are far.
  */
-static void openness_beside_a_wall(void **state)
+static void ambient_occlusion_beside_a_wall(void **state)
 {
 	(void)state;
 	scene s;
 	make_wall(&s);
-	gw_bake_result *r = bake_openness(&s, 0.0f);
+	gw_bake_result *r = bake_ambient_occlusion(&s, 0.0f);
 	double squares = 0.0, sum = 0.0, n = 0.0;
 	for (size_t i = 0; i < s.count; i++) {
 		const double *p = s.position + 3 * i;
-		assert_true(r->openness[i] >= 0.0f && r->openness[i] <= 1.00001f);
+		assert_true(r->ambient_occlusion[i] >= 0.0f && r->ambient_occlusion[i] <= 1.00001f);
 		if (p[2] > 0.0 || p[0] < 0.05 || fabs(p[1]) > 0.02)
 			continue;
-		double off = (double)r->openness[i] - (1.0 - wall_share(p[0], 2.0, 1.0));
+		double off = (double)r->ambient_occlusion[i] - (1.0 - wall_share(p[0], 2.0, 1.0));
 		squares += off * off;
 		sum += off;
 		n += 1.0;
@@ -411,19 +411,19 @@ static void openness_beside_a_wall(void **state)
 }
 
 /* Farther away than the distance and the reach of interpolation, the wall is not there. */
-static void openness_within_a_distance(void **state)
+static void ambient_occlusion_within_a_distance(void **state)
 {
 	(void)state;
 	scene s;
 	make_wall(&s);
-	gw_bake_result *r = bake_openness(&s, 0.25f);
+	gw_bake_result *r = bake_ambient_occlusion(&s, 0.25f);
 	double reach = 0.25 + 4.0 * r->report.leaf_size, near = 0.0, n = 0.0;
 	for (size_t i = 0; i < s.count; i++) {
 		const double *p = s.position + 3 * i;
 		if (p[2] == 0.0 && p[0] > reach)
-			assert_true(r->openness[i] > 0.9999f);
+			assert_true(r->ambient_occlusion[i] > 0.9999f);
 		if (p[2] == 0.0 && p[0] < 0.1) {
-			near += (double)r->openness[i];
+			near += (double)r->ambient_occlusion[i];
 			n += 1.0;
 		}
 	}
@@ -475,8 +475,8 @@ int main(void)
 		cmocka_unit_test(damaged_ones_are_refused),
 		cmocka_unit_test(others_are_refused),
 		cmocka_unit_test(writes_may_fail),
-		cmocka_unit_test(openness_beside_a_wall),
-		cmocka_unit_test(openness_within_a_distance),
+		cmocka_unit_test(ambient_occlusion_beside_a_wall),
+		cmocka_unit_test(ambient_occlusion_within_a_distance),
 		cmocka_unit_test(errors_fall_with_rays),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,8 +28,8 @@ static void make_lights(gw_light lights[LIGHTS])
 	lights[1].inner_angle = 10.0f;
 	lights[1].outer_angle = 35.0f;
 	lights[2] = (gw_light){ .type = GW_LIGHT_SUN,
-		                    .direction = { 0.25, 1, -0.5 },
-		                    .irradiance = { 4.0f, 3.5f, 3.0f } };
+							.direction = { 0.25, 1, -0.5 },
+							.irradiance = { 4.0f, 3.5f, 3.0f } };
 	lights[3] = (gw_light){ .type = GW_LIGHT_ENVIRONMENT, .radiance = { 0.3f, 0.4f, 0.6f } };
 }
 
@@ -43,7 +43,7 @@ static gw_bake_options options_of(gw_method method)
 
 /* The hall and its lights, baked. */
 static gw_bake_result *bake_hall(const scene *s, const gw_light *lights, size_t light_count,
-                                 gw_method method)
+								 gw_method method)
 {
 	gw_points points = scene_points(s);
 	gw_bake_options options = options_of(method);
@@ -52,7 +52,7 @@ static gw_bake_result *bake_hall(const scene *s, const gw_light *lights, size_t 
 
 /* Fails unless a[3 * i] == factor * b[3 * order[i]] in every bit; order NULL: the same order. */
 static void assert_same(const char *what, const float *a, const float *b, float factor,
-                        const size_t *order, size_t count)
+						const size_t *order, size_t count)
 {
 	size_t differing = 0;
 	double worst = 0.0;
@@ -69,19 +69,19 @@ static void assert_same(const char *what, const float *a, const float *b, float 
 }
 
 static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b, float factor,
-                              const size_t *order)
+							  const size_t *order)
 {
 	assert_same("direct irradiance", a->direct_irradiance, b->direct_irradiance, factor, order,
-	            a->count);
+				a->count);
 	assert_same("indirect irradiance", a->indirect_irradiance, b->indirect_irradiance, factor,
-	            order, a->count);
+				order, a->count);
 	assert_same("radiance", a->radiance, b->radiance, factor, order, a->count);
 }
 
 static void assert_finite(const gw_bake_result *result)
 {
 	const float *arrays[] = { result->radiance, result->direct_irradiance,
-		                      result->indirect_irradiance, result->albedo };
+							  result->indirect_irradiance, result->albedo };
 	for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++) {
 		for (size_t i = 0; i < 3 * result->count; i++)
 			assert_true(isfinite(arrays[a][i]) && arrays[a][i] >= 0.0f);
@@ -96,7 +96,7 @@ static void assert_finite(const gw_bake_result *result)
 }
 
 typedef void compare(gw_method method, const scene *hall, const gw_light *lights,
-                     const gw_bake_result *plain);
+					 const gw_bake_result *plain);
 
 /* Bakes the hall by both methods and hands it to a comparison. */
 static void with_hall(compare *run)
@@ -125,7 +125,7 @@ static void brighten(gw_light *light, float factor)
 /* ----------------------------------------------------------------------------- the same bits */
 
 static void compare_doubled(gw_method method, const scene *hall, const gw_light *lights,
-                            const gw_bake_result *plain)
+							const gw_bake_result *plain)
 {
 	gw_light bright[LIGHTS];
 	memcpy(bright, lights, sizeof bright);
@@ -146,7 +146,7 @@ static void twice_the_light(void **state)
 }
 
 static void compare_shuffled(gw_method method, const scene *hall, const gw_light *lights,
-                             const gw_bake_result *plain)
+							 const gw_bake_result *plain)
 {
 	scene mixed = { .state = 7 };
 	size_t *order = malloc(hall->count * sizeof *order);
@@ -178,7 +178,7 @@ static void order_of_points(void **state)
 }
 
 static void compare_moved(gw_method method, const scene *hall, const gw_light *lights,
-                          const gw_bake_result *plain)
+						  const gw_bake_result *plain)
 {
 	const double by[3] = { 5e5, 5.4e6, 100 };
 	gw_light moved[LIGHTS];
@@ -200,7 +200,7 @@ static void far_from_the_origin(void **state)
 }
 
 static void compare_again(gw_method method, const scene *hall, const gw_light *lights,
-                          const gw_bake_result *plain)
+						  const gw_bake_result *plain)
 {
 	gw_points points = scene_points(hall);
 	gw_bake_options options = options_of(method);
@@ -220,7 +220,7 @@ static void same_again_and_for_any_threads(void **state)
 }
 
 static void compare_dark_light(gw_method method, const scene *hall, const gw_light *lights,
-                               const gw_bake_result *plain)
+							   const gw_bake_result *plain)
 {
 	gw_light more[2 * LIGHTS];
 	memcpy(more, lights, LIGHTS * sizeof *more);
@@ -244,7 +244,7 @@ static void dark_lights_do_nothing(void **state)
 }
 
 static void compare_red(gw_method method, const scene *hall, const gw_light *lights,
-                        const gw_bake_result *plain)
+						const gw_bake_result *plain)
 {
 	gw_light red[LIGHTS];
 	memcpy(red, lights, sizeof red);
@@ -258,10 +258,10 @@ static void compare_red(gw_method method, const scene *hall, const gw_light *lig
 	for (size_t i = 0; i < 3 * hall->count; i++) {
 		if (i % 3 != 0)
 			assert_true(result->radiance[i] == 0.0f && result->direct_irradiance[i] == 0.0f &&
-			            result->indirect_irradiance[i] == 0.0f);
+						result->indirect_irradiance[i] == 0.0f);
 	}
 	assert_true(scene_mean(result->indirect_irradiance, hall->count, 0) >
-	            0.1 * scene_mean(plain->indirect_irradiance, hall->count, 0));
+				0.1 * scene_mean(plain->indirect_irradiance, hall->count, 0));
 	gw_bake_result_destroy(&result);
 }
 
@@ -274,18 +274,18 @@ static void red_light_stays_red(void **state)
 /* -------------------------------------------------------------------------- nearly the same */
 
 static void assert_mean(const char *what, const float *a, const float *b, size_t count_a,
-                        size_t count_b, double relative)
+						size_t count_b, double relative)
 {
 	for (size_t c = 0; c < 3; c++) {
 		double x = scene_mean(a, count_a, c), y = scene_mean(b, count_b, c);
 		if (!(fabs(x - y) <= relative * fabs(y)))
 			fail_msg("%s, channel %zu: mean %.7g, not %.7g: off by %.2g, allowed %.2g", what, c, x,
-			         y, fabs(x / y - 1.0), relative);
+					 y, fabs(x / y - 1.0), relative);
 	}
 }
 
 static void compare_duplicated(gw_method method, const scene *hall, const gw_light *lights,
-                               const gw_bake_result *plain)
+							   const gw_bake_result *plain)
 {
 	scene twice = { 0 };
 	for (size_t i = 0; i < 2 * hall->count; i++) {
@@ -300,7 +300,7 @@ static void compare_duplicated(gw_method method, const scene *hall, const gw_lig
 	/* 1 %: merging averages normals, which rounds them, and a ray may then just miss a plane. */
 	assert_mean("duplicated", result->radiance, plain->radiance, twice.count, hall->count, 0.01);
 	assert_mean("duplicated, indirect", result->indirect_irradiance, plain->indirect_irradiance,
-	            twice.count, hall->count, 0.01);
+				twice.count, hall->count, 0.01);
 	gw_bake_result_destroy(&result);
 	scene_clear(&twice);
 }
@@ -313,7 +313,7 @@ static void duplicates_do_not_brighten(void **state)
 }
 
 static void compare_scaled_by(float scale, gw_method method, const scene *hall,
-                              const gw_light *lights, const gw_bake_result *plain)
+							  const gw_light *lights, const gw_bake_result *plain)
 {
 	gw_light scaled[LIGHTS];
 	memcpy(scaled, lights, sizeof scaled);
@@ -330,7 +330,7 @@ static void compare_scaled_by(float scale, gw_method method, const scene *hall,
 	/* The scale is a power of two, so only what is rounded relative to whole metres differs: a
 	 * few rays in 10^5 may pass on the other side of an edge. */
 	assert_mean("scaled, direct", result->direct_irradiance, plain->direct_irradiance, hall->count,
-	            hall->count, 1e-4);
+				hall->count, 1e-4);
 	assert_mean("scaled", result->radiance, plain->radiance, hall->count, hall->count, 1e-4);
 	gw_bake_result_destroy(&result);
 	for (size_t i = 0; i < 3 * hall->count; i++)
@@ -339,7 +339,7 @@ static void compare_scaled_by(float scale, gw_method method, const scene *hall,
 
 /* In the small hall, areas in square metres would be no float32. */
 static void compare_scaled(gw_method method, const scene *hall, const gw_light *lights,
-                           const gw_bake_result *plain)
+						   const gw_bake_result *plain)
 {
 	compare_scaled_by(4.0f, method, hall, lights, plain);
 	compare_scaled_by(0x1p-62f, method, hall, lights, plain);
@@ -353,7 +353,7 @@ static void scale_of_the_scene(void **state)
 }
 
 static void compare_blinding(gw_method method, const scene *hall, const gw_light *lights,
-                             const gw_bake_result *plain)
+							 const gw_bake_result *plain)
 {
 	gw_light bright[LIGHTS];
 	memcpy(bright, lights, sizeof bright);
@@ -394,7 +394,7 @@ static void light_beyond_numbers(void **state)
 }
 
 static void compare_sum(gw_method method, const scene *hall, const gw_light *lights,
-                        const gw_bake_result *plain)
+						const gw_bake_result *plain)
 {
 	(void)plain;
 	memset(hall->emission, 0, 3 * hall->count * sizeof *hall->emission);
@@ -404,15 +404,14 @@ static void compare_sum(gw_method method, const scene *hall, const gw_light *lig
 	double mean = scene_mean(both->radiance, hall->count, 1);
 	/* Rays: float32 sums of up to 64 terms in four stages. Cones: radiance is rounded to half
 	 * floats at the leaves and at each mipmap below the root, in each of two reflections. */
-	double allowed = method == GW_METHOD_RAYS ? 1e-5
-	                                          : 2.0 * both->report.depth * HALF_ROUNDOFF;
+	double allowed = method == GW_METHOD_RAYS ? 1e-5 : 2.0 * both->report.depth * HALF_ROUNDOFF;
 	for (size_t i = 0; i < 3 * hall->count; i++) {
 		double sum = (double)a->radiance[i] + (double)b->radiance[i];
 		double off = fabs((double)both->radiance[i] - sum);
 		if (!(off <= allowed * fmax(mean, sum)))
 			fail_msg("%s, point %zu: %.8g, not %.8g: off by %.2g of the mean, allowed %.2g",
-			         gw_method_name(method), i / 3, (double)both->radiance[i], sum, off / mean,
-			         allowed);
+					 gw_method_name(method), i / 3, (double)both->radiance[i], sum, off / mean,
+					 allowed);
 	}
 	gw_bake_result_destroy(&both);
 	gw_bake_result_destroy(&a);
@@ -440,7 +439,7 @@ static void density_does_not_brighten(void **state)
 			result[n] = bake_hall(&s[n], &light, 1, (gw_method)method);
 		}
 		assert_mean(gw_method_name((gw_method)method), result[1]->indirect_irradiance,
-		            result[0]->indirect_irradiance, s[1].count, s[0].count, 0.05);
+					result[0]->indirect_irradiance, s[1].count, s[0].count, 0.05);
 		for (size_t n = 0; n < 2; n++) {
 			gw_bake_result_destroy(&result[n]);
 			scene_clear(&s[n]);
@@ -497,16 +496,16 @@ static void nothing_to_reflect(void **state)
 	scene_clear(&s);
 }
 
-/* The hall calls for all effects but openings, for which it is too open; each is reported and
+/* The hall calls for all effects but portals, for which it is too open; each is reported and
  * computed. */
 static void compare_effects(gw_method method, const scene *hall, const gw_light *lights,
-                            const gw_bake_result *plain)
+							const gw_bake_result *plain)
 {
 	(void)lights;
 	assert_true(plain->report.effect_count >= 4);
 	for (uint32_t i = 0; i < plain->report.effect_count; i++) {
 		const gw_effect *effect = &plain->report.effect[i];
-		if (effect->called_for == (strcmp(effect->name, "openings") == 0))
+		if (effect->called_for == (strcmp(effect->name, "portals") == 0))
 			fail_msg("%s is%s called for: %s", effect->name, effect->called_for ? "" : " not",
 					 effect->reason);
 	}
@@ -533,7 +532,7 @@ static void few_points(void **state)
 			scene s = { 0 };
 			for (size_t i = 0; i < n; i++)
 				scene_add(&s, (double[3]){ (double)i, 0.25 * (double)(i * i), 0 },
-				          (double[3]){ 0, 0, 1 }, 0.5f);
+						  (double[3]){ 0, 0, 1 }, 0.5f);
 			scene_emit(&s, n - 1, (float[3]){ 1, 1, 1 });
 			gw_points points = scene_points(&s);
 			gw_bake_options options = gw_bake_options_default();

@@ -52,7 +52,7 @@ static bool is_lost(const fault *f, const float *hole, const float *place, size_
 		   (f->disc > 0.0f && !is_near(place, count, cell, f->disc));
 }
 
-/* Takes the lobes out of leaves, as rays see it. */
+/* Takes the facets out of leaves, as rays see it. */
 static void plant(gw_scene *s, const fault *f)
 {
 	gw_error error;

@@ -45,7 +45,7 @@ static uint32_t *hits_of(gw_scene *s)
 	uint64_t bytes = 4 * (uint64_t)s->rays.rays * s->records.count;
 	uint32_t *hits = malloc(bytes);
 	assert_non_null(hits);
-	assert_ok(gw_buffer_download(s->gpu, &s->rays.lobe, 0, hits, bytes, &error), &error);
+	assert_ok(gw_buffer_download(s->gpu, &s->rays.facet, 0, hits, bytes, &error), &error);
 	return hits;
 }
 
@@ -54,11 +54,11 @@ static float *densest(size_t count)
 	float *spacing = malloc(count * sizeof *spacing);
 	assert_non_null(spacing);
 	for (size_t i = 0; i < count; i++)
-		spacing[i] = 1e-3f; /* no two lobes are as near */
+		spacing[i] = 1e-3f; /* no two facets are as near */
 	return spacing;
 }
 
-/* Records that are added on every lobe that has none see what they see where all are placed at
+/* Records that are added on every facet that has none see what they see where all are placed at
  * once: what a ray hits follows from where its record stands, to the last bit. */
 static void added_records_see_the_same(void **state)
 {
@@ -74,12 +74,12 @@ static void added_records_see_the_same(void **state)
 	prepare(&added, &report[1], &points, 4.0f);
 	uint32_t before = added.records.count;
 	gw_record_density density = {
-		.lobe_spacing = densest(2 * (size_t)added.octree.leaf_count),
+		.facet_spacing = densest(2 * (size_t)added.octree.leaf_count),
 		.surfel_spacing = densest(added.surfels.count),
-		.lobe_closer = calloc(2 * (size_t)added.octree.leaf_count, sizeof(bool)),
+		.facet_closer = calloc(2 * (size_t)added.octree.leaf_count, sizeof(bool)),
 		.surfel_closer = calloc(added.surfels.count, sizeof(bool)),
 	};
-	assert_non_null(density.lobe_closer);
+	assert_non_null(density.facet_closer);
 	assert_non_null(density.surfel_closer);
 	for (size_t i = 0; i < added.surfels.count; i++)
 		density.surfel_closer[i] = i % 2;
@@ -93,12 +93,12 @@ static void added_records_see_the_same(void **state)
 	assert_int_equal(report[1].records, added.records.count);
 	uint32_t *a = hits_of(&at_once), *b = hits_of(&added);
 	for (uint32_t i = 0; i < added.records.count; i++) {
-		uint32_t other = 0; /* with spacing 0 the lobes are in ascending order */
+		uint32_t other = 0; /* with spacing 0 the facets are in ascending order */
 		for (uint32_t step = 1u << 20; step > 0; step /= 2)
 			if (other + step < at_once.records.count &&
-				at_once.records.lobe[other + step] <= added.records.lobe[i])
+				at_once.records.facet[other + step] <= added.records.facet[i])
 				other += step;
-		assert_int_equal(at_once.records.lobe[other], added.records.lobe[i]);
+		assert_int_equal(at_once.records.facet[other], added.records.facet[i]);
 		assert_memory_equal(a + 16 * (size_t)other, b + 16 * (size_t)i, 64);
 	}
 	/* Surfels keep their records unless these came closer; then they get some of the new ones. */

@@ -30,8 +30,8 @@ static void same_results(const gw_bake_result *a, const gw_bake_result *b)
 	for (size_t i = 0; i < a->lamp_count; i++)
 		same_floats(a->lamp[i], b->lamp[i], 3 * a->count);
 	assert_int_equal(a->rest == NULL, b->rest == NULL);
-	if (a->openness)
-		same_floats(a->openness, b->openness, a->count);
+	if (a->ambient_occlusion)
+		same_floats(a->ambient_occlusion, b->ambient_occlusion, a->count);
 	if (a->error)
 		same_floats(a->error, b->error, a->count);
 	assert_int_equal(a->voxels.count, b->voxels.count);
@@ -85,7 +85,7 @@ static void each_lighting_is_a_bake(void **state)
 	scene hall = { 0 };
 	scene_make_hall(&hall);
 	gw_bake_options options = gw_bake_options_default();
-	options.occlusion = options.errors = options.voxels = options.lamps = true;
+	options.ambient_occlusion = options.errors = options.voxels = options.lamps = true;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };

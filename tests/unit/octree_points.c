@@ -33,7 +33,7 @@ bool octree_points_make(size_t count, bool emission, gw_surfels *s)
 	s->clip = calloc(6 * count, sizeof(float));
 	s->two_sided = calloc(count, 1);
 	if (!s->position || !s->normal || !s->albedo || !s->nearest || !s->radius || !s->area ||
-	    !s->clip || !s->two_sided || (emission && !s->emission)) {
+		!s->clip || !s->two_sided || (emission && !s->emission)) {
 		gw_surfels_clear(s);
 		return false;
 	}

@@ -59,8 +59,8 @@ static bool add_borders(key_set *parents, const uint32_t cell[3])
 		uint32_t x = o & 1, y = o >> 1 & 1, z = o >> 2;
 		if (x > cell[0] || y > cell[1] || z > cell[2])
 			continue;
-		if (!add_key(parents, gw_morton_encode((cell[0] - x) / 2, (cell[1] - y) / 2,
-		                                       (cell[2] - z) / 2)))
+		if (!add_key(parents,
+					 gw_morton_encode((cell[0] - x) / 2, (cell[1] - y) / 2, (cell[2] - z) / 2)))
 			return false;
 	}
 	return true;
@@ -109,9 +109,8 @@ static void link_level(octree_reference *r, const key_set *parent, uint32_t dept
 		key[2 * tile + 1] = (uint32_t)(k >> 32);
 		for (uint32_t o = 0; o < 8; o++) {
 			uint32_t x = at[0] + (o & 1), y = at[1] + (o >> 1 & 1), z = at[2] + (o >> 2);
-			uint32_t found = x < side && y < side && z < side
-			                     ? find(&parent[t], gw_morton_encode(x, y, z))
-			                     : 0;
+			uint32_t found =
+				x < side && y < side && z < side ? find(&parent[t], gw_morton_encode(x, y, z)) : 0;
 			neighbour[8 * tile + o] = found ? first + found : 0;
 		}
 		if (t > 0) {
@@ -124,22 +123,22 @@ static void link_level(octree_reference *r, const key_set *parent, uint32_t dept
 	}
 }
 
-static void place_leaves(octree_reference *r, const key_set *leaves, const uint8_t *has_lobe,
-                         const key_set *tiles)
+static void place_leaves(octree_reference *r, const key_set *leaves, const uint8_t *has_facet,
+						 const key_set *tiles)
 {
 	for (uint32_t i = 0; i < leaves->count; i++) {
 		uint32_t tile = find(tiles, leaves->key[i] >> 3) - 1, *entry = r->leaf_tile + 2 * tile;
 		if (entry[1] == 0)
 			entry[0] = i;
-		entry[1] |= (has_lobe[i] ? 0x101u : 1u) << (leaves->key[i] & 7);
+		entry[1] |= (has_facet[i] ? 0x101u : 1u) << (leaves->key[i] & 7);
 		gw_morton_decode(leaves->key[i], r->leaf_cell + 4 * i);
 		r->leaf_cell[4 * i + 3] = tile;
 	}
 }
 
 /* Chessboard distance by growing: in step d, cells without one next to a cell of distance d - 1. */
-static void grow_distances(octree_reference *r, const key_set *leaves, const uint8_t *has_lobe,
-                           uint32_t depth)
+static void grow_distances(octree_reference *r, const key_set *leaves, const uint8_t *has_facet,
+						   uint32_t depth)
 {
 	uint32_t t = r->directory_level, side = 1u << t, far = 255;
 	uint64_t entry = ((UINT64_C(1) << 3 * t) - 1) / 7;
@@ -148,7 +147,7 @@ static void grow_distances(octree_reference *r, const key_set *leaves, const uin
 		distance[i] = far;
 	for (uint32_t i = 0; i < leaves->count; i++) {
 		uint32_t c[3];
-		if (!has_lobe[i])
+		if (!has_facet[i])
 			continue;
 		gw_morton_decode(leaves->key[i] >> 3 * (depth - t), c);
 		distance[c[0] + ((uint64_t)c[1] << t) + ((uint64_t)c[2] << 2 * t)] = 0;
@@ -199,8 +198,8 @@ static bool allocate(octree_reference *r, uint32_t leaves)
 	return good;
 }
 
-static bool make(uint32_t depth, const key_set *leaves, const uint8_t *has_lobe, key_set *parent,
-                 octree_reference *r)
+static bool make(uint32_t depth, const key_set *leaves, const uint8_t *has_facet, key_set *parent,
+				 octree_reference *r)
 {
 	if (!make_sets(depth, leaves, parent, &r->border_tile_count))
 		return false;
@@ -215,13 +214,13 @@ static bool make(uint32_t depth, const key_set *leaves, const uint8_t *has_lobe,
 		return false;
 	for (uint32_t t = 0; t < depth; t++)
 		link_level(r, parent, depth, t);
-	place_leaves(r, leaves, has_lobe, &parent[depth - 1]);
-	grow_distances(r, leaves, has_lobe, depth);
+	place_leaves(r, leaves, has_facet, &parent[depth - 1]);
+	grow_distances(r, leaves, has_facet, depth);
 	return true;
 }
 
-bool octree_reference_make(uint32_t depth, const uint32_t *leaf_cell, const uint8_t *has_lobe,
-                           uint32_t leaf_count, octree_reference *r)
+bool octree_reference_make(uint32_t depth, const uint32_t *leaf_cell, const uint8_t *has_facet,
+						   uint32_t leaf_count, octree_reference *r)
 {
 	key_set leaves = { 0 }, parent[GW_DEPTH_MAX] = { { 0 } };
 	bool good = true;
@@ -229,9 +228,9 @@ bool octree_reference_make(uint32_t depth, const uint32_t *leaf_cell, const uint
 	for (uint32_t i = 0; i < leaf_count && good; i++) {
 		const uint32_t *c = leaf_cell + 4 * i;
 		good = add_key(&leaves, gw_morton_encode(c[0], c[1], c[2])) &&
-		       (i == 0 || leaves.key[i] > leaves.key[i - 1]);
+			   (i == 0 || leaves.key[i] > leaves.key[i - 1]);
 	}
-	good = good && make(depth, &leaves, has_lobe, parent, r);
+	good = good && make(depth, &leaves, has_facet, parent, r);
 	free(leaves.key);
 	for (uint32_t t = 0; t < GW_DEPTH_MAX; t++)
 		free(parent[t].key);
@@ -243,15 +242,15 @@ bool octree_reference_make(uint32_t depth, const uint32_t *leaf_cell, const uint
 void octree_reference_clear(octree_reference *r)
 {
 	uint32_t *array[] = { r->tile_key,       r->leaf_tile_key,       r->node,
-		                  r->tile_neighbour, r->leaf_tile_neighbour, r->leaf_tile,
-		                  r->leaf_cell,      r->level_directory,     r->ray_directory };
+						  r->tile_neighbour, r->leaf_tile_neighbour, r->leaf_tile,
+						  r->leaf_cell,      r->level_directory,     r->ray_directory };
 	for (size_t i = 0; i < sizeof array / sizeof *array; i++)
 		free(array[i]);
 	memset(r, 0, sizeof *r);
 }
 
 double octree_reference_roi(const gw_surfels *s, const float cube_minimum[3], double leaf_size,
-                            uint32_t surfel, const uint32_t cell[3])
+							uint32_t surfel, const uint32_t cell[3])
 {
 	double side = fmin(1, (double)s->nearest[surfel] / leaf_size), volume = 1;
 	for (uint32_t k = 0; k < 3; k++) {

@@ -44,7 +44,7 @@ static void scatter(gw_disc *disc)
 		disc[i] = (gw_disc){ .place = place_within(10.0f),
 							 .normal = direction(),
 							 .radius = powf(10.0f, -3.0f * uniform()),
-							 .lobe = 3 * i };
+							 .facet = 3 * i };
 		if (i % 3 == 0) {
 			float turn = 6.2831853f * uniform();
 			disc[i].clip[0] = cosf(turn);
@@ -76,7 +76,7 @@ static double meet(const gw_disc *d, const gw_disc_ray *ray, double *yields, boo
 		y += (off[k] + distance * w[k]) * (double)b[k];
 	}
 	double over = (double)d->clip[0] * x + (double)d->clip[1] * y - (double)d->clip[2] -
-				  (double)GW_DISC_CUT_SLACK * radius;
+				  (double)GW_CUT_OVERLAP * radius;
 	double beyond = fmax(hypot(x, y) - radius, over);
 	double doubt = 1e-5 * (radius + 1) / fmax(fabs(approach), 1e-3);
 	if (distance < 0 || beyond > doubt || (!ray->both_sides && approach > 0))
@@ -122,7 +122,7 @@ static void test_brute_force(void **state)
 		compared++;
 		hits += which != GW_NONE;
 		assert_int_equal(hit.disc, which);
-		assert_int_equal(hit.lobe, which == GW_NONE ? GW_NONE : 3 * which);
+		assert_int_equal(hit.facet, which == GW_NONE ? GW_NONE : 3 * which);
 		if (which != GW_NONE)
 			assert_true(fabs((double)hit.t - nearest) < 1e-4 * (1 + nearest));
 	}
@@ -142,7 +142,7 @@ static void make_ball(gw_disc *disc, uint32_t count, float size, gw_vec3 middle)
 							 .normal = gw_times(out, -1.0f),
 							 .radius = size * sqrtf(32.0f / (float)count),
 							 .bend = { 1 / size, 0, 1 / size },
-							 .lobe = i };
+							 .facet = i };
 	}
 }
 
@@ -174,7 +174,7 @@ static void test_closed_ball(void **state)
 				continue; /* ends on the surface that it leaves */
 			assert_int_not_equal(hit.disc, GW_NONE);
 			assert_true(fabsf(hit.t - 6.0f * cosine) < 0.1f);
-			assert_true(hit.behind == hit.t || hit.behind >= 1e9f);
+			assert_true(hit.nearest_back_face == hit.t || hit.nearest_back_face >= 1e9f);
 		}
 		gw_disc_tree_clear(&tree);
 	}
@@ -192,10 +192,10 @@ static void test_own_surface(void **state)
 		disc[i] = (gw_disc){ .place = { (float)(i % SIDE), (float)(i / SIDE), 0 },
 							 .normal = gw_unit(tilted),
 							 .radius = 1.6f,
-							 .lobe = i };
+							 .facet = i };
 	}
 	disc[SIDE * SIDE] = (gw_disc){
-		.place = { 6.7f, 6, 0.5f }, .normal = { -1, 0, 0 }, .radius = 1.6f, .lobe = SIDE * SIDE
+		.place = { 6.7f, 6, 0.5f }, .normal = { -1, 0, 0 }, .radius = 1.6f, .facet = SIDE * SIDE
 	};
 	assert_int_equal(gw_disc_tree_build(disc, SIDE * SIDE + 1, &tree, NULL), GW_OK);
 	gw_disc_ray ray = { .origin = disc[6 * SIDE + 6].place,

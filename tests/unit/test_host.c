@@ -1,5 +1,5 @@
 /*
- * test_host.c - the host's helpers: errors, names, checked arrays, loops over threads.
+ * test_host.c - the CPU's helpers: errors, names, checked arrays, loops over threads.
  */
 #include "glowworm.h"
 #include "glowworm_host.h"

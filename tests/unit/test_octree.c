@@ -1,6 +1,6 @@
 /*
  * test_octree.c - the octree and what builds it: Morton keys, prefix sums, the sort, topology
- * against a simple build on the host, fragments and lobes against double precision.
+ * against a simple build on the CPU, fragments and facets against double precision.
  *
  * Leaves are taken from the device and compared with the host within rounding; everything above
  * them follows from their keys in integers and is compared exactly.
@@ -101,8 +101,8 @@ static void sum_and_compare(gw_passes *passes, gw_prefix_sum *prefix, uint32_t c
 	gw_error error = { 0 };
 	gw_buffer words;
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * (uint64_t)count,
-	                           "words", &words, &error),
-	          &error);
+							   "words", &words, &error),
+			  &error);
 	uint32_t *value = calloc(count + 1u, sizeof *value);
 	assert_non_null(value);
 	uint64_t seed = count, sum = 0;
@@ -148,8 +148,8 @@ static void sum_much(gw_gpu *gpu)
 	gw_prefix_sum prefix = { 0 };
 	gw_buffer words;
 	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * 1000, "words",
-	                           &words, &error),
-	          &error);
+							   &words, &error),
+			  &error);
 	assert_ok(gw_buffer_fill(gpu, &words, 0x01000000, &error), &error);
 	uint64_t total;
 	assert_ok(gw_prefix_sum_run(passes, &prefix, &words, 1000, &total, &error), &error);
@@ -204,7 +204,7 @@ static void sort_and_compare(gw_passes *passes, gw_radix_sort *sort, uint32_t co
 	assert_ok(gw_buffer_upload(gpu, &list.low, 0, word, 4 * (uint64_t)count, &error), &error);
 	if (wide)
 		assert_ok(gw_buffer_upload(gpu, &list.high, 0, word + count, 4 * (uint64_t)count, &error),
-		          &error);
+				  &error);
 	assert_ok(gw_radix_sort_run(passes, sort, &list, bits, &error), &error);
 	qsort(key, count, sizeof *key, compare_keyed);
 	uint32_t *low = download(gpu, &list.low), *index = download(gpu, &list.payload);
@@ -244,16 +244,16 @@ static void test_sort(void **state)
 /* -------------------------------------------------------------------------------- topology */
 
 static void compare_words(const char *what, const uint32_t *got, const uint32_t *expected,
-                          uint64_t words)
+						  uint64_t words)
 {
 	for (uint64_t i = 0; i < words; i++)
 		if (got[i] != expected[i])
 			fail_msg("%s: word %llu is %u, not %u", what, (unsigned long long)i, got[i],
-			         expected[i]);
+					 expected[i]);
 }
 
 static void compare_buffer(gw_gpu *gpu, const char *what, gw_buffer *buffer,
-                           const uint32_t *expected, uint64_t words)
+						   const uint32_t *expected, uint64_t words)
 {
 	assert_true(buffer->bytes == 4 * words);
 	uint32_t *got = download(gpu, buffer);
@@ -262,27 +262,27 @@ static void compare_buffer(gw_gpu *gpu, const char *what, gw_buffer *buffer,
 }
 
 /* Whether each leaf has a disc fragment. */
-static uint8_t *find_lobed(gw_gpu *gpu, gw_octree *octree)
+static uint8_t *find_faceted(gw_gpu *gpu, gw_octree *octree)
 {
 	uint32_t *first = download(gpu, &octree->leaf_fragment);
 	uint32_t *surfel = download(gpu, &octree->fragment_surfel);
-	uint8_t *lobed = calloc(octree->leaf_count, 1);
-	assert_non_null(lobed);
+	uint8_t *faceted = calloc(octree->leaf_count, 1);
+	assert_non_null(faceted);
 	for (uint32_t i = 0; i < octree->leaf_count; i++)
 		for (uint32_t f = first[i]; f < first[i + 1]; f++)
-			lobed[i] |= surfel[f] >> 31 == 0;
+			faceted[i] |= surfel[f] >> 31 == 0;
 	free(first);
 	free(surfel);
-	return lobed;
+	return faceted;
 }
 
 /* Everything that follows from the keys of the leaves. */
 static void compare_topology(gw_gpu *gpu, gw_octree *octree)
 {
 	uint32_t *cell = download(gpu, &octree->leaf_cell);
-	uint8_t *lobed = find_lobed(gpu, octree);
+	uint8_t *faceted = find_faceted(gpu, octree);
 	octree_reference r;
-	assert_true(octree_reference_make(octree->depth, cell, lobed, octree->leaf_count, &r));
+	assert_true(octree_reference_make(octree->depth, cell, faceted, octree->leaf_count, &r));
 	assert_int_equal(octree->leaf_tile_count, r.leaf_tile_count);
 	assert_int_equal(octree->tile_count, r.tile_count);
 	assert_int_equal(octree->border_tile_count, r.border_tile_count);
@@ -294,10 +294,10 @@ static void compare_topology(gw_gpu *gpu, gw_octree *octree)
 	compare_buffer(gpu, "leaf_tile_key", &octree->leaf_tile_key, r.leaf_tile_key, 2 * leaf_tiles);
 	compare_buffer(gpu, "node", &octree->node, r.node, 8 * tiles);
 	compare_buffer(gpu, "tile_neighbour", &octree->tile_neighbour, r.tile_neighbour, 8 * tiles);
-	compare_buffer(gpu, "leaf_tile_neighbour", &octree->leaf_tile_neighbour,
-	               r.leaf_tile_neighbour, 8 * leaf_tiles);
+	compare_buffer(gpu, "leaf_tile_neighbour", &octree->leaf_tile_neighbour, r.leaf_tile_neighbour,
+				   8 * leaf_tiles);
 	compare_buffer(gpu, "level_directory", &octree->level_directory, r.level_directory,
-	               r.level_entries);
+				   r.level_entries);
 	compare_buffer(gpu, "ray_directory", &octree->ray_directory, r.ray_directory, r.ray_entries);
 	uint32_t *leaf_tile = download(gpu, &octree->leaf_tile);
 	for (uint64_t i = 0; i < leaf_tiles; i++) {
@@ -305,7 +305,7 @@ static void compare_topology(gw_gpu *gpu, gw_octree *octree)
 		assert_int_equal(leaf_tile[2 * i + 1] & 0xffffu, r.leaf_tile[2 * i + 1]);
 	}
 	free(leaf_tile);
-	free(lobed);
+	free(faceted);
 	free(cell);
 	octree_reference_clear(&r);
 }
@@ -334,8 +334,8 @@ static void compare_fragments(gw_gpu *gpu, const gw_surfels *s, gw_octree *octre
 				assert_true(before < id || (before == id && roi_first));
 			}
 			if (surfel[f] >> 31) {
-				double expected = octree_reference_roi(s, octree->cube_minimum, leaf, id,
-				                                       cell + 4 * i);
+				double expected =
+					octree_reference_roi(s, octree->cube_minimum, leaf, id, cell + 4 * i);
 				/* Grid coordinates are float32: half a unit in the last place of the side, for
 				 * each of six faces, and as much again for the arithmetic. */
 				double tolerance = 12 * 0x1p-24 * (double)(1u << octree->depth) + 1e-6;
@@ -417,9 +417,9 @@ static void test_topology(void **state)
 		size_t count;
 		float radius;
 	} row[] = {
-		{ 1, 1000, 0.1f }, { 2, 1000, 0.1f },  { 3, 1000, 0.1f },   { 5, 2000, 0.05f },
-		{ 8, 300, 0.05f }, { 10, 50, 0.004f }, { 11, 20, 0.001f }, { 14, 20, 0.0002f },
-		{ 16, 1, 0.1f },
+		{ 1, 1000, 0.1f },  { 2, 1000, 0.1f },   { 3, 1000, 0.1f },
+		{ 5, 2000, 0.05f }, { 8, 300, 0.05f },   { 10, 50, 0.004f },
+		{ 11, 20, 0.001f }, { 14, 20, 0.0002f }, { 16, 1, 0.1f },
 	};
 	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
 		gw_surfels s;
@@ -452,7 +452,7 @@ static share *share_of(share *list, uint32_t *count, uint64_t key)
 
 /* Looks at a disc in a dense lattice of its own plane. */
 static void look_at_disc(const gw_surfels *s, const gw_octree *octree, size_t i, share *list,
-                         uint32_t *count)
+						 uint32_t *count)
 {
 	float t[3], b[3];
 	const float *clip = s->clip + 6 * i;
@@ -463,8 +463,8 @@ static void look_at_disc(const gw_surfels *s, const gw_octree *octree, size_t i,
 		double v = (2 * (k / DENSE + 0.5) / DENSE - 1) * radius;
 		uint32_t cell[3];
 		if (u * u + v * v > radius * radius ||
-		    (double)clip[0] * u + (double)clip[1] * v > (double)clip[2] ||
-		    (double)clip[3] * u + (double)clip[4] * v > (double)clip[5])
+			(double)clip[0] * u + (double)clip[1] * v > (double)clip[2] ||
+			(double)clip[3] * u + (double)clip[4] * v > (double)clip[5])
 			continue;
 		for (size_t a = 0; a < 3; a++) {
 			double p = (double)s->position[3 * i + a] + u * (double)t[a] + v * (double)b[a];
@@ -509,8 +509,8 @@ static void test_discs(void **state)
 		for (uint32_t l = 0; l < octree.leaf_count; l++)
 			for (uint32_t f = first[l]; f < first[l + 1]; f++)
 				if (surfel[f] >> 31 == 0 && (surfel[f] & 0x3fffffffu) == i)
-					share_of(list, &count, gw_morton_encode(cell[4 * l], cell[4 * l + 1],
-					                                        cell[4 * l + 2]))
+					share_of(list, &count,
+							 gw_morton_encode(cell[4 * l], cell[4 * l + 1], cell[4 * l + 2]))
 						->got += (double)weight[f] / cells;
 		/* Small discs: 16 points of which those near a border, and of those near a clip, may be
 		 * on the wrong side: 3 of the least 8 that clips leave. Large: in a column, of 16 points
@@ -520,7 +520,7 @@ static void test_discs(void **state)
 		for (uint32_t k = 0; k < count; k++)
 			if (!(fabs(list[k].got - list[k].reference) <= tolerance))
 				fail_msg("disc %zu, radius %g: share %g, not %g", i, radius, list[k].got,
-				         list[k].reference);
+						 list[k].reference);
 	}
 	free(first);
 	free(cell);
@@ -535,10 +535,10 @@ static void test_discs(void **state)
 
 /* Sums over the fragments of one leaf, in double. */
 typedef struct leaf_sums {
-	double geometry[7];                /* opacity times albedo, opacity, opacity times normal */
+	double geometry[7]; /* opacity times albedo, opacity, opacity times normal */
 	double area[2], normal[2][3], albedo[2][3], emission[2][3], two_sided[2];
 	uint32_t seed;
-	bool lobe[2];
+	bool facet[2];
 } leaf_sums;
 
 static double dot(const float *a, const float *b)
@@ -554,42 +554,47 @@ typedef struct downloaded {
 static downloaded download_leaves(gw_gpu *gpu, gw_octree *o)
 {
 	return (downloaded){
-		.first = download(gpu, &o->leaf_fragment),  .surfel = download(gpu, &o->fragment_surfel),
-		.tile = download(gpu, &o->leaf_tile),       .cell = download(gpu, &o->leaf_cell),
-		.weight = download(gpu, &o->fragment_weight), .geometry = download(gpu, &o->leaf_geometry),
-		.plane = download(gpu, &o->lobe_plane),     .centre = download(gpu, &o->lobe_centre),
-		.albedo = download(gpu, &o->lobe_albedo),   .emission = download(gpu, &o->lobe_emission),
+		.first = download(gpu, &o->leaf_fragment),
+		.surfel = download(gpu, &o->fragment_surfel),
+		.tile = download(gpu, &o->leaf_tile),
+		.cell = download(gpu, &o->leaf_cell),
+		.weight = download(gpu, &o->fragment_weight),
+		.geometry = download(gpu, &o->leaf_geometry),
+		.plane = download(gpu, &o->facet_plane),
+		.centre = download(gpu, &o->facet_centre),
+		.albedo = download(gpu, &o->facet_albedo),
+		.emission = download(gpu, &o->facet_emission),
 	};
 }
 
 static void free_leaves(downloaded *d)
 {
 	void *array[] = { d->first,    d->surfel, d->tile,   d->cell,   d->weight,
-		              d->geometry, d->plane,  d->centre, d->albedo, d->emission };
+					  d->geometry, d->plane,  d->centre, d->albedo, d->emission };
 	for (size_t i = 0; i < sizeof array / sizeof *array; i++)
 		free(array[i]);
 }
 
-static void add_lobe(leaf_sums *sums, const gw_surfels *s, uint32_t id, double area, int lobe)
+static void add_facet(leaf_sums *sums, const gw_surfels *s, uint32_t id, double area, int facet)
 {
-	sums->lobe[lobe] = true;
-	sums->area[lobe] += area;
-	sums->two_sided[lobe] += s->two_sided[id] ? area : 0;
+	sums->facet[facet] = true;
+	sums->area[facet] += area;
+	sums->two_sided[facet] += s->two_sided[id] ? area : 0;
 	for (size_t k = 0; k < 3; k++) {
-		sums->normal[lobe][k] += area * (double)s->normal[3 * id + k];
-		sums->albedo[lobe][k] += area * (double)s->albedo[3 * id + k];
+		sums->normal[facet][k] += area * (double)s->normal[3 * id + k];
+		sums->albedo[facet][k] += area * (double)s->albedo[3 * id + k];
 		if (s->emission != NULL)
-			sums->emission[lobe][k] += area * (double)s->emission[3 * id + k];
+			sums->emission[facet][k] += area * (double)s->emission[3 * id + k];
 	}
 }
 
-/* Also checks the bit that says which lobe a fragment joined. */
+/* Also checks the bit that says which facet a fragment joined. */
 static leaf_sums sum_leaf(const gw_surfels *s, const downloaded *d, uint32_t leaf)
 {
 	leaf_sums sums = { .seed = UINT32_MAX };
 	for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++)
 		if (d->surfel[f] >> 31 == 0 &&
-		    (sums.seed == UINT32_MAX || d->weight[f] > d->weight[sums.seed]))
+			(sums.seed == UINT32_MAX || d->weight[f] > d->weight[sums.seed]))
 			sums.seed = f;
 	for (uint32_t f = d->first[leaf]; f < d->first[leaf + 1]; f++) {
 		uint32_t id = d->surfel[f] & 0x3fffffffu;
@@ -602,13 +607,13 @@ static leaf_sums sum_leaf(const gw_surfels *s, const downloaded *d, uint32_t lea
 			sums.geometry[3] += weight;
 			continue;
 		}
-		double cosine = dot(s->normal + 3 * id,
-		                    s->normal + 3 * (d->surfel[sums.seed] & 0x3fffffffu));
-		int lobe = d->surfel[f] >> 30 & 1;
-		/* On the border between the lobes, rounding of a dot product of float32 decides. */
+		double cosine =
+			dot(s->normal + 3 * id, s->normal + 3 * (d->surfel[sums.seed] & 0x3fffffffu));
+		int facet = d->surfel[f] >> 30 & 1;
+		/* On the border between the facets, rounding of a dot product of float32 decides. */
 		if (fabs(cosine - 0.5) > 4 * 0x1p-23)
-			assert_int_equal(lobe, cosine < 0.5);
-		add_lobe(&sums, s, id, weight, lobe);
+			assert_int_equal(facet, cosine < 0.5);
+		add_facet(&sums, s, id, weight, facet);
 	}
 	return sums;
 }
@@ -620,38 +625,38 @@ static leaf_sums sum_leaf(const gw_surfels *s, const downloaded *d, uint32_t lea
 #define SUM_TOLERANCE (2048 * 0x1p-24)
 
 static void assert_near(const char *what, uint32_t leaf, double got, double expected,
-                        double tolerance)
+						double tolerance)
 {
 	if (!(fabs(got - expected) <= tolerance))
 		fail_msg("%s of leaf %u is %.9g, not %.9g", what, leaf, got, expected);
 }
 
-static void compare_lobe(const gw_surfels *s, const downloaded *d, const leaf_sums *sums,
-                         uint32_t leaf, int lobe)
+static void compare_facet(const gw_surfels *s, const downloaded *d, const leaf_sums *sums,
+						  uint32_t leaf, int facet)
 {
-	size_t slot = 2 * (size_t)leaf + (size_t)lobe;
+	size_t slot = 2 * (size_t)leaf + (size_t)facet;
 	const float *plane = d->plane + 4 * slot, *centre = d->centre + 4 * slot;
-	double area = sums->area[lobe], length = 0, offset = 0;
-	if (!sums->lobe[lobe]) {
+	double area = sums->area[facet], length = 0, offset = 0;
+	if (!sums->facet[facet]) {
 		for (int k = 0; k < 4; k++)
 			assert_true(plane[k] == 0 && centre[k] == 0 && d->albedo[4 * slot + (size_t)k] == 0);
 		return;
 	}
 	assert_near("area", leaf, (double)centre[3], area, SUM_TOLERANCE * area);
 	for (int k = 0; k < 3; k++)
-		length += sums->normal[lobe][k] * sums->normal[lobe][k];
+		length += sums->normal[facet][k] * sums->normal[facet][k];
 	length = sqrt(length);
 	assert_near("normal's length", leaf, dot(plane, plane), 1, 1e-6);
 	for (size_t k = 0; k < 3; k++) {
 		size_t at = 4 * slot + k;
 		if (length > 0.01 * area)
-			assert_near("normal", leaf, (double)plane[k], sums->normal[lobe][k] / length,
-			            2 * SUM_TOLERANCE * area / length);
-		assert_near("albedo", leaf, (double)d->albedo[at], sums->albedo[lobe][k] / area,
-		            2 * SUM_TOLERANCE);
+			assert_near("normal", leaf, (double)plane[k], sums->normal[facet][k] / length,
+						2 * SUM_TOLERANCE * area / length);
+		assert_near("albedo", leaf, (double)d->albedo[at], sums->albedo[facet][k] / area,
+					2 * SUM_TOLERANCE);
 		if (s->emission != NULL)
-			assert_near("emission", leaf, (double)d->emission[at], sums->emission[lobe][k] / area,
-			            2 * SUM_TOLERANCE * 5);
+			assert_near("emission", leaf, (double)d->emission[at], sums->emission[facet][k] / area,
+						2 * SUM_TOLERANCE * 5);
 		double from_middle = (double)centre[k] - (double)d->cell[4 * leaf + k] - 0.5;
 		/* Grid coordinates of centres are float32. */
 		assert_true(fabs(from_middle) <= 0.5 + 1e-4);
@@ -659,11 +664,11 @@ static void compare_lobe(const gw_surfels *s, const downloaded *d, const leaf_su
 	}
 	if (fabs(offset) < 0.49) /* else the centre may have been moved into the cell */
 		assert_near("offset", leaf, (double)plane[3], offset, 3e-4);
-	if (fabs(sums->two_sided[lobe] - 0.5 * area) > 1e-3 * area)
-		assert_true((d->albedo[4 * slot + 3] == 1) == (sums->two_sided[lobe] > 0.5 * area));
+	if (fabs(sums->two_sided[facet] - 0.5 * area) > 1e-3 * area)
+		assert_true((d->albedo[4 * slot + 3] == 1) == (sums->two_sided[facet] > 0.5 * area));
 }
 
-/* Returns the area of all lobes. */
+/* Returns the area of all facets. */
 static double compare_leaves(gw_gpu *gpu, const gw_surfels *s, gw_octree *octree)
 {
 	downloaded d = download_leaves(gpu, octree);
@@ -674,14 +679,14 @@ static double compare_leaves(gw_gpu *gpu, const gw_surfels *s, gw_octree *octree
 		leaf_sums sums = sum_leaf(s, &d, leaf);
 		uint32_t flags = d.tile[2 * c[3] + 1] >> octant;
 		assert_int_equal(flags & 1, 1);
-		assert_int_equal(flags >> 8 & 1, sums.lobe[0]);
-		assert_int_equal(flags >> 16 & 1, sums.lobe[1]);
+		assert_int_equal(flags >> 8 & 1, sums.facet[0]);
+		assert_int_equal(flags >> 16 & 1, sums.facet[1]);
 		for (size_t k = 0; k < 7; k++)
 			assert_near("geometry", leaf, (double)d.geometry[8 * leaf + k], sums.geometry[k],
-			            SUM_TOLERANCE * sums.geometry[3] + 1e-30);
-		for (int lobe = 0; lobe < 2; lobe++) {
-			compare_lobe(s, &d, &sums, leaf, lobe);
-			area += (double)d.centre[8 * leaf + 4 * (size_t)lobe + 3];
+						SUM_TOLERANCE * sums.geometry[3] + 1e-30);
+		for (int facet = 0; facet < 2; facet++) {
+			compare_facet(s, &d, &sums, leaf, facet);
+			area += (double)d.centre[8 * leaf + 4 * (size_t)facet + 3];
 		}
 	}
 	free_leaves(&d);
@@ -702,8 +707,8 @@ static void test_leaves(void **state)
 		gw_octree octree;
 		make_scattered(row[i].count, i + 5, 0.03f, &s); /* with emission, and without */
 		assert_ok(gw_octree_build(gpu, &s, row[i].depth, &octree, &error), &error);
-		assert_int_equal(octree.lobe_emission.bytes,
-		                 s.emission != NULL ? 32 * octree.leaf_count : 16);
+		assert_int_equal(octree.facet_emission.bytes,
+						 s.emission != NULL ? 32 * octree.leaf_count : 16);
 		compare_leaves(gpu, &s, &octree);
 		gw_octree_destroy(gpu, &octree);
 		gw_surfels_clear(&s);
@@ -711,7 +716,7 @@ static void test_leaves(void **state)
 	close_gpu(gpu);
 }
 
-/* A sphere: areas add up, and lobes look outwards. */
+/* A sphere: areas add up, and facets look outwards. */
 static void test_sphere(void **state)
 {
 	(void)state;
@@ -745,7 +750,7 @@ static void test_sphere(void **state)
 	assert_true(worst < (double)s.radius[0]);
 	double mean = sum * leaf * leaf / area;
 	print_message("normals off by %.3f degrees on average, %.3f at worst\n", mean * 57.29578,
-	              worst * 57.29578);
+				  worst * 57.29578);
 	/* RoI is half a spacing here, and so a quarter of the area is opaque. */
 	assert_true(fabs(opacity * leaf * leaf / area - 0.25) < 1e-3);
 	free_leaves(&d);
@@ -754,7 +759,7 @@ static void test_sphere(void **state)
 	close_gpu(gpu);
 }
 
-/* A slanted plane: each lobe lies in it, wherever its cell cuts it. */
+/* A slanted plane: each facet lies in it, wherever its cell cuts it. */
 static void test_plane(void **state)
 {
 	(void)state;
@@ -786,8 +791,8 @@ static void test_plane(void **state)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
 			assert_true(fabsf(plane[k] - normal[k]) < 1e-5f);
-			height += (double)normal[k] * (((double)d.cell[4 * i + k] + 0.5) * leaf +
-			                               (double)octree.cube_minimum[k]);
+			height += (double)normal[k] *
+					  (((double)d.cell[4 * i + k] + 0.5) * leaf + (double)octree.cube_minimum[k]);
 		}
 		/* height + c = 0; grid coordinates up to 64 are float32: 2^-19 each, and as much again for
 		 * the surfels' own positions, in cells. */
@@ -807,10 +812,10 @@ static void test_plane(void **state)
 static void list_buffers(gw_octree *o, gw_buffer *list[BUFFERS])
 {
 	gw_buffer *all[BUFFERS] = {
-		&o->node,          &o->tile_key,       &o->tile_neighbour,  &o->leaf_tile_key,
-		&o->leaf_tile,     &o->leaf_cell,      &o->leaf_tile_neighbour, &o->level_directory,
-		&o->ray_directory, &o->leaf_geometry,  &o->lobe_plane,      &o->lobe_centre,
-		&o->lobe_albedo,   &o->lobe_emission,  &o->leaf_fragment,   &o->fragment_surfel,
+		&o->node,          &o->tile_key,        &o->tile_neighbour,      &o->leaf_tile_key,
+		&o->leaf_tile,     &o->leaf_cell,       &o->leaf_tile_neighbour, &o->level_directory,
+		&o->ray_directory, &o->leaf_geometry,   &o->facet_plane,         &o->facet_centre,
+		&o->facet_albedo,  &o->facet_emission,  &o->leaf_fragment,       &o->fragment_surfel,
 		&o->surfel_normal, &o->surfel_position, &o->fragment_weight,
 	};
 	memcpy(list, all, sizeof all);
@@ -835,9 +840,9 @@ static void compare_buffers(gw_gpu *gpu, gw_octree *octree, gw_gpu *other_gpu, g
 static void test_repeatable(void **state)
 {
 	(void)state;
-	const gw_gpu_options options[] = {
-		{ 0 }, { .slice_seconds = 1e-4, .workgroup_size = 8 }, { 0 }
-	};
+	const gw_gpu_options options[] = { { 0 },
+									   { .slice_seconds = 1e-4, .workgroup_size = 8 },
+									   { 0 } };
 	gw_error error = { 0 };
 	gw_surfels s;
 	gw_octree octree[3];
@@ -881,8 +886,8 @@ static void test_odd_surfels(void **state)
 			bool clamped = i == 2 || (i == 1 && depth[k] == 16);
 			assert_int_equal(octree.tree_discs, clamped ? count : 0);
 			compare_topology(gpu, &octree);
-			float *plane = download(gpu, &octree.lobe_plane);
-			for (uint64_t f = 0; f < octree.lobe_plane.bytes / 4; f++)
+			float *plane = download(gpu, &octree.facet_plane);
+			for (uint64_t f = 0; f < octree.facet_plane.bytes / 4; f++)
 				assert_true(isfinite(plane[f]));
 			free(plane);
 			gw_octree_destroy(gpu, &octree);
@@ -939,7 +944,7 @@ static void test_short_memory(void **state)
 		gpu->budget = budget;
 		assert_int_equal(gw_octree_build(gpu, &s, 5, &octree, &error), GW_ERROR_MEMORY);
 		assert_int_equal(gw_gpu_read_account(gpu).bytes, 0);
-		assert_null(octree.lobe_plane.handle);
+		assert_null(octree.facet_plane.handle);
 	}
 	assert_in_range(failed, 39, 40);
 	gw_surfels_clear(&s);
@@ -949,20 +954,13 @@ static void test_short_memory(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_morton),
-		cmocka_unit_test(test_auto_depth),
-		cmocka_unit_test(test_prefix_sum),
-		cmocka_unit_test(test_large_total),
-		cmocka_unit_test(test_sort),
-		cmocka_unit_test(test_topology),
-		cmocka_unit_test(test_discs),
-		cmocka_unit_test(test_leaves),
-		cmocka_unit_test(test_sphere),
-		cmocka_unit_test(test_plane),
-		cmocka_unit_test(test_repeatable),
-		cmocka_unit_test(test_odd_surfels),
-		cmocka_unit_test(test_refusals),
-		cmocka_unit_test(test_short_memory),
+		cmocka_unit_test(test_morton),     cmocka_unit_test(test_auto_depth),
+		cmocka_unit_test(test_prefix_sum), cmocka_unit_test(test_large_total),
+		cmocka_unit_test(test_sort),       cmocka_unit_test(test_topology),
+		cmocka_unit_test(test_discs),      cmocka_unit_test(test_leaves),
+		cmocka_unit_test(test_sphere),     cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_repeatable), cmocka_unit_test(test_odd_surfels),
+		cmocka_unit_test(test_refusals),   cmocka_unit_test(test_short_memory),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

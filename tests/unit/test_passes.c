@@ -57,7 +57,7 @@ static const struct {
 	[GW_PASS_RADIX_SCATTER] = { "====", 0 },
 	[GW_PASS_LIGHT_VISIBILITY] = { "==v", 0 },
 	[GW_PASS_LIGHT_IRRADIANCE] = { "===l", 0 },
-	[GW_PASS_LOBE_DIRECT] = { "+", 2047 }, /* of a leaf, so many fragments count at most */
+	[GW_PASS_FACET_DIRECT] = { "+", 2047 }, /* of a leaf, so many fragments count at most */
 	[GW_PASS_RECORD_RAYS] = { "hd", 0 },
 	[GW_PASS_RECORD_AGAIN] = { "hd", 0 },
 	[GW_PASS_RECORD_EMITTERS] = { "==l", 0 },
@@ -65,8 +65,8 @@ static const struct {
 	[GW_PASS_RECORD_FIRST] = { "===l", 0 },
 	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
 	[GW_PASS_RECORD_ADD] = { "==", 0 },
-	[GW_PASS_LOBE_WEIGHTS] = { "rw", GW_WEIGHTS },
-	[GW_PASS_LOBE_SHADE] = { "==+", GW_WEIGHTS + 1 },
+	[GW_PASS_FACET_WEIGHTS] = { "rw", GW_WEIGHTS },
+	[GW_PASS_FACET_SHADE] = { "==+", GW_WEIGHTS + 1 },
 	[GW_PASS_READ_BACK] = { "rw", GW_SURFEL_WEIGHTS },
 };
 
@@ -352,7 +352,7 @@ static void large_discs_both_ways(void **state)
 	gw_bake_result_destroy(&result);
 }
 
-/* A map of the sky above a floor with a ball, from which rays leave by no narrow opening. */
+/* A map of the sky above a floor with a ball, from which rays leave by no portal. */
 static void sky_both_ways(void **state)
 {
 	scene s = { 0 };

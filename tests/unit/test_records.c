@@ -1,4 +1,4 @@
-/* Where records go: every lobe has one near, none are crowded, and the choice is always the same.
+/* Where records go: every facet has one near, none are crowded, and the choice is always the same.
  * Compared with brute force over all pairs. Where more go: as many as lessen the error most. */
 #include "bake/record_density.h"
 #include "light/record_places.h"
@@ -13,16 +13,16 @@
 
 #include <cmocka.h>
 
-/* What record_places.c promises: lobes share a record when their normals' cosine is above this and
+/* What record_places.c promises: facets share a record when their normals' cosine is above this and
  * they are nearer to its plane than this share of the radius. */
 #define LIKE_NORMAL 0.7f
 #define OFF_PLANE 0.3f
 
-/* Lobes of a made-up octree: as gw_octree.lobe_centre and lobe_plane. */
-typedef struct lobes {
+/* Facets of a made-up octree: as gw_octree.facet_centre and facet_plane. */
+typedef struct facets {
 	size_t count;
 	float *centre, *plane; /* 4 * count */
-} lobes;
+} facets;
 
 static uint64_t random_state;
 
@@ -35,27 +35,27 @@ static float uniform(void)
 	return (float)((z ^ z >> 31) >> 40) * 0x1p-24f;
 }
 
-static lobes make_lobes(size_t count)
+static facets make_facets(size_t count)
 {
 	random_state = count;
-	lobes l = { .count = count,
-				.centre = calloc(4 * count, sizeof(float)),
-				.plane = calloc(4 * count, sizeof(float)) };
+	facets l = { .count = count,
+				 .centre = calloc(4 * count, sizeof(float)),
+				 .plane = calloc(4 * count, sizeof(float)) };
 	assert_non_null(l.centre);
 	assert_non_null(l.plane);
 	return l;
 }
 
-static void clear_lobes(lobes *l)
+static void clear_facets(facets *l)
 {
 	free(l->centre);
 	free(l->plane);
 }
 
-/* A ball, floors 1.5 cells apart and lobes anywhere; every seventh slot is unused. */
-static lobes make_mixed(void)
+/* A ball, floors 1.5 cells apart and facets anywhere; every seventh slot is unused. */
+static facets make_mixed(void)
 {
-	lobes l = make_lobes(6000);
+	facets l = make_facets(6000);
 	for (size_t i = 0; i < l.count; i++) {
 		float *c = &l.centre[4 * i], *n = &l.plane[4 * i];
 		float z = 2.0f * uniform() - 1.0f, turn = 6.2831853f * uniform();
@@ -72,10 +72,10 @@ static lobes make_mixed(void)
 	return l;
 }
 
-/* A floor of lobes that all face up: conflicts are symmetric. */
-static lobes make_floor(void)
+/* A floor of facets that all face up: conflicts are symmetric. */
+static facets make_floor(void)
 {
-	lobes l = make_lobes(64 * 64);
+	facets l = make_facets(64 * 64);
 	for (size_t i = 0; i < l.count; i++) {
 		float c[4] = { (float)(i % 64) + uniform(), (float)(i / 64) + uniform(), 10.25f, 1.0f };
 		memcpy(&l.centre[4 * i], c, sizeof c);
@@ -84,8 +84,8 @@ static lobes make_floor(void)
 	return l;
 }
 
-/* Does a record at b speak for a lobe at a? */
-static bool covers(const lobes *l, size_t a, size_t b, float spacing, float radius)
+/* Does a record at b speak for a facet at a? */
+static bool covers(const facets *l, size_t a, size_t b, float spacing, float radius)
 {
 	float squared = 0, alignment = 0, height = 0;
 	for (size_t k = 0; k < 3; k++) {
@@ -98,7 +98,7 @@ static bool covers(const lobes *l, size_t a, size_t b, float spacing, float radi
 		   fabsf(height) < OFF_PLANE * radius;
 }
 
-static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, uint32_t **chosen)
+static size_t place(const facets *l, float spacing, float radius, uint64_t seed, uint32_t **chosen)
 {
 	size_t count = 0;
 	gw_error error = { 0 };
@@ -118,8 +118,8 @@ static size_t place(const lobes *l, float spacing, float radius, uint64_t seed, 
 	return count;
 }
 
-/* Every lobe is chosen or covered; no two chosen ones cover each other. Returns how many. */
-static size_t check_places(const lobes *l, float spacing, float radius, uint64_t seed)
+/* Every facet is chosen or covered; no two chosen ones cover each other. Returns how many. */
+static size_t check_places(const facets *l, float spacing, float radius, uint64_t seed)
 {
 	uint32_t *chosen;
 	size_t count = place(l, spacing, radius, seed, &chosen), next = 0;
@@ -135,29 +135,29 @@ static size_t check_places(const lobes *l, float spacing, float radius, uint64_t
 		for (size_t j = 0; j < count && !covered; j++)
 			covered = covers(l, i, chosen[j], spacing, radius);
 		if (!covered)
-			fail_msg("spacing %g: lobe %zu has no record near", (double)spacing, i);
+			fail_msg("spacing %g: facet %zu has no record near", (double)spacing, i);
 	}
 	assert_int_equal(next, count);
 	free(chosen);
 	return count;
 }
 
-static void every_lobe_has_a_record(void **state)
+static void every_facet_has_a_record(void **state)
 {
 	(void)state;
 	const float spacings[] = { 0.5f, 1.0f, 2.5f, 7.0f, 64.0f };
-	lobes l = make_mixed();
+	facets l = make_mixed();
 	size_t before = l.count;
 	for (size_t i = 0; i < sizeof spacings / sizeof *spacings; i++) {
 		size_t count = check_places(&l, spacings[i], 1.6f * spacings[i], 5);
 		assert_true(count < before);
 		before = count;
 	}
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 /*
- * On a floor, discs of half the spacing do not overlap and those of the spacing cover all lobes,
+ * On a floor, discs of half the spacing do not overlap and those of the spacing cover all facets,
  * so with a cell's diagonal more the floor: the number lies between area / (pi (s + sqrt 2)^2) and,
  * with a rim of s / 2, the densest packing of the plane.
  */
@@ -165,31 +165,31 @@ static void density_on_a_floor(void **state)
 {
 	(void)state;
 	const double s = 4.0, side = 64.0, pi = 3.14159265358979;
-	lobes l = make_floor();
+	facets l = make_floor();
 	double count = (double)check_places(&l, (float)s, 6.4f, 1);
 	assert_true(count >= side * side / (pi * pow(s + sqrt(2.0), 2.0)));
 	assert_true(count <= (side + s) * (side + s) * 2.0 / (sqrt(3.0) * s * s));
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
-/* Spacing 0 puts a record on every lobe. */
-static void one_on_every_lobe(void **state)
+/* Spacing 0 puts a record on every facet. */
+static void one_on_every_facet(void **state)
 {
 	(void)state;
-	lobes l = make_mixed();
+	facets l = make_mixed();
 	uint32_t *chosen;
-	size_t count = place(&l, 0.0f, 1.6f, 3, &chosen), lobe_count = 0;
+	size_t count = place(&l, 0.0f, 1.6f, 3, &chosen), facet_count = 0;
 	for (size_t i = 0; i < l.count; i++)
-		lobe_count += l.centre[4 * i + 3] > 0.0f;
-	assert_int_equal(count, lobe_count);
+		facet_count += l.centre[4 * i + 3] > 0.0f;
+	assert_int_equal(count, facet_count);
 	free(chosen);
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 static void the_seed_decides(void **state)
 {
 	(void)state;
-	lobes l = make_mixed();
+	facets l = make_mixed();
 	uint32_t *a, *b, *c;
 	size_t count_a = place(&l, 2.5f, 4.0f, 11, &a), count_b = place(&l, 2.5f, 4.0f, 11, &b);
 	size_t count_c = place(&l, 2.5f, 4.0f, 12, &c);
@@ -199,14 +199,14 @@ static void the_seed_decides(void **state)
 	free(a);
 	free(b);
 	free(c);
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 /* Two sides of a thin wall, and the steps of a stair, need records of their own. */
 static void separate_surfaces(void **state)
 {
 	(void)state;
-	lobes l = make_lobes(3);
+	facets l = make_facets(3);
 	for (size_t i = 0; i < 3; i++) {
 		memcpy(&l.centre[4 * i], (float[4]){ 5, 5, 5, 1 }, 4 * sizeof(float));
 		l.plane[4 * i + 2] = i == 1 ? -1.0f : 1.0f;
@@ -215,7 +215,7 @@ static void separate_surfaces(void **state)
 	assert_int_equal(check_places(&l, 2.5f, 4.0f, 0), 3);
 	l.centre[4 * 2 + 2] = 5.0f + 0.99f * OFF_PLANE * 4.0f;
 	assert_int_equal(check_places(&l, 2.5f, 4.0f, 0), 2);
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 /* Where a slot's own spacing is smaller, further records are put until each slot has one within its
@@ -224,7 +224,7 @@ static void closer_in_places(void **state)
 {
 	(void)state;
 	const float spacing = 6.0f, radius = 9.6f;
-	lobes l = make_mixed();
+	facets l = make_mixed();
 	uint32_t *first, *chosen;
 	size_t kept = place(&l, spacing, radius, 5, &first), count = 0;
 	float *closer = calloc(l.count, sizeof *closer);
@@ -258,7 +258,7 @@ static void closer_in_places(void **state)
 	free(first);
 	free(chosen);
 	free(closer);
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 /* ------------------------------------------------------------------------------------- density */
@@ -333,13 +333,13 @@ static void factors_keep_their_limits(void **state)
 static void nothing_to_place(void **state)
 {
 	(void)state;
-	lobes l = make_lobes(5);
+	facets l = make_facets(5);
 	uint32_t *chosen;
 	assert_int_equal(place(&l, 2.5f, 4.0f, 0, &chosen), 0);
 	free(chosen);
 	assert_int_equal(place(&l, 0.0f, 1.6f, 0, &chosen), 0);
 	free(chosen);
-	clear_lobes(&l);
+	clear_facets(&l);
 }
 
 /* ------------------------------------------------------------------------------------- listing */
@@ -353,7 +353,8 @@ static uint32_t *words_of(gw_scene *s, const gw_buffer *buffer)
 	return words;
 }
 
-/* Points anywhere in a cube that face anywhere: planes of lobes lead far away from their leaves. */
+/* Points anywhere in a cube that face anywhere: planes of facets lead far away from their leaves.
+ */
 static void make_cloud(scene *s, size_t count)
 {
 	*s = (scene){ .state = 1 };
@@ -418,8 +419,8 @@ static void every_record_is_listed_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_lobe_has_a_record),   cmocka_unit_test(density_on_a_floor),
-		cmocka_unit_test(one_on_every_lobe),         cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(every_facet_has_a_record),  cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_facet),        cmocka_unit_test(the_seed_decides),
 		cmocka_unit_test(separate_surfaces),         cmocka_unit_test(nothing_to_place),
 		cmocka_unit_test(closer_in_places),          cmocka_unit_test(factors_follow_the_root),
 		cmocka_unit_test(factors_keep_their_limits), cmocka_unit_test(every_record_is_listed_once),

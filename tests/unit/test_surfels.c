@@ -913,7 +913,7 @@ static void noisy_points_move_to_their_surface(void **state)
 		double spacing = 1 / sqrt((double)s.count), axis = 5 * PI / 180;
 		assert_true(sqrt(squared / (double)s.count) < 0.25 * noise[t] * spacing);
 		assert_true(sqrt(tilt / (double)s.count) < 0.3 * sqrt(2.0) * axis);
-		assert_non_null(s.lamp_normal);
+		assert_non_null(s.shading_normal);
 		gw_surfels_clear(&s);
 		clear_cloud(&c);
 	}
@@ -924,7 +924,7 @@ static double lamp_tilt(const gw_surfels *s, const cloud *c)
 {
 	double squared = 0;
 	for (size_t i = 0; i < c->count; i++) {
-		const float *n = s->lamp_normal + 3 * (size_t)s->surfel_of_point[i];
+		const float *n = s->shading_normal + 3 * (size_t)s->surfel_of_point[i];
 		const double *p = c->position + 3 * i;
 		double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]), cosine = 0;
 		for (size_t k = 0; k < 3; k++)
@@ -960,7 +960,7 @@ static double expected_tilt(const gw_surfels *s)
 {
 	double squared = 0;
 	for (size_t i = 0; i < s->count; i++)
-		squared += (double)s->lamp_off[i] * (double)s->lamp_off[i];
+		squared += (double)s->shading_normal_off[i] * (double)s->shading_normal_off[i];
 	return sqrt(squared / (double)s->count) * 180 / PI;
 }
 
@@ -1000,7 +1000,8 @@ static void errors_of_normals_are_known(void **state)
 		gw_surfels s = make(&c);
 		double squared = 0, tilt = t % 2 ? 0 : lamp_tilt(&s, &c), expected = expected_tilt(&s);
 		for (size_t i = 0; i < count && t % 2; i++) {
-			const float *n = s.lamp_normal + 3 * (size_t)s.surfel_of_point[i], *m = truth + 3 * i;
+			const float *n = s.shading_normal + 3 * (size_t)s.surfel_of_point[i],
+						*m = truth + 3 * i;
 			for (size_t k = 0; k < 3; k++)
 				squared += ((double)n[k] - (double)m[k]) * ((double)n[k] - (double)m[k]);
 		}
@@ -1031,7 +1032,7 @@ static void errors_of_estimated_normals_are_known(void **state)
 		double squared = 0, expected = expected_tilt(&s);
 		for (size_t i = 0; i < c.count; i++) {
 			size_t surfel = s.surfel_of_point[i];
-			const float *n = (s.lamp_normal ? s.lamp_normal : s.normal) + 3 * surfel;
+			const float *n = (s.shading_normal ? s.shading_normal : s.normal) + 3 * surfel;
 			double cosine = 0;
 			for (size_t k = 0; k < 3; k++)
 				cosine += (double)n[k] * (double)truth[3 * i + k];
@@ -1104,8 +1105,8 @@ static void clean_points_stay(void **state)
 					   make_sphere(9000, true, 0, 0) };
 	for (size_t t = 0; t < sizeof clouds / sizeof *clouds; t++) {
 		gw_surfels s = make(&clouds[t]);
-		assert_null(s.lamp_normal);
-		assert_null(s.lamp_off);
+		assert_null(s.shading_normal);
+		assert_null(s.shading_normal_off);
 		gw_surfels_clear(&s);
 		clear_cloud(&clouds[t]);
 	}
@@ -1518,8 +1519,8 @@ static void ranks_are_those_of_sorted_values(void **state)
 	memcpy(sorted, values, sizeof values);
 	qsort(sorted, 1000, sizeof *sorted, compare_floats);
 	for (size_t i = 0; i < 1000; i += 37)
-		assert_true(gw_rank_float(values, 1000, i) == sorted[i]);
-	assert_true(isinf(gw_rank_float(values, 1000, 999)));
+		assert_true(gw_nth_element(values, 1000, i) == sorted[i]);
+	assert_true(isinf(gw_nth_element(values, 1000, 999)));
 }
 
 /* Of a box from 0 to 1, what lies beyond x = 0.3. */

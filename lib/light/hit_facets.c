@@ -1,9 +1,9 @@
 /*
- * hit_lobes.c - see hit_lobes.h.
+ * hit_facets.c - see hit_facets.h.
  */
-#include "light/hit_lobes.h"
+#include "light/hit_facets.h"
 
-#include "light/host_loop.h"
+#include "light/cpu_loop.h"
 #include "base/memory.h"
 #include "base/shared_math.h"
 #include "light/transport_layout.h"
@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define CHUNK 4096u    /* lobes that a thread takes at a time */
+#define CHUNK 4096u    /* facets that a thread takes at a time */
 #define POWER_PARTS 8u /* sums of power that are made apart, so that threads do not matter */
 
 typedef struct powers {
@@ -42,13 +42,13 @@ static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 }
 
 static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 gw_hit_lobes *hits, gw_error *error)
+							 gw_hit_facets *hits, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count, values = 3 * (size_t)records->count;
-	powers job = { .albedo = octree->lobe_albedo.mapped,
-				   .centre = octree->lobe_centre.mapped,
-				   .weight = records->lobe_weight.mapped,
-				   .record = records->lobe_record.mapped,
+	powers job = { .albedo = octree->facet_albedo.mapped,
+				   .centre = octree->facet_centre.mapped,
+				   .weight = records->facet_weight.mapped,
+				   .record = records->facet_record.mapped,
 				   .records = records->count,
 				   .power = gw_allocate_zeros(values, POWER_PARTS * sizeof *job.power),
 				   .part = slots / POWER_PARTS + 1 };
@@ -57,7 +57,7 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 	if (!job.power || !hits->power)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
 	if (status == GW_OK)
-		gw_host_loop(passes, GW_PASS_LOBE_SHADE, slots, job.part, add_powers, &job);
+		gw_cpu_loop(passes, GW_PASS_FACET_SHADE, slots, job.part, add_powers, &job);
 	for (size_t i = 0; i < values && status == GW_OK; i++) {
 		double sum = 0.0;
 		for (size_t part = 0; part < POWER_PARTS; part++)
@@ -70,15 +70,15 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 
 /* The slots that rays hit, in ascending order. */
 static gw_status find_slots(const gw_octree *octree, const gw_records *records,
-							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error)
+							const gw_ray_gather *gather, gw_hit_facets *hits, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count;
 	size_t rays = (size_t)gather->rays * records->count;
-	const uint32_t *lobe = gather->lobe.mapped;
+	const uint32_t *facet = gather->facet.mapped;
 	bool *is_hit = gw_allocate_zeros(slots, sizeof *is_hit);
 	for (size_t i = 0; i < rays && is_hit; i++)
-		if (lobe[i] != GW_NONE && !is_hit[lobe[i]]) {
-			is_hit[lobe[i]] = true;
+		if (facet[i] != GW_NONE && !is_hit[facet[i]]) {
+			is_hit[facet[i]] = true;
 			hits->count++;
 		}
 	hits->slot = gw_allocate_array(hits->count, sizeof *hits->slot);
@@ -88,46 +88,46 @@ static gw_status find_slots(const gw_octree *octree, const gw_records *records,
 			hits->slot[n++] = (uint32_t)i;
 	free(is_hit);
 	return complete ? GW_OK
-					: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lobes", slots);
+					: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
 }
 
-gw_status gw_hit_lobes_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							const gw_ray_gather *gather, gw_hit_lobes *hits, gw_error *error)
+gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+							 const gw_ray_gather *gather, gw_hit_facets *hits, gw_error *error)
 {
-	*hits = (gw_hit_lobes){ 0 };
+	*hits = (gw_hit_facets){ 0 };
 	if (gw_gpu_stopped(passes->gpu))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped before the bounces");
 	gw_status status = find_slots(octree, records, gather, hits, error);
 	if (status == GW_OK)
 		status = find_powers(passes, octree, records, hits, error);
 	if (status != GW_OK)
-		gw_hit_lobes_clear(hits);
+		gw_hit_facets_clear(hits);
 	return status;
 }
 
-void gw_hit_lobes_clear(gw_hit_lobes *hits)
+void gw_hit_facets_clear(gw_hit_facets *hits)
 {
 	free(hits->slot);
 	free(hits->power);
-	*hits = (gw_hit_lobes){ 0 };
+	*hits = (gw_hit_facets){ 0 };
 }
 
-void gw_hit_lobes_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						const gw_hit_lobes *hits, gw_buffer *lobe_radiance)
+void gw_hit_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						 const gw_hit_facets *hits, gw_buffer *facet_radiance)
 {
 	const gw_binding bindings[] = {
-		gw_whole(&octree->lobe_albedo),  gw_whole(lobe_radiance), /* no direct light */
-		gw_whole(&records->lobe_record), gw_whole(&records->lobe_weight),
-		gw_whole(&records->gathered),    gw_whole(lobe_radiance)
+		gw_whole(&octree->facet_albedo),  gw_whole(facet_radiance), /* no direct light */
+		gw_whole(&records->facet_record), gw_whole(&records->facet_weight),
+		gw_whole(&records->gathered),     gw_whole(facet_radiance)
 	};
-	const gw_kernel_run run = { .kernel = gw_kernel_lobe_shade,
+	const gw_kernel_run run = { .kernel = gw_kernel_facet_shade,
 								.bindings = bindings,
 								.push = &(gw_record_push){ 0 },
 								.element = hits->slot };
-	gw_kernel_loop(passes, GW_PASS_LOBE_SHADE, run, hits->count, CHUNK);
+	gw_kernel_loop(passes, GW_PASS_FACET_SHADE, run, hits->count, CHUNK);
 }
 
-double gw_hit_lobes_power(const gw_records *records, const gw_hit_lobes *hits)
+double gw_hit_facets_power(const gw_records *records, const gw_hit_facets *hits)
 {
 	const float *gathered = records->gathered.mapped;
 	double power = 0.0;

@@ -1,5 +1,5 @@
 /*
- * probe_choice.h - which points are solved again, and how much each of them counts.
+ * check_point_choice.h - which points are solved again, and how much each of them counts.
  *
  * Most of a bake's square error lies in few places: where the records that speak for a point
  * disagree, and where the light changes within a few points. Points drawn evenly would seldom meet
@@ -11,20 +11,20 @@
  * Every point has a number of its own between 0 and 1, and is taken where that is small beside its
  * probability, until there are as many as wanted (sequential Poisson sampling, Ohlsson 1998). So
  * another lighting, with other probabilities, takes as many of the same points as it can: of those
- * it is known what they see (probe_hits.h).
+ * it is known what they see (check_point_hits.h).
  */
-#ifndef PROBE_CHOICE_H
-#define PROBE_CHOICE_H
+#ifndef CHECK_POINT_CHOICE_H
+#define CHECK_POINT_CHOICE_H
 
 #include "light/read_back.h"
 #include "surfels/surfels.h"
 
 /* The mean over all points that count is about sum weight[i] * value(point[i]). */
-typedef struct gw_probe_choice {
+typedef struct gw_check_point_choice {
 	uint32_t count;
 	uint32_t *point; /* count, ascending */
 	double *weight;  /* count */
-} gw_probe_choice;
+} gw_check_point_choice;
 
 /*
  * Draws points by a mixture of shares.
@@ -33,21 +33,22 @@ typedef struct gw_probe_choice {
  *            of the draws as the even part does. Of a part no point has more than what makes it
  *            be drawn about once
  *   wanted   draws; where fewer points count, each is taken once
- *   choice   on success to be freed with gw_probe_choice_clear
+ *   choice   on success to be freed with gw_check_point_choice_clear
  */
-gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t part_count,
-						  size_t points, uint32_t wanted, uint64_t seed, gw_probe_choice *choice,
-						  gw_error *error);
-void gw_probe_choice_clear(gw_probe_choice *choice);
+gw_status gw_check_point_choose(const bool *counts, const double *const *part, size_t part_count,
+								size_t points, uint32_t wanted, uint64_t seed,
+								gw_check_point_choice *choice, gw_error *error);
+void gw_check_point_choice_clear(gw_check_point_choice *choice);
 
 /* What is known of the mean of a value over the points that count. */
-typedef struct gw_probe_mean {
+typedef struct gw_check_point_mean {
 	double mean;
 	double variance; /* of it, by how much the draws differ; too large where all were taken */
-} gw_probe_mean;
+} gw_check_point_mean;
 
 /* value: choice->count, at the points drawn; at least 2 */
-gw_probe_mean gw_probe_average(const gw_probe_choice *choice, const double *value);
+gw_check_point_mean gw_check_point_average(const gw_check_point_choice *choice,
+										   const double *value);
 
 /*
  * Mean square difference of a surfel's light from that of its neighbours on the same surface.
@@ -55,15 +56,15 @@ gw_probe_mean gw_probe_average(const gw_probe_choice *choice, const double *valu
  *   contrast  receives surfels->count numbers
  *   threads   as for gw_parallel_for
  */
-void gw_probe_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,
-					   double *contrast);
+void gw_check_point_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,
+							 double *contrast);
 
 /*
  * Variance of a surfel's light, by how much its records disagree.
  *   light     one a record
  *   variance  receives rows->count numbers, in squares of the light's unit; 0 where no record is
  */
-void gw_probe_disagreement(const gw_read_back *rows, const double *light, uint32_t threads,
-						   double *variance);
+void gw_check_point_disagreement(const gw_read_back *rows, const double *light, uint32_t threads,
+								 double *variance);
 
 #endif

@@ -1,8 +1,8 @@
 /*
- * host_loop.h - loops of the processor that stand in for passes.
+ * cpu_loop.h - loops of the processor that stand in for passes.
  */
-#ifndef HOST_LOOP_H
-#define HOST_LOOP_H
+#ifndef CPU_LOOP_H
+#define CPU_LOOP_H
 
 #include "glowworm_host.h"
 #include "device/gpu_internal.h"
@@ -32,8 +32,8 @@ static inline void gw_work_unless_stopped(void *user, size_t first, size_t last,
 /* Runs the loop over `count` elements, and books its time as that of the pass. The pieces, of
  * `chunk` elements each, don't depend on the number of threads. The caller's thread asks between
  * them whether to stop: then results are missing, and the next call of the device says so. */
-static inline void gw_host_loop(gw_passes *passes, gw_pass_id id, size_t count, size_t chunk,
-								gw_parallel_work *work, void *job)
+static inline void gw_cpu_loop(gw_passes *passes, gw_pass_id id, size_t count, size_t chunk,
+							   gw_parallel_work *work, void *job)
 {
 	double start = gw_seconds();
 	gw_stoppable_loop loop = { .gpu = passes->gpu, .work = work, .job = job };
@@ -59,7 +59,7 @@ static inline void gw_kernel_work(void *user, size_t first, size_t last, uint32_
 	run->kernel(&run->input, first, last);
 }
 
-/* Runs a kernel by gw_host_loop. */
+/* Runs a kernel by gw_cpu_loop. */
 static inline void gw_kernel_loop(gw_passes *passes, gw_pass_id id, gw_kernel_run run,
 								  uint64_t count, size_t chunk)
 {
@@ -68,7 +68,7 @@ static inline void gw_kernel_loop(gw_passes *passes, gw_pass_id id, gw_kernel_ru
 	memcpy(push, run.push, gw_pass_row_of(id)->push_bytes);
 	memcpy(push, &all, sizeof all);
 	run.input = (gw_kernel_input){ run.bindings, passes->constant, push, run.element };
-	gw_host_loop(passes, id, (size_t)count, chunk, gw_kernel_work, &run);
+	gw_cpu_loop(passes, id, (size_t)count, chunk, gw_kernel_work, &run);
 }
 
 #endif

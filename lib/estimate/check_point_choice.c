@@ -1,7 +1,7 @@
 /*
- * probe_choice.c - see probe_choice.h.
+ * check_point_choice.c - see check_point_choice.h.
  */
-#include "estimate/probe_choice.h"
+#include "estimate/check_point_choice.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -100,7 +100,7 @@ static int by_point(const void *a, const void *b)
 
 /* The `wanted` points of the lowest ratios. False where there is no memory. */
 static bool draw(const double *times, size_t points, size_t counted, uint32_t wanted, uint64_t seed,
-				 gw_probe_choice *choice)
+				 gw_check_point_choice *choice)
 {
 	double most = 1.25;
 	while (list_candidates(times, points, seed, most, NULL) < wanted)
@@ -120,7 +120,8 @@ static bool draw(const double *times, size_t points, size_t counted, uint32_t wa
 	return true;
 }
 
-static void take_all(const bool *counts, size_t points, size_t counted, gw_probe_choice *choice)
+static void take_all(const bool *counts, size_t points, size_t counted,
+					 gw_check_point_choice *choice)
 {
 	for (size_t i = 0; i < points; i++) {
 		if (!counts[i])
@@ -130,12 +131,12 @@ static void take_all(const bool *counts, size_t points, size_t counted, gw_probe
 	}
 }
 
-gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t part_count,
-						  size_t points, uint32_t wanted, uint64_t seed, gw_probe_choice *choice,
-						  gw_error *error)
+gw_status gw_check_point_choose(const bool *counts, const double *const *part, size_t part_count,
+								size_t points, uint32_t wanted, uint64_t seed,
+								gw_check_point_choice *choice, gw_error *error)
 {
 	size_t counted = 0;
-	*choice = (gw_probe_choice){ 0 };
+	*choice = (gw_check_point_choice){ 0 };
 	for (size_t i = 0; i < points; i++)
 		counted += counts[i];
 	if (counted == 0 || wanted == 0)
@@ -146,7 +147,7 @@ gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t 
 	choice->weight = gw_allocate_array(room, sizeof *choice->weight);
 	if (!probability || !choice->point || !choice->weight) {
 		free(probability);
-		gw_probe_choice_clear(choice);
+		gw_check_point_choice_clear(choice);
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
 	}
 	for (size_t i = 0; i < points; i++)
@@ -163,18 +164,18 @@ gw_status gw_probe_choose(const bool *counts, const double *const *part, size_t 
 	free(probability);
 	if (drawn || counted <= wanted)
 		return GW_OK;
-	gw_probe_choice_clear(choice);
+	gw_check_point_choice_clear(choice);
 	return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
 }
 
-void gw_probe_choice_clear(gw_probe_choice *choice)
+void gw_check_point_choice_clear(gw_check_point_choice *choice)
 {
 	free(choice->point);
 	free(choice->weight);
-	*choice = (gw_probe_choice){ 0 };
+	*choice = (gw_check_point_choice){ 0 };
 }
 
-gw_probe_mean gw_probe_average(const gw_probe_choice *choice, const double *value)
+gw_check_point_mean gw_check_point_average(const gw_check_point_choice *choice, const double *value)
 {
 	double n = choice->count, sum = 0.0, square = 0.0;
 	for (uint32_t i = 0; i < choice->count; i++)
@@ -183,7 +184,7 @@ gw_probe_mean gw_probe_average(const gw_probe_choice *choice, const double *valu
 		double off = n * choice->weight[i] * value[i] - sum;
 		square += off * off;
 	}
-	return (gw_probe_mean){ .mean = sum, .variance = square / (n * (n - 1.0)) };
+	return (gw_check_point_mean){ .mean = sum, .variance = square / (n * (n - 1.0)) };
 }
 
 /* ------------------------------------------------------------------------------------- shares */
@@ -241,8 +242,8 @@ static void contrast_chunk(void *user, size_t first, size_t last, uint32_t worke
 			w->contrast[i] /= part.neighbours[i - first];
 }
 
-void gw_probe_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,
-					   double *contrast)
+void gw_check_point_contrast(const gw_surfels *surfels, const float *light, uint32_t threads,
+							 double *contrast)
 {
 	contrast_work work = { surfels, light, contrast };
 	gw_parallel_for(threads, surfels->count, CHUNK, contrast_chunk, &work);
@@ -264,8 +265,8 @@ static void disagreement_chunk(void *user, size_t first, size_t last, uint32_t w
 							 : 0.0;
 }
 
-void gw_probe_disagreement(const gw_read_back *rows, const double *light, uint32_t threads,
-						   double *variance)
+void gw_check_point_disagreement(const gw_read_back *rows, const double *light, uint32_t threads,
+								 double *variance)
 {
 	disagreement_work work = { rows, light, variance };
 	gw_parallel_for(threads, rows->count, CHUNK, disagreement_chunk, &work);

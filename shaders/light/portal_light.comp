@@ -1,6 +1,6 @@
 /*
- * opening_light.comp - sky light of the records where it comes through openings: from the gather
- * rays that left the scene, and from the samples of the openings that did. Both stand for the same
+ * portal_light.comp - sky light of the records where it comes through portals: from the gather
+ * rays that left the scene, and from the samples of the portals that did. Both stand for the same
  * light, and where the sky has a map so do directions drawn from it (record_sky.comp); the balance
  * heuristic shares it out. One invocation takes a batch of a record's rays, and with the first of
  * them its samples.
@@ -11,9 +11,9 @@
 #include "base/sampling.glsl"
 
 layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer hit_lobe;
+layout(binding = 0) uniform usamplerBuffer hit_facet;
 layout(binding = 1) uniform usamplerBuffer sky_seen;
-layout(binding = 2) uniform samplerBuffer opening;
+layout(binding = 2) uniform samplerBuffer portal;
 layout(binding = 3) uniform samplerBuffer sky_texel;
 layout(binding = 4) readonly buffer Position
 {
@@ -32,7 +32,7 @@ layout(push_constant) uniform Push
 	gw_record_push push;
 };
 
-#include "light/openings.glsl"
+#include "light/portals.glsl"
 #include "light/record_ray.glsl"
 #include "light/sky_map.glsl"
 
@@ -41,7 +41,7 @@ vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 {
 	float cosine = max(0.0, dot(normal, direction));
 	float density = float(push.rays) * cosine / GW_PI +
-					float(GW_OPENING_SAMPLES) * openings_density(g, normal, direction, total);
+					float(GW_PORTAL_SAMPLES) * portals_density(g, normal, direction, total);
 	vec3 sum = push.sky.xyz / max(density, 1e-30);
 	if (push.sky_width != 0u) {
 		vec3 radiance = texelFetch(sky_texel, sky_texel_at(direction)).xyz;
@@ -58,20 +58,20 @@ void main()
 		return;
 	uint record = push.first + i;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
-	float total = openings_weight(g, normal), passed = 0.0;
+	float total = portals_weight(g, normal), passed = 0.0;
 	vec3 sum = vec3(0.0);
 	for (uint k = push.batch_first; k < push.batch_first + push.batch_count; k++) {
-		if (texelFetch(hit_lobe, int(record * push.rays + k)).x != GW_NONE)
+		if (texelFetch(hit_facet, int(record * push.rays + k)).x != GW_NONE)
 			continue;
 		float cosine;
 		vec3 direction = record_ray(g, normal, k, cosine);
 		sum += share_of_sky(g, normal, direction, total);
 	}
 	uint seen = push.batch_first == 0u ? texelFetch(sky_seen, int(record)).x : 0u;
-	uint own = openings_random(g);
+	uint own = portals_random(g);
 	int j = 0;
-	for (uint m = 0u; m < GW_OPENING_SAMPLES && seen >> m != 0u; m++) {
-		vec3 direction = openings_direction(g, normal, m, total, own, j, passed);
+	for (uint m = 0u; m < GW_PORTAL_SAMPLES && seen >> m != 0u; m++) {
+		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
 		if ((seen >> m & 1u) != 0u)
 			sum += share_of_sky(g, normal, direction, total);
 	}

@@ -1,5 +1,5 @@
 /*
- * lobe_weights.comp - the records each lobe's irradiance is interpolated from, once for all
+ * facet_weights.comp - the records each facet's irradiance is interpolated from, once for all
  * bounces: the GW_WEIGHTS heaviest, with weights that sum to 1.
  */
 #include "light/transport_layout.h"
@@ -8,8 +8,8 @@
 TEXELS(0, uint, ray_directory);
 TEXELS(1, uint, node);
 TEXELS(2, uvec2, leaf_tile);
-TEXELS(3, vec4, lobe_plane);
-TEXELS(4, vec4, lobe_centre);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
 TEXELS(5, uint, level_directory);
 TEXELS(6, vec4, record_position);
 TEXELS(7, vec4, record_normal);
@@ -17,7 +17,7 @@ TEXELS(8, uint, block_first);
 TEXELS(9, uint, block_record);
 BUFFER(10, readwrite, uint, row_record);
 BUFFER(11, readwrite, float, row_weight);
-TEXELS(12, float, lobe_reach);
+TEXELS(12, float, facet_reach);
 TEXELS(13, uvec4, disc_tree);
 PUSH(gw_lookup_push);
 
@@ -32,15 +32,15 @@ void main()
 	row = i * ROW_WIDTH;
 	used = 0u;
 	int slot = int(push.first + i);
-	reach = push.own_reach != 0u ? texelFetch(lobe_reach, slot).x : push.radius;
+	reach = push.own_reach != 0u ? texelFetch(facet_reach, slot).x : push.radius;
 	if (reach == 0.0f)
 		return; /* the row stays */
 	for (uint w = row; w < row + ROW_WIDTH; w++) {
 		row_weight[w] = 0.0f;
 		row_record[w] = GW_NONE;
 	}
-	vec4 centre = texelFetch(lobe_centre, slot);
-	Seeker seeker = { centre.xyz, texelFetch(lobe_plane, slot).xyz, false };
+	vec4 centre = texelFetch(facet_centre, slot);
+	Seeker seeker = { centre.xyz, texelFetch(facet_plane, slot).xyz, false };
 	if (centre.w > 0.0f)
 		find_records(seeker);
 }

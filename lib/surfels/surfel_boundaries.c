@@ -1,16 +1,16 @@
 /*
- * surfel_rims.c - where surfaces end that border on nothing; see surfel_steps.h.
+ * surfel_boundaries.c - where surfaces end that border on nothing; see surfel_steps.h.
  *
  * Random points leave voids, but hardly one that a circle of some two spacings' radius fits into.
- * So in the plane of a surfel near a rim, such a circle is rolled up to it from all around. Where
- * it comes nearest the disc is cut, across the way to the circle's centre: at the side of a sheet
- * as at the rim of a hole, into whose corners a straight edge that all points are behind would not
- * reach. The circle dips between the outermost points. How far the surface goes on beyond it does
- * not depend much on how they are spread: regular points are half a spacing from the edge, and
- * between random points, of which the outermost lies nearer, it dips deeper.
+ * So in the plane of a surfel near a boundary, such a circle is rolled up to it from all around.
+ * Where it comes nearest the disc is cut, across the way to the circle's centre: at the side of a
+ * sheet as at the boundary of a hole, into whose corners a straight edge that all points are behind
+ * would not reach. The circle dips between the outermost points. How far the surface goes on beyond
+ * it does not depend much on how they are spread: regular points are half a spacing from the edge,
+ * and between random points, of which the outermost lies nearer, it dips deeper.
  *
- * A surface that ends at a crease counts as going on behind it as its mirror image does. A rim is
- * believed only where several surfels see one, and lies where they see it on average.
+ * A surface that ends at a crease counts as going on behind it as its mirror image does. A boundary
+ * is believed only where several surfels see one, and lies where they see it on average.
  */
 #include "surfels/surfel_plane.h"
 
@@ -21,11 +21,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SUPPORT 3 /* surfels in a neighbourhood that have to see a rim */
+#define SUPPORT 3 /* surfels in a neighbourhood that have to see a boundary */
 
 /* Radius of the circle: of the surfel's reach, and of the mean radius of the discs around it where
  * that is more, as in a cluster of points. In spacings at least 2 inside a surface and 2.9 at a
- * straight rim, from where 16 neighbours reach further. */
+ * straight boundary, from where 16 neighbours reach further. */
 #define CIRCLE_OF_REACH 0.9
 #define CIRCLE_OF_DISCS 1.4
 
@@ -39,40 +39,40 @@
 #define WIDER_BEHIND 0.5
 
 /* How far the surface goes on beyond the circle, in spacings: with it sheets of random points end
- * where they do (measured, tests/physics/test_rims.c). Regular points are half their distance from
- * the edge. */
+ * where they do (measured, tests/physics/test_boundaries.c). Regular points are half their distance
+ * from the edge. */
 #define MARGIN 0.41
 
-/* Rims of neighbours are the same when the cosine between them is at least the one, and they lie
- * as near to each other as the other, in reaches. */
+/* Boundaries of neighbours are the same when the cosine between them is at least the one, and they
+ * lie as near to each other as the other, in reaches. */
 #define ALIKE 0.85
 #define APART 0.35
 
-/* Of a disc's radius: rims further from a surfel are not told to others. They may be cut off by
- * another one, and bend around a corner. */
+/* Of a disc's radius: boundaries further from a surfel are not told to others. They may be cut off
+ * by another one, and bend around a corner. */
 #define BESIDE 0.5f
 
 /* Places that a circle has to avoid: a surfel, its neighbours, those seen from the circle, and
  * their mirror images behind two creases. */
 #define PLACES_MOST (3 * (1 + GW_NEIGHBOURS + GW_NEIGHBOURS_AT))
 
-typedef struct rim_step {
+typedef struct boundary_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
-	const uint8_t *rim;
-	uint8_t *settled; /* count, a bit for each clip at a rim that a circle found */
+	const uint8_t *boundary;
+	uint8_t *settled; /* count, a bit for each clip at a boundary that a circle found */
 	float *clip;      /* 6 * count, receives the clips that surfels around agree on */
 	float *area;      /* count, receives those of changed surfels */
 	bool rough_area;
-} rim_step;
+} boundary_step;
 
 /* What surrounds a surfel in its plane. */
 typedef struct surrounding {
 	double place[PLACES_MOST][2];
 	uint32_t count;
-	gw_half_plane edge[2]; /* its creases, then the rims that were found */
+	gw_half_plane edge[2]; /* its creases, then the boundaries that were found */
 	uint32_t creases, edges;
-	uint32_t creases_found; /* among the edges, instead of rims */
+	uint32_t creases_found; /* among the edges, instead of boundaries */
 } surrounding;
 
 /* Adds a place and its mirror images. */
@@ -81,21 +81,21 @@ static void add_place(surrounding *around, double x, double y)
 	for (uint32_t e = 0; e <= around->creases; e++) {
 		double *place = around->place[around->count++];
 		const gw_half_plane *crease = around->edge + e - 1;
-		double over = e > 0 ? 2 * (crease->offset - gw_along(crease, x, y)) : 0;
+		double over = e > 0 ? 2 * (crease->offset - gw_distance_along(crease, x, y)) : 0;
 		place[0] = x + (e > 0 ? over * crease->x : 0);
 		place[1] = y + (e > 0 ? over * crease->y : 0);
 	}
 }
 
 /* Fills the surrounding with the surfel's creases, itself and its neighbours on the surface. */
-static void surround(const rim_step *step, size_t surfel, const gw_flat_point *kept, uint32_t count,
-					 surrounding *around)
+static void surround(const boundary_step *step, size_t surfel, const gw_flat_point *kept,
+					 uint32_t count, surrounding *around)
 {
 	const float *clip = step->surfels->clip + 6 * surfel;
 	around->count = around->creases = around->creases_found = 0;
 	for (uint32_t e = 0; e < 2; e++) {
 		bool cut = clip[3 * e] != 0 || clip[3 * e + 1] != 0;
-		if (cut && !(step->rim[surfel] >> e & 1))
+		if (cut && !(step->boundary[surfel] >> e & 1))
 			around->edge[around->creases++] =
 				(gw_half_plane){ (double)clip[3 * e], (double)clip[3 * e + 1],
 								 (double)clip[3 * e + 2] };
@@ -132,7 +132,8 @@ static double along_edges(const surrounding *around, int d)
 {
 	double most = -1;
 	for (uint32_t e = 0; e < around->edges; e++)
-		most = fmax(most, gw_along(around->edge + e, gw_direction[d][0], gw_direction[d][1]));
+		most =
+			fmax(most, gw_distance_along(around->edge + e, gw_direction[d][0], gw_direction[d][1]));
 	return most;
 }
 
@@ -164,8 +165,8 @@ static int find_nearest(const surrounding *around, const double *room, double ci
 
 /* Does the circle, at a distance, find its place taken by surfels that the surfel's own neighbours
  * do not reach to? Then it has to go further, and that distance is returned. */
-static double look_there(const rim_step *step, size_t surfel, const double way[2], double distance,
-						 double circle, double most, surrounding *around)
+static double look_there(const boundary_step *step, size_t surfel, const double way[2],
+						 double distance, double circle, double most, surrounding *around)
 {
 	gw_neighbour_list list;
 	gw_flat_point flat[GW_NEIGHBOURS];
@@ -181,7 +182,7 @@ static double look_there(const rim_step *step, size_t surfel, const double way[2
 }
 
 /* Does a circle stop at a distance only because it is small? */
-static bool is_void(const rim_step *step, size_t surfel, const double way[2], double distance,
+static bool is_void(const boundary_step *step, size_t surfel, const double way[2], double distance,
 					double circle, surrounding *around)
 {
 	double more = (WIDER - 1) * circle;
@@ -190,7 +191,7 @@ static bool is_void(const rim_step *step, size_t surfel, const double way[2], do
 }
 
 /* Does another surface begin where the circle stops? Then the edge becomes their crease. */
-static bool is_crease(const rim_step *step, size_t surfel, double reach, gw_half_plane *edge)
+static bool is_crease(const boundary_step *step, size_t surfel, double reach, gw_half_plane *edge)
 {
 	gw_neighbour_list list;
 	gw_plane_look_at(step->search, step->surfels, surfel, edge->offset * edge->x,
@@ -199,8 +200,8 @@ static bool is_crease(const rim_step *step, size_t surfel, double reach, gw_half
 }
 
 /* Adds edges, up to two with the creases, where a circle comes nearer than the disc reaches. */
-static void find_rims(const rim_step *step, size_t surfel, double reach, double circle,
-					  double margin, surrounding *around)
+static void find_boundaries(const boundary_step *step, size_t surfel, double reach, double circle,
+							double margin, surrounding *around)
 {
 	double most = circle + (double)step->surfels->radius[surfel] - margin, room[GW_DIRECTIONS];
 	for (int d = 0; d < GW_DIRECTIONS; d++)
@@ -231,7 +232,7 @@ static void find_rims(const rim_step *step, size_t surfel, double reach, double 
 }
 
 /* The area that the surfel's clips leave of its cell. */
-static void measure_area(rim_step *step, size_t surfel, const float *clip,
+static void measure_area(boundary_step *step, size_t surfel, const float *clip,
 						 const gw_neighbour_list *list, const gw_flat_point *kept, uint32_t count)
 {
 	double radius = (double)step->surfels->radius[surfel];
@@ -246,17 +247,17 @@ static void measure_area(rim_step *step, size_t surfel, const float *clip,
 		fmaxf((float)gw_plane_cell_area(kept, count, radius, reach, edge, edges), FLT_MIN);
 }
 
-/* How many surfels of a neighbourhood see a rim. */
-static uint32_t count_rims(const rim_step *step, size_t surfel, const gw_flat_point *kept,
-						   uint32_t count)
+/* How many surfels of a neighbourhood see a boundary. */
+static uint32_t count_boundaries(const boundary_step *step, size_t surfel,
+								 const gw_flat_point *kept, uint32_t count)
 {
-	uint32_t rims = step->rim[surfel] != 0;
+	uint32_t boundaries = step->boundary[surfel] != 0;
 	for (uint32_t j = 0; j < count; j++)
-		rims += step->rim[kept[j].index] != 0;
-	return rims;
+		boundaries += step->boundary[kept[j].index] != 0;
+	return boundaries;
 }
 
-/* Over a neighbourhood, the mean radius of the discs and the margin of a rim. */
+/* Over a neighbourhood, the mean radius of the discs and the margin of a boundary. */
 static void describe(const gw_surfels *s, size_t surfel, const gw_flat_point *kept, uint32_t count,
 					 double *radius, double *margin)
 {
@@ -277,25 +278,25 @@ static void describe(const gw_surfels *s, size_t surfel, const gw_flat_point *ke
 
 static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
 {
-	rim_step *step = user;
+	boundary_step *step = user;
 	gw_surfels *s = step->surfels;
 	gw_flat_point kept[GW_NEIGHBOURS];
 	surrounding around;
 	double noise, radius, margin;
-	uint8_t near_rim = step->rim[surfel];
+	uint8_t near_boundary = step->boundary[surfel];
 	step->area[surfel] = s->area[surfel];
 	for (uint32_t j = 0; j < list->count; j++)
-		near_rim |= step->rim[list->index[j]];
-	uint32_t count = near_rim ? gw_plane_surface(s, surfel, list, kept, &noise) : 0;
-	uint32_t rims = count_rims(step, surfel, kept, count);
-	if (count < 3 || rims == 0)
+		near_boundary |= step->boundary[list->index[j]];
+	uint32_t count = near_boundary ? gw_plane_surface(s, surfel, list, kept, &noise) : 0;
+	uint32_t boundaries = count_boundaries(step, surfel, kept, count);
+	if (count < 3 || boundaries == 0)
 		return;
 	double reach = kept[count - 1].distance;
 	describe(s, surfel, kept, count, &radius, &margin);
 	surround(step, surfel, kept, count, &around);
-	if (rims >= SUPPORT)
-		find_rims(step, surfel, reach, fmax(CIRCLE_OF_REACH * reach, CIRCLE_OF_DISCS * radius),
-				  margin, &around);
+	if (boundaries >= SUPPORT)
+		find_boundaries(step, surfel, reach,
+						fmax(CIRCLE_OF_REACH * reach, CIRCLE_OF_DISCS * radius), margin, &around);
 	gw_plane_store_clips(s, surfel, around.edge, around.edges);
 	s->creased[surfel] =
 		around.edges > 0 && around.edges == around.creases + around.creases_found &&
@@ -304,16 +305,16 @@ static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
 		measure_area(step, surfel, s->clip + 6 * surfel, list, kept, count);
 }
 
-/* The sums of rims that are alike. */
+/* The sums of boundaries that are alike. */
 typedef struct alike {
 	double x, y;           /* of directions */
 	double foot_x, foot_y; /* of the places nearest to the surfels that see them */
 	uint32_t count;
 } alike;
 
-/* Adds the rims of a surfel that lie like one of `surfel`, both in its plane. */
-static void add_alike(const rim_step *step, size_t surfel, const gw_half_plane *rim, size_t other,
-					  double apart, alike *sum)
+/* Adds the boundaries of a surfel that lie like one of `surfel`, both in its plane. */
+static void add_alike(const boundary_step *step, size_t surfel, const gw_half_plane *boundary,
+					  size_t other, double apart, alike *sum)
 {
 	const gw_surfels *s = step->surfels;
 	float t[3], b[3], u[3], v[3];
@@ -333,8 +334,8 @@ static void add_alike(const rim_step *step, size_t surfel, const gw_half_plane *
 			foot_x += foot * (double)t[k];
 			foot_y += foot * (double)b[k];
 		}
-		if (gw_along(rim, x, y) < ALIKE ||
-			fabs(gw_along(rim, foot_x, foot_y) - rim->offset) > apart)
+		if (gw_distance_along(boundary, x, y) < ALIKE ||
+			fabs(gw_distance_along(boundary, foot_x, foot_y) - boundary->offset) > apart)
 			continue;
 		sum->x += x;
 		sum->y += y;
@@ -344,10 +345,10 @@ static void add_alike(const rim_step *step, size_t surfel, const gw_half_plane *
 	}
 }
 
-/* Replaces rims by the mean of those around that are alike. */
+/* Replaces boundaries by the mean of those around that are alike. */
 static void agree(void *user, size_t surfel, const gw_neighbour_list *list)
 {
-	rim_step *step = user;
+	boundary_step *step = user;
 	gw_surfels *s = step->surfels;
 	gw_flat_point kept[GW_NEIGHBOURS];
 	double noise;
@@ -360,11 +361,12 @@ static void agree(void *user, size_t surfel, const gw_neighbour_list *list)
 		if (!(step->settled[surfel] >> e & 1))
 			continue;
 		float *own = clip + 3 * e;
-		gw_half_plane rim = { (double)own[0], (double)own[1], (double)own[2] };
-		alike sum = { rim.x, rim.y, rim.x * rim.offset, rim.y * rim.offset, 1 };
+		gw_half_plane boundary = { (double)own[0], (double)own[1], (double)own[2] };
+		alike sum = { boundary.x, boundary.y, boundary.x * boundary.offset,
+					  boundary.y * boundary.offset, 1 };
 		double apart = APART * kept[count - 1].distance;
 		for (uint32_t j = 0; j < count; j++)
-			add_alike(step, surfel, &rim, kept[j].index, apart, &sum);
+			add_alike(step, surfel, &boundary, kept[j].index, apart, &sum);
 		double length = hypot(sum.x, sum.y);
 		own[0] = (float)(sum.x / length);
 		own[1] = (float)(sum.y / length);
@@ -374,10 +376,12 @@ static void agree(void *user, size_t surfel, const gw_neighbour_list *list)
 		measure_area(step, surfel, clip, list, kept, count);
 }
 
-gw_status gw_rims_settle(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
-						 const uint8_t *rim, gw_error *error)
+gw_status gw_boundaries_settle(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
+							   const uint8_t *boundary, gw_error *error)
 {
-	rim_step step = { .search = search, .surfels = surfels, .rim = rim, .rough_area = rough_area };
+	boundary_step step = {
+		.search = search, .surfels = surfels, .boundary = boundary, .rough_area = rough_area
+	};
 	size_t n = surfels->count;
 	step.settled = gw_allocate_zeros(n, sizeof *step.settled);
 	step.clip = gw_allocate_array(n, 6 * sizeof *step.clip);

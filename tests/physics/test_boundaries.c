@@ -93,7 +93,7 @@ static void count_point(edge_count *straight, double *corners, const double dept
  * where sides are off by 0.12 as far as they are looked at. Voids may look like edges: 3 points.
  * Where discs ended as far as they reach, sides were off by 0.22 and corners by 4.
  */
-static void sheets_end_at_their_rims(void **state)
+static void sheets_end_at_their_boundaries(void **state)
 {
 	(void)state;
 	scene s = { 0 };
@@ -127,7 +127,7 @@ static void sheets_end_at_their_rims(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(sheets_end_at_their_rims),
+		cmocka_unit_test(sheets_end_at_their_boundaries),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,47 +1,47 @@
 /*
- * probe_hits.c - see probe_hits.h.
+ * check_point_hits.c - see check_point_hits.h.
  */
-#include "estimate/probe_hits.h"
+#include "estimate/check_point_hits.h"
 
 #include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-uint32_t gw_probe_seed(uint32_t seed, uint32_t gather)
+uint32_t gw_check_point_seed(uint32_t seed, uint32_t gather)
 {
 	return seed ^ (gather ? 0xb5297a4du : 0x68e31da4u);
 }
 
-static bool have_emitters(const gw_probe_task *task)
+static bool have_emitters(const gw_check_point_task *task)
 {
 	return task->emitters && task->emitters->count > 0;
 }
 
-void gw_probe_hits_forget_emitted(gw_probe_hits *hits)
+void gw_check_point_hits_forget_emitted(gw_check_point_hits *hits)
 {
 	free(hits->emitted);
 	hits->emitted = NULL;
 }
 
-void gw_probe_hits_clear(gw_probe_hits *hits)
+void gw_check_point_hits_clear(gw_check_point_hits *hits)
 {
-	gw_probe_hits_forget_emitted(hits);
+	gw_check_point_hits_forget_emitted(hits);
 	free(hits->point);
-	free(hits->lobe);
+	free(hits->facet);
 	free(hits->distance);
-	*hits = (gw_probe_hits){ 0 };
+	*hits = (gw_check_point_hits){ 0 };
 }
 
-void gw_probe_hits_forget(gw_probe_hits *hits)
+void gw_check_point_hits_forget(gw_check_point_hits *hits)
 {
 	uint64_t traced = hits->traced;
-	gw_probe_hits_clear(hits);
+	gw_check_point_hits_clear(hits);
 	hits->traced = traced;
 }
 
-gw_status gw_probe_hits_place(const gw_probe_task *task, const uint32_t *point, uint32_t count,
-							  gw_records *place, gw_error *error)
+gw_status gw_check_point_hits_place(const gw_check_point_task *task, const uint32_t *point,
+									uint32_t count, gw_records *place, gw_error *error)
 {
 	const gw_octree *octree = task->octree;
 	const gw_surfels *s = task->surfels;
@@ -63,30 +63,33 @@ gw_status gw_probe_hits_place(const gw_probe_task *task, const uint32_t *point, 
 
 /* ----------------------------------------------------------------------------- what is known */
 
-static gw_status make_room(uint32_t count, uint32_t rays, bool emitted, gw_probe_hits *hits,
+static gw_status make_room(uint32_t count, uint32_t rays, bool emitted, gw_check_point_hits *hits,
 						   gw_error *error)
 {
-	size_t rows = GW_PROBE_GATHERS * (size_t)count;
+	size_t rows = GW_CHECK_POINT_GATHERS * (size_t)count;
 	*hits =
-		(gw_probe_hits){ .count = count,
-						 .rays = rays,
-						 .point = gw_allocate_array(count, sizeof *hits->point),
-						 .lobe = gw_allocate_array(rows, rays * sizeof *hits->lobe),
-						 .distance = gw_allocate_array(rows, rays * sizeof *hits->distance),
-						 .emitted = emitted ? gw_allocate_array(rows, 4 * sizeof(float)) : NULL };
-	if (hits->point && hits->lobe && hits->distance && (hits->emitted || !emitted))
+		(gw_check_point_hits){ .count = count,
+							   .rays = rays,
+							   .point = gw_allocate_array(count, sizeof *hits->point),
+							   .facet = gw_allocate_array(rows, rays * sizeof *hits->facet),
+							   .distance = gw_allocate_array(rows, rays * sizeof *hits->distance),
+							   .emitted =
+								   emitted ? gw_allocate_array(rows, 4 * sizeof(float)) : NULL };
+	if (hits->point && hits->facet && hits->distance && (hits->emitted || !emitted))
 		return GW_OK;
-	gw_probe_hits_clear(hits);
+	gw_check_point_hits_clear(hits);
 	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %u points see", count);
 }
 
 /* Copies what is known of point `from` to point `to` of another set. */
-static void take_over(const gw_probe_hits *known, size_t from, gw_probe_hits *hits, size_t to)
+static void take_over(const gw_check_point_hits *known, size_t from, gw_check_point_hits *hits,
+					  size_t to)
 {
 	size_t rays = hits->rays;
-	for (size_t g = 0; g < GW_PROBE_GATHERS; g++) {
+	for (size_t g = 0; g < GW_CHECK_POINT_GATHERS; g++) {
 		size_t source = g * known->count + from, target = g * hits->count + to;
-		memcpy(hits->lobe + target * rays, known->lobe + source * rays, rays * sizeof *hits->lobe);
+		memcpy(hits->facet + target * rays, known->facet + source * rays,
+			   rays * sizeof *hits->facet);
 		memcpy(hits->distance + target * rays, known->distance + source * rays,
 			   rays * sizeof *hits->distance);
 		if (hits->emitted && known->emitted)
@@ -95,7 +98,8 @@ static void take_over(const gw_probe_hits *known, size_t from, gw_probe_hits *hi
 }
 
 /* Takes over all that is known; lists the points that lack, by their place in *hits. */
-static uint32_t list_missing(const gw_probe_hits *known, gw_probe_hits *hits, uint32_t *missing)
+static uint32_t list_missing(const gw_check_point_hits *known, gw_check_point_hits *hits,
+							 uint32_t *missing)
 {
 	uint32_t count = 0, at = 0, last = known->rays == hits->rays ? known->count : 0;
 	for (uint32_t i = 0; i < hits->count; i++) {
@@ -119,7 +123,7 @@ typedef struct some_points {
 	char *rows; /* room for one gather of theirs, of 4 bytes a ray, or 16 */
 } some_points;
 
-static gw_status choose_some(const gw_probe_task *task, const gw_probe_hits *hits,
+static gw_status choose_some(const gw_check_point_task *task, const gw_check_point_hits *hits,
 							 const uint32_t *index, uint32_t count, some_points *some,
 							 gw_error *error)
 {
@@ -132,20 +136,20 @@ static gw_status choose_some(const gw_probe_task *task, const gw_probe_hits *hit
 	for (uint32_t i = 0; i < count && status == GW_OK; i++)
 		point[i] = hits->point[index[i]];
 	if (status == GW_OK)
-		status = gw_probe_hits_place(task, point, count, &some->place, error);
+		status = gw_check_point_hits_place(task, point, count, &some->place, error);
 	free(point);
 	return status;
 }
 
-static void free_some(const gw_probe_task *task, some_points *some)
+static void free_some(const gw_check_point_task *task, some_points *some)
 {
 	gw_records_destroy(task->passes->gpu, &some->place);
 	free(some->rows);
 }
 
 /* Rows of a buffer that go to those of these points in one gather. */
-static gw_status fetch_rows(const gw_probe_task *task, const some_points *some, gw_buffer *buffer,
-							size_t row, char *first, gw_error *error)
+static gw_status fetch_rows(const gw_check_point_task *task, const some_points *some,
+							gw_buffer *buffer, size_t row, char *first, gw_error *error)
 {
 	gw_status status =
 		gw_buffer_download(task->passes->gpu, buffer, 0, some->rows, row * some->count, error);
@@ -154,23 +158,23 @@ static gw_status fetch_rows(const gw_probe_task *task, const some_points *some, 
 	return status;
 }
 
-static gw_status put_rows(const gw_probe_task *task, const some_points *some, const char *first,
-						  size_t row, gw_buffer *buffer, gw_error *error)
+static gw_status put_rows(const gw_check_point_task *task, const some_points *some,
+						  const char *first, size_t row, gw_buffer *buffer, gw_error *error)
 {
 	for (size_t i = 0; i < some->count; i++)
 		memcpy(some->rows + row * i, first + row * some->index[i], row);
 	return gw_buffer_upload(task->passes->gpu, buffer, 0, some->rows, row * some->count, error);
 }
 
-static gw_status trace_some(const gw_probe_task *task, some_points *some, uint32_t gather,
-							gw_probe_hits *hits, gw_error *error)
+static gw_status trace_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
+							gw_check_point_hits *hits, gw_error *error)
 {
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count * row;
 	gw_status status = gw_ray_gather_trace(task->passes, task->octree, &some->place, hits->rays,
-										   gw_probe_seed(task->seed, gather), &rays, error);
+										   gw_check_point_seed(task->seed, gather), &rays, error);
 	if (status == GW_OK)
-		status = fetch_rows(task, some, &rays.lobe, row, (char *)hits->lobe + first, error);
+		status = fetch_rows(task, some, &rays.facet, row, (char *)hits->facet + first, error);
 	if (status == GW_OK)
 		status = fetch_rows(task, some, &rays.distance, row, (char *)hits->distance + first, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
@@ -181,21 +185,21 @@ static gw_status trace_some(const gw_probe_task *task, some_points *some, uint32
 /* ---------------------------------------------------------------------------------- emitters */
 
 /* What emitters bring to these points along rays whose hits are known. */
-static gw_status light_some(const gw_probe_task *task, some_points *some, uint32_t gather,
-							gw_probe_hits *hits, gw_error *error)
+static gw_status light_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
+							gw_check_point_hits *hits, gw_error *error)
 {
 	const float black[3] = { 0 };
 	const gw_sampled_sources sources = { .emitters = task->emitters,
 										 .samples = hits->rays,
 										 .use_hits = true,
 										 .sky = black,
-										 .seed = gw_probe_seed(task->seed, gather) };
+										 .seed = gw_check_point_seed(task->seed, gather) };
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count;
 	gw_status status = gw_ray_gather_create(task->passes->gpu, &some->place, hits->rays,
 											sources.seed, &rays, error);
 	if (status == GW_OK)
-		status = put_rows(task, some, (char *)hits->lobe + first * row, row, &rays.lobe, error);
+		status = put_rows(task, some, (char *)hits->facet + first * row, row, &rays.facet, error);
 	if (status == GW_OK)
 		status =
 			put_rows(task, some, (char *)hits->distance + first * row, row, &rays.distance, error);
@@ -212,26 +216,27 @@ static gw_status light_some(const gw_probe_task *task, some_points *some, uint32
 /* ------------------------------------------------------------------------------- all of both */
 
 /* Fills in one gather of some points. */
-typedef gw_status fill_some(const gw_probe_task *task, some_points *some, uint32_t gather,
-							gw_probe_hits *hits, gw_error *error);
+typedef gw_status fill_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
+							gw_check_point_hits *hits, gw_error *error);
 
-static gw_status fill_missing(const gw_probe_task *task, const uint32_t *missing, uint32_t count,
-							  fill_some *fill, gw_probe_hits *hits, gw_error *error)
+static gw_status fill_missing(const gw_check_point_task *task, const uint32_t *missing,
+							  uint32_t count, fill_some *fill, gw_check_point_hits *hits,
+							  gw_error *error)
 {
 	some_points some = { 0 };
 	if (count == 0)
 		return GW_OK;
 	gw_status status = choose_some(task, hits, missing, count, &some, error);
-	for (uint32_t g = 0; g < GW_PROBE_GATHERS && status == GW_OK; g++)
+	for (uint32_t g = 0; g < GW_CHECK_POINT_GATHERS && status == GW_OK; g++)
 		status = fill(task, &some, g, hits, error);
 	free_some(task, &some);
 	return status;
 }
 
-gw_status gw_probe_hits_find(const gw_probe_task *task, const uint32_t *point, uint32_t count,
-							 gw_probe_hits *hits, gw_error *error)
+gw_status gw_check_point_hits_find(const gw_check_point_task *task, const uint32_t *point,
+								   uint32_t count, gw_check_point_hits *hits, gw_error *error)
 {
-	gw_probe_hits next;
+	gw_check_point_hits next;
 	uint32_t *missing = gw_allocate_array(count, sizeof *missing), found = 0;
 	if (!missing)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
@@ -249,27 +254,28 @@ gw_status gw_probe_hits_find(const gw_probe_task *task, const uint32_t *point, u
 		status = fill_missing(task, missing, found, light_some, &next, error);
 	free(missing);
 	if (status != GW_OK) {
-		gw_probe_hits_clear(&next);
+		gw_check_point_hits_clear(&next);
 		return status;
 	}
-	gw_probe_hits_clear(hits);
+	gw_check_point_hits_clear(hits);
 	*hits = next;
 	return GW_OK;
 }
 
 /* --------------------------------------------------------------------------- to be gathered */
 
-gw_status gw_probe_hits_gather(const gw_probe_task *task, const gw_probe_hits *hits,
-							   const gw_records *place, uint32_t gather, gw_ray_gather *rays,
-							   gw_buffer *emitted, gw_error *error)
+gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
+									 const gw_check_point_hits *hits, const gw_records *place,
+									 uint32_t gather, gw_ray_gather *rays, gw_buffer *emitted,
+									 gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
 	size_t first = gather * (size_t)hits->count, count = (size_t)hits->count * hits->rays;
 	*emitted = (gw_buffer){ 0 };
 	gw_status status = gw_ray_gather_create(gpu, place, hits->rays,
-											gw_probe_seed(task->seed, gather), rays, error);
+											gw_check_point_seed(task->seed, gather), rays, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &rays->lobe, 0, hits->lobe + first * hits->rays, 4 * count,
+		status = gw_buffer_upload(gpu, &rays->facet, 0, hits->facet + first * hits->rays, 4 * count,
 								  error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &rays->distance, 0, hits->distance + first * hits->rays,

@@ -1,5 +1,5 @@
-/* normal_sides.c - see normal_sides.h. */
-#include "surfels/normal_sides.h"
+/* normal_orientation.c - see normal_orientation.h. */
+#include "surfels/normal_orientation.h"
 
 #include "base/memory.h"
 
@@ -13,8 +13,8 @@
 #define SMOOTH 102
 #define SMOOTH_STEP 8
 
-/* Least share of the agreement across a seam that has to point one way. */
-#define SEAM_LEAST 0.5
+/* Least share of the agreement across a border that has to point one way. */
+#define BORDER_LEAST 0.5
 
 /* Evidence counts where at least this share of it points one way: of lamps, sky and ground, which
  * two floors of a house may see differently, and of the space that is enclosed. */
@@ -27,18 +27,19 @@
 #define AREA_MOST 16.0f
 /* Emitting points that stand for all. */
 #define EMITTERS 16
-/* Part of the scene's diagonal from which on a closed piece is a room, not a body within one. */
+/* Part of the scene's diagonal from which on a closed component is a room, not a body within one.
+ */
 #define ROOM_LEAST 0.5
 
-/* A pair of pieces and what their pairs of points say: > 0 for the same sign. */
-typedef struct seam {
+/* A pair of components and what their pairs of points say: > 0 for the same sign. */
+typedef struct border {
 	uint32_t a, b; /* a < b */
 	float says;    /* sum of agreements */
 	float weight;  /* sum of their sizes */
-} seam;
+} border;
 
-/* What is known of a piece, for its sign as it is. */
-typedef struct piece {
+/* What is known of a component, for its sign as it is. */
+typedef struct component {
 	double given;           /* normals */
 	double lamp, lamp_size; /* steradians */
 	double up, up_size;     /* square metres */
@@ -48,26 +49,26 @@ typedef struct piece {
 	double low[3], high[3], centre[3], area;
 	int sign; /* chosen */
 	bool doubtful;
-} piece;
+} component;
 
-typedef struct side_work {
+typedef struct orientation_work {
 	const gw_surfels_options *options;
 	gw_surfels *surfels;
-	uint32_t *near;     /* GW_NEIGHBOURS * count; the surfel itself where there is none */
-	int8_t *agreement;  /* GW_NEIGHBOURS * count, in 1 / AGREED */
-	float *area;        /* count, m^2, rough */
-	uint32_t *parent;   /* count: of the trees of pieces */
-	uint8_t *opposite;  /* count: sign against that of the parent */
-	uint32_t *piece_of; /* count: number among the pieces */
-	seam *seams;
-	size_t seam_count;
-	piece *pieces;
-	size_t piece_count;
+	uint32_t *near;         /* GW_NEIGHBOURS * count; the surfel itself where there is none */
+	int8_t *agreement;      /* GW_NEIGHBOURS * count, in 1 / AGREED */
+	float *area;            /* count, m^2, rough */
+	uint32_t *parent;       /* count: of the trees of components */
+	uint8_t *opposite;      /* count: sign against that of the parent */
+	uint32_t *component_of; /* count: number among the components */
+	border *borders;
+	size_t border_count;
+	component *components;
+	size_t component_count;
 	double (*lamp)[3]; /* lamp_count, local */
 	size_t lamp_count;
 	double to_sun[3]; /* 0, 0, 0 when there is none */
 	double middle[3];
-} side_work;
+} orientation_work;
 
 /* ------------------------------------------------------------------------------------ agreement */
 
@@ -94,7 +95,7 @@ static float agree(const float *p, const float *n, const float *q, const float *
 
 static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
 {
-	side_work *w = user;
+	orientation_work *w = user;
 	const float *position = w->surfels->position, *normal = w->surfels->normal;
 	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++) {
 		size_t other = j < list->count ? list->index[j] : surfel, at = GW_NEIGHBOURS * surfel + j;
@@ -108,10 +109,11 @@ static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
 	w->area[surfel] = 3.14159265f * reach * reach / (float)(list->count + 1);
 }
 
-/* --------------------------------------------------------------------------------------- pieces */
+/* ---------------------------------------------------------------------------------------
+ * components */
 
 /* The root of a surfel's tree; its sign against the root's goes to *opposite. Paths get short. */
-static uint32_t find_root(side_work *w, uint32_t surfel, uint8_t *opposite)
+static uint32_t find_root(orientation_work *w, uint32_t surfel, uint8_t *opposite)
 {
 	uint32_t root = surfel;
 	uint8_t sign = 0;
@@ -130,7 +132,7 @@ static uint32_t find_root(side_work *w, uint32_t surfel, uint8_t *opposite)
 }
 
 /* Joins the trees of two surfels, whose signs are opposite or not. */
-static void join(side_work *w, uint32_t a, uint32_t b, bool opposite)
+static void join(orientation_work *w, uint32_t a, uint32_t b, bool opposite)
 {
 	uint8_t of_a, of_b;
 	uint32_t root_a = find_root(w, a, &of_a), root_b = find_root(w, b, &of_b);
@@ -141,7 +143,7 @@ static void join(side_work *w, uint32_t a, uint32_t b, bool opposite)
 	w->opposite[high] = of_a ^ of_b ^ (uint8_t)opposite;
 }
 
-static void join_smooth(side_work *w)
+static void join_smooth(orientation_work *w)
 {
 	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
 	for (int least = AGREED - SMOOTH_STEP; least >= SMOOTH; least -= SMOOTH_STEP)
@@ -150,102 +152,105 @@ static void join_smooth(side_work *w)
 				join(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], w->agreement[i] < 0);
 }
 
-static int by_pieces(const void *left, const void *right)
+static int by_components(const void *left, const void *right)
 {
-	const seam *a = left, *b = right;
+	const border *a = left, *b = right;
 	return a->a != b->a ? (a->a < b->a ? -1 : 1) : a->b != b->b ? (a->b < b->b ? -1 : 1) : 0;
 }
 
-/* Sums the seams of the same two pieces; the sums are of whole numbers, so order is nothing. */
-static void merge_seams(side_work *w)
+/* Sums the borders of the same two components; the sums are of whole numbers, so order is nothing.
+ */
+static void merge_borders(orientation_work *w)
 {
 	size_t kept = 0;
-	qsort(w->seams, w->seam_count, sizeof *w->seams, by_pieces);
-	for (size_t i = 0; i < w->seam_count; i++) {
-		seam s = w->seams[i];
-		if (kept > 0 && by_pieces(w->seams + kept - 1, &s) == 0) {
-			w->seams[kept - 1].says += s.says;
-			w->seams[kept - 1].weight += s.weight;
+	qsort(w->borders, w->border_count, sizeof *w->borders, by_components);
+	for (size_t i = 0; i < w->border_count; i++) {
+		border s = w->borders[i];
+		if (kept > 0 && by_components(w->borders + kept - 1, &s) == 0) {
+			w->borders[kept - 1].says += s.says;
+			w->borders[kept - 1].weight += s.weight;
 		} else {
-			w->seams[kept++] = s;
+			w->borders[kept++] = s;
 		}
 	}
-	w->seam_count = kept;
+	w->border_count = kept;
 }
 
-/* A seam between the pieces of two surfels, false within one piece. */
-static bool make_seam(side_work *w, uint32_t i, uint32_t j, float says, float weight, seam *out)
+/* A border between the components of two surfels, false within one component. */
+static bool make_border(orientation_work *w, uint32_t i, uint32_t j, float says, float weight,
+						border *out)
 {
 	uint8_t of_i, of_j;
 	uint32_t a = find_root(w, i, &of_i), b = find_root(w, j, &of_j);
-	*out = (seam){ a < b ? a : b, a < b ? b : a, of_i ^ of_j ? -says : says, weight };
+	*out = (border){ a < b ? a : b, a < b ? b : a, of_i ^ of_j ? -says : says, weight };
 	return a != b;
 }
 
-static gw_status collect_seams(side_work *w, gw_error *error)
+static gw_status collect_borders(orientation_work *w, gw_error *error)
 {
 	size_t pairs = GW_NEIGHBOURS * w->surfels->count, count = 0;
-	seam found;
+	border found;
 	for (int pass = 0; pass < 2; pass++) {
 		count = 0;
 		for (size_t i = 0; i < pairs; i++) {
 			float says = w->agreement[i];
-			if (says == 0 ||
-				!make_seam(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], says, fabsf(says), &found))
+			if (says == 0 || !make_border(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], says,
+										  fabsf(says), &found))
 				continue;
 			if (pass)
-				w->seams[count] = found;
+				w->borders[count] = found;
 			count++;
 		}
-		if (!pass && !(w->seams = gw_allocate_array(count, sizeof *w->seams)))
+		if (!pass && !(w->borders = gw_allocate_array(count, sizeof *w->borders)))
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu pairs of points", count);
 	}
-	w->seam_count = count;
-	merge_seams(w);
+	w->border_count = count;
+	merge_borders(w);
 	return GW_OK;
 }
 
-/* Joins every piece with the neighbour about which its seam says most. Returns whether any was. */
-static bool join_best(side_work *w, uint32_t *best)
+/* Joins every component with the neighbour about which its border says most. Returns whether any
+ * was. */
+static bool join_best(orientation_work *w, uint32_t *best)
 {
 	size_t joined = 0;
 	for (size_t i = 0; i < w->surfels->count; i++)
 		best[i] = UINT32_MAX;
-	for (uint32_t i = 0; i < w->seam_count; i++) {
-		const seam *s = w->seams + i;
-		if (fabsf(s->says) < SEAM_LEAST * s->weight)
+	for (uint32_t i = 0; i < w->border_count; i++) {
+		const border *s = w->borders + i;
+		if (fabsf(s->says) < BORDER_LEAST * s->weight)
 			continue;
 		for (int side = 0; side < 2; side++) {
 			uint32_t *b = best + (side ? s->b : s->a);
-			if (*b == UINT32_MAX || fabsf(s->says) > fabsf(w->seams[*b].says))
+			if (*b == UINT32_MAX || fabsf(s->says) > fabsf(w->borders[*b].says))
 				*b = i;
 		}
 	}
 	for (size_t i = 0; i < w->surfels->count; i++) {
 		if (best[i] == UINT32_MAX)
 			continue;
-		const seam *s = w->seams + best[i];
+		const border *s = w->borders + best[i];
 		join(w, s->a, s->b, s->says < 0);
 		joined++;
 	}
 	size_t kept = 0;
-	for (size_t i = 0; i < w->seam_count; i++) {
-		seam s = w->seams[i];
-		kept += make_seam(w, s.a, s.b, s.says, s.weight, w->seams + kept);
+	for (size_t i = 0; i < w->border_count; i++) {
+		border s = w->borders[i];
+		kept += make_border(w, s.a, s.b, s.says, s.weight, w->borders + kept);
 	}
-	w->seam_count = kept;
-	merge_seams(w);
+	w->border_count = kept;
+	merge_borders(w);
 	return joined > 0;
 }
 
-static gw_status join_pieces(side_work *w, gw_error *error)
+static gw_status join_components(orientation_work *w, gw_error *error)
 {
 	size_t count = w->surfels->count;
 	join_smooth(w);
-	gw_status status = collect_seams(w, error);
+	gw_status status = collect_borders(w, error);
 	uint32_t *best = gw_allocate_array(count, sizeof *best);
 	if (status == GW_OK && !best)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the seams of %zu points", count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu points", count);
 	while (status == GW_OK && join_best(w, best))
 		;
 	free(best);
@@ -260,7 +265,7 @@ static bool has_power(const float value[3])
 }
 
 /* Lamps, and of points that emit some, evenly taken along the order of the surfels. */
-static gw_status find_lamps(side_work *w, gw_error *error)
+static gw_status find_lamps(orientation_work *w, gw_error *error)
 {
 	const gw_surfels *s = w->surfels;
 	const gw_surfels_options *o = w->options;
@@ -291,7 +296,7 @@ static gw_status find_lamps(side_work *w, gw_error *error)
 	return GW_OK;
 }
 
-static void find_sun(side_work *w)
+static void find_sun(orientation_work *w)
 {
 	for (size_t i = 0; i < w->options->light_count; i++) {
 		const gw_light *l = w->options->lights + i;
@@ -311,8 +316,8 @@ static void add_evidence(double *sum, double *size, double value)
 }
 
 /* The solid angle under which lamps see a surfel, negative from behind. */
-static void add_lamps(const side_work *w, const double p[3], const double n[3], double area,
-					  piece *to)
+static void add_lamps(const orientation_work *w, const double p[3], const double n[3], double area,
+					  component *to)
 {
 	for (size_t l = 0; l < w->lamp_count; l++) {
 		double squared = 0, facing = 0;
@@ -326,7 +331,8 @@ static void add_lamps(const side_work *w, const double p[3], const double n[3], 
 	}
 }
 
-static void add_surfel(const side_work *w, size_t surfel, double sign, bool given, piece *to)
+static void add_surfel(const orientation_work *w, size_t surfel, double sign, bool given,
+					   component *to)
 {
 	const gw_surfels *s = w->surfels;
 	double p[3], n[3], sun = 0, inwards = 0, middle = 0, far = 0;
@@ -348,28 +354,28 @@ static void add_surfel(const side_work *w, size_t surfel, double sign, bool give
 }
 
 /* A point far from all others stands for no more than this many times what most do. */
-static void limit_areas(side_work *w)
+static void limit_areas(orientation_work *w)
 {
 	size_t count = w->surfels->count;
-	float most = AREA_MOST * gw_rank_float(w->area, count, count / 2);
+	float most = AREA_MOST * gw_nth_element(w->area, count, count / 2);
 	for (size_t i = 0; i < count; i++)
 		w->area[i] = fminf(w->area[i], most);
 }
 
-/* Numbers the pieces; their bounds and centres. */
-static gw_status measure_pieces(side_work *w, gw_error *error)
+/* Numbers the components; their bounds and centres. */
+static gw_status measure_components(orientation_work *w, gw_error *error)
 {
 	const gw_surfels *s = w->surfels;
 	uint8_t opposite;
 	for (uint32_t i = 0; i < s->count; i++)
 		if (find_root(w, i, &opposite) == i)
-			w->piece_of[i] = (uint32_t)w->piece_count++;
-	w->pieces = gw_allocate_zeros(w->piece_count, sizeof *w->pieces);
-	if (!w->pieces)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu pieces", w->piece_count);
+			w->component_of[i] = (uint32_t)w->component_count++;
+	w->components = gw_allocate_zeros(w->component_count, sizeof *w->components);
+	if (!w->components)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu components", w->component_count);
 	for (uint32_t i = 0; i < s->count; i++) {
 		uint32_t root = find_root(w, i, &opposite);
-		piece *to = w->pieces + (w->piece_of[i] = w->piece_of[root]);
+		component *to = w->components + (w->component_of[i] = w->component_of[root]);
 		for (size_t k = 0; k < 3; k++) {
 			double x = (double)s->position[3 * (size_t)i + k];
 			to->low[k] = to->area > 0 ? fmin(to->low[k], x) : x;
@@ -378,9 +384,9 @@ static gw_status measure_pieces(side_work *w, gw_error *error)
 		}
 		to->area += (double)w->area[i];
 	}
-	for (size_t i = 0; i < w->piece_count; i++)
+	for (size_t i = 0; i < w->component_count; i++)
 		for (size_t k = 0; k < 3; k++)
-			w->pieces[i].centre[k] /= w->pieces[i].area > 0 ? w->pieces[i].area : 1;
+			w->components[i].centre[k] /= w->components[i].area > 0 ? w->components[i].area : 1;
 	return GW_OK;
 }
 
@@ -401,7 +407,7 @@ static bool is_clear_space(double sum, double size)
 	return fabs(sum) > CLEAR_SPACE * size;
 }
 
-static void decide(const side_work *w, double scene, piece *p)
+static void decide(const orientation_work *w, double scene, component *p)
 {
 	double says = p->middle;
 	if (p->given != 0)
@@ -419,7 +425,7 @@ static void decide(const side_work *w, double scene, piece *p)
 	p->sign = says < 0 ? -1 : 1;
 }
 
-static gw_status decide_pieces(side_work *w, const uint8_t *estimated, gw_error *error)
+static gw_status decide_components(orientation_work *w, const uint8_t *estimated, gw_error *error)
 {
 	const gw_surfels *s = w->surfels;
 	double low[3], high[3];
@@ -433,24 +439,24 @@ static gw_status decide_pieces(side_work *w, const uint8_t *estimated, gw_error 
 	limit_areas(w);
 	gw_status status = find_lamps(w, error);
 	if (status == GW_OK)
-		status = measure_pieces(w, error);
+		status = measure_components(w, error);
 	if (status != GW_OK)
 		return status;
 	for (uint32_t i = 0; i < s->count; i++) {
 		find_root(w, i, &opposite);
-		add_surfel(w, i, opposite ? -1 : 1, !estimated[i], w->pieces + w->piece_of[i]);
+		add_surfel(w, i, opposite ? -1 : 1, !estimated[i], w->components + w->component_of[i]);
 	}
-	for (size_t i = 0; i < w->piece_count; i++)
-		decide(w, diagonal(low, high), w->pieces + i);
+	for (size_t i = 0; i < w->component_count; i++)
+		decide(w, diagonal(low, high), w->components + i);
 	return GW_OK;
 }
 
-static void turn_normals(side_work *w, const uint8_t *estimated, uint8_t *doubtful)
+static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
 {
 	gw_surfels *s = w->surfels;
 	uint8_t opposite;
 	for (uint32_t i = 0; i < s->count; i++) {
-		const piece *p = w->pieces + w->piece_of[i];
+		const component *p = w->components + w->component_of[i];
 		find_root(w, i, &opposite);
 		doubtful[i] = estimated[i] && p->doubtful;
 		for (size_t k = 0; estimated[i] && opposite != (p->sign < 0) && k < 3; k++)
@@ -461,7 +467,7 @@ static void turn_normals(side_work *w, const uint8_t *estimated, uint8_t *doubtf
 /* -------------------------------------------------------------------------------------- all of it
  */
 
-static gw_status allocate(side_work *w, gw_error *error)
+static gw_status allocate(orientation_work *w, gw_error *error)
 {
 	size_t count = w->surfels->count;
 	w->near = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *w->near);
@@ -469,39 +475,39 @@ static gw_status allocate(side_work *w, gw_error *error)
 	w->area = gw_allocate_array(count, sizeof *w->area);
 	w->parent = gw_allocate_array(count, sizeof *w->parent);
 	w->opposite = gw_allocate_zeros(count, sizeof *w->opposite);
-	w->piece_of = gw_allocate_array(count, sizeof *w->piece_of);
-	if (!w->near || !w->agreement || !w->area || !w->parent || !w->opposite || !w->piece_of)
+	w->component_of = gw_allocate_array(count, sizeof *w->component_of);
+	if (!w->near || !w->agreement || !w->area || !w->parent || !w->opposite || !w->component_of)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
 	for (uint32_t i = 0; i < count; i++)
 		w->parent[i] = i;
 	return GW_OK;
 }
 
-static void release(side_work *w)
+static void release(orientation_work *w)
 {
 	free(w->near);
 	free(w->agreement);
 	free(w->area);
 	free(w->parent);
 	free(w->opposite);
-	free(w->piece_of);
-	free(w->seams);
-	free(w->pieces);
+	free(w->component_of);
+	free(w->borders);
+	free(w->components);
 	free(w->lamp);
 }
 
-gw_status gw_normal_sides(const gw_surfels_options *options, gw_neighbours *search,
-						  gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
-						  gw_error *error)
+gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
+							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
+							gw_error *error)
 {
-	side_work w = { .options = options, .surfels = surfels };
+	orientation_work w = { .options = options, .surfels = surfels };
 	gw_status status = allocate(&w, error);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, find_pairs, &w, error);
 	if (status == GW_OK)
-		status = join_pieces(&w, error);
+		status = join_components(&w, error);
 	if (status == GW_OK)
-		status = decide_pieces(&w, estimated, error);
+		status = decide_components(&w, estimated, error);
 	if (status == GW_OK)
 		turn_normals(&w, estimated, doubtful);
 	release(&w);

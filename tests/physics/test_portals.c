@@ -79,14 +79,14 @@ static void floor_below_a_hole(void **state)
 	gw_bake_result *r = bake(&s, &sky);
 	double scatter, ratio = compare(&s, r, &scatter);
 	print_message("hole: %.3f of the light, scatter %.3f\n", ratio, scatter);
-	assert_true(scene_effect(&r->report, "openings")->called_for);
+	assert_true(scene_effect(&r->report, "portals")->called_for);
 	if (!(ratio >= 0.6406 && ratio <= 1.2656 && scatter <= 0.32))
 		fail_msg("%.3f of the light, scatter %.3f", ratio, scatter);
 	gw_bake_result_destroy(&r);
 	scene_clear(&s);
 }
 
-/* A map of 1 everywhere is drawn from, too, and shares the light with rays and openings: the same,
+/* A map of 1 everywhere is drawn from, too, and shares the light with rays and portals: the same,
  * within what both scatter on some 100 records of the floor, 25 % / sqrt(100), times sqrt(2) and
  * 4.5: 16 %. Counting the light twice would double it. */
 static void the_same_by_a_map(void **state)
@@ -121,13 +121,13 @@ static void open_scenes_need_none(void **state)
 	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 32, 32,
 					0.5f);
 	gw_bake_result *r = bake(&s, &sky);
-	assert_false(scene_effect(&r->report, "openings")->called_for);
+	assert_false(scene_effect(&r->report, "portals")->called_for);
 	gw_bake_result_destroy(&r);
 	scene_clear(&s);
 	scene_make_cellar(&s);
 	r = bake(&s, &lamp);
 	for (uint32_t i = 0; i < r->report.effect_count; i++)
-		assert_string_not_equal(r->report.effect[i].name, "openings");
+		assert_string_not_equal(r->report.effect[i].name, "portals");
 	gw_bake_result_destroy(&r);
 	scene_clear(&s);
 }

@@ -1,6 +1,6 @@
 /* Which points are solved again, and how much each of them counts. */
 #include "estimate/error_estimate.h"
-#include "estimate/probe_choice.h"
+#include "estimate/check_point_choice.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -40,13 +40,13 @@ static void make_field(field *f)
 	f->mean = sum / (double)counted;
 }
 
-static gw_probe_mean average(const field *f, const gw_probe_choice *c)
+static gw_check_point_mean average(const field *f, const gw_check_point_choice *c)
 {
 	double *value = malloc(c->count * sizeof *value);
 	assert_non_null(value);
 	for (uint32_t i = 0; i < c->count; i++)
 		value[i] = f->square[c->point[i]];
-	gw_probe_mean mean = gw_probe_average(c, value);
+	gw_check_point_mean mean = gw_check_point_average(c, value);
 	free(value);
 	return mean;
 }
@@ -61,18 +61,18 @@ static trials try_seeds(const field *f, size_t parts)
 	const double *const part[1] = { f->predicted };
 	double sum = 0.0, square = 0.0, said = 0.0;
 	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-		gw_probe_choice c;
+		gw_check_point_choice c;
 		gw_error error;
-		assert_int_equal(gw_probe_choose(f->counts, part, parts, POINTS, DRAWS, seed, &c, &error),
-						 GW_OK);
+		assert_int_equal(
+			gw_check_point_choose(f->counts, part, parts, POINTS, DRAWS, seed, &c, &error), GW_OK);
 		assert_int_equal(c.count, DRAWS);
 		for (uint32_t i = 0; i < c.count; i++)
 			assert_true(f->counts[c.point[i]] && (i == 0 || c.point[i] > c.point[i - 1]));
-		gw_probe_mean found = average(f, &c);
+		gw_check_point_mean found = average(f, &c);
 		sum += found.mean;
 		square += found.mean * found.mean;
 		said += found.variance;
-		gw_probe_choice_clear(&c);
+		gw_check_point_choice_clear(&c);
 	}
 	double mean = sum / SEEDS;
 	return (trials){ mean, (square / SEEDS - mean * mean) * SEEDS / (SEEDS - 1.0), said / SEEDS };
@@ -117,16 +117,17 @@ static void known_errors_need_no_luck(void **state)
 		counts[i] = true;
 		x[i] = i % 3 == 0 ? 2.0 : 0.5; /* on average 1 */
 	}
-	gw_probe_choice c;
+	gw_check_point_choice c;
 	gw_error error;
 	assert_int_equal(
-		gw_probe_choose(counts, (const double *const[]){ x }, 1, COUNT, 100, 5, &c, &error), GW_OK);
+		gw_check_point_choose(counts, (const double *const[]){ x }, 1, COUNT, 100, 5, &c, &error),
+		GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		value[i] = 1.0 + x[c.point[i]];
-	gw_probe_mean found = gw_probe_average(&c, value);
+	gw_check_point_mean found = gw_check_point_average(&c, value);
 	/* Sums of 3000 doubles. */
 	assert_true(fabs(found.mean - 2.0) < 1e-10 && found.variance < 1e-18);
-	gw_probe_choice_clear(&c);
+	gw_check_point_choice_clear(&c);
 }
 
 static void few_points_are_all_taken(void **state)
@@ -134,18 +135,19 @@ static void few_points_are_all_taken(void **state)
 	(void)state;
 	const bool counts[5] = { true, false, true, true, false };
 	const double part[5] = { 0.0, 9.0, 1.0, 5.0, 1.0 };
-	gw_probe_choice c;
+	gw_check_point_choice c;
 	gw_error error;
 	assert_int_equal(
-		gw_probe_choose(counts, (const double *const[]){ part }, 1, 5, 3, 1, &c, &error), GW_OK);
+		gw_check_point_choose(counts, (const double *const[]){ part }, 1, 5, 3, 1, &c, &error),
+		GW_OK);
 	assert_int_equal(c.count, 3);
 	assert_true(c.point[0] == 0 && c.point[1] == 2 && c.point[2] == 3);
 	assert_true(c.weight[0] == 1.0 / 3.0 && c.weight[2] == 1.0 / 3.0);
-	gw_probe_choice_clear(&c);
-	assert_int_equal(gw_probe_choose((const bool[5]){ false }, NULL, 0, 5, 3, 1, &c, &error),
+	gw_check_point_choice_clear(&c);
+	assert_int_equal(gw_check_point_choose((const bool[5]){ false }, NULL, 0, 5, 3, 1, &c, &error),
 					 GW_OK);
 	assert_int_equal(c.count, 0);
-	gw_probe_choice_clear(&c);
+	gw_check_point_choice_clear(&c);
 }
 
 /* One point that holds nearly all of a part is not drawn again and again. */
@@ -160,15 +162,15 @@ static void one_point_is_not_all(void **state)
 		counts[i] = true;
 		part[i] = i == 1234 ? 1e9 : 1.0;
 	}
-	gw_probe_choice c;
+	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(
-		gw_probe_choose(counts, (const double *const[]){ part }, 1, COUNT, 200, 3, &c, &error),
-		GW_OK);
+	assert_int_equal(gw_check_point_choose(counts, (const double *const[]){ part }, 1, COUNT, 200,
+										   3, &c, &error),
+					 GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		times += c.point[i] == 1234;
 	assert_true(times <= 1);
-	gw_probe_choice_clear(&c);
+	gw_check_point_choice_clear(&c);
 }
 
 /* A floor along x in Morton order, dark before its middle: light changes there and nowhere else. */
@@ -187,8 +189,8 @@ static void contrast_is_where_light_changes(void **state)
 	const gw_surfels s = {
 		.count = COUNT, .position = position, .normal = normal, .radius = radius
 	};
-	gw_probe_contrast(&s, light, 1, contrast);
-	gw_probe_contrast(&s, light, 3, again);
+	gw_check_point_contrast(&s, light, 1, contrast);
+	gw_check_point_contrast(&s, light, 3, again);
 	assert_memory_equal(contrast, again, sizeof contrast);
 	for (size_t i = 0; i < COUNT; i++) {
 		/* Of six neighbours so many are on the other side, at a difference of 2. */
@@ -201,7 +203,7 @@ static void contrast_is_where_light_changes(void **state)
 		normal[3 * i] = 1.0f;
 		normal[3 * i + 2] = 0.0f;
 	}
-	gw_probe_contrast(&s, light, 2, contrast);
+	gw_check_point_contrast(&s, light, 2, contrast);
 	for (size_t i = 0; i < COUNT; i++)
 		assert_true(contrast[i] == 0.0);
 }
@@ -227,5 +229,5 @@ int main(void)
 		cmocka_unit_test(contrast_is_where_light_changes),
 		cmocka_unit_test(fine_bakes_draw_more),
 	};
-	return cmocka_run_group_tests_name("probes", tests, NULL, NULL);
+	return cmocka_run_group_tests_name("check points", tests, NULL, NULL);
 }

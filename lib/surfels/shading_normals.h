@@ -1,5 +1,5 @@
 /*
- * lamp_normals.h - normals without their noise, for lamps to shine on, and how far off they are.
+ * shading_normals.h - normals without their noise, for lamps to shine on, and how far off they are.
  *
  * The mean of all normals around a point has little noise left but no edges either. So each normal
  * becomes the mean of those around it that are alike (a bilateral filter); what is alike is judged
@@ -11,8 +11,8 @@
  * of |f - y|^2 - v + v trace(df/dy) is that of |f - truth|^2. It counts both what is left of noise
  * and what was blurred.
  */
-#ifndef LAMP_NORMALS_H
-#define LAMP_NORMALS_H
+#ifndef SHADING_NORMALS_H
+#define SHADING_NORMALS_H
 
 #include "surfels/normal_noise.h"
 
@@ -28,8 +28,8 @@
  *              region
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_lamp_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
-							   const float *own, const float *noise, float *spare, float *off,
-							   gw_error *error);
+gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
+								  const float *own, const float *noise, float *spare, float *off,
+								  gw_error *error);
 
 #endif

@@ -1,9 +1,9 @@
 /*
- * octree_lobes.comp - the second step: adds up the disc fragments of each lobe.
+ * octree_facets.comp - the second step: adds up the disc fragments of each facet.
  *
- * Fragments whose normal is within 60 degrees of the seed's join the first lobe, others the second.
- * Slots hold sums until octree_finish.comp: of normals, centroids relative to the cell's centre
- * (both times area), areas, albedos, the area of two-sided surfels, and emission.
+ * Fragments whose normal is within 60 degrees of the seed's join the first facet, others the
+ * second. Slots hold sums until octree_finish.comp: of normals, centroids relative to the cell's
+ * centre (both times area), areas, albedos, the area of two-sided surfels, and emission.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -24,10 +24,10 @@ layout(binding = 7) uniform samplerBuffer surfel_emission;
 layout(binding = 8) uniform samplerBuffer surfel_bend;
 layout(binding = 9) buffer Fragments { uint fragment_surfel[]; };
 layout(binding = 10) buffer Seeds { uvec4 seed[]; }; /* this and all below: windowed */
-layout(binding = 11) buffer Planes { vec4 lobe_plane[]; };
-layout(binding = 12) buffer Centres { vec4 lobe_centre[]; };
-layout(binding = 13) buffer Albedos { vec4 lobe_albedo[]; };
-layout(binding = 14) buffer Emissions { vec4 lobe_emission[]; };
+layout(binding = 11) buffer Planes { vec4 facet_plane[]; };
+layout(binding = 12) buffer Centres { vec4 facet_centre[]; };
+layout(binding = 13) buffer Albedos { vec4 facet_albedo[]; };
+layout(binding = 14) buffer Emissions { vec4 facet_emission[]; };
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
@@ -83,17 +83,17 @@ void main()
 				emission[k] += share[k] * texelFetch(surfel_emission, s).xyz;
 		}
 		if (second) {
-			fragment_surfel[i] = word | GW_FRAGMENT_LOBE;
+			fragment_surfel[i] = word | GW_FRAGMENT_FACET;
 			if (start.z == 0u)
 				start.z = i + 1u;
 		}
 	}
 	seed[local].z = start.z;
 	for (uint k = 0u; k < 2u; k++) {
-		lobe_plane[2u * local + k] += plane[k];
-		lobe_centre[2u * local + k] += centre[k];
-		lobe_albedo[2u * local + k] += albedo[k];
+		facet_plane[2u * local + k] += plane[k];
+		facet_centre[2u * local + k] += centre[k];
+		facet_albedo[2u * local + k] += albedo[k];
 		if (push.emissive != 0u)
-			lobe_emission[2u * local + k] += vec4(emission[k], 0.0);
+			facet_emission[2u * local + k] += vec4(emission[k], 0.0);
 	}
 }

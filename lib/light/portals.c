@@ -1,12 +1,12 @@
 /*
- * openings.c - see openings.h.
+ * portals.c - see portals.h.
  *
  * The octree's cube is cut into a grid of cells. Rays that left the scene count in every cell on
- * their way; then each votes for the cell that most others passed, too. In an opening the rays of
- * all records come together, so cells with many votes are the openings. How fine a grid and how
+ * their way; then each votes for the cell that most others passed, too. In a portal the rays of
+ * all records come together, so cells with many votes are the portals. How fine a grid and how
  * many of its cells is decided by the noise that they leave, see noise_with.
  */
-#include "light/openings.h"
+#include "light/portals.h"
 
 #include "light/gather_rays.h"
 #include "base/memory.h"
@@ -28,7 +28,7 @@
 #define RAYS_MOST 16384u
 #define RAYS_LEAST 64u
 
-/* Openings are worth their samples where they leave less than this share of the mean square noise:
+/* Portals are worth their samples where they leave less than this share of the mean square noise:
  * as many more rays would leave about three quarters. */
 #define WORTH 0.6
 
@@ -80,22 +80,22 @@ static void clear_list(ray_list *list)
 }
 
 /* How many rays of a record left the scene. */
-static uint32_t count_escaped(const uint32_t *lobe, uint32_t rays)
+static uint32_t count_escaped(const uint32_t *facet, uint32_t rays)
 {
 	uint32_t escaped = 0;
 	for (uint32_t k = 0; k < rays; k++)
-		escaped += lobe[k] == GW_NONE;
+		escaped += facet[k] == GW_NONE;
 	return escaped;
 }
 
 /* Fills both lists with every n-th of the rays, so that there are RAYS_MOST at most. */
-static void fill_lists(finder *f, const uint32_t *lobe, uint64_t sky, uint64_t any)
+static void fill_lists(finder *f, const uint32_t *facet, uint64_t sky, uint64_t any)
 {
 	uint32_t rays = f->gather->rays;
 	uint64_t sky_step = (sky + RAYS_MOST - 1) / RAYS_MOST, sky_seen = 0;
 	uint64_t any_step = (any + RAYS_MOST - 1) / RAYS_MOST, any_seen = 0;
 	for (size_t i = 0; i < f->records->count; i++) {
-		const uint32_t *own = lobe + i * rays;
+		const uint32_t *own = facet + i * rays;
 		if (count_escaped(own, rays) * NARROW >= rays)
 			continue;
 		for (uint32_t k = 0; k < rays; k++) {
@@ -109,12 +109,12 @@ static void fill_lists(finder *f, const uint32_t *lobe, uint64_t sky, uint64_t a
 }
 
 /* Lists rays of records that see little of the sky; none where the scene is open. */
-static gw_status list_rays(finder *f, const uint32_t *lobe, float *share, gw_error *error)
+static gw_status list_rays(finder *f, const uint32_t *facet, float *share, gw_error *error)
 {
 	uint64_t rays = f->gather->rays, all = rays * f->records->count;
 	uint64_t escaped = 0, sky = 0, any = 0;
 	for (size_t i = 0; i < f->records->count; i++) {
-		uint64_t own = count_escaped(lobe + i * rays, f->gather->rays);
+		uint64_t own = count_escaped(facet + i * rays, f->gather->rays);
 		bool narrow = own * NARROW < rays;
 		escaped += own;
 		sky += narrow ? own : 0;
@@ -126,8 +126,8 @@ static gw_status list_rays(finder *f, const uint32_t *lobe, float *share, gw_err
 	f->seen = (double)sky / (double)any;
 	if (!make_list(&f->sky, sky < RAYS_MOST ? sky : RAYS_MOST) ||
 		!make_list(&f->any, any < RAYS_MOST ? any : RAYS_MOST))
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to look for openings to the sky");
-	fill_lists(f, lobe, sky, any);
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to look for portals");
+	fill_lists(f, facet, sky, any);
 	return GW_OK;
 }
 
@@ -212,7 +212,7 @@ static int by_votes(const void *a, const void *b)
 }
 
 /* The cells with the most votes, in f->best; returns how many, at most as many as there may be
- * openings. The cell in which a ray starts is
+ * portals. The cell in which a ray starts is
  * left out: there all rays of a record come together. */
 static uint32_t elect_cells(finder *f, int32_t side, float width)
 {
@@ -239,7 +239,7 @@ static uint32_t elect_cells(finder *f, int32_t side, float width)
 		if (f->votes[i] > 0)
 			f->best[count++] = (cell_votes){ i, f->votes[i] };
 	qsort(f->best, count, sizeof *f->best, by_votes);
-	return count < GW_OPENINGS_MOST ? count : GW_OPENINGS_MOST;
+	return count < GW_PORTALS_MOST ? count : GW_PORTALS_MOST;
 }
 
 /* -------------------------------------------------------------------------------- the spheres */
@@ -277,7 +277,7 @@ static double noise_with(const finder *f)
 	double a = (double)f->any.covered_count / (f->any.count / 2);
 	double rays = (double)f->gather->rays * f->seen;
 	double through = fmin(c * f->seen / fmax(a, 1e-9), 1.0);
-	return (1.0 - c) / rays + (c > 0.0 ? c * c / (GW_OPENING_SAMPLES * through) : 0.0);
+	return (1.0 - c) / rays + (c > 0.0 ? c * c / (GW_PORTAL_SAMPLES * through) : 0.0);
 }
 
 static void uncover(ray_list *list)
@@ -316,7 +316,7 @@ static double choose_spheres(finder *f, uint32_t level, float *sphere, uint32_t 
 /* The spheres of the grid that leaves the least noise, if that is worth it. */
 static gw_status find_spheres(finder *f, float *sphere, uint32_t *count, gw_error *error)
 {
-	float own[4 * GW_OPENINGS_MOST];
+	float own[4 * GW_PORTALS_MOST];
 	uint32_t finest = f->octree->depth < LEVEL_FINEST ? f->octree->depth : LEVEL_FINEST;
 	uint32_t cells = 1u << 3 * finest, found;
 	double least = WORTH / ((double)f->gather->rays * f->seen);
@@ -336,33 +336,32 @@ static gw_status find_spheres(finder *f, float *sphere, uint32_t *count, gw_erro
 	return GW_OK;
 }
 
-static gw_status keep_spheres(gw_gpu *gpu, const float *sphere, uint32_t count,
-							  gw_openings *openings, gw_error *error)
+static gw_status keep_spheres(gw_gpu *gpu, const float *sphere, uint32_t count, gw_portals *portals,
+							  gw_error *error)
 {
-	openings->count = count;
+	portals->count = count;
 	if (count == 0)
 		return GW_OK;
-	gw_status status =
-		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * count,
-						 "openings to the sky", &openings->sphere, error);
-	return status == GW_OK ? gw_buffer_upload(gpu, &openings->sphere, 0, sphere, 16 * count, error)
+	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+										16 * count, "portals", &portals->sphere, error);
+	return status == GW_OK ? gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error)
 						   : status;
 }
 
-gw_status gw_openings_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						   const gw_ray_gather *gather, gw_openings *openings, gw_error *error)
+gw_status gw_portals_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
+						  const gw_ray_gather *gather, gw_portals *portals, gw_error *error)
 {
 	finder f = { .passes = passes, .octree = octree, .records = records, .gather = gather };
-	float sphere[4 * GW_OPENINGS_MOST];
+	float sphere[4 * GW_PORTALS_MOST];
 	uint32_t count = 0;
 	gw_view hits = { 0 };
-	*openings = (gw_openings){ .looked = 1 };
+	*portals = (gw_portals){ .looked = 1 };
 	if (records->count == 0)
 		return GW_OK;
-	gw_status status = gw_view_open(passes->gpu, &gather->lobe,
+	gw_status status = gw_view_open(passes->gpu, &gather->facet,
 									4 * (uint64_t)gather->rays * records->count, &hits, error);
 	if (status == GW_OK)
-		status = list_rays(&f, hits.bytes, &openings->escaped, error);
+		status = list_rays(&f, hits.bytes, &portals->escaped, error);
 	gw_view_close(&hits);
 	if (status == GW_OK && f.sky.count > 0)
 		status = fetch_lines(&f, &f.sky, error);
@@ -371,19 +370,19 @@ gw_status gw_openings_find(gw_passes *passes, const gw_octree *octree, const gw_
 	if (status == GW_OK && f.sky.count > 0)
 		status = find_spheres(&f, sphere, &count, error);
 	if (status == GW_OK)
-		status = keep_spheres(passes->gpu, sphere, count, openings, error);
+		status = keep_spheres(passes->gpu, sphere, count, portals, error);
 	clear_list(&f.sky);
 	clear_list(&f.any);
 	free(f.passing);
 	free(f.votes);
 	free(f.best);
 	if (status != GW_OK)
-		gw_openings_destroy(passes->gpu, openings);
+		gw_portals_destroy(passes->gpu, portals);
 	return status;
 }
 
-void gw_openings_destroy(gw_gpu *gpu, gw_openings *openings)
+void gw_portals_destroy(gw_gpu *gpu, gw_portals *portals)
 {
-	gw_buffer_destroy(gpu, &openings->sphere);
-	*openings = (gw_openings){ 0 };
+	gw_buffer_destroy(gpu, &portals->sphere);
+	*portals = (gw_portals){ 0 };
 }

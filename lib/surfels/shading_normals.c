@@ -1,7 +1,7 @@
 /*
- * lamp_normals.c - see lamp_normals.h.
+ * shading_normals.c - see shading_normals.h.
  */
-#include "surfels/lamp_normals.h"
+#include "surfels/shading_normals.h"
 
 #include "base/memory.h"
 
@@ -174,9 +174,9 @@ static void mix_region(const lamp_step *step, const float *smooth, const float *
 	}
 }
 
-gw_status gw_lamp_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
-							   const float *own, const float *noise, float *spare, float *off,
-							   gw_error *error)
+gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
+								  const float *own, const float *noise, float *spare, float *off,
+								  gw_error *error)
 {
 	size_t n = surfels->count;
 	float *second = gw_allocate_array(n, 3 * sizeof *second);

@@ -1,5 +1,5 @@
 /*
- * record_openings.comp - which of the samples that a record takes of the openings to the sky leave
+ * record_portals.comp - which of the samples that a record takes of the portals leave
  * the scene: a bit each. Like hits they serve every sky.
  */
 #version 460
@@ -12,11 +12,11 @@ layout(local_size_x_id = 0) in;
 layout(binding = 0) uniform usamplerBuffer ray_directory;
 layout(binding = 1) uniform usamplerBuffer node;
 layout(binding = 2) uniform usamplerBuffer leaf_tile;
-layout(binding = 3) uniform samplerBuffer lobe_plane;
-layout(binding = 4) uniform samplerBuffer lobe_centre;
+layout(binding = 3) uniform samplerBuffer facet_plane;
+layout(binding = 4) uniform samplerBuffer facet_centre;
 layout(binding = 5) uniform samplerBuffer record_position;
 layout(binding = 6) uniform samplerBuffer record_normal;
-layout(binding = 7) uniform samplerBuffer opening;
+layout(binding = 7) uniform samplerBuffer portal;
 layout(binding = 8) writeonly buffer Through
 {
 	uint sky_seen[];
@@ -35,7 +35,7 @@ layout(push_constant) uniform Push
 
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
-#include "light/openings.glsl"
+#include "light/portals.glsl"
 
 void main()
 {
@@ -45,13 +45,13 @@ void main()
 	int record = int(push.first + i);
 	vec3 g = texelFetch(record_position, record).xyz;
 	vec3 normal = texelFetch(record_normal, record).xyz;
-	float total = openings_weight(g, normal), passed = 0.0;
-	uint own = openings_random(g), seen = 0u;
+	float total = portals_weight(g, normal), passed = 0.0;
+	uint own = portals_random(g), seen = 0u;
 	int j = 0;
-	for (uint m = 0u; m < GW_OPENING_SAMPLES && total > 0.0; m++) {
-		vec3 direction = openings_direction(g, normal, m, total, own, j, passed);
+	for (uint m = 0u; m < GW_PORTAL_SAMPLES && total > 0.0; m++) {
+		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
 		Ray ray = { g, direction, normal, g, GW_FAR, false };
-		if (dot(direction, normal) > 0.0 && trace(ray).lobe == GW_NONE)
+		if (dot(direction, normal) > 0.0 && trace(ray).facet == GW_NONE)
 			seen |= 1u << m;
 	}
 	sky_seen[i] = seen;

@@ -1,5 +1,5 @@
 /*
- * lobe_direct.comp - irradiance of each lobe from point, spot and sun lights: the area-weighted
+ * facet_direct.comp - irradiance of each facet from point, spot and sun lights: the area-weighted
  * mean over the surfels that lie in it. Of leaves with very many fragments every n-th counts, so
  * that no invocation loops long.
  */
@@ -10,7 +10,7 @@ TEXELS(0, uint, leaf_fragment);
 TEXELS(1, uint, fragment_surfel);
 TEXELS(2, float, fragment_weight);
 TEXELS(3, vec4, surfel_irradiance);
-BUFFER(4, writeonly, vec4, lobe_direct);
+BUFFER(4, writeonly, vec4, facet_direct);
 PUSH(gw_record_push);
 
 #define FRAGMENTS 1024u
@@ -34,5 +34,5 @@ void main()
 		sum += weight * vec3a(texelFetch(surfel_irradiance, int(surfel & 0x3fffffffu)));
 		area += weight;
 	}
-	lobe_direct[i] = vec4(area > 0.0f ? vec3(sum / area) : vec3(0.0f), 0.0f);
+	facet_direct[i] = vec4(area > 0.0f ? vec3(sum / area) : vec3(0.0f), 0.0f);
 }
