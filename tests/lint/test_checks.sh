@@ -11,6 +11,7 @@ make_tree() {
 	rm -rf "$scratch/tree"
 	mkdir -p "$scratch"/tree/{lib,formats,cli,shaders,tests/cli,build}
 	cd "$scratch/tree" || exit 70
+	cp "$here/../../.clang-format" .
 	printf 'int gw_one(void);\n' >lib/one.h
 	printf '#include "one.h"\n\n/* exit(1) */\nint gw_one(void)\n{\n\treturn 1;\n}\n' >lib/one.c
 	printf '# lib\n- `one.h` `one.c` one\n' >lib/README.md
@@ -79,7 +80,7 @@ expect_fault() { # check words command...
 
 make_tree
 build_library
-for check in readme layers style symbols scripts banned analysis; do
+for check in readme layers style format symbols scripts banned analysis; do
 	expect_clean "$check"
 done
 build_program '' ''
@@ -115,6 +116,8 @@ expect_fault style 'upper case' 'echo "int x;" >lib/Three.h'
 expect_fault style 'odd characters' 'echo "int x;" >"lib/a b.h"'
 expect_fault style 'a function of 103 lines' \
 	'{ echo "void f(void)"; echo "{"; yes "	;" | head -n 101; echo "}"; } >>lib/one.c'
+
+expect_fault format 'lib/one.c:8' 'echo "int  two(void);" >>lib/one.c'
 
 expect_fault symbols 'two: a global' 'echo "int two(void) { return 2; }" >>lib/one.c'
 expect_fault symbols 'no function' 'echo "static int x;" >lib/one.c'
