@@ -157,7 +157,10 @@ for item in "$@"; do
 	interop) run_cli "$build" tests/interop/*.sh ;;
 	torture) run_torture "$build" ;;
 	lint) run_lint "$build" tests/lint/check_*.sh tests/lint/test_*.sh ;;
-	style) run_lint "$build" tests/lint/check_{banned,format,layers,readme,scripts,style,symbols}.sh ;;
+	style)
+		run_lint "$build" \
+			tests/lint/check_{banned,format,layers,readme,scripts,style,symbols}.sh
+		;;
 	*)
 		echo "tests/suite.sh: there is no group $group" >&2
 		exit 2

@@ -167,8 +167,7 @@ gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_t
 
 static gw_status damaged(const gw_transport *t, const char *what, gw_error *error)
 {
-	return gw_fail(error, GW_ERROR_DATA, "%s: %s; make it again with --save-transport", t->name,
-				   what);
+	return gw_fail(error, GW_ERROR_DATA, "%s: %s; save it again", t->name, what);
 }
 
 static gw_status read_head(const gw_transport *t, head *h, gw_error *error)
@@ -201,9 +200,8 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 	if (what == NULL)
 		return GW_OK;
 	return gw_fail(error, GW_ERROR_DATA,
-				   "%s: this transport belongs to a cloud with %s; make one for this cloud with "
-				   "--save-transport",
-				   t->name, what);
+				   "%s: this transport belongs to a cloud with %s; save one of this cloud", t->name,
+				   what);
 }
 
 static gw_status check_settings(const gw_transport *t, const head *h, const gw_bake_options *o,
@@ -211,25 +209,26 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 {
 	const fixed_settings own = settle(o), *kept = &h->settings;
 	const struct {
-		const char *option;
+		const char *name;
 		double kept, own;
 	} rows[] = {
-		{ "--depth", kept->depth, own.depth },
-		{ "--leaf-spacing", kept->leaf_spacing, own.leaf_spacing },
-		{ "--rays", kept->rays, own.rays },
-		{ "--record-spacing", kept->record_spacing, own.record_spacing },
-		{ "--seed", kept->seed, own.seed },
+		{ "depth", kept->depth, own.depth },
+		{ "leaf spacing", kept->leaf_spacing, own.leaf_spacing },
+		{ "number of rays", kept->rays, own.rays },
+		{ "record spacing", kept->record_spacing, own.record_spacing },
+		{ "seed", kept->seed, own.seed },
 	};
 	if (kept->method != own.method)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "%s: this transport was made with another --method than this bake has",
+					   "%s: this transport was made with another method than this bake has",
 					   t->name);
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		if (rows[i].kept != rows[i].own)
-			return gw_fail(error, GW_ERROR_USAGE,
-						   "%s: this transport was made with %s %g and this bake has %g; they have "
-						   "to be the same (0 stands for auto)",
-						   t->name, rows[i].option, rows[i].kept, rows[i].own);
+			return gw_fail(
+				error, GW_ERROR_USAGE,
+				"%s: the %s of this transport is %g and that of this bake %g; they have to be "
+				"the same (0 stands for auto)",
+				t->name, rows[i].name, rows[i].kept, rows[i].own);
 	return GW_OK;
 }
 

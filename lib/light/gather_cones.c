@@ -27,7 +27,7 @@ static gw_status lay_out(gw_gpu *gpu, uint64_t bricks, uint32_t row[2], uint32_t
 	if (layers * 6 > largest)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "%llu bricks do not fit into the device's 3D images (%llu at most); use a "
-					   "smaller --depth or --method rays",
+					   "smaller depth or gather by rays",
 					   (unsigned long long)bricks,
 					   (unsigned long long)(largest / 6 * largest * largest));
 	row[0] = row[1] = (uint32_t)side;

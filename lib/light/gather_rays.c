@@ -14,11 +14,10 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 	*gather = (gw_ray_gather){ .rays = rays, .seed = seed };
 	uint64_t count = (uint64_t)rays * records->count;
 	if (count > UINT32_MAX)
-		return gw_fail(
-			error, GW_ERROR_MEMORY,
-			"%u records with %u rays each are more than 2^32 rays; use fewer --rays or a "
-			"larger --record-spacing",
-			records->count, rays);
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "%u records with %u rays each are more than 2^32 rays; use fewer rays or a "
+					   "larger record spacing",
+					   records->count, rays);
 	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
 										"hit facet", &gather->facet, error);
 	if (status == GW_OK)

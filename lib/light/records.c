@@ -154,7 +154,7 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const
 		!sort_by_block(block, records->count, records->block_count, first, sorted))
 		status = gw_fail(error, GW_ERROR_INTERNAL,
 						 "the device found no place in the octree for some of %u records; update "
-						 "its driver or choose another with --device",
+						 "its driver or choose another device",
 						 records->count);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &records->block_first, 0, first,

@@ -1,6 +1,7 @@
 /* measure.c - what a cloud looks like before it is baked; see gw_measure in glowworm.h. */
 #include "octree/octree.h"
 #include "surfels/surfel_steps.h"
+#include "base/nth_element.h"
 
 #include <math.h>
 #include <stdlib.h>

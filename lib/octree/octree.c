@@ -68,13 +68,13 @@ static gw_status fail_fragments(gw_octree_work *work, uint64_t fragments, gw_err
 		if (fragments_fit(work, fewer))
 			return gw_fail(error, GW_ERROR_MEMORY,
 						   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at "
-						   "most %u: use --depth %u or fewer points",
+						   "most %u: use a depth of %u or fewer points",
 						   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
 						   gw_gpu_limits(work->gpu)->maxStorageBufferRange, fitting);
 	}
 	return gw_fail(error, GW_ERROR_MEMORY,
 				   "an octree of depth %u needs a list of %llu bytes, but \"%s\" binds at most %u: "
-				   "use fewer points; no --depth is small enough",
+				   "use fewer points; no depth is small enough",
 				   depth, 4 * (unsigned long long)fragments, gw_gpu_device(work->gpu)->name,
 				   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 }

@@ -119,7 +119,7 @@ static gw_status upload(gw_octree_work *work, const gw_fragment_list *list, gw_e
 		list->count > gw_gpu_limits(work->gpu)->maxTexelBufferElements)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "a frame's octree needs a list of %llu bytes, but \"%s\" binds at most %u: "
-					   "use a larger --leaf-spacing, a smaller --depth or fewer points",
+					   "use a larger leaf spacing, a smaller depth or fewer points",
 					   (unsigned long long)bytes, gw_gpu_device(work->gpu)->name,
 					   gw_gpu_limits(work->gpu)->maxStorageBufferRange);
 	work->keys = (gw_sort_list){ .count = list->count, .wide = gw_octree_is_wide(work) };

@@ -140,7 +140,7 @@ static gw_status make_levels(gw_octree_work *work, gw_error *error)
 	if (tiles > UINT32_MAX / 8)
 		return gw_fail(error, GW_ERROR_MEMORY,
 					   "%llu tiles are more than can be addressed: use a "
-					   "smaller --depth than %u",
+					   "smaller depth than %u",
 					   (unsigned long long)tiles, octree->depth);
 	return GW_OK;
 }

@@ -62,9 +62,10 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 	normalize(upright);
 	cross(c.forward, upright, c.right);
 	if (!(normalize(c.right) > PARALLEL))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the camera looks straight along the up axis, so that no side of the "
-					   "picture is up; move 'at' or 'to' a little, or choose another --up");
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"the camera looks straight along the up axis, so that no side of the "
+			"picture is up; move 'at' or 'to' a little, or choose another axis to be up");
 	cross(c.right, c.forward, c.up);
 	*camera = c;
 	return GW_OK;

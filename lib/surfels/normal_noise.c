@@ -11,11 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAME_SURFACE 0.6 /* least cosine between normals */
-#define NEAR_RANKS 2u    /* of the nearest neighbours, the first so many are near, */
-#define FAR_RANK 5u      /* and this one, counted from 0, is far */
-#define APART 4.0        /* least ratio of the means of both distributions */
-#define ROUNDS 32        /* of expectation maximisation */
+#define NEAR_RANKS 2u /* of the nearest neighbours, the first so many are near, */
+#define FAR_RANK 5u   /* and this one, counted from 0, is far */
+#define APART 4.0     /* least ratio of the means of both distributions */
+#define ROUNDS 32     /* of expectation maximisation */
 
 /* Differences are counted in bins of an eighth of an octave: the first bits of the float. */
 #define BIN_SHIFT 20u
@@ -48,7 +47,7 @@ double gw_normal_difference(const gw_surfels *s, size_t surfel, size_t other, do
 		double d = (double)n[k] - *sign * (double)m[k];
 		squared += d * d;
 	}
-	return *sign * cosine > SAME_SURFACE ? squared : NAN;
+	return *sign * cosine > GW_SAME_SURFACE ? squared : NAN;
 }
 
 static void compare_normals(void *user, size_t surfel, const gw_neighbour_list *list)

@@ -2,6 +2,7 @@
 #include "surfels/normal_orientation.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@
  * A surface that ends at a crease counts as going on behind it as its mirror image does. A boundary
  * is believed only where several surfels see one, and lies where they see it on average.
  */
-#include "surfels/surfel_plane.h"
+#include "surfels/surfel_crease.h"
 
 #include "base/memory.h"
 

@@ -2,6 +2,7 @@
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 
 #include <float.h>
 #include <math.h>

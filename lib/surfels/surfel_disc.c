@@ -11,19 +11,17 @@
 #include "surfels/surfel_plane.h"
 
 #include "base/memory.h"
+#include "surfels/surfel_crease.h"
+#include "base/nth_element.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define DISC_RANK 8      /* the disc reaches to this neighbour on the surface */
-#define SAME_SURFACE 0.6 /* least cosine between normals */
-#define VOID_STEP 0.75   /* how far behind an edge the surface is looked for, of the reach */
-#define VOID_WIDTH 1.8   /* most width of a void, of the reach */
+#define DISC_RANK 8    /* the disc reaches to this neighbour on the surface */
+#define VOID_STEP 0.75 /* how far behind an edge the surface is looked for, of the reach */
 #define VOID_SLOPE 0.7
-#define CREASE_VOTES 3       /* neighbours that have to agree on a crease */
-#define CREASE_DOUBT 0.1     /* by how much a point may lie on the wrong side, of the reach */
 #define LONE_RADIUS 0.01f    /* metres, of a scene that is one point */
 #define STRAY_SEEN 4         /* neighbours that tell */
 #define STRAY_CONE 0.95      /* least share of their length that their offsets have in common */
@@ -46,12 +44,6 @@ static const double open_extent[GW_NEIGHBOURS + 1] = {
 	0, 0, 0, 0, 0.15, 0.15, 0.15, 0.15, 0.16, 0.22, 0.27, 0.31, 0.34, 0.37, 0.40, 0.43, 0.45,
 };
 
-/* Where the surfel's plane meets other surfaces: one line a neighbour on such a surface. */
-typedef struct crease_lines {
-	gw_half_plane line[GW_NEIGHBOURS];
-	uint32_t count;
-} crease_lines;
-
 typedef struct disc_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
@@ -61,44 +53,6 @@ typedef struct disc_step {
 	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
-
-/*
- * The line in the surfel's plane where that of a neighbour on another surface crosses it. In a
- * concave crease each point lies in front of the other's plane, in a convex one behind it; where
- * the two disagree by more than doubt allows, the surfaces do not meet there.
- */
-static bool find_crease(const gw_surfels *s, size_t surfel, size_t other, double reach,
-						gw_half_plane *line)
-{
-	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
-	float t[3], b[3];
-	double cosine = 0, x = 0, y = 0, ahead = 0, facing = 0;
-	gw_tangent_frame(n, t, b);
-	for (size_t k = 0; k < 3; k++) {
-		double d = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
-		cosine += (double)(n[k] * m[k]);
-		x += (double)(m[k] * t[k]);
-		y += (double)(m[k] * b[k]);
-		ahead += (double)n[k] * d;
-		facing -= (double)m[k] * d;
-	}
-	if (fabs(cosine) > SAME_SURFACE || s->two_sided[surfel] || s->two_sided[other])
-		return false;
-	double side = ahead + facing < 0 ? -1 : 1, slope = sqrt(x * x + y * y);
-	if (fmin(side * ahead, side * facing) < -CREASE_DOUBT * reach)
-		return false;
-	*line = (gw_half_plane){ -side * x / slope, -side * y / slope, fmax(side * facing, 0) / slope };
-	return line->offset < reach;
-}
-
-static void find_creases(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-						 double reach, crease_lines *creases)
-{
-	creases->count = 0;
-	for (uint32_t j = 0; j < list->count; j++)
-		creases->count +=
-			find_crease(s, surfel, list->index[j], reach, creases->line + creases->count);
-}
 
 /* What a neighbour's height is made of: its products with a bend are the bent disc's height. */
 static void bend_terms(const gw_flat_point *p, double reach, double term[3])
@@ -165,9 +119,8 @@ static void fit_bend(const gw_flat_point *kept, uint32_t count, double radius, f
 	double signal = (unexplained(kept, count, none) - left) / 3, noise = left / (count - 3);
 	if (!(signal > noise))
 		return;
-	double edge_slope_reach =
-		hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
-	double share = fmin(1 - noise / signal, BEND_MOST / edge_slope_reach);
+	double slope = hypot(hypot(found[0], found[2]), sqrt(2) * found[1]) * radius / reach / reach;
+	double share = fmin(1 - noise / signal, BEND_MOST / slope);
 	for (int k = 0; k < 3; k++)
 		bend[k] = (float)(share * found[k] / reach / reach);
 }
@@ -180,44 +133,6 @@ static void fit_bend(const gw_flat_point *kept, uint32_t count, double radius, f
 static double edge_margin(const gw_flat_point *kept, double reach)
 {
 	return fmin(fmax(0.5 * kept[0].distance, 0.06 * reach), 0.25 * reach);
-}
-
-/* The mean of the lines that agree with the nearest one, which are then taken off the list. */
-static uint32_t merge_lines(crease_lines *creases, double reach, gw_half_plane *mean)
-{
-	uint32_t left = 0, votes = 0;
-	gw_half_plane nearest = creases->line[0];
-	*mean = (gw_half_plane){ 0, 0, 0 };
-	for (uint32_t j = 1; j < creases->count; j++)
-		if (creases->line[j].offset < nearest.offset)
-			nearest = creases->line[j];
-	for (uint32_t j = 0; j < creases->count; j++) {
-		gw_half_plane line = creases->line[j];
-		if (gw_distance_along(&nearest, line.x, line.y) < 0.7 ||
-			line.offset - nearest.offset > 0.35 * reach) {
-			creases->line[left++] = line;
-			continue;
-		}
-		votes++;
-		mean->x += line.x;
-		mean->y += line.y;
-		mean->offset += line.offset;
-	}
-	creases->count = left;
-	double length = hypot(mean->x, mean->y);
-	*mean = (gw_half_plane){ mean->x / length, mean->y / length, mean->offset / votes };
-	return votes;
-}
-
-/* At most two creases, the nearest ones on which enough neighbours agree. */
-static uint32_t take_creases(crease_lines *creases, double reach, gw_half_plane edge[2])
-{
-	uint32_t found = 0;
-	while (creases->count > 0 && found < 2) {
-		if (merge_lines(creases, reach, edge + found) >= CREASE_VOTES)
-			found++;
-	}
-	return found;
 }
 
 /* Do the surface's points lie all around a place in the surfel's plane? */
@@ -247,24 +162,9 @@ static bool goes_on(const disc_step *step, size_t surfel, const gw_neighbour_lis
 	for (uint32_t j = 0; j < count; j++) {
 		double ahead = gw_distance_along(edge, flat[j].x, flat[j].y);
 		double beside = fabs(edge->x * flat[j].y - edge->y * flat[j].x);
-		if (ahead > edge->offset && ahead <= VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
+		if (ahead > edge->offset && ahead <= GW_VOID_WIDTH * reach && beside <= VOID_SLOPE * ahead)
 			return is_surrounded(step, surfel, 0.5 * flat[j].x, 0.5 * flat[j].y);
 	}
-	return false;
-}
-
-bool gw_plane_meets_crease(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-						   gw_half_plane *edge, double reach)
-{
-	crease_lines creases;
-	gw_half_plane line;
-	find_creases(s, surfel, list, VOID_WIDTH * reach, &creases);
-	while (creases.count > 0)
-		if (merge_lines(&creases, reach, &line) >= CREASE_VOTES &&
-			gw_distance_along(edge, line.x, line.y) > 0.7 && line.offset > edge->offset) {
-			*edge = line;
-			return true;
-		}
 	return false;
 }
 
@@ -383,9 +283,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	 * there it closes the gaps between them. */
 	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
 	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
-	crease_lines creases;
-	find_creases(s, surfel, list, reach, &creases);
-	uint32_t at_creases = take_creases(&creases, reach, edge);
+	uint32_t at_creases = gw_creases_find(s, surfel, list, reach, edge);
 	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
 	double area = step->rough_area ? pi * radius * radius / DISC_RANK
 								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);

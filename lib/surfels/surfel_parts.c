@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "surfels/surfel_steps.h"
+#include "base/nth_element.h"
 
 #include <assert.h>
 #include <math.h>

@@ -4,10 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#define SAME_SURFACE 0.6 /* least cosine between normals */
-#define SLAB 0.35        /* half thickness of the plane, in distances of the furthest neighbour */
-#define SLAB_MAX 0.8     /* the same with noise */
-#define FIT_SLAB 0.6     /* half thickness within which noise is measured */
+#define SLAB 0.35    /* half thickness of the plane, in distances of the furthest neighbour */
+#define SLAB_MAX 0.8 /* the same with noise */
+#define FIT_SLAB 0.6 /* half thickness within which noise is measured */
 /* Cells end at this share of the distance of the furthest neighbour. A corner further out than half
  * of it may be nearer to a point that is no neighbour: without this limit cells of random points
  * overlap by 0.6 % of their area, and all that emits is as much too bright. With it they add up to
@@ -47,7 +46,7 @@ uint32_t gw_plane_flatten(const gw_surfels *s, size_t surfel, const gw_neighbour
 		double cosine = (double)(n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
 		if (s->two_sided[surfel] || s->two_sided[other])
 			cosine = fabs(cosine);
-		if (!(cosine > SAME_SURFACE))
+		if (!(cosine > GW_SAME_SURFACE))
 			continue;
 		gw_flat_point p = { .index = list->index[j] };
 		for (size_t k = 0; k < 3; k++) {

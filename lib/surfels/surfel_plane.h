@@ -71,15 +71,6 @@ double gw_plane_cell_area(const gw_flat_point *kept, uint32_t count, double radi
 /* Noise, of the reach of the neighbours, up to which planes tell where their crease is. */
 #define GW_CREASE_NOISE 0.02
 
-/*
- * Does the surface end where it meets another one behind a void?
- *   list    what lies around the void
- *   edge    beyond which there are no points of the surface; receives the crease if there is one
- *   reach   of the surfel's neighbours on the surface, metres
- */
-bool gw_plane_meets_crease(const gw_surfels *surfels, size_t surfel, const gw_neighbour_list *list,
-						   gw_half_plane *edge, double reach);
-
 /* Makes up to two half-planes the surfel's clips, in place of those it has. */
 void gw_plane_store_clips(gw_surfels *surfels, size_t surfel, const gw_half_plane *edge,
 						  uint32_t edges);

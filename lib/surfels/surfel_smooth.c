@@ -11,11 +11,11 @@
  */
 #include "surfels/shading_normals.h"
 #include "base/memory.h"
+#include "base/nth_element.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-#define SAME_SURFACE 0.6 /* least cosine between normals */
 #define NOISE_RANK 6     /* of so many nearest neighbours, the median height tells the noise */
 #define NOISE_SHARE 0.75 /* that median of Gaussian noise, in standard deviations (measured) */
 #define NOISE_LEAST 0.05 /* spacings of noise up to which points stay where they are */
@@ -46,7 +46,7 @@ static double height_of(const smooth_step *step, size_t surfel, size_t other, do
 	for (size_t k = 0; k < 3; k++)
 		cosine += (double)n[k] * (double)m[k];
 	*sign = cosine < 0 && (two_sided[surfel] || two_sided[other]) ? -1 : 1;
-	if (!(*sign * cosine > SAME_SURFACE))
+	if (!(*sign * cosine > GW_SAME_SURFACE))
 		return NAN;
 	for (size_t k = 0; k < 3; k++) {
 		double d = (double)step->position[3 * other + k] - (double)step->position[3 * surfel + k];

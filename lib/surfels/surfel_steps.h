@@ -15,6 +15,9 @@
 
 #include "surfels/surfels.h"
 
+/* Least cosine between the normals of points on one surface. */
+#define GW_SAME_SURFACE 0.6
+
 /* Coordinates further than this from 0 count as not finite, metres: volumes still fit a float. */
 #define GW_COORDINATE_MAX 1e12
 
@@ -148,11 +151,5 @@ gw_status gw_boundaries_settle(gw_neighbours *search, gw_surfels *surfels, bool 
 /* gw_surfels_make that also gives the Euclidean gaps, for free(); gap may be NULL. */
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
 									gw_surfels *surfels, float **gap, gw_error *error);
-
-/*
- * Value of rank `rank` (0 is the smallest) among count non-negative floats, without sorting them.
- *   rank  below count
- */
-float gw_nth_element(const float *values, size_t count, size_t rank);
 
 #endif

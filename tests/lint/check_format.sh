@@ -7,7 +7,7 @@
 check_format() {
 	list_sources | grep -E '\.(c|h|cpp|hpp)$' | tr '\n' '\0' |
 		xargs -0r clang-format --dry-run 2>&1 |
-		sed -n 's|^\([^:]*:[0-9]*\):.*Wclang-format-violations.*|\1: not as clang-format lays it out|p'
+		sed -n '/Wclang-format-violations/s|^\([^:]*:[0-9]*\):.*|\1: not as clang-format has it|p'
 }
 
 complain < <(check_format)

@@ -3,6 +3,7 @@
 #include "surfels/normal_error.h"
 #include "estimate/shadow_error.h"
 #include "surfels/surfel_steps.h"
+#include "base/nth_element.h"
 
 #include <math.h>
 #include <setjmp.h>
