@@ -3,7 +3,10 @@
  * unit tests that plant faults and that forbid mapping.
  *
  *   gpu_instance.c   instance, validation messages, list and choice of devices
- *   gpu_device.c     opening and closing a device, submissions, results, account
+ *   gpu_result.c     what calls of Vulkan return, as sentences
+ *   gpu_limits.c     what a device has to have
+ *   gpu_commands.c   recording, submitting, waiting
+ *   gpu_device.c     opening and closing a device, its account
  *   gpu_memory.c     buffers, images, transfers
  *   gpu_pass.c       passes
  *   gpu_trial.c      trials of a device, for those who look for what is wrong

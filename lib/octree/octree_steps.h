@@ -1,5 +1,5 @@
 /*
- * octree_steps.h - the steps of building an octree, in the order of octree.c:
+ * octree_steps.h - the steps of building an octree, in the order of octree_build.c:
  *
  *   octree_fragments.c  surfels to the device; fragments, sorted by leaf
  *   octree_merge.c      fragments that are kept, merged with those of surfels that move

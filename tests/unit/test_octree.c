@@ -911,9 +911,9 @@ static void test_refusals(void **state)
 	/* A device that binds little: the sentence names a depth, and that depth is right. */
 	gpu->device.properties.limits.maxStorageBufferRange = 200000;
 	assert_int_equal(gw_octree_build(gpu, &s, 7, &octree, &error), GW_ERROR_MEMORY);
-	const char *advice = strstr(error.text, "--depth ");
+	const char *advice = strstr(error.text, "depth of ");
 	assert_non_null(advice);
-	uint32_t fitting = (uint32_t)strtoul(advice + 8, NULL, 10);
+	uint32_t fitting = (uint32_t)strtoul(advice + 9, NULL, 10);
 	assert_in_range(fitting, 1, 6);
 	assert_ok(gw_octree_build(gpu, &s, fitting, &octree, &error), &error);
 	assert_true(4 * (uint64_t)octree.fragment_count <= 200000);

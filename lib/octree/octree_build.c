@@ -1,5 +1,5 @@
 /*
- * octree.c - builds the octree from surfels; the steps are in octree_steps.h.
+ * octree_build.c - builds the octree from surfels; the steps are in octree_steps.h.
  */
 #include "octree/octree_steps.h"
 
@@ -9,21 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-gw_status gw_octree_buffer(gw_octree_work *work, VkFormat format, uint64_t bytes, const char *name,
-						   gw_buffer *buffer, gw_error *error)
-{
-	return gw_buffer_create(work->gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
-}
-
-gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, size_t count,
-							gw_error *error)
-{
-	for (size_t i = 0; i < count; i++)
-		GW_TRY(gw_octree_buffer(work, parts[i].format, parts[i].bytes, parts[i].name,
-								parts[i].buffer, error));
-	return GW_OK;
-}
 
 static double extent_of(const gw_surfels *surfels)
 {

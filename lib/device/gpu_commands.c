@@ -1,0 +1,145 @@
+/*
+ * gpu_commands.c - work for a device: whether it may go on, recording, submitting, waiting.
+ */
+#include "device/gpu_internal.h"
+#include "base/parallel.h"
+#include "glowworm_host.h"
+
+/* Between two looks at whether it waits in vain. */
+#define WAIT_NANOSECONDS UINT64_C(1000000000)
+
+const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu)
+{
+	return &gpu->device.properties.limits;
+}
+
+bool gw_gpu_stopped(gw_gpu *gpu)
+{
+	gpu->stopped = gpu->stopped || (gpu->cancelled != NULL && gpu->cancelled(gpu->user));
+	return gpu->stopped;
+}
+
+void gw_gpu_resume(gw_gpu *gpu)
+{
+	gpu->stopped = false;
+}
+
+gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
+{
+	if (gpu->lost)
+		return gw_fail(error, GW_ERROR_INTERNAL, "%s", gpu->lost_text);
+	if (gpu->stopped)
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped in the middle of the work");
+	gw_messages *messages = &gpu->messages;
+	if (messages->count > messages->reported) {
+		messages->reported = messages->count;
+		return gw_fail(error, GW_ERROR_INTERNAL, "Vulkan validation: %.900s", messages->latest);
+	}
+	return GW_OK;
+}
+
+void gw_gpu_name(gw_gpu *gpu, VkObjectType type, uint64_t handle, const char *name)
+{
+	if (gpu->instance.set_name == NULL)
+		return;
+	VkDebugUtilsObjectNameInfoEXT info = {
+		.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+		.objectType = type,
+		.objectHandle = handle,
+		.pObjectName = name,
+	};
+	/* A name that could not be set harms nothing. */
+	(void)gpu->instance.set_name(gpu->handle, &info);
+}
+
+static void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags before,
+						   VkPipelineStageFlags after)
+{
+	VkMemoryBarrier barrier = {
+		.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+		.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+		.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+	};
+	vkCmdPipelineBarrier(commands, before, after, 0, 1, &barrier, 0, NULL, 0, NULL);
+}
+
+/* The stages that work of ours runs in. */
+#define WORK_STAGES (VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT)
+
+gw_status gw_commands_begin(gw_gpu *gpu, gw_error *error)
+{
+	GW_TRY(gw_gpu_check(gpu, error));
+	GW_VULKAN(gpu, error, "commands", vkResetCommandPool(gpu->handle, gpu->pool, 0));
+	VkCommandBufferBeginInfo info = {
+		.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+		.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+	};
+	GW_VULKAN(gpu, error, "commands", vkBeginCommandBuffer(gpu->commands, &info));
+	if (gpu->timestamps != VK_NULL_HANDLE)
+		vkCmdResetQueryPool(gpu->commands, gpu->timestamps, 0, 2);
+	record_barrier(gpu->commands, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT, WORK_STAGES);
+	if (gpu->timestamps != VK_NULL_HANDLE)
+		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
+							0);
+	return GW_OK;
+}
+
+void gw_commands_barrier(gw_gpu *gpu)
+{
+	record_barrier(gpu->commands, WORK_STAGES, WORK_STAGES);
+}
+
+/* Seconds between the two timestamps, which may have wrapped once. */
+static double read_timestamps(gw_gpu *gpu, double fallback)
+{
+	uint64_t tick[2];
+	if (gpu->timestamps == VK_NULL_HANDLE ||
+		vkGetQueryPoolResults(gpu->handle, gpu->timestamps, 0, 2, sizeof tick, tick, sizeof tick[0],
+							  VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
+		return fallback;
+	uint32_t bits = gpu->device.timestamp_bits;
+	uint64_t mask = bits >= 64 ? UINT64_MAX : (UINT64_C(1) << bits) - 1;
+	return 1e-9 * (double)gw_gpu_limits(gpu)->timestampPeriod *
+		   (double)((tick[1] - tick[0]) & mask);
+}
+
+/* Waits until the device is done. Threads of a software driver may have failed to start after all:
+ * then it would wait for ever. */
+static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
+{
+	VkResult result;
+	while ((result = vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, WAIT_NANOSECONDS)) ==
+		   VK_TIMEOUT) {
+		gpu->stuck = gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
+					 gw_threads_startable(1) == 0;
+		if (gpu->stuck)
+			return gw_fail(error, GW_ERROR_MEMORY,
+						   "no thread can be started for \"%s\" on \"%s\": allow more (see ulimit "
+						   "-u), or more memory",
+						   what, gpu->device.info.name);
+	}
+	return result == VK_SUCCESS ? GW_OK
+								: gw_vulkan_fail(gpu, error, "vkWaitForFences", what, result);
+}
+
+gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
+{
+	if (gpu->timestamps != VK_NULL_HANDLE)
+		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
+							1);
+	record_barrier(gpu->commands, WORK_STAGES, WORK_STAGES | VK_PIPELINE_STAGE_HOST_BIT);
+	GW_VULKAN(gpu, error, what, vkEndCommandBuffer(gpu->commands));
+	VkSubmitInfo info = {
+		.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+		.commandBufferCount = 1,
+		.pCommandBuffers = &gpu->commands,
+	};
+	double start = gw_seconds();
+	GW_VULKAN(gpu, error, what, vkQueueSubmit(gpu->queue, 1, &info, gpu->fence));
+	GW_TRY(wait_for_device(gpu, what, error));
+	GW_VULKAN(gpu, error, what, vkResetFences(gpu->handle, 1, &gpu->fence));
+	double wall = gw_seconds() - start;
+	if (seconds != NULL)
+		*seconds = read_timestamps(gpu, wall);
+	return gw_gpu_check(gpu, error);
+}
