@@ -8,6 +8,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Any word is below this. */
@@ -59,6 +60,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
+	n.wanted_leaf_size = o->wanted_leaf_size;
+	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
 	memcpy(n.origin, s->origin, sizeof n.origin);
 	memcpy(n.minimum, s->minimum, sizeof n.minimum);
 	memcpy(n.maximum, s->maximum, sizeof n.maximum);
@@ -84,8 +87,9 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
-		   n->leaves <= INT32_MAX / 2 && (uint64_t)n->tiles * 8 < UINT32_MAX &&
-		   (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
+		   n->leaves <= INT32_MAX / 2 && isfinite(n->wanted_leaf_size) &&
+		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
+		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
 
 void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene)
@@ -100,6 +104,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 					   .given_area = n->given_area };
 	*o = (gw_octree){ .depth = n->depth,
 					  .leaf_size = n->leaf_size,
+					  .wanted_leaf_size = n->wanted_leaf_size,
 					  .directory_level = n->directory_level,
 					  .leaf_count = n->leaves,
 					  .leaf_tile_count = n->leaf_tiles,
@@ -107,6 +112,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 					  .border_tile_count = n->border_tiles,
 					  .fragment_count = n->fragments,
 					  .tree_discs = (uint32_t)n->tree_discs };
+	memcpy(o->why_coarser, n->why_coarser, sizeof o->why_coarser);
 	scene->records = (gw_records){ .count = n->records,
 								   .radius = n->record_radius,
 								   .block_level = n->block_level,

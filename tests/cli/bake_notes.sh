@@ -22,3 +22,10 @@ for memory in 1G 6M; do
 		notes
 	grep -o '"wanted_leaf_size": 0\.0\|"why_coarser": ' "$memory.json"
 done
+# So does who begins with the transport of such a bake.
+lamp='point at 0.5,0.5,1 intensity 1'
+glowworm bake plane.ply --albedo constant:0 --light "$lamp" --memory 28M --leaf-spacing 0.3 \
+	--save-transport coarse.gwt -o first.ply -q
+glowworm bake plane.ply --albedo constant:0 --leaf-spacing 0.3 --transport coarse.gwt -o again.ply \
+	--light "$lamp" 2>notes
+sed -n 's/.*note: the octree was made coarser, .* in place of .* m: ".*" needs .*/coarser/p' notes
