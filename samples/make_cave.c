@@ -565,7 +565,7 @@ static void store(float to[3], vector v)
 static void paint(vector p, vector n, sample_point *point)
 {
 	const formation *nearest;
-	bool on_formation = formations_distance(p, &nearest) < 0.05;
+	bool on_formation = formations_distance(p, &nearest) < 0.05 && nearest != NULL;
 	double edge = 1 + 0.15 * noise_at(p, 0.5, 61.1);
 
 	store(point->position, p);

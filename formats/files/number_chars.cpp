@@ -47,6 +47,8 @@ template <typename T> static size_t to_chars(char *text, T value, T fixed_below)
 		std::memcpy(text, "nan", sizeof "nan");
 	else if (size >= T(1e-4) && size < fixed_below)
 		*std::to_chars(text, text + NUMBER_TEXT - 1, value, std::chars_format::fixed).ptr = 0;
+	else if (size >= T(1e15)) /* integers of so many digits overflow those who read them as such */
+		*std::to_chars(text, text + NUMBER_TEXT - 1, value, std::chars_format::scientific).ptr = 0;
 	else
 		*std::to_chars(text, text + NUMBER_TEXT - 1, value).ptr = 0;
 	return std::strlen(text);

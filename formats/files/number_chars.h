@@ -17,7 +17,8 @@ double number_from_chars(const char *text, size_t length);
 float number_float_from_chars(const char *text, size_t length);
 
 /* The shortest text that reads back as the same bits, any NaN as "nan", and a final zero; without
- * exponent for sizes from 1e-4 to below 1e15, or 1e6 of single precision. Returns its length.
+ * exponent for sizes from 1e-4 to below 1e15, or 1e6 of single precision, and with one from 1e15
+ * on. Returns its length.
  * text: NUMBER_TEXT bytes. */
 size_t number_to_chars(char *text, double value);
 size_t number_float_to_chars(char *text, float value);
