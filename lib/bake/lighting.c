@@ -52,7 +52,8 @@ static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t cou
 	if (buffer->handle != VK_NULL_HANDLE)
 		return gw_buffer_fill(gpu, buffer, 0, error);
 	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
-	return gw_buffer_create(gpu, kind, format, 16 * count, name, buffer, error);
+	return gw_buffer_create(gpu, &(gw_buffer_description){ kind, format, 16 * count, name }, buffer,
+							error);
 }
 
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
@@ -288,13 +289,18 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	gw_scene *s = lighting->scene;
 	gw_buffer surfels = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
-	gw_status status = gw_buffer_create(s->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										bytes, "carried irradiance", &surfels, error);
+	gw_status status =
+		gw_buffer_create(s->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "carried irradiance" },
+						 &surfels, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  32 * (uint64_t)s->octree.leaf_count, "carried light of facets",
+		status = gw_buffer_create(s->gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															32 * (uint64_t)s->octree.leaf_count,
+															"carried light of facets" },
 								  facets, error);
 	if (status == GW_OK)
 		status = gw_average_facets(&s->passes, &s->octree, &surfels, facets, error);

@@ -38,8 +38,10 @@ static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_e
 	gw_status status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
 									 records->count, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(task->passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  16 * slots, "voxel radiance", &reflected, error);
+		status = gw_buffer_create(task->passes->gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															16 * slots, "voxel radiance" },
+								  &reflected, error);
 	if (status == GW_OK)
 		status = gw_facets_shade(task->passes, task->octree, records, &records->indirect,
 								 task->facet_direct, 0.0f, &reflected, error);

@@ -281,9 +281,11 @@ gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
 		status = gw_buffer_upload(gpu, &rays->distance, 0, hits->distance + first * hits->rays,
 								  4 * count, error);
 	if (status == GW_OK && hits->emitted)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)hits->count, "irradiance from emitters", emitted,
-								  error);
+		status = gw_buffer_create(
+			gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+									  16 * (uint64_t)hits->count, "irradiance from emitters" },
+			emitted, error);
 	if (status == GW_OK && hits->emitted)
 		status = gw_buffer_upload(gpu, emitted, 0, hits->emitted + 4 * first,
 								  16 * (uint64_t)hits->count, error);

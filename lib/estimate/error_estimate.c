@@ -136,15 +136,20 @@ static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw
 	gw_gpu *gpu = task->passes->gpu;
 	const gw_records *records = task->records;
 	gw_buffer total = { 0 };
-	gw_status status =
-		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-						 16 * (uint64_t)records->count, "record irradiance", &total, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)records->count, "record irradiance" },
+		&total, error);
 	const gw_buffer *parts[2] = { &records->first, &records->indirect };
 	for (int i = 0; i < 2 && status == GW_OK; i++)
 		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance",
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL,
+															VK_FORMAT_R32G32B32A32_SFLOAT,
+															32 * (uint64_t)task->octree->leaf_count,
+															"final facet radiance" },
 								  radiance, error);
 	if (status == GW_OK)
 		status = gw_facets_shade(task->passes, task->octree, records, &total, task->facet_direct,

@@ -171,9 +171,11 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 	if (!chunk)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
 					   surfels->count);
-	gw_status status =
-		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
-						 "shading normals", normal, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								  16 * (uint64_t)surfels->count, "shading normals" },
+		normal, error);
 	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
@@ -245,8 +247,10 @@ gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_s
 	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
 	const gw_buffer *normal = surfels->shading_normal ? &own_normal : &octree->surfel_normal;
 	uint64_t count = surfels->count;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-										4 * count, "visibility", &visibility, error);
+	gw_status status = gw_buffer_create(
+		passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * count, "visibility" },
+		&visibility, error);
 	if (status == GW_OK && surfels->shading_normal)
 		status = upload_normals(passes->gpu, surfels, false, &own_normal, error);
 	if (status == GW_OK && turned)
@@ -279,8 +283,10 @@ gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_su
 	gw_buffer visibility = { 0 };
 	const gw_light_push push = gw_light_push_of(light, octree, surfels, options);
 	uint64_t bytes = 4 * (uint64_t)surfels->count;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"visibility", &visibility, error);
+	gw_status status = gw_buffer_create(
+		passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
+		&visibility, error);
 	const float one = 1.0f;
 	uint32_t seen;
 	memcpy(&seen, &one, sizeof seen);

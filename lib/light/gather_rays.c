@@ -18,11 +18,15 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 					   "%u records with %u rays each are more than 2^32 rays; use fewer rays or a "
 					   "larger record spacing",
 					   records->count, rays);
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-										"hit facet", &gather->facet, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count, "hit facet" },
+		&gather->facet, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
-								  "hit distance", &gather->distance, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
+															4 * count, "hit distance" },
+								  &gather->distance, error);
 	if (status != GW_OK)
 		gw_ray_gather_destroy(gpu, gather);
 	return status;
@@ -69,8 +73,9 @@ static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, more, 0, values + buffer->bytes, more->bytes, error);
 	if (status == GW_OK)
-		status =
-			gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, buffer->name, &joined, error);
+		status = gw_buffer_create(
+			gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, buffer->name }, &joined,
+			error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &joined, 0, values, bytes, error);
 	free(values);
@@ -101,9 +106,11 @@ gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const g
 {
 	if (portals->count == 0 || gather->through.handle != VK_NULL_HANDLE)
 		return GW_OK;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-										4 * (uint64_t)records->count, "sky through portals",
-										&gather->through, error);
+	gw_status status = gw_buffer_create(
+		passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * (uint64_t)records->count,
+								  "sky through portals" },
+		&gather->through, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
 			GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),   gw_whole(&records->normal),
@@ -265,9 +272,11 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
 	if (shines && sources->portals && gather->through.handle != VK_NULL_HANDLE)
 		push.portals = sources->portals->count;
-	gw_status status =
-		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
+	gw_status status = gw_buffer_create(
+		passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)records->count, "sampled irradiance" },
+		&sampled, error);
 	if (status == GW_OK && push.light_samples > 0)
 		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
 	if (status == GW_OK && push.sky_width > 0)
@@ -292,9 +301,11 @@ static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_re
 		return GW_OK;
 	alone.sky = black;
 	alone.map = NULL;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										16 * (uint64_t)records->count, "irradiance from emitters",
-										sources->kept, error);
+	gw_status status = gw_buffer_create(
+		passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)records->count, "irradiance from emitters" },
+		sources->kept, error);
 	if (status == GW_OK)
 		status = gather_sources(passes, octree, records, gather, &alone, sources->kept, error);
 	if (status != GW_OK)

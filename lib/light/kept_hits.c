@@ -138,7 +138,8 @@ typedef struct keep_tables {
 static gw_status upload(gw_gpu *gpu, VkFormat format, const void *values, uint64_t bytes,
 						const char *name, gw_buffer *buffer, gw_error *error)
 {
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+	gw_status status = gw_buffer_create(
+		gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, name }, buffer, error);
 	return status == GW_OK ? gw_buffer_upload(gpu, buffer, 0, values, bytes, error) : status;
 }
 
@@ -228,8 +229,10 @@ static gw_status make_tables(gw_passes *passes, const gw_octree *octree, const g
 		status = upload(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, boxes,
 						sizeof *boxes * (uint64_t)box_count, "changed boxes", &tables->box, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * (rays + 1),
-								  "rays to trace again", &tables->list, error);
+		status = gw_buffer_create(passes->gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+															4 * (rays + 1), "rays to trace again" },
+								  &tables->list, error);
 	return status;
 }
 

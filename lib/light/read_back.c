@@ -30,11 +30,16 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
 	if (!r->host_record || !r->host_weight)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for weights of records");
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
-										"records of surfels", &r->record, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+												   4 * words, "records of surfels" },
+						 &r->record, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
-								  "weights of surfels", &r->weight, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4 * words, "weights of surfels" },
+								  &r->weight, error);
 	return status;
 }
 

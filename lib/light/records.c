@@ -23,7 +23,8 @@
 static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char *name,
 					   gw_buffer *buffer, gw_error *error)
 {
-	return gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+	return gw_buffer_create(gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, name },
+							buffer, error);
 }
 
 /* The level whose cells are at least so many radii wide: two are best where all lookups reach as
@@ -134,8 +135,11 @@ static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const
 		status =
 			gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", records->count);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  4 * (uint64_t)records->count, "record block", &block_of, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4 * (uint64_t)records->count,
+															"record block" },
+								  &block_of, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
 										gw_whole(&octree->node),
@@ -202,8 +206,10 @@ static gw_status put_and_list(gw_passes *passes, const gw_octree *octree, gw_rec
 	gw_gpu *gpu = passes->gpu;
 	gw_buffer facet = { 0 };
 	uint64_t bytes = 4 * (uint64_t)records->count;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"record facet", &facet, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "record facet" },
+		&facet, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &facet, 0, records->facet, bytes, error);
 	if (status == GW_OK)

@@ -222,11 +222,16 @@ static gw_status create(shadow_map *map, gw_error *error)
 {
 	gw_gpu *gpu = map->passes->gpu;
 	uint64_t side = (uint64_t)map->window + 2 * GW_SHADOW_BORDER;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * side * side,
-										"shadow map", &map->depth, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
+												   4 * side * side, "shadow map" },
+						 &map->depth, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4,
-								  "shadow map tiles", &map->most, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4, "shadow map tiles" },
+								  &map->most, error);
 	if (status == GW_OK)
 		status = gw_buffer_fill(gpu, map->visibility, 0, error);
 	return status;

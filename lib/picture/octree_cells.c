@@ -148,10 +148,14 @@ static gw_status run_show(gw_render_octree *o, const gw_cells *cells, const gw_c
 						  gw_buffer *centre, gw_buffer *result, float *shown, gw_error *error)
 {
 	uint64_t bytes = 16 * (uint64_t)cells->count;
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell centre",
-							centre, error));
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell shown",
-							result, error));
+	GW_TRY(gw_buffer_create(
+		o->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell centre" },
+		centre, error));
+	GW_TRY(gw_buffer_create(
+		o->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell shown" },
+		result, error));
 	GW_TRY(gw_buffer_upload(o->gpu, centre, 0, shown, bytes, error));
 	const gw_binding bindings[] = { gw_whole(&o->octree.level_directory),
 									gw_whole(&o->octree.node),

@@ -38,8 +38,11 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 	for (size_t i = 0; i < 3 * surfels->count; i++)
 		wide[i / 3 * 4 + i % 3] = radiance[i];
 	uint64_t bytes = 16 * (uint64_t)surfels->count;
-	gw_status status = gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										bytes, "surfel radiance", &o->surfel_radiance, error);
+	gw_status status =
+		gw_buffer_create(o->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "surfel radiance" },
+						 &o->surfel_radiance, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(o->gpu, &o->surfel_radiance, 0, wide, bytes, error);
 	free(wide);
@@ -49,8 +52,11 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 static gw_status average_facets(gw_render_octree *o, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)o->octree.leaf_count;
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * slots,
-							"facet radiance", &o->facet_radiance, error));
+	GW_TRY(
+		gw_buffer_create(o->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   16 * slots, "facet radiance" },
+						 &o->facet_radiance, error));
 	const gw_binding bindings[] = { gw_whole(&o->octree.leaf_fragment),
 									gw_whole(&o->octree.fragment_surfel),
 									gw_whole(&o->octree.fragment_weight),
@@ -194,8 +200,10 @@ static gw_status open_batch(gw_render_octree *o, size_t pixels, batch *b, gw_err
 	gw_buffer *const buffer[] = { &b->position, &b->normal, &b->result };
 	static const char *const name[] = { "pixel position", "pixel normal", "pixel result" };
 	for (int i = 0; i < 3; i++)
-		GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								16 * (uint64_t)count, name[i], buffer[i], error));
+		GW_TRY(gw_buffer_create(o->gpu,
+								&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														  16 * (uint64_t)count, name[i] },
+								buffer[i], error));
 	return GW_OK;
 }
 

@@ -41,7 +41,10 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 		assert_int_equal(way, GW_WAY_DEVICE);
 		elements[id] += count;
 	}
-	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+	if (way == GW_WAY_DEVICE)
+		return gw_passes_run_shader(passes, id, bindings, push, count, error);
+	gw_passes_run_kernel(passes, id, bindings, push, count);
+	return GW_OK;
 }
 
 /* -------------------------------------------------------------------------------------- bakes */
