@@ -231,10 +231,10 @@ static uint32_t ray_count(const gw_bake_options *o)
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
+	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
 	gw_status status =
 		scene->keeps
-			? gw_octree_build_kept(scene->gpu, &scene->surfels, scene->still, o->depth,
-								   o->leaf_spacing, &scene->kept_octree, &scene->octree, error)
+			? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
 		: o->depth == GW_DEPTH_AUTO
 			? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
 									 error)
