@@ -142,8 +142,7 @@ static void find_boxes(gw_frames *f)
 		f->box[m] = box_of(&f->scene, base, end);
 		base = end;
 	}
-	f->scene.box = f->box;
-	f->scene.box_count = (uint32_t)boxes;
+	f->scene.boxes = (gw_changed_boxes){ f->box, (uint32_t)boxes };
 }
 
 static bool same_place(const gw_frames *f, size_t frame)

@@ -134,7 +134,8 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
-	const gw_records *records = task->records;
+	gw_records *records = task->records;
+	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer total = { 0 };
 	gw_status status = gw_buffer_create(
 		gpu,
@@ -152,8 +153,7 @@ static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw
 															"final facet radiance" },
 								  radiance, error);
 	if (status == GW_OK)
-		status = gw_facets_shade(task->passes, task->octree, records, &total, task->facet_direct,
-								 1.0f, radiance, error);
+		status = gw_facets_shade(&on, &total, task->facet_direct, 1.0f, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }
@@ -176,8 +176,8 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
 {
 	gw_records *place = &e->place;
-	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, place, rays, sources,
-											 &place->gathered, error);
+	const gw_record_context on = { task->passes, task->octree, place };
+	gw_status status = gw_ray_gather_sampled(&on, rays, sources, &place->gathered, error);
 	return status == GW_OK ? download_added(task->passes->gpu, &place->gathered, e->half[half],
 											place->count, error)
 						   : status;
@@ -191,10 +191,11 @@ static void count_behind(const gw_check_point_hits *hits, uint32_t *behind)
 }
 
 /* All that reaches the points along these rays, into e->half[half]. */
-static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays, int half,
-							  gw_buffer *emitted, const gw_emitters *reflectors, estimate *e,
-							  gw_error *error)
+static gw_status gather_along(const gw_estimate_task *task, gw_check_point_view *view, int half,
+							  const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
+	const gw_record_context on = { task->passes, task->octree, &e->place };
+	gw_ray_gather *rays = &view->rays;
 	const float black[3] = { 0 };
 	uint32_t samples = rays->rays;
 	const gw_sampled_sources emitters = { .emitters = task->emitters,
@@ -206,7 +207,7 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										  .map_hits = true,
 										  .portals = task->portals,
 										  .seed = rays->seed,
-										  .kept = task->hits->emitted ? emitted : NULL };
+										  .kept = task->hits->emitted ? &view->emitted : NULL };
 	const gw_sampled_sources reflected = { .emitters = reflectors,
 										   .samples =
 											   gw_emitters_are_small(reflectors) ? samples : 0,
@@ -215,8 +216,7 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										   .seed = rays->seed };
 	gw_status status = GW_OK;
 	if (task->portals)
-		status =
-			gw_ray_gather_open(task->passes, task->octree, &e->place, task->portals, rays, error);
+		status = gw_ray_gather_open(&on, task->portals, rays, error);
 	if (status == GW_OK)
 		status = gather_from(task, rays, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)
@@ -227,17 +227,15 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_task *check_points,
 							 int half, const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
-	gw_ray_gather rays = { 0 };
-	gw_buffer emitted = { 0 };
+	gw_check_point_view view = { 0 };
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
 	gw_status status = gw_check_point_hits_gather(check_points, task->hits, &e->place,
-												  (uint32_t)half, &rays, &emitted, error);
+												  (uint32_t)half, &view, error);
 	if (status == GW_OK)
-		status = gather_along(task, &rays, half, &emitted, reflectors, e, error);
-	gw_ray_gather_destroy(task->passes->gpu, &rays);
-	gw_buffer_destroy(task->passes->gpu, &emitted);
+		status = gather_along(task, &view, half, reflectors, e, error);
+	gw_check_point_view_destroy(task->passes->gpu, &view);
 	return status;
 }
 

@@ -237,11 +237,13 @@ static gw_status create(shadow_map *map, gw_error *error)
 	return status;
 }
 
-gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
-								   const gw_surfels *surfels, const gw_light_push *light,
-								   uint32_t size, gw_buffer *visibility, gw_error *error)
+gw_status gw_shadow_map_visibility(const gw_lit_cloud *cloud, const gw_light_push *light,
+								   gw_buffer *visibility, gw_error *error)
 {
-	shadow_map map = { .passes = passes,
+	const gw_octree *octree = cloud->octree;
+	const gw_surfels *surfels = cloud->surfels;
+	uint32_t size = cloud->options->shadow_map_size;
+	shadow_map map = { .passes = cloud->passes,
 					   .octree = octree,
 					   .surfels = surfels->count,
 					   .size = size,
@@ -256,7 +258,7 @@ gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
 	if (status == GW_OK)
 		status =
 			light->type == GW_PUSH_SUN ? run_sun(&map, light, error) : run_lamp(&map, light, error);
-	gw_buffer_destroy(passes->gpu, &map.depth);
-	gw_buffer_destroy(passes->gpu, &map.most);
+	gw_buffer_destroy(cloud->passes->gpu, &map.depth);
+	gw_buffer_destroy(cloud->passes->gpu, &map.most);
 	return status;
 }

@@ -70,8 +70,9 @@ static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error
 {
 	GW_TRY(gw_cone_gather_create(o->gpu, &o->octree, 1, 0, &o->bricks, error));
 	o->has_bricks = true;
-	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks, &o->facet_radiance, largest,
-							   &o->scale, error);
+	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks,
+							   (gw_facet_radiance){ &o->facet_radiance, largest }, &o->scale,
+							   error);
 }
 
 static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const float *radiance,
@@ -142,10 +143,11 @@ gw_status gw_render_octree_records(gw_render_octree *o, float spacing, uint64_t 
 								   float **position, size_t *count, gw_error *error)
 {
 	gw_records records = { 0 };
+	const gw_record_context on = { &o->passes, &o->octree, &records };
 	float *cell = NULL;
 	*position = NULL;
 	*count = 0;
-	gw_status status = gw_records_place(&o->passes, &o->octree, spacing, seed, &records, error);
+	gw_status status = gw_records_place(&on, spacing, seed, error);
 	if (status == GW_OK) {
 		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
 		*position = gw_allocate_array(records.count, 3 * sizeof **position);
@@ -172,7 +174,8 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  const gw_light *light, const gw_bake_options *options,
 								  float *share, gw_error *error)
 {
-	return gw_light_share(&o->passes, &o->octree, surfels, light, options, share, error);
+	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options };
+	return gw_light_share(&cloud, light, share, error);
 }
 
 /* ------------------------------------------------------------------------------- pixels */
