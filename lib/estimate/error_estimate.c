@@ -120,8 +120,10 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 		status = gw_records_light(task->passes->gpu, task->records, light, error);
 	if (status == GW_OK) {
 		predict(task, light, part[0], part[1], radiance);
-		status = gw_check_point_choose(counts, (const double *const[]){ part[0], part[1] }, 2,
-									   points, task->points, task->seed, choice, error);
+		status = gw_check_point_choose(
+			&(gw_check_point_shares){ points, counts, (const double *const[]){ part[0], part[1] },
+									  2 },
+			task->points, task->seed, choice, error);
 	}
 	free(light);
 	free(part[0]);
@@ -489,8 +491,8 @@ gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
 	choose_points(s, counts);
-	gw_status status =
-		gw_check_point_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
+	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
+											 points, task->seed, &choice, error);
 	if (status == GW_OK && choice.count > 0)
 		status = gw_check_point_hits_find(task, choice.point, choice.count, hits, error);
 	gw_check_point_choice_clear(&choice);
