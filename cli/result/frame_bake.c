@@ -517,22 +517,21 @@ static gw_status run(frame_run *r)
 }
 
 gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
-						 const format *written_as, output_file *report, progress *shown,
-						 gw_error *error)
+						 const frame_outputs *to, gw_error *error)
 {
 	frame_run r = { .facts = facts,
 					.settings = s,
 					.scene = scene,
-					.format = written_as,
-					.progress = shown,
+					.format = to->written_as,
+					.progress = to->shown,
 					.error = error };
 	gw_status status = find_range(s, &r.first, &r.last, error);
 	if (status == GW_OK)
 		status = run(&r);
-	if (status == GW_OK && report)
-		status = write_report(&r, report);
+	if (status == GW_OK && to->report)
+		status = write_report(&r, to->report);
 	if (status == GW_OK && !s->quiet && !s->verbose) {
-		progress_clear(shown);
+		progress_clear(to->shown);
 		fprintf(stderr, "glowworm: note: %u frames\n", r.last - r.first + 1);
 	}
 	clear_movers(&r.movers);
