@@ -23,7 +23,8 @@ static gw_status match_columns(const matched_scans *m, const scan_column *const 
 	double *among = make_keys(m->found, found, width);
 	gw_status status = GW_OK;
 	if (key && among)
-		status = gw_compare_match(key, m->truth->count, among, m->found->count, width, m->in_found,
+		status = gw_compare_match((gw_compare_keys){ key, m->truth->count },
+								  (gw_compare_keys){ among, m->found->count }, width, m->in_found,
 								  &missing, error);
 	else
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match the points");

@@ -128,8 +128,8 @@ static gw_bake_result *bake_frames(const scene *s, const gw_mover *ball,
 			matrix[16 * i + 5 * k] = 1.0;
 		matrix[16 * i + 3] = 0.3 * (double)i;
 	}
-	gw_status status =
-		gw_frames_open(&points, &motion, light, LIGHTS, options, &how, NULL, &frames, &error);
+	gw_status status = gw_frames_open(&(gw_moving_scene){ &points, &motion, light, LIGHTS },
+									  options, &how, NULL, &frames, &error);
 	for (size_t i = 0; i < FRAMES && status == GW_OK; i++) {
 		gw_bake_result_destroy(&result);
 		status = gw_frames_bake(frames, i, light, LIGHTS, &result, &error);
