@@ -551,6 +551,14 @@ typedef struct gw_motion {
 							  may turn, mirror, move and scale evenly */
 } gw_motion;
 
+/* A scene in which something moves. What this points to must outlive the frames made of it. */
+typedef struct gw_moving_scene {
+	const gw_points *points; /* whose movers are where the motion's matrices begin */
+	const gw_motion *motion;
+	const gw_light *lights; /* light_count; they orient estimated normals without a scanner */
+	size_t light_count;
+} gw_moving_scene;
+
 /* How frames are baked. */
 typedef struct gw_frames_options {
 	bool rebuild;     /* every frame from scratch, to check and to compare */
@@ -563,16 +571,12 @@ typedef struct gw_frames gw_frames;
 /*
  * Begins. Every mover is a surface of its own: what touches it or passes by alters neither its
  * discs nor the other's. The octree's cube and leaves are the same in all frames.
- *   points   whose movers are where the motion's matrices begin; points, motion with its arrays,
- *            and lights must outlive the frames
- *   lights   light_count; they orient estimated normals when there is no scanner
  *   options  as of gw_bake, without max_error, time_limit and transport; an error is estimated for
  *            the first frame that is baked
  *   frames   on success to be closed with gw_frames_close; NULL on failure
  * Fails as gw_bake; GW_ERROR_DATA when a matrix does more than it may.
  */
-gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const gw_light *lights,
-						 size_t light_count, const gw_bake_options *options,
+gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *options,
 						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
 						 gw_frames **frames, gw_error *error);
 

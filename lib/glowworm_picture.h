@@ -176,6 +176,15 @@ typedef enum gw_viewpoint_kind {
 	GW_VIEWPOINT_COUNT
 } gw_viewpoint_kind;
 
+/* What viewpoint is looked for. */
+typedef struct gw_viewpoint_wish {
+	gw_viewpoint_kind kind; /* GW_VIEWPOINT_INSIDE falls back to outside when no cell is enclosed */
+	const float *luminance; /* count of the surfels, or NULL: all count as lit */
+	char up;                /* 'y' or 'z' */
+	double angle;           /* degrees, vertical angle of view; 0: the one that suits */
+	double aspect;          /* width of the picture by its height */
+} gw_viewpoint_wish;
+
 /* Vertical angles of view that suit them, degrees. */
 #define GW_VIEWPOINT_ANGLE_INSIDE 55.0
 #define GW_VIEWPOINT_ANGLE_OUTSIDE 40.0
@@ -202,16 +211,9 @@ double gw_viewpoint_enclosure(const gw_surfels *surfels);
  * some thousand of them) rays go out in all directions. Where most of them meet the front of a
  * surface the cell is inside; the view is best that sees far, and lit surfaces. Unless inside was
  * asked for, a space that is open on a side, such as a stage, is looked at from outside.
- *
- *   luminance   count of the surfels, or NULL: all count as lit
- *   up          'y' or 'z'
- *   kind        GW_VIEWPOINT_INSIDE falls back to outside when no cell is enclosed
- *   angle       degrees, vertical angle of view; 0: the one that suits
- *   aspect      width of the picture by its height
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_viewpoint_find(const gw_surfels *surfels, const float *luminance, char up,
-							gw_viewpoint_kind kind, double angle, double aspect,
+gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,
 							gw_viewpoint *viewpoint, gw_error *error);
 
 /* --------------------------------------------------------------------------------- what is seen */
@@ -355,15 +357,21 @@ gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], cons
 							 gw_error *error);
 void gw_mesh_pieces_clear(gw_mesh_pieces *pieces);
 
+/* Numbers that surfels have. */
+typedef struct gw_surfel_channels {
+	const float *channel; /* count * surfels */
+	uint32_t count;       /* a surfel */
+} gw_surfel_channels;
+
 /*
  * Finds the points on the pieces and lights these by them. Pieces with no point near are taken off:
  * nobody knows their light.
- *   channel   channel_count * surfels->count, what the surfels have
+ *   channels  what the surfels have, and pieces get
  *   on_mesh   surfels->count; receives 1 for each that lies on a piece
  * Fails with GW_ERROR_MEMORY. The result does not depend on the number of threads.
  */
-gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels, const float *channel,
-						uint32_t channel_count, uint32_t threads, uint8_t *on_mesh,
+gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels,
+						gw_surfel_channels channels, uint32_t threads, uint8_t *on_mesh,
 						gw_error *error);
 
 /* -------------------------------------------------------------------------------------- octrees */
@@ -558,20 +566,25 @@ typedef struct gw_comparison {
 gw_status gw_compare(const double *found, const double *truth, size_t count,
 					 gw_comparison *comparison, gw_error *error);
 
+/* Keys that points are matched by. */
+typedef struct gw_compare_keys {
+	const double *key; /* as many numbers each as gw_compare_match is told */
+	size_t count;
+} gw_compare_keys;
+
 /*
- * Finds to each of `count` keys the place of the equal one among `among_count`, all of them
+ * Finds to each key of `of` the place of the equal one in `among`, all of them
  * `width` numbers wide (3 for positions, 1 for an index). Equal means equal as numbers, so -0 is 0;
  * a key with a NaN equals none. Where several are equal, the first finds the first, the second the
  * second, so that the same cloud in the same order finds itself; those that are too many find none.
  *
- *   key, among  width * count and width * among_count numbers
  *   width       1 to 3
- *   match       receives `count` places, or GW_COMPARE_NONE
+ *   match       receives of.count places, or GW_COMPARE_NONE
  *   missing     receives how many found none
  *   error       GW_ERROR_MEMORY
  */
-gw_status gw_compare_match(const double *key, size_t count, const double *among, size_t among_count,
-						   size_t width, size_t *match, size_t *missing, gw_error *error);
+gw_status gw_compare_match(gw_compare_keys of, gw_compare_keys among, size_t width, size_t *match,
+						   size_t *missing, gw_error *error);
 
 /*
  * The places of the `wanted` largest magnitudes, largest first; among equal ones the smaller place

@@ -16,15 +16,16 @@ static double *make_keys(const scan *cloud, const scan_column *const *column, si
 }
 
 static gw_status match_columns(const matched_scans *m, const scan_column *const *found,
-							   const scan_column *const *truth, size_t width, size_t *partner,
-							   size_t *missing, gw_error *error)
+							   const scan_column *const *truth, size_t width, gw_error *error)
 {
+	size_t missing;
 	double *key = make_keys(m->truth, truth, width);
 	double *among = make_keys(m->found, found, width);
 	gw_status status = GW_OK;
 	if (key && among)
-		status = gw_compare_match(key, m->truth->count, among, m->found->count, width, partner,
-								  missing, error);
+		status = gw_compare_match((gw_compare_keys){ key, m->truth->count },
+								  (gw_compare_keys){ among, m->found->count }, width, m->in_found,
+								  &missing, error);
 	else
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match the points");
 	free(key);
@@ -138,7 +139,7 @@ static gw_status select_pairs(matched_scans *m, const scan_column *const positio
 static gw_status find_partners(matched_scans *m, const scan_column *const found[3],
 							   const scan_column *const truth[3], gw_error *error)
 {
-	size_t room = m->truth->count ? m->truth->count : 1, missing;
+	size_t room = m->truth->count ? m->truth->count : 1;
 	m->in_found = reallocarray(NULL, room, sizeof *m->in_found);
 	m->in_truth = reallocarray(NULL, room, sizeof *m->in_truth);
 	if (!m->in_found || !m->in_truth)
@@ -147,8 +148,8 @@ static gw_status find_partners(matched_scans *m, const scan_column *const found[
 	const scan_column *its = scan_find_scalar(m->truth, "index");
 	m->by = mine && its ? MATCHED_BY_INDEX : MATCHED_BY_POSITION;
 	if (m->by == MATCHED_BY_INDEX)
-		return match_columns(m, &mine, &its, 1, m->in_found, &missing, error);
-	return match_columns(m, found, truth, 3, m->in_found, &missing, error);
+		return match_columns(m, &mine, &its, 1, error);
+	return match_columns(m, found, truth, 3, error);
 }
 
 gw_status matched_scans_make(matched_scans *m, gw_error *error)

@@ -177,22 +177,29 @@ static void find_front(tradeoff *t)
 	}
 }
 
-static gw_status bake_all(const loaded_scene *scene, const gw_light *lights, size_t light_count,
-						  tradeoff *t, progress *shown, handed_back *back, double *truth,
-						  double *found, gw_error *error)
+/* What is baked, and where its light goes. */
+typedef struct baking {
+	const loaded_scene *scene;
+	const gw_light *lights; /* light_count */
+	size_t light_count;
+	handed_back *back;
+	double *truth, *found; /* one a point */
+} baking;
+
+static gw_status bake_all(const baking *b, tradeoff *t, progress *shown, gw_error *error)
 {
-	const gw_points *points = &scene->points.points;
+	const gw_points *points = &b->scene->points.points;
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < t->count && status == GW_OK; i++) {
 		tradeoff_run *run = &t->run[i];
 		progress_show(shown, run->name, (double)i / (double)t->count);
-		status = run_one(scene, lights, light_count, run, back, error);
+		status = run_one(b->scene, b->lights, b->light_count, run, b->back, error);
 		if (status == GW_ERROR_MEMORY && i > 0)
 			status = GW_OK;
 		if (status != GW_OK || run->status != GW_OK)
 			continue;
-		size_t count = pick(points, back, i == 0 ? truth : found);
-		status = gw_compare(i == 0 ? truth : found, truth, count, &run->difference, error);
+		size_t count = pick(points, b->back, i == 0 ? b->truth : b->found);
+		status = gw_compare(i == 0 ? b->truth : b->found, b->truth, count, &run->difference, error);
 	}
 	progress_end(shown);
 	return status;
@@ -211,7 +218,8 @@ gw_status tradeoff_bake(const loaded_scene *scene, const gw_light *lights, size_
 	if (back == MAP_FAILED || !truth || !found)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to compare %zu points", count);
 	else
-		status = bake_all(scene, lights, light_count, t, shown, back, truth, found, error);
+		status =
+			bake_all(&(baking){ scene, lights, light_count, back, truth, found }, t, shown, error);
 	if (status == GW_OK)
 		find_front(t);
 	if (back != MAP_FAILED)

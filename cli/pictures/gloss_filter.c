@@ -96,16 +96,17 @@ static void spread_speck(const filter *f, size_t pixel)
 	}
 }
 
-gw_status gloss_filter_apply(const gw_pixels *pixels, const size_t *place, uint32_t width,
-							 uint32_t height, uint32_t rays, float *reflected, gw_error *error)
+gw_status gloss_filter_apply(const gloss_picture *picture, uint32_t rays, float *reflected,
+							 gw_error *error)
 {
-	filter f = { pixels, place, width, height, rays, NULL, NULL };
-	f.listed = calloc((size_t)width * height, sizeof *f.listed);
+	const gw_pixels *pixels = picture->pixels;
+	filter f = { pixels, picture->place, picture->width, picture->height, rays, NULL, NULL };
+	f.listed = calloc((size_t)f.width * f.height, sizeof *f.listed);
 	f.light = calloc(pixels->count + 1, 3 * sizeof *f.light);
 	bool good = f.listed && f.light;
 	for (size_t i = 0; i < pixels->count && good; i++) {
 		float share = reflected[4 * i + 3];
-		f.listed[place[i]] = (uint32_t)i + 1;
+		f.listed[f.place[i]] = (uint32_t)i + 1;
 		for (size_t k = 0; k < 3; k++)
 			f.light[3 * i + k] = share > 0.0f ? reflected[4 * i + k] / share : 0.0f;
 	}

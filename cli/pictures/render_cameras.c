@@ -61,8 +61,10 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
 		} else {
-			status = gw_viewpoint_find(surfels, scene->luminance, plan->up, text->kind, text->angle,
-									   aspect, view, error);
+			status = gw_viewpoint_find(
+				surfels,
+				&(gw_viewpoint_wish){ text->kind, scene->luminance, plan->up, text->angle, aspect },
+				view, error);
 		}
 	}
 	return status;

@@ -133,8 +133,10 @@ static gw_status light_meshes(const settings *s, render_scene *scene, gw_error *
 	uint8_t *on_mesh = calloc(scene->surfels.count, 1);
 	if (!on_mesh)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the meshes");
-	gw_status status = gw_mesh_light(&scene->pieces, &scene->surfels, scene->channel,
-									 scene->raster.channel_count, s->bake.threads, on_mesh, error);
+	gw_status status =
+		gw_mesh_light(&scene->pieces, &scene->surfels,
+					  (gw_surfel_channels){ scene->channel, scene->raster.channel_count },
+					  s->bake.threads, on_mesh, error);
 	for (size_t i = 0; i < scene->surfels.count && status == GW_OK; i++)
 		if (on_mesh[i])
 			scene->surfels.radius[i] = 0.0f;

@@ -151,8 +151,9 @@ static void show(const render_look *look, const float v[3], double scale,
 }
 
 static void paint(const render_look *look, const gw_gbuffer *g, const float *values,
-				  double exposure, const false_color_range *range, uint8_t *bytes)
+				  const false_color_range *range, uint8_t *bytes)
 {
+	double exposure = look->exposure;
 	bool alpha = look->background.transparent;
 	bool shown = isnan(exposure);
 	double scale = shown ? 1.0 : preview_scale(exposure);
@@ -173,9 +174,9 @@ static void paint(const render_look *look, const gw_gbuffer *g, const float *val
 	}
 }
 
-static size_t describe(const render_look *look, double exposure, char number[NUMBER_TEXT],
-					   png_picture_text text[4])
+static size_t describe(const render_look *look, char number[NUMBER_TEXT], png_picture_text text[4])
 {
+	double exposure = look->exposure;
 	size_t count = 0;
 	text[count++] = (png_picture_text){ "Software", "glowworm " GW_VERSION };
 	text[count++] = (png_picture_text){ "Comment", look->command };
@@ -187,8 +188,7 @@ static size_t describe(const render_look *look, double exposure, char number[NUM
 }
 
 gw_status render_write_png(output_file *out, const render_scene *scene, const render_look *look,
-						   const gw_gbuffer *g, const float *values, double exposure,
-						   gw_error *error)
+						   const gw_gbuffer *g, const float *values, gw_error *error)
 {
 	false_color_range range;
 	bool ranged = is_number(look->view) || look->false_color;
@@ -199,12 +199,12 @@ gw_status render_write_png(output_file *out, const render_scene *scene, const re
 	uint8_t *bytes = reallocarray(NULL, (size_t)g->width * g->height, stride);
 	if (!bytes)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
-	paint(look, g, values, exposure, ranged ? &range : NULL, bytes);
+	paint(look, g, values, ranged ? &range : NULL, bytes);
 	if (ranged)
 		false_color_draw_scale(&range, bytes, g->width, g->height, stride);
 	char number[NUMBER_TEXT];
 	png_picture_text text[4];
-	size_t texts = describe(look, exposure, number, text);
+	size_t texts = describe(look, number, text);
 	png_picture picture = { .width = g->width,
 							.height = g->height,
 							.alpha = stride == 4,
@@ -255,8 +255,7 @@ static void list_layers(layers *l, const render_scene *scene, const gw_gbuffer *
 }
 
 gw_status render_write_exr(output_file *out, const render_scene *scene, const render_look *look,
-						   const gw_gbuffer *g, const float *values, double exposure,
-						   gw_error *error)
+						   const gw_gbuffer *g, const float *values, gw_error *error)
 {
 	size_t pixels = (size_t)g->width * g->height;
 	float *color = reallocarray(NULL, pixels, 3 * sizeof *color);
@@ -271,8 +270,8 @@ gw_status render_write_exr(output_file *out, const render_scene *scene, const re
 						 { "comments", look->command },
 						 { "units", scene->photometric ? "cd/m^2" : "W/(sr m^2)" } };
 	size_t texts = 3;
-	if (!isnan(exposure)) {
-		number_print_float(number, (float)exposure);
+	if (!isnan(look->exposure)) {
+		number_print_float(number, (float)look->exposure);
 		text[texts++] = (exr_text){ "exposureValue", number };
 	}
 	exr_picture picture = { g->width, g->height, l.channel, l.count, text, texts };

@@ -19,6 +19,7 @@ typedef struct render_look {
 	int tone;           /* preview_tone */
 	bool false_color;   /* of views that are colours */
 	render_background background;
+	double exposure;     /* EV; NAN: values are shown as they are */
 	const char *command; /* for the file's header */
 } render_look;
 
@@ -37,17 +38,14 @@ void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings
 
 /*
  * Writes a picture for the screen.
- *   values    of render_view_values
- *   exposure  EV; NAN: values are shown as they are
+ *   values  of render_view_values
  */
 gw_status render_write_png(output_file *out, const render_scene *scene, const render_look *look,
-						   const gw_gbuffer *g, const float *values, double exposure,
-						   gw_error *error);
+						   const gw_gbuffer *g, const float *values, gw_error *error);
 
 /* Writes all that is known of the picture: R G B A are the view, multiplied by coverage, then every
  * channel as a layer, N.X N.Y N.Z, Z and id. Exposure is a note only. */
 gw_status render_write_exr(output_file *out, const render_scene *scene, const render_look *look,
-						   const gw_gbuffer *g, const float *values, double exposure,
-						   gw_error *error);
+						   const gw_gbuffer *g, const float *values, gw_error *error);
 
 #endif

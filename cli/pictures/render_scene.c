@@ -262,20 +262,20 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	return status;
 }
 
-gw_status render_scene_read(const settings *s, uint32_t wanted, render_octree octree,
-							render_scene_chooser *choose_them, void *user, render_scene *scene,
+gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,
 							gw_error *error)
 {
 	loaded_scene loaded;
-	choosing c = { scene, &loaded.cloud, choose_them, false, user };
+	choosing c = { scene, &loaded.cloud, wish->choose, false, wish->user };
 	*scene = (render_scene){ .channel = NULL };
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	scene->read_seconds = gw_seconds() - start;
 	if (status == GW_OK) {
 		bool glossy = scan_find_scalar(&loaded.cloud, column_name[RENDER_SPECULAR][0]) != NULL;
-		c.all = octree == RENDER_OCTREE_YES || (octree == RENDER_OCTREE_GLOSSY && glossy);
-		status = make(s, &loaded, wanted, &c, error);
+		c.all =
+			wish->octree == RENDER_OCTREE_YES || (wish->octree == RENDER_OCTREE_GLOSSY && glossy);
+		status = make(s, &loaded, wish->channels, &c, error);
 	}
 	loaded_scene_clear(&loaded);
 	if (status != GW_OK)

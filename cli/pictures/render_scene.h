@@ -58,18 +58,22 @@ typedef enum render_octree {
 	RENDER_OCTREE_YES
 } render_octree;
 
+/* What is wanted of a scene. */
+typedef struct render_scene_wish {
+	uint32_t channels;            /* 1 << render_channel for each that is wanted, if the cloud has
+									 it; a luminance is there whenever the cloud is lit */
+	render_octree octree;         /* whether all points get a surface */
+	render_scene_chooser *choose; /* what the pictures need; called with `user` */
+	void *user;
+} render_scene_wish;
+
 /*
  * Reads the inputs and finds the surface that they stand for.
- *   wanted  1 << render_channel for each that is wanted, if the cloud has it; a luminance is there
- *           whenever the cloud is lit
- *   octree  whether all points get a surface
- *   choose  what the pictures need; called with `user`
  *   scene   on success owned by the caller, freed with render_scene_clear; zeroed on failure
  * Fails as loaded_scene_read and gw_surfels_make; GW_ERROR_CANCELLED.
  */
-gw_status render_scene_read(const settings *settings, uint32_t wanted, render_octree octree,
-							render_scene_chooser *choose, void *user, render_scene *scene,
-							gw_error *error);
+gw_status render_scene_read(const settings *settings, const render_scene_wish *wish,
+							render_scene *scene, gw_error *error);
 void render_scene_clear(render_scene *scene);
 
 #endif

@@ -255,8 +255,9 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 	if (status == GW_OK)
 		status = lights_at(s, scene->up, 0, lights, error);
 	if (status == GW_OK)
-		status = gw_frames_open(&scene->points.points, &m.motion, lights, s->light_count, options,
-								&how, callbacks, &frames, error);
+		status = gw_frames_open(
+			&(gw_moving_scene){ &scene->points.points, &m.motion, lights, s->light_count }, options,
+			&how, callbacks, &frames, error);
 	if (status == GW_OK)
 		status = gw_frames_bake(frames, 0, lights, s->light_count, result, error);
 	gw_frames_close(&frames);
@@ -507,7 +508,8 @@ static gw_status run(frame_run *r)
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	if (status == GW_OK)
-		status = gw_frames_open(&r->scene->points.points, &r->movers.motion, first, s->light_count,
+		status = gw_frames_open(&(gw_moving_scene){ &r->scene->points.points, &r->movers.motion,
+													first, s->light_count },
 								&options, &how, &callbacks, &r->frames, r->error);
 	for (; status == GW_OK && r->at <= r->last; r->at++)
 		status = bake_frame(r);
@@ -517,22 +519,21 @@ static gw_status run(frame_run *r)
 }
 
 gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
-						 const format *written_as, output_file *report, progress *shown,
-						 gw_error *error)
+						 const frame_outputs *to, gw_error *error)
 {
 	frame_run r = { .facts = facts,
 					.settings = s,
 					.scene = scene,
-					.format = written_as,
-					.progress = shown,
+					.format = to->written_as,
+					.progress = to->shown,
 					.error = error };
 	gw_status status = find_range(s, &r.first, &r.last, error);
 	if (status == GW_OK)
 		status = run(&r);
-	if (status == GW_OK && report)
-		status = write_report(&r, report);
+	if (status == GW_OK && to->report)
+		status = write_report(&r, to->report);
 	if (status == GW_OK && !s->quiet && !s->verbose) {
-		progress_clear(shown);
+		progress_clear(to->shown);
 		fprintf(stderr, "glowworm: note: %u frames\n", r.last - r.first + 1);
 	}
 	clear_movers(&r.movers);

@@ -12,16 +12,20 @@
  * would be overwritten. To be called before anything is read. */
 gw_status frame_bake_check(const settings *settings, gw_error *error);
 
+/* Where frames go. */
+typedef struct frame_outputs {
+	const format *written_as;
+	output_file *report; /* NULL or where the report of all frames goes */
+	progress *shown;
+} frame_outputs;
+
 /*
  * Bakes and writes all frames that settings->frames names.
  *   facts    what was read; the exposure of the first frame serves all
- *   written_as   format of the outputs
- *   report   NULL or where the report of all frames goes
  *   scene    whose points are used up
  */
 gw_status frame_bake_all(bake_facts *facts, settings *settings, loaded_scene *scene,
-						 const format *written_as, output_file *report, progress *shown,
-						 gw_error *error);
+						 const frame_outputs *to, gw_error *error);
 
 /* Bakes frame 0 as gw_bake bakes a scene that stands still, and moves the scene's points there. */
 gw_status frame_bake_first(settings *settings, loaded_scene *scene, const gw_bake_options *options,

@@ -185,28 +185,37 @@ static void describe(health *h, const gw_device_info *d, size_t index)
 
 /* ------------------------------------------------------------------------------ one by one */
 
+/* What a child does with a step. */
+typedef struct errand {
+	void (*work)(void *);
+	const char *name;
+	double seconds; /* at most */
+} errand;
+
 /* Runs a step; what the child does not come back from is an item. */
-static gw_status run(health *h, step *s, void (*work)(void *), const char *name, double seconds,
-					 double *taken, bool *finished, gw_error *error)
+static gw_status run(health *h, step *s, const errand *what, double *taken, bool *finished,
+					 gw_error *error)
 {
 	child_end end;
 	char text[300];
-	gw_status status = child_run(work, s, seconds, &end, error);
+	gw_status status = child_run(what->work, s, what->seconds, &end, error);
 	*taken = end.seconds;
 	*finished = status == GW_OK && end.finished;
 	if (status != GW_OK || end.finished)
 		return status;
 	child_end_text(&end, text, sizeof text);
-	health_add(h, HEALTH_BAD, name, "its process was %s", text);
+	health_add(h, HEALTH_BAD, what->name, "its process was %s", text);
 	return GW_OK;
 }
 
 /* Trials and a bake on the device that s->device means. */
 static gw_status look_at(health *h, step *s, gw_error *error)
 {
+	static const errand trial = { try_device, "opens", TRIAL_SECONDS };
+	static const errand canary = { bake_sphere, "canary bake", BAKE_SECONDS };
 	double seconds;
 	bool finished;
-	gw_status status = run(h, s, try_device, "opens", TRIAL_SECONDS, &seconds, &finished, error);
+	gw_status status = run(h, s, &trial, &seconds, &finished, error);
 	if (status != GW_OK)
 		return status;
 	if (finished && s->status != GW_OK)
@@ -216,8 +225,7 @@ static gw_status look_at(health *h, step *s, gw_error *error)
 	health_judge_trial(h, &s->trial);
 	h->budget = h->budget ? h->budget : s->trial.budget;
 	s->canary = (health_canary){ 0 };
-	status =
-		run(h, s, bake_sphere, "canary bake", BAKE_SECONDS, &s->canary.seconds, &finished, error);
+	status = run(h, s, &canary, &s->canary.seconds, &finished, error);
 	if (status == GW_OK && finished)
 		health_judge_canary(h, &s->canary);
 	return status;
@@ -268,6 +276,7 @@ static void describe_all(health *h, const step *s)
 
 gw_status health_of_devices(health *h, gw_error *error)
 {
+	static const errand listing = { list_devices, "devices", LIST_SECONDS };
 	double seconds;
 	bool finished;
 	step *s = child_memory_create(sizeof *s);
@@ -275,7 +284,7 @@ gw_status health_of_devices(health *h, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to look at devices");
 	s->asked = h->asked;
 	health_begin(h, "Vulkan");
-	gw_status status = run(h, s, list_devices, "devices", LIST_SECONDS, &seconds, &finished, error);
+	gw_status status = run(h, s, &listing, &seconds, &finished, error);
 	if (status == GW_OK && finished) {
 		describe_all(h, s);
 		status = look_at_all(h, s, error);

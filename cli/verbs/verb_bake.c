@@ -292,8 +292,8 @@ static gw_status write_results(bake *b)
 
 static gw_status light_frames(bake *b)
 {
-	gw_status status = frame_bake_all(&b->facts, b->settings, &b->scene, b->format, b->report,
-									  &b->progress, b->error);
+	const frame_outputs to = { b->format, b->report, &b->progress };
+	gw_status status = frame_bake_all(&b->facts, b->settings, &b->scene, &to, b->error);
 	if (status == GW_OK && b->report)
 		status = output_file_commit(&b->report, b->error);
 	progress_end(&b->progress);

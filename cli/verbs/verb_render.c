@@ -38,7 +38,6 @@ typedef struct render {
 	render_scene scene;
 	octree_picture octree;
 	octree_view inner; /* --view cells and others that show what lies behind the light */
-	double exposure;   /* EV; NAN: not exposed */
 	progress progress;
 	double read_seconds, meter_seconds, draw_seconds, write_seconds; /* draw: all three */
 	gw_error *error;
@@ -266,8 +265,8 @@ static gw_status read_scene(render *r)
 {
 	double start = gw_seconds();
 	progress_show(&r->progress, "read", 0.0);
-	gw_status status = render_scene_read(r->settings, wanted_channels(r), needs_octree(r),
-										 choose_points, r, &r->scene, r->error);
+	const render_scene_wish wish = { wanted_channels(r), needs_octree(r), choose_points, r };
+	gw_status status = render_scene_read(r->settings, &wish, &r->scene, r->error);
 	if (status == GW_OK)
 		status = choose_view(r);
 	if (status == GW_OK && r->look.view == SETTINGS_VIEW_RADIANCE)
@@ -292,13 +291,16 @@ static gw_status lay_over(const render *r, const gw_camera *camera, const gw_ras
 	return status;
 }
 
-static gw_status draw(render *r, size_t picture, uint32_t width, uint32_t height, uint32_t samples,
-					  gw_gbuffer *g, float **values)
+typedef struct resolution {
+	uint32_t width, height, samples; /* samples a pixel's side */
+} resolution;
+
+static gw_status draw(render *r, size_t picture, resolution size, gw_gbuffer *g, float **values)
 {
 	gw_camera camera;
-	gw_raster_options raster = { .width = width,
-								 .height = height,
-								 .samples = samples,
+	gw_raster_options raster = { .width = size.width,
+								 .height = size.height,
+								 .samples = size.samples,
 								 .radius_scale = r->points ? POINTS_RADIUS : 1.0f,
 								 .cull = r->settings->render.cull,
 								 .threads = r->settings->bake.threads,
@@ -314,7 +316,7 @@ static gw_status draw(render *r, size_t picture, uint32_t width, uint32_t height
 		status = gw_raster_draw(shown, &camera, &raster, g, r->error);
 	if (status != GW_OK)
 		return status;
-	*values = reallocarray(NULL, (size_t)width * height, 3 * sizeof **values);
+	*values = reallocarray(NULL, (size_t)size.width * size.height, 3 * sizeof **values);
 	if (!*values) {
 		gw_gbuffer_clear(g);
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for a picture");
@@ -369,14 +371,14 @@ static gw_status meter(render *r)
 	for (size_t i = 0; i < metered && status == GW_OK; i++) {
 		gw_gbuffer g;
 		float *values;
-		status = draw(r, i * pictures / metered, width, height, 1, &g, &values);
+		status = draw(r, i * pictures / metered, (resolution){ width, height, 1 }, &g, &values);
 		if (status == GW_OK)
 			meter_pixels(r, &g, values, &m);
 		free(values);
 		gw_gbuffer_clear(&g);
 	}
 	if (status == GW_OK)
-		r->exposure = m.count ? preview_exposure(m.light, m.emission, m.count) : 0.0;
+		r->look.exposure = m.count ? preview_exposure(m.light, m.emission, m.count) : 0.0;
 	free(m.light);
 	free(m.emission);
 	return status;
@@ -384,8 +386,8 @@ static gw_status meter(render *r)
 
 static gw_status choose_exposure(render *r)
 {
-	r->exposure = (double)r->settings->exposure;
-	if (isnan(r->exposure) && render_view_is_light(r->look.view))
+	r->look.exposure = (double)r->settings->exposure;
+	if (isnan(r->look.exposure) && render_view_is_light(r->look.view))
 		return meter(r);
 	return GW_OK;
 }
@@ -403,7 +405,7 @@ static gw_status write_picture(const render *r, size_t picture, const gw_gbuffer
 		scene.offset[c] = -1; /* boxes have no such layers */
 	if (status == GW_OK)
 		status = (r->exr ? render_write_exr : render_write_png)(out, &scene, &r->look, g, values,
-																r->exposure, r->error);
+																r->error);
 	if (status == GW_OK)
 		status = output_file_commit(&out, r->error);
 	output_file_abandon(&out);
@@ -415,8 +417,8 @@ static gw_status make_picture(render *r, size_t picture)
 {
 	gw_gbuffer g;
 	float *values;
-	gw_status status =
-		draw(r, picture, r->width, r->height, r->settings->render.samples, &g, &values);
+	gw_status status = draw(
+		r, picture, (resolution){ r->width, r->height, r->settings->render.samples }, &g, &values);
 	if (status == GW_OK && g.drawn == 0 && camera_plan_count(&r->plan) == 1)
 		status = gw_fail(r->error, GW_ERROR_DATA,
 						 "no point is in view; --camera auto finds a camera that sees some");
@@ -473,8 +475,8 @@ static void summarize(const render *r)
 	const gw_viewpoint *v = r->plan.view;
 	fprintf(stderr, "camera    at %.10g,%.10g,%.10g to %.10g,%.10g,%.10g fov %g\n", v->at[0],
 			v->at[1], v->at[2], v->to[0], v->to[1], v->to[2], v->angle);
-	if (!isnan(r->exposure))
-		fprintf(stderr, "exposure  EV %g\n", r->exposure);
+	if (!isnan(r->look.exposure))
+		fprintf(stderr, "exposure  EV %g\n", r->look.exposure);
 	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);
 	fprintf(stderr, "read      %.2f s\n", r->read_seconds);
 	fprintf(stderr, "draw      %.2f s\n", r->draw_seconds);

@@ -145,8 +145,14 @@ static gw_status take_library(reader *r)
 /* ---------------------------------------------------------------------------------- faces */
 
 /* An index from 1, or from -1 backwards. */
-static gw_status take_index(const reader *r, mesh_word word, const char **at, size_t above,
-							size_t count, const char *what, uint32_t *index)
+/* What an index leads to. */
+typedef struct indexed {
+	const char *what;
+	size_t count, above; /* of the whole file, and above this line */
+} indexed;
+
+static gw_status take_index(const reader *r, mesh_word word, const char **at, indexed of,
+							uint32_t *index)
 {
 	const char *end = word.text + word.length;
 	bool negative = *at < end && **at == '-';
@@ -156,13 +162,13 @@ static gw_status take_index(const reader *r, mesh_word word, const char **at, si
 		value = 10 * value + (uint64_t)(**at - '0');
 	if (*at == first || (*at < end && **at != '/'))
 		return fail_line(r, word, "where the indices of a corner were expected");
-	if (value == 0 || value > (negative ? above : count)) {
+	if (value == 0 || value > (negative ? of.above : of.count)) {
 		char wrong[120];
-		snprintf(wrong, sizeof wrong, "leads to no %s; there are %zu%s", what,
-				 negative ? above : count, negative ? " above this line" : "");
+		snprintf(wrong, sizeof wrong, "leads to no %s; there are %zu%s", of.what,
+				 negative ? of.above : of.count, negative ? " above this line" : "");
 		return fail_line(r, word, wrong);
 	}
-	*index = (uint32_t)(negative ? above - value : value - 1);
+	*index = (uint32_t)(negative ? of.above - value : value - 1);
 	return GW_OK;
 }
 
@@ -170,15 +176,16 @@ static gw_status take_index(const reader *r, mesh_word word, const char **at, si
 static gw_status take_corner(reader *r, mesh_word word)
 {
 	const char *at = word.text, *end = word.text + word.length;
+	const indexed vertices = { "vertex", r->mesh->position_count, r->vertices };
+	const indexed normals = { "normal", r->mesh->normal_count, r->normals };
 	uint32_t corner, normal = MESH_NONE;
-	gw_status status =
-		take_index(r, word, &at, r->vertices, r->mesh->position_count, "vertex", &corner);
+	gw_status status = take_index(r, word, &at, vertices, &corner);
 	if (status == GW_OK && at < end) {
 		/* Texture coordinates are not needed, so their index is not looked at. */
 		for (at++; at < end && *at != '/';)
 			at++;
 		if (at < end && ++at < end)
-			status = take_index(r, word, &at, r->normals, r->mesh->normal_count, "normal", &normal);
+			status = take_index(r, word, &at, normals, &normal);
 	}
 	if (status == GW_OK && at < end)
 		return fail_line(r, word, "where the indices of a corner were expected");

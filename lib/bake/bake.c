@@ -520,12 +520,13 @@ static gw_status run(bake *b, gw_error *error)
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
-static gw_status bake_in_units(const gw_points *points, const gw_light *lights, size_t light_count,
-							   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_light *lights,
+							   size_t light_count, const gw_bake_callbacks *callbacks,
 							   gw_bake_result **result, gw_error *error)
 {
+	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = points };
+	bake b = { .points = &scaled->points };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
@@ -564,8 +565,8 @@ gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_
 		return status;
 	status = gw_scaled_scene_make(points, lights, light_count, options, &scaled, error);
 	if (status == GW_OK)
-		status = bake_in_units(&scaled.points, scaled.lights ? scaled.lights : lights, light_count,
-							   &scaled.options, callbacks, result, error);
+		status = bake_in_units(&scaled, scaled.lights ? scaled.lights : lights, light_count,
+							   callbacks, result, error);
 	if (status == GW_OK)
 		status = gw_scaled_scene_undo(&scaled, *result, error);
 	if (status != GW_OK)

@@ -142,8 +142,7 @@ static void find_boxes(gw_frames *f)
 		f->box[m] = box_of(&f->scene, base, end);
 		base = end;
 	}
-	f->scene.box = f->box;
-	f->scene.box_count = (uint32_t)boxes;
+	f->scene.boxes = (gw_changed_boxes){ f->box, (uint32_t)boxes };
 }
 
 static bool same_place(const gw_frames *f, size_t frame)
@@ -308,13 +307,15 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 	return status;
 }
 
-gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const gw_light *lights,
-						 size_t light_count, const gw_bake_options *options,
+gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *options,
 						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
 						 gw_frames **frames, gw_error *error)
 {
+	const gw_points *points = scene->points;
+	const gw_motion *motion = scene->motion;
 	*frames = NULL;
-	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
+	gw_status status =
+		gw_options_check(options, points->count, scene->lights, scene->light_count, error);
 	if (status == GW_OK && gw_options_refine(options))
 		status =
 			gw_fail(error, GW_ERROR_USAGE,
@@ -337,8 +338,8 @@ gw_status gw_frames_open(const gw_points *points, const gw_motion *motion, const
 	}
 	f->points = points;
 	f->motion = motion;
-	f->first_lights = lights;
-	f->first_light_count = light_count;
+	f->first_lights = scene->lights;
+	f->first_light_count = scene->light_count;
 	f->how = *how;
 	f->scene = (gw_scene){
 		.options = *options,

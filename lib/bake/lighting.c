@@ -52,7 +52,8 @@ static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t cou
 	if (buffer->handle != VK_NULL_HANDLE)
 		return gw_buffer_fill(gpu, buffer, 0, error);
 	VkFormat format = kind == GW_BUFFER_TEXEL ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_UNDEFINED;
-	return gw_buffer_create(gpu, kind, format, 16 * count, name, buffer, error);
+	return gw_buffer_create(gpu, &(gw_buffer_description){ kind, format, 16 * count, name }, buffer,
+							error);
 }
 
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
@@ -64,16 +65,16 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	if (status == GW_OK)
 		status = darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
 						&lighting->facet_direct, error);
+	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options };
 	bool off = lighting->plan.lamps && lighting->whole == NULL &&
 			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
 	if (status == GW_OK && off)
 		status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 						"irradiance of normals that are off", &lighting->surfel_turned, error);
+	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
+									  off ? &lighting->surfel_turned : NULL };
 	if (status == GW_OK && lighting->plan.lamps)
-		status =
-			gw_direct_light(&scene->passes, &scene->octree, &scene->surfels, lighting->lights,
-							lighting->light_count, &scene->options, &lighting->surfel_direct,
-							&lighting->facet_direct, off ? &lighting->surfel_turned : NULL, error);
+		status = gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
 	return status;
 }
 
@@ -104,6 +105,8 @@ static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_record_context further = gw_scene_context(s, &s->further);
 	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
 										 .samples = s->options.light_samples,
 										 .use_hits = true,
@@ -118,12 +121,11 @@ static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 	gw_status status = open_to_sky(lighting, error);
 	if (status == GW_OK && s->further.count > 0 && sources.kept &&
 		s->sampled.handle != VK_NULL_HANDLE)
-		status = gw_ray_gather_sample_further(&s->passes, &s->octree, &s->further, &s->further_rays,
-											  &sources, error);
+		status = gw_ray_gather_sample_further(&further, &s->further_rays, &sources, error);
 	gw_scene_forget_further(s);
-	return status == GW_OK ? gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
-												   &sources, &s->records.first, error)
-						   : status;
+	return status == GW_OK
+			   ? gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error)
+			   : status;
 }
 
 static float largest_emission(const gw_surfels *surfels)
@@ -145,6 +147,7 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 {
 	const float black[3] = { 0 };
 	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_plan *plan = &lighting->plan;
 	bool in_voxels = plan->emitters && lighting->emitters.area_share >= SAMPLED_SHARE;
 	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
@@ -154,17 +157,16 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 										 .map_samples = s->options.light_samples,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed };
-	gw_status status = gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays,
-											 &sources, &s->records.first, error);
+	gw_status status = gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
 	const float *sky = plan->sky_radiance;
 	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
 	if (status != GW_OK || (!in_voxels && !seen))
 		return status;
-	status =
-		gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records,
-							  in_voxels ? &s->octree.facet_emission : &lighting->facet_radiance,
-							  in_voxels ? largest_emission(&s->surfels) : 1.0f, plan->sky_radiance,
-							  &s->records.gathered, error);
+	const gw_facet_radiance radiance = { in_voxels ? &s->octree.facet_emission
+												   : &lighting->facet_radiance,
+										 in_voxels ? largest_emission(&s->surfels) : 1.0f };
+	status = gw_cone_gather_bounce(&on, &s->cones, radiance, plan->sky_radiance,
+								   &s->records.gathered, error);
 	return status == GW_OK ? add_gathered(s, error) : status;
 }
 
@@ -235,6 +237,7 @@ static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radi
 static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const gw_buffer *part,
 								gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(s, &s->records);
 	const float black[3] = { 0 };
 	const gw_sampled_sources sources = { .emitters = patches,
 										 .part = part,
@@ -243,8 +246,7 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 										 .sky = black,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
-	return gw_ray_gather_sampled(&s->passes, &s->octree, &s->records, &s->rays, &sources,
-								 &s->records.gathered, error);
+	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.gathered, error);
 }
 
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
@@ -278,8 +280,9 @@ static gw_status gather_by_cones(void *self, const gw_buffer *facet_radiance, fl
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	const float black[3] = { 0 };
-	return gw_cone_gather_bounce(&s->passes, &s->octree, &s->cones, &s->records, facet_radiance,
-								 largest, black, &s->records.gathered, error);
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_facet_radiance radiance = { facet_radiance, largest };
+	return gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error);
 }
 
 /* The guess at the surfels' light, as the mean over each facet. */
@@ -288,13 +291,18 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	gw_scene *s = lighting->scene;
 	gw_buffer surfels = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
-	gw_status status = gw_buffer_create(s->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										bytes, "carried irradiance", &surfels, error);
+	gw_status status =
+		gw_buffer_create(s->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "carried irradiance" },
+						 &surfels, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(s->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  32 * (uint64_t)s->octree.leaf_count, "carried light of facets",
+		status = gw_buffer_create(s->gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															32 * (uint64_t)s->octree.leaf_count,
+															"carried light of facets" },
 								  facets, error);
 	if (status == GW_OK)
 		status = gw_average_facets(&s->passes, &s->octree, &surfels, facets, error);
@@ -308,9 +316,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_report *report = s->report;
 	bool rays = s->options.method == GW_METHOD_RAYS;
 	gw_bounces bounces;
-	gw_bounces_task task = { .passes = &s->passes,
-							 .octree = &s->octree,
-							 .records = &s->records,
+	gw_bounces_task task = { .on = gw_scene_context(s, &s->records),
 							 .facet_direct = &lighting->facet_direct,
 							 .facet_radiance = &lighting->facet_radiance,
 							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,

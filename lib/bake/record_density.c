@@ -36,23 +36,29 @@ typedef struct density_work {
 
 /* ------------------------------------------------------------------------------------ factors */
 
-/* With factors that follow the root of mass / level: the sum of mass that is left, and of all. */
-static void try_level(const double *mass, const float *most, size_t count, double level,
-					  float *factor, double *left, double *all)
+typedef struct level_sums {
+	double left; /* of mass that is left */
+	double all;  /* of the factors */
+} level_sums;
+
+/* With factors that follow the root of mass / level. */
+static level_sums try_level(const double *mass, const float *most, size_t count, double level,
+							float *factor)
 {
-	*left = *all = 0.0;
+	level_sums sums = { 0.0, 0.0 };
 	for (size_t i = 0; i < count; i++) {
 		double f = fmin(fmax(sqrt(mass[i] / level), 1.0), (double)most[i]);
 		factor[i] = (float)f;
-		*left += mass[i] / f;
-		*all += f;
+		sums.left += mass[i] / f;
+		sums.all += f;
 	}
+	return sums;
 }
 
 double gw_density_factors(const double *mass, const float *most, size_t count,
 						  const gw_density_wish *wish, float *factor)
 {
-	double sum = 0.0, largest = 0.0, left, all;
+	double sum = 0.0, largest = 0.0;
 	for (size_t i = 0; i < count; i++) {
 		sum += mass[i];
 		largest = fmax(largest, mass[i]);
@@ -64,12 +70,11 @@ double gw_density_factors(const double *mass, const float *most, size_t count,
 	double low = log(largest) - 80.0, high = log(largest);
 	for (int i = 0; i < HALVINGS; i++) {
 		double middle = 0.5 * (low + high);
-		try_level(mass, most, count, exp(middle), factor, &left, &all);
-		bool enough = left <= wish->share * sum || all > wish->most_growth * (double)count;
+		level_sums now = try_level(mass, most, count, exp(middle), factor);
+		bool enough = now.left <= wish->share * sum || now.all > wish->most_growth * (double)count;
 		*(enough ? &low : &high) = middle;
 	}
-	try_level(mass, most, count, exp(high), factor, &left, &all);
-	return left / sum;
+	return try_level(mass, most, count, exp(high), factor).left / sum;
 }
 
 /* --------------------------------------------------------------------------------------- mass */

@@ -231,10 +231,10 @@ static uint32_t ray_count(const gw_bake_options *o)
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
+	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
 	gw_status status =
 		scene->keeps
-			? gw_octree_build_kept(scene->gpu, &scene->surfels, scene->still, o->depth,
-								   o->leaf_spacing, &scene->kept_octree, &scene->octree, error)
+			? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
 		: o->depth == GW_DEPTH_AUTO
 			? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
 									 error)
@@ -266,19 +266,17 @@ static void report_rays(gw_scene *scene)
 /* What the records see; for cones, how near their surroundings are. */
 static gw_status trace_records(gw_scene *scene, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
 	gw_status status;
 	if (scene->kept)
 		status =
-			gw_kept_hits_trace(&scene->passes, &scene->octree, &scene->records, scene->kept,
-							   scene->box, scene->box_count, &scene->rays, &scene->traced, error);
+			gw_kept_hits_trace(&on, scene->kept, scene->boxes, &scene->rays, &scene->traced, error);
 	else
-		status = gw_ray_gather_trace(&scene->passes, &scene->octree, &scene->records, ray_count(o),
-									 (uint32_t)o->seed, &scene->rays, error);
+		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
 	report_rays(scene);
 	if (status == GW_OK)
-		status = gw_ray_gather_look(&scene->passes, &scene->octree, &scene->records, &scene->rays,
-									error);
+		status = gw_ray_gather_look(&on, &scene->rays, error);
 	return status;
 }
 
@@ -318,20 +316,18 @@ void gw_scene_forget_light(gw_scene *scene)
 
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	gw_status status = gw_records_place(&scene->passes, &scene->octree, o->record_spacing, o->seed,
-										&scene->records, error);
+	gw_status status = gw_records_place(&on, o->record_spacing, o->seed, error);
 	scene->report->records = scene->records.count;
 	if (status == GW_OK)
 		status = trace_records(scene, error);
 	if (status == GW_OK)
 		status = make_pools(scene, error);
 	if (status == GW_OK)
-		status =
-			gw_records_weigh_facets(&scene->passes, &scene->octree, &scene->records, NULL, error);
+		status = gw_records_weigh_facets(&on, NULL, error);
 	if (status == GW_OK)
-		status = gw_read_back_make(&scene->passes, &scene->octree, &scene->records,
-								   scene->surfels.count, &scene->read_back, error);
+		status = gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error);
 	return status;
 }
 
@@ -358,18 +354,20 @@ static gw_status list_further(gw_scene *scene, uint32_t first, gw_error *error)
 /* Which records light what, where they have come closer. */
 static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_own_spacings facet = { density->facet_spacing, density->facet_closer,
+									2 * (size_t)s->octree.leaf_count };
+	const gw_own_spacings surfel = { density->surfel_spacing, density->surfel_closer,
+									 s->surfels.count };
 	gw_buffer facets = { 0 }, surfels = { 0 };
 	gw_status status =
-		gw_records_reach(s->gpu, &s->records, GW_FACET_REACH, density->facet_spacing,
-						 density->facet_closer, 2 * (size_t)s->octree.leaf_count, &facets, error);
+		gw_records_reach(s->gpu, &s->records, GW_FACET_REACH, &facet, &facets, error);
 	if (status == GW_OK)
-		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, density->surfel_spacing,
-								  density->surfel_closer, s->surfels.count, &surfels, error);
+		status = gw_records_reach(s->gpu, &s->records, GW_SURFEL_REACH, &surfel, &surfels, error);
 	if (status == GW_OK)
-		status = gw_records_weigh_facets(&s->passes, &s->octree, &s->records, &facets, error);
+		status = gw_records_weigh_facets(&on, &facets, error);
 	if (status == GW_OK)
-		status = gw_read_back_again(&s->passes, &s->octree, &s->records, &surfels,
-									density->surfel_closer, &s->read_back, error);
+		status = gw_read_back_again(&on, &surfels, density->surfel_closer, &s->read_back, error);
 	gw_buffer_destroy(s->gpu, &facets);
 	gw_buffer_destroy(s->gpu, &surfels);
 	return status;
@@ -377,35 +375,35 @@ static gw_status weigh_again(gw_scene *s, const gw_record_density *density, gw_e
 
 gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
+	const gw_record_context further = gw_scene_context(scene, &scene->further);
 	const gw_bake_options *o = &scene->options;
 	uint32_t before = scene->records.count;
 	gw_scene_forget_further(scene);
-	gw_status status = gw_records_add(&scene->passes, &scene->octree, o->record_spacing, o->seed,
-									  density->facet_spacing, &scene->records, error);
+	gw_status status =
+		gw_records_add(&on, o->record_spacing, o->seed, density->facet_spacing, error);
 	scene->report->records = scene->records.count;
 	if (status == GW_OK && scene->records.count > before)
 		status = list_further(scene, before, error);
 	if (status == GW_OK && scene->further.count > 0)
-		status = gw_ray_gather_add(&scene->passes, &scene->octree, &scene->further, &scene->rays,
-								   &scene->further_rays, error);
+		status = gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error);
 	report_rays(scene);
 	if (status == GW_OK)
-		status = gw_ray_gather_look(&scene->passes, &scene->octree, &scene->records, &scene->rays,
-									error);
+		status = gw_ray_gather_look(&on, &scene->rays, error);
 	return status == GW_OK ? weigh_again(scene, density, error) : status;
 }
 
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_record_context further = gw_scene_context(s, &s->further);
 	gw_status status = GW_OK;
 	if (!s->portals.looked)
 		status = gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error);
 	if (status == GW_OK && s->further.count > 0)
-		status = gw_ray_gather_open_further(&s->passes, &s->octree, &s->further, &s->portals,
-											&s->rays, &s->further_rays, error);
-	return status == GW_OK ? gw_ray_gather_open(&s->passes, &s->octree, &s->records, &s->portals,
-												&s->rays, error)
-						   : status;
+		status =
+			gw_ray_gather_open_further(&further, &s->portals, &s->rays, &s->further_rays, error);
+	return status == GW_OK ? gw_ray_gather_open(&on, &s->portals, &s->rays, error) : status;
 }
 
 gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error)
@@ -419,12 +417,11 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 
 gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error)
 {
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	gw_status status = gw_records_place(&scene->passes, &scene->octree, o->record_spacing, o->seed,
-										&scene->records, error);
+	gw_status status = gw_records_place(&on, o->record_spacing, o->seed, error);
 	if (status == GW_OK)
-		status = gw_ray_gather_trace(&scene->passes, &scene->octree, &scene->records, ray_count(o),
-									 (uint32_t)o->seed, &scene->rays, error);
+		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
 	if (status == GW_OK)
 		status = gw_kept_hits_take(scene->gpu, &scene->octree, &scene->records, &scene->rays, kept,
 								   error);

@@ -63,9 +63,8 @@ struct gw_scene {
 	size_t still;                /* so many surfels stay where they are */
 	gw_octree_kept *kept_octree; /* owned */
 	const gw_kept_hits *kept;    /* NULL, or what records saw without what moves; not owned */
-	const gw_changed_box *box;   /* box_count, where that is; not owned */
-	uint32_t box_count;
-	uint64_t traced; /* rays of records that were traced, the last time */
+	gw_changed_boxes boxes;      /* where that is; not owned */
+	uint64_t traced;             /* rays of records that were traced, the last time */
 
 	/* For scenes that are lit by those who made them (handles.c). */
 	gw_report *own_report;  /* owned: report */
@@ -73,6 +72,12 @@ struct gw_scene {
 	gw_scaled_scene units;  /* in which all is reckoned */
 	const gw_lighting *lit; /* whose light is in the records; not owned, maybe gone */
 };
+
+/* Records of the scene, for the steps of light/. */
+static inline gw_record_context gw_scene_context(gw_scene *scene, gw_records *records)
+{
+	return (gw_record_context){ &scene->passes, &scene->octree, records };
+}
 
 /*
  * Begins a stage: tells the caller, and asks whether to stop.

@@ -300,11 +300,15 @@ static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
 	} else if (gw_buffer_may_borrow(scene->gpu, a->from) && block->bytes > 0) {
 		a->lent = true;
-		status = gw_buffer_borrow(scene->gpu, block->format, a->from, block->bytes, block->name,
-								  block->buffer, error);
+		status = gw_buffer_borrow(
+			scene->gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, block->format, block->bytes, block->name },
+			a->from, block->buffer, error);
 	} else {
-		status = gw_buffer_create_unset(scene->gpu, GW_BUFFER_TEXEL, block->format, block->bytes,
-										block->name, block->buffer, error);
+		status = gw_buffer_create_unset(
+			scene->gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, block->format, block->bytes, block->name },
+			block->buffer, error);
 		a->to = gw_gpu_shares_memory(scene->gpu) ? block->buffer->mapped : NULL;
 	}
 	return status;
@@ -437,15 +441,20 @@ static gw_status average_emission(gw_scene *scene, gw_error *error)
 	for (size_t i = 0; i < s->count && status == GW_OK; i++)
 		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
 	if (status == GW_OK)
-		status = gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)s->count, "emission of surfels", &emission, error);
+		status = gw_buffer_create(
+			scene->gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+									  16 * (uint64_t)s->count, "emission of surfels" },
+			&emission, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(scene->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
 	gw_buffer_destroy(scene->gpu, &o->facet_emission);
 	if (status == GW_OK)
-		status = gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)o->leaf_count, "emission of facets",
-								  &o->facet_emission, error);
+		status = gw_buffer_create(
+			scene->gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+									  32 * (uint64_t)o->leaf_count, "emission of facets" },
+			&o->facet_emission, error);
 	if (status == GW_OK)
 		status = gw_average_facets(&scene->passes, o, &emission, &o->facet_emission, error);
 	gw_buffer_destroy(scene->gpu, &emission);
@@ -471,8 +480,11 @@ static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_e
 	free(s->emission);
 	s->emission = NULL;
 	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
-	return gw_buffer_create(scene->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16,
-							"emission of facets", &scene->octree.facet_emission, error);
+	return gw_buffer_create(scene->gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL,
+													  VK_FORMAT_R32G32B32A32_SFLOAT, 16,
+													  "emission of facets" },
+							&scene->octree.facet_emission, error);
 }
 
 gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_transport *transport,

@@ -86,21 +86,27 @@ typedef struct gw_buffer {
 	const char *name;
 } gw_buffer;
 
+/* What a buffer is to be. */
+typedef struct gw_buffer_description {
+	gw_buffer_kind kind;
+	VkFormat format;  /* of GW_BUFFER_TEXEL: VK_FORMAT_R32_UINT, R32G32B32A32_SFLOAT, ...; else
+						 VK_FORMAT_UNDEFINED */
+	uint64_t bytes;   /* a multiple of the format's texel size; of 0 at least 1 is allocated */
+	const char *name; /* a string that outlives the buffer */
+} gw_buffer_description;
+
 /*
  * Allocates a buffer filled with zeros. An earlier buffer in *buffer must have been destroyed.
- *   bytes   at least 1 is allocated even for 0; a multiple of the format's texel size
- *   format  of GW_BUFFER_TEXEL: VK_FORMAT_R32_UINT, R32G32_UINT, R32G32B32A32_SFLOAT, ...
- *   name    a string that outlives the buffer
  * Fails with GW_ERROR_MEMORY when the budget, an allocation or the texel limit is too small; the
  * sentence holds the bytes needed. On failure *buffer is zeroed.
  */
-gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-						   const char *name, gw_buffer *buffer, gw_error *error);
+gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description, gw_buffer *buffer,
+						   gw_error *error);
 
 /* The same without zeros, for a buffer that is written as a whole next: what it holds till then is
  * not defined. */
-gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-								 const char *name, gw_buffer *buffer, gw_error *error);
+gw_status gw_buffer_create_unset(gw_gpu *gpu, const gw_buffer_description *description,
+								 gw_buffer *buffer, gw_error *error);
 
 /* What is lent begins at a multiple of this, and can be read up to the next one after its end. */
 #define GW_LENT_ALIGNMENT 4096u
@@ -111,12 +117,12 @@ bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes);
 
 /*
  * A texel buffer of bytes that lie there already, without a copy: for gw_buffer_may_borrow.
- *   lent   stays the caller's, and as it is until the buffer is destroyed: nothing may write to it,
- *          no pass either
- * For the rest as gw_buffer_create.
+ *   description   of GW_BUFFER_TEXEL
+ *   lent          stays the caller's, and as it is until the buffer is destroyed: nothing may write
+ * to it, no pass either For the rest as gw_buffer_create.
  */
-gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
-						   const char *name, gw_buffer *buffer, gw_error *error);
+gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description, const void *lent,
+						   gw_buffer *buffer, gw_error *error);
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer); /* zeroes it; a zeroed one is accepted */
 
 /* Copies between host and buffer; they wait until it is done. offset and bytes are multiples of 4.

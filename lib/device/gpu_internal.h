@@ -161,10 +161,12 @@ void gw_staging_destroy(gw_gpu *gpu);
 
 /* ----------------------------------------------------------------------------------- passes */
 
-/* One dispatch of a pass: elements [first, first + count). */
+/* One dispatch of a pass: elements [first, first + count), by one of its GW_SLICES_MAX descriptor
+ * sets. Nothing in flight may use that set. */
 typedef struct gw_slice {
 	uint32_t first;
 	uint32_t count;
+	uint32_t set;
 } gw_slice;
 
 /* Bytes of push constants that a pass has at most: what every Vulkan device has. */
@@ -185,10 +187,9 @@ typedef struct gw_slice {
 
 /*
  * Records one slice into the begun command buffer, without any barrier.
- *   set   which of the pass's GW_SLICES_MAX descriptor sets to use; nothing in flight may use it
  *   push  as of gw_pass_run
  */
-gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_binding *bindings,
-						 const void *push, gw_slice slice, gw_error *error);
+gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, gw_slice slice, const gw_binding *bindings,
+						 const void *push, gw_error *error);
 
 #endif

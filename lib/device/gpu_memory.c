@@ -118,15 +118,21 @@ static gw_status check_budget(const gw_gpu *gpu, uint64_t bytes, const char *nam
 	return GW_OK;
 }
 
-/*
- *   lent   NULL, or where the memory lies that is to be used in place of new one
- */
-static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging, const void *lent,
-						  const char *name, VkDeviceMemory *memory, uint64_t *allocated,
+/* What memory is for, and where it goes. */
+typedef struct allocation {
+	const char *name;
+	bool staging;
+	const void *lent; /* NULL, or where the memory lies that is to be used in place of new one */
+	VkDeviceMemory *memory;
+	uint64_t *allocated; /* bytes of it */
+} allocation;
+
+static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, const allocation *to,
 						  gw_error *error)
 {
+	const char *name = to->name;
 	GW_TRY(check_budget(gpu, needs.size, name, error));
-	int type = choose_memory_type(gpu, needs.memoryTypeBits, staging);
+	int type = choose_memory_type(gpu, needs.memoryTypeBits, to->staging);
 	if (type < 0)
 		return gw_fail(error, GW_ERROR_INTERNAL, "\"%s\" has no memory that suits \"%s\"",
 					   gpu->device.info.name, name);
@@ -139,19 +145,19 @@ static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, bool staging,
 	VkImportMemoryHostPointerInfoEXT import = {
 		.sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT,
 		.handleType = host_memory,
-		.pHostPointer = (void *)(uintptr_t)lent,
+		.pHostPointer = (void *)(uintptr_t)to->lent,
 	};
 	VkMemoryAllocateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-		.pNext = lent != NULL ? &import : NULL,
-		.allocationSize = lent != NULL ? (needs.size + GW_LENT_ALIGNMENT - 1) / GW_LENT_ALIGNMENT *
-											 GW_LENT_ALIGNMENT
-									   : needs.size,
+		.pNext = to->lent != NULL ? &import : NULL,
+		.allocationSize = to->lent != NULL ? (needs.size + GW_LENT_ALIGNMENT - 1) /
+												 GW_LENT_ALIGNMENT * GW_LENT_ALIGNMENT
+										   : needs.size,
 		.memoryTypeIndex = (uint32_t)type,
 	};
-	GW_VULKAN(gpu, error, name, vkAllocateMemory(gpu->handle, &info, NULL, memory));
-	gw_gpu_name(gpu, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)*memory, name);
-	*allocated = needs.size;
+	GW_VULKAN(gpu, error, name, vkAllocateMemory(gpu->handle, &info, NULL, to->memory));
+	gw_gpu_name(gpu, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)*to->memory, name);
+	*to->allocated = needs.size;
 	gpu->account.bytes += needs.size;
 	if (gpu->account.bytes > gpu->account.peak_bytes)
 		gpu->account.peak_bytes = gpu->account.bytes;
@@ -166,9 +172,8 @@ static void release(gw_gpu *gpu, VkDeviceMemory memory, uint64_t allocated)
 }
 
 /* A buffer with memory bound to it. */
-static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t bytes, bool staging,
-							   const void *lent, const char *name, VkBuffer *handle,
-							   VkDeviceMemory *memory, uint64_t *allocated, gw_error *error)
+static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t bytes,
+							   const allocation *to, VkBuffer *handle, gw_error *error)
 {
 	VkExternalMemoryBufferCreateInfo external = {
 		.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO,
@@ -176,17 +181,17 @@ static gw_status create_buffer(gw_gpu *gpu, VkBufferUsageFlags usage, uint64_t b
 	};
 	VkBufferCreateInfo info = {
 		.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-		.pNext = lent != NULL ? &external : NULL,
+		.pNext = to->lent != NULL ? &external : NULL,
 		.size = bytes,
 		.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
 		.sharingMode = VK_SHARING_MODE_EXCLUSIVE,
 	};
-	GW_VULKAN(gpu, error, name, vkCreateBuffer(gpu->handle, &info, NULL, handle));
-	gw_gpu_name(gpu, VK_OBJECT_TYPE_BUFFER, (uint64_t)*handle, name);
+	GW_VULKAN(gpu, error, to->name, vkCreateBuffer(gpu->handle, &info, NULL, handle));
+	gw_gpu_name(gpu, VK_OBJECT_TYPE_BUFFER, (uint64_t)*handle, to->name);
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, *handle, &needs);
-	GW_TRY(allocate(gpu, needs, staging, lent, name, memory, allocated, error));
-	GW_VULKAN(gpu, error, name, vkBindBufferMemory(gpu->handle, *handle, *memory, 0));
+	GW_TRY(allocate(gpu, needs, to, error));
+	GW_VULKAN(gpu, error, to->name, vkBindBufferMemory(gpu->handle, *handle, *to->memory, 0));
 	return GW_OK;
 }
 
@@ -198,9 +203,11 @@ static gw_status need_staging(gw_gpu *gpu, gw_error *error)
 	gw_staging *staging = &gpu->staging;
 	if (staging->mapped != NULL)
 		return GW_OK;
-	gw_status status =
-		create_buffer(gpu, 0, STAGING_BYTES, true, NULL, "staging buffer", &staging->handle,
-					  &staging->memory, &staging->allocated, error);
+	const allocation to = { .name = "staging buffer",
+							.staging = true,
+							.memory = &staging->memory,
+							.allocated = &staging->allocated };
+	gw_status status = create_buffer(gpu, 0, STAGING_BYTES, &to, &staging->handle, error);
 	VkResult result = VK_SUCCESS;
 	if (status == GW_OK)
 		result = vkMapMemory(gpu->handle, staging->memory, 0, VK_WHOLE_SIZE, 0, &staging->mapped);
@@ -259,24 +266,28 @@ static gw_status create_view(gw_gpu *gpu, VkFormat format, gw_buffer *buffer, gw
 	return GW_OK;
 }
 
-static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, const void *lent,
-							 gw_buffer *buffer, gw_error *error)
+/* Leaves to the caller to destroy what there is when it fails. */
+static gw_status make_buffer(gw_gpu *gpu, const gw_buffer_description *description,
+							 const void *lent, gw_buffer *buffer, gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
 	const char *name = buffer->name;
+	bool texel = description->kind == GW_BUFFER_TEXEL;
 	uint64_t size = buffer->bytes > BUFFER_BYTES_MIN ? buffer->bytes : BUFFER_BYTES_MIN;
 	/* Checked before the driver sees the size: some wrap large ones around. */
 	GW_TRY(check_budget(gpu, size, name, error));
-	if (kind == GW_BUFFER_TEXEL)
-		GW_TRY(check_texel_buffer(gpu, format, size, name, error));
+	if (texel)
+		GW_TRY(check_texel_buffer(gpu, description->format, size, name, error));
 	size = (size + 3) / 4 * 4;
 	VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-	if (kind == GW_BUFFER_TEXEL)
+	if (texel)
 		usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
-	GW_TRY(create_buffer(gpu, usage, size, false, lent, name, &buffer->handle, &buffer->memory,
-						 &buffer->allocated, error));
-	if (kind == GW_BUFFER_TEXEL)
-		GW_TRY(create_view(gpu, format, buffer, error));
+	const allocation to = {
+		.name = name, .lent = lent, .memory = &buffer->memory, .allocated = &buffer->allocated
+	};
+	GW_TRY(create_buffer(gpu, usage, size, &to, &buffer->handle, error));
+	if (texel)
+		GW_TRY(create_view(gpu, description->format, buffer, error));
 	buffer->mapped = (void *)(uintptr_t)lent;
 	/* Stays mapped until the memory is freed. */
 	if (lent == NULL && gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
@@ -286,15 +297,21 @@ static gw_status make_buffer(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, 
 	return GW_OK;
 }
 
-gw_status gw_buffer_create_unset(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-								 const char *name, gw_buffer *buffer, gw_error *error)
+static gw_status begin_buffer(gw_gpu *gpu, const gw_buffer_description *description,
+							  const void *lent, gw_buffer *buffer, gw_error *error)
 {
-	assert(name != NULL);
-	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
-	gw_status status = make_buffer(gpu, kind, format, NULL, buffer, error);
+	assert(description->name != NULL);
+	*buffer = (gw_buffer){ .bytes = description->bytes, .name = description->name };
+	gw_status status = make_buffer(gpu, description, lent, buffer, error);
 	if (status != GW_OK)
 		gw_buffer_destroy(gpu, buffer);
 	return status;
+}
+
+gw_status gw_buffer_create_unset(gw_gpu *gpu, const gw_buffer_description *description,
+								 gw_buffer *buffer, gw_error *error)
+{
+	return begin_buffer(gpu, description, NULL, buffer, error);
 }
 
 bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes)
@@ -302,21 +319,17 @@ bool gw_buffer_may_borrow(const gw_gpu *gpu, const void *bytes)
 	return gpu->imports && gw_gpu_shares_memory(gpu) && (uintptr_t)bytes % GW_LENT_ALIGNMENT == 0;
 }
 
-gw_status gw_buffer_borrow(gw_gpu *gpu, VkFormat format, const void *lent, uint64_t bytes,
-						   const char *name, gw_buffer *buffer, gw_error *error)
+gw_status gw_buffer_borrow(gw_gpu *gpu, const gw_buffer_description *description, const void *lent,
+						   gw_buffer *buffer, gw_error *error)
 {
-	assert(name != NULL && gw_buffer_may_borrow(gpu, lent));
-	*buffer = (gw_buffer){ .bytes = bytes, .name = name };
-	gw_status status = make_buffer(gpu, GW_BUFFER_TEXEL, format, lent, buffer, error);
-	if (status != GW_OK)
-		gw_buffer_destroy(gpu, buffer);
-	return status;
+	assert(description->kind == GW_BUFFER_TEXEL && gw_buffer_may_borrow(gpu, lent));
+	return begin_buffer(gpu, description, lent, buffer, error);
 }
 
-gw_status gw_buffer_create(gw_gpu *gpu, gw_buffer_kind kind, VkFormat format, uint64_t bytes,
-						   const char *name, gw_buffer *buffer, gw_error *error)
+gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description, gw_buffer *buffer,
+						   gw_error *error)
 {
-	gw_status status = gw_buffer_create_unset(gpu, kind, format, bytes, name, buffer, error);
+	gw_status status = gw_buffer_create_unset(gpu, description, buffer, error);
 	if (status == GW_OK)
 		status = gw_buffer_fill(gpu, buffer, 0, error);
 	if (status != GW_OK)
@@ -357,76 +370,82 @@ gw_status gw_buffer_fill(gw_gpu *gpu, gw_buffer *buffer, uint32_t word, gw_error
 
 /* ------------------------------------------------------------------------------ transfers */
 
-/* Copies by mapping; `to` and `from`: exactly one of them is NULL and stands for the buffer. */
-static gw_status copy_mapped(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *to,
-							 const void *from, uint64_t bytes, gw_error *error)
+/* A copy between a part of a buffer and the host. Of to and from exactly one is NULL, and stands
+ * for the buffer. */
+typedef struct transfer {
+	uint64_t offset, bytes; /* of the part */
+	char *to;
+	const char *from;
+} transfer;
+
+static gw_status copy_mapped(gw_gpu *gpu, const gw_buffer *buffer, transfer c, gw_error *error)
 {
 	void *mapped;
 	if (buffer->mapped != NULL)
-		mapped = (char *)buffer->mapped + offset;
+		mapped = (char *)buffer->mapped + c.offset;
 	else
 		GW_VULKAN(gpu, error, buffer->name,
-				  vkMapMemory(gpu->handle, buffer->memory, offset, bytes, 0, &mapped));
-	memcpy(to != NULL ? to : mapped, from != NULL ? from : mapped, (size_t)bytes);
+				  vkMapMemory(gpu->handle, buffer->memory, c.offset, c.bytes, 0, &mapped));
+	memcpy(c.to != NULL ? c.to : mapped, c.from != NULL ? c.from : mapped, (size_t)c.bytes);
 	if (buffer->mapped == NULL)
 		vkUnmapMemory(gpu->handle, buffer->memory);
 	return GW_OK;
 }
 
-static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, char *to,
-							 const char *from, uint64_t bytes, gw_error *error)
+static gw_status copy_staged(gw_gpu *gpu, const gw_buffer *buffer, transfer c, gw_error *error)
 {
 	GW_TRY(need_staging(gpu, error));
 	gw_staging *staging = &gpu->staging;
-	for (uint64_t done = 0; done < bytes;) {
-		uint64_t part = bytes - done < staging->bytes ? bytes - done : staging->bytes;
+	for (uint64_t done = 0; done < c.bytes;) {
+		uint64_t part = c.bytes - done < staging->bytes ? c.bytes - done : staging->bytes;
 		VkBufferCopy region = { .size = part };
-		if (from != NULL) {
-			memcpy(staging->mapped, from + done, (size_t)part);
-			region.dstOffset = offset + done;
+		if (c.from != NULL) {
+			memcpy(staging->mapped, c.from + done, (size_t)part);
+			region.dstOffset = c.offset + done;
 		} else {
-			region.srcOffset = offset + done;
+			region.srcOffset = c.offset + done;
 		}
 		GW_TRY(gw_commands_begin(gpu, error));
-		vkCmdCopyBuffer(gpu->commands, from != NULL ? staging->handle : buffer->handle,
-						from != NULL ? buffer->handle : staging->handle, 1, &region);
+		vkCmdCopyBuffer(gpu->commands, c.from != NULL ? staging->handle : buffer->handle,
+						c.from != NULL ? buffer->handle : staging->handle, 1, &region);
 		GW_TRY(gw_commands_submit(gpu, buffer->name, NULL, error));
-		if (to != NULL)
-			memcpy(to + done, staging->mapped, (size_t)part);
+		if (c.to != NULL)
+			memcpy(c.to + done, staging->mapped, (size_t)part);
 		done += part;
 	}
 	return GW_OK;
 }
 
-static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *to,
-							 const void *from, uint64_t bytes, gw_error *error)
+static gw_status copy_buffer(gw_gpu *gpu, const gw_buffer *buffer, transfer c, gw_error *error)
 {
 	GW_TRY(gw_gpu_check(gpu, error));
-	if (offset > buffer->bytes || bytes > buffer->bytes - offset)
+	if (c.offset > buffer->bytes || c.bytes > buffer->bytes - c.offset)
 		return gw_fail(error, GW_ERROR_INTERNAL,
 					   "copying %" PRIu64 " bytes at %" PRIu64 " does not fit \"%s\" of %" PRIu64
 					   " bytes",
-					   bytes, offset, buffer->name, buffer->bytes);
-	assert(offset % 4 == 0 && bytes % 4 == 0);
-	if (bytes == 0)
+					   c.bytes, c.offset, buffer->name, buffer->bytes);
+	assert(c.offset % 4 == 0 && c.bytes % 4 == 0);
+	if (c.bytes == 0)
 		return GW_OK;
 	VkMemoryRequirements needs;
 	vkGetBufferMemoryRequirements(gpu->handle, buffer->handle, &needs);
 	if (gpu->may_map && is_mappable(gpu, needs.memoryTypeBits))
-		return copy_mapped(gpu, buffer, offset, to, from, bytes, error);
-	return copy_staged(gpu, buffer, offset, to, from, bytes, error);
+		return copy_mapped(gpu, buffer, c, error);
+	return copy_staged(gpu, buffer, c, error);
 }
 
 gw_status gw_buffer_upload(gw_gpu *gpu, gw_buffer *buffer, uint64_t offset, const void *data,
 						   uint64_t bytes, gw_error *error)
 {
-	return copy_buffer(gpu, buffer, offset, NULL, data, bytes, error);
+	return copy_buffer(gpu, buffer, (transfer){ .offset = offset, .bytes = bytes, .from = data },
+					   error);
 }
 
 gw_status gw_buffer_download(gw_gpu *gpu, const gw_buffer *buffer, uint64_t offset, void *data,
 							 uint64_t bytes, gw_error *error)
 {
-	return copy_buffer(gpu, buffer, offset, data, NULL, bytes, error);
+	return copy_buffer(gpu, buffer, (transfer){ .offset = offset, .bytes = bytes, .to = data },
+					   error);
 }
 
 /* --------------------------------------------------------------------------- on the CPU */
@@ -515,8 +534,10 @@ static gw_status allocate_image(gw_gpu *gpu, gw_image *image, gw_error *error)
 	gw_gpu_name(gpu, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, image->name);
 	VkMemoryRequirements needs;
 	vkGetImageMemoryRequirements(gpu->handle, image->handle, &needs);
-	GW_TRY(
-		allocate(gpu, needs, false, NULL, image->name, &image->memory, &image->allocated, error));
+	const allocation to = { .name = image->name,
+							.memory = &image->memory,
+							.allocated = &image->allocated };
+	GW_TRY(allocate(gpu, needs, &to, error));
 	GW_VULKAN(gpu, error, image->name,
 			  vkBindImageMemory(gpu->handle, image->handle, image->memory, 0));
 	return GW_OK;
@@ -588,13 +609,13 @@ void gw_image_destroy(gw_gpu *gpu, gw_image *image)
 }
 
 /* Copies `rows` rows of `depth` layers from (0, y, z) on; they fit the staging buffer. */
-static gw_status download_block(gw_gpu *gpu, const gw_image *image, uint32_t y, uint32_t z,
-								uint32_t rows, uint32_t depth, gw_error *error)
+static gw_status download_block(gw_gpu *gpu, const gw_image *image, VkOffset3D from,
+								VkExtent3D block, gw_error *error)
 {
 	VkBufferImageCopy region = {
 		.imageSubresource = { .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1 },
-		.imageOffset = { 0, (int32_t)y, (int32_t)z },
-		.imageExtent = { image->extent[0], rows, depth },
+		.imageOffset = from,
+		.imageExtent = block,
 	};
 	GW_TRY(gw_commands_begin(gpu, error));
 	vkCmdCopyImageToBuffer(gpu->commands, image->handle, VK_IMAGE_LAYOUT_GENERAL,
@@ -625,7 +646,8 @@ gw_status gw_image_download(gw_gpu *gpu, gw_image *image, void *data, uint64_t b
 		uint32_t depth = extent[2] - z < step_z ? extent[2] - z : step_z;
 		for (uint32_t y = 0; y < extent[1]; y += step_y) {
 			uint32_t height = extent[1] - y < step_y ? extent[1] - y : step_y;
-			GW_TRY(download_block(gpu, image, y, z, height, depth, error));
+			GW_TRY(download_block(gpu, image, (VkOffset3D){ 0, (int32_t)y, (int32_t)z },
+								  (VkExtent3D){ extent[0], height, depth }, error));
 			size_t size = (size_t)(row * height * depth);
 			memcpy(to, gpu->staging.mapped, size);
 			to += size;

@@ -317,8 +317,8 @@ static VkDescriptorBufferInfo window_of(gw_binding binding, gw_slice slice)
 									 count * binding.stride };
 }
 
-static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, VkDescriptorSet set,
-							  const gw_binding *bindings, gw_slice slice)
+static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, const gw_binding *bindings,
+							  gw_slice slice)
 {
 	VkWriteDescriptorSet write[BINDINGS_MAX];
 	VkDescriptorBufferInfo buffer[BINDINGS_MAX];
@@ -326,7 +326,7 @@ static void write_descriptors(gw_gpu *gpu, const gw_pass *pass, VkDescriptorSet 
 	for (uint32_t i = 0; i < pass->binding_count; i++) {
 		write[i] = (VkWriteDescriptorSet){
 			.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-			.dstSet = set,
+			.dstSet = pass->set[slice.set],
 			.dstBinding = i,
 			.descriptorCount = 1,
 			.descriptorType = descriptor_type(pass->kind[i]),
@@ -355,11 +355,11 @@ static uint64_t divide_up(uint64_t value, uint64_t by)
 	return value / by + (value % by != 0);
 }
 
-gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_binding *bindings,
-						 const void *push, gw_slice slice, gw_error *error)
+gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, gw_slice slice, const gw_binding *bindings,
+						 const void *push, gw_error *error)
 {
-	assert(set < GW_SLICES_MAX);
-	write_descriptors(gpu, pass, pass->set[set], bindings, slice);
+	assert(slice.set < GW_SLICES_MAX);
+	write_descriptors(gpu, pass, bindings, slice);
 	unsigned char block[GW_PUSH_BYTES_MAX];
 	if (push != NULL)
 		memcpy(block, push, pass->push_bytes);
@@ -372,7 +372,7 @@ gw_status gw_pass_record(gw_gpu *gpu, gw_pass *pass, uint32_t set, const gw_bind
 	assert(groups <= gw_gpu_limits(gpu)->maxComputeWorkGroupCount[0]);
 	vkCmdBindPipeline(gpu->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass->pipeline);
 	vkCmdBindDescriptorSets(gpu->commands, VK_PIPELINE_BIND_POINT_COMPUTE, pass->layout, 0, 1,
-							&pass->set[set], 0, NULL);
+							&pass->set[slice.set], 0, NULL);
 	vkCmdPushConstants(gpu->commands, pass->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
 					   pass->push_bytes, block);
 	vkCmdDispatch(gpu->commands, (uint32_t)groups, 1, 1);
@@ -473,30 +473,36 @@ static gw_status warm_up(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
 {
 	double start = gw_seconds();
 	GW_TRY(gw_commands_begin(gpu, error));
-	GW_TRY(gw_pass_record(gpu, pass, 0, bindings, push, (gw_slice){ 0, 0 }, error));
+	GW_TRY(gw_pass_record(gpu, pass, (gw_slice){ 0 }, bindings, push, error));
 	GW_TRY(gw_commands_submit(gpu, pass->name, NULL, error));
 	gpu->account.compile_seconds += gw_seconds() - start;
 	pass->warm = true;
 	return GW_OK;
 }
 
-/* Submits up to `wanted` elements from `first` on, as few slices; says how many it did. */
+/* Slices that are submitted together. */
+typedef struct submission {
+	uint64_t first, wanted; /* elements */
+	uint64_t most;          /* of a slice */
+	uint64_t done;          /* elements that were */
+	double seconds;         /* that they took */
+} submission;
+
+/* Submits up to so many elements, as few slices. */
 static gw_status submit_slices(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings,
-							   const void *push, cut limit, uint64_t first, uint64_t wanted,
-							   uint64_t *done, double *seconds, gw_error *error)
+							   const void *push, submission *s, gw_error *error)
 {
 	GW_TRY(gw_commands_begin(gpu, error));
-	*done = 0;
-	for (uint32_t set = 0; set < GW_SLICES_MAX && *done < wanted; set++) {
-		uint64_t count = wanted - *done < limit.most ? wanted - *done : limit.most;
-		gw_slice slice = { (uint32_t)(first + *done), (uint32_t)count };
+	for (uint32_t set = 0; set < GW_SLICES_MAX && s->done < s->wanted; set++) {
+		uint64_t left = s->wanted - s->done, count = left < s->most ? left : s->most;
+		gw_slice slice = { (uint32_t)(s->first + s->done), (uint32_t)count, set };
 		if (set > 0)
 			gw_commands_barrier(gpu);
-		GW_TRY(gw_pass_record(gpu, pass, set, bindings, push, slice, error));
-		*done += count;
+		GW_TRY(gw_pass_record(gpu, pass, slice, bindings, push, error));
+		s->done += count;
 	}
-	GW_TRY(gw_commands_submit(gpu, pass->name, seconds, error));
-	gpu->account.device_seconds += *seconds;
+	GW_TRY(gw_commands_submit(gpu, pass->name, &s->seconds, error));
+	gpu->account.device_seconds += s->seconds;
 	return GW_OK;
 }
 
@@ -538,16 +544,17 @@ gw_status gw_pass_run(gw_gpu *gpu, gw_pass *pass, const gw_binding *bindings, co
 	if (size < FIRST_ELEMENTS)
 		size = pass->submission < FIRST_ELEMENTS ? pass->submission : FIRST_ELEMENTS;
 	for (uint64_t first = 0; first < count;) {
-		uint64_t asked = divide_up(size, limit.unit) * limit.unit, done;
+		uint64_t asked = divide_up(size, limit.unit) * limit.unit;
 		uint64_t left = count - first;
-		double seconds;
-		GW_TRY(submit_slices(gpu, pass, bindings, push, limit, first, asked < left ? asked : left,
-							 &done, &seconds, error));
+		submission s = { .first = first,
+						 .wanted = asked < left ? asked : left,
+						 .most = limit.most };
+		GW_TRY(submit_slices(gpu, pass, bindings, push, &s, error));
 		if (gw_gpu_stopped(gpu))
 			return gw_gpu_check(gpu, error);
-		adapt(gpu, pass, asked, done, seconds);
+		adapt(gpu, pass, asked, s.done, s.seconds);
 		size = pass->submission;
-		first += done;
+		first += s.done;
 	}
 	return GW_OK;
 }

@@ -66,8 +66,10 @@ static gw_status try_loops(gw_gpu *gpu, gw_device_trial *trial, gw_error *error)
 	gw_buffer counted = { 0 };
 	gw_status status = gw_pass_create(gpu, &description, &pass, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 2 * sizeof(uint32_t),
-								  "loops", &counted, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															2 * sizeof(uint32_t), "loops" },
+								  &counted, error);
 	if (status == GW_OK)
 		status = run_loop(gpu, pass, &counted, trial, error);
 	gw_buffer_destroy(gpu, &counted);

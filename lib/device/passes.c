@@ -84,8 +84,8 @@ static gw_status run_batches(gw_passes *passes, gw_pass_id id, const gw_binding 
 	return GW_OK;
 }
 
-static gw_status run_shader(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
-							const void *push, uint64_t count, gw_error *error)
+gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							   const void *push, uint64_t count, gw_error *error)
 {
 	if (passes->pass[id] == NULL)
 		GW_TRY(create(passes, id, error));
@@ -98,19 +98,17 @@ static gw_status run_shader(gw_passes *passes, gw_pass_id id, const gw_binding *
 	return status;
 }
 
-gw_status gw_passes_run_by(gw_pass_way way, gw_passes *passes, gw_pass_id id,
-						   const gw_binding *bindings, const void *push, uint64_t count,
-						   gw_error *error)
+void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+						  const void *push, uint64_t count)
 {
-	if (way == GW_WAY_DEVICE)
-		return run_shader(passes, id, bindings, push, count, error);
 	gw_pass_row_of(id)->cpu(passes, bindings, push, count);
-	return GW_OK;
 }
 
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						const void *push, uint64_t count, gw_error *error)
 {
-	gw_pass_way way = gw_passes_way(passes, id, push);
-	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+	if (gw_passes_way(passes, id, push) == GW_WAY_DEVICE)
+		return gw_passes_run_shader(passes, id, bindings, push, count, error);
+	gw_passes_run_kernel(passes, id, bindings, push, count);
+	return GW_OK;
 }

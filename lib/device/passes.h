@@ -53,10 +53,11 @@ gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *pu
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						const void *push, uint64_t count, gw_error *error);
 
-/* The same by a way that the caller chose, for tests. */
-gw_status gw_passes_run_by(gw_pass_way way, gw_passes *passes, gw_pass_id id,
-						   const gw_binding *bindings, const void *push, uint64_t count,
-						   gw_error *error);
+/* The same by the shader or by the CPU kernel, whatever gw_passes_way says, for tests. */
+gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+							   const void *push, uint64_t count, gw_error *error);
+void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
+						  const void *push, uint64_t count);
 
 /* Bindings of whole buffers and of windows with `bytes` an element. */
 static inline gw_binding gw_whole(const gw_buffer *buffer)

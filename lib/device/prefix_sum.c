@@ -25,20 +25,23 @@ void gw_prefix_sum_destroy(gw_gpu *gpu, gw_prefix_sum *prefix)
 	gw_buffer_destroy(gpu, &prefix->sums);
 }
 
-static gw_status run_level(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer *words,
-						   const level *levels, uint32_t i, bool scan, bool offsets,
-						   gw_error *error)
+static gw_prefix_push push_of(const level *levels, uint32_t i, bool scan, bool offsets)
 {
-	gw_prefix_push push = {
+	return (gw_prefix_push){
 		.source = i == 0 ? 0 : levels[i].first,
 		.sums = levels[i + 1].first,
 		.total = levels[i].count,
 		.scan = scan,
 		.offsets = offsets,
 	};
-	gw_binding bindings[] = { { .buffer = i == 0 ? words : &prefix->sums },
-							  { .buffer = &prefix->sums } };
-	return gw_passes_run(passes, GW_PASS_PREFIX_SUM, bindings, &push, levels[i + 1].count, error);
+}
+
+/* Runs one level, whose words lie in `source`, by its `runs` runs. */
+static gw_status run_level(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer *source,
+						   const gw_prefix_push *push, uint32_t runs, gw_error *error)
+{
+	gw_binding bindings[] = { { .buffer = source }, { .buffer = &prefix->sums } };
+	return gw_passes_run(passes, GW_PASS_PREFIX_SUM, bindings, push, runs, error);
 }
 
 /* Level 0 are the words; they are not in the buffer of sums. */
@@ -87,16 +90,24 @@ gw_status gw_prefix_sum_run(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer 
 	uint32_t needed, last = plan_levels(count, levels, &needed);
 	if (prefix->sums.bytes < UINT64_C(4) * needed) {
 		gw_buffer_destroy(gpu, &prefix->sums);
-		GW_TRY(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, UINT64_C(4) * needed,
-								"sums of runs", &prefix->sums, error));
+		GW_TRY(gw_buffer_create(gpu,
+								&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														  UINT64_C(4) * needed, "sums of runs" },
+								&prefix->sums, error));
 	}
-	for (uint32_t i = 0; i < last; i++)
+	for (uint32_t i = 0; i < last; i++) {
+		const gw_prefix_push push = push_of(levels, i, false, false);
 		if (i + 1 < last || total != NULL)
-			GW_TRY(run_level(passes, prefix, words, levels, i, false, false, error));
+			GW_TRY(run_level(passes, prefix, i == 0 ? words : &prefix->sums, &push,
+							 levels[i + 1].count, error));
+	}
 	if (total != NULL)
 		GW_TRY(add_up(gpu, prefix, levels[1], total, error));
-	for (uint32_t i = last; i-- > 0;)
-		GW_TRY(run_level(passes, prefix, words, levels, i, true, i + 1 < last, error));
+	for (uint32_t i = last; i-- > 0;) {
+		const gw_prefix_push push = push_of(levels, i, true, i + 1 < last);
+		GW_TRY(run_level(passes, prefix, i == 0 ? words : &prefix->sums, &push, levels[i + 1].count,
+						 error));
+	}
 	return GW_OK;
 }
 

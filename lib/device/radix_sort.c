@@ -46,8 +46,11 @@ gw_status gw_sort_list_create(gw_gpu *gpu, uint64_t count, bool wide, gw_sort_li
 	for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
 		if (!part[i].needed)
 			continue;
-		gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-											part[i].name, part[i].buffer, error);
+		gw_status status =
+			gw_buffer_create(gpu,
+							 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+													   4 * count, part[i].name },
+							 part[i].buffer, error);
 		if (status != GW_OK) {
 			gw_sort_list_destroy(gpu, list);
 			return status;
@@ -136,8 +139,10 @@ gw_status gw_radix_sort_run(gw_passes *passes, gw_radix_sort *sort, gw_sort_list
 	uint64_t counts = UINT64_C(4) * push.runs * GW_RADIX_DIGITS;
 	if (sort->counts.bytes < counts) {
 		gw_buffer_destroy(gpu, &sort->counts);
-		GW_TRY(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, counts,
-								"counts of digits", &sort->counts, error));
+		GW_TRY(gw_buffer_create(gpu,
+								&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														  counts, "counts of digits" },
+								&sort->counts, error));
 	}
 	for (uint32_t bit = 0; bit < bits; bit += DIGIT_BITS) {
 		push.shift = bit % 32;

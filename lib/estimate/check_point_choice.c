@@ -131,11 +131,11 @@ static void take_all(const bool *counts, size_t points, size_t counted,
 	}
 }
 
-gw_status gw_check_point_choose(const bool *counts, const double *const *part, size_t part_count,
-								size_t points, uint32_t wanted, uint64_t seed,
+gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wanted, uint64_t seed,
 								gw_check_point_choice *choice, gw_error *error)
 {
-	size_t counted = 0;
+	const bool *counts = shares->counts;
+	size_t points = shares->points, counted = 0;
 	*choice = (gw_check_point_choice){ 0 };
 	for (size_t i = 0; i < points; i++)
 		counted += counts[i];
@@ -152,8 +152,8 @@ gw_status gw_check_point_choose(const bool *counts, const double *const *part, s
 	}
 	for (size_t i = 0; i < points; i++)
 		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
-	for (size_t k = 0; k < part_count; k++)
-		whole += add_part(counts, part[k], points, wanted, probability) ? 1.0 : 0.0;
+	for (size_t k = 0; k < shares->part_count; k++)
+		whole += add_part(counts, shares->part[k], points, wanted, probability) ? 1.0 : 0.0;
 	for (size_t i = 0; i < points; i++)
 		probability[i] *= wanted / whole;
 	bool drawn = counted > wanted;

@@ -26,17 +26,22 @@ typedef struct gw_check_point_choice {
 	double *weight;  /* count */
 } gw_check_point_choice;
 
+/* Points to draw from, and how. */
+typedef struct gw_check_point_shares {
+	size_t points;
+	const bool *counts;        /* one a point: the others are never drawn */
+	const double *const *part; /* part_count arrays of `points` numbers, at least 0, of any unit
+								  each; each gets as much of the draws as the even part does. Of a
+								  part no point has more than what makes it be drawn about once */
+	size_t part_count;
+} gw_check_point_shares;
+
 /*
  * Draws points by a mixture of shares.
- *   counts   one a point: the others are never drawn
- *   part     part_count arrays of `points` numbers, at least 0, of any unit each; each gets as much
- *            of the draws as the even part does. Of a part no point has more than what makes it
- *            be drawn about once
  *   wanted   draws; where fewer points count, each is taken once
  *   choice   on success to be freed with gw_check_point_choice_clear
  */
-gw_status gw_check_point_choose(const bool *counts, const double *const *part, size_t part_count,
-								size_t points, uint32_t wanted, uint64_t seed,
+gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wanted, uint64_t seed,
 								gw_check_point_choice *choice, gw_error *error);
 void gw_check_point_choice_clear(gw_check_point_choice *choice);
 

@@ -166,13 +166,19 @@ static gw_status put_rows(const gw_check_point_task *task, const some_points *so
 	return gw_buffer_upload(task->passes->gpu, buffer, 0, some->rows, row * some->count, error);
 }
 
+static gw_record_context context_of(const gw_check_point_task *task, some_points *some)
+{
+	return (gw_record_context){ task->passes, task->octree, &some->place };
+}
+
 static gw_status trace_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
 							gw_check_point_hits *hits, gw_error *error)
 {
+	const gw_record_context on = context_of(task, some);
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count * row;
-	gw_status status = gw_ray_gather_trace(task->passes, task->octree, &some->place, hits->rays,
-										   gw_check_point_seed(task->seed, gather), &rays, error);
+	gw_status status =
+		gw_ray_gather_trace(&on, hits->rays, gw_check_point_seed(task->seed, gather), &rays, error);
 	if (status == GW_OK)
 		status = fetch_rows(task, some, &rays.facet, row, (char *)hits->facet + first, error);
 	if (status == GW_OK)
@@ -194,6 +200,7 @@ static gw_status light_some(const gw_check_point_task *task, some_points *some, 
 										 .use_hits = true,
 										 .sky = black,
 										 .seed = gw_check_point_seed(task->seed, gather) };
+	const gw_record_context on = context_of(task, some);
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count;
 	gw_status status = gw_ray_gather_create(task->passes->gpu, &some->place, hits->rays,
@@ -204,8 +211,7 @@ static gw_status light_some(const gw_check_point_task *task, some_points *some, 
 		status =
 			put_rows(task, some, (char *)hits->distance + first * row, row, &rays.distance, error);
 	if (status == GW_OK)
-		status = gw_ray_gather_sampled(task->passes, task->octree, &some->place, &rays, &sources,
-									   &some->place.gathered, error);
+		status = gw_ray_gather_sampled(&on, &rays, &sources, &some->place.gathered, error);
 	if (status == GW_OK)
 		status = fetch_rows(task, some, &some->place.gathered, 16,
 							(char *)(hits->emitted + 4 * first), error);
@@ -264,32 +270,37 @@ gw_status gw_check_point_hits_find(const gw_check_point_task *task, const uint32
 
 /* --------------------------------------------------------------------------- to be gathered */
 
+void gw_check_point_view_destroy(gw_gpu *gpu, gw_check_point_view *view)
+{
+	gw_ray_gather_destroy(gpu, &view->rays);
+	gw_buffer_destroy(gpu, &view->emitted);
+}
+
 gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
 									 const gw_check_point_hits *hits, const gw_records *place,
-									 uint32_t gather, gw_ray_gather *rays, gw_buffer *emitted,
-									 gw_error *error)
+									 uint32_t gather, gw_check_point_view *view, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
 	size_t first = gather * (size_t)hits->count, count = (size_t)hits->count * hits->rays;
-	*emitted = (gw_buffer){ 0 };
-	gw_status status = gw_ray_gather_create(gpu, place, hits->rays,
-											gw_check_point_seed(task->seed, gather), rays, error);
+	*view = (gw_check_point_view){ 0 };
+	gw_status status = gw_ray_gather_create(
+		gpu, place, hits->rays, gw_check_point_seed(task->seed, gather), &view->rays, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &rays->facet, 0, hits->facet + first * hits->rays, 4 * count,
-								  error);
+		status = gw_buffer_upload(gpu, &view->rays.facet, 0, hits->facet + first * hits->rays,
+								  4 * count, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &rays->distance, 0, hits->distance + first * hits->rays,
+		status = gw_buffer_upload(gpu, &view->rays.distance, 0, hits->distance + first * hits->rays,
 								  4 * count, error);
 	if (status == GW_OK && hits->emitted)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)hits->count, "irradiance from emitters", emitted,
-								  error);
+		status = gw_buffer_create(
+			gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+									  16 * (uint64_t)hits->count, "irradiance from emitters" },
+			&view->emitted, error);
 	if (status == GW_OK && hits->emitted)
-		status = gw_buffer_upload(gpu, emitted, 0, hits->emitted + 4 * first,
+		status = gw_buffer_upload(gpu, &view->emitted, 0, hits->emitted + 4 * first,
 								  16 * (uint64_t)hits->count, error);
-	if (status != GW_OK) {
-		gw_ray_gather_destroy(gpu, rays);
-		gw_buffer_destroy(gpu, emitted);
-	}
+	if (status != GW_OK)
+		gw_check_point_view_destroy(gpu, view);
 	return status;
 }

@@ -46,12 +46,18 @@ gw_status gw_check_point_hits_find(const gw_check_point_task *task, const uint32
 gw_status gw_check_point_hits_place(const gw_check_point_task *task, const uint32_t *point,
 									uint32_t count, gw_records *place, gw_error *error);
 
-/* Brings the hits of one gather of all points to the device, those records' being *place; and what
- * emitters brought, into *emitted, where that is known. Both are the caller's on success. */
+/* What all points see in one gather, on the device. */
+typedef struct gw_check_point_view {
+	gw_ray_gather rays;
+	gw_buffer emitted; /* what emitters brought, where that is known */
+} gw_check_point_view;
+
+/* Brings what is known of one gather of all points to the device, those records' being *place. It
+ * is the caller's on success, to be destroyed with gw_check_point_view_destroy. */
 gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
 									 const gw_check_point_hits *hits, const gw_records *place,
-									 uint32_t gather, gw_ray_gather *rays, gw_buffer *emitted,
-									 gw_error *error);
+									 uint32_t gather, gw_check_point_view *view, gw_error *error);
+void gw_check_point_view_destroy(gw_gpu *gpu, gw_check_point_view *view);
 
 /* Forgets what emitters brought, as when their emission changes; all. */
 void gw_check_point_hits_forget_emitted(gw_check_point_hits *hits);

@@ -160,20 +160,20 @@ static size_t merge(const placed_key *key, size_t count, const placed_key *among
 	return found;
 }
 
-gw_status gw_compare_match(const double *key, size_t count, const double *among, size_t among_count,
-						   size_t width, size_t *match, size_t *missing, gw_error *error)
+gw_status gw_compare_match(gw_compare_keys of, gw_compare_keys among, size_t width, size_t *match,
+						   size_t *missing, gw_error *error)
 {
 	size_t n, m = 0;
-	placed_key *left = sort_keys(key, count, width, &n);
-	placed_key *right = left ? sort_keys(among, among_count, width, &m) : NULL;
+	placed_key *left = sort_keys(of.key, of.count, width, &n);
+	placed_key *right = left ? sort_keys(among.key, among.count, width, &m) : NULL;
 	gw_status status = GW_OK;
 	if (right) {
-		for (size_t i = 0; i < count; i++)
+		for (size_t i = 0; i < of.count; i++)
 			match[i] = GW_COMPARE_NONE;
-		*missing = count - merge(left, n, right, m, match);
+		*missing = of.count - merge(left, n, right, m, match);
 	} else {
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match %zu points with %zu", count,
-						 among_count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to match %zu points with %zu", of.count,
+						 among.count);
 	}
 	free(left);
 	free(right);

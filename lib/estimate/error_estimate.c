@@ -120,8 +120,10 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 		status = gw_records_light(task->passes->gpu, task->records, light, error);
 	if (status == GW_OK) {
 		predict(task, light, part[0], part[1], radiance);
-		status = gw_check_point_choose(counts, (const double *const[]){ part[0], part[1] }, 2,
-									   points, task->points, task->seed, choice, error);
+		status = gw_check_point_choose(
+			&(gw_check_point_shares){ points, counts, (const double *const[]){ part[0], part[1] },
+									  2 },
+			task->points, task->seed, choice, error);
 	}
 	free(light);
 	free(part[0]);
@@ -134,21 +136,26 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
-	const gw_records *records = task->records;
+	gw_records *records = task->records;
+	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer total = { 0 };
-	gw_status status =
-		gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-						 16 * (uint64_t)records->count, "record irradiance", &total, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)records->count, "record irradiance" },
+		&total, error);
 	const gw_buffer *parts[2] = { &records->first, &records->indirect };
 	for (int i = 0; i < 2 && status == GW_OK; i++)
 		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance",
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL,
+															VK_FORMAT_R32G32B32A32_SFLOAT,
+															32 * (uint64_t)task->octree->leaf_count,
+															"final facet radiance" },
 								  radiance, error);
 	if (status == GW_OK)
-		status = gw_facets_shade(task->passes, task->octree, records, &total, task->facet_direct,
-								 1.0f, radiance, error);
+		status = gw_facets_shade(&on, &total, task->facet_direct, 1.0f, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }
@@ -171,8 +178,8 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
 {
 	gw_records *place = &e->place;
-	gw_status status = gw_ray_gather_sampled(task->passes, task->octree, place, rays, sources,
-											 &place->gathered, error);
+	const gw_record_context on = { task->passes, task->octree, place };
+	gw_status status = gw_ray_gather_sampled(&on, rays, sources, &place->gathered, error);
 	return status == GW_OK ? download_added(task->passes->gpu, &place->gathered, e->half[half],
 											place->count, error)
 						   : status;
@@ -186,10 +193,11 @@ static void count_behind(const gw_check_point_hits *hits, uint32_t *behind)
 }
 
 /* All that reaches the points along these rays, into e->half[half]. */
-static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays, int half,
-							  gw_buffer *emitted, const gw_emitters *reflectors, estimate *e,
-							  gw_error *error)
+static gw_status gather_along(const gw_estimate_task *task, gw_check_point_view *view, int half,
+							  const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
+	const gw_record_context on = { task->passes, task->octree, &e->place };
+	gw_ray_gather *rays = &view->rays;
 	const float black[3] = { 0 };
 	uint32_t samples = rays->rays;
 	const gw_sampled_sources emitters = { .emitters = task->emitters,
@@ -201,7 +209,7 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										  .map_hits = true,
 										  .portals = task->portals,
 										  .seed = rays->seed,
-										  .kept = task->hits->emitted ? emitted : NULL };
+										  .kept = task->hits->emitted ? &view->emitted : NULL };
 	const gw_sampled_sources reflected = { .emitters = reflectors,
 										   .samples =
 											   gw_emitters_are_small(reflectors) ? samples : 0,
@@ -210,8 +218,7 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 										   .seed = rays->seed };
 	gw_status status = GW_OK;
 	if (task->portals)
-		status =
-			gw_ray_gather_open(task->passes, task->octree, &e->place, task->portals, rays, error);
+		status = gw_ray_gather_open(&on, task->portals, rays, error);
 	if (status == GW_OK)
 		status = gather_from(task, rays, half, &emitters, e, error);
 	if (status == GW_OK && task->bounces)
@@ -222,17 +229,15 @@ static gw_status gather_along(const gw_estimate_task *task, gw_ray_gather *rays,
 static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_task *check_points,
 							 int half, const gw_emitters *reflectors, estimate *e, gw_error *error)
 {
-	gw_ray_gather rays = { 0 };
-	gw_buffer emitted = { 0 };
+	gw_check_point_view view = { 0 };
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
 	gw_status status = gw_check_point_hits_gather(check_points, task->hits, &e->place,
-												  (uint32_t)half, &rays, &emitted, error);
+												  (uint32_t)half, &view, error);
 	if (status == GW_OK)
-		status = gather_along(task, &rays, half, &emitted, reflectors, e, error);
-	gw_ray_gather_destroy(task->passes->gpu, &rays);
-	gw_buffer_destroy(task->passes->gpu, &emitted);
+		status = gather_along(task, &view, half, reflectors, e, error);
+	gw_check_point_view_destroy(task->passes->gpu, &view);
 	return status;
 }
 
@@ -486,8 +491,8 @@ gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
 	if (!counts)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
 	choose_points(s, counts);
-	gw_status status =
-		gw_check_point_choose(counts, NULL, 0, s->count, points, task->seed, &choice, error);
+	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
+											 points, task->seed, &choice, error);
 	if (status == GW_OK && choice.count > 0)
 		status = gw_check_point_hits_find(task, choice.point, choice.count, hits, error);
 	gw_check_point_choice_clear(&choice);

@@ -31,7 +31,7 @@ typedef struct gw_estimate_task {
 	const gw_surfels *surfels;
 	/* Solved: first and indirect are final; NULL where lamps alone shine, and then what follows up
 	 * to bounces is not looked at, nor are first and indirect. */
-	const gw_records *records;
+	gw_records *records;
 	const gw_read_back *read_back; /* from the records to the surfels */
 	const gw_ray_gather *rays_of_records;
 	const gw_emitters *emitters;   /* count 0 when nothing emits */

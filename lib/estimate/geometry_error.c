@@ -367,8 +367,9 @@ static gw_status choose_points(check *c, gw_error *error)
 	size_t wanted = rays > 0 ? RAYS_MOST / 2 / rays : 0;
 	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
 	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
-	gw_status status = gw_check_point_choose(t->counts, (const double *const[]){ light }, 1, count,
-											 (uint32_t)wanted, t->seed, &c->choice, error);
+	gw_status status = gw_check_point_choose(
+		&(gw_check_point_shares){ count, t->counts, (const double *const[]){ light }, 1 },
+		(uint32_t)wanted, t->seed, &c->choice, error);
 	free(light);
 	return status;
 }

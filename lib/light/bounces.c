@@ -30,18 +30,19 @@
 
 #define SUM_CHUNK 4096u /* facets whose light is added up at a time */
 
-gw_status gw_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						  const gw_buffer *records_irradiance, const gw_buffer *facet_direct,
-						  float direct_share, gw_buffer *facet_radiance, gw_error *error)
+gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_irradiance,
+						  const gw_buffer *facet_direct, float direct_share,
+						  gw_buffer *facet_radiance, gw_error *error)
 {
-	const gw_binding bindings[] = {
-		gw_window(&octree->facet_albedo, 16), gw_window(facet_direct, 16),
-		gw_whole(&records->facet_record),     gw_whole(&records->facet_weight),
-		gw_whole(records_irradiance),         gw_window(facet_radiance, 16)
-	};
-	return gw_passes_run(passes, GW_PASS_FACET_SHADE, bindings,
+	const gw_binding bindings[] = { gw_window(&on->octree->facet_albedo, 16),
+									gw_window(facet_direct, 16),
+									gw_whole(&on->records->facet_record),
+									gw_whole(&on->records->facet_weight),
+									gw_whole(records_irradiance),
+									gw_window(facet_radiance, 16) };
+	return gw_passes_run(on->passes, GW_PASS_FACET_SHADE, bindings,
 						 &(gw_record_push){ .direct_share = direct_share },
-						 2 * (uint64_t)octree->leaf_count, error);
+						 2 * (uint64_t)on->octree->leaf_count, error);
 }
 
 /* Sums over facets, a chunk at a time, so that the order does not depend on threads. */
@@ -54,14 +55,14 @@ typedef struct facet_sums {
 
 static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_error *error)
 {
-	sums->slots = 2 * (size_t)task->octree->leaf_count;
+	sums->slots = 2 * (size_t)task->on.octree->leaf_count;
 	size_t chunks = sums->slots / SUM_CHUNK + 1;
 	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
 	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
 	if (!sums->power || !sums->largest)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu facets",
 					   sums->slots);
-	return gw_view_open(task->passes->gpu, &task->octree->facet_centre, 16 * sums->slots,
+	return gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->slots,
 						&sums->centre, error);
 }
 
@@ -93,11 +94,11 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {
-	gw_status status = gw_view_open(task->passes->gpu, task->facet_radiance, 16 * sums->slots,
+	gw_status status = gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->slots,
 									&sums->radiance, error);
 	if (status != GW_OK)
 		return status;
-	gw_parallel_for(task->passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
+	gw_parallel_for(task->on.passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
 	gw_view_close(&sums->radiance);
 	double sum = 0.0;
 	*largest = 0.0f;
@@ -105,7 +106,7 @@ static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *
 		sum += sums->power[chunk];
 		*largest = fmaxf(*largest, sums->largest[chunk]);
 	}
-	double cell = (double)task->octree->leaf_size;
+	double cell = (double)task->on.octree->leaf_size;
 	*energy = sum * 3.14159265358979323846 * cell * cell;
 	return isfinite(*energy) ? GW_OK
 							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
@@ -114,12 +115,13 @@ static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *
 /* The largest row sum of a bounce: every facet sends out its albedo, the records gather it. */
 static gw_status find_contraction(const gw_bounces_task *task, double *contraction, gw_error *error)
 {
-	gw_records *records = task->records;
-	gw_status status = task->step.gather(task->step.self, &task->octree->facet_albedo, 1.0f, error);
+	gw_records *records = task->on.records;
+	gw_status status =
+		task->step.gather(task->step.self, &task->on.octree->facet_albedo, 1.0f, error);
 	gw_view view = { 0 };
 	if (status == GW_OK)
-		status = gw_view_open(task->passes->gpu, &records->gathered, 16 * (uint64_t)records->count,
-							  &view, error);
+		status = gw_view_open(task->on.passes->gpu, &records->gathered,
+							  16 * (uint64_t)records->count, &view, error);
 	const float *gathered = view.bytes;
 	double largest = 0.0;
 	for (size_t i = 0; i < records->count && status == GW_OK; i++) {
@@ -147,13 +149,13 @@ static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_e
 static gw_status gather_once(const gw_bounces_task *task, bool first, float largest,
 							 gw_error *error)
 {
-	gw_records *records = task->records;
+	gw_records *records = task->on.records;
 	const gw_trace_step *step = &task->step;
 	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
 		step->self, task->facet_radiance, largest, error);
 	if (status != GW_OK)
 		return status;
-	return gw_light_add(task->passes, &records->gathered, &records->indirect, records->count,
+	return gw_light_add(task->on.passes, &records->gathered, &records->indirect, records->count,
 						error);
 }
 
@@ -162,20 +164,20 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 static gw_status begin_carried(const gw_bounces_task *task, facet_sums *sums, float largest,
 							   double *guessed, gw_error *error)
 {
-	gw_records *records = task->records;
+	gw_records *records = task->on.records;
 	gw_status status = gather_once(task, true, largest, error);
 	if (status == GW_OK)
-		status = gw_buffer_fill(task->passes->gpu, &records->gathered, 0, error);
+		status = gw_buffer_fill(task->on.passes->gpu, &records->gathered, 0, error);
 	if (status == GW_OK)
-		status = gw_facets_shade(task->passes, task->octree, records, &records->gathered,
-								 task->carried, 1.0f, task->facet_radiance, error);
+		status = gw_facets_shade(&task->on, &records->gathered, task->carried, 1.0f,
+								 task->facet_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, sums, guessed, &largest, error);
 	if (status == GW_OK)
 		status = gather_once(task, false, largest, error);
 	if (status == GW_OK)
-		status = gw_facets_shade(task->passes, task->octree, records, &records->indirect,
-								 task->carried, -1.0f, task->facet_radiance, error);
+		status = gw_facets_shade(&task->on, &records->indirect, task->carried, -1.0f,
+								 task->facet_radiance, error);
 	return status;
 }
 
@@ -194,9 +196,10 @@ typedef struct progress {
 static gw_status measure_gathered(progress *p, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
-	double cell = (double)task->octree->leaf_size;
+	double cell = (double)task->on.octree->leaf_size;
 	p->gathered = true;
-	p->energy = gw_hit_facets_power(task->records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	p->energy =
+		gw_hit_facets_power(task->on.records, &p->hits) * 3.14159265358979323846 * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
@@ -208,15 +211,14 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	if (p->gathered)
-		gw_hit_facets_shade(task->passes, task->octree, task->records, &p->hits,
+		gw_hit_facets_shade(task->on.passes, task->on.octree, task->on.records, &p->hits,
 							task->facet_radiance);
 	gw_status status = gather_once(task, first, p->largest, error);
 	if (status == GW_OK && p->by_hits)
 		return measure_gathered(p, error);
 	if (status == GW_OK)
-		status =
-			gw_facets_shade(task->passes, task->octree, task->records, &task->records->gathered,
-							task->facet_direct, 0.0f, task->facet_radiance, error);
+		status = gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
+								 task->facet_radiance, error);
 	return status == GW_OK ? measure(task, &p->sums, &p->energy, &p->largest, error) : status;
 }
 
@@ -227,8 +229,8 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	double started = gw_seconds();
 	gw_status status = sums_create(task, &p->sums, error);
 	if (status == GW_OK)
-		status = gw_facets_shade(task->passes, task->octree, task->records, &task->records->first,
-								 task->facet_direct, 1.0f, task->facet_radiance, error);
+		status = gw_facets_shade(&task->on, &task->on.records->first, task->facet_direct, 1.0f,
+								 task->facet_radiance, error);
 	if (status == GW_OK)
 		status = measure(task, &p->sums, &p->energy, &p->largest, error);
 	if (status == GW_OK)
@@ -236,10 +238,10 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	if (status == GW_OK && task->limit > 1 && !task->no_bound)
 		status = find_contraction(task, &bounces->contraction, error);
 	p->by_hits = task->step.hits && task->limit > 1 &&
-				 gw_passes_way(task->passes, GW_PASS_FACET_SHADE, NULL) == GW_WAY_CPU;
+				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE, NULL) == GW_WAY_CPU;
 	if (status == GW_OK && p->by_hits)
-		status = gw_hit_facets_find(task->passes, task->octree, task->records, task->step.hits,
-									&p->hits, error);
+		status = gw_hit_facets_find(task->on.passes, task->on.octree, task->on.records,
+									task->step.hits, &p->hits, error);
 	return status;
 }
 

@@ -29,9 +29,7 @@ typedef struct gw_bounces {
 } gw_bounces;
 
 typedef struct gw_bounces_task {
-	gw_passes *passes;
-	const gw_octree *octree;
-	gw_records *records;
+	gw_record_context on;
 	const gw_buffer *facet_direct; /* irradiance of the facets from point, spot and sun lights */
 	gw_buffer *facet_radiance;     /* texel buffer, 2 * leaf_count vec4: work space */
 	gw_trace_step step;
@@ -54,8 +52,8 @@ gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_er
 
 /* Radiance that the facets reflect of irradiance `records_irradiance` and of direct_share times
  * facet_direct. */
-gw_status gw_facets_shade(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						  const gw_buffer *records_irradiance, const gw_buffer *facet_direct,
-						  float direct_share, gw_buffer *facet_radiance, gw_error *error);
+gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_irradiance,
+						  const gw_buffer *facet_direct, float direct_share,
+						  gw_buffer *facet_radiance, gw_error *error);
 
 #endif

@@ -6,7 +6,6 @@
 
 #include "base/memory.h"
 #include "surfels/normal_error.h"
-#include "light/shadow_map.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -171,9 +170,11 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 	if (!chunk)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
 					   surfels->count);
-	gw_status status =
-		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 16 * (uint64_t)surfels->count,
-						 "shading normals", normal, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+								  16 * (uint64_t)surfels->count, "shading normals" },
+		normal, error);
 	for (size_t first = 0; first < surfels->count && status == GW_OK; first += UPLOAD_SURFELS) {
 		size_t left = surfels->count - first, count = left < UPLOAD_SURFELS ? left : UPLOAD_SURFELS;
 		for (size_t i = 0; i < count; i++) {
@@ -190,40 +191,40 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 	return status;
 }
 
-static gw_status trace_visibility(gw_passes *passes, const gw_octree *octree,
-								  const gw_light_push *push, uint64_t count,
+static gw_status trace_visibility(const gw_lit_cloud *cloud, const gw_light_push *push,
 								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
-	const gw_binding bindings[] = {
-		GW_TRACE_BINDINGS(octree), gw_window(&octree->surfel_position, 16),
-		gw_window(normal, 16),     gw_window(visibility, 4),
-		GW_DISC_BINDINGS(octree),  GW_TREE_BINDING(octree)
-	};
-	return gw_passes_run(passes, GW_PASS_LIGHT_VISIBILITY, bindings, push, count, error);
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(cloud->octree),
+									gw_window(&cloud->octree->surfel_position, 16),
+									gw_window(normal, 16),
+									gw_window(visibility, 4),
+									GW_DISC_BINDINGS(cloud->octree),
+									GW_TREE_BINDING(cloud->octree) };
+	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_VISIBILITY, bindings, push,
+						 cloud->surfels->count, error);
 }
 
-static gw_status find_visibility(gw_passes *passes, const gw_octree *octree,
-								 const gw_surfels *surfels, const gw_light_push *push,
-								 const gw_bake_options *options, const gw_buffer *normal,
-								 gw_buffer *visibility, gw_error *error)
+static gw_status find_visibility(const gw_lit_cloud *cloud, const gw_light_push *push,
+								 const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
 	/* Maps show planes in cells, and of large discs no more than that. */
-	bool maps = options->shadows == GW_SHADOWS_MAPS && octree->tree_discs == 0;
+	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0;
 	if (maps)
-		return gw_shadow_map_visibility(passes, octree, surfels, push, options->shadow_map_size,
-										visibility, error);
-	if (options->shadows != GW_SHADOWS_NONE)
-		return trace_visibility(passes, octree, push, surfels->count, normal, visibility, error);
+		return gw_shadow_map_visibility(cloud, push, visibility, error);
+	if (cloud->options->shadows != GW_SHADOWS_NONE)
+		return trace_visibility(cloud, push, normal, visibility, error);
 	return GW_OK;
 }
 
-static gw_status add_irradiance(gw_passes *passes, const gw_octree *octree,
-								const gw_light_push *push, uint64_t count, const gw_buffer *normal,
-								const gw_buffer *visibility, gw_buffer *irradiance, gw_error *error)
+static gw_status add_irradiance(const gw_lit_cloud *cloud, const gw_light_push *push,
+								const gw_buffer *normal, const gw_buffer *visibility,
+								gw_buffer *irradiance, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_window(&octree->surfel_position, 16), gw_window(normal, 16),
-									gw_window(visibility, 4), gw_window(irradiance, 16) };
-	return gw_passes_run(passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push, count, error);
+	const gw_binding bindings[] = { gw_window(&cloud->octree->surfel_position, 16),
+									gw_window(normal, 16), gw_window(visibility, 4),
+									gw_window(irradiance, 16) };
+	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push,
+						 cloud->surfels->count, error);
 }
 
 gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *surfels,
@@ -237,62 +238,62 @@ gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
-gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-						  const gw_light *lights, size_t light_count,
-						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *facet_direct, gw_buffer *turned, gw_error *error)
+gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
+						  const gw_direct_irradiance *to, gw_error *error)
 {
 	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
-	const gw_buffer *normal = surfels->shading_normal ? &own_normal : &octree->surfel_normal;
-	uint64_t count = surfels->count;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-										4 * count, "visibility", &visibility, error);
-	if (status == GW_OK && surfels->shading_normal)
-		status = upload_normals(passes->gpu, surfels, false, &own_normal, error);
-	if (status == GW_OK && turned)
-		status = upload_normals(passes->gpu, surfels, true, &off_normal, error);
+	const gw_buffer *normal =
+		cloud->surfels->shading_normal ? &own_normal : &cloud->octree->surfel_normal;
+	uint64_t count = cloud->surfels->count;
+	gw_status status = gw_buffer_create(
+		cloud->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * count, "visibility" },
+		&visibility, error);
+	if (status == GW_OK && cloud->surfels->shading_normal)
+		status = upload_normals(cloud->passes->gpu, cloud->surfels, false, &own_normal, error);
+	if (status == GW_OK && to->turned)
+		status = upload_normals(cloud->passes->gpu, cloud->surfels, true, &off_normal, error);
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
 		if (!gw_light_shines(&lights[i]))
 			continue;
-		gw_light_push push = gw_light_push_of(&lights[i], octree, surfels, options);
-		status =
-			find_visibility(passes, octree, surfels, &push, options, normal, &visibility, error);
+		gw_light_push push =
+			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
+		status = find_visibility(cloud, &push, normal, &visibility, error);
 		if (status == GW_OK)
-			status = add_irradiance(passes, octree, &push, count, normal, &visibility,
-									surfel_irradiance, error);
-		if (status == GW_OK && turned)
-			status = add_irradiance(passes, octree, &push, count, &off_normal, &visibility, turned,
-									error);
+			status = add_irradiance(cloud, &push, normal, &visibility, to->surfels, error);
+		if (status == GW_OK && to->turned)
+			status = add_irradiance(cloud, &push, &off_normal, &visibility, to->turned, error);
 	}
 	if (status == GW_OK)
-		status = gw_average_facets(passes, octree, surfel_irradiance, facet_direct, error);
-	gw_buffer_destroy(passes->gpu, &off_normal);
-	gw_buffer_destroy(passes->gpu, &own_normal);
-	gw_buffer_destroy(passes->gpu, &visibility);
+		status = gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
+	gw_buffer_destroy(cloud->passes->gpu, &off_normal);
+	gw_buffer_destroy(cloud->passes->gpu, &own_normal);
+	gw_buffer_destroy(cloud->passes->gpu, &visibility);
 	return status;
 }
 
-gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-						 const gw_light *light, const gw_bake_options *options, float *share,
+gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,
 						 gw_error *error)
 {
 	gw_buffer visibility = { 0 };
-	const gw_light_push push = gw_light_push_of(light, octree, surfels, options);
-	uint64_t bytes = 4 * (uint64_t)surfels->count;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"visibility", &visibility, error);
+	const gw_light_push push =
+		gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
+	uint64_t bytes = 4 * (uint64_t)cloud->surfels->count;
+	gw_status status = gw_buffer_create(
+		cloud->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
+		&visibility, error);
 	const float one = 1.0f;
 	uint32_t seen;
 	memcpy(&seen, &one, sizeof seen);
 	if (status == GW_OK)
-		status = gw_buffer_fill(passes->gpu, &visibility, seen, error);
+		status = gw_buffer_fill(cloud->passes->gpu, &visibility, seen, error);
 	if (status == GW_OK)
-		status = find_visibility(passes, octree, surfels, &push, options, &octree->surfel_normal,
-								 &visibility, error);
+		status = find_visibility(cloud, &push, &cloud->octree->surfel_normal, &visibility, error);
 	if (status == GW_OK)
-		status = gw_buffer_download(passes->gpu, &visibility, 0, share, bytes, error);
-	for (size_t i = 0; i < surfels->count && status == GW_OK; i++)
+		status = gw_buffer_download(cloud->passes->gpu, &visibility, 0, share, bytes, error);
+	for (size_t i = 0; i < cloud->surfels->count && status == GW_OK; i++)
 		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
-	gw_buffer_destroy(passes->gpu, &visibility);
+	gw_buffer_destroy(cloud->passes->gpu, &visibility);
 	return status;
 }

@@ -5,7 +5,7 @@
 #ifndef DIRECT_LIGHT_H
 #define DIRECT_LIGHT_H
 
-#include "octree/octree_bindings.h"
+#include "light/shadow_map.h"
 #include "light/transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
@@ -20,25 +20,23 @@ bool gw_light_shines(const gw_light *light);
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options);
 
-/*
- * Adds the irradiance of every such light.
- *   surfel_irradiance  texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller
- *   facet_direct        storage buffer, 2 * leaf_count vec4; receives the mean over each facet
- *   surfels            gives the local frame
- *   turned             NULL, or like surfel_irradiance: receives what it would be if each normal
- *                      were off as shading_normal_off says, which has to be there (normal_error.h)
- */
-gw_status gw_direct_light(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-						  const gw_light *lights, size_t light_count,
-						  const gw_bake_options *options, gw_buffer *surfel_irradiance,
-						  gw_buffer *facet_direct, gw_buffer *turned, gw_error *error);
+/* Where the light of lamps goes. */
+typedef struct gw_direct_irradiance {
+	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */
+	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet */
+	gw_buffer *turned;  /* NULL, or like surfels: receives what it would be if each normal were off
+						   as shading_normal_off says, which has to be there (normal_error.h) */
+} gw_direct_irradiance;
+
+/* Adds the irradiance of every such light. */
+gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
+						  const gw_direct_irradiance *to, gw_error *error);
 
 /*
  * The share of one light that each surfel sees, whichever way it faces.
  *   share   surfel count, 0..1, on the CPU
  */
-gw_status gw_light_share(gw_passes *passes, const gw_octree *octree, const gw_surfels *surfels,
-						 const gw_light *light, const gw_bake_options *options, float *share,
+gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,
 						 gw_error *error);
 
 /*

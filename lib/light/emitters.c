@@ -45,9 +45,11 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 		}
 	}
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
-								  sizeof *rows * (uint64_t)emitters->count, "emitter table",
-								  &emitters->table, error);
+		status = gw_buffer_create(
+			gpu,
+			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+									  sizeof *rows * (uint64_t)emitters->count, "emitter table" },
+			&emitters->table, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &emitters->table, 0, rows,
 								  sizeof *rows * (uint64_t)emitters->count, error);

@@ -102,34 +102,32 @@ static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_con
 }
 
 gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
-							  const gw_cone_gather *gather, const gw_buffer *facet_radiance,
-							  float largest, float *scale, gw_error *error)
+							  const gw_cone_gather *gather, gw_facet_radiance radiance,
+							  float *scale, gw_error *error)
 {
 	const float black[3] = { 0 };
-	*scale = largest > 0.0f ? STORED_LARGEST / largest : 1.0f;
-	return inject(passes, octree, gather, facet_radiance,
+	*scale = radiance.largest > 0.0f ? STORED_LARGEST / radiance.largest : 1.0f;
+	return inject(passes, octree, gather, radiance.facets,
 				  gw_cone_gather_push(gather, *scale, black), error);
 }
 
-gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
-								const gw_records *records, const gw_buffer *facet_radiance,
-								float largest, const float sky[3], gw_buffer *gathered,
+gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gather,
+								gw_facet_radiance radiance, const float sky[3], gw_buffer *gathered,
 								gw_error *error)
 {
 	float scale;
-	gw_status status =
-		gw_cone_gather_fill(passes, octree, gather, facet_radiance, largest, &scale, error);
+	gw_status status = gw_cone_gather_fill(on->passes, on->octree, gather, radiance, &scale, error);
 	const gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
-										gw_whole(&octree->node),
+		const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
+										gw_whole(&on->octree->node),
 										gw_voxels_of(&gather->leaf_pool),
 										gw_voxels_of(&gather->mip_pool),
-										gw_window(&records->position, 16),
-										gw_window(&records->normal, 16),
+										gw_window(&on->records->position, 16),
+										gw_window(&on->records->normal, 16),
 										gw_window(gathered, 16) };
-		status =
-			gw_passes_run(passes, GW_PASS_RECORD_CONES, bindings, &push, records->count, error);
+		status = gw_passes_run(on->passes, GW_PASS_RECORD_CONES, bindings, &push,
+							   on->records->count, error);
 	}
 	return status;
 }

@@ -25,16 +25,19 @@ gw_status gw_cone_gather_create(gw_gpu *gpu, const gw_octree *octree, uint32_t c
 								gw_cone_gather *gather, gw_error *error);
 void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather);
 
+/* What the facets send out. */
+typedef struct gw_facet_radiance {
+	const gw_buffer *facets; /* texel buffer, 2 * leaf_count vec4 */
+	float largest; /* largest component in it: radiance is scaled so that half floats hold it */
+} gw_facet_radiance;
+
 /*
  * One bounce: injects the radiance of the facets, builds the mipmaps, gathers by cones.
- *   facet_radiance   texel buffer, 2 * leaf_count vec4
- *   largest         largest component in it: radiance is scaled so that half floats hold it
- *   sky             what is seen where a cone is not filled
- *   gathered        receives irradiance, records->count vec4
+ *   sky        what is seen where a cone is not filled
+ *   gathered   receives irradiance, records->count vec4
  */
-gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_cone_gather *gather,
-								const gw_records *records, const gw_buffer *facet_radiance,
-								float largest, const float sky[3], gw_buffer *gathered,
+gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gather,
+								gw_facet_radiance radiance, const float sky[3], gw_buffer *gathered,
 								gw_error *error);
 
 /*
@@ -42,8 +45,8 @@ gw_status gw_cone_gather_bounce(gw_passes *passes, const gw_octree *octree, gw_c
  *   scale   receives what radiance was multiplied by
  */
 gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
-							  const gw_cone_gather *gather, const gw_buffer *facet_radiance,
-							  float largest, float *scale, gw_error *error);
+							  const gw_cone_gather *gather, gw_facet_radiance radiance,
+							  float *scale, gw_error *error);
 
 /* What a pass that reads the bricks is pushed. */
 gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, const float sky[3]);

@@ -18,33 +18,38 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 					   "%u records with %u rays each are more than 2^32 rays; use fewer rays or a "
 					   "larger record spacing",
 					   records->count, rays);
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count,
-										"hit facet", &gather->facet, error);
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * count, "hit facet" },
+		&gather->facet, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * count,
-								  "hit distance", &gather->distance, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
+															4 * count, "hit distance" },
+								  &gather->distance, error);
 	if (status != GW_OK)
 		gw_ray_gather_destroy(gpu, gather);
 	return status;
 }
 
-gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error)
+gw_status gw_ray_gather_trace(const gw_record_context *on, uint32_t rays, uint32_t seed,
+							  gw_ray_gather *gather, gw_error *error)
 {
-	uint64_t count = (uint64_t)rays * records->count;
-	gw_status status = gw_ray_gather_create(passes->gpu, records, rays, seed, gather, error);
+	uint64_t count = (uint64_t)rays * on->records->count;
+	gw_status status =
+		gw_ray_gather_create(on->passes->gpu, on->records, rays, seed, gather, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
-			GW_TRACE_BINDINGS(octree),       gw_whole(&records->position),
-			gw_whole(&records->normal),      gw_window(&gather->facet, 4),
-			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(octree),
-			GW_TREE_BINDING(octree)
+			GW_TRACE_BINDINGS(on->octree),   gw_whole(&on->records->position),
+			gw_whole(&on->records->normal),  gw_window(&gather->facet, 4),
+			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(on->octree),
+			GW_TREE_BINDING(on->octree)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
-		status = gw_passes_run(passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
+		status = gw_passes_run(on->passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
 	}
 	if (status != GW_OK)
-		gw_ray_gather_destroy(passes->gpu, gather);
+		gw_ray_gather_destroy(on->passes->gpu, gather);
 	return status;
 }
 
@@ -69,8 +74,9 @@ static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, more, 0, values + buffer->bytes, more->bytes, error);
 	if (status == GW_OK)
-		status =
-			gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, buffer->name, &joined, error);
+		status = gw_buffer_create(
+			gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, buffer->name }, &joined,
+			error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &joined, 0, values, bytes, error);
 	free(values);
@@ -83,12 +89,11 @@ static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer
 	return GW_OK;
 }
 
-gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
-							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
+gw_status gw_ray_gather_add(const gw_record_context *on, gw_ray_gather *gather, gw_ray_gather *own,
+							gw_error *error)
 {
-	gw_gpu *gpu = passes->gpu;
-	gw_status status =
-		gw_ray_gather_trace(passes, octree, further, gather->rays, gather->seed, own, error);
+	gw_gpu *gpu = on->passes->gpu;
+	gw_status status = gw_ray_gather_trace(on, gather->rays, gather->seed, own, error);
 	if (status == GW_OK)
 		status = append(gpu, VK_FORMAT_R32_UINT, &own->facet, &gather->facet, error);
 	if (status == GW_OK)
@@ -96,58 +101,68 @@ gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw
 	return status;
 }
 
-gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_portals *portals, gw_ray_gather *gather, gw_error *error)
+gw_status gw_ray_gather_open(const gw_record_context *on, const gw_portals *portals,
+							 gw_ray_gather *gather, gw_error *error)
 {
 	if (portals->count == 0 || gather->through.handle != VK_NULL_HANDLE)
 		return GW_OK;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-										4 * (uint64_t)records->count, "sky through portals",
-										&gather->through, error);
+	gw_status status = gw_buffer_create(
+		on->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+								  4 * (uint64_t)on->records->count, "sky through portals" },
+		&gather->through, error);
 	if (status == GW_OK) {
 		const gw_binding bindings[] = {
-			GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),   gw_whole(&records->normal),
-			gw_whole(&portals->sphere), gw_window(&gather->through, 4), GW_DISC_BINDINGS(octree),
-			GW_TREE_BINDING(octree)
+			GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
+			gw_whole(&on->records->normal), gw_whole(&portals->sphere),
+			gw_window(&gather->through, 4), GW_DISC_BINDINGS(on->octree),
+			GW_TREE_BINDING(on->octree)
 		};
 		gw_record_push push = { .seed = gather->seed, .portals = portals->count };
-		status =
-			gw_passes_run(passes, GW_PASS_RECORD_PORTALS, bindings, &push, records->count, error);
+		status = gw_passes_run(on->passes, GW_PASS_RECORD_PORTALS, bindings, &push,
+							   on->records->count, error);
 	}
 	if (status != GW_OK)
-		gw_buffer_destroy(passes->gpu, &gather->through);
+		gw_buffer_destroy(on->passes->gpu, &gather->through);
 	return status;
 }
 
-gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
-									 const gw_records *further, const gw_portals *portals,
+gw_status gw_ray_gather_open_further(const gw_record_context *on, const gw_portals *portals,
 									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error)
 {
 	if (gather->through.handle == VK_NULL_HANDLE)
 		return GW_OK;
-	gw_status status = gw_ray_gather_open(passes, octree, further, portals, own, error);
+	gw_status status = gw_ray_gather_open(on, portals, own, error);
 	return status == GW_OK
-			   ? append(passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
+			   ? append(on->passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
 			   : status;
 }
 
-/* Adds samples of the emitters to `sampled`. */
-static gw_status sample_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								 const gw_sampled_sources *sources, gw_record_push push,
-								 gw_buffer *sampled, gw_error *error)
+/* One gather from sources under way. */
+typedef struct gathering {
+	const gw_record_context *on;
+	const gw_ray_gather *gather;
+	const gw_sampled_sources *sources;
+	gw_buffer sampled; /* what samples bring, vec4 a record */
+} gathering;
+
+/* Adds samples of the emitters to what is sampled. */
+static gw_status sample_emitters(const gathering *g, gw_record_push push, gw_error *error)
 {
-	const gw_emitters *emitters = sources->emitters;
-	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),
+	const gw_emitters *emitters = g->sources->emitters;
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(g->on->octree),
 									gw_whole(emitters->radiance),
 									gw_whole(&emitters->table),
-									gw_window(&records->position, 16),
-									gw_window(&records->normal, 16),
-									gw_window(sampled, 16),
-									gw_whole(sources->part ? sources->part : emitters->radiance),
-									GW_DISC_BINDINGS(octree),
-									GW_TREE_BINDING(octree) };
+									gw_window(&g->on->records->position, 16),
+									gw_window(&g->on->records->normal, 16),
+									gw_window(&g->sampled, 16),
+									gw_whole(g->sources->part ? g->sources->part
+															  : emitters->radiance),
+									GW_DISC_BINDINGS(g->on->octree),
+									GW_TREE_BINDING(g->on->octree) };
 	push.batch_count = push.light_samples;
-	return gw_passes_run(passes, GW_PASS_RECORD_EMITTERS, bindings, &push, records->count, error);
+	return gw_passes_run(g->on->passes, GW_PASS_RECORD_EMITTERS, bindings, &push,
+						 g->on->records->count, error);
 }
 
 /* Any buffer will do where there are none. */
@@ -158,36 +173,38 @@ static const gw_buffer *spheres_of(const gw_sampled_sources *sources)
 }
 
 /* The same for the map of the sky. */
-static gw_status sample_sky(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							const gw_sampled_sources *sources, gw_record_push push,
-							gw_buffer *sampled, gw_error *error)
+static gw_status sample_sky(const gathering *g, gw_record_push push, gw_error *error)
 {
-	const gw_sky_map *map = sources->map;
-	const gw_binding bindings[] = {
-		GW_TRACE_BINDINGS(octree),         gw_whole(&map->texel),           gw_whole(&map->alias),
-		gw_window(&records->position, 16), gw_window(&records->normal, 16), gw_window(sampled, 16),
-		GW_DISC_BINDINGS(octree),          gw_whole(spheres_of(sources)),   GW_TREE_BINDING(octree)
-	};
+	const gw_sky_map *map = g->sources->map;
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(g->on->octree),
+									gw_whole(&map->texel),
+									gw_whole(&map->alias),
+									gw_window(&g->on->records->position, 16),
+									gw_window(&g->on->records->normal, 16),
+									gw_window(&g->sampled, 16),
+									GW_DISC_BINDINGS(g->on->octree),
+									gw_whole(spheres_of(g->sources)),
+									GW_TREE_BINDING(g->on->octree) };
 	push.batch_count = push.sky_samples;
-	return gw_passes_run(passes, GW_PASS_RECORD_SKY, bindings, &push, records->count, error);
+	return gw_passes_run(g->on->passes, GW_PASS_RECORD_SKY, bindings, &push, g->on->records->count,
+						 error);
 }
 
 /* Adds the sky as rays and samples of portals see it. */
-static gw_status add_opened(gw_passes *passes, gw_records *records, const gw_ray_gather *gather,
-							const gw_sampled_sources *sources, gw_record_push push,
-							gw_buffer *sampled, gw_error *error)
+static gw_status add_opened(const gathering *g, gw_record_push push, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&gather->facet),
-									gw_whole(&gather->through),
-									gw_whole(spheres_of(sources)),
-									gw_whole(push.sky_width > 0 ? &sources->map->texel
-																: sources->emitters->radiance),
-									gw_window(&records->position, 16),
-									gw_window(&records->normal, 16),
-									gw_window(sampled, 16) };
-	push.seed = gather->seed;
+	const gw_binding bindings[] = { gw_whole(&g->gather->facet),
+									gw_whole(&g->gather->through),
+									gw_whole(spheres_of(g->sources)),
+									gw_whole(push.sky_width > 0 ? &g->sources->map->texel
+																: g->sources->emitters->radiance),
+									gw_window(&g->on->records->position, 16),
+									gw_window(&g->on->records->normal, 16),
+									gw_window(&g->sampled, 16) };
+	push.seed = g->gather->seed;
 	push.batch_count = push.rays;
-	return gw_passes_run(passes, GW_PASS_PORTAL_LIGHT, bindings, &push, records->count, error);
+	return gw_passes_run(g->on->passes, GW_PASS_PORTAL_LIGHT, bindings, &push,
+						 g->on->records->count, error);
 }
 
 static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
@@ -213,44 +230,43 @@ gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, 
 }
 
 /* What the rays themselves meet, and what was sampled. */
-static gw_status gather_hits(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							 const gw_ray_gather *gather, const gw_sampled_sources *sources,
-							 gw_record_push push, const gw_buffer *sampled, gw_buffer *irradiance,
+static gw_status gather_hits(const gathering *g, gw_record_push push, gw_buffer *irradiance,
 							 gw_error *error)
 {
-	const gw_buffer *radiance = sources->emitters->radiance;
+	const gw_buffer *radiance = g->sources->emitters->radiance;
 	/* The directions of the rays are made again, from their seed. */
-	push.seed = gather->seed;
+	push.seed = g->gather->seed;
 	if (push.portals > 0) {
 		push.sky = (vec4){ 0 };
 		push.sky_hits = 0;
 	}
-	const gw_binding bindings[] = { gw_whole(&gather->facet),
-									gw_whole(&gather->distance),
-									gw_whole(&octree->facet_plane),
+	const gw_binding bindings[] = { gw_whole(&g->gather->facet),
+									gw_whole(&g->gather->distance),
+									gw_whole(&g->on->octree->facet_plane),
 									gw_whole(radiance),
-									gw_window(sampled, 16),
-									gw_window(&records->position, 16),
-									gw_window(&records->normal, 16),
+									gw_window(&g->sampled, 16),
+									gw_window(&g->on->records->position, 16),
+									gw_window(&g->on->records->normal, 16),
 									gw_window(irradiance, 16),
-									gw_whole(sources->part ? sources->part : radiance),
-									gw_whole(push.sky_width > 0 ? &sources->map->texel
+									gw_whole(g->sources->part ? g->sources->part : radiance),
+									gw_whole(push.sky_width > 0 ? &g->sources->map->texel
 																: radiance) };
-	return gw_passes_run(passes, GW_PASS_RECORD_FIRST, bindings, &push, records->count, error);
+	return gw_passes_run(g->on->passes, GW_PASS_RECORD_FIRST, bindings, &push,
+						 g->on->records->count, error);
 }
 
 /* All sources at once. */
-static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								const gw_ray_gather *gather, const gw_sampled_sources *sources,
-								gw_buffer *irradiance, gw_error *error)
+static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather *gather,
+								const gw_sampled_sources *sources, gw_buffer *irradiance,
+								gw_error *error)
 {
 	const gw_emitters *emitters = sources->emitters;
 	const float *sky = sources->sky;
 	bool map = sources->map && sources->map->width > 0;
-	gw_buffer sampled = { 0 };
+	gathering g = { .on = on, .gather = gather, .sources = sources };
 	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
 	if (dark && sources->looked)
-		return gw_buffer_fill(passes->gpu, irradiance, 0, error);
+		return gw_buffer_fill(on->passes->gpu, irradiance, 0, error);
 	bool sampled_too =
 		emitters->count > 0 && !(sources->use_hits && gw_emitters_are_everywhere(emitters));
 	gw_record_push push = { .rays = gather->rays,
@@ -265,26 +281,26 @@ static gw_status gather_sources(gw_passes *passes, const gw_octree *octree, gw_r
 	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
 	if (shines && sources->portals && gather->through.handle != VK_NULL_HANDLE)
 		push.portals = sources->portals->count;
-	gw_status status =
-		gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-						 16 * (uint64_t)records->count, "sampled irradiance", &sampled, error);
+	gw_status status = gw_buffer_create(
+		on->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)on->records->count, "sampled irradiance" },
+		&g.sampled, error);
 	if (status == GW_OK && push.light_samples > 0)
-		status = sample_emitters(passes, octree, records, sources, push, &sampled, error);
+		status = sample_emitters(&g, push, error);
 	if (status == GW_OK && push.sky_width > 0)
-		status = sample_sky(passes, octree, records, sources, push, &sampled, error);
+		status = sample_sky(&g, push, error);
 	if (status == GW_OK && push.portals > 0)
-		status = add_opened(passes, records, gather, sources, push, &sampled, error);
+		status = add_opened(&g, push, error);
 	if (status == GW_OK)
-		status = gather_hits(passes, octree, records, gather, sources, push, &sampled, irradiance,
-							 error);
-	gw_buffer_destroy(passes->gpu, &sampled);
+		status = gather_hits(&g, push, irradiance, error);
+	gw_buffer_destroy(on->passes->gpu, &g.sampled);
 	return status;
 }
 
 /* What emitters alone bring, unless that is kept from before. */
-static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							   const gw_ray_gather *gather, const gw_sampled_sources *sources,
-							   gw_error *error)
+static gw_status keep_emitters(const gw_record_context *on, const gw_ray_gather *gather,
+							   const gw_sampled_sources *sources, gw_error *error)
 {
 	const float black[3] = { 0 };
 	gw_sampled_sources alone = *sources;
@@ -292,55 +308,57 @@ static gw_status keep_emitters(gw_passes *passes, const gw_octree *octree, gw_re
 		return GW_OK;
 	alone.sky = black;
 	alone.map = NULL;
-	gw_status status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										16 * (uint64_t)records->count, "irradiance from emitters",
-										sources->kept, error);
+	gw_status status = gw_buffer_create(
+		on->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  16 * (uint64_t)on->records->count, "irradiance from emitters" },
+		sources->kept, error);
 	if (status == GW_OK)
-		status = gather_sources(passes, octree, records, gather, &alone, sources->kept, error);
+		status = gather_sources(on, gather, &alone, sources->kept, error);
 	if (status != GW_OK)
-		gw_buffer_destroy(passes->gpu, sources->kept);
+		gw_buffer_destroy(on->passes->gpu, sources->kept);
 	return status;
 }
 
-gw_status gw_ray_gather_sample_further(gw_passes *passes, const gw_octree *octree,
-									   gw_records *further, const gw_ray_gather *own,
+gw_status gw_ray_gather_sample_further(const gw_record_context *on, const gw_ray_gather *own,
 									   const gw_sampled_sources *sources, gw_error *error)
 {
 	gw_buffer more = { 0 };
 	gw_sampled_sources alone = *sources;
 	alone.kept = &more;
 	alone.looked = false;
-	gw_status status = keep_emitters(passes, octree, further, own, &alone, error);
+	gw_status status = keep_emitters(on, own, &alone, error);
 	if (status == GW_OK)
-		status = append(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, &more, sources->kept, error);
-	gw_buffer_destroy(passes->gpu, &more);
+		status =
+			append(on->passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, &more, sources->kept, error);
+	gw_buffer_destroy(on->passes->gpu, &more);
 	return status;
 }
 
-gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								const gw_ray_gather *gather, const gw_sampled_sources *sources,
-								gw_buffer *irradiance, gw_error *error)
+gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather *gather,
+								const gw_sampled_sources *sources, gw_buffer *irradiance,
+								gw_error *error)
 {
 	const gw_emitters none = { .radiance = sources->emitters->radiance };
 	gw_sampled_sources others = *sources;
 	if (!sources->kept)
-		return gather_sources(passes, octree, records, gather, sources, irradiance, error);
+		return gather_sources(on, gather, sources, irradiance, error);
 	others.emitters = &none;
-	gw_status status = keep_emitters(passes, octree, records, gather, sources, error);
+	gw_status status = keep_emitters(on, gather, sources, error);
 	if (status == GW_OK)
-		status = gather_sources(passes, octree, records, gather, &others, irradiance, error);
+		status = gather_sources(on, gather, &others, irradiance, error);
 	if (status == GW_OK)
-		status = gw_light_add(passes, sources->kept, irradiance, records->count, error);
+		status = gw_light_add(on->passes, sources->kept, irradiance, on->records->count, error);
 	return status;
 }
 
-gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							 const gw_ray_gather *gather, gw_error *error)
+gw_status gw_ray_gather_look(const gw_record_context *on, const gw_ray_gather *gather,
+							 gw_error *error)
 {
 	const float black[3] = { 0 };
-	const gw_emitters none = { .radiance = &octree->facet_emission };
+	const gw_emitters none = { .radiance = &on->octree->facet_emission };
 	const gw_sampled_sources nothing = { .emitters = &none, .sky = black };
-	return gw_ray_gather_sampled(passes, octree, records, gather, &nothing, &records->first, error);
+	return gw_ray_gather_sampled(on, gather, &nothing, &on->records->first, error);
 }
 
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,

@@ -25,22 +25,23 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 							   gw_ray_gather *gather, gw_error *error);
 
 /* Traces `rays` rays from every record. */
-gw_status gw_ray_gather_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							  uint32_t rays, uint32_t seed, gw_ray_gather *gather, gw_error *error);
+gw_status gw_ray_gather_trace(const gw_record_context *on, uint32_t rays, uint32_t seed,
+							  gw_ray_gather *gather, gw_error *error);
 void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
 
 /* Traces rays from further records, as many from each, and keeps their hits behind the others.
+ *   on    the further records alone
  *   own   receives these hits alone, to be destroyed by the caller, also on failure */
-gw_status gw_ray_gather_add(gw_passes *passes, const gw_octree *octree, const gw_records *further,
-							gw_ray_gather *gather, gw_ray_gather *own, gw_error *error);
+gw_status gw_ray_gather_add(const gw_record_context *on, gw_ray_gather *gather, gw_ray_gather *own,
+							gw_error *error);
 
 /* Samples the portals from every record, into gather->through, unless that is there. */
-gw_status gw_ray_gather_open(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_portals *portals, gw_ray_gather *gather, gw_error *error);
+gw_status gw_ray_gather_open(const gw_record_context *on, const gw_portals *portals,
+							 gw_ray_gather *gather, gw_error *error);
 
-/* The same from further records, whose hits alone are *own, behind the others. */
-gw_status gw_ray_gather_open_further(gw_passes *passes, const gw_octree *octree,
-									 const gw_records *further, const gw_portals *portals,
+/* The same from further records, whose hits alone are *own, behind the others; on has these alone.
+ */
+gw_status gw_ray_gather_open_further(const gw_record_context *on, const gw_portals *portals,
 									 gw_ray_gather *gather, gw_ray_gather *own, gw_error *error);
 
 /* What a sampled gather looks for. */
@@ -69,19 +70,18 @@ typedef struct gw_sampled_sources {
  * something solid, into normal w.
  *   irradiance   receives it, records->count vec4
  */
-gw_status gw_ray_gather_sampled(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								const gw_ray_gather *gather, const gw_sampled_sources *sources,
-								gw_buffer *irradiance, gw_error *error);
+gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather *gather,
+								const gw_sampled_sources *sources, gw_buffer *irradiance,
+								gw_error *error);
 
 /* Gathers what emitters bring to further records, whose hits alone are *own, and keeps it behind
- * *sources->kept, which exists. */
-gw_status gw_ray_gather_sample_further(gw_passes *passes, const gw_octree *octree,
-									   gw_records *further, const gw_ray_gather *own,
+ * *sources->kept, which exists; on has these records alone. */
+gw_status gw_ray_gather_sample_further(const gw_record_context *on, const gw_ray_gather *own,
 									   const gw_sampled_sources *sources, gw_error *error);
 
 /* Finds these two alone; leaves records->first dark. */
-gw_status gw_ray_gather_look(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							 const gw_ray_gather *gather, gw_error *error);
+gw_status gw_ray_gather_look(const gw_record_context *on, const gw_ray_gather *gather,
+							 gw_error *error);
 
 /* One bounce: irradiance from what the rays hit, into records->gathered. */
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,

@@ -133,13 +133,15 @@ void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept)
 /* What goes to the device for one frame. */
 typedef struct keep_tables {
 	gw_buffer known_record, leaf_now, box, list;
+	uint32_t box_count;
 } keep_tables;
 
-static gw_status upload(gw_gpu *gpu, VkFormat format, const void *values, uint64_t bytes,
-						const char *name, gw_buffer *buffer, gw_error *error)
+static gw_status upload(gw_gpu *gpu, const gw_buffer_description *description, const void *values,
+						gw_buffer *buffer, gw_error *error)
 {
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
-	return status == GW_OK ? gw_buffer_upload(gpu, buffer, 0, values, bytes, error) : status;
+	gw_status status = gw_buffer_create(gpu, description, buffer, error);
+	return status == GW_OK ? gw_buffer_upload(gpu, buffer, 0, values, description->bytes, error)
+						   : status;
 }
 
 static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_kept_hits *kept,
@@ -153,8 +155,11 @@ static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_
 	for (uint32_t i = 0; i < records->count && status == GW_OK; i++)
 		known[i] = find_record(kept, place + 6 * (size_t)i);
 	if (status == GW_OK)
-		status = upload(gpu, VK_FORMAT_R32_UINT, known, 4 * (uint64_t)records->count,
-						"records known before", &tables->known_record, error);
+		status =
+			upload(gpu,
+				   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+											 4 * (uint64_t)records->count, "records known before" },
+				   known, &tables->known_record, error);
 	free(place);
 	free(known);
 	return status;
@@ -177,88 +182,96 @@ static gw_status match_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_kep
 		now[i] = at;
 	}
 	if (status == GW_OK)
-		status = upload(gpu, VK_FORMAT_R32_UINT, now, 4 * (uint64_t)kept->leaf_count,
-						"leaves as they are now", &tables->leaf_now, error);
+		status = upload(gpu,
+						&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+												  4 * (uint64_t)kept->leaf_count,
+												  "leaves as they are now" },
+						now, &tables->leaf_now, error);
 	free(key);
 	free(now);
 	return status;
 }
 
-static gw_status keep(gw_passes *passes, const gw_records *records, const gw_kept_hits *kept,
-					  const keep_tables *tables, uint32_t box_count, gw_ray_gather *gather,
-					  gw_error *error)
+static gw_status keep(const gw_record_context *on, const gw_kept_hits *kept,
+					  const keep_tables *tables, gw_ray_gather *gather, gw_error *error)
 {
-	const gw_binding bindings[] = { gw_whole(&kept->rays.facet),     gw_whole(&kept->rays.distance),
-									gw_whole(&tables->known_record), gw_whole(&tables->leaf_now),
-									gw_whole(&records->position),    gw_whole(&records->normal),
-									gw_whole(&tables->box),          gw_window(&gather->facet, 4),
-									gw_window(&gather->distance, 4), gw_whole(&tables->list) };
-	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed, .boxes = box_count };
-	return gw_passes_run(passes, GW_PASS_RECORD_KEEP, bindings, &push,
-						 (uint64_t)gather->rays * records->count, error);
+	const gw_binding bindings[] = {
+		gw_whole(&kept->rays.facet),      gw_whole(&kept->rays.distance),
+		gw_whole(&tables->known_record),  gw_whole(&tables->leaf_now),
+		gw_whole(&on->records->position), gw_whole(&on->records->normal),
+		gw_whole(&tables->box),           gw_window(&gather->facet, 4),
+		gw_window(&gather->distance, 4),  gw_whole(&tables->list)
+	};
+	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed, .boxes = tables->box_count };
+	return gw_passes_run(on->passes, GW_PASS_RECORD_KEEP, bindings, &push,
+						 (uint64_t)gather->rays * on->records->count, error);
 }
 
-static gw_status trace_listed(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							  const keep_tables *tables, gw_ray_gather *gather, uint64_t *traced,
-							  gw_error *error)
+static gw_status trace_listed(const gw_record_context *on, const keep_tables *tables,
+							  gw_ray_gather *gather, uint64_t *traced, gw_error *error)
 {
 	uint32_t listed;
 	gw_status status =
-		gw_buffer_download(passes->gpu, writable(&tables->list), 0, &listed, 4, error);
+		gw_buffer_download(on->passes->gpu, writable(&tables->list), 0, &listed, 4, error);
 	if (status != GW_OK)
 		return status;
 	*traced = listed;
-	const gw_binding bindings[] = { GW_TRACE_BINDINGS(octree),  gw_whole(&records->position),
-									gw_whole(&records->normal), gw_whole(&tables->list),
-									gw_whole(&gather->facet),   gw_whole(&gather->distance),
-									GW_DISC_BINDINGS(octree),   GW_TREE_BINDING(octree) };
+	const gw_binding bindings[] = {
+		GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
+		gw_whole(&on->records->normal), gw_whole(&tables->list),
+		gw_whole(&gather->facet),       gw_whole(&gather->distance),
+		GW_DISC_BINDINGS(on->octree),   GW_TREE_BINDING(on->octree)
+	};
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
-	return gw_passes_run(passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
+	return gw_passes_run(on->passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);
 }
 
-static gw_status make_tables(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_kept_hits *kept, const gw_changed_box *boxes,
-							 uint32_t box_count, keep_tables *tables, gw_error *error)
+static gw_status make_tables(const gw_record_context *on, const gw_kept_hits *kept,
+							 gw_changed_boxes boxes, keep_tables *tables, gw_error *error)
 {
-	uint64_t rays = (uint64_t)kept->rays.rays * records->count;
-	gw_status status = match_records(passes->gpu, records, kept, tables, error);
+	tables->box_count = boxes.count;
+	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
+	gw_status status = match_records(on->passes->gpu, on->records, kept, tables, error);
 	if (status == GW_OK)
-		status = match_leaves(passes->gpu, octree, kept, tables, error);
+		status = match_leaves(on->passes->gpu, on->octree, kept, tables, error);
 	if (status == GW_OK)
-		status = upload(passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, boxes,
-						sizeof *boxes * (uint64_t)box_count, "changed boxes", &tables->box, error);
+		status = upload(on->passes->gpu,
+						&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												  sizeof *boxes.box * (uint64_t)boxes.count,
+												  "changed boxes" },
+						boxes.box, &tables->box, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(passes->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, 4 * (rays + 1),
-								  "rays to trace again", &tables->list, error);
+		status = gw_buffer_create(on->passes->gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+															4 * (rays + 1), "rays to trace again" },
+								  &tables->list, error);
 	return status;
 }
 
-gw_status gw_kept_hits_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_kept_hits *kept, const gw_changed_box *boxes,
-							 uint32_t box_count, gw_ray_gather *gather, uint64_t *traced,
+gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *kept,
+							 gw_changed_boxes boxes, gw_ray_gather *gather, uint64_t *traced,
 							 gw_error *error)
 {
-	uint64_t rays = (uint64_t)kept->rays.rays * records->count;
+	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
 	keep_tables tables = { 0 };
 	/* Lists that are too long to be bound as a whole. */
-	if (4 * (rays + 1) > gw_gpu_limits(passes->gpu)->maxStorageBufferRange) {
+	if (4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
 		*traced = rays;
-		return gw_ray_gather_trace(passes, octree, records, kept->rays.rays, kept->rays.seed,
-								   gather, error);
+		return gw_ray_gather_trace(on, kept->rays.rays, kept->rays.seed, gather, error);
 	}
-	gw_status status =
-		gw_ray_gather_create(passes->gpu, records, kept->rays.rays, kept->rays.seed, gather, error);
+	gw_status status = gw_ray_gather_create(on->passes->gpu, on->records, kept->rays.rays,
+											kept->rays.seed, gather, error);
 	if (status == GW_OK)
-		status = make_tables(passes, octree, records, kept, boxes, box_count, &tables, error);
+		status = make_tables(on, kept, boxes, &tables, error);
 	if (status == GW_OK)
-		status = keep(passes, records, kept, &tables, box_count, gather, error);
+		status = keep(on, kept, &tables, gather, error);
 	if (status == GW_OK)
-		status = trace_listed(passes, octree, records, &tables, gather, traced, error);
-	gw_buffer_destroy(passes->gpu, &tables.known_record);
-	gw_buffer_destroy(passes->gpu, &tables.leaf_now);
-	gw_buffer_destroy(passes->gpu, &tables.box);
-	gw_buffer_destroy(passes->gpu, &tables.list);
+		status = trace_listed(on, &tables, gather, traced, error);
+	gw_buffer_destroy(on->passes->gpu, &tables.known_record);
+	gw_buffer_destroy(on->passes->gpu, &tables.leaf_now);
+	gw_buffer_destroy(on->passes->gpu, &tables.box);
+	gw_buffer_destroy(on->passes->gpu, &tables.list);
 	if (status != GW_OK)
-		gw_ray_gather_destroy(passes->gpu, gather);
+		gw_ray_gather_destroy(on->passes->gpu, gather);
 	return status;
 }

@@ -26,6 +26,11 @@ typedef struct gw_changed_box {
 /* At most so many boxes. */
 #define GW_CHANGED_BOXES 1024u
 
+typedef struct gw_changed_boxes {
+	const gw_changed_box *box; /* count */
+	uint32_t count;
+} gw_changed_boxes;
+
 /*
  * Keeps what the records of an octree saw.
  *   rays   theirs; on success they belong to *kept, and *rays is empty
@@ -40,9 +45,8 @@ void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept);
  * the boxes, its leaves are the same.
  *   traced   receives how many rays were traced
  */
-gw_status gw_kept_hits_trace(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_kept_hits *kept, const gw_changed_box *boxes,
-							 uint32_t box_count, gw_ray_gather *gather, uint64_t *traced,
+gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *kept,
+							 gw_changed_boxes boxes, gw_ray_gather *gather, uint64_t *traced,
 							 gw_error *error);
 
 #endif

@@ -137,14 +137,19 @@ static gw_status fetch_lines(const finder *f, ray_list *list, gw_error *error)
 	gw_gpu *gpu = f->passes->gpu;
 	gw_buffer ray = { 0 }, direction = { 0 };
 	gw_view directions = { 0 }, places = { 0 };
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-										4 * (uint64_t)list->count, "rays looked at", &ray, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+												   4 * (uint64_t)list->count, "rays looked at" },
+						 &ray, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &ray, 0, list->ray, 4 * (uint64_t)list->count, error);
 	if (status == GW_OK)
-		status =
-			gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-							 16 * (uint64_t)list->count, "their directions", &direction, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															16 * (uint64_t)list->count,
+															"their directions" },
+								  &direction, error);
 	const gw_binding bindings[] = { gw_whole(&ray), gw_whole(&f->records->position),
 									gw_whole(&f->records->normal), gw_window(&direction, 16) };
 	const gw_record_push push = { .rays = f->gather->rays, .seed = f->gather->seed };
@@ -342,8 +347,11 @@ static gw_status keep_spheres(gw_gpu *gpu, const float *sphere, uint32_t count, 
 	portals->count = count;
 	if (count == 0)
 		return GW_OK;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										16 * count, "portals", &portals->sphere, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   16 * count, "portals" },
+						 &portals->sphere, error);
 	return status == GW_OK ? gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error)
 						   : status;
 }

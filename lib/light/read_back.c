@@ -17,7 +17,7 @@
 
 /* Rows on their way from the device. */
 typedef struct rows {
-	gw_buffer record, weight;
+	gw_surfel_rows on_device;
 	uint32_t *host_record; /* GW_SURFEL_WEIGHTS * CHUNK */
 	float *host_weight;
 	size_t room; /* entries that the packed arrays hold */
@@ -30,11 +30,16 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
 	if (!r->host_record || !r->host_weight)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for weights of records");
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
-										"records of surfels", &r->record, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+												   4 * words, "records of surfels" },
+						 &r->on_device.record, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * words,
-								  "weights of surfels", &r->weight, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4 * words, "weights of surfels" },
+								  &r->on_device.weight, error);
 	return status;
 }
 
@@ -94,21 +99,24 @@ static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t firs
 	}
 }
 
-static gw_status find_rows(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-						   const renewal *how, rows *r, gw_read_back *b, gw_error *error)
+static gw_status find_rows(const gw_record_context *on, const renewal *how, rows *r,
+						   gw_read_back *b, gw_error *error)
 {
-	gw_status status = create(passes->gpu, r, error);
+	gw_status status = create(on->passes->gpu, r, error);
 	for (size_t first = 0; first < b->count && status == GW_OK; first += CHUNK) {
 		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
 		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
+		r->on_device.first = first;
+		r->on_device.count = count;
 		status = reserve(b, r, b->first[first], error);
 		if (status == GW_OK)
-			status = gw_records_weigh_surfels(passes, octree, records, how->reach, first, count,
-											  &r->record, &r->weight, error);
+			status = gw_records_weigh_surfels(on, how->reach, &r->on_device, error);
 		if (status == GW_OK)
-			status = gw_buffer_download(passes->gpu, &r->record, 0, r->host_record, bytes, error);
+			status = gw_buffer_download(on->passes->gpu, &r->on_device.record, 0, r->host_record,
+										bytes, error);
 		if (status == GW_OK)
-			status = gw_buffer_download(passes->gpu, &r->weight, 0, r->host_weight, bytes, error);
+			status = gw_buffer_download(on->passes->gpu, &r->on_device.weight, 0, r->host_weight,
+										bytes, error);
 		if (status == GW_OK)
 			pack(b, r, how, first, count);
 	}
@@ -124,19 +132,17 @@ static void shrink(gw_read_back *b)
 	b->weight = weight ? weight : b->weight;
 }
 
-static gw_status make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-					  const renewal *how, size_t surfel_count, gw_read_back *read_back,
-					  gw_error *error)
+static gw_status make(const gw_record_context *on, const renewal *how, size_t surfel_count,
+					  gw_read_back *read_back, gw_error *error)
 {
 	rows r = { .room = 0 };
 	*read_back = (gw_read_back){ .count = surfel_count };
 	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
-	gw_status status =
-		read_back->first
-			? find_rows(passes, octree, records, how, &r, read_back, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu surfels", surfel_count);
-	gw_buffer_destroy(passes->gpu, &r.record);
-	gw_buffer_destroy(passes->gpu, &r.weight);
+	gw_status status = read_back->first ? find_rows(on, how, &r, read_back, error)
+										: gw_fail(error, GW_ERROR_MEMORY,
+												  "no host memory for %zu surfels", surfel_count);
+	gw_buffer_destroy(on->passes->gpu, &r.on_device.record);
+	gw_buffer_destroy(on->passes->gpu, &r.on_device.weight);
 	free(r.host_record);
 	free(r.host_weight);
 	if (status == GW_OK)
@@ -146,20 +152,18 @@ static gw_status make(gw_passes *passes, const gw_octree *octree, const gw_recor
 	return status;
 }
 
-gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							size_t surfel_count, gw_read_back *read_back, gw_error *error)
+gw_status gw_read_back_make(const gw_record_context *on, size_t surfel_count,
+							gw_read_back *read_back, gw_error *error)
 {
-	return make(passes, octree, records, &(renewal){ .reach = NULL }, surfel_count, read_back,
-				error);
+	return make(on, &(renewal){ .reach = NULL }, surfel_count, read_back, error);
 }
 
-gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_buffer *reach, const bool *closer, gw_read_back *read_back,
-							 gw_error *error)
+gw_status gw_read_back_again(const gw_record_context *on, const gw_buffer *reach,
+							 const bool *closer, gw_read_back *read_back, gw_error *error)
 {
 	gw_read_back again;
 	const renewal how = { reach, closer, read_back };
-	gw_status status = make(passes, octree, records, &how, read_back->count, &again, error);
+	gw_status status = make(on, &how, read_back->count, &again, error);
 	if (status != GW_OK)
 		return status;
 	gw_read_back_clear(read_back);

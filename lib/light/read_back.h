@@ -17,17 +17,16 @@ typedef struct gw_read_back {
 } gw_read_back;
 
 /* Finds the rows of all surfels. On success *read_back is owned by the caller. */
-gw_status gw_read_back_make(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							size_t surfel_count, gw_read_back *read_back, gw_error *error);
+gw_status gw_read_back_make(const gw_record_context *on, size_t surfel_count,
+							gw_read_back *read_back, gw_error *error);
 
 /*
  * Finds the rows of some surfels again, after records were added; the others keep theirs.
  *   reach    how far each surfel looks, a texel buffer R32_SFLOAT, 0 for those that keep their rows
  *   closer   surfel count: false for those
  */
-gw_status gw_read_back_again(gw_passes *passes, const gw_octree *octree, const gw_records *records,
-							 const gw_buffer *reach, const bool *closer, gw_read_back *read_back,
-							 gw_error *error);
+gw_status gw_read_back_again(const gw_record_context *on, const gw_buffer *reach,
+							 const bool *closer, gw_read_back *read_back, gw_error *error);
 void gw_read_back_clear(gw_read_back *read_back);
 
 /*

@@ -23,7 +23,8 @@
 static gw_status texel(gw_gpu *gpu, VkFormat format, uint64_t bytes, const char *name,
 					   gw_buffer *buffer, gw_error *error)
 {
-	return gw_buffer_create(gpu, GW_BUFFER_TEXEL, format, bytes, name, buffer, error);
+	return gw_buffer_create(gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, name },
+							buffer, error);
 }
 
 /* The level whose cells are at least so many radii wide: two are best where all lookups reach as
@@ -85,17 +86,16 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 }
 
 /* Puts a record on each of the facets that are listed. */
-static gw_status put_on_facets(gw_passes *passes, const gw_octree *octree, const gw_buffer *facet,
-							   gw_records *records, gw_error *error)
+static gw_status put_on_facets(const gw_record_context *on, const gw_buffer *facet, gw_error *error)
 {
 	const gw_binding bindings[] = {
-		gw_whole(&octree->leaf_fragment),   gw_whole(&octree->fragment_surfel),
-		gw_whole(&octree->surfel_position), gw_whole(&octree->facet_plane),
-		gw_whole(&octree->facet_centre),    gw_window(facet, 4),
-		gw_window(&records->position, 16),  gw_window(&records->normal, 16)
+		gw_whole(&on->octree->leaf_fragment),   gw_whole(&on->octree->fragment_surfel),
+		gw_whole(&on->octree->surfel_position), gw_whole(&on->octree->facet_plane),
+		gw_whole(&on->octree->facet_centre),    gw_window(facet, 4),
+		gw_window(&on->records->position, 16),  gw_window(&on->records->normal, 16)
 	};
-	return gw_passes_run(passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
-						 records->count, error);
+	return gw_passes_run(on->passes, GW_PASS_RECORD_PLACE, bindings, &(gw_record_push){ 0 },
+						 on->records->count, error);
 }
 
 /* Counting sort of the records by block: block_first is where each block's list starts. False when
@@ -121,47 +121,50 @@ static bool sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_
 	return true;
 }
 
-static gw_status list_by_block(gw_passes *passes, const gw_octree *octree, const gw_buffer *facet,
-							   gw_records *records, gw_error *error)
+static gw_status list_by_block(const gw_record_context *on, const gw_buffer *facet, gw_error *error)
 {
-	gw_gpu *gpu = passes->gpu;
+	gw_gpu *gpu = on->passes->gpu;
 	gw_buffer block_of = { 0 };
-	uint32_t *block = gw_allocate_array(records->count, sizeof *block);
-	uint32_t *sorted = gw_allocate_array(records->count, sizeof *sorted);
-	uint32_t *first = gw_allocate_array((size_t)records->block_count + 1, sizeof *first);
+	uint32_t *block = gw_allocate_array(on->records->count, sizeof *block);
+	uint32_t *sorted = gw_allocate_array(on->records->count, sizeof *sorted);
+	uint32_t *first = gw_allocate_array((size_t)on->records->block_count + 1, sizeof *first);
 	gw_status status = GW_OK;
 	if (!block || !sorted || !first)
-		status =
-			gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", records->count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records",
+						 on->records->count);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								  4 * (uint64_t)records->count, "record block", &block_of, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4 * (uint64_t)on->records->count,
+															"record block" },
+								  &block_of, error);
 	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&octree->level_directory),
-										gw_whole(&octree->node),
-										gw_window(&records->position, 16),
+		const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
+										gw_whole(&on->octree->node),
+										gw_window(&on->records->position, 16),
 										gw_window(&block_of, 4),
 										gw_window(facet, 4),
-										gw_whole(&octree->leaf_cell) };
-		gw_lookup_push push = { .block_level = records->block_level,
-								.tile_first = records->block_tile_first };
-		status =
-			gw_passes_run(passes, GW_PASS_RECORD_BLOCK, bindings, &push, records->count, error);
+										gw_whole(&on->octree->leaf_cell) };
+		gw_lookup_push push = { .block_level = on->records->block_level,
+								.tile_first = on->records->block_tile_first };
+		status = gw_passes_run(on->passes, GW_PASS_RECORD_BLOCK, bindings, &push,
+							   on->records->count, error);
 	}
 	if (status == GW_OK)
-		status = gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)records->count, error);
+		status =
+			gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)on->records->count, error);
 	if (status == GW_OK &&
-		!sort_by_block(block, records->count, records->block_count, first, sorted))
+		!sort_by_block(block, on->records->count, on->records->block_count, first, sorted))
 		status = gw_fail(error, GW_ERROR_INTERNAL,
 						 "the device found no place in the octree for some of %u records; update "
 						 "its driver or choose another device",
-						 records->count);
+						 on->records->count);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &records->block_first, 0, first,
-								  4 * ((uint64_t)records->block_count + 1), error);
+		status = gw_buffer_upload(gpu, &on->records->block_first, 0, first,
+								  4 * ((uint64_t)on->records->block_count + 1), error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &records->block_record, 0, sorted,
-								  4 * (uint64_t)records->count, error);
+		status = gw_buffer_upload(gpu, &on->records->block_record, 0, sorted,
+								  4 * (uint64_t)on->records->count, error);
 	gw_buffer_destroy(gpu, &block_of);
 	free(block);
 	free(sorted);
@@ -196,62 +199,61 @@ static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_ta
 }
 
 /* Puts the records on their facets, and lists them. */
-static gw_status put_and_list(gw_passes *passes, const gw_octree *octree, gw_records *records,
-							  gw_error *error)
+static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 {
-	gw_gpu *gpu = passes->gpu;
+	gw_gpu *gpu = on->passes->gpu;
 	gw_buffer facet = { 0 };
-	uint64_t bytes = 4 * (uint64_t)records->count;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
-										"record facet", &facet, error);
+	uint64_t bytes = 4 * (uint64_t)on->records->count;
+	gw_status status = gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "record facet" },
+		&facet, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &facet, 0, records->facet, bytes, error);
+		status = gw_buffer_upload(gpu, &facet, 0, on->records->facet, bytes, error);
 	if (status == GW_OK)
-		status = put_on_facets(passes, octree, &facet, records, error);
+		status = put_on_facets(on, &facet, error);
 	if (status == GW_OK)
-		status = list_by_block(passes, octree, &facet, records, error);
+		status = list_by_block(on, &facet, error);
 	gw_buffer_destroy(gpu, &facet);
 	return status;
 }
 
 /* What *records has of facet weights stays. */
-static gw_status place(gw_passes *passes, const gw_octree *octree, const gw_place_task *task,
-					   gw_records *records, gw_error *error)
+static gw_status place(const gw_record_context *on, const gw_place_task *task, gw_error *error)
 {
-	records->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
-	gw_status status = choose_facets(passes->gpu, octree, *task, records, error);
-	choose_blocks(octree, task->kept_count > 0 ? 1.0f : 2.0f, records);
+	on->records->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
+	gw_status status = choose_facets(on->passes->gpu, on->octree, *task, on->records, error);
+	choose_blocks(on->octree, task->kept_count > 0 ? 1.0f : 2.0f, on->records);
 	if (status == GW_OK)
-		status = create_buffers(passes->gpu, octree, records, error);
-	if (status == GW_OK && records->count > 0)
-		status = put_and_list(passes, octree, records, error);
+		status = create_buffers(on->passes->gpu, on->octree, on->records, error);
+	if (status == GW_OK && on->records->count > 0)
+		status = put_and_list(on, error);
 	if (status != GW_OK)
-		gw_records_destroy(passes->gpu, records);
+		gw_records_destroy(on->passes->gpu, on->records);
 	return status;
 }
 
-gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						   gw_records *records, gw_error *error)
+gw_status gw_records_place(const gw_record_context *on, float spacing, uint64_t seed,
+						   gw_error *error)
 {
-	*records = (gw_records){ 0 };
-	return place(passes, octree, &(gw_place_task){ .spacing = spacing, .seed = seed }, records,
-				 error);
+	*on->records = (gw_records){ 0 };
+	return place(on, &(gw_place_task){ .spacing = spacing, .seed = seed }, error);
 }
 
-gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						 const float *facet_spacing, gw_records *records, gw_error *error)
+gw_status gw_records_add(const gw_record_context *on, float spacing, uint64_t seed,
+						 const float *facet_spacing, gw_error *error)
 {
 	gw_place_task task = { .spacing = spacing,
 						   .closer = facet_spacing,
-						   .kept = records->facet,
-						   .kept_count = records->count,
+						   .kept = on->records->facet,
+						   .kept_count = on->records->count,
 						   .seed = seed };
-	gw_records more = { .facet_record = records->facet_record,
-						.facet_weight = records->facet_weight };
-	records->facet_record = records->facet_weight = (gw_buffer){ 0 };
-	gw_status status = place(passes, octree, &task, &more, error);
-	gw_records_destroy(passes->gpu, records);
-	*records = more;
+	gw_records more = { .facet_record = on->records->facet_record,
+						.facet_weight = on->records->facet_weight };
+	on->records->facet_record = on->records->facet_weight = (gw_buffer){ 0 };
+	gw_status status = place(&(gw_record_context){ on->passes, on->octree, &more }, &task, error);
+	gw_records_destroy(on->passes->gpu, on->records);
+	*on->records = more;
 	return status;
 }
 
@@ -293,15 +295,16 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 }
 
 gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
-						   const float *spacing, const bool *closer, size_t count,
-						   gw_buffer *buffer, gw_error *error)
+						   const gw_own_spacings *own, gw_buffer *buffer, gw_error *error)
 {
+	size_t count = own->count;
 	float *values = gw_allocate_array(count, sizeof *values);
 	if (!values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
 	for (size_t i = 0; i < count; i++)
-		values[i] =
-			closer[i] ? fminf(fmaxf(reach * spacing[i], RADIUS_DENSE), records->radius) : 0.0f;
+		values[i] = own->closer[i]
+						? fminf(fmaxf(reach * own->spacing[i], RADIUS_DENSE), records->radius)
+						: 0.0f;
 	gw_status status =
 		texel(gpu, VK_FORMAT_R32_SFLOAT, 4 * (uint64_t)count, "reach for records", buffer, error);
 	if (status == GW_OK)
@@ -321,39 +324,37 @@ static gw_lookup_push lookup(const gw_records *records, const gw_buffer *reach)
 }
 
 /* The first ten bindings of both lookups. */
-#define LOOKUP_BINDINGS                                                                            \
-	GW_TRACE_BINDINGS(octree), gw_whole(&octree->level_directory), gw_whole(&records->position),   \
-		gw_whole(&records->normal), gw_whole(&records->block_first),                               \
-		gw_whole(&records->block_record)
+#define LOOKUP_BINDINGS(on)                                                                        \
+	GW_TRACE_BINDINGS((on)->octree), gw_whole(&(on)->octree->level_directory),                     \
+		gw_whole(&(on)->records->position), gw_whole(&(on)->records->normal),                      \
+		gw_whole(&(on)->records->block_first), gw_whole(&(on)->records->block_record)
 
-gw_status gw_records_weigh_facets(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								  const gw_buffer *reach, gw_error *error)
+gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
+								  gw_error *error)
 {
-	gw_lookup_push push = lookup(records, reach);
-	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-									gw_window(&records->facet_record, 4 * GW_WEIGHTS),
-									gw_window(&records->facet_weight, 4 * GW_WEIGHTS),
-									gw_whole(reach ? reach : &records->position),
-									GW_TREE_BINDING(octree) };
-	return gw_passes_run(passes, GW_PASS_FACET_WEIGHTS, bindings, &push,
-						 2 * (uint64_t)octree->leaf_count, error);
+	gw_lookup_push push = lookup(on->records, reach);
+	const gw_binding bindings[] = { LOOKUP_BINDINGS(on),
+									gw_window(&on->records->facet_record, 4 * GW_WEIGHTS),
+									gw_window(&on->records->facet_weight, 4 * GW_WEIGHTS),
+									gw_whole(reach ? reach : &on->records->position),
+									GW_TREE_BINDING(on->octree) };
+	return gw_passes_run(on->passes, GW_PASS_FACET_WEIGHTS, bindings, &push,
+						 2 * (uint64_t)on->octree->leaf_count, error);
 }
 
-gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
-								   const gw_records *records, const gw_buffer *reach,
-								   uint64_t first, uint64_t count, gw_buffer *record,
-								   gw_buffer *weight, gw_error *error)
+gw_status gw_records_weigh_surfels(const gw_record_context *on, const gw_buffer *reach,
+								   const gw_surfel_rows *rows, gw_error *error)
 {
-	gw_lookup_push push = lookup(records, reach);
-	push.surfel_first = (uint32_t)first;
-	const gw_binding bindings[] = { LOOKUP_BINDINGS,
-									gw_whole(&octree->surfel_position),
-									gw_whole(&octree->surfel_normal),
-									gw_window(record, 4 * GW_SURFEL_WEIGHTS),
-									gw_window(weight, 4 * GW_SURFEL_WEIGHTS),
-									gw_whole(reach ? reach : &records->position),
-									GW_TREE_BINDING(octree) };
-	return gw_passes_run(passes, GW_PASS_READ_BACK, bindings, &push, count, error);
+	gw_lookup_push push = lookup(on->records, reach);
+	push.surfel_first = (uint32_t)rows->first;
+	const gw_binding bindings[] = { LOOKUP_BINDINGS(on),
+									gw_whole(&on->octree->surfel_position),
+									gw_whole(&on->octree->surfel_normal),
+									gw_window(&rows->record, 4 * GW_SURFEL_WEIGHTS),
+									gw_window(&rows->weight, 4 * GW_SURFEL_WEIGHTS),
+									gw_whole(reach ? reach : &on->records->position),
+									GW_TREE_BINDING(on->octree) };
+	return gw_passes_run(on->passes, GW_PASS_READ_BACK, bindings, &push, rows->count, error);
 }
 
 gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error)

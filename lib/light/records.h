@@ -33,23 +33,33 @@ typedef struct gw_records {
 	gw_buffer facet_weight; /* R32G32B32A32_SFLOAT, likewise */
 } gw_records;
 
+/* Records, and what steps that work on them need besides. The octree is the one on whose facets
+ * they lie or, of records that were put elsewhere, in whose coordinates. */
+typedef struct gw_record_context {
+	gw_passes *passes;
+	const gw_octree *octree;
+	gw_records *records;
+} gw_record_context;
+
 /*
  * Places records on the facets by dart throwing: in a random but fixed order, a facet gets a record
  * unless one with a like normal lies nearer than `spacing` leaf cells on the same surface; so every
  * facet lies within that distance of a record. spacing 0: one on every facet (Salm 4.4.3).
+ *   on   its records are what is made: what they were before is forgotten
  */
-gw_status gw_records_place(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						   gw_records *records, gw_error *error);
+gw_status gw_records_place(const gw_record_context *on, float spacing, uint64_t seed,
+						   gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
 /*
  * Adds records until every facet lies within its own spacing of one. Those that there are keep
  * their places and come first, and facets keep those that they take light from; light is forgotten,
- * and the distance to the nearest thing. spacing        with which the first records were placed,
- * above 0 facet_spacing   2 * leaf_count: each facet's own, at most that
+ * and the distance to the nearest thing.
+ *   spacing         with which the first records were placed, above 0
+ *   facet_spacing   2 * leaf_count: each facet's own, at most that
  */
-gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spacing, uint64_t seed,
-						 const float *facet_spacing, gw_records *records, gw_error *error);
+gw_status gw_records_add(const gw_record_context *on, float spacing, uint64_t seed,
+						 const float *facet_spacing, gw_error *error);
 
 /* How many of their spacings far facets and surfels look for records where those stand closer.
  * Where surfels look farther, more records speak for them and their noise is averaged; that of
@@ -57,15 +67,20 @@ gw_status gw_records_add(gw_passes *passes, const gw_octree *octree, float spaci
 #define GW_FACET_REACH 1.6f
 #define GW_SURFEL_REACH 2.25f
 
+/* Facets or surfels that each have a spacing of records of their own. */
+typedef struct gw_own_spacings {
+	const float *spacing; /* count, leaf cells */
+	const bool *closer;   /* count: those that are false keep the records that they have */
+	size_t count;
+} gw_own_spacings;
+
 /*
- * How far facets or surfels look for records that stand closer, as a buffer for the functions
- * below: reach times their spacing, at most the records' radius. spacing   count, leaf cells closer
- * count: those that are false get 0, and keep the records that they have buffer    receives a texel
- * buffer, owned by the caller on success
+ * How far such facets or surfels look for records that stand closer, as a buffer for the functions
+ * below: reach times their spacing, at most the records' radius; 0 for those that keep theirs.
+ *   buffer    receives a texel buffer, owned by the caller on success
  */
 gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
-						   const float *spacing, const bool *closer, size_t count,
-						   gw_buffer *buffer, gw_error *error);
+						   const gw_own_spacings *own, gw_buffer *buffer, gw_error *error);
 
 /* Makes room for the light of `count` records: first, indirect and gathered, all dark. */
 gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error);
@@ -85,20 +100,23 @@ gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light
 /* Finds the records each facet's irradiance is interpolated from. Needs record position w.
  *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT of 2 * leaf_count; those of 0
  *           keep what they have */
-gw_status gw_records_weigh_facets(gw_passes *passes, const gw_octree *octree, gw_records *records,
-								  const gw_buffer *reach, gw_error *error);
+gw_status gw_records_weigh_facets(const gw_record_context *on, const gw_buffer *reach,
+								  gw_error *error);
+
+/* Some surfels, and where the records that light them go. */
+typedef struct gw_surfel_rows {
+	uint64_t first, count;    /* surfels */
+	gw_buffer record, weight; /* storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
+								 read_back.comp */
+} gw_surfel_rows;
 
 /*
- * Finds the records that the light of the surfels first .. first + count - 1 is interpolated from.
+ * Finds the records that the light of these surfels is interpolated from.
  * read_back.h does so for all of them.
- *   reach            NULL, or how far each looks, a texel buffer R32_SFLOAT, one a surfel of all;
- *                    those of 0 get an empty row
- *   record, weight   storage buffers of at least GW_SURFEL_WEIGHTS * count words: see
- *                    read_back.comp
+ *   reach   NULL, or how far each looks, a texel buffer R32_SFLOAT, one a surfel of all; those of
+ *           0 get an empty row
  */
-gw_status gw_records_weigh_surfels(gw_passes *passes, const gw_octree *octree,
-								   const gw_records *records, const gw_buffer *reach,
-								   uint64_t first, uint64_t count, gw_buffer *record,
-								   gw_buffer *weight, gw_error *error);
+gw_status gw_records_weigh_surfels(const gw_record_context *on, const gw_buffer *reach,
+								   const gw_surfel_rows *rows, gw_error *error);
 
 #endif

@@ -222,21 +222,28 @@ static gw_status create(shadow_map *map, gw_error *error)
 {
 	gw_gpu *gpu = map->passes->gpu;
 	uint64_t side = (uint64_t)map->window + 2 * GW_SHADOW_BORDER;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT, 4 * side * side,
-										"shadow map", &map->depth, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
+												   4 * side * side, "shadow map" },
+						 &map->depth, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4,
-								  "shadow map tiles", &map->most, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+															4, "shadow map tiles" },
+								  &map->most, error);
 	if (status == GW_OK)
 		status = gw_buffer_fill(gpu, map->visibility, 0, error);
 	return status;
 }
 
-gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
-								   const gw_surfels *surfels, const gw_light_push *light,
-								   uint32_t size, gw_buffer *visibility, gw_error *error)
+gw_status gw_shadow_map_visibility(const gw_lit_cloud *cloud, const gw_light_push *light,
+								   gw_buffer *visibility, gw_error *error)
 {
-	shadow_map map = { .passes = passes,
+	const gw_octree *octree = cloud->octree;
+	const gw_surfels *surfels = cloud->surfels;
+	uint32_t size = cloud->options->shadow_map_size;
+	shadow_map map = { .passes = cloud->passes,
 					   .octree = octree,
 					   .surfels = surfels->count,
 					   .size = size,
@@ -251,7 +258,7 @@ gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
 	if (status == GW_OK)
 		status =
 			light->type == GW_PUSH_SUN ? run_sun(&map, light, error) : run_lamp(&map, light, error);
-	gw_buffer_destroy(passes->gpu, &map.depth);
-	gw_buffer_destroy(passes->gpu, &map.most);
+	gw_buffer_destroy(cloud->passes->gpu, &map.depth);
+	gw_buffer_destroy(cloud->passes->gpu, &map.most);
 	return status;
 }

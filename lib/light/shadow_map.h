@@ -18,16 +18,22 @@
 /* Texels a side of what is in memory at once, without borders. */
 #define GW_SHADOW_WINDOW 2048u
 
+/* What lamps shine on, and how their light is found. */
+typedef struct gw_lit_cloud {
+	gw_passes *passes;
+	const gw_octree *octree;   /* of these surfels */
+	const gw_surfels *surfels; /* which give the local frame and the bounds */
+	const gw_bake_options *options;
+} gw_lit_cloud;
+
 /*
  * Fills the share of one light that each surfel sees.
- *   surfels      gives the bounds of the cloud
+ *   cloud        its options' shadow_map_size is at least 1
  *   light        the light in grid coordinates
- *   size         texels a side of a map, at least 1
  *   visibility   storage buffer, surfel count floats; receives 0..1, and 0 outside a spot's map
  * Fails with GW_ERROR_MEMORY or what gw_pass_run says. Nothing stays allocated.
  */
-gw_status gw_shadow_map_visibility(gw_passes *passes, const gw_octree *octree,
-								   const gw_surfels *surfels, const gw_light_push *light,
-								   uint32_t size, gw_buffer *visibility, gw_error *error);
+gw_status gw_shadow_map_visibility(const gw_lit_cloud *cloud, const gw_light_push *light,
+								   gw_buffer *visibility, gw_error *error);
 
 #endif

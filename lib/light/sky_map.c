@@ -98,11 +98,16 @@ static gw_status upload(gw_gpu *gpu, gw_sky_map *map, const float *texel, const 
 						gw_error *error)
 {
 	uint64_t count = (uint64_t)map->width * map->height;
-	gw_status status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										16 * count, "map of the sky", &map->texel, error);
+	gw_status status =
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   16 * count, "map of the sky" },
+						 &map->texel, error);
 	if (status == GW_OK)
-		status = gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32_UINT, 8 * count,
-								  "table of the sky", &map->alias, error);
+		status = gw_buffer_create(gpu,
+								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32_UINT,
+															8 * count, "table of the sky" },
+								  &map->alias, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(gpu, &map->texel, 0, texel, 16 * count, error);
 	if (status == GW_OK)

@@ -155,19 +155,23 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 /* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
 typedef struct gw_octree_kept gw_octree_kept;
 
+/* An octree to be built of surfels of which some stay where they are. */
+typedef struct gw_octree_task {
+	const gw_surfels *surfels; /* the first `still` of them, bounds and spacing must be the same in
+								  every build, or, in the first one, may be all there are */
+	size_t still;
+	uint32_t depth;     /* as of gw_octree_build */
+	float leaf_spacing; /* as of gw_octree_build_spaced, for GW_DEPTH_AUTO */
+} gw_octree_task;
+
 /*
  * Builds the same octree as the functions above, to the last bit, quicker when it is built again
- * with surfels of which only those at and after `still` have moved (Salm 4.5).
- *   surfels       the first `still` of them, bounds and spacing must be the same in every call, or,
- *                 in the first one, may be all there are
- *   depth         as of gw_octree_build
- *   leaf_spacing  as of gw_octree_build_spaced, for GW_DEPTH_AUTO
- *   kept          *kept is NULL in the first call, which chooses depth and width of the leaves; to
- *                 be destroyed with gw_octree_kept_destroy
+ * with surfels of which only those at and after task->still have moved (Salm 4.5).
+ *   kept    *kept is NULL in the first call, which chooses depth and width of the leaves; to be
+ *           destroyed with gw_octree_kept_destroy
  */
-gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
-							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
-							   gw_error *error);
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octree_kept **kept,
+							   gw_octree *octree, gw_error *error);
 void gw_octree_kept_destroy(gw_gpu *gpu, gw_octree_kept **kept); /* sets *kept to NULL */
 
 #endif

@@ -76,9 +76,10 @@ static gw_status make_fragments(gw_octree_work *work, gw_error *error)
 }
 
 /* The fragments of surfels that stay are made once; those of the others now. */
-static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octree_kept *kept,
-									 gw_error *error)
+static gw_status make_kept_fragments(gw_octree_work *work, gw_error *error)
 {
+	gw_octree_kept *kept = work->kept;
+	size_t still = work->still;
 	gw_fragment_list moving = { 0 };
 	gw_status status = GW_OK;
 	if (kept->still.count == 0 && still > 0) {
@@ -98,12 +99,11 @@ static gw_status make_kept_fragments(gw_octree_work *work, size_t still, gw_octr
 	return status;
 }
 
-static gw_status build(gw_octree_work *work, uint32_t depth, size_t still, gw_octree_kept *kept,
-					   gw_error *error)
+static gw_status build(gw_octree_work *work, uint32_t depth, gw_error *error)
 {
 	GW_TRY(gw_octree_upload(work, depth, error));
-	if (kept != NULL)
-		GW_TRY(make_kept_fragments(work, still, kept, error));
+	if (work->kept != NULL)
+		GW_TRY(make_kept_fragments(work, error));
 	else
 		GW_TRY(make_fragments(work, error));
 	GW_TRY(gw_octree_make_tiles(work, error));
@@ -136,39 +136,34 @@ static void destroy_work(gw_octree_work *work)
 }
 
 /* Passes that are kept are lent to a build. */
-static void borrow(gw_octree_work *work, gw_octree_kept *kept)
+static void borrow(gw_octree_work *work)
 {
-	work->passes = kept->passes;
-	work->passes.gpu = work->gpu;
-	work->sort = kept->sort;
+	work->passes = work->kept->passes;
+	work->sort = work->kept->sort;
 }
 
-static void give_back(gw_octree_work *work, gw_octree_kept *kept)
+static void give_back(gw_octree_work *work)
 {
-	kept->passes = work->passes;
-	kept->sort = work->sort;
+	work->kept->passes = work->passes;
+	work->kept->sort = work->sort;
 	work->passes = (gw_passes){ 0 };
 	work->sort = (gw_radix_sort){ 0 };
 }
 
-static gw_status build_once(gw_gpu *gpu, const gw_surfels *surfels, size_t still,
-							gw_octree_kept *kept, uint32_t depth, double leaf_size,
-							gw_octree *octree, gw_error *error)
+/* Of `start` are set: gpu, surfels, octree, leaf_size, still and kept. */
+static gw_status build_once(const gw_octree_work *start, uint32_t depth, gw_error *error)
 {
-	gw_octree_work work = { .gpu = gpu,
-							.passes.gpu = gpu,
-							.surfels = surfels,
-							.octree = octree,
-							.leaf_size = leaf_size,
-							.some = surfels->count };
-	if (kept != NULL)
-		borrow(&work, kept);
-	gw_status status = build(&work, depth, still, kept, error);
-	if (kept != NULL)
-		give_back(&work, kept);
+	gw_octree_work work = *start;
+	work.some = work.surfels->count;
+	if (work.kept != NULL)
+		borrow(&work);
+	work.passes.gpu = work.gpu;
+	gw_status status = build(&work, depth, error);
+	if (work.kept != NULL)
+		give_back(&work);
 	destroy_work(&work);
 	if (status != GW_OK)
-		gw_octree_destroy(gpu, octree);
+		gw_octree_destroy(start->gpu, start->octree);
 	return status;
 }
 
@@ -191,23 +186,26 @@ static void note_coarser(double leaf_size, const gw_error *reason, float *wanted
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error)
 {
-	double leaf_size = (double)leaf_spacing * (double)surfels->spacing;
+	gw_octree_work start = { .gpu = gpu,
+							 .surfels = surfels,
+							 .octree = octree,
+							 .leaf_size = (double)leaf_spacing * (double)surfels->spacing };
 	float wanted = 0.0f;
 	char why[GW_OCTREE_WHY] = "";
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
 	for (;;) {
-		uint32_t depth = depth_of(extent_of(surfels) / leaf_size);
-		gw_status status = build_once(gpu, surfels, 0, NULL, depth, leaf_size, octree, error);
+		uint32_t depth = depth_of(extent_of(surfels) / start.leaf_size);
+		gw_status status = build_once(&start, depth, error);
 		if (status == GW_OK) {
 			octree->wanted_leaf_size = wanted;
 			memcpy(octree->why_coarser, why, sizeof why);
 		}
 		if (status != GW_ERROR_MEMORY || depth == 1)
 			return status;
-		note_coarser(leaf_size, error, &wanted, why);
-		leaf_size *= 1.4142135623730951;
+		note_coarser(start.leaf_size, error, &wanted, why);
+		start.leaf_size *= 1.4142135623730951;
 	}
 }
 
@@ -222,19 +220,27 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
 		return gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, octree, error);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
-	return build_once(gpu, surfels, 0, NULL, depth, 0, octree, error);
+	const gw_octree_work start = { .gpu = gpu, .surfels = surfels, .octree = octree };
+	return build_once(&start, depth, error);
 }
 
-static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
-							 float leaf_spacing, gw_octree_kept *kept, gw_octree *octree,
+/* Builds with what is kept already, in the shape that was chosen then. */
+static gw_status build_again(gw_octree_work *start, gw_error *error)
+{
+	start->leaf_size = start->kept->leaf_size;
+	return build_once(start, start->kept->depth, error);
+}
+
+static gw_status build_first(gw_octree_work *start, uint32_t depth, float leaf_spacing,
 							 gw_error *error)
 {
+	const gw_surfels *surfels = start->surfels;
+	gw_octree_kept *kept = start->kept;
 	bool given = depth != GW_DEPTH_AUTO;
 	kept->leaf_size = given ? 0 : (double)leaf_spacing * (double)surfels->spacing;
 	for (;;) {
 		kept->depth = given ? depth : depth_of(extent_of(surfels) / kept->leaf_size);
-		gw_status status =
-			build_once(gpu, surfels, still, kept, kept->depth, kept->leaf_size, octree, error);
+		gw_status status = build_again(start, error);
 		if (status != GW_ERROR_MEMORY || given || kept->depth == 1)
 			return status;
 		gw_fragment_list_clear(&kept->still);
@@ -243,10 +249,10 @@ static gw_status build_first(gw_gpu *gpu, const gw_surfels *surfels, size_t stil
 	}
 }
 
-gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t still, uint32_t depth,
-							   float leaf_spacing, gw_octree_kept **kept, gw_octree *octree,
-							   gw_error *error)
+gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_octree_task *task, gw_octree_kept **kept,
+							   gw_octree *octree, gw_error *error)
 {
+	const gw_surfels *surfels = task->surfels;
 	memset(octree, 0, sizeof *octree);
 	if (surfels->count == 0 || surfels->count > GW_FRAGMENT_SURFEL)
 		return fail_count(surfels, error);
@@ -255,10 +261,11 @@ gw_status gw_octree_build_kept(gw_gpu *gpu, const gw_surfels *surfels, size_t st
 		*kept = gw_allocate_zeros(1, sizeof **kept);
 	if (*kept == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to keep an octree's fragments");
-	gw_status status =
-		first ? build_first(gpu, surfels, still, depth, leaf_spacing, *kept, octree, error)
-			  : build_once(gpu, surfels, still, *kept, (*kept)->depth, (*kept)->leaf_size, octree,
-						   error);
+	gw_octree_work start = {
+		.gpu = gpu, .surfels = surfels, .octree = octree, .still = task->still, .kept = *kept
+	};
+	gw_status status = first ? build_first(&start, task->depth, task->leaf_spacing, error)
+							 : build_again(&start, error);
 	if (status == GW_OK) {
 		octree->wanted_leaf_size = (*kept)->wanted_leaf_size;
 		memcpy(octree->why_coarser, (*kept)->why_coarser, sizeof octree->why_coarser);

@@ -41,8 +41,10 @@ typedef struct gw_octree_work {
 	gw_gpu *gpu;
 	const gw_surfels *surfels;
 	gw_octree *octree;
-	double leaf_size;  /* metres; leaves are at least this wide */
-	size_t from, some; /* surfels whose fragments are made: the first, and how many */
+	double leaf_size;     /* metres; leaves are at least this wide */
+	size_t still;         /* surfels whose fragments are kept: the first ones */
+	gw_octree_kept *kept; /* NULL, or what they are kept in; not owned */
+	size_t from, some;    /* surfels whose fragments are made: the first, and how many */
 	gw_passes passes;
 	gw_radix_sort sort;
 
@@ -117,15 +119,21 @@ void gw_fragment_list_clear(gw_fragment_list *list);
 gw_status gw_octree_merge_fragments(gw_octree_work *work, const gw_fragment_list *still,
 									const gw_fragment_list *moving, gw_error *error);
 
+/* A sorted list of keys. */
+typedef struct gw_key_list {
+	gw_buffer *keys, *high; /* R32G32_UINT and NULL; or R32_UINT and the high words, in a list that
+							   is split */
+	uint32_t count;
+	uint32_t shift; /* 0, or 3: their parents' keys are meant */
+} gw_key_list;
+
 /*
  * Distinct keys of a sorted list.
- *   keys, high  R32G32_UINT and NULL; or R32_UINT and the high words, in a list that is split
- *   shift       0, or 3: of the keys' parents
- *   result      receives a new buffer, R32G32_UINT; work->first is made anew
+ *   name    of the result
+ *   result  receives a new buffer, R32G32_UINT; work->first is made anew
  */
-gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
-						   uint32_t shift, const char *name, gw_buffer *result,
-						   uint32_t *result_count, gw_error *error);
+gw_status gw_octree_unique(gw_octree_work *work, const gw_key_list *list, const char *name,
+						   gw_buffer *result, uint32_t *result_count, gw_error *error);
 
 /* Leaves, tiles, pointers, level_directory. */
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);

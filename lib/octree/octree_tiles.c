@@ -4,55 +4,53 @@
  */
 #include "octree/octree_steps.h"
 
-/* A sorted list of keys: what octree_keys.glsl reads, for gw_octree_unique. */
-typedef struct key_list {
-	gw_buffer *keys, *high; /* as gw_octree_unique gets them */
-	gw_keys_push push;
-} key_list;
-
 /* -------------------------------------------------------------------------------- distinct keys */
 
-static gw_status count_distinct(gw_octree_work *work, const key_list *list, uint64_t *distinct,
+/* What octree_keys.glsl reads. */
+static gw_keys_push push_of(const gw_key_list *list)
+{
+	return (
+		gw_keys_push){ .shift = list->shift, .split = list->high != NULL, .total = list->count };
+}
+
+static gw_status count_distinct(gw_octree_work *work, const gw_key_list *list, uint64_t *distinct,
 								gw_error *error)
 {
-	uint32_t count = list->push.total;
+	const gw_keys_push push = push_of(list);
+	uint32_t count = list->count;
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (uint64_t)count, "marks", &work->marks,
 							error));
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
 							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
 							  GW_WINDOW(&work->marks, 4) };
-	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_MARK, bindings, &list->push, count, error));
+	GW_TRY(gw_passes_run(&work->passes, GW_PASS_OCTREE_MARK, bindings, &push, count, error));
 	return gw_prefix_sum_run(&work->passes, &work->sort.prefix, &work->marks, count, distinct,
 							 error);
 }
 
-static gw_status write_distinct(gw_octree_work *work, const key_list *list, gw_buffer *result,
+static gw_status write_distinct(gw_octree_work *work, const gw_key_list *list, gw_buffer *result,
 								gw_error *error)
 {
+	const gw_keys_push push = push_of(list);
 	gw_binding bindings[] = { GW_WHOLE(list->keys),
 							  GW_WHOLE(list->high != NULL ? list->high : list->keys),
 							  GW_WINDOW(&work->marks, 4), GW_WHOLE(result),
 							  GW_WHOLE(&work->first) };
-	return gw_passes_run(&work->passes, GW_PASS_OCTREE_UNIQUE, bindings, &list->push,
-						 list->push.total, error);
+	return gw_passes_run(&work->passes, GW_PASS_OCTREE_UNIQUE, bindings, &push, list->count, error);
 }
 
-gw_status gw_octree_unique(gw_octree_work *work, gw_buffer *keys, gw_buffer *high, uint32_t count,
-						   uint32_t shift, const char *name, gw_buffer *result,
-						   uint32_t *result_count, gw_error *error)
+gw_status gw_octree_unique(gw_octree_work *work, const gw_key_list *list, const char *name,
+						   gw_buffer *result, uint32_t *result_count, gw_error *error)
 {
-	key_list list = { .keys = keys,
-					  .high = high,
-					  .push = { .shift = shift, .split = high != NULL, .total = count } };
 	gw_buffer_destroy(work->gpu, &work->marks);
 	gw_buffer_destroy(work->gpu, &work->first);
 	uint64_t distinct;
-	GW_TRY(count_distinct(work, &list, &distinct, error));
+	GW_TRY(count_distinct(work, list, &distinct, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32_UINT, 8 * distinct, name, result, error));
 	GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32_UINT, 4 * (distinct + 1), "first of equal keys",
 							&work->first, error));
-	GW_TRY(gw_buffer_upload(work->gpu, &work->first, 4 * distinct, &count, 4, error));
-	GW_TRY(write_distinct(work, &list, result, error));
+	GW_TRY(gw_buffer_upload(work->gpu, &work->first, 4 * distinct, &list->count, 4, error));
+	GW_TRY(write_distinct(work, list, result, error));
 	*result_count = (uint32_t)distinct;
 	gw_buffer_destroy(work->gpu, &work->marks);
 	return GW_OK;
@@ -109,9 +107,9 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 	if (t > 0)
 		GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->list, 3 * t, error));
 	gw_sort_list_trim(work->gpu, &work->list);
-	GW_TRY(gw_octree_unique(work, &work->list.low, wide ? high : NULL, (uint32_t)work->list.count,
-							0, "tile keys of a level", &work->parent[t], &work->parent_count[t],
-							error));
+	const gw_key_list list = { &work->list.low, wide ? high : NULL, (uint32_t)work->list.count, 0 };
+	GW_TRY(gw_octree_unique(work, &list, "tile keys of a level", &work->parent[t],
+							&work->parent_count[t], error));
 	gw_sort_list_destroy(work->gpu, &work->list);
 	return GW_OK;
 }
@@ -120,8 +118,9 @@ static gw_status make_levels(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	for (uint32_t t = octree->depth; t-- > 0;) {
-		GW_TRY(gw_octree_unique(work, &work->real[t + 1], NULL, work->real_count[t + 1], 3,
-								"cells of a level", &work->real[t], &work->real_count[t], error));
+		const gw_key_list cells = { &work->real[t + 1], NULL, work->real_count[t + 1], 3 };
+		GW_TRY(gw_octree_unique(work, &cells, "cells of a level", &work->real[t],
+								&work->real_count[t], error));
 		GW_TRY(add_parents(work, t, error));
 		octree->border_tile_count += work->parent_count[t] - work->real_count[t];
 		/* Leaf keys are needed further. */
@@ -193,9 +192,10 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	uint32_t depth = octree->depth;
-	GW_TRY(gw_octree_unique(work, &work->keys.low, work->keys.wide ? &work->keys.high : NULL,
-							octree->fragment_count, 0, "leaf keys", &work->real[depth],
-							&work->real_count[depth], error));
+	const gw_key_list keys = { &work->keys.low, work->keys.wide ? &work->keys.high : NULL,
+							   octree->fragment_count, 0 };
+	GW_TRY(gw_octree_unique(work, &keys, "leaf keys", &work->real[depth], &work->real_count[depth],
+							error));
 	octree->leaf_count = work->real_count[depth];
 	gw_sort_list_destroy(work->gpu, &work->keys);
 	octree->leaf_fragment = work->first;

@@ -310,13 +310,14 @@ static void keep_lit(lighting *l)
 	p->count = kept;
 }
 
-gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels, const float *channel,
-						uint32_t channel_count, uint32_t threads, uint8_t *on_mesh, gw_error *error)
+gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels,
+						gw_surfel_channels channels, uint32_t threads, uint8_t *on_mesh,
+						gw_error *error)
 {
 	lighting l = { .pieces = pieces,
 				   .surfels = surfels,
-				   .channel = channel,
-				   .channel_count = channel_count,
+				   .channel = channels.channel,
+				   .channel_count = channels.count,
 				   .threads = threads,
 				   .on_mesh = on_mesh };
 	memset(on_mesh, 0, surfels->count);
@@ -326,7 +327,7 @@ gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels, const
 	l.lit = gw_allocate_zeros(pieces->count, 1);
 	l.point = gw_allocate_array(surfels->count, sizeof *l.point);
 	pieces->channel =
-		gw_allocate_array(pieces->count, 3 * (size_t)channel_count * sizeof *pieces->channel);
+		gw_allocate_array(pieces->count, 3 * (size_t)channels.count * sizeof *pieces->channel);
 	bool good = l.lit && l.point && pieces->channel && find_points(&l);
 	size_t points = 0;
 	for (size_t i = 0; i < surfels->count && good; i++)

@@ -144,23 +144,31 @@ static void fill_centres(const gw_cells *cells, float width, float *centre)
 	}
 }
 
+/* Vec4 a cell. */
+typedef struct show_buffers {
+	gw_buffer centre, result;
+} show_buffers;
+
 static gw_status run_show(gw_render_octree *o, const gw_cells *cells, const gw_cone_push *push,
-						  gw_buffer *centre, gw_buffer *result, float *shown, gw_error *error)
+						  show_buffers *buffers, float *shown, gw_error *error)
 {
 	uint64_t bytes = 16 * (uint64_t)cells->count;
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell centre",
-							centre, error));
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell shown",
-							result, error));
-	GW_TRY(gw_buffer_upload(o->gpu, centre, 0, shown, bytes, error));
-	const gw_binding bindings[] = { gw_whole(&o->octree.level_directory),
-									gw_whole(&o->octree.node),
-									gw_voxels_of(&o->bricks.leaf_pool),
-									gw_voxels_of(&o->bricks.mip_pool),
-									gw_window(centre, 16),
-									gw_window(result, 16) };
+	GW_TRY(gw_buffer_create(
+		o->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell centre" },
+		&buffers->centre, error));
+	GW_TRY(gw_buffer_create(
+		o->gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "cell shown" },
+		&buffers->result, error));
+	GW_TRY(gw_buffer_upload(o->gpu, &buffers->centre, 0, shown, bytes, error));
+	const gw_binding bindings[] = {
+		gw_whole(&o->octree.level_directory), gw_whole(&o->octree.node),
+		gw_voxels_of(&o->bricks.leaf_pool),   gw_voxels_of(&o->bricks.mip_pool),
+		gw_window(&buffers->centre, 16),      gw_window(&buffers->result, 16)
+	};
 	GW_TRY(gw_passes_run(&o->passes, GW_PASS_CELL_BRICKS, bindings, push, cells->count, error));
-	return gw_buffer_download(o->gpu, result, 0, shown, bytes, error);
+	return gw_buffer_download(o->gpu, &buffers->result, 0, shown, bytes, error);
 }
 
 gw_status gw_cells_show(gw_render_octree *o, const gw_cells *cells, uint32_t level, uint32_t side,
@@ -172,10 +180,9 @@ gw_status gw_cells_show(gw_render_octree *o, const gw_cells *cells, uint32_t lev
 	push.eye = (vec4){ side / 2 == 0 ? sign : 0.0f, side / 2 == 1 ? sign : 0.0f,
 					   side / 2 == 2 ? sign : 0.0f, 0.0f };
 	fill_centres(cells, (float)(1u << push.level), shown);
-	gw_buffer centre = { 0 }, result = { 0 };
-	gw_status status =
-		cells->count ? run_show(o, cells, &push, &centre, &result, shown, error) : GW_OK;
-	gw_buffer_destroy(o->gpu, &centre);
-	gw_buffer_destroy(o->gpu, &result);
+	show_buffers buffers = { 0 };
+	gw_status status = cells->count ? run_show(o, cells, &push, &buffers, shown, error) : GW_OK;
+	gw_buffer_destroy(o->gpu, &buffers.centre);
+	gw_buffer_destroy(o->gpu, &buffers.result);
 	return status;
 }

@@ -311,9 +311,18 @@ static gw_lanes kernel(gw_lanes squared)
 	return rest * rest * rest + 1e-4f;
 }
 
-static void meet_disc(const gw_raster_view *view, const gw_raster_shape *s, gw_lanes x, float y,
-					  int32_t column, int32_t row, gw_raster_fragments *f)
+/* The rays' x, where z is 1. */
+static gw_lanes ray_x(const gw_raster_view *view, int32_t column)
 {
+	const gw_lanes middles = { 0.5f, 1.5f, 2.5f, 3.5f };
+	return ((float)column + middles - view->middle_x) * view->step;
+}
+
+static void meet_disc(const gw_raster_view *view, const gw_raster_shape *s, int32_t column,
+					  int32_t row, gw_raster_fragments *f)
+{
+	gw_lanes x = ray_x(view, column);
+	float y = gw_raster_ray_y(view, row);
 	gw_lanes z = s->offset / (s->normal[0] * x + (s->normal[1] * y + s->normal[2]));
 	gw_lanes q[3] = { z * x - s->middle[0], z * y - s->middle[1], z - s->middle[2] };
 	gw_lanes squared = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]) * s->inverse;
@@ -359,11 +368,8 @@ static void meet_triangle(const gw_raster_view *view, const gw_raster_shape *s, 
 void gw_raster_shape_meet(const gw_raster_view *view, const gw_raster_shape *s, int32_t column,
 						  int32_t row, gw_raster_fragments *f)
 {
-	const gw_lanes middles = { 0.5f, 1.5f, 2.5f, 3.5f };
-	gw_lanes x = ((float)column + middles - view->middle_x) * view->step;
-	float y = gw_raster_ray_y(view, row);
 	if (s->kind == GW_RASTER_TRIANGLE)
-		meet_triangle(view, s, x, y, f);
+		meet_triangle(view, s, ray_x(view, column), gw_raster_ray_y(view, row), f);
 	else
-		meet_disc(view, s, x, y, column, row, f);
+		meet_disc(view, s, column, row, f);
 }

@@ -16,6 +16,7 @@
 typedef struct batch {
 	gw_buffer position, normal, result; /* vec4 a pixel */
 	float *host;                        /* 4 a pixel */
+	size_t first, count;                /* pixels that are in it now */
 } batch;
 
 /* ------------------------------------------------------------------------------- making */
@@ -38,8 +39,11 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 	for (size_t i = 0; i < 3 * surfels->count; i++)
 		wide[i / 3 * 4 + i % 3] = radiance[i];
 	uint64_t bytes = 16 * (uint64_t)surfels->count;
-	gw_status status = gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-										bytes, "surfel radiance", &o->surfel_radiance, error);
+	gw_status status =
+		gw_buffer_create(o->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "surfel radiance" },
+						 &o->surfel_radiance, error);
 	if (status == GW_OK)
 		status = gw_buffer_upload(o->gpu, &o->surfel_radiance, 0, wide, bytes, error);
 	free(wide);
@@ -49,8 +53,11 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 static gw_status average_facets(gw_render_octree *o, gw_error *error)
 {
 	uint64_t slots = 2 * (uint64_t)o->octree.leaf_count;
-	GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * slots,
-							"facet radiance", &o->facet_radiance, error));
+	GW_TRY(
+		gw_buffer_create(o->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   16 * slots, "facet radiance" },
+						 &o->facet_radiance, error));
 	const gw_binding bindings[] = { gw_whole(&o->octree.leaf_fragment),
 									gw_whole(&o->octree.fragment_surfel),
 									gw_whole(&o->octree.fragment_weight),
@@ -64,8 +71,9 @@ static gw_status fill_bricks(gw_render_octree *o, float largest, gw_error *error
 {
 	GW_TRY(gw_cone_gather_create(o->gpu, &o->octree, 1, 0, &o->bricks, error));
 	o->has_bricks = true;
-	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks, &o->facet_radiance, largest,
-							   &o->scale, error);
+	return gw_cone_gather_fill(&o->passes, &o->octree, &o->bricks,
+							   (gw_facet_radiance){ &o->facet_radiance, largest }, &o->scale,
+							   error);
 }
 
 static gw_status make(gw_render_octree *o, const gw_surfels *surfels, const float *radiance,
@@ -136,10 +144,11 @@ gw_status gw_render_octree_records(gw_render_octree *o, float spacing, uint64_t 
 								   float **position, size_t *count, gw_error *error)
 {
 	gw_records records = { 0 };
+	const gw_record_context on = { &o->passes, &o->octree, &records };
 	float *cell = NULL;
 	*position = NULL;
 	*count = 0;
-	gw_status status = gw_records_place(&o->passes, &o->octree, spacing, seed, &records, error);
+	gw_status status = gw_records_place(&on, spacing, seed, error);
 	if (status == GW_OK) {
 		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
 		*position = gw_allocate_array(records.count, 3 * sizeof **position);
@@ -166,7 +175,8 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  const gw_light *light, const gw_bake_options *options,
 								  float *share, gw_error *error)
 {
-	return gw_light_share(&o->passes, &o->octree, surfels, light, options, share, error);
+	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options };
+	return gw_light_share(&cloud, light, share, error);
 }
 
 /* ------------------------------------------------------------------------------- pixels */
@@ -194,8 +204,10 @@ static gw_status open_batch(gw_render_octree *o, size_t pixels, batch *b, gw_err
 	gw_buffer *const buffer[] = { &b->position, &b->normal, &b->result };
 	static const char *const name[] = { "pixel position", "pixel normal", "pixel result" };
 	for (int i = 0; i < 3; i++)
-		GW_TRY(gw_buffer_create(o->gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-								16 * (uint64_t)count, name[i], buffer[i], error));
+		GW_TRY(gw_buffer_create(o->gpu,
+								&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														  16 * (uint64_t)count, name[i] },
+								buffer[i], error));
 	return GW_OK;
 }
 
@@ -210,6 +222,8 @@ static void close_batch(gw_render_octree *o, batch *b)
 static gw_status load_batch(gw_render_octree *o, batch *b, const gw_pixels *pixels, size_t first,
 							size_t count, gw_error *error)
 {
+	b->first = first;
+	b->count = count;
 	for (size_t i = 0; i < count; i++) {
 		to_grid(&o->octree, pixels->position + 4 * (first + i), b->host + 4 * i);
 		b->host[4 * i + 3] = pixels->position[4 * (first + i) + 3];
@@ -221,7 +235,7 @@ static gw_status load_batch(gw_render_octree *o, batch *b, const gw_pixels *pixe
 
 /* One pass over a batch. */
 typedef gw_status (*batch_pass)(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-								const void *how, size_t first, size_t count, gw_error *error);
+								const void *how, gw_error *error);
 
 static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch_pass run,
 							 const void *how, float *result, gw_error *error)
@@ -232,7 +246,7 @@ static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch
 		size_t count = pixels->count - first < BATCH ? pixels->count - first : BATCH;
 		status = load_batch(o, &b, pixels, first, count, error);
 		if (status == GW_OK)
-			status = run(o, &b, pixels, how, first, count, error);
+			status = run(o, &b, pixels, how, error);
 		if (status == GW_OK)
 			status = gw_buffer_download(o->gpu, &b.result, 0, result + 4 * first,
 										16 * (uint64_t)count, error);
@@ -242,13 +256,13 @@ static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch
 }
 
 static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, size_t first, size_t count, gw_error *error)
+						  const void *how, gw_error *error)
 {
 	const gw_reflection *r = how;
 	const gw_octree *t = &o->octree;
 	gw_pixel_push push = { .rays = r->rays,
 						   .seed = r->seed,
-						   .pixel_first = (uint32_t)first,
+						   .pixel_first = (uint32_t)b->first,
 						   .eye = eye_of(o, pixels, 0.0f),
 						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
 	const gw_binding bindings[] = {
@@ -258,7 +272,7 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 	};
 	gw_status status = GW_OK;
 	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
-		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, count, error);
+		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error);
 		if (status == GW_OK && r->cancelled && r->cancelled(r->user))
 			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
 	}
@@ -266,7 +280,7 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 }
 
 static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass,
-							const gw_cone_push *push, size_t count, gw_error *error)
+							const gw_cone_push *push, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&o->octree.level_directory),
 									gw_whole(&o->octree.node),
@@ -275,17 +289,16 @@ static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass
 									gw_window(&b->position, 16),
 									gw_window(&b->normal, 16),
 									gw_window(&b->result, 16) };
-	return gw_passes_run(&o->passes, pass, bindings, push, count, error);
+	return gw_passes_run(&o->passes, pass, bindings, push, b->count, error);
 }
 
 static gw_status run_cone(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, size_t first, size_t count, gw_error *error)
+						  const void *how, gw_error *error)
 {
 	const gw_reflection *r = how;
-	(void)first;
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, r->sky);
 	push.eye = eye_of(o, pixels, 0.0f);
-	return run_bricks(o, b, GW_PASS_PIXEL_CONE, &push, count, error);
+	return run_bricks(o, b, GW_PASS_PIXEL_CONE, &push, error);
 }
 
 gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,
@@ -297,13 +310,12 @@ gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,
 }
 
 static gw_status run_read(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
-						  const void *how, size_t first, size_t count, gw_error *error)
+						  const void *how, gw_error *error)
 {
 	const float black[3] = { 0 };
-	(void)first;
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, black);
 	push.eye = eye_of(o, pixels, *(const bool *)how ? 1.0f : 0.0f);
-	return run_bricks(o, b, GW_PASS_PIXEL_BRICKS, &push, count, error);
+	return run_bricks(o, b, GW_PASS_PIXEL_BRICKS, &push, error);
 }
 
 gw_status gw_render_octree_read(gw_render_octree *o, const gw_pixels *pixels, bool cubic,

@@ -132,15 +132,16 @@ static void fit_picture(const gw_surfels *s, const gw_camera *camera, const doub
 		shift[k] = tangent[k] * (a[k] - b[k]) / 2;
 }
 
-static gw_status find_outside(const gw_surfels *s, const float *luminance, char up, double angle,
-							  double aspect, gw_viewpoint *v, gw_error *error)
+static gw_status find_outside(const gw_surfels *s, const gw_viewpoint_wish *wish, gw_viewpoint *v,
+							  gw_error *error)
 {
-	double best[3] = { 0, 0, 1 }, most = -1, middle[3], upright[3] = { 0, up == 'y', up != 'y' };
+	double best[3] = { 0, 0, 1 }, most = -1, middle[3],
+		   upright[3] = { 0, wish->up == 'y', wish->up != 'y' };
 	for (int a = 0; a < 8; a++) {
 		double d[3];
 		/* Starting at the front right, where equal views are drawn from. */
-		direction_of(up, pi / 4 * (double)a + pi / 8, ELEVATION * pi / 180, d);
-		double seen = seen_from(s, luminance, d);
+		direction_of(wish->up, pi / 4 * (double)a + pi / 8, ELEVATION * pi / 180, d);
+		double seen = seen_from(s, wish->luminance, d);
 		if (seen > most * (1 + 1e-3)) {
 			most = seen;
 			for (int k = 0; k < 3; k++)
@@ -150,14 +151,14 @@ static gw_status find_outside(const gw_surfels *s, const float *luminance, char 
 	gw_camera camera;
 	const double nowhere[3] = { 0, 0, 0 };
 	double backwards[3] = { -best[0], -best[1], -best[2] };
-	v->angle = angle > 0 ? angle : GW_VIEWPOINT_ANGLE_OUTSIDE;
+	v->angle = wish->angle > 0 ? wish->angle : GW_VIEWPOINT_ANGLE_OUTSIDE;
 	gw_status status = gw_camera_look(&camera, nowhere, backwards, upright, v->angle, error);
 	if (status != GW_OK)
 		return status;
 	for (int k = 0; k < 3; k++)
 		middle[k] = 0.5 * ((double)s->minimum[k] + (double)s->maximum[k]);
 	double distance, shift[2];
-	fit_picture(s, &camera, middle, aspect, &distance, shift);
+	fit_picture(s, &camera, middle, wish->aspect, &distance, shift);
 	for (int k = 0; k < 3; k++) {
 		v->to[k] = s->origin[k] + middle[k] + shift[0] * camera.right[k] + shift[1] * camera.up[k];
 		v->at[k] = v->to[k] + distance * best[k];
@@ -311,41 +312,39 @@ static void find_inside(grid *g, double cosine, gw_viewpoint *v)
 }
 
 /* With `closed`, only within a space that is closed on all sides, but for a few places. */
-static gw_status try_inside(const gw_surfels *s, const float *luminance, char up, bool closed,
-							double angle, double aspect, gw_viewpoint *v, gw_error *error)
+static gw_status try_inside(const gw_surfels *s, const gw_viewpoint_wish *wish, gw_viewpoint *v,
+							gw_error *error)
 {
 	double ray[RAYS][3], view[3 * AZIMUTHS][3];
 	grid g = { .surfels = s, .ray = ray, .view = view };
-	gw_status status = make_grid(&g, luminance, error);
+	gw_status status = make_grid(&g, wish->luminance, error);
 	if (status != GW_OK)
 		return status;
 	make_rays(ray);
 	for (int a = 0; a < AZIMUTHS; a++)
 		for (int e = -1; e <= 1; e++)
-			direction_of(up, 2 * pi * a / AZIMUTHS, e * pi / 12, view[g.views++]);
-	v->angle = angle > 0 ? angle : GW_VIEWPOINT_ANGLE_INSIDE;
+			direction_of(wish->up, 2 * pi * a / AZIMUTHS, e * pi / 12, view[g.views++]);
+	v->angle = wish->angle > 0 ? wish->angle : GW_VIEWPOINT_ANGLE_INSIDE;
 	/* A cone as wide as the mean of the picture's two angles. */
 	double tangent = tan(v->angle * pi / 360);
-	double cosine = cos(0.5 * (atan(tangent) + atan(tangent * aspect)));
+	double cosine = cos(0.5 * (atan(tangent) + atan(tangent * wish->aspect)));
 	find_inside(&g, cosine, v);
-	if (closed && (double)g.closed < CLOSED_PLACES * (double)g.places)
+	if (wish->kind == GW_VIEWPOINT_AUTO && (double)g.closed < CLOSED_PLACES * (double)g.places)
 		v->inside = false;
 	free(g.cell);
 	return GW_OK;
 }
 
-gw_status gw_viewpoint_find(const gw_surfels *surfels, const float *luminance, char up,
-							gw_viewpoint_kind kind, double angle, double aspect,
+gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,
 							gw_viewpoint *viewpoint, gw_error *error)
 {
 	*viewpoint = (gw_viewpoint){ .inside = false };
-	bool inside = kind == GW_VIEWPOINT_INSIDE ||
-				  (kind == GW_VIEWPOINT_AUTO && gw_viewpoint_enclosure(surfels) > ENCLOSES);
+	bool inside = wish->kind == GW_VIEWPOINT_INSIDE ||
+				  (wish->kind == GW_VIEWPOINT_AUTO && gw_viewpoint_enclosure(surfels) > ENCLOSES);
 	if (inside) {
-		gw_status status = try_inside(surfels, luminance, up, kind == GW_VIEWPOINT_AUTO, angle,
-									  aspect, viewpoint, error);
+		gw_status status = try_inside(surfels, wish, viewpoint, error);
 		if (status != GW_OK || viewpoint->inside)
 			return status;
 	}
-	return find_outside(surfels, luminance, up, angle, aspect, viewpoint, error);
+	return find_outside(surfels, wish, viewpoint, error);
 }

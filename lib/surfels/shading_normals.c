@@ -19,6 +19,7 @@ typedef struct lamp_step {
 	const float *noise;        /* of each region */
 	float *first, *second; /* 3 * count, means of those alike, by the given normals and by first */
 	float *trace;          /* count, of the derivative of second by the normals */
+	const gw_noisy_normals *given;
 } lamp_step;
 
 /* The normals around one, and how much each counts. */
@@ -151,9 +152,9 @@ static double squared_distance(const float *a, const float *b)
 	return sum;
 }
 
-static void mix_region(const lamp_step *step, const float *smooth, const float *own, size_t first,
-					   size_t last, float *normal, float *off)
+static void mix_region(const lamp_step *step, size_t first, size_t last, float *normal, float *off)
 {
+	const float *smooth = step->given->smooth, *own = step->given->own;
 	mixture m = { .noise = (double)step->noise[first / GW_NOISE_REGION] * (double)(last - first) };
 	double error;
 	for (size_t i = first; i < last; i++) {
@@ -174,21 +175,20 @@ static void mix_region(const lamp_step *step, const float *smooth, const float *
 	}
 }
 
-gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
-								  const float *own, const float *noise, float *spare, float *off,
-								  gw_error *error)
+gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels,
+								  const gw_noisy_normals *normals, float *off, gw_error *error)
 {
 	size_t n = surfels->count;
 	float *second = gw_allocate_array(n, 3 * sizeof *second);
-	lamp_step step = { surfels, noise, spare, second, off };
+	lamp_step step = { surfels, normals->noise, normals->spare, second, off, normals };
 	if (!second)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu noisy points", n);
 	gw_status status = gw_neighbours_visit(search, join_alike, &step, error);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, join_again, &step, error);
 	for (size_t first = 0; first < n && status == GW_OK; first += GW_NOISE_REGION)
-		mix_region(&step, smooth, own, first,
-				   n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION, surfels->normal, off);
+		mix_region(&step, first, n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION,
+				   surfels->normal, off);
 	free(second);
 	return status;
 }

@@ -16,20 +16,24 @@
 
 #include "surfels/normal_noise.h"
 
+/* Normals with noise in them, and what is known of it. */
+typedef struct gw_noisy_normals {
+	const float *smooth; /* 3 * count, the mean normals, and */
+	const float *own;    /* count, the share of each given normal in its mean */
+	float *noise;        /* GW_NOISE_REGION surfels an element, variance of the given normals by
+							noise, rad^2 */
+	float *spare;        /* 3 * count floats to work in */
+} gw_noisy_normals;
+
 /*
  * Takes noise out of the given normals.
  *   search     of the surfels at their given positions
  *   surfels    normal is replaced
- *   smooth     3 * count, the mean normals, and
- *   own        count, the share of each given normal in its mean
- *   noise      GW_NOISE_REGION surfels an element, variance of the given normals by noise, rad^2
- *   spare      3 * count floats to work in
  *   off        count, receives the RMS angle by which the new normals are off, radians: one value a
  *              region
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels, const float *smooth,
-								  const float *own, const float *noise, float *spare, float *off,
-								  gw_error *error);
+gw_status gw_shading_normals_make(gw_neighbours *search, gw_surfels *surfels,
+								  const gw_noisy_normals *normals, float *off, gw_error *error);
 
 #endif

@@ -163,10 +163,10 @@ static int find_nearest(const surrounding *around, const double *room, double ci
 	return best;
 }
 
-/* Does the circle, at a distance, find its place taken by surfels that the surfel's own neighbours
- * do not reach to? Then it has to go further, and that distance is returned. */
-static double look_there(const boundary_step *step, size_t surfel, const double way[2],
-						 double distance, double circle, double most, surrounding *around)
+/* Adds the surfels at a distance, to which the surfel's own neighbours do not reach. Returns how
+ * many there were before. */
+static uint32_t add_far(const boundary_step *step, size_t surfel, const double way[2],
+						double distance, surrounding *around)
 {
 	gw_neighbour_list list;
 	gw_flat_point flat[GW_NEIGHBOURS];
@@ -176,9 +176,7 @@ static double look_there(const boundary_step *step, size_t surfel, const double 
 	uint32_t count = gw_plane_flatten(step->surfels, surfel, &list, flat);
 	for (uint32_t j = 0; j < count; j++)
 		add_place(around, flat[j].x, flat[j].y);
-	double there = find_room(around, way, circle, most);
-	around->count = before;
-	return there;
+	return before;
 }
 
 /* Does a circle stop at a distance only because it is small? */
@@ -186,7 +184,9 @@ static bool is_void(const boundary_step *step, size_t surfel, const double way[2
 					double circle, surrounding *around)
 {
 	double more = (WIDER - 1) * circle;
-	double there = look_there(step, surfel, way, distance + more, WIDER * circle, INFINITY, around);
+	uint32_t before = add_far(step, surfel, way, distance + more, around);
+	double there = find_room(around, way, WIDER * circle, INFINITY);
+	around->count = before;
 	return there > distance + more + WIDER_BEHIND * circle;
 }
 
@@ -211,7 +211,10 @@ static void find_boundaries(const boundary_step *step, size_t surfel, double rea
 		if (d < 0 || room[d] >= most)
 			return;
 		const double *way = gw_direction[d];
-		double there = look_there(step, surfel, way, room[d], circle, most, around);
+		/* Where its place is taken by surfels further away, the circle has to go further. */
+		uint32_t before = add_far(step, surfel, way, room[d], around);
+		double there = find_room(around, way, circle, most);
+		around->count = before;
 		if (there > room[d]) {
 			room[d] = there;
 			continue;

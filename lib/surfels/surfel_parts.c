@@ -300,39 +300,46 @@ static bool find_spacing(gw_surfels *all)
 	return true;
 }
 
+/* What surfels are made of. */
+typedef struct source {
+	const gw_points *points;
+	const gw_motion *motion;
+	const gw_surfels_options *options;
+} source;
+
 /* Surfels of what stands still, without the array of points. */
-static gw_status make_still(const gw_points *points, const gw_motion *motion, size_t still,
-							const gw_surfels_options *options, gw_surfels *all, uint32_t **number,
+static gw_status make_still(const source *from, size_t still, gw_surfels *all, uint32_t **number,
 							gw_error *error)
 {
 	some_points some;
 	*number = NULL;
 	if (still == 0)
 		return GW_OK;
-	gw_status status = take_still(points, motion, still, &some, error);
+	gw_status status = take_still(from->points, from->motion, still, &some, error);
 	if (status != GW_OK)
 		return status;
-	status = gw_surfels_make(&some.points, options, all, error);
+	status = gw_surfels_make(&some.points, from->options, all, error);
 	clear_some(&some);
 	*number = all->surfel_of_point;
 	all->surfel_of_point = NULL;
 	return status;
 }
 
-static gw_status make_parts(const gw_points *points, const gw_motion *motion,
-							const gw_surfels_options *options, gw_surfel_parts *parts,
-							gw_surfels *all, uint32_t **number, gw_error *error)
+static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfels *all,
+							uint32_t **number, gw_error *error)
 {
+	const gw_points *points = from->points;
+	const gw_motion *motion = from->motion;
 	size_t still = points->count;
 	for (size_t i = 0; i < motion->mover_count; i++)
 		still -= motion->mover[i].count;
-	gw_status status = make_still(points, motion, still, options, all, number, error);
+	gw_status status = make_still(from, still, all, number, error);
 	parts->still = all->count;
 	parts->own = gw_allocate_zeros(motion->mover_count + 1, sizeof *parts->own);
 	bool good = parts->own != NULL;
 	for (size_t i = 0; i < motion->mover_count && status == GW_OK && good; i++) {
 		some_points some = take_mover(points, &motion->mover[i]);
-		status = gw_surfels_make(&some.points, options, &parts->own[i], error);
+		status = gw_surfels_make(&some.points, from->options, &parts->own[i], error);
 		parts->own_count += status == GW_OK;
 		good = status != GW_OK || append_part(all, &parts->own[i]);
 	}
@@ -348,10 +355,11 @@ gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
 							   const gw_surfels_options *options, gw_surfel_parts *parts,
 							   gw_surfels *surfels, gw_error *error)
 {
+	const source from = { points, motion, options };
 	uint32_t *number;
 	*parts = (gw_surfel_parts){ 0 };
 	*surfels = (gw_surfels){ 0 };
-	gw_status status = make_parts(points, motion, options, parts, surfels, &number, error);
+	gw_status status = make_parts(&from, parts, surfels, &number, error);
 	free(number);
 	if (status == GW_OK) {
 		widen_bounds(parts, motion, surfels);

@@ -177,15 +177,15 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
  * in. What is known of estimated normals stays: their noise is not their own, so that means of them
  * do not lessen it.
  */
-static gw_status clean_normals(gw_neighbours *search, gw_surfels *s, const smooth_step *step,
-							   const float *smooth, float *level, float *spare, gw_error *error)
+static gw_status clean_normals(gw_neighbours *search, gw_surfels *s,
+							   const gw_noisy_normals *normals, gw_error *error)
 {
 	float *off = gw_allocate_array(s->count, sizeof *off);
 	if (!off)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", s->count);
-	gw_status status = gw_normal_noise(search, s, level, spare, error);
+	gw_status status = gw_normal_noise(search, s, normals->noise, normals->spare, error);
 	if (status == GW_OK)
-		status = gw_shading_normals_make(search, s, smooth, step->own, level, spare, off, error);
+		status = gw_shading_normals_make(search, s, normals, off, error);
 	for (size_t i = 0; i < s->count && s->shading_normal_off; i++)
 		off[i] = s->shading_normal_off[i] > 0 ? s->shading_normal_off[i] : off[i];
 	free(s->shading_normal_off);
@@ -214,8 +214,9 @@ gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *sm
 		status = spare && normal && step.own && surfels->noise
 					 ? smooth(search, &step, &position, &spare, normal, error)
 					 : gw_fail(error, GW_ERROR_MEMORY, "no memory to smooth %zu points", n);
+		const gw_noisy_normals normals = { normal, step.own, level, spare };
 		if (status == GW_OK)
-			status = clean_normals(search, surfels, &step, normal, level, spare, error);
+			status = clean_normals(search, surfels, &normals, error);
 		*smoothed = status == GW_OK;
 	}
 	if (*smoothed) {

@@ -41,7 +41,10 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 		assert_int_equal(way, GW_WAY_DEVICE);
 		elements[id] += count;
 	}
-	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+	if (way == GW_WAY_DEVICE)
+		return gw_passes_run_shader(passes, id, bindings, push, count, error);
+	gw_passes_run_kernel(passes, id, bindings, push, count);
+	return GW_OK;
 }
 
 /* -------------------------------------------------------------------------------------- bakes */
@@ -125,8 +128,8 @@ static gw_bake_result *bake_frames(const scene *s, const gw_mover *ball,
 			matrix[16 * i + 5 * k] = 1.0;
 		matrix[16 * i + 3] = 0.3 * (double)i;
 	}
-	gw_status status =
-		gw_frames_open(&points, &motion, light, LIGHTS, options, &how, NULL, &frames, &error);
+	gw_status status = gw_frames_open(&(gw_moving_scene){ &points, &motion, light, LIGHTS },
+									  options, &how, NULL, &frames, &error);
 	for (size_t i = 0; i < FRAMES && status == GW_OK; i++) {
 		gw_bake_result_destroy(&result);
 		status = gw_frames_bake(frames, i, light, LIGHTS, &result, &error);

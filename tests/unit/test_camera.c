@@ -147,13 +147,19 @@ static void test_inside_and_outside(void **state)
 	gw_surfels s;
 	gw_viewpoint v;
 	make_cube(1, &s);
-	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_AUTO, 0, 1.5, &v, NULL), GW_OK);
+	assert_int_equal(gw_viewpoint_find(&s,
+									   &(gw_viewpoint_wish){ GW_VIEWPOINT_AUTO, NULL, 'z', 0, 1.5 },
+									   &v, NULL),
+					 GW_OK);
 	assert_true(v.inside);
 	assert_true(fabs(v.at[0] - 100) < 1 && fabs(v.at[1] - 200) < 1 && fabs(v.at[2] - 5) < 1);
 	gw_surfels_clear(&s);
 
 	make_cube(-1, &s);
-	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_AUTO, 0, 1.5, &v, NULL), GW_OK);
+	assert_int_equal(gw_viewpoint_find(&s,
+									   &(gw_viewpoint_wish){ GW_VIEWPOINT_AUTO, NULL, 'z', 0, 1.5 },
+									   &v, NULL),
+					 GW_OK);
 	assert_false(v.inside);
 	gw_camera c;
 	assert_int_equal(gw_camera_look(&c, v.at, v.to, z_up, v.angle, NULL), GW_OK);
@@ -190,7 +196,10 @@ static void test_plane(void **state)
 	gw_surfels s;
 	gw_viewpoint v;
 	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
-	assert_int_equal(gw_viewpoint_find(&s, NULL, 'z', GW_VIEWPOINT_INSIDE, 0, 1, &v, NULL), GW_OK);
+	assert_int_equal(gw_viewpoint_find(&s,
+									   &(gw_viewpoint_wish){ GW_VIEWPOINT_INSIDE, NULL, 'z', 0, 1 },
+									   &v, NULL),
+					 GW_OK);
 	assert_false(v.inside);
 	assert_true(v.at[2] > 0);
 	gw_surfels_clear(&s);

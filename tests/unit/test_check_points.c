@@ -64,7 +64,9 @@ static trials try_seeds(const field *f, size_t parts)
 		gw_check_point_choice c;
 		gw_error error;
 		assert_int_equal(
-			gw_check_point_choose(f->counts, part, parts, POINTS, DRAWS, seed, &c, &error), GW_OK);
+			gw_check_point_choose(&(gw_check_point_shares){ POINTS, f->counts, part, parts }, DRAWS,
+								  seed, &c, &error),
+			GW_OK);
 		assert_int_equal(c.count, DRAWS);
 		for (uint32_t i = 0; i < c.count; i++)
 			assert_true(f->counts[c.point[i]] && (i == 0 || c.point[i] > c.point[i - 1]));
@@ -119,9 +121,10 @@ static void known_errors_need_no_luck(void **state)
 	}
 	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(
-		gw_check_point_choose(counts, (const double *const[]){ x }, 1, COUNT, 100, 5, &c, &error),
-		GW_OK);
+	assert_int_equal(gw_check_point_choose(
+						 &(gw_check_point_shares){ COUNT, counts, (const double *const[]){ x }, 1 },
+						 100, 5, &c, &error),
+					 GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		value[i] = 1.0 + x[c.point[i]];
 	gw_check_point_mean found = gw_check_point_average(&c, value);
@@ -137,15 +140,18 @@ static void few_points_are_all_taken(void **state)
 	const double part[5] = { 0.0, 9.0, 1.0, 5.0, 1.0 };
 	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(
-		gw_check_point_choose(counts, (const double *const[]){ part }, 1, 5, 3, 1, &c, &error),
-		GW_OK);
+	assert_int_equal(gw_check_point_choose(
+						 &(gw_check_point_shares){ 5, counts, (const double *const[]){ part }, 1 },
+						 3, 1, &c, &error),
+					 GW_OK);
 	assert_int_equal(c.count, 3);
 	assert_true(c.point[0] == 0 && c.point[1] == 2 && c.point[2] == 3);
 	assert_true(c.weight[0] == 1.0 / 3.0 && c.weight[2] == 1.0 / 3.0);
 	gw_check_point_choice_clear(&c);
-	assert_int_equal(gw_check_point_choose((const bool[5]){ false }, NULL, 0, 5, 3, 1, &c, &error),
-					 GW_OK);
+	assert_int_equal(
+		gw_check_point_choose(&(gw_check_point_shares){ 5, (const bool[5]){ false }, NULL, 0 }, 3,
+							  1, &c, &error),
+		GW_OK);
 	assert_int_equal(c.count, 0);
 	gw_check_point_choice_clear(&c);
 }
@@ -164,9 +170,11 @@ static void one_point_is_not_all(void **state)
 	}
 	gw_check_point_choice c;
 	gw_error error;
-	assert_int_equal(gw_check_point_choose(counts, (const double *const[]){ part }, 1, COUNT, 200,
-										   3, &c, &error),
-					 GW_OK);
+	assert_int_equal(
+		gw_check_point_choose(
+			&(gw_check_point_shares){ COUNT, counts, (const double *const[]){ part }, 1 }, 200, 3,
+			&c, &error),
+		GW_OK);
 	for (uint32_t i = 0; i < c.count; i++)
 		times += c.point[i] == 1234;
 	assert_true(times <= 1);

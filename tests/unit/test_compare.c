@@ -101,7 +101,9 @@ static void positions_match_in_any_order(void **state)
 	for (size_t i = 0; i < COUNT; i++)
 		memcpy(&key[3 * i], &among[3 * (i * 1999 % COUNT)], 3 * sizeof *key);
 	key[2] = -0.0;
-	assert_int_equal(gw_compare_match(key, COUNT, among, COUNT, 3, match, &missing, NULL), GW_OK);
+	assert_int_equal(gw_compare_match((gw_compare_keys){ key, COUNT },
+									  (gw_compare_keys){ among, COUNT }, 3, match, &missing, NULL),
+					 GW_OK);
 	assert_int_equal(missing, 0);
 	for (size_t i = 0; i < COUNT; i++)
 		assert_int_equal(match[i], i * 1999 % COUNT);
@@ -112,13 +114,19 @@ static void equal_ones_pair_up_in_order(void **state)
 	(void)state;
 	const double among[] = { 4, 2, 4, 1, 4 }, key[] = { 4, NAN, 4, 3, 1, 4, 4 };
 	size_t match[7], missing;
-	assert_int_equal(gw_compare_match(key, 7, among, 5, 1, match, &missing, NULL), GW_OK);
+	assert_int_equal(gw_compare_match((gw_compare_keys){ key, 7 }, (gw_compare_keys){ among, 5 }, 1,
+									  match, &missing, NULL),
+					 GW_OK);
 	const size_t expected[] = { 0, GW_COMPARE_NONE, 2, GW_COMPARE_NONE, 3, 4, GW_COMPARE_NONE };
 	assert_memory_equal(match, expected, sizeof expected);
 	assert_int_equal(missing, 3);
-	assert_int_equal(gw_compare_match(key, 0, among, 5, 1, match, &missing, NULL), GW_OK);
+	assert_int_equal(gw_compare_match((gw_compare_keys){ key, 0 }, (gw_compare_keys){ among, 5 }, 1,
+									  match, &missing, NULL),
+					 GW_OK);
 	assert_int_equal(missing, 0);
-	assert_int_equal(gw_compare_match(key, 7, among, 0, 1, match, &missing, NULL), GW_OK);
+	assert_int_equal(gw_compare_match((gw_compare_keys){ key, 7 }, (gw_compare_keys){ among, 0 }, 1,
+									  match, &missing, NULL),
+					 GW_OK);
 	assert_int_equal(missing, 7);
 }
 

@@ -19,9 +19,11 @@ static gw_buffer new_buffer(gw_gpu *gpu, uint64_t bytes, const char *name)
 {
 	gw_error error = { 0 };
 	gw_buffer buffer;
-	assert_ok(
-		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, name, &buffer, &error),
-		&error);
+	assert_ok(gw_buffer_create(
+				  gpu,
+				  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, name },
+				  &buffer, &error),
+			  &error);
 	return buffer;
 }
 
@@ -198,7 +200,9 @@ static void test_empty_buffer(void **state)
 	gw_gpu *gpu = open_gpu((gw_gpu_options){ .validate = true });
 	gw_error error = { 0 };
 	gw_buffer buffer;
-	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 0, "empty",
+	assert_ok(gw_buffer_create(gpu,
+							   &(gw_buffer_description){
+								   GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT, 0, "empty" },
 							   &buffer, &error),
 			  &error);
 	assert_int_equal(buffer.bytes, 0);
@@ -230,7 +234,10 @@ static void test_borrowed(void **state)
 	for (uint32_t i = 0; i < BYTES / 4; i++)
 		word[i] = scramble(i);
 	gw_buffer in, out = new_buffer(gpu, UINT64_C(4) * WORDS, "out");
-	assert_ok(gw_buffer_borrow(gpu, VK_FORMAT_R32_UINT, word, 4 * WORDS, "lent", &in, &error),
+	assert_ok(gw_buffer_borrow(gpu,
+							   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+														 4 * WORDS, "lent" },
+							   word, &in, &error),
 			  &error);
 	assert_ptr_equal(in.mapped, word);
 	gw_pass *pass = new_pass(gpu, "test_affine",
@@ -358,7 +365,9 @@ static void test_images(void **state)
 	assert_ok(gw_image_create(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, extent, "ramp", &ramp, &error),
 			  &error);
 	gw_buffer words, out = new_buffer(gpu, TEXELS * 4, "out");
-	assert_ok(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, TEXELS * 4, "words",
+	assert_ok(gw_buffer_create(gpu,
+							   &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+														 TEXELS * 4, "words" },
 							   &words, &error),
 			  &error);
 	uint32_t word[TEXELS];
@@ -436,15 +445,20 @@ static void test_budget(void **state)
 	gw_error error = { 0 };
 	gw_buffer first = new_buffer(gpu, 700000, "first"), second;
 	uint64_t before = gw_gpu_read_account(gpu).bytes;
-	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 400000, "second",
-									  &second, &error),
-					 GW_ERROR_MEMORY);
+	assert_int_equal(
+		gw_buffer_create(
+			gpu,
+			&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 400000, "second" },
+			&second, &error),
+		GW_ERROR_MEMORY);
 	assert_non_null(strstr(error.text, "400000"));
 	assert_non_null(strstr(error.text, "1048576"));
 	assert_non_null(strstr(error.text, "\"second\""));
 	assert_true(second.handle == VK_NULL_HANDLE && second.bytes == 0);
-	assert_int_equal(gw_buffer_create(gpu, GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT, UINT64_MAX - 3,
-									  "huge", &second, &error),
+	assert_int_equal(gw_buffer_create(gpu,
+									  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+																UINT64_MAX - 3, "huge" },
+									  &second, &error),
 					 GW_ERROR_MEMORY);
 	gw_image image;
 	assert_int_equal(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, (uint32_t[]){ 64, 64, 64 },
@@ -521,9 +535,11 @@ static void test_lost_device(void **state)
 	assert_non_null(strstr(error.text, "vkQueueSubmit for pass one"));
 	assert_int_equal(gw_buffer_fill(gpu, &buffer, 1, &later), GW_ERROR_INTERNAL);
 	assert_string_equal(later.text, error.text);
-	assert_int_equal(
-		gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 64, "other", &other, &later),
-		GW_ERROR_INTERNAL);
+	assert_int_equal(gw_buffer_create(gpu,
+									  &(gw_buffer_description){ GW_BUFFER_STORAGE,
+																VK_FORMAT_UNDEFINED, 64, "other" },
+									  &other, &later),
+					 GW_ERROR_INTERNAL);
 	assert_string_equal(later.text, error.text);
 	gw_buffer_destroy(gpu, &buffer);
 	gw_gpu_destroy(&gpu);
@@ -546,12 +562,12 @@ static uint32_t run_pair(bool barrier)
 		(gw_pass_description){ .bindings = two_buffers, .binding_count = 2, .push_bytes = 16 });
 	const gw_binding write_b[] = { { .buffer = &a }, { .buffer = &b } },
 					 read_b[] = { { .buffer = &b }, { .buffer = &c } };
-	const gw_slice slice = { 0, FAULT_ELEMENTS };
+	const gw_slice first = { 0, FAULT_ELEMENTS, 0 }, second = { 0, FAULT_ELEMENTS, 1 };
 	assert_ok(gw_commands_begin(gpu, &error), &error);
-	gw_pass_record(gpu, pass, 0, write_b, NULL, slice, &error);
+	gw_pass_record(gpu, pass, first, write_b, NULL, &error);
 	if (barrier)
 		gw_commands_barrier(gpu);
-	gw_pass_record(gpu, pass, 1, read_b, NULL, slice, &error);
+	gw_pass_record(gpu, pass, second, read_b, NULL, &error);
 	gw_status status = gw_commands_submit(gpu, "pair", NULL, &error);
 	uint32_t messages = gw_gpu_validation_messages(gpu, NULL);
 	assert_true(status == GW_OK || messages > 0);

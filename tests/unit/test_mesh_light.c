@@ -153,7 +153,8 @@ static void corners_take_the_light_of_their_side(void **state)
 		size_t count = m.count;
 		add(&m, 5, 5, 6, 5, 6, 6);
 		assert_true(m.count > count);
-		assert_int_equal(gw_mesh_light(&m, &p->surfels, p->channel, 1, threads, p->on_mesh, NULL),
+		assert_int_equal(gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 },
+									   threads, p->on_mesh, NULL),
 						 GW_OK);
 		assert_int_equal(m.count, count);
 		for (size_t i = 0; i < 3 * m.count; i++)
@@ -172,10 +173,14 @@ static void nothing_is_lit_by_nothing(void **state)
 	plate *p = make_plate();
 	gw_mesh_pieces m = make_pieces(0.1f);
 	memset(p->on_mesh, 1, sizeof p->on_mesh);
-	assert_int_equal(gw_mesh_light(&m, &p->surfels, p->channel, 1, 1, p->on_mesh, NULL), GW_OK);
+	assert_int_equal(
+		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
+		GW_OK);
 	assert_int_equal(p->on_mesh[0], 0);
 	add(&m, 5, 5, 6, 5, 6, 6);
-	assert_int_equal(gw_mesh_light(&m, &p->surfels, p->channel, 1, 1, p->on_mesh, NULL), GW_OK);
+	assert_int_equal(
+		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
+		GW_OK);
 	assert_int_equal(m.count, 0);
 	gw_mesh_pieces_clear(&m);
 	free(p);

@@ -100,8 +100,10 @@ static void sum_and_compare(gw_passes *passes, gw_prefix_sum *prefix, uint32_t c
 	gw_gpu *gpu = passes->gpu;
 	gw_error error = { 0 };
 	gw_buffer words;
-	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * (uint64_t)count,
-							   "words", &words, &error),
+	assert_ok(gw_buffer_create(gpu,
+							   &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														 4 * (uint64_t)count, "words" },
+							   &words, &error),
 			  &error);
 	uint32_t *value = calloc(count + 1u, sizeof *value);
 	assert_non_null(value);
@@ -147,7 +149,9 @@ static void sum_much(gw_gpu *gpu)
 	gw_passes own = { .gpu = gpu }, *passes = &own;
 	gw_prefix_sum prefix = { 0 };
 	gw_buffer words;
-	assert_ok(gw_buffer_create(gpu, GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * 1000, "words",
+	assert_ok(gw_buffer_create(gpu,
+							   &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+														 4 * 1000, "words" },
 							   &words, &error),
 			  &error);
 	assert_ok(gw_buffer_fill(gpu, &words, 0x01000000, &error), &error);

@@ -263,15 +263,15 @@ static gw_status run_both(gw_passes *passes, gw_pass_id id, const gw_binding *bi
 	uint32_t threads = passes->threads;
 	outputs o = outputs_of(gw_pass_row_of(id), bindings);
 	keep(&o, o.before);
-	GW_TRY(gw_passes_run_by(GW_WAY_DEVICE, passes, id, bindings, push, count, error));
+	GW_TRY(gw_passes_run_shader(passes, id, bindings, push, count, error));
 	keep(&o, o.shader);
 	restore(&o);
 	passes->threads = 1;
-	GW_TRY(gw_passes_run_by(GW_WAY_CPU, passes, id, bindings, push, count, error));
+	gw_passes_run_kernel(passes, id, bindings, push, count);
 	keep(&o, o.alone);
 	restore(&o);
 	passes->threads = 3;
-	GW_TRY(gw_passes_run_by(GW_WAY_CPU, passes, id, bindings, push, count, error));
+	gw_passes_run_kernel(passes, id, bindings, push, count);
 	passes->threads = threads;
 	compare_all(id, &o);
 	forget(&o);
@@ -291,7 +291,10 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 	by_kernel += way == GW_WAY_CPU;
 	if (both_ways && way == GW_WAY_CPU && count > 0)
 		return run_both(passes, id, bindings, push, count, error);
-	return gw_passes_run_by(way, passes, id, bindings, push, count, error);
+	if (way == GW_WAY_DEVICE)
+		return gw_passes_run_shader(passes, id, bindings, push, count, error);
+	gw_passes_run_kernel(passes, id, bindings, push, count);
+	return GW_OK;
 }
 
 /* --------------------------------------------------------------------------------------- bakes */
@@ -402,7 +405,8 @@ static void frames_both_ways(void **state)
 	const gw_motion motion = { &ball, 1, FRAMES, matrix };
 	const gw_frames_options how = { .independent = true };
 	options.estimate_points = 0;
-	assert_ok(gw_frames_open(&points, &motion, &light, 1, &options, &how, NULL, &frames, &error),
+	assert_ok(gw_frames_open(&(gw_moving_scene){ &points, &motion, &light, 1 }, &options, &how,
+							 NULL, &frames, &error),
 			  &error);
 	for (size_t i = 0; i < FRAMES; i++) {
 		gw_bake_result *result = NULL;
