@@ -50,7 +50,7 @@ static gw_status average_map(const char *path, double mean[3], gw_error *error)
 	gw_status status = panorama_read(path, &map, error);
 	double weights = 0.0;
 	for (uint32_t y = 0; status == GW_OK && y < map.height; y++) {
-		double weight = sin(3.14159265358979323846 * (y + 0.5) / map.height);
+		double weight = sin(M_PI * (y + 0.5) / map.height);
 		for (size_t x = 0; x < map.width; x++)
 			for (size_t k = 0; k < 3; k++)
 				mean[k] += weight * (double)map.pixels[3 * ((size_t)y * map.width + x) + k];

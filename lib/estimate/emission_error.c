@@ -10,8 +10,6 @@
 
 #define DISC_RANK 8 /* of the neighbour to which a disc reaches */
 
-static const double pi = 3.14159265358979323846;
-
 static bool differ(const gw_surfels *s, size_t i, size_t j)
 {
 	return memcmp(s->emission + 3 * i, s->emission + 3 * j, 3 * sizeof *s->emission) != 0;
@@ -42,7 +40,7 @@ double gw_emission_error(const gw_surfels *surfels)
 	double power = 0.0, variance = 0.0;
 	for (size_t i = 0; surfels->emission && i < surfels->count; i++) {
 		double area = (double)surfels->area[i], radius = (double)surfels->radius[i];
-		double length = area / (radius * 4 / (3 * pi)), spacing = radius * sqrt(pi / DISC_RANK);
+		double length = area / (radius * 4 / (3 * M_PI)), spacing = radius * sqrt(M_PI / DISC_RANK);
 		power += area * gw_luminance(surfels->emission + 3 * i);
 		variance +=
 			GW_CELL_VARIANCE * length * spacing * spacing * spacing * difference_at(surfels, i);

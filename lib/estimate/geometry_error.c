@@ -37,8 +37,6 @@
 #define ROUNDING 1e-4 /* of a lamp's light */
 #define CHUNK 16u
 
-static const double pi = 3.14159265358979323846;
-
 /* What is read of the device. */
 typedef struct views {
 	gw_view disc, clip;
@@ -348,7 +346,7 @@ static void check_points(void *user, size_t first, size_t last, uint32_t worker)
 		for (size_t l = 0; l < c->lamps; l++)
 			add_lamp(c, &c->lamp[l], surfel, light);
 		double off = outside(found, light[0] * (1.0 + ROUNDING), light[1] * (1.0 - ROUNDING));
-		c->excess[i] = reflectance(c->task->surfels, surfel) / pi * off;
+		c->excess[i] = reflectance(c->task->surfels, surfel) / M_PI * off;
 	}
 }
 

@@ -13,8 +13,6 @@
 #define EDGE_RATIO 0.5 /* light on the dark side of an edge is less than this of the other's */
 #define CHUNK 4096u    /* surfels whose errors are added up at a time */
 
-static const double pi = 3.14159265358979323846;
-
 typedef struct shadow_edges {
 	const gw_surfels *surfels;
 	const float *direct;
@@ -29,7 +27,7 @@ static double reflected(const shadow_edges *e, size_t surfel, size_t at)
 	const float *rho = e->surfels->albedo + 3 * surfel, *light = e->direct + 4 * at;
 	return gw_luminance(
 			   (const float[]){ rho[0] * light[0], rho[1] * light[1], rho[2] * light[2] }) /
-		   pi;
+		   M_PI;
 }
 
 /* How far off the edge between two surfels is, in spacings: is anything hidden from the darker one,
@@ -67,7 +65,7 @@ static void add_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		if (!e->counts[i])
 			continue;
 		double width = sqrt((double)e->surfels->area[i]);
-		double share = width / ((double)e->surfels->radius[i] * 4 / (3 * pi));
+		double share = width / ((double)e->surfels->radius[i] * 4 / (3 * M_PI));
 		e->square[first / CHUNK] += share * edge_at(e, i);
 		e->used[first / CHUNK]++;
 	}

@@ -107,7 +107,7 @@ static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *
 		*largest = fmaxf(*largest, sums->largest[chunk]);
 	}
 	double cell = (double)task->on.octree->leaf_size;
-	*energy = sum * 3.14159265358979323846 * cell * cell;
+	*energy = sum * M_PI * cell * cell;
 	return isfinite(*energy) ? GW_OK
 							 : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");
 }
@@ -128,7 +128,7 @@ static gw_status find_contraction(const gw_bounces_task *task, double *contracti
 		for (int c = 0; c < 3; c++)
 			largest = fmax(largest, (double)gathered[4 * i + (size_t)c]);
 	}
-	*contraction = fmin(largest / 3.14159265358979323846, (double)GW_ALBEDO_MAX);
+	*contraction = fmin(largest / M_PI, (double)GW_ALBEDO_MAX);
 	gw_view_close(&view);
 	return status;
 }
@@ -198,8 +198,7 @@ static gw_status measure_gathered(progress *p, gw_error *error)
 	const gw_bounces_task *task = p->task;
 	double cell = (double)task->on.octree->leaf_size;
 	p->gathered = true;
-	p->energy =
-		gw_hit_facets_power(task->on.records, &p->hits) * 3.14159265358979323846 * cell * cell;
+	p->energy = gw_hit_facets_power(task->on.records, &p->hits) * M_PI * cell * cell;
 	return isfinite(p->energy)
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_INTERNAL, "a bounce's energy is not finite");

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DEGREES (3.14159265358979323846 / 180.0)
+#define DEGREES (M_PI / 180.0)
 
 /* Shadow rays to a light that has an extent. */
 #define PENUMBRA_RAYS 16u

@@ -10,8 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define PI 3.14159265358979323846
-
 /* Finite pixels are limited to this, so that sums of them stay finite. */
 #define LARGEST 1e12f
 
@@ -31,7 +29,7 @@ static float mend(float value, gw_sky_map *map)
 /* Share of the sphere's height that lies above a row's upper edge, times 2. */
 static double height_of(size_t row, size_t rows)
 {
-	return 1.0 - cos(PI * (double)row / (double)rows);
+	return 1.0 - cos(M_PI * (double)row / (double)rows);
 }
 
 /* Adds one row of the light's map to one of the texels' rows: each pixel to the texels that it
@@ -83,7 +81,7 @@ static double weigh(const gw_sky_map *map, const float *texel, double *weight)
 {
 	double total = 0.0;
 	for (size_t y = 0; y < map->height; y++) {
-		double angle = 2.0 * PI / (double)map->width *
+		double angle = 2.0 * M_PI / (double)map->width *
 					   (height_of(y + 1, map->height) - height_of(y, map->height));
 		for (size_t i = y * map->width; i < (y + 1) * map->width; i++) {
 			const float *l = texel + 4 * i;

@@ -6,8 +6,6 @@
 /* Least sine of the angle between view direction and up. */
 #define PARALLEL 1e-6
 
-static const double pi = 3.14159265358979323846;
-
 static double dot(const double a[3], const double b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -44,7 +42,7 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 					   angle, GW_CAMERA_ANGLE_MAX);
 	if (!is_finite(at) || !is_finite(to) || !is_finite(up))
 		return gw_fail(error, GW_ERROR_USAGE, "a coordinate of the camera is not finite");
-	gw_camera c = { .tangent = tan(angle * pi / 360) };
+	gw_camera c = { .tangent = tan(angle * M_PI / 360) };
 	double upright[3], size = 0;
 	for (int k = 0; k < 3; k++) {
 		c.position[k] = at[k];

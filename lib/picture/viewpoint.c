@@ -21,8 +21,6 @@
 #define MARGIN 1.05    /* of a picture that holds all */
 #define ELEVATION 25.0 /* degrees, of an outside view */
 
-static const double pi = 3.14159265358979323846;
-
 /* A coarse cell of space: sums over the surfels in it. */
 typedef struct cell {
 	float normal[3]; /* area * normal */
@@ -140,7 +138,7 @@ static gw_status find_outside(const gw_surfels *s, const gw_viewpoint_wish *wish
 	for (int a = 0; a < 8; a++) {
 		double d[3];
 		/* Starting at the front right, where equal views are drawn from. */
-		direction_of(wish->up, pi / 4 * (double)a + pi / 8, ELEVATION * pi / 180, d);
+		direction_of(wish->up, M_PI / 4 * (double)a + M_PI / 8, ELEVATION * M_PI / 180, d);
 		double seen = seen_from(s, wish->luminance, d);
 		if (seen > most * (1 + 1e-3)) {
 			most = seen;
@@ -214,7 +212,7 @@ static void make_rays(double (*ray)[3])
 {
 	for (int i = 0; i < RAYS; i++) {
 		double z = 1 - (2 * i + 1) / (double)RAYS, r = sqrt(1 - z * z);
-		double turn = pi * (3 - sqrt(5)) * i;
+		double turn = M_PI * (3 - sqrt(5)) * i;
 		ray[i][0] = r * cos(turn);
 		ray[i][1] = r * sin(turn);
 		ray[i][2] = z;
@@ -323,10 +321,10 @@ static gw_status try_inside(const gw_surfels *s, const gw_viewpoint_wish *wish, 
 	make_rays(ray);
 	for (int a = 0; a < AZIMUTHS; a++)
 		for (int e = -1; e <= 1; e++)
-			direction_of(wish->up, 2 * pi * a / AZIMUTHS, e * pi / 12, view[g.views++]);
+			direction_of(wish->up, 2 * M_PI * a / AZIMUTHS, e * M_PI / 12, view[g.views++]);
 	v->angle = wish->angle > 0 ? wish->angle : GW_VIEWPOINT_ANGLE_INSIDE;
 	/* A cone as wide as the mean of the picture's two angles. */
-	double tangent = tan(v->angle * pi / 360);
+	double tangent = tan(v->angle * M_PI / 360);
 	double cosine = cos(0.5 * (atan(tangent) + atan(tangent * wish->aspect)));
 	find_inside(&g, cosine, v);
 	if (wish->kind == GW_VIEWPOINT_AUTO && (double)g.closed < CLOSED_PLACES * (double)g.places)

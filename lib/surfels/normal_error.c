@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-static const double pi = 3.14159265358979323846;
-
 /* In [0, 1), by SplitMix64 (Steele, Lea and Flood 2014). */
 static double random_of(uint64_t seed)
 {
@@ -20,7 +18,7 @@ static double random_of(uint64_t seed)
 
 void gw_normal_turn(const float normal[3], float angle, uint64_t seed, float turned[3])
 {
-	double direction = 2 * pi * random_of(seed);
+	double direction = 2 * M_PI * random_of(seed);
 	double along = cos((double)angle), x = sin((double)angle) * cos(direction),
 		   y = sin((double)angle) * sin(direction);
 	float tangent[3], bitangent[3];
@@ -41,7 +39,7 @@ double gw_normal_error(const gw_surfels *surfels, const float *direct, const flo
 			continue;
 		for (size_t k = 0; k < 3; k++)
 			change[k] = surfels->albedo[3 * i + k] * (turned[4 * i + k] - direct[4 * i + k]);
-		double off = gw_luminance(change) / pi;
+		double off = gw_luminance(change) / M_PI;
 		sum += off * off;
 		used++;
 	}

@@ -13,8 +13,6 @@
 #define IN_A_CELL 8.0 /* points on average, at least */
 #define DISC_POINTS 8 /* that a disc reaches over, as in surfel_disc.c */
 
-static const double pi = 3.14159265358979323846;
-
 /* One size of cells over the bounds. */
 typedef struct cells {
 	const gw_surfels *surfels;
@@ -79,7 +77,7 @@ static gw_status estimate_roughly(gw_surfels *s, gw_error *error)
 		double area = fmax(width * width / (double)(last - first), (double)FLT_MIN);
 		for (size_t i = first; i < last; i++) {
 			s->area[i] = (float)area;
-			s->radius[i] = (float)sqrt(DISC_POINTS * area / pi);
+			s->radius[i] = (float)sqrt(DISC_POINTS * area / M_PI);
 		}
 	}
 	s->spacing = sqrtf(gw_nth_element(s->area, n, n / 2));

@@ -32,8 +32,6 @@
 #define BEND_RIDGE 1e-5      /* keeps neighbours on a line from telling about the other direction */
 #define BEND_MOST 0.5        /* slope of a disc's edge against its plane */
 
-static const double pi = 3.14159265358979323846;
-
 /*
  * How little extent in a direction, relative to the furthest neighbour, means that the surface ends
  * there, by number of neighbours: with 16 it is 0.45 (measured: less leaves discs that stick out
@@ -251,7 +249,7 @@ static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_li
 	gw_surfels *s = step->surfels;
 	float radius = list->count ? fmaxf(0.5f * list->distance[0], FLT_MIN) : LONE_RADIUS;
 	s->radius[surfel] = radius;
-	s->area[surfel] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+	s->area[surfel] = fmaxf((float)(M_PI * (double)radius * (double)radius), FLT_MIN);
 	step->isolated[surfel] = 1;
 }
 
@@ -285,7 +283,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
 	uint32_t at_creases = gw_creases_find(s, surfel, list, reach, edge);
 	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
-	double area = step->rough_area ? pi * radius * radius / DISC_RANK
+	double area = step->rough_area ? M_PI * radius * radius / DISC_RANK
 								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
@@ -323,7 +321,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 		if (step->isolated[i]) {
 			float radius = fminf(s->radius[i], median);
 			s->radius[i] = radius;
-			s->area[i] = fmaxf((float)(pi * (double)radius * (double)radius), FLT_MIN);
+			s->area[i] = fmaxf((float)(M_PI * (double)radius * (double)radius), FLT_MIN);
 			s->two_sided[i] = 1;
 		}
 		count_stray(s, i, step->stray[i]);
