@@ -96,7 +96,7 @@ typedef struct gw_points {
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
-								   scanner has, and for NULL, the nearest one counts */
+								   scanner has, and for NULL, the one that sees it best */
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */

@@ -268,6 +268,10 @@ const option options[] = {
 
 	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | TRADEOFF | RENDER), .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER, FOR(BAKE | TRADEOFF | RENDER), .group = "Scene",
+	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
+			  "face it where it saw the point. May be given many times; @FILE holds one place a "
+			  "line" },
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },
@@ -421,6 +425,11 @@ const option *option_find(verb v, const char *name, size_t length)
 		if (o->verbs & 1u << v && strlen(o->name) == length && !strncmp(name, o->name, length))
 			return o;
 	return NULL;
+}
+
+bool option_repeats(const option *o)
+{
+	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_SCANNER;
 }
 
 void option_key(const option *o, char key[64])

@@ -35,6 +35,7 @@ void settings_clear(settings *s)
 	free(s->path);
 	free(s->input);
 	free(s->light);
+	free(s->scanner);
 	free(s->gain);
 	free(s->text);
 	free(s->command);
@@ -63,6 +64,16 @@ gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
 	s->light = grown;
 	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+gw_status settings_add_scanner(settings *s, const double place[3], gw_error *error)
+{
+	double *grown = growing_table_room(s->scanner, s->scanner_count, 3 * sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of scanners");
+	s->scanner = grown;
+	memcpy(grown + 3 * s->scanner_count++, place, 3 * sizeof *place);
 	return GW_OK;
 }
 

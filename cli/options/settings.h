@@ -142,6 +142,9 @@ typedef struct settings {
 	size_t input_count;
 	lamp *light; /* owned; light_count */
 	size_t light_count;
+	double *scanner; /* owned; 3 * scanner_count, metres: where scanners stood, whatever the
+						inputs say */
+	size_t scanner_count;
 	motion_path *path; /* owned; path_count */
 	size_t path_count;
 	uint32_t frame_count; /* 0: the scene says nothing of frames */
@@ -179,6 +182,9 @@ void settings_clear(settings *settings);
 /* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Adds the place of a scanner, metres, in the scene's coordinates. */
+gw_status settings_add_scanner(settings *settings, const double place[3], gw_error *error);
 
 /* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
 gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);
