@@ -28,6 +28,15 @@ static const char *passes_name(int i)
 	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
 }
 
+static const char *normals_name(int i)
+{
+	static const char *const name[] = { [GW_NORMALS_AUTO] = "auto",
+										[GW_NORMALS_GIVEN] = "given",
+										[GW_NORMALS_ESTIMATE] = "estimate",
+										[GW_NORMALS_COUNT] = NULL };
+	return name[i];
+}
+
 static const char *validation_name(int i)
 {
 	return i < GW_VALIDATION_COUNT ? gw_validation_name((gw_validation)i) : NULL;
@@ -272,6 +281,11 @@ const option options[] = {
 	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
 			  "face it where it saw the point. May be given many times; @FILE holds one place a "
 			  "line" },
+	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	  AT(bake.normals), .choice = normals_name, .group = "Scene",
+	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "
+			  "them unless many cannot be right: mixed signs, normals that are not perpendicular "
+			  "to the surface, a closed body inside out" },
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },

@@ -6,22 +6,24 @@
 
 settings settings_default(void)
 {
-	return (settings){ .bake = gw_bake_options_default(),
-					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
-					   .quality = GW_QUALITY_NORMAL,
-					   .count = 1000000,
-					   .exposure = NAN,
-					   .worst_count = 1000,
-					   .max_rel_rmse = NAN,
-					   .max_best_99 = NAN,
-					   .max_bias = NAN,
-					   .render = { .camera = "auto",
-								   .size = "1600x900",
-								   .background = "0",
-								   .orbit = 1,
-								   .glossy = SETTINGS_GLOSSY_RAYS,
-								   .glossy_rays = 32,
-								   .samples = 2 } };
+	settings s = { .bake = gw_bake_options_default(),
+				   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+				   .quality = GW_QUALITY_NORMAL,
+				   .count = 1000000,
+				   .exposure = NAN,
+				   .worst_count = 1000,
+				   .max_rel_rmse = NAN,
+				   .max_best_99 = NAN,
+				   .max_bias = NAN,
+				   .render = { .camera = "auto",
+							   .size = "1600x900",
+							   .background = "0",
+							   .orbit = 1,
+							   .glossy = SETTINGS_GLOSSY_RAYS,
+							   .glossy_rays = 32,
+							   .samples = 2 } };
+	s.bake.normals = GW_NORMALS_AUTO; /* files are wrong more often than programs */
+	return s;
 }
 
 void settings_clear(settings *s)

@@ -30,6 +30,10 @@
 #define TRIES 8
 #define STEPS_MOST 4096
 
+/* Places and ways to each side of them that say how open a scene is. */
+#define OPEN_PLACES 1500u
+#define OPEN_WAYS 12
+
 typedef struct cell {
 	int32_t at[3];
 	uint32_t count; /* 0: free */
@@ -280,6 +284,62 @@ gw_status gw_scanners_assign(gw_neighbours *search, const gw_surfels *surfels,
 		status = fill_grid(&w, error);
 	if (status == GW_OK && w.table)
 		status = gw_neighbours_visit(search, choose_scanner, &w, error);
+	free(w.reach);
+	free(w.table);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ how open it is */
+
+/* The way with a number, evenly over a cap (a spherical Fibonacci set): what grazes the surface
+ * would leave it unseen where that is bent. */
+static void number_way(int i, const double normal[3], way *y)
+{
+	double z = 1 - 0.65 * (2 * i + 1) / (2.0 * OPEN_WAYS), angle = 2.399963229728653 * i;
+	double r = sqrt(1 - z * z);
+	float axis[3], tangent[3], bitangent[3];
+	for (int k = 0; k < 3; k++)
+		axis[k] = (float)normal[k];
+	gw_tangent_frame(axis, tangent, bitangent);
+	for (int k = 0; k < 3; k++)
+		y->direction[k] = z * normal[k] + r * cos(angle) * (double)tangent[k] +
+						  r * sin(angle) * (double)bitangent[k];
+}
+
+/* From every so manieth surfel, to the front and to the back. */
+static void count_open(const sight *w, double share[2])
+{
+	const gw_surfels *s = w->surfels;
+	size_t stride = 1 + s->count / OPEN_PLACES, ways = 0, open[2] = { 0 };
+	double diagonal = 0;
+	for (int k = 0; k < 3; k++)
+		diagonal += pow((double)s->maximum[k] - (double)s->minimum[k], 2);
+	for (size_t i = 0; i < s->count; i += stride, ways += OPEN_WAYS)
+		for (int side = 0; side < 2; side++) {
+			way y = { .length = sqrt(diagonal) + w->width };
+			for (size_t k = 0; k < 3; k++) {
+				y.from[k] = (double)s->position[3 * i + k];
+				y.normal[k] = (side ? -1 : 1) * (double)w->places->plane[4 * i + k];
+			}
+			for (int j = 0; j < OPEN_WAYS; j++) {
+				number_way(j, y.normal, &y);
+				open[side] += !is_blocked(w, &y);
+			}
+		}
+	for (int side = 0; side < 2; side++)
+		share[side] = (double)open[side] / (double)ways;
+}
+
+gw_status gw_sight_open_share(gw_neighbours *search, const gw_surfels *surfels,
+							  const gw_scanner_places *places, double share[2], gw_error *error)
+{
+	sight w = { .surfels = surfels, .places = places };
+	share[0] = share[1] = 1;
+	gw_status status = measure(&w, search, error);
+	if (status == GW_OK && w.width > 0 && isfinite(w.width))
+		status = fill_grid(&w, error);
+	if (status == GW_OK && w.table)
+		count_open(&w, share);
 	free(w.reach);
 	free(w.table);
 	return status;

@@ -29,4 +29,14 @@ gw_status gw_scanners_assign(gw_neighbours *search, const gw_surfels *surfels,
 							 const gw_scanner_places *places, uint32_t *scanner_of,
 							 gw_error *error);
 
+/*
+ * What share of the ways from places on the surface leaves the scene without crossing it, on the
+ * side of the normals and on the other one.
+ *   places   planes alone: count is 0
+ *   share    receives both, 0 to 1
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_sight_open_share(gw_neighbours *search, const gw_surfels *surfels,
+							  const gw_scanner_places *places, double share[2], gw_error *error);
+
 #endif

@@ -24,6 +24,7 @@ glowworm bake box.json --light 'sky radiance 1' --print-scene | grep -A 2 scanne
 printf '1,2,3\n1;2;3\n' >bad.txt
 echo '# none' >empty.txt
 for place in 1,2 1,2,3,4 1,2,nan @bad.txt @empty.txt @missing.txt @; do
-	glowworm bake box.xyz --scanner $place --light 'sky radiance 1' -o out.ply 2>&1 && echo "it was taken"
+	glowworm bake box.xyz --scanner $place --light 'sky radiance 1' -o out.ply 2>&1 &&
+		echo "it was taken"
 done
 :
