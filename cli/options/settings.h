@@ -16,6 +16,7 @@ typedef enum verb {
 	VERB_CONVERT,
 	VERB_RENDER,
 	VERB_TRADEOFF,
+	VERB_ALBEDO,
 	VERB_DOCTOR,
 	VERB_COUNT,
 } verb;
@@ -47,6 +48,16 @@ typedef enum settings_up {
 	SETTINGS_UP_Z,
 	SETTINGS_UP_COUNT
 } settings_up;
+
+/* In what light photographs were taken. */
+typedef enum settings_capture {
+	SETTINGS_CAPTURE_AUTO,      /* the lights that are named, else the laser's intensity */
+	SETTINGS_CAPTURE_LIGHTS,    /* those that are named */
+	SETTINGS_CAPTURE_FLASH,     /* at the scanner */
+	SETTINGS_CAPTURE_OVERCAST,  /* a sky that is even */
+	SETTINGS_CAPTURE_INTENSITY, /* any: the laser says how bright a surface is */
+	SETTINGS_CAPTURE_COUNT
+} settings_capture;
 
 typedef enum settings_progress {
 	SETTINGS_PROGRESS_AUTO,
@@ -155,6 +166,8 @@ typedef struct settings {
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
+	int capture;                     /* a settings_capture */
+	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
