@@ -72,8 +72,8 @@ typedef struct gw_surfels {
 	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
 		normals_estimated, normals_untrusted, albedo_defaulted;
 	/* Of given normals that were mended: those turned round, and those found so wrong that none
-	 * was taken. */
-	uint64_t normals_turned, normals_doubted;
+	 * was taken, and those of no sensible length. */
+	uint64_t normals_turned, normals_doubted, normals_lengthened;
 } gw_surfels;
 
 /*

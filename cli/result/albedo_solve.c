@@ -24,16 +24,25 @@
  * of the estimate outweigh what reaches them. */
 #define DARK_SHARE 0.01
 
+/* Points with less than this share of it are dim: they say nothing of the exposure. */
+#define DIM_SHARE 0.3
+
+/* A flash lights what its scanner sees; steps of a quantised depth look more oblique than they are.
+ */
+#define FLASH_COSINE_LEAST 0.3
+
+enum { LIT, DIM, DARK };
+
 typedef struct solve {
 	loaded_scene *scene;
 	const settings *settings;
 	const gw_light *light;
 	size_t light_count;
-	bool own_lamps;
+	bool flash;
 	float *photo;  /* 3 * count, linear colours, owned */
 	float *level;  /* 3 * count: irradiance, then pi times the colour over it; owned */
 	float *sorted; /* count, scratch; owned */
-	uint8_t *dark; /* count; owned */
+	uint8_t *dark; /* count: LIT, DIM or DARK; owned */
 	albedo_facts *facts;
 	gw_error *error;
 } solve;
@@ -81,16 +90,38 @@ static float bounded(const solve *w, float rho)
 
 /* --------------------------------------------------------------------------------- one round */
 
-/* Irradiance of a point: of all lights, or of the flash of the scanner that saw it. */
+/* What a lamp sends straight to a point that nothing hides from it. */
+static float straight_light(const gw_light *l, const double *p, const float *n)
+{
+	double squared = 0.0, along = 0.0;
+	for (int k = 0; k < 3; k++) {
+		double d = l->position[k] - p[k];
+		squared += d * d;
+		along += d * (double)n[k];
+	}
+	double cosine = fmax(fabs(along) / sqrt(squared), FLASH_COSINE_LEAST);
+	return squared > 0.0 && isfinite(squared) ? (float)(cosine / squared) : 0.0f;
+}
+
+/*
+ * Irradiance of a point: of all lights, or of the flash of the scanner that saw it. What a scanner
+ * saw its flash lit, whatever gaps and rims of the points say of shadows.
+ */
 static void take_irradiance(const solve *w, const gw_bake_result *r, size_t i, float e[3])
 {
 	const gw_points *p = &w->scene->points.points;
 	uint32_t own = p->scanner_of ? p->scanner_of[i] : 0;
+	bool seen = w->flash && (p->scanner_of ? own < w->light_count : w->light_count == 1);
+	float straight =
+		seen ? straight_light(&w->light[own], p->position + 3 * i, r->normal + 3 * i) : 0.0f;
 	for (size_t k = 0; k < 3; k++) {
 		size_t at = 3 * i + k;
-		bool flash = w->own_lamps && own < r->lamp_count && r->albedo[at] > 0.0f;
-		e[k] = flash ? (float)M_PI * r->lamp[own][at] / r->albedo[at]
-					 : r->direct_irradiance[at] + r->indirect_irradiance[at];
+		e[k] = r->direct_irradiance[at] + r->indirect_irradiance[at];
+		if (seen)
+			e[k] = straight * w->light[own].intensity[k] + r->indirect_irradiance[at];
+		if (seen && w->light_count > 1 && r->albedo[at] > 0.0f)
+			e[k] = fmaxf(straight * w->light[own].intensity[k],
+						 (float)M_PI * r->lamp[own][at] / r->albedo[at]);
 	}
 }
 
@@ -99,7 +130,7 @@ static gw_status bake_light(solve *w)
 	gw_bake_options options = w->settings->bake;
 	gw_bake_result *r = NULL;
 	options.estimate_points = 0;
-	options.lamps = w->own_lamps;
+	options.lamps = w->flash && w->light_count > 1;
 	gw_status status = gw_bake(&w->scene->points.points, w->light, w->light_count, &options,
 							   &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
@@ -122,8 +153,10 @@ static gw_status find_dark(solve *w)
 					   "the light of the capture reaches no point; say where the lamps stood with "
 					   "--light, or which side surfaces show with --normals or --scanner");
 	for (size_t i = 0; i < count_of(w); i++) {
-		w->dark[i] = !(luminance(w->level + 3 * i) > (float)DARK_SHARE * median);
-		w->facts->dark += w->dark[i];
+		float own = luminance(w->level + 3 * i) / median;
+		w->dark[i] = own >= (float)DIM_SHARE ? LIT : own > (float)DARK_SHARE ? DIM : DARK;
+		const double *p = w->scene->points.points.position + 3 * i;
+		w->facts->dark += w->dark[i] == DARK && isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
 	}
 	return GW_OK;
 }
@@ -133,7 +166,7 @@ static void divide(solve *w)
 {
 	for (size_t i = 0; i < 3 * count_of(w); i++) {
 		float e = w->level[i];
-		w->level[i] = e > 0.0f && !w->dark[i / 3] ? (float)M_PI * w->photo[i] / e : 0.0f;
+		w->level[i] = e > 0.0f && w->dark[i / 3] != DARK ? (float)M_PI * w->photo[i] / e : 0.0f;
 	}
 }
 
@@ -153,7 +186,7 @@ static void fill_dark(solve *w)
 	for (size_t i = 0; i < count_of(w); i++) {
 		const float *c = w->photo + 3 * i;
 		float own = luminance(c);
-		for (size_t k = 0; w->dark[i] && k < 3; k++)
+		for (size_t k = 0; w->dark[i] == DARK && k < 3; k++)
 			albedo[3 * i + k] = bounded(w, own > 0.0f ? median * c[k] / own : median);
 	}
 }
@@ -166,7 +199,7 @@ static double take_step(solve *w, double step)
 	size_t used = 0;
 	w->facts->clipped = 0;
 	for (size_t i = 0; i < 3 * count_of(w); i++) {
-		if (w->dark[i / 3])
+		if (w->dark[i / 3] == DARK)
 			continue;
 		float found = w->level[i] / (float)w->facts->scale, to = bounded(w, found);
 		double ratio = (double)to / (double)bounded(w, albedo[i]);
@@ -234,10 +267,10 @@ static void guess(solve *w)
 }
 
 gw_status albedo_solve(loaded_scene *scene, const settings *s, const gw_light *light,
-					   size_t light_count, bool own_lamps, albedo_facts *facts, gw_error *error)
+					   size_t light_count, bool flash, albedo_facts *facts, gw_error *error)
 {
 	*facts = (albedo_facts){ 0 };
-	solve w = { scene, s, light, light_count, own_lamps, NULL, NULL, NULL, NULL, facts, error };
+	solve w = { scene, s, light, light_count, flash, NULL, NULL, NULL, NULL, facts, error };
 	gw_status status = start(&w);
 	if (status == GW_OK) {
 		guess(&w);

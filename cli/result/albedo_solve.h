@@ -26,11 +26,11 @@ typedef struct albedo_facts {
  *   settings   how to bake; capture_scale is the colour of radiance 1, 0 finds it: the brightest
  *              surfaces then have an albedo of 0.8
  *   light      light_count, the set-up in which the photographs were taken
- *   own_lamps  light i is the flash of scanner i, and lit only what that one saw
+ *   flash      light i is the flash of scanner i, and lit only what that one saw, all of it
  * GW_ERROR_DATA when the lights reach no point; or as gw_bake.
  */
 gw_status albedo_solve(loaded_scene *scene, const settings *settings, const gw_light *light,
-					   size_t light_count, bool own_lamps, albedo_facts *facts, gw_error *error);
+					   size_t light_count, bool flash, albedo_facts *facts, gw_error *error);
 
 /*
  * The chroma of the photographs and the level of the laser.

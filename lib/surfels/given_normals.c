@@ -2,6 +2,7 @@
 #include "surfels/given_normals.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 #include "surfels/normal_orientation.h"
 #include "surfels/plane_normal.h"
 #include "surfels/scanner_sight.h"
@@ -41,6 +42,10 @@
  * must. Coarse cells let a few through that should not be. */
 #define OUT_FRONT_MOST 0.005
 #define OUT_BACK_LEAST 0.3
+
+/* Median length of normals below which they are no means of others: those would spread over more
+ * than a hemisphere. */
+#define LENGTH_LEAST 0.3f
 
 /* Links from each surfel by which pieces are found. */
 #define LINKS 4u
@@ -337,6 +342,16 @@ static void forget_normals(gw_surfels *s)
 	s->normals_given = 0;
 }
 
+static void mend_lengths(gw_surfels *s)
+{
+	if (gw_nth_element(s->normal_length, s->count, s->count / 2) >= LENGTH_LEAST)
+		return;
+	for (size_t i = 0; i < s->count; i++) {
+		s->normals_lengthened += s->normal_length[i] < LENGTH_LEAST;
+		s->normal_length[i] = 1;
+	}
+}
+
 static gw_status check_and_mend(check *c, const gw_points *points,
 								const gw_surfels_options *options, gw_surfels *s, gw_error *error)
 {
@@ -365,6 +380,7 @@ gw_status gw_given_normals_mend(const gw_points *points, const gw_surfels_option
 	if (options->normals != GW_NORMALS_AUTO || s->normals_given < FINDINGS_LEAST)
 		return GW_OK;
 	check c = { .search = search, .surfels = s, .stride = 1 + s->count / SAMPLES };
+	mend_lengths(s);
 	c.finding = gw_allocate_array(1 + s->count / c.stride, sizeof *c.finding);
 	if (!c.finding)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to check %zu normals", s->count);

@@ -204,6 +204,7 @@ static void add_counts(gw_surfels *all, const gw_surfels *part)
 	all->normals_untrusted += part->normals_untrusted;
 	all->normals_turned += part->normals_turned;
 	all->normals_doubted += part->normals_doubted;
+	all->normals_lengthened += part->normals_lengthened;
 	all->albedo_defaulted += part->albedo_defaulted;
 }
 

@@ -723,6 +723,16 @@ static void normals_with_faults_are_mended(void **state)
 		assert_true(fault == ALL_EQUAL ? s.normals_doubted == c.count : s.normals_turned > 10000);
 		gw_surfels_clear(&s);
 	}
+	/* Directions of any length, here of a hundredth. */
+	memcpy(c.normal, truth, 3 * c.count * sizeof *truth);
+	for (size_t i = 0; i < 3 * c.count; i++)
+		c.normal[i] *= 0.01f;
+	gw_points shortened = points_of(&c);
+	gw_surfels s = make_with(&shortened, &(gw_surfels_options){ .threads = 2 });
+	assert_int_equal(s.normals_lengthened, c.count);
+	for (size_t i = 0; i < s.count; i++)
+		assert_true(s.normal_length[i] == 1);
+	gw_surfels_clear(&s);
 	/* Without a fault nothing changes, and whoever wants none of them gets none. */
 	gw_surfels clean = make_faulty(truth, &c, FAULTS, GW_NORMALS_AUTO);
 	gw_surfels given = make_faulty(truth, &c, FAULTS, GW_NORMALS_GIVEN);
