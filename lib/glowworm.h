@@ -78,6 +78,14 @@ typedef struct gw_error {
 gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* Calls, and returns from the calling function when the call did not succeed. */
+#define GW_TRY(call)                                                                               \
+	do {                                                                                           \
+		gw_status gw_status_ = (call);                                                             \
+		if (gw_status_ != GW_OK)                                                                   \
+			return gw_status_;                                                                     \
+	} while (0)
+
 /* What clang's analyzer cannot see from outside: a failure is never GW_OK. */
 #ifdef __clang_analyzer__
 #define gw_fail(error, status, ...) (gw_fail((error), (status), __VA_ARGS__), (status))

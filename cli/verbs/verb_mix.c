@@ -40,9 +40,8 @@ static gw_status check(mixing *m)
 		return gw_fail(m->error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with -o");
-	gw_status status = file_roles_check(VERB_MIX, s, NULL, m->error);
-	return status == GW_OK ? output_name_format(s->output, s->output_format, &m->format, m->error)
-						   : status;
+	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
+	return output_name_format(s->output, s->output_format, &m->format, m->error);
 }
 
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */

@@ -124,12 +124,11 @@ static gw_status take_line(reader *r)
 gw_status mesh_mtl_read(const input_file *in, mesh *m, gw_error *error)
 {
 	reader r = { .in = in, .mesh = m, .text = mesh_text_start(in), .error = error };
-	gw_status status = GW_OK;
-	while (status == GW_OK && mesh_text_next(&r.text))
-		status = take_line(&r);
-	if (status == GW_OK && r.textures > 0)
-		status = mesh_add_note(m, error,
-							   "%s names %zu textures, which are not read; Kd stands in for them",
-							   in->name, r.textures);
-	return status;
+	while (mesh_text_next(&r.text))
+		GW_TRY(take_line(&r));
+	if (r.textures > 0)
+		GW_TRY(mesh_add_note(m, error,
+							 "%s names %zu textures, which are not read; Kd stands in for them",
+							 in->name, r.textures));
+	return GW_OK;
 }

@@ -68,13 +68,10 @@ static gw_status load_transport(bake *b, gw_error *error)
 static gw_status save_transport(bake *b, gw_error *error)
 {
 	/* Whatever shone this time, a sky may the next time. */
-	gw_status status =
-		b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error) : GW_OK;
-	if (status == GW_OK)
-		status = gw_lighting_foresee(&b->light, error);
-	return status == GW_OK
-			   ? gw_transport_save(&b->scene, b->points, b->scene.options.transport, error)
-			   : status;
+	GW_TRY(b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error)
+													 : GW_OK);
+	GW_TRY(gw_lighting_foresee(&b->light, error));
+	return gw_transport_save(&b->scene, b->points, b->scene.options.transport, error);
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
@@ -98,9 +95,9 @@ static gw_status build_octree(bake *b, gw_error *error)
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
-	gw_status status = gw_lighting_direct(&b->light, error);
+	GW_TRY(gw_lighting_direct(&b->light, error));
 	b->octree_seconds = gw_seconds() - b->octree_start;
-	return status;
+	return GW_OK;
 }
 
 static gw_status place_records(bake *b, gw_error *error)

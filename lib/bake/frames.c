@@ -240,25 +240,21 @@ static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 
 static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
 {
-	gw_status status = stage(f, "device", 0.0, error);
-	if (status == GW_OK && !f->scene.gpu)
-		status = gw_scene_open_device(&f->scene, error);
-	if (status == GW_OK && !f->made)
-		status = make_surfels(f, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(stage(f, "device", 0.0, error));
+	if (!f->scene.gpu)
+		GW_TRY(gw_scene_open_device(&f->scene, error));
+	if (!f->made)
+		GW_TRY(make_surfels(f, error));
 	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
 	gw_lighting_plan(&f->light);
-	status = build(f, frame, error);
-	if (status == GW_OK)
-		status = stage(f, "direct light", 0.35, error);
-	if (status == GW_OK)
-		status = gw_lighting_direct(&f->light, error);
-	if (status == GW_OK && needs_places(f))
-		status = place_records(f, error);
-	if (status == GW_OK && f->light.plan.records)
-		status = gather(f, error);
-	return status == GW_OK ? collect(f, result, error) : status;
+	GW_TRY(build(f, frame, error));
+	GW_TRY(stage(f, "direct light", 0.35, error));
+	GW_TRY(gw_lighting_direct(&f->light, error));
+	if (needs_places(f))
+		GW_TRY(place_records(f, error));
+	if (f->light.plan.records)
+		GW_TRY(gather(f, error));
+	return collect(f, result, error);
 }
 
 /* Forgets all but what was asked for. */
@@ -314,21 +310,16 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 	const gw_points *points = scene->points;
 	const gw_motion *motion = scene->motion;
 	*frames = NULL;
-	gw_status status =
-		gw_options_check(options, points->count, scene->lights, scene->light_count, error);
-	if (status == GW_OK && gw_options_refine(options))
-		status =
-			gw_fail(error, GW_ERROR_USAGE,
-					"frames are all baked with the same settings; they cannot be refined until "
-					"an error or a time is reached");
-	if (status == GW_OK && options->transport)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "frames in which something moves cannot begin with a transport nor make "
-						 "one; leave it out");
-	if (status == GW_OK)
-		status = gw_motion_check(points, motion, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_options_check(options, points->count, scene->lights, scene->light_count, error));
+	if (gw_options_refine(options))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "frames are all baked with the same settings; they cannot be refined until "
+					   "an error or a time is reached");
+	if (options->transport)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "frames in which something moves cannot begin with a transport nor make "
+					   "one; leave it out");
+	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)
 		f->box = gw_allocate_zeros(GW_CHANGED_BOXES, sizeof *f->box);

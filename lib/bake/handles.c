@@ -54,9 +54,7 @@ static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_ligh
 static gw_status check(const gw_points *points, const gw_light *lights, size_t light_count,
 					   const gw_bake_options *options, gw_error *error)
 {
-	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_options_check(options, points->count, lights, light_count, error));
 	if (gw_options_refine(options))
 		return gw_fail(
 			error, GW_ERROR_USAGE,
@@ -188,9 +186,7 @@ gw_status gw_lighting_change(gw_lighting *lighting, const gw_light *lights, size
 							 gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	gw_status status = gw_lights_check(lights, light_count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_lights_check(lights, light_count, error));
 	gw_light *own = gw_scaled_lights(&scene->units, lights, light_count);
 	if (!own)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", light_count);

@@ -155,12 +155,11 @@ gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_t
 	size_t count = gw_transport_list(scene, &h.numbers, blocks);
 	h.length = length_of(blocks, count);
 	h.hash = gw_hash(0, &h, offsetof(head, hash));
-	gw_status status = transport->write(transport->user, &h, sizeof h, error);
-	if (status == GW_OK)
-		status = pad(transport, sizeof h, error);
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = write_block(scene, &blocks[i], transport, &hash, error);
-	return status == GW_OK ? transport->write(transport->user, &hash, sizeof hash, error) : status;
+	GW_TRY(transport->write(transport->user, &h, sizeof h, error));
+	GW_TRY(pad(transport, sizeof h, error));
+	for (size_t i = 0; i < count; i++)
+		GW_TRY(write_block(scene, &blocks[i], transport, &hash, error));
+	return transport->write(transport->user, &hash, sizeof hash, error);
 }
 
 /* ----------------------------------------------------------------------------------- loading */
@@ -389,10 +388,10 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	}
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
-	gw_status status = take_blocks(scene, t, &all, error);
-	if (status == GW_OK && (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers)))
-		status = damaged(t, "this transport is damaged", error);
-	return status;
+	GW_TRY(take_blocks(scene, t, &all, error));
+	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers))
+		return damaged(t, "this transport is damaged", error);
+	return GW_OK;
 }
 
 /* ---------------------------------------------------------------------------- other emission */
@@ -491,22 +490,16 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 							gw_error *error)
 {
 	head h;
-	gw_status status = read_head(transport, &h, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(read_head(transport, &h, error));
 	const identity own = identify(points);
-	status = check_points(transport, &h, &own, points, error);
-	if (status == GW_OK)
-		status = check_settings(transport, &h, &scene->options, error);
-	if (status == GW_OK)
-		status = read_blocks(scene, transport, &h, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_points(transport, &h, &own, points, error));
+	GW_TRY(check_settings(transport, &h, &scene->options, error));
+	GW_TRY(read_blocks(scene, transport, &h, error));
 	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = scene->options.threads;
 	if (h.numbers.light_samples != scene->options.light_samples)
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
 	if (own.emission != h.identity.emission)
-		status = replace_emission(scene, points, error);
-	return status == GW_OK ? gw_scene_complete(scene, points, error) : status;
+		GW_TRY(replace_emission(scene, points, error));
+	return gw_scene_complete(scene, points, error);
 }

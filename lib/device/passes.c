@@ -90,12 +90,11 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 	if (passes->pass[id] == NULL)
 		GW_TRY(create(passes, id, error));
 	double before = passes->gpu->account.device_seconds;
-	gw_status status =
-		gw_pass_row_of(id)->batch > 0
-			? run_batches(passes, id, bindings, push, count, error)
-			: gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+	GW_TRY(gw_pass_row_of(id)->batch > 0
+			   ? run_batches(passes, id, bindings, push, count, error)
+			   : gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error));
 	passes->device_seconds[id] += passes->gpu->account.device_seconds - before;
-	return status;
+	return GW_OK;
 }
 
 void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,

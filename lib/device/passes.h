@@ -8,16 +8,6 @@
 
 #include "device/pass_table.h"
 
-/* Returns from the calling function when a call of ours did not succeed. */
-#ifndef GW_TRY
-#define GW_TRY(call)                                                                               \
-	do {                                                                                           \
-		gw_status gw_status_ = (call);                                                             \
-		if (gw_status_ != GW_OK)                                                                   \
-			return gw_status_;                                                                     \
-	} while (0)
-#endif
-
 #define GW_PASS_CONSTANTS 4u
 
 /* All zero but for gpu and constants is a set of which nothing is made yet. */

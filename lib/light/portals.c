@@ -347,13 +347,12 @@ static gw_status keep_spheres(gw_gpu *gpu, const float *sphere, uint32_t count, 
 	portals->count = count;
 	if (count == 0)
 		return GW_OK;
-	gw_status status =
+	GW_TRY(
 		gw_buffer_create(gpu,
 						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 												   16 * count, "portals" },
-						 &portals->sphere, error);
-	return status == GW_OK ? gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error)
-						   : status;
+						 &portals->sphere, error));
+	return gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error);
 }
 
 gw_status gw_portals_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
