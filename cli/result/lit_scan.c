@@ -293,10 +293,23 @@ static gw_status make_comments(maker *m)
 	return comment_error(m);
 }
 
+static gw_status make_all(maker *m)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	GW_TRY(make_comments(m));
+	GW_TRY(move_triple(m, position));
+	GW_TRY(make_normals(m));
+	GW_TRY(make_colors(m));
+	GW_TRY(move_triple(m, scan_albedo_names));
+	while (m->from->column_count > 0)
+		GW_TRY(move_column(m, m->from->column[0].name));
+	GW_TRY(make_light(m));
+	return make_fields(m);
+}
+
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
 						scan *lit, double *exposure, gw_error *error)
 {
-	static const char *const position[3] = { "x", "y", "z" };
 	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
 	*exposure = isnan(s->exposure)
 					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
@@ -305,21 +318,7 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
 		scan_remove_column(m.from, stale[i]);
 	lamp_columns_remove(m.from);
-	gw_status status = make_comments(&m);
-	if (status == GW_OK)
-		status = move_triple(&m, position);
-	if (status == GW_OK)
-		status = make_normals(&m);
-	if (status == GW_OK)
-		status = make_colors(&m);
-	if (status == GW_OK)
-		status = move_triple(&m, scan_albedo_names);
-	while (status == GW_OK && m.from->column_count > 0)
-		status = move_column(&m, m.from->column[0].name);
-	if (status == GW_OK)
-		status = make_light(&m);
-	if (status == GW_OK)
-		status = make_fields(&m);
+	gw_status status = make_all(&m);
 	lit->scanner = m.from->scanner;
 	lit->scanner_count = m.from->scanner_count;
 	lit->scanner_of = m.from->scanner_of;

@@ -331,6 +331,23 @@ static gw_status run(bake *b)
 	return write_results(b);
 }
 
+/* On standard error; fails when the bake missed what it was to reach. */
+static gw_status say_results(const bake *b)
+{
+	const settings *s = b->settings;
+	if (!s->quiet)
+		bake_report_notes(&b->facts);
+	if (s->verbose)
+		bake_report_summary(&b->facts);
+	if (!s->quiet && !b->result->report.missed)
+		bake_report_error(&b->facts);
+	if (s->explain)
+		bake_report_explain(&b->result->report);
+	if (s->profile)
+		bake_report_profile(&b->result->report);
+	return bake_report_goal(&b->facts, b->error);
+}
+
 gw_status verb_bake(settings *s, gw_error *error)
 {
 	bake b = { .settings = s,
@@ -339,18 +356,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 	b.facts = (bake_facts){ .settings = s, .scene = &b.scene };
 	gw_status status = run(&b);
 	progress_end(&b.progress);
-	if (status == GW_OK && b.result && !s->quiet)
-		bake_report_notes(&b.facts);
-	if (status == GW_OK && b.result && s->verbose)
-		bake_report_summary(&b.facts);
-	if (status == GW_OK && b.result && !s->quiet && !b.result->report.missed)
-		bake_report_error(&b.facts);
-	if (status == GW_OK && b.result && s->explain)
-		bake_report_explain(&b.result->report);
-	if (status == GW_OK && b.result && s->profile)
-		bake_report_profile(&b.result->report);
 	if (status == GW_OK && b.result)
-		status = bake_report_goal(&b.facts, error);
+		status = say_results(&b);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
 	output_file_abandon(&b.transport);

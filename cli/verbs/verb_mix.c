@@ -139,18 +139,20 @@ static gw_status mix_cloud(mixing *m)
 	return status;
 }
 
+static gw_status run(mixing *m)
+{
+	const settings *s = m->settings;
+	GW_TRY(check(m));
+	GW_TRY(output_file_create(&m->output, s->output, s->force, m->error));
+	GW_TRY(mix_cloud(m));
+	GW_TRY(m->format->write(m->output, &m->cloud, m->error));
+	return output_file_commit(&m->output, m->error);
+}
+
 gw_status verb_mix(const settings *s, gw_error *error)
 {
 	mixing m = { .settings = s, .error = error };
-	gw_status status = check(&m);
-	if (status == GW_OK)
-		status = output_file_create(&m.output, s->output, s->force, error);
-	if (status == GW_OK)
-		status = mix_cloud(&m);
-	if (status == GW_OK)
-		status = m.format->write(m.output, &m.cloud, error);
-	if (status == GW_OK)
-		status = output_file_commit(&m.output, error);
+	gw_status status = run(&m);
 	output_file_abandon(&m.output);
 	scan_clear(&m.cloud);
 	free(m.radiance);

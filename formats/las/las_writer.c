@@ -494,22 +494,22 @@ static gw_status write_header(writer *w, const vlr v[VLR_COUNT])
 	return output_file_write(w->out, h, sizeof h, w->error);
 }
 
+static gw_status write_parts(writer *w, vlr v[VLR_COUNT])
+{
+	GW_TRY(choose_format(w));
+	for (int k = 0; k < 3; k++)
+		GW_TRY(las_grid_find(w->cloud, k, output_file_name(w->out), &w->grid[k], w->error));
+	GW_TRY(assign_columns(w));
+	GW_TRY(make_vlrs(w, v));
+	GW_TRY(write_header(w, v));
+	GW_TRY(write_vlrs(w, v));
+	return write_records(w);
+}
+
 static gw_status write_all(writer *w)
 {
 	vlr v[VLR_COUNT] = { 0 };
-	gw_status status = choose_format(w);
-	for (int k = 0; k < 3 && status == GW_OK; k++)
-		status = las_grid_find(w->cloud, k, output_file_name(w->out), &w->grid[k], w->error);
-	if (status == GW_OK)
-		status = assign_columns(w);
-	if (status == GW_OK)
-		status = make_vlrs(w, v);
-	if (status == GW_OK)
-		status = write_header(w, v);
-	if (status == GW_OK)
-		status = write_vlrs(w, v);
-	if (status == GW_OK)
-		status = write_records(w);
+	gw_status status = write_parts(w, v);
 	for (int k = 0; k < VLR_COUNT; k++)
 		free(v[k].data);
 	return status;

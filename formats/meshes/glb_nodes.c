@@ -166,21 +166,25 @@ static gw_status push_orphans(walk *w)
 	return status;
 }
 
+static gw_status walk_all(walk *w)
+{
+	const glb_document *d = w->document;
+	w->stack = reallocarray(NULL, w->nodes + 1, sizeof *w->stack);
+	w->seen = calloc(w->nodes + 1, sizeof *w->seen);
+	if (!w->stack || !w->seen)
+		return gw_fail(d->error, GW_ERROR_MEMORY, "no memory for %zu nodes", w->nodes);
+	if (json_array_size(json_object_get(d->root, "scenes")) > 0)
+		GW_TRY(push_roots(w));
+	else
+		GW_TRY(push_orphans(w));
+	GW_TRY(visit_all(w));
+	return w->placed_count > 0 ? GW_OK : glb_fail(d, "its scene holds no mesh");
+}
+
 gw_status glb_list_meshes(const glb_document *d, glb_placed **placed, size_t *count)
 {
 	walk w = { .document = d, .nodes = json_array_size(json_object_get(d->root, "nodes")) };
-	w.stack = reallocarray(NULL, w.nodes + 1, sizeof *w.stack);
-	w.seen = calloc(w.nodes + 1, sizeof *w.seen);
-	gw_status status = GW_OK;
-	if (!w.stack || !w.seen)
-		status = gw_fail(d->error, GW_ERROR_MEMORY, "no memory for %zu nodes", w.nodes);
-	if (status == GW_OK)
-		status = json_array_size(json_object_get(d->root, "scenes")) > 0 ? push_roots(&w)
-																		 : push_orphans(&w);
-	if (status == GW_OK)
-		status = visit_all(&w);
-	if (status == GW_OK && w.placed_count == 0)
-		status = glb_fail(d, "its scene holds no mesh");
+	gw_status status = walk_all(&w);
 	free(w.stack);
 	free(w.seen);
 	if (status != GW_OK)

@@ -373,19 +373,20 @@ static gw_status put_all(reader *r)
 	return GW_OK;
 }
 
+static gw_status read_parts(reader *r, const input_file *in, gw_error *error)
+{
+	*r->mesh = (mesh){ .format = &glb_format, .up = 'y' };
+	GW_TRY(glb_open(&r->document, in, error));
+	GW_TRY(take_materials(r));
+	GW_TRY(glb_list_meshes(&r->document, &r->placed, &r->placed_count));
+	GW_TRY(count_all(r));
+	return put_all(r);
+}
+
 /* The document, and of it what is taken; *r is to be closed. */
 static gw_status read_all(reader *r, const input_file *in, gw_error *error)
 {
-	*r->mesh = (mesh){ .format = &glb_format, .up = 'y' };
-	gw_status status = glb_open(&r->document, in, error);
-	if (status == GW_OK)
-		status = take_materials(r);
-	if (status == GW_OK)
-		status = glb_list_meshes(&r->document, &r->placed, &r->placed_count);
-	if (status == GW_OK)
-		status = count_all(r);
-	if (status == GW_OK)
-		status = put_all(r);
+	gw_status status = read_parts(r, in, error);
 	r->mesh->bare = r->mesh->material_count == 0 && !r->mesh->color;
 	free(r->placed);
 	glb_close(&r->document);

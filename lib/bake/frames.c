@@ -188,25 +188,19 @@ static gw_status place_records(gw_frames *f, gw_error *error)
 
 static gw_status gather(gw_frames *f, gw_error *error)
 {
-	gw_status status = stage(f, "first gather", 0.6, error);
-	if (status == GW_OK)
-		status = gw_lighting_gather_first(&f->light, error);
-	if (status == GW_OK)
-		status = stage(f, "bounces", 0.7, error);
+	GW_TRY(stage(f, "first gather", 0.6, error));
+	GW_TRY(gw_lighting_gather_first(&f->light, error));
+	GW_TRY(stage(f, "bounces", 0.7, error));
 	f->light.carried = f->how.independent || f->how.rebuild ? NULL : f->carried;
-	if (status == GW_OK)
-		status = gw_lighting_bounce(&f->light, error);
-	if (status == GW_OK)
-		status = stage(f, "read back", 0.9, error);
-	if (status == GW_OK)
-		status = gw_lighting_read_back(&f->light, error);
-	if (status == GW_OK && f->scene.options.estimate_points > 0) {
-		status = stage(f, "estimate", 0.92, error);
-		if (status == GW_OK)
-			status = gw_lighting_estimate(&f->light, error);
-		f->scene.options.estimate_points = 0;
-	}
-	return status;
+	GW_TRY(gw_lighting_bounce(&f->light, error));
+	GW_TRY(stage(f, "read back", 0.9, error));
+	GW_TRY(gw_lighting_read_back(&f->light, error));
+	if (f->scene.options.estimate_points == 0)
+		return GW_OK;
+	GW_TRY(stage(f, "estimate", 0.92, error));
+	GW_TRY(gw_lighting_estimate(&f->light, error));
+	f->scene.options.estimate_points = 0;
+	return GW_OK;
 }
 
 /* The light goes over to the next frame. */
@@ -221,21 +215,17 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	gw_status status = GW_OK;
 	if (o->ambient_occlusion || o->errors)
-		status = gw_record_fields_collect(&f->light, result, error);
-	if (status == GW_OK && o->voxels)
-		status = gw_result_collect_voxels(&f->light, result, error);
-	if (status == GW_OK)
-		status = stage(f, "points", 0.95, error);
-	if (status == GW_OK)
-		status = gw_result_collect(&f->light, result, error);
-	if (status == GW_OK)
-		carry(f);
+		GW_TRY(gw_record_fields_collect(&f->light, result, error));
+	if (o->voxels)
+		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
+	GW_TRY(stage(f, "points", 0.95, error));
+	GW_TRY(gw_result_collect(&f->light, result, error));
+	carry(f);
 	f->light.carried = NULL;
-	if (status == GW_OK && o->lamps)
-		status = gw_result_collect_lamps(&f->light, result, error);
-	return status;
+	if (o->lamps)
+		GW_TRY(gw_result_collect_lamps(&f->light, result, error));
+	return GW_OK;
 }
 
 static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)

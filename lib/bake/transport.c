@@ -428,37 +428,36 @@ static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error
 }
 
 /* The mean emission of each facet's surfels. */
-static gw_status average_emission(gw_scene *scene, gw_error *error)
+static gw_status upload_emission(const gw_scene *scene, gw_buffer *emission, gw_error *error)
 {
 	const gw_surfels *s = &scene->surfels;
-	gw_octree *o = &scene->octree;
-	gw_buffer emission = { 0 };
+	GW_TRY(
+		gw_buffer_create(scene->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   16 * (uint64_t)s->count, "emission of surfels" },
+						 emission, error));
 	float *rows = gw_allocate_zeros(s->count, 4 * sizeof *rows);
-	gw_status status = rows ? GW_OK
-							: gw_fail(error, GW_ERROR_MEMORY,
-									  "no host memory for the emission of %zu surfels", s->count);
-	for (size_t i = 0; i < s->count && status == GW_OK; i++)
+	if (!rows)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
+					   s->count);
+	for (size_t i = 0; i < s->count; i++)
 		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			scene->gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-									  16 * (uint64_t)s->count, "emission of surfels" },
-			&emission, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(scene->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
-	gw_buffer_destroy(scene->gpu, &o->facet_emission);
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			scene->gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-									  32 * (uint64_t)o->leaf_count, "emission of facets" },
-			&o->facet_emission, error);
-	if (status == GW_OK)
-		status = gw_average_facets(&scene->passes, o, &emission, &o->facet_emission, error);
-	gw_buffer_destroy(scene->gpu, &emission);
+	gw_status status =
+		gw_buffer_upload(scene->gpu, emission, 0, rows, 16 * (uint64_t)s->count, error);
 	free(rows);
 	return status;
+}
+
+static gw_status average_emission(gw_scene *scene, const gw_buffer *emission, gw_error *error)
+{
+	gw_octree *o = &scene->octree;
+	gw_buffer_destroy(scene->gpu, &o->facet_emission);
+	GW_TRY(gw_buffer_create(
+		scene->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)o->leaf_count, "emission of facets" },
+		&o->facet_emission, error));
+	return gw_average_facets(&scene->passes, o, emission, &o->facet_emission, error);
 }
 
 static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_error *error)
@@ -474,8 +473,16 @@ static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_e
 		status = merge_emission(points, s, error);
 	for (size_t i = 0; s->emission && i < 3 * s->count && status == GW_OK; i++)
 		emits |= s->emission[i] > 0.0f;
-	if (status != GW_OK || emits)
-		return status == GW_OK ? average_emission(scene, error) : status;
+	if (status != GW_OK)
+		return status;
+	if (emits) {
+		gw_buffer emission = { 0 };
+		status = upload_emission(scene, &emission, error);
+		if (status == GW_OK)
+			status = average_emission(scene, &emission, error);
+		gw_buffer_destroy(scene->gpu, &emission);
+		return status;
+	}
 	free(s->emission);
 	s->emission = NULL;
 	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);

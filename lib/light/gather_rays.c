@@ -251,6 +251,18 @@ static gw_status gather_hits(const gathering *g, gw_record_push push, gw_buffer 
 }
 
 /* All sources at once. */
+static gw_status gather_all(const gathering *g, gw_record_push push, gw_buffer *irradiance,
+							gw_error *error)
+{
+	if (push.light_samples > 0)
+		GW_TRY(sample_emitters(g, push, error));
+	if (push.sky_width > 0)
+		GW_TRY(sample_sky(g, push, error));
+	if (push.portals > 0)
+		GW_TRY(add_opened(g, push, error));
+	return gather_hits(g, push, irradiance, error);
+}
+
 static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather *gather,
 								const gw_sampled_sources *sources, gw_buffer *irradiance,
 								gw_error *error)
@@ -281,14 +293,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)on->records->count, "sampled irradiance" },
 		&g.sampled, error);
-	if (status == GW_OK && push.light_samples > 0)
-		status = sample_emitters(&g, push, error);
-	if (status == GW_OK && push.sky_width > 0)
-		status = sample_sky(&g, push, error);
-	if (status == GW_OK && push.portals > 0)
-		status = add_opened(&g, push, error);
 	if (status == GW_OK)
-		status = gather_hits(&g, push, irradiance, error);
+		status = gather_all(&g, push, irradiance, error);
 	gw_buffer_destroy(on->passes->gpu, &g.sampled);
 	return status;
 }
