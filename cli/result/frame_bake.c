@@ -256,8 +256,8 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 		status = lights_at(s, scene->up, 0, lights, error);
 	if (status == GW_OK)
 		status = gw_frames_open(
-			&(gw_moving_scene){ &scene->points.points, &m.motion, lights, s->light_count }, options,
-			&how, callbacks, &frames, error);
+			&(gw_moving_scene){ { &scene->points.points, lights, s->light_count }, &m.motion },
+			options, &how, callbacks, &frames, error);
 	if (status == GW_OK)
 		status = gw_frames_bake(frames, 0, lights, s->light_count, result, error);
 	gw_frames_close(&frames);
@@ -507,9 +507,10 @@ static gw_status run(frame_run *r)
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	if (status == GW_OK)
-		status = gw_frames_open(&(gw_moving_scene){ &r->scene->points.points, &r->movers.motion,
-													first, s->light_count },
-								&options, &how, &callbacks, &r->frames, r->error);
+		status =
+			gw_frames_open(&(gw_moving_scene){ { &r->scene->points.points, first, s->light_count },
+											   &r->movers.motion },
+						   &options, &how, &callbacks, &r->frames, r->error);
 	for (; status == GW_OK && r->at <= r->last; r->at++)
 		status = bake_frame(r);
 	gw_frames_close(&r->frames);

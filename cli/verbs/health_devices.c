@@ -104,7 +104,8 @@ static void bake_sphere(void *user)
 	options.estimate_points = 0;
 	gw_bake_result *result = NULL;
 	canary->expected = closed_form();
-	canary->status = gw_bake(&points, &light, 1, &options, NULL, &result, &canary->error);
+	canary->status = gw_bake(&(gw_scene_description){ &points, &light, 1 }, &options, NULL, &result,
+							 &canary->error);
 	if (canary->status == GW_OK)
 		compare(result, canary);
 	gw_bake_result_destroy(&result);

@@ -211,8 +211,9 @@ static gw_status light_points(bake *b)
 	gw_status status =
 		b->settings->frame_count > 0
 			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
-			: gw_bake(&b->scene.points.points, b->light, b->settings->light_count, &options,
-					  &callbacks, &b->result, b->error);
+			: gw_bake(&(gw_scene_description){ &b->scene.points.points, b->light,
+											   b->settings->light_count },
+					  &options, &callbacks, &b->result, b->error);
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;

@@ -297,10 +297,10 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
 						 gw_frames **frames, gw_error *error)
 {
-	const gw_points *points = scene->points;
+	const gw_points *points = scene->scene.points;
 	const gw_motion *motion = scene->motion;
 	*frames = NULL;
-	GW_TRY(gw_options_check(options, points->count, scene->lights, scene->light_count, error));
+	GW_TRY(gw_options_check(options, &scene->scene, error));
 	if (gw_options_refine(options))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames are all baked with the same settings; they cannot be refined until "
@@ -319,8 +319,8 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 	}
 	f->points = points;
 	f->motion = motion;
-	f->first_lights = scene->lights;
-	f->first_light_count = scene->light_count;
+	f->first_lights = scene->scene.lights;
+	f->first_light_count = scene->scene.light_count;
 	f->how = *how;
 	f->scene = (gw_scene){
 		.options = *options,

@@ -36,23 +36,22 @@ static gw_status end(gw_scene *scene, gw_status status, gw_error *error)
 
 /* -------------------------------------------------------------------------------------- scenes */
 
-static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_light *lights,
-						 size_t light_count, gw_error *error)
+static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	GW_TRY(begin(scene, "device", 0.0, 0.01, error));
 	GW_TRY(gw_scene_open_device(scene, error));
 	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
-	GW_TRY(gw_scene_make_surfels(scene, points, lights, light_count, error));
+	GW_TRY(gw_scene_make_surfels(scene, from, error));
 	GW_TRY(begin(scene, "octree", 0.46, 0.3, error));
 	GW_TRY(gw_scene_build_octree(scene, error));
 	GW_TRY(begin(scene, "records", 0.76, 0.24, error));
 	return gw_scene_place_records(scene, error);
 }
 
-static gw_status check(const gw_points *points, const gw_light *lights, size_t light_count,
-					   const gw_bake_options *options, gw_error *error)
+static gw_status check(const gw_scene_description *description, const gw_bake_options *options,
+					   gw_error *error)
 {
-	GW_TRY(gw_options_check(options, points->count, lights, light_count, error));
+	GW_TRY(gw_options_check(options, description, error));
 	if (gw_options_refine(options))
 		return gw_fail(
 			error, GW_ERROR_USAGE,
@@ -64,16 +63,13 @@ static gw_status check(const gw_points *points, const gw_light *lights, size_t l
 	return GW_OK;
 }
 
-gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_t light_count,
-						  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-						  gw_scene **scene, gw_error *error)
+gw_status gw_scene_create(const gw_scene_description *description, const gw_bake_options *options,
+						  const gw_bake_callbacks *callbacks, gw_scene **scene, gw_error *error)
 {
 	const gw_bake_options ordinary = gw_bake_options_default();
 	*scene = NULL;
 	options = options ? options : &ordinary;
-	gw_status status = check(points, lights, light_count, options, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check(description, options, error));
 	gw_scene *s = gw_allocate_zeros(1, sizeof *s);
 	if (s)
 		s->own_report = gw_allocate_zeros(1, sizeof *s->own_report);
@@ -84,13 +80,10 @@ gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_
 	s->report = s->own_report;
 	if (callbacks)
 		s->callbacks = *callbacks;
-	status = gw_scaled_scene_make(points, lights, light_count, options, &s->units, error);
+	gw_status status = gw_scaled_scene_make(description, options, &s->units, error);
 	s->options = s->units.options;
 	if (status == GW_OK)
-		status = end(s,
-					 prepare(s, &s->units.points, s->units.lights ? s->units.lights : lights,
-							 light_count, error),
-					 error);
+		status = end(s, prepare(s, &s->units.scene, error), error);
 	gw_scaled_scene_let_go(&s->units);
 	s->options.device = NULL;
 	s->options.drivers = NULL;

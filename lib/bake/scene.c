@@ -34,8 +34,8 @@ bool gw_options_refine(const gw_bake_options *o)
 	return o->max_error > 0.0f || o->time_limit > 0.0f;
 }
 
-gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const gw_light *lights,
-						   size_t light_count, gw_error *error)
+gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
+						   gw_error *error)
 {
 	const struct {
 		const char *name;
@@ -59,7 +59,7 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		GW_TRY(check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error));
-	if (point_count == 0)
+	if (scene->points->count == 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the cloud holds no points, so there is nothing to light");
 	if (gw_options_refine(o) && o->estimate_points == 0)
@@ -70,7 +70,7 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a bake that refines its settings cannot begin with a transport nor make "
 					   "one; leave out the error or time to aim at");
-	return gw_lights_check(lights, light_count, error);
+	return gw_lights_check(scene->lights, scene->light_count, error);
 }
 
 gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
@@ -189,17 +189,16 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	r->spacing = (double)s->spacing;
 }
 
-gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
-								size_t light_count, gw_error *error)
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	gw_surfels_options options = { .threads = scene->options.threads,
-								   .lights = lights,
-								   .light_count = light_count,
+								   .lights = from->lights,
+								   .light_count = from->light_count,
 								   .memory = scene->options.memory,
 								   .cancelled = gw_scene_stopped,
 								   .user = scene };
-	GW_TRY(gw_surfels_make(points, &options, &scene->surfels, error));
-	gw_report_surfels(scene->report, &scene->surfels, points);
+	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
+	gw_report_surfels(scene->report, &scene->surfels, from->points);
 	return GW_OK;
 }
 

@@ -95,8 +95,8 @@ gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error);
 bool gw_scene_stopped(void *scene);
 
 /* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
-gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
-						   const gw_light *lights, size_t light_count, gw_error *error);
+gw_status gw_options_check(const gw_bake_options *options, const gw_scene_description *scene,
+						   gw_error *error);
 
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);
@@ -105,11 +105,10 @@ bool gw_options_refine(const gw_bake_options *options);
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
 
 /*
- * Makes the surfels of the points.
- *   lights   light_count; they orient estimated normals when nobody knows where the scanner stood
+ * Makes the surfels of the points. The lights orient estimated normals when nobody knows where the
+ * scanner stood.
  */
-gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
-								size_t light_count, gw_error *error);
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error);
 
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);

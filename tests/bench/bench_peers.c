@@ -389,8 +389,8 @@ static gw_status try_bake(problem *p, ladder *l, const gw_bake_options *options,
 {
 	gw_bake_result *result = NULL;
 	span start = now();
-	gw_status status =
-		gw_bake(&p->points, p->lights, p->light_count, options, NULL, &result, &p->error);
+	gw_status status = gw_bake(&(gw_scene_description){ &p->points, p->lights, p->light_count },
+							   options, NULL, &result, &p->error);
 	if (status != GW_OK)
 		return status;
 	*over = show(p, l, setting, since(start), result->radiance);

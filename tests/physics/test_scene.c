@@ -50,7 +50,9 @@ static gw_scene *make(const scene *hall, const gw_bake_options *options,
 	gw_points points = scene_points(hall);
 	gw_scene *made = NULL;
 	gw_error error = { 0 };
-	assert_ok(gw_scene_create(&points, NULL, 0, options, callbacks, &made, &error), &error);
+	assert_ok(gw_scene_create(&(gw_scene_description){ .points = &points }, options, callbacks,
+							  &made, &error),
+			  &error);
 	assert_int_equal(gw_scene_point_count(made), hall->count);
 	return made;
 }
@@ -232,7 +234,9 @@ static void it_asks_and_tells_all_the_time(void **state)
 	gw_error error = { 0 };
 	assert_true(points.count > 90000);
 	double begin = thread_seconds();
-	assert_ok(gw_bake(&points, &lamp, 1, NULL, &callbacks, &result, &error), &error);
+	assert_ok(
+		gw_bake(&(gw_scene_description){ &points, &lamp, 1 }, NULL, &callbacks, &result, &error),
+		&error);
 	/* Within stages, too: somebody who watches hears of a bake twice a second. */
 	assert_true(w.told > w.stages && w.told > 2.0 * (thread_seconds() - begin));
 	assert_true(w.longest < 0.5 / 3.0 + 0.1);
@@ -278,7 +282,8 @@ static void bad_arguments_are_refused(void **state)
 	gw_scene *made = NULL;
 	gw_error error = { 0 };
 	options.max_error = 0.1f;
-	assert_int_equal(gw_scene_create(&points, NULL, 0, &options, NULL, &made, &error),
+	assert_int_equal(gw_scene_create(&(gw_scene_description){ .points = &points }, &options, NULL,
+									 &made, &error),
 					 GW_ERROR_USAGE);
 	assert_null(made);
 	options.max_error = 0.0f;

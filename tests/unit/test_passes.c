@@ -405,7 +405,7 @@ static void frames_both_ways(void **state)
 	const gw_motion motion = { &ball, 1, FRAMES, matrix };
 	const gw_frames_options how = { .independent = true };
 	options.estimate_points = 0;
-	assert_ok(gw_frames_open(&(gw_moving_scene){ &points, &motion, &light, 1 }, &options, &how,
+	assert_ok(gw_frames_open(&(gw_moving_scene){ { &points, &light, 1 }, &motion }, &options, &how,
 							 NULL, &frames, &error),
 			  &error);
 	for (size_t i = 0; i < FRAMES; i++) {
