@@ -482,6 +482,10 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
 
+/* The relative luminance of linear RGB, by BT.709: 0.2126 R + 0.7152 G + 0.0722 B, in their unit.
+ */
+double gw_relative_luminance(double red, double green, double blue);
+
 /* ---------------------------------------------------------------------- scenes and lightings */
 
 /* Points that are prepared: their surface, its octree, and the places where light is gathered with
