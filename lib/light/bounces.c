@@ -223,7 +223,7 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	if (task->limit > 1 && !task->no_bound)
 		GW_TRY(find_contraction(task, &bounces->contraction, error));
 	p->by_hits = task->step.hits && task->limit > 1 &&
-				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE, NULL) == GW_WAY_CPU;
+				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_CPU;
 	if (p->by_hits)
 		GW_TRY(gw_hit_facets_find(task->on.passes, task->on.octree, task->on.records,
 								  task->step.hits, &p->hits, error));

@@ -36,7 +36,7 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 							   const void *push, uint64_t count, gw_error *error)
 {
-	gw_pass_way way = gw_passes_way(passes, id, push);
+	gw_pass_way way = gw_passes_way(passes, id);
 	if (counting) {
 		assert_int_equal(way, GW_WAY_DEVICE);
 		elements[id] += count;
