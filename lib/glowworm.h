@@ -498,7 +498,10 @@ typedef struct gw_scene gw_scene;
  *                scanned, its lights orient estimated normals. They need not be those that the
  *                scene is lit by, but the brightest of those should be of about their brightness
  *                where float32 could be left
- *   options      as of gw_bake, without max_error, time_limit and transport; NULL: the defaults
+ *   options      as of gw_bake; NULL: the defaults. max_error and time_limit are refused: what is
+ *                fine enough depends on the light, and a scene is there for many; bake once with
+ *                the hardest light, and make the scene with the settings of the last gw_round in
+ *                its report. So is transport, which is a scene on disk
  *   callbacks    NULL, or called during all calls for the scene and its lightings; copied
  *   scene        on success to be given back with gw_scene_destroy; NULL on failure
  * Fails as gw_bake.
@@ -510,6 +513,15 @@ gw_status gw_scene_create(const gw_scene_description *description, const gw_bake
 
 /* After all of its lightings. Sets *scene to NULL; an empty handle is accepted. */
 void gw_scene_destroy(gw_scene **scene);
+
+/*
+ * Gives the points other emission; all else stays as it was prepared, so that lamps and screens are
+ * switched at the price of a lighting; the light is that of such a scene prepared anew but for
+ * roundings. Lightings have to be changed before they are read again. On failure the emission is as
+ * it was.
+ *   emission   3 * gw_scene_point_count, as gw_points.emission, or NULL: none; copied
+ */
+gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_error *error);
 
 /* The number of its points: those that it was made of, in their order. */
 size_t gw_scene_point_count(const gw_scene *scene);

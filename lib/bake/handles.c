@@ -108,6 +108,23 @@ void gw_scene_destroy(gw_scene **scene)
 	*scene = NULL;
 }
 
+gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_error *error)
+{
+	size_t points = scene->surfels.point_count;
+	begin_call(scene);
+	float *scaled = emission ? gw_scaled_emission(&scene->units, emission, points) : NULL;
+	if (emission && !scaled)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu points",
+					   points);
+	gw_status status = gw_scene_replace_emission(scene, scaled, points, error);
+	free(scaled);
+	if (status != GW_OK)
+		return status;
+	gw_report_emission(&scene->prepared, &scene->surfels);
+	scene->emissions++;
+	return GW_OK;
+}
+
 size_t gw_scene_point_count(const gw_scene *scene)
 {
 	return scene->surfels.point_count;
@@ -162,6 +179,7 @@ static gw_status run(gw_lighting *lighting, gw_error *error)
 	begin_call(scene);
 	gw_status status = end(scene, light(lighting, error), error);
 	scene->lit = lighting;
+	lighting->emissions = scene->emissions;
 	if (status != GW_OK)
 		forget_halves(lighting);
 	return status;
@@ -217,10 +235,14 @@ void gw_lighting_destroy(gw_lighting **lighting)
 
 static gw_status check_lit(const gw_lighting *lighting, gw_error *error)
 {
-	return lighting->lights
-			   ? GW_OK
-			   : gw_fail(error, GW_ERROR_USAGE,
-						 "there is no light to read: the last change of the lighting failed");
+	if (!lighting->lights)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "there is no light to read: the last change of the lighting failed");
+	if (lighting->emissions != lighting->scene->emissions)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the points have been given other emission since this lighting was made; "
+					   "change the lighting before it is read");
+	return GW_OK;
 }
 
 /* Sees to it that the light of this lighting is in the records. */

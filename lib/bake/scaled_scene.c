@@ -130,6 +130,11 @@ gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights
 	return copy;
 }
 
+float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count)
+{
+	return scaled_light(emission, count, scaled->light);
+}
+
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
 							   gw_scaled_scene *scaled, gw_error *error)
 {

@@ -40,6 +40,9 @@ gw_status gw_scaled_scene_undo_radiance(const gw_scaled_scene *scaled, float *ra
 /* A copy of other lights in these units, for free(); NULL when there is no memory. */
 gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count);
 
+/* The same of 3 * count emissions. */
+float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count);
+
 /* Keeps the units alone, and refers to nothing any more. */
 void gw_scaled_scene_let_go(gw_scaled_scene *scaled);
 void gw_scaled_scene_clear(gw_scaled_scene *scaled);

@@ -160,6 +160,12 @@ static uint64_t count_far(const gw_points *points)
 	return far;
 }
 
+void gw_report_emission(gw_report *r, const gw_surfels *s)
+{
+	gw_report_count(r, "emission_repaired", s->emission_repaired,
+					"points with negative or non-finite emission: taken as 0");
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
@@ -179,8 +185,7 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points whose albedo was outside 0 to 0.99");
 	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
 					"points whose albedo was not a number: 0.5 was taken");
-	gw_report_count(r, "emission_repaired", s->emission_repaired,
-					"points with negative or non-finite emission: taken as 0");
+	gw_report_emission(r, s);
 	gw_report_count(r, "normals_estimated", s->normals_estimated,
 					"points whose normal was missing or bad: estimated from neighbours");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,

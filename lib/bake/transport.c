@@ -394,105 +394,6 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	return GW_OK;
 }
 
-/* ---------------------------------------------------------------------------- other emission */
-
-/* The mean emission of each surfel's points. */
-static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error *error)
-{
-	double *sum = gw_allocate_zeros(s->count, 4 * sizeof *sum);
-	s->emission = gw_allocate_array(s->count, 3 * sizeof *s->emission);
-	if (!sum || !s->emission) {
-		free(sum);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
-					   s->count);
-	}
-	for (size_t i = 0; i < points->count; i++) {
-		uint32_t surfel = s->surfel_of_point[i];
-		bool repaired = false;
-		if (surfel == UINT32_MAX)
-			continue;
-		for (size_t k = 0; k < 3; k++) {
-			double e = (double)points->emission[3 * i + k];
-			bool good = isfinite(e) && e >= 0.0;
-			sum[4 * (size_t)surfel + k] += good ? e : 0.0;
-			repaired |= !good;
-		}
-		sum[4 * (size_t)surfel + 3] += 1.0;
-		s->emission_repaired += repaired;
-	}
-	for (size_t i = 0; i < s->count; i++)
-		for (size_t k = 0; k < 3; k++)
-			s->emission[3 * i + k] = (float)(sum[4 * i + k] / fmax(sum[4 * i + 3], 1.0));
-	free(sum);
-	return GW_OK;
-}
-
-/* The mean emission of each facet's surfels. */
-static gw_status upload_emission(const gw_scene *scene, gw_buffer *emission, gw_error *error)
-{
-	const gw_surfels *s = &scene->surfels;
-	GW_TRY(
-		gw_buffer_create(scene->gpu,
-						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-												   16 * (uint64_t)s->count, "emission of surfels" },
-						 emission, error));
-	float *rows = gw_allocate_zeros(s->count, 4 * sizeof *rows);
-	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
-					   s->count);
-	for (size_t i = 0; i < s->count; i++)
-		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
-	gw_status status =
-		gw_buffer_upload(scene->gpu, emission, 0, rows, 16 * (uint64_t)s->count, error);
-	free(rows);
-	return status;
-}
-
-static gw_status average_emission(gw_scene *scene, const gw_buffer *emission, gw_error *error)
-{
-	gw_octree *o = &scene->octree;
-	gw_buffer_destroy(scene->gpu, &o->facet_emission);
-	GW_TRY(gw_buffer_create(
-		scene->gpu,
-		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  32 * (uint64_t)o->leaf_count, "emission of facets" },
-		&o->facet_emission, error));
-	return gw_average_facets(&scene->passes, o, emission, &o->facet_emission, error);
-}
-
-static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_error *error)
-{
-	gw_surfels *s = &scene->surfels;
-	bool emits = false;
-	gw_status status = GW_OK;
-	gw_scene_forget_samples(scene);
-	free(s->emission);
-	s->emission = NULL;
-	s->emission_repaired = 0;
-	if (points->emission)
-		status = merge_emission(points, s, error);
-	for (size_t i = 0; s->emission && i < 3 * s->count && status == GW_OK; i++)
-		emits |= s->emission[i] > 0.0f;
-	if (status != GW_OK)
-		return status;
-	if (emits) {
-		gw_buffer emission = { 0 };
-		status = upload_emission(scene, &emission, error);
-		if (status == GW_OK)
-			status = average_emission(scene, &emission, error);
-		gw_buffer_destroy(scene->gpu, &emission);
-		return status;
-	}
-	free(s->emission);
-	s->emission = NULL;
-	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
-	return gw_buffer_create(scene->gpu,
-							&(gw_buffer_description){ GW_BUFFER_TEXEL,
-													  VK_FORMAT_R32G32B32A32_SFLOAT, 16,
-													  "emission of facets" },
-							&scene->octree.facet_emission, error);
-}
-
 gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_transport *transport,
 							gw_error *error)
 {
@@ -507,6 +408,6 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 	if (h.numbers.light_samples != scene->options.light_samples)
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
 	if (own.emission != h.identity.emission)
-		GW_TRY(replace_emission(scene, points, error));
+		GW_TRY(gw_scene_replace_emission(scene, points->emission, points->count, error));
 	return gw_scene_complete(scene, points, error);
 }
