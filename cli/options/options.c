@@ -634,20 +634,19 @@ static gw_status take_input(const parser *p, char *word)
 
 static gw_status parse_all(parser *p)
 {
-	gw_status status = GW_OK;
 	bool names_only = false;
-	while (status == GW_OK && p->next < p->count) {
+	while (p->next < p->count) {
 		char *word = p->argument[p->next++];
 		if (names_only || word[0] != '-' || !word[1])
-			status = take_input(p, word);
+			GW_TRY(take_input(p, word));
 		else if (strcmp(word, "--") == 0)
 			names_only = true;
 		else if (word[1] == '-')
-			status = take_long(p, word);
+			GW_TRY(take_long(p, word));
 		else
-			status = take_letters(p, word);
+			GW_TRY(take_letters(p, word));
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status options_parse(verb v, int count, char *const *argument, settings *s, gw_error *error)

@@ -131,8 +131,9 @@ static gw_status bake_light(solve *w)
 	gw_bake_result *r = NULL;
 	options.estimate_points = 0;
 	options.lamps = w->flash && w->light_count > 1;
-	gw_status status = gw_bake(&w->scene->points.points, w->light, w->light_count, &options,
-							   &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
+	const gw_scene_description scene = { &w->scene->points.points, w->light, w->light_count };
+	gw_status status =
+		gw_bake(&scene, &options, &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
 		take_irradiance(w, r, i, w->level + 3 * i);
 	gw_bake_result_destroy(&r);
@@ -266,11 +267,17 @@ static void guess(solve *w)
 			bounded(w, bright > 0.0f ? (float)BRIGHT_ALBEDO * w->photo[i] / bright : 0.5f);
 }
 
-gw_status albedo_solve(loaded_scene *scene, const settings *s, const gw_light *light,
-					   size_t light_count, bool flash, albedo_facts *facts, gw_error *error)
+gw_status albedo_solve(loaded_scene *scene, const settings *s, const albedo_setup *setup,
+					   albedo_facts *facts, gw_error *error)
 {
 	*facts = (albedo_facts){ 0 };
-	solve w = { scene, s, light, light_count, flash, NULL, NULL, NULL, NULL, facts, error };
+	solve w = { .scene = scene,
+				.settings = s,
+				.light = setup->light,
+				.light_count = setup->light_count,
+				.flash = setup->flash,
+				.facts = facts,
+				.error = error };
 	gw_status status = start(&w);
 	if (status == GW_OK) {
 		guess(&w);

@@ -20,17 +20,22 @@ typedef struct albedo_facts {
 	int rounds;
 } albedo_facts;
 
+/* In what light the photographs were taken. */
+typedef struct albedo_setup {
+	const gw_light *light; /* light_count */
+	size_t light_count;
+	bool flash; /* light i is the flash of scanner i, and lit what that one saw, all of it */
+} albedo_setup;
+
 /*
  * Replaces scene->points.albedo, which holds the photographed colours, linear, by the albedo.
  *   scene      its points' albedo, 0 to 1
  *   settings   how to bake; capture_scale is the colour of radiance 1, 0 finds it: the brightest
  *              surfaces then have an albedo of 0.8
- *   light      light_count, the set-up in which the photographs were taken
- *   flash      light i is the flash of scanner i, and lit only what that one saw, all of it
  * GW_ERROR_DATA when the lights reach no point; or as gw_bake.
  */
-gw_status albedo_solve(loaded_scene *scene, const settings *settings, const gw_light *light,
-					   size_t light_count, bool flash, albedo_facts *facts, gw_error *error);
+gw_status albedo_solve(loaded_scene *scene, const settings *settings, const albedo_setup *setup,
+					   albedo_facts *facts, gw_error *error);
 
 /*
  * The chroma of the photographs and the level of the laser.

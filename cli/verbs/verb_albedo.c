@@ -121,8 +121,9 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 	if (status == GW_OK && laser)
 		status = albedo_of_laser(scene, s, &facts, error);
 	else if (status == GW_OK)
-		status = albedo_solve(scene, s, light, s->light_count, capture == SETTINGS_CAPTURE_FLASH,
-							  &facts, error);
+		status = albedo_solve(
+			scene, s, &(albedo_setup){ light, s->light_count, capture == SETTINGS_CAPTURE_FLASH },
+			&facts, error);
 	free(light);
 	if (status != GW_OK || s->quiet || laser)
 		return status;

@@ -242,14 +242,13 @@ static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *lis
 /* A neighbour of a neighbour may know the face where no neighbour does. */
 static gw_status choose_planes(normal_step *step, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (int round = 0; round < PLANE_ROUNDS && status == GW_OK; round++) {
-		status = gw_neighbours_visit(step->search, choose_plane, step, error);
+	for (int round = 0; round < PLANE_ROUNDS; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, choose_plane, step, error));
 		float *swap = step->plane;
 		step->plane = step->better;
 		step->better = swap;
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Takes the planes' normals, to the scanner where there is one. */
@@ -307,14 +306,13 @@ static void vote(void *user, size_t surfel, const gw_neighbour_list *list)
 
 static gw_status run_votes(normal_step *step, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (int round = 0; round < VOTES && status == GW_OK; round++) {
-		status = gw_neighbours_visit(step->search, vote, step, error);
+	for (int round = 0; round < VOTES; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, vote, step, error));
 		uint8_t *swap = step->state;
 		step->state = step->next;
 		step->next = swap;
 	}
-	return status;
+	return GW_OK;
 }
 
 static void apply_states(normal_step *step)

@@ -36,8 +36,8 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		const float *n = s->normal + 3 * i;
 		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
-	gw_status status = gw_normals_complete(points, options, search, s, error);
-	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	return gw_plane_error(search, s, error);
 }
 
 static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
