@@ -5,6 +5,7 @@
 #include "e57/e57_description.h"
 #include "e57/e57_format.h"
 #include "glowworm_host.h"
+#include "points/scan_origin.h"
 #include "text/text_columns.h"
 
 #include <math.h>
@@ -456,13 +457,20 @@ static void leave_out(reader *r)
 	r->cloud->count = first;
 }
 
-/* A scanner stands at the origin of its scan's frame. Points that somebody put into a common frame
- * have no pose, and nobody knows. */
+/* Without a pose, points may be in the scanner's frame or in a common one: their grid tells. */
+static bool faces_origin(const reader *r, const source *s)
+{
+	const scan_grid grid = { scan_find(r->cloud, "rowIndex"), scan_find(r->cloud, "columnIndex"),
+							 s->first, s->kept };
+	return grid.row && grid.column && scan_grid_faces_origin(r->cloud, &grid);
+}
+
+/* A scanner stands at the origin of its scan's frame. */
 static gw_status take_scanners(const reader *r)
 {
 	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
-		if (s->kept > 0 && (s->scan->has_pose || s->kind == SPHERICAL))
+		if (s->kept > 0 && (s->scan->has_pose || s->kind == SPHERICAL || faces_origin(r, s)))
 			GW_TRY(scan_add_scanner(r->cloud, s->scan->translation, s->first, s->kept, r->error));
 	}
 	return GW_OK;

@@ -1,4 +1,5 @@
 /* Scans: columns, joining, and the way to points. */
+#include "points/scan_origin.h"
 #include "points/scan_color.h"
 #include "points/scan_join.h"
 
@@ -345,6 +346,48 @@ static void albedo_is_scaled_and_blended(void **state)
 	scan_clear(&cloud);
 }
 
+/* A grid of angles on the walls of a room, seen from a place. */
+static scan make_grid(double x, double y, double z)
+{
+	enum { ROWS = 40, COLUMNS = 90 };
+	static const char *const name[5] = { "x", "y", "z", "rowIndex", "columnIndex" };
+	scan cloud = { .count = (size_t)ROWS * COLUMNS };
+	double *v[5];
+	for (int c = 0; c < 5; c++)
+		assert_non_null(scan_add_column(&cloud, name[c], SCAN_FLOAT64, NULL));
+	for (int c = 0; c < 5; c++)
+		v[c] = scan_find(&cloud, name[c])->data;
+	for (size_t i = 0; i < cloud.count; i++) {
+		double row = (double)(i / COLUMNS), column = (double)(i % COLUMNS);
+		double e = (row - 20) * 0.06, a = column * 0.06;
+		double d[3] = { cos(e) * cos(a), cos(e) * sin(a), sin(e) };
+		double range = 3 / fmax(fmax(fabs(d[0]), fabs(d[1])), fabs(d[2]));
+		const double moved[3] = { x, y, z };
+		for (int k = 0; k < 3; k++)
+			v[k][i] = range * d[k] + moved[k];
+		v[3][i] = row;
+		v[4][i] = column;
+	}
+	return cloud;
+}
+
+static void grids_say_where_their_scanner_stood(void **state)
+{
+	(void)state;
+	const double moved[3] = { 0, 0.3, 50 };
+	for (int i = 0; i < 3; i++) {
+		scan cloud = make_grid(moved[i], 0, moved[i] / 2);
+		scan_grid grid = { scan_find(&cloud, "rowIndex"), scan_find(&cloud, "columnIndex"), 0,
+						   cloud.count };
+		assert_int_equal(scan_grid_faces_origin(&cloud, &grid), i == 0);
+		const scan_grid turned = { grid.column, grid.row, 0, cloud.count };
+		assert_int_equal(scan_grid_faces_origin(&cloud, &turned), i == 0);
+		grid.count = 80; /* a row says nothing */
+		assert_false(scan_grid_faces_origin(&cloud, &grid));
+		scan_clear(&cloud);
+	}
+}
+
 static void scanners_keep_their_points(void **state)
 {
 	(void)state;
@@ -414,6 +457,7 @@ int main(void)
 		cmocka_unit_test(black_or_missing_colors_give_the_default),
 		cmocka_unit_test(intensity_is_scaled_to_its_percentile),
 		cmocka_unit_test(albedo_is_scaled_and_blended),
+		cmocka_unit_test(grids_say_where_their_scanner_stood),
 		cmocka_unit_test(scanners_keep_their_points),
 		cmocka_unit_test(everything_else_is_handed_on),
 	};
