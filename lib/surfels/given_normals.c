@@ -27,13 +27,18 @@
 #define SAME_HEIGHT 0.2f
 #define CONFLICT_MOST 0.03
 
-/* Neighbours beyond a crease, both clearly off the other's plane, and how many may disagree. */
+/* Neighbours beyond a crease, both clearly off the other's plane, and how many may disagree: where
+ * a scanner saw one thing before another, some do. */
 #define CREASE_COSINE 0.6f
 #define CREASE_HEIGHT 0.35f
-#define CREASE_MOST 0.25
+#define CREASE_MOST 0.35
 
 /* Least share of surfels on planes for creases to say anything. */
 #define PLANES_LEAST 0.3
+
+/* Turning has to leave less than one in so many contradictions; else the surface is too ragged for
+ * anybody to know. */
+#define BETTER_BY 5
 
 /* A piece keeps the side of its given normals when at least so many of them had it. */
 #define MAJORITY 0.6
@@ -225,7 +230,7 @@ static gw_status keep_majority(check *c, gw_surfels *s, const float *before, gw_
 
 static bool is_better(const figures *after, const figures *before)
 {
-	return 2 * (after->conflicts + after->against) < before->conflicts + before->against;
+	return BETTER_BY * (after->conflicts + after->against) < before->conflicts + before->against;
 }
 
 /* Counts those that were turned, or takes all back when that did not help. */
