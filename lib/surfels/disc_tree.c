@@ -220,12 +220,11 @@ bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t facets)
 /* The disc of a leaf, as far as a crossing needs it. */
 static gw_disc crossed_disc(const uint32_t *texel)
 {
-	return (gw_disc){ .place = { gw_float_of(texel[0]), gw_float_of(texel[1]),
-								 gw_float_of(texel[2]) },
-					  .radius = gw_float_of(texel[3]),
-					  .normal = { gw_float_of(texel[4]), gw_float_of(texel[5]),
-								  gw_float_of(texel[6]) },
-					  .facet = texel[7] };
+	return (
+		gw_disc){ .place = { gw_float_of(texel[0]), gw_float_of(texel[1]), gw_float_of(texel[2]) },
+				  .radius = gw_float_of(texel[3]),
+				  .normal = { gw_float_of(texel[4]), gw_float_of(texel[5]), gw_float_of(texel[6]) },
+				  .facet = texel[7] };
 }
 
 static bool is_of_sheet(const gw_disc *d, const gw_disc *sheet)

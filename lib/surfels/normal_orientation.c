@@ -356,11 +356,9 @@ static gw_status choose_signs(orientation_work *w, const uint8_t *estimated, gw_
 {
 	if (!allocate_patches(w))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
-	gw_status status = find_light(w, estimated, error);
-	if (status != GW_OK)
-		return status;
-	gw_patch_groups *groups = gw_patch_groups_make(w->patch_count, w->borders, w->border_count,
-												   w->sign, w->group);
+	GW_TRY(find_light(w, estimated, error));
+	gw_patch_groups *groups =
+		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
 	if (!groups)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	turn_best(w, groups);
@@ -421,21 +419,23 @@ static void release(orientation_work *w)
 	free(w->groups);
 }
 
+static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_t *estimated,
+						gw_error *error)
+{
+	GW_TRY(allocate(w, error));
+	GW_TRY(gw_neighbours_visit(search, find_pairs, w, error));
+	join_smooth(w);
+	number_patches(w);
+	GW_TRY(collect_borders(w, error));
+	return choose_signs(w, estimated, error);
+}
+
 gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
 							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
 							gw_error *error)
 {
 	orientation_work w = { .options = options, .surfels = surfels };
-	gw_status status = allocate(&w, error);
-	if (status == GW_OK)
-		status = gw_neighbours_visit(search, find_pairs, &w, error);
-	if (status == GW_OK) {
-		join_smooth(&w);
-		number_patches(&w);
-		status = collect_borders(&w, error);
-	}
-	if (status == GW_OK)
-		status = choose_signs(&w, estimated, error);
+	gw_status status = orient(&w, search, estimated, error);
 	if (status == GW_OK)
 		turn_normals(&w, estimated, doubtful);
 	release(&w);

@@ -30,10 +30,10 @@ struct gw_patch_groups {
 	gw_patch_border *borders; /* of the groups of the round */
 	size_t all_count, border_count;
 	int8_t *sign;
-	uint32_t *group;    /* of a patch, in this round */
-	uint32_t *best;     /* of a group, the border that says most */
-	uint32_t *root;     /* of a group, one of those that it is joined to */
-	int8_t *against;    /* of a group, its sign against its root's */
+	uint32_t *group; /* of a patch, in this round */
+	uint32_t *best;  /* of a group, the border that says most */
+	uint32_t *root;  /* of a group, one of those that it is joined to */
+	int8_t *against; /* of a group, its sign against its root's */
 	level levels[LEVELS];
 	size_t level_count;
 	double *gain;   /* of the groups of a level */

@@ -54,8 +54,8 @@
 
 /* A disc, and what is known of the surface that it stands for. */
 typedef struct blocker {
-	uint32_t place;  /* that has the light of this surface, or GW_NONE */
-	float radiance;  /* that it emits, luminance */
+	uint32_t place; /* that has the light of this surface, or GW_NONE */
+	float radiance; /* that it emits, luminance */
 } blocker;
 
 /* A place on a piece, whose normal is the piece's. */
@@ -68,7 +68,7 @@ typedef struct place {
 	double total[2];
 	double path[2]; /* sum of the logarithms of the rays' lengths, to what they meet */
 	uint32_t met[2], down[2], down_met[2]; /* rays */
-	uint32_t end[2][RAYS]; /* 2 * disc + side, TO_SKY or TO_DARK */
+	uint32_t end[2][RAYS];                 /* 2 * disc + side, TO_SKY or TO_DARK */
 } place;
 
 typedef struct side_work {
@@ -200,8 +200,8 @@ static gw_status choose_all(side_work *w, gw_error *error)
 	free(so_far.last_place);
 	free(so_far.size);
 	return made ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no memory for the sides of %zu pieces of surface",
-						  pieces);
+				: gw_fail(error, GW_ERROR_MEMORY,
+						  "no memory for the sides of %zu pieces of surface", pieces);
 }
 
 /* --------------------------------------------------------------------------------------- lights */
@@ -406,14 +406,9 @@ static gw_status find_light(side_work *w, gw_side_light *light, gw_error *error)
 {
 	find_sky(w);
 	find_reach(w);
-	gw_status status = choose_all(w, error);
-	if (status == GW_OK)
-		status = gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error);
-	if (status != GW_OK)
-		return status;
-	status = look_around_all(w, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(choose_all(w, error));
+	GW_TRY(gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error));
+	GW_TRY(look_around_all(w, error));
 	reflect(w);
 	for (size_t i = 0; i < w->pieces->count; i++)
 		light[i] = (gw_side_light){ 0 };

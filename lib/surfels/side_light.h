@@ -26,18 +26,18 @@
 /* Surface in pieces: of each, the normals have one sign that is open. */
 typedef struct gw_pieces {
 	const uint32_t *piece_of; /* a surfel's piece */
-	const uint8_t *opposite;  /* a surfel's: 1 where its normal is against the others of its piece */
-	const float *area;        /* a surfel's, m^2, rough */
-	size_t count;             /* of pieces */
+	const uint8_t *opposite; /* a surfel's: 1 where its normal is against the others of its piece */
+	const float *area;       /* a surfel's, m^2, rough */
+	size_t count;            /* of pieces */
 } gw_pieces;
 
 /* What rays from one side of a surface found, as sums over places, each times its area. */
 typedef struct gw_side_view {
-	double light; /* irradiance, luminance, in a unit that is the same for all */
-	double first; /* of that, what was not reflected before */
-	double area;  /* m^2 */
-	double met;   /* share of the rays that met surface */
-	double path;  /* logarithm of how far away, metres, of these */
+	double light;          /* irradiance, luminance, in a unit that is the same for all */
+	double first;          /* of that, what was not reflected before */
+	double area;           /* m^2 */
+	double met;            /* share of the rays that met surface */
+	double path;           /* logarithm of how far away, metres, of these */
 	double down, down_met; /* share of the rays that go down, and that meet surface there */
 } gw_side_view;
 
