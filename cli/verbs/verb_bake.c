@@ -159,12 +159,33 @@ static gw_status read_inputs(bake *b)
 	return status;
 }
 
+/* Bytes that a point adds at least to a transport: its surfel, as the transport's blocks have it.
+ * And to grids with leaves as wide as by default, and to their points, compressed; a third of what
+ * was seen. */
+#define TRANSPORT_BYTES 100u
+#define GRID_BYTES 10u
+#define GRID_POINT_BYTES 4u
+
+/* The files beside the points: known only as far as it goes without their octree. */
+static gw_status check_room_beside(const bake *b)
+{
+	const settings *s = b->settings;
+	uint64_t count = b->scene.cloud.count, grid_bytes = s->vdb_points ? GRID_POINT_BYTES : 0;
+	bool usual = s->bake.depth == GW_DEPTH_AUTO && s->vdb_voxel <= 0.0f && !s->vdb_half &&
+				 s->bake.leaf_spacing <= gw_bake_options_default().leaf_spacing;
+	if (s->save_transport)
+		GW_TRY(output_file_check_room(s->save_transport, TRANSPORT_BYTES * count, b->error));
+	grid_bytes += usual ? GRID_BYTES : 0;
+	return s->vdb ? output_file_check_room(s->vdb, grid_bytes * count, b->error) : GW_OK;
+}
+
 /* What is known of the results before hours of work: whether their format can hold the points, and
- * the disk the file. */
+ * the disk the files. */
 static gw_status check_results(const bake *b)
 {
 	const settings *s = b->settings;
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
+	GW_TRY(check_room_beside(b));
 	if (!b->format)
 		return GW_OK;
 	GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);

@@ -47,6 +47,7 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	uint8_t *amid;     /* count, 1 where that is so though others are all around */
 	uint8_t *stray;    /* count, 1 where that is because all others are far off */
 	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
@@ -274,6 +275,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
 		step->stray[surfel] = near.count < all->count;
+		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
 	}
 	gw_half_plane edge[2];
@@ -305,10 +307,13 @@ static void count_stray(gw_surfels *s, size_t surfel, bool stray)
 	s->stray_distance = fmaxf(s->stray_distance, stray ? s->nearest[surfel] : off);
 }
 
-/* Isolated surfels are lit from both sides and no larger than the median of the others. */
+/* Isolated surfels are no larger than the median of the others. They are lit from both sides, but
+ * for those whose normal was given and that have others all around: they lie in creases, and what
+ * is behind them is rock. */
 static gw_status finish(disc_step *step, gw_error *error)
 {
 	gw_surfels *s = step->surfels;
+	bool given = s->normals_given == s->count;
 	float *width = gw_allocate_array(s->count, sizeof *width);
 	size_t measured = 0;
 	if (!width)
@@ -322,7 +327,8 @@ static gw_status finish(disc_step *step, gw_error *error)
 			float radius = fminf(s->radius[i], median);
 			s->radius[i] = radius;
 			s->area[i] = fmaxf((float)(M_PI * (double)radius * (double)radius), FLT_MIN);
-			s->two_sided[i] = 1;
+			if (!given || !step->amid[i])
+				s->two_sided[i] = 1;
 		}
 		count_stray(s, i, step->stray[i]);
 		s->given_area += (double)s->area[i];
@@ -348,12 +354,13 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
+	step.amid = gw_allocate_zeros(n, sizeof *step.amid);
 	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
 	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.stray ||
-		!step.boundary)
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.amid ||
+		!step.stray || !step.boundary)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
@@ -362,6 +369,7 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (status == GW_OK)
 		status = finish(&step, error);
 	free(step.isolated);
+	free(step.amid);
 	free(step.stray);
 	free(step.boundary);
 	return status;

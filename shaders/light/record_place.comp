@@ -4,7 +4,8 @@
  * The centroid of a facet can lie beyond the end of the surface, where discs stick out over an
  * edge, and a record there would see what no point sees. So a record stands where the facet's plane
  * is nearest to the surfel nearest to the centroid; where surfels are further apart than that, at
- * the centroid. Of leaves with very many fragments every n-th is looked at.
+ * the centroid, unless the facet is but a sliver: that may lie in the rock behind a crease that its
+ * disc does not know of. Of leaves with very many fragments every n-th is looked at.
  */
 #version 460
 
@@ -34,7 +35,8 @@ layout(push_constant) uniform Push
 };
 
 const uint FRAGMENTS = 1024u;
-const float APART = 1.5; /* leaf cells */
+const float APART = 1.5, APART_OF_SLIVERS = 4.0; /* leaf cells */
+const float SLIVER = 0.25;                       /* leaf cells^2 */
 
 void main()
 {
@@ -43,12 +45,13 @@ void main()
 		return;
 	uint slot = record_facet[i];
 	vec3 normal = texelFetch(facet_plane, int(slot)).xyz;
-	vec3 centre = texelFetch(facet_centre, int(slot)).xyz;
+	vec4 middle = texelFetch(facet_centre, int(slot));
+	vec3 centre = middle.xyz;
 	uint first = texelFetch(leaf_fragment, int(slot >> 1)).x;
 	uint last = texelFetch(leaf_fragment, int((slot >> 1) + 1u)).x;
 	uint stride = max(1u, (last - first) / FRAGMENTS);
 	vec3 place = centre;
-	float nearest = APART * APART;
+	float apart = middle.w < SLIVER ? APART_OF_SLIVERS : APART, nearest = apart * apart;
 	for (uint f = first; f < last; f += stride) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
 		if ((word >> 31) != 0u || ((word >> 30) & 1u) != (slot & 1u))

@@ -18,6 +18,8 @@
 #define TRACE_DISCS true
 
 #include "base/sampling.glsl"
+#include "octree/ray.glsl"
+#include "octree/ray.glsl"
 #include "octree/trace_constants.h"
 
 /* Share of a disc that a cut leaves, by the cut's distance in radii; a cut without direction leaves
@@ -122,5 +124,7 @@ bool is_covered(uint slot, vec3 at)
 	}
 	return (votes > 0 && cover > GW_COVER_LEAST) || (!cut && is_surrounded(slot, at));
 }
+
+#include "octree/octree_disc_hits.glsl"
 
 #endif

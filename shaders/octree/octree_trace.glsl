@@ -20,6 +20,10 @@ bool is_along_crease(uint, vec3, vec3)
 {
 	return false;
 }
+
+void meet_discs(IN(Ray), uint, vec3, INOUT(Doubt), INOUT(Hit))
+{
+}
 #endif
 
 /* A plane holds a little beyond its cell, so that neighbouring planes leave no crack. */
@@ -165,13 +169,20 @@ bool rises_over(vec3 centre, uint slot, uint over)
 	return dot(plane.xyz, middle - centre) - plane.w > GW_CONCAVE_HEIGHT;
 }
 
-/* The facets of a leaf that has some. */
-void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Passage) last,
-			   INOUT(Hit) hit)
+/* The facets of a leaf that has some; or, again, its discs. */
+void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) stretch,
+			   INOUT(Passage) last, INOUT(Doubt) doubt, INOUT(Hit) hit)
 {
 	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
+	if (TRACE_DISCS && !stretch.covered)
+		doubt.from = min(doubt.from, stretch.enter);
+	if (again) {
+		if (!stretch.covered)
+			meet_discs(ray, leaf, stretch.centre, doubt, hit);
+		return;
+	}
 	stretch.concave = second && !stretch.covered &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
@@ -234,8 +245,8 @@ uint octant_of(ivec3a cell, uint shift)
 
 /* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
  * that, unless it is hit. */
-float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Passage) last,
-				  INOUT(Hit) hit)
+float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, bool again,
+				  INOUT(Passage) last, INOUT(Doubt) doubt, INOUT(Hit) hit)
 {
 	uint level = directory_level, shift = depth - level;
 	ivec3 c = ivec3(cell >> int(shift));
@@ -251,7 +262,7 @@ float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Passag
 	uint octant = octant_of(cell, 0u);
 	Stretch stretch = { vec3(vec3a(cell) + 0.5f), t, leaving(walk, cell, 0u, 0u), false, false };
 	if ((tile.y >> (8u + octant) & 1u) != 0u)
-		meet_leaf(ray, tile, octant, stretch, last, hit);
+		meet_leaf(ray, tile, octant, again, stretch, last, doubt, hit);
 	return stretch.leave;
 }
 
@@ -270,6 +281,10 @@ void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
  * says that one was met first; with `both_sides` they stop the ray. Noise may put its start behind
  * the surface that it leaves, whose planes do not count there; but a ray that is still behind it at
  * a distance of GW_NEAR has gone into the rock.
+ *
+ * A ray that leaves the scene past surface that does not fill its cell may have slipped through
+ * where facets of neighbouring cells do not meet. It is walked once more from there on, against the
+ * discs themselves.
  */
 Hit trace_octree(IN(Ray) ray)
 {
@@ -279,9 +294,16 @@ Hit trace_octree(IN(Ray) ray)
 	float t = max(0.0f, largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
 	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
-	bool near_start = true;
-	for (uint step = 0u; step < GW_WALK_STEPS && t < t_end && hit.facet == GW_NONE; step++) {
-		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, last, hit);
+	Doubt doubt = { GW_FAR, vec3(0.0f), vec3(0.0f), GW_FAR };
+	bool near_start = true, again = false;
+	for (uint step = 0u; step < GW_WALK_STEPS && hit.facet == GW_NONE; step++) {
+		if (t >= t_end) {
+			if (again || doubt.from >= t_end)
+				break;
+			again = true;
+			t = doubt.from;
+		}
+		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, again, last, doubt, hit);
 		t = max(next, t + nudge);
 		if (near_start && (t >= GW_NEAR || t >= t_end)) {
 			near_start = false;

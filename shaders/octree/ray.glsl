@@ -18,6 +18,13 @@ struct Hit {
 	bool passed_back_face;
 };
 
+/* What makes a ray that leaves the scene doubtful. */
+struct Doubt {
+	float from;         /* where it came near surface that does not fill its cell, or GW_FAR */
+	vec3 place, normal; /* of the disc that it last passed beside */
+	float t;            /* where, or GW_FAR */
+};
+
 /* A distance at which rays have left every scene, leaf cells. */
 #define GW_FAR 1e9f
 

@@ -38,6 +38,14 @@
 /* Leaf cells: a ray may pass between two discs that were cut at the same crease. */
 #define GW_DISC_OVERLAP 0.02f
 
+/* Discs of a leaf that a ray out of the scene passes beside: radii, squared, within which they stop
+ * it in voids of a surface, and in corners where two surfaces meet; the largest cosine between the
+ * normals of such; and leaf cells by which one may lie behind the other for noise. */
+#define GW_VOID_REACH_SQUARED 1.5625f
+#define GW_CORNER_REACH_SQUARED 2.25f
+#define GW_ACROSS_COSINE 0.6f
+#define GW_CONCAVE_DOUBT 0.05f
+
 /* Leaves with more fragments than this, which much coarser octrees have, count as covered. */
 #define GW_DISC_FRAGMENTS 256u
 

@@ -1,8 +1,9 @@
 /*
  * test_leaks.c - the sun outside of closed rock: no point within sees it.
  *
- * Spheres of points at random places, seen from within. Whatever light arrives is a leak, so what
- * is expected is zero, without a tolerance.
+ * Spheres and boxes of points at random places, seen from within. Whatever light arrives is a leak,
+ * so what is expected is zero, without a tolerance; but for boxes that lie askew, in whose creases
+ * random points leave cells without any of the wall.
  */
 #include "scenes.h"
 
@@ -36,6 +37,28 @@ static void add_random_sphere(scene *s, size_t count, double noise)
 		for (int k = 0; k < 3; k++) {
 			normal[k] = -way[k] / sqrt(squared);
 			place[k] = normal[k] * (off - 1.0);
+		}
+		scene_add(s, place, normal, 0.5f);
+	}
+}
+
+/* A unit cube, each side of points at random places, turned about x and then about z by angles. */
+static void add_random_box(scene *s, size_t count, double about_x, double about_z)
+{
+	const double turn[3][3] = {
+		{ cos(about_z), -sin(about_z) * cos(about_x), sin(about_z) * sin(about_x) },
+		{ sin(about_z), cos(about_z) * cos(about_x), -cos(about_z) * sin(about_x) },
+		{ 0.0, sin(about_x), cos(about_x) },
+	};
+	for (size_t i = 0; i < count; i++) {
+		size_t axis = i % 3;
+		double side = i % 6 < 3 ? -1.0 : 1.0, flat[3], place[3], normal[3];
+		for (int k = 0; k < 3; k++)
+			flat[k] = scene_random(s) - 0.5;
+		flat[axis] = 0.5 * side;
+		for (int k = 0; k < 3; k++) {
+			normal[k] = -side * turn[k][axis];
+			place[k] = turn[k][0] * flat[0] + turn[k][1] * flat[1] + turn[k][2] * flat[2];
 		}
 		scene_add(s, place, normal, 0.5f);
 	}
@@ -91,11 +114,42 @@ static void at_other_depths(void **state)
 	expect_dark(3000, 0.0, 40.0, 6);
 }
 
+static size_t count_lit_in_box(size_t count, double about_x, double about_z, double height)
+{
+	scene s = { 0 };
+	add_random_box(&s, count, about_x, about_z);
+	size_t lit = count_lit(&s, height, GW_DEPTH_AUTO);
+	print_message("%zu points, box turned by %.1f and %.1f, sun at %.0f degrees: %zu lit\n", count,
+				  about_x, about_z, height, lit);
+	scene_clear(&s);
+	return lit;
+}
+
+/* Rays pass where two walls meet, and where a corner has no point near. */
+static void closed_boxes_stay_dark(void **state)
+{
+	(void)state;
+	for (int height = 10; height < 90; height += 25)
+		assert_int_equal(count_lit_in_box(10000, 0.0, 0.0, height), 0);
+}
+
+/* Of 240,000 pairs of points and suns. */
+static void boxes_askew_are_nearly_dark(void **state)
+{
+	(void)state;
+	size_t lit = 0;
+	for (int height = 10; height < 90; height += 25)
+		lit += count_lit_in_box(10000, 0.8, 0.5, height);
+	assert_true(lit <= 20);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(closed_spheres_stay_dark),
 		cmocka_unit_test(at_other_depths),
+		cmocka_unit_test(closed_boxes_stay_dark),
+		cmocka_unit_test(boxes_askew_are_nearly_dark),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

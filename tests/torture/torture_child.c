@@ -227,7 +227,9 @@ bool child_check(torture_case *c, const torture_child *child, const char *row)
 		case_fail(c, class_name, "%s | %s", last_words(child), child_line(child));
 		return false;
 	}
-	if (child->code > 1 && !strstr(child->message, "glowworm: ") &&
+	/* Where files are that small, the one that messages go to is cut off before a word is said. */
+	bool mute = child->file_bytes > 0 && child->file_bytes < strlen("glowworm: ");
+	if (child->code > 1 && !mute && !strstr(child->message, "glowworm: ") &&
 		!strstr(child->message, "glowworm ")) {
 		snprintf(class_name, sizeof class_name, "%s/no sentence", row);
 		case_fail(c, class_name, "status %d without a sentence: %s", child->code,
