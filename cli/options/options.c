@@ -46,8 +46,9 @@ static const char *gamma_name(int i)
 
 static const char *up_name(int i)
 {
-	static const char *const name[] = { "auto", "y", "z", NULL };
-	return name[i];
+	if (i == SETTINGS_UP_AUTO)
+		return "auto";
+	return i < SETTINGS_UP_COUNT ? settings_up_name(settings_up_axis(i)) : NULL;
 }
 
 static const char *colors_name(int i)
@@ -284,8 +285,8 @@ const option options[] = {
 	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(up),
 	  .choice = up_name, .group = "Scene",
 	  .help =
-		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
-		  "the format" },
+		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
+		  "of a depth camera's own frame; auto asks the format" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(format),
 	  .choice = format_name, .group = "Scene",

@@ -45,6 +45,10 @@ typedef enum settings_up {
 	SETTINGS_UP_AUTO,
 	SETTINGS_UP_Y,
 	SETTINGS_UP_Z,
+	SETTINGS_UP_X,
+	SETTINGS_UP_MINUS_Y,
+	SETTINGS_UP_MINUS_Z,
+	SETTINGS_UP_MINUS_X,
 	SETTINGS_UP_COUNT
 } settings_up;
 
@@ -172,6 +176,11 @@ typedef struct settings {
 	char **text;   /* owned; text_count strings that others point to */
 	size_t text_count;
 } settings;
+
+/* The letter of an axis, as gw_camera_up has it; z for SETTINGS_UP_AUTO. And its name as an option:
+ * "-y". */
+char settings_up_axis(int up);
+const char *settings_up_name(char axis);
 
 settings settings_default(void);
 void settings_clear(settings *settings);

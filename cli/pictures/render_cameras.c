@@ -4,6 +4,7 @@
 #include "glowworm_host.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,11 +46,31 @@ size_t camera_plan_count(const camera_plan *plan)
 	return plan->text_count * plan->orbit;
 }
 
+/* To the digits that a camera is printed with, so that it takes the same picture again. */
+static void round_view(gw_viewpoint *view)
+{
+	for (int k = 0; k < 6; k++) {
+		double *number = k < 3 ? view->at + k : view->to + k - 3;
+		char text[64];
+		snprintf(text, sizeof text, CAMERA_TEXT_NUMBER, *number);
+		*number = strtod(text, NULL);
+	}
+}
+
+/* With -y up and all in front of the origin along z, a depth camera stood there. */
+static bool is_camera_frame(char up, const gw_surfels *s)
+{
+	return up == 'Y' && s->origin[2] + (double)s->minimum[2] > 0.0;
+}
+
 gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const gw_surfels *surfels,
 							double aspect, gw_error *error)
 {
+	static const double origin[3] = { 0 };
 	gw_status status = GW_OK;
 	plan->up = scene->up;
+	bool seen = scene->scanner_count == 0 && is_camera_frame(plan->up, surfels);
+	const double *seen_from = seen ? origin : scene->scanner;
 	plan->view = calloc(plan->text_count, sizeof *plan->view);
 	if (!plan->view)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cameras", plan->text_count);
@@ -61,10 +82,16 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
 		} else {
-			status = gw_viewpoint_find(
-				surfels,
-				&(gw_viewpoint_wish){ text->kind, scene->luminance, plan->up, text->angle, aspect },
-				view, error);
+			const gw_viewpoint_wish wish = { .kind = text->kind,
+											 .luminance = scene->luminance,
+											 .up = plan->up,
+											 .angle = text->angle,
+											 .aspect = aspect,
+											 .around = plan->orbit > 1,
+											 .scanner = seen_from,
+											 .scanner_count = seen ? 1 : scene->scanner_count };
+			status = gw_viewpoint_find(surfels, &wish, view, error);
+			round_view(view);
 		}
 	}
 	return status;
@@ -191,12 +218,13 @@ gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t pic
 {
 	const double turn = 2.0 * acos(-1.0);
 	const gw_viewpoint *view = plan->view + picture / plan->orbit;
-	const double up[3] = { 0.0, plan->up == 'y', plan->up != 'y' };
+	double up[3];
+	gw_camera_up(plan->up, up);
 	gw_status status = gw_camera_look(camera, view->at, view->to, up, view->angle, error);
 	if (status != GW_OK)
 		return status;
 	double radians = turn * (double)(picture % plan->orbit) / (double)plan->orbit;
 	gw_camera_orbit(camera, view->inside ? view->at : view->to, up, radians);
-	camera->near = NEAR * spacing;
+	camera->near = fmax(NEAR * spacing, view->near);
 	return GW_OK;
 }

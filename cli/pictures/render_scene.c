@@ -245,11 +245,15 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 								   .rough_area = !c->all,
 								   .cancelled = is_cancelled };
 	scene->up = loaded->up;
+	scene->scanner = loaded->points.points.scanner;
+	scene->scanner_count = loaded->points.points.scanner_count;
 	scene->photometric = is_photometric(&loaded->cloud);
 	double start = gw_seconds();
 	gw_status status = gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error);
 	if (status != GW_OK)
 		return status;
+	scene->scanner = NULL;
+	scene->scanner_count = 0;
 	lay_out(scene, &loaded->cloud, wanted);
 	status = fill_channels(scene, &loaded->cloud, error);
 	if (status == GW_OK)

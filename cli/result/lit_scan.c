@@ -299,6 +299,9 @@ static gw_status make_comments(maker *m)
 			 exposure);
 	if (status == GW_OK && m->settings->colors == 0)
 		status = comment(m, text);
+	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
+	if (status == GW_OK && m->lit->up != 'z')
+		status = comment(m, text);
 	return status == GW_OK ? comment_error(m) : status;
 }
 

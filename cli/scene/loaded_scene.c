@@ -249,7 +249,7 @@ static gw_status read_mesh(const settings *s, const settings_input *from, loaded
 	if (status != GW_OK)
 		return status;
 	facts->format = facts->mesh.format;
-	mesh_stand(&facts->mesh, s->up == SETTINGS_UP_Y ? 'y' : 'z');
+	mesh_stand(&facts->mesh, settings_up_axis(s->up));
 	if (from->has_matrix)
 		mesh_transform(&facts->mesh, from->matrix);
 	return mesh_measure(&facts->mesh, loaded_scene_input_name(from->path), error);
@@ -395,11 +395,12 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 						  gw_error *error)
 {
 	if (s->up != SETTINGS_UP_AUTO)
-		up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+		up = settings_up_axis(s->up);
 	if (scene->up && scene->up != up)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "%s has %c up, but the inputs before it %c; say which holds with --up",
-					   loaded_scene_input_name(path), up, scene->up);
+					   "%s has %s up, but the inputs before it %s; say which holds with --up",
+					   loaded_scene_input_name(path), settings_up_name(up),
+					   settings_up_name(scene->up));
 	scene->up = up;
 	return GW_OK;
 }
@@ -533,6 +534,12 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
 		scene->map = grown;
+		if (scene->up != 'y' && scene->up != 'z')
+			return gw_fail(
+				error, GW_ERROR_USAGE,
+				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
+				"with \"matrix\" of an input in a scene file",
+				s->light[i].map, settings_up_name(scene->up));
 		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
 		if (status != GW_OK)
 			break;

@@ -30,7 +30,7 @@ typedef struct loaded_scene {
 	size_t input_count;
 	panorama *map; /* owned; map_count: of environment lights, from loaded_scene_lights */
 	size_t map_count;
-	char up; /* 'y' or 'z' */
+	char up; /* as gw_camera_up has it */
 } loaded_scene;
 
 /*

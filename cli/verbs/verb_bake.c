@@ -303,7 +303,7 @@ static gw_status light_frames(bake *b)
 static gw_status print_scene(bake *b)
 {
 	settings *s = b->settings;
-	char up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	char up = settings_up_axis(s->up);
 	bool ask = false;
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);

@@ -101,7 +101,7 @@ static void print_json(const facts *f)
 	json_put_count(&json, "finite", s->finite);
 	json_put_count(&json, "duplicates", s->duplicates);
 	json_put_count(&json, "left_out", f->cloud->left_out);
-	json_put_text(&json, "up", (char[]){ f->cloud->up, '\0' });
+	json_put_text(&json, "up", settings_up_name(f->cloud->up));
 	json_put_reals(&json, "minimum", s->minimum, 3);
 	json_put_reals(&json, "maximum", s->maximum, 3);
 	json_put_reals(&json, "spacing", s->spacing, 3);
@@ -146,7 +146,7 @@ static void print_text(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
 	text_message(stdout, "%s\n", f->name);
-	printf("  format     %s, %c up\n", f->format->name, f->cloud->up);
+	printf("  format     %s, %s up\n", f->format->name, settings_up_name(f->cloud->up));
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);

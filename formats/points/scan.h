@@ -36,6 +36,8 @@ typedef struct scan_column {
 /* A comment that begins with this is about the input: something that its reader found wrong or took
  * for granted. Users see it; it does not go into results. */
 #define SCAN_NOTE "note: "
+/* And one that begins with this names the axis that points up: "y" or "-y". */
+#define SCAN_UP "glowworm up: "
 #define SCAN_NO_SCANNER UINT32_MAX
 
 typedef struct scan {
@@ -45,7 +47,7 @@ typedef struct scan {
 	char **comment; /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
 	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
-	char up;           /* 'y' or 'z': which axis the format calls up */
+	char up;           /* which axis the format calls up, as gw_camera_up has it */
 	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
 						  coordinates */
 	size_t scanner_count;
