@@ -4,6 +4,7 @@
 #include "options/preview.h"
 #include "pictures/render_mesh.h"
 #include "points/scan_color.h"
+#include "program/text_quote.h"
 #include "program/signals.h"
 
 #include <math.h>
@@ -266,6 +267,14 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	return status;
 }
 
+/* What its readers found. */
+static void note_input(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
+}
+
 gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,
 							gw_error *error)
 {
@@ -275,6 +284,8 @@ gw_status render_scene_read(const settings *s, const render_scene_wish *wish, re
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	scene->read_seconds = gw_seconds() - start;
+	if (status == GW_OK && !s->quiet)
+		note_input(&loaded.cloud);
 	if (status == GW_OK) {
 		bool glossy = scan_find_scalar(&loaded.cloud, column_name[RENDER_SPECULAR][0]) != NULL;
 		c.all =

@@ -216,6 +216,11 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
 							   scan_color_find(cloud, scan_color_names, &color)) ||
 							 color.black);
+	facts->albedo_told = !from->has_albedo && points->albedo_told;
+	double sum = 0.0;
+	for (size_t i = 0; i < 3 * cloud->count; i++)
+		sum += isfinite(points->albedo[i]) ? fmin((double)points->albedo[i], 1.0) : 0.0;
+	facts->albedo_mean = sum / (3.0 * (double)cloud->count);
 	facts->lit = is_lit(cloud);
 	facts->points = cloud->count;
 	facts->left_out = cloud->left_out;

@@ -15,8 +15,10 @@ typedef struct loaded_input {
 	const format *format;
 	size_t points;
 	uint64_t left_out; /* rows of the file without a point */
-	char albedo_source[160];
+	char albedo_source[240];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
+	bool albedo_told;    /* what its colours count to was told by their values */
+	double albedo_mean;  /* of all points and colours, linear */
 	bool lit;            /* glowworm wrote it */
 	bool is_mesh;
 	mesh mesh; /* what it was, without its shape; empty for a cloud */

@@ -127,6 +127,35 @@ static gw_status open_outputs(bake *b)
 
 /* ------------------------------------------------------------------------------- the bake */
 
+#define ALBEDO_DARK 0.03   /* mean of charcoal; no scan of a place is darker */
+#define ALBEDO_BRIGHT 0.85 /* of fresh snow */
+#define ALBEDO_USUAL 0.2   /* of most places */
+
+/* What was told of colours by their values alone, and what looks wrong with them as a whole. */
+static void note_colors(const settings *s, const loaded_input *input)
+{
+	const char *name = loaded_scene_input_name(input->path);
+	double mean = input->albedo_mean;
+	if (input->albedo_told)
+		text_message(stderr, "glowworm: note: %s: the albedo is from %s, as the values tell\n",
+					 name, input->albedo_source);
+	if (input->albedo_missing || input->is_mesh || input->lit || s->points.scale != 1.0f ||
+		s->points.white > 0.0f)
+		return;
+	if (mean < ALBEDO_DARK && mean > 0.0)
+		text_message(stderr,
+					 "glowworm: note: %s: the albedo is %.2g on average, which is darker than "
+					 "charcoal; --albedo-scale %.2g makes it %g, and --input-gamma linear does not "
+					 "decode it\n",
+					 name, mean, ALBEDO_USUAL / mean, ALBEDO_USUAL);
+	if (mean > ALBEDO_BRIGHT)
+		text_message(
+			stderr,
+			"glowworm: note: %s: the albedo is %.2g on average, as bright as snow, so that "
+			"light hardly ends; --albedo-scale %.2g makes it 0.5\n",
+			name, mean, 0.5 / mean);
+}
+
 static void note_inputs(const bake *b)
 {
 	bool lit = true;
@@ -139,6 +168,7 @@ static void note_inputs(const bake *b)
 		if (input->albedo_missing)
 			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
 						 loaded_scene_input_name(input->path), input->albedo_source);
+		note_colors(b->settings, input);
 	}
 	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
 		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)

@@ -36,9 +36,6 @@ gw_status mesh_vertices_put(const mesh *m, bool faces, scan *cloud, gw_error *er
 		status = scan_add_comment(cloud, text, error);
 	}
 	if (status == GW_OK && faces)
-		status = scan_add_comment(cloud,
-								  SCAN_NOTE "its vertices were read, not its faces; `glowworm "
-											"sample` puts points on them",
-								  error);
+		status = scan_add_comment(cloud, MESH_VERTICES_NOTE, error);
 	return status;
 }

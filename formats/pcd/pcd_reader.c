@@ -330,7 +330,7 @@ static gw_status check_size(const reader *r)
 	if (ascii)
 		wrong = h->points > (left + 1) / (2 * h->values);
 	else if (h->encoding == PCD_BINARY)
-		wrong = h->points > left / stride || left - h->points * stride >= stride;
+		wrong = h->points > left / stride;
 	if (wrong)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s has %zu bytes from byte %zu on, but %llu points of %zu %s are counted; "
@@ -361,6 +361,20 @@ static gw_status read_body(reader *r)
 		if (is_packed(&r->header->field[f]))
 			status = unpack_colors(r, &r->header->field[f]);
 	return status;
+}
+
+/* Some programs leave bytes behind the points. */
+static gw_status note_rest(const reader *r)
+{
+	const pcd_header *h = r->header;
+	size_t left = (size_t)(r->end - r->body);
+	char text[160];
+	if (h->encoding != PCD_BINARY || left - h->points * h->stride < h->stride)
+		return GW_OK;
+	snprintf(text, sizeof text,
+			 SCAN_NOTE "%zu bytes behind the %llu points that its header counts were left out",
+			 left - (size_t)h->points * h->stride, (unsigned long long)h->points);
+	return scan_add_comment(r->cloud, text, r->error);
 }
 
 /* The default says nothing; in an organised cloud it is the camera itself. */
@@ -447,6 +461,8 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 					 .cloud = cloud,
 					 .error = error };
 		status = read_body(&r);
+		if (status == GW_OK)
+			status = note_rest(&r);
 		if (status == GW_OK)
 			status = take_viewpoint(&header, cloud, error);
 		if (status == GW_OK)

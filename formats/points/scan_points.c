@@ -203,6 +203,7 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	}
 	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full",
 			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
+	out->albedo_told = color.told;
 	return albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error);
 }
 

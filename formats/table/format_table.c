@@ -6,6 +6,7 @@
 #include "meshes/mesh.h"
 #include "pcd/pcd_format.h"
 #include "ply/ply_format.h"
+#include "points/scan_color.h"
 #include "text/text_formats.h"
 
 #include <stdio.h>
@@ -121,6 +122,8 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 	if (!found)
 		found = recognise(path, &in);
 	status = input_file_check(&in, read_as(found, &in, cloud, error), error);
+	if (status == GW_OK)
+		status = scan_color_unpack(cloud, error);
 	if (status != GW_OK)
 		scan_clear(cloud);
 	take_up(cloud);
