@@ -2,6 +2,7 @@
 #include "table/format_table.h"
 #include "program/nearest_name.h"
 #include "options/preview.h"
+#include "units/coordinates.h"
 #include "program/text_quote.h"
 
 #include <assert.h>
@@ -49,6 +50,11 @@ static const char *up_name(int i)
 	if (i == SETTINGS_UP_AUTO)
 		return "auto";
 	return i < SETTINGS_UP_COUNT ? settings_up_name(settings_up_axis(i)) : NULL;
+}
+
+static const char *length_name(int i)
+{
+	return i < COORDINATES_UNIT_COUNT ? coordinates_unit_name((coordinates_unit)i) : NULL;
 }
 
 static const char *colors_name(int i)
@@ -287,6 +293,12 @@ const option options[] = {
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
 		  "of a depth camera's own frame; auto asks the format" },
+	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | INFO | TRADEOFF | RENDER), .scene = true,
+	  AT(length), .choice = length_name, .group = "Scene",
+	  .help =
+		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
+		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
+		  "metres, and what is written keeps the coordinates" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(format),
 	  .choice = format_name, .group = "Scene",

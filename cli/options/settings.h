@@ -152,6 +152,7 @@ typedef struct settings {
 	const char *frames;   /* which of them to bake, as given; NULL: none */
 	bool rebuild, independent;
 	int units;                       /* 0 radiometric, 1 photometric */
+	int length;                      /* a coordinates_unit: what coordinates are in */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */

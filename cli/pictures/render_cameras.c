@@ -47,14 +47,18 @@ size_t camera_plan_count(const camera_plan *plan)
 }
 
 /* To the digits that a camera is printed with, so that it takes the same picture again. */
-static void round_view(gw_viewpoint *view)
+static void round_view(const coordinates *place, gw_viewpoint *view)
 {
+	coordinates_from_metres(place, view->at);
+	coordinates_from_metres(place, view->to);
 	for (int k = 0; k < 6; k++) {
 		double *number = k < 3 ? view->at + k : view->to + k - 3;
 		char text[64];
 		snprintf(text, sizeof text, CAMERA_TEXT_NUMBER, *number);
 		*number = strtod(text, NULL);
 	}
+	coordinates_to_metres(place, view->at);
+	coordinates_to_metres(place, view->to);
 }
 
 /* With -y up and all in front of the origin along z, a depth camera stood there. */
@@ -81,6 +85,8 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			view->angle = text->angle > 0.0 ? text->angle : CAMERA_TEXT_ANGLE;
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
+			coordinates_to_metres(&scene->place, view->at);
+			coordinates_to_metres(&scene->place, view->to);
 		} else {
 			const gw_viewpoint_wish wish = { .kind = text->kind,
 											 .luminance = scene->luminance,
@@ -91,7 +97,7 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 											 .scanner = seen_from,
 											 .scanner_count = seen ? 1 : scene->scanner_count };
 			status = gw_viewpoint_find(surfels, &wish, view, error);
-			round_view(view);
+			round_view(&scene->place, view);
 		}
 	}
 	return status;

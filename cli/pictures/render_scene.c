@@ -236,7 +236,7 @@ static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, 
 	return status;
 }
 
-static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wanted, choosing *c,
+static gw_status make(const settings *s, loaded_scene *loaded, uint32_t wanted, choosing *c,
 					  gw_error *error)
 {
 	render_scene *scene = c->scene;
@@ -246,6 +246,8 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 								   .rough_area = !c->all,
 								   .cancelled = is_cancelled };
 	scene->up = loaded->up;
+	scene->place = loaded->place;
+	loaded->place = coordinates_metres();
 	scene->scanner = loaded->points.points.scanner;
 	scene->scanner_count = loaded->points.points.scanner_count;
 	scene->photometric = is_photometric(&loaded->cloud);
@@ -280,7 +282,7 @@ gw_status render_scene_read(const settings *s, const render_scene_wish *wish, re
 {
 	loaded_scene loaded;
 	choosing c = { scene, &loaded.cloud, wish->choose, false, wish->user };
-	*scene = (render_scene){ .channel = NULL };
+	*scene = (render_scene){ .place = coordinates_metres() };
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	scene->read_seconds = gw_seconds() - start;
@@ -304,7 +306,8 @@ void render_scene_clear(render_scene *scene)
 	free(scene->channel);
 	free(scene->glows);
 	free(scene->luminance);
+	coordinates_clear(&scene->place);
 	gw_mesh_pieces_clear(&scene->pieces);
 	free(scene->index);
-	*scene = (render_scene){ .channel = NULL };
+	*scene = (render_scene){ .place = coordinates_metres() };
 }

@@ -421,6 +421,46 @@ bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 	return from->mesh || (named && mesh_has_faces(from->path));
 }
 
+static void place_points(const loaded_scene *scene, scan_points *points, size_t count)
+{
+	for (size_t i = 0; i < count && scene->place.changes; i++)
+		coordinates_to_metres(&scene->place, points->position + 3 * i);
+}
+
+/* What the coordinates of an input are in, which has to be the same for all of them. */
+static gw_status find_place(const settings *s, loaded_scene *scene, size_t input, scan *cloud,
+							gw_error *error)
+{
+	coordinates own;
+	gw_error reason = { 0 };
+	const char *name = loaded_scene_input_name(s->input[input].path);
+	gw_status status = coordinates_find(cloud, (coordinates_unit)s->length, &own, &reason);
+	if (status != GW_OK)
+		return gw_fail(error, status, "%s: %.900s", name, reason.text);
+	if (own.changes && s->path_count > 0)
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"%s: the coordinates are %s, but what moves by frames needs metres; convert "
+					"the file, or say --units m",
+					name, own.name);
+	bool first = true;
+	for (size_t i = 0; i < input; i++)
+		first = first && scene->input[i].is_mesh;
+	if (status == GW_OK && !first && !coordinates_agree(&own, &scene->place))
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"%s has coordinates in %s, but the inputs before it in %s; say which holds "
+					"with --units",
+					name, own.name, scene->place.name);
+	if (status == GW_OK && first) {
+		coordinates_clear(&scene->place);
+		scene->place = own;
+		return GW_OK;
+	}
+	coordinates_clear(&own);
+	return status;
+}
+
 /* Clouds become points; meshes are read, but how densely to sample them is known only when all
  * clouds are there. */
 static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
@@ -437,7 +477,11 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 		else
 			status = read_cloud(s, from, &parts[i].cloud, facts, error);
 		if (status == GW_OK && !facts->is_mesh)
+			status = find_place(s, scene, i, &parts[i].cloud, error);
+		if (status == GW_OK && !facts->is_mesh)
 			status = finish_part(s, from, &parts[i], facts, error);
+		if (status == GW_OK && !facts->is_mesh)
+			place_points(scene, &parts[i].points, parts[i].cloud.count);
 		if (status == GW_OK)
 			status = stopped(error);
 	}
@@ -451,6 +495,8 @@ static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts,
 	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
 		if (scene->input[i].is_mesh)
 			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
+		if (scene->input[i].is_mesh && status == GW_OK)
+			place_points(scene, &parts[i].points, parts[i].cloud.count);
 		/* A mesh that does not say which way is up follows the inputs before it. */
 		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
 		char up = follows ? scene->up : parts[i].cloud.up;
@@ -485,21 +531,40 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 	return status;
 }
 
+static gw_status place_scanners(loaded_scene *scene, gw_error *error)
+{
+	size_t count = scene->cloud.scanner_count;
+	if (!scene->place.changes || count == 0)
+		return GW_OK;
+	scene->scanner = reallocarray(NULL, count, 3 * sizeof *scene->scanner);
+	if (!scene->scanner)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", count);
+	memcpy(scene->scanner, scene->cloud.scanner, 3 * count * sizeof *scene->scanner);
+	for (size_t i = 0; i < count; i++)
+		coordinates_to_metres(&scene->place, scene->scanner + 3 * i);
+	return GW_OK;
+}
+
 gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
 {
-	*scene = (loaded_scene){ 0 };
+	*scene = (loaded_scene){ .place = coordinates_metres() };
 	gw_status status = read_all(s, scene, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;
 	}
 	scan_points *p = &scene->points;
+	status = place_scanners(scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
 	p->points = (gw_points){ .count = scene->cloud.count,
 							 .position = p->position,
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
-							 .scanner = scene->cloud.scanner,
+							 .scanner = scene->scanner ? scene->scanner : scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
 							 .scanner_of = scene->cloud.scanner_of };
 	return GW_OK;
@@ -515,7 +580,20 @@ void loaded_scene_clear(loaded_scene *scene)
 		panorama_clear(&scene->map[i]);
 	free(scene->map);
 	free(scene->input);
-	*scene = (loaded_scene){ 0 };
+	free(scene->scanner);
+	coordinates_clear(&scene->place);
+	*scene = (loaded_scene){ .place = coordinates_metres() };
+}
+
+void loaded_scene_place(const coordinates *place, char up, lamp *light)
+{
+	double at[3];
+	memcpy(at, light->light.position, sizeof at);
+	coordinates_to_metres(place, at);
+	coordinates_to_metres(place, light->target);
+	for (int k = 0; k < 3; k++)
+		light->light.position[k] = at[k];
+	light_resolve(light, up);
 }
 
 static bool emits(const loaded_scene *scene)
@@ -562,8 +640,10 @@ gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **light
 	if (!*lights)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
 	for (size_t i = 0; i < s->light_count; i++) {
+		lamp placed = s->light[i];
+		loaded_scene_place(&scene->place, scene->up, &placed);
 		light_resolve(&s->light[i], scene->up);
-		(*lights)[i] = s->light[i].light;
+		(*lights)[i] = placed.light;
 	}
 	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
 		return gw_fail(error, GW_ERROR_USAGE,

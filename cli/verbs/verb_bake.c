@@ -170,6 +170,13 @@ static void note_inputs(const bake *b)
 						 loaded_scene_input_name(input->path), input->albedo_source);
 		note_colors(b->settings, input);
 	}
+	if (b->scene.place.changes)
+		text_message(stderr,
+					 "glowworm: note: the coordinates are %s, %s; the places of lamps are too, all "
+					 "other lengths are metres; points keep their coordinates%s\n",
+					 b->scene.place.name,
+					 b->scene.place.by_file ? "as the file says" : "as asked for",
+					 b->settings->vdb ? ", grids are in metres" : "");
 	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
 		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
 			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);

@@ -449,10 +449,19 @@ static void note_lamps(const render *r)
 				idle);
 }
 
+/* The first camera in the input's coordinates. */
+static gw_viewpoint shown_view(const render *r)
+{
+	gw_viewpoint view = r->plan.view[0];
+	coordinates_from_metres(&r->scene.place, view.at);
+	coordinates_from_metres(&r->scene.place, view.to);
+	return view;
+}
+
 /* A camera that was chosen, as the option that takes the same picture again. */
 static void note_camera(const render *r)
 {
-	const gw_viewpoint *v = r->plan.view;
+	const gw_viewpoint own = shown_view(r), *v = &own;
 	if (r->settings->quiet || r->plan.text[0].placed)
 		return;
 	fprintf(stderr,
@@ -493,7 +502,7 @@ static gw_status run(render *r)
 /* What --verbose says: enough to take the same picture again. */
 static void summarize(const render *r)
 {
-	const gw_viewpoint *v = r->plan.view;
+	const gw_viewpoint own = shown_view(r), *v = &own;
 	fprintf(stderr, "camera    " CAMERA_PLACE " fov %g\n", v->at[0], v->at[1], v->at[2], v->to[0],
 			v->to[1], v->to[2], v->angle);
 	if (!isnan(r->look.exposure))
