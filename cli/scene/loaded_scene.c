@@ -1,6 +1,7 @@
 #include "scene/loaded_scene.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
 #include "table/format_table.h"
@@ -478,9 +479,52 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 			status = read_cloud(s, from, &parts[i].cloud, facts, error);
 		if (status == GW_OK && !facts->is_mesh)
 			status = find_place(s, scene, i, &parts[i].cloud, error);
-		if (status == GW_OK && !facts->is_mesh)
-			status = finish_part(s, from, &parts[i], facts, error);
-		if (status == GW_OK && !facts->is_mesh)
+		if (status == GW_OK)
+			status = stopped(error);
+	}
+	return status;
+}
+
+/* What intensity counts to in several clouds together: so that one that is darker stays so. */
+static gw_status find_full_intensity(const settings *s, const loaded_scene *scene,
+									 const part *parts, float *full, gw_error *error)
+{
+	size_t clouds = 0, count = 0;
+	float *all = NULL;
+	gw_status status = GW_OK;
+	*full = 0.0f;
+	for (size_t i = 0; i < s->input_count; i++)
+		clouds += !scene->input[i].is_mesh;
+	bool needed = s->points.albedo == SCAN_ALBEDO_INTENSITY && clouds > 1;
+	for (size_t i = 0; i < s->input_count && needed && status == GW_OK; i++) {
+		const scan *cloud = &parts[i].cloud;
+		if (scene->input[i].is_mesh || !scan_find_scalar(cloud, "intensity"))
+			continue;
+		char how[120];
+		float *own;
+		status = scan_intensity_make(cloud, s->bake.threads, &own, how, error);
+		if (status == GW_OK)
+			status = append_floats(&all, count, own, cloud->count, error);
+		count += cloud->count;
+		free(own);
+	}
+	if (status == GW_OK && all)
+		*full = scan_intensity_full(all, count);
+	free(all);
+	return status;
+}
+
+/* From the clouds' columns to points. */
+static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	settings scaled = *s; /* nothing of it is freed */
+	gw_status status = find_full_intensity(s, scene, parts, &scaled.points.intensity_full, error);
+	scaled.points.threads = s->bake.threads;
+	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+		if (scene->input[i].is_mesh)
+			continue;
+		status = finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error);
+		if (status == GW_OK)
 			place_points(scene, &parts[i].points, parts[i].cloud.count);
 		if (status == GW_OK)
 			status = stopped(error);
@@ -521,6 +565,8 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
 	if (status == GW_OK)
 		status = read_parts(s, scene, parts, error);
+	if (status == GW_OK)
+		status = finish_clouds(s, scene, parts, error);
 	if (status == GW_OK)
 		status = join_parts(s, scene, parts, error);
 	for (size_t i = 0; parts && i < s->input_count; i++) {

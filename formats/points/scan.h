@@ -114,6 +114,9 @@ typedef struct scan_points_options {
 	float scale;          /* every albedo is multiplied by this; 1 leaves it */
 	float white;          /* 0..1: blend towards white, rho + white * (1 - rho) (Salm 5.1) */
 	bool linear_colors;   /* colours are linear already, not sRGB-encoded */
+	float intensity_full; /* what intensity counts to, after scan_intensity_make; 0: its 99th
+							 percentile */
+	uint32_t threads;     /* 0: one a core */
 } scan_points_options;
 
 #define SCAN_POINTS_OPTIONS_DEFAULT                                                                \

@@ -393,6 +393,45 @@ static void intensity_is_scaled_to_its_percentile(void **state)
 	scan_clear(&cloud);
 }
 
+/* A floor of two colours below a scanner 1.6 m up: as it echoes, by cosine / range^2, and as a
+ * scanner writes it that corrects for these itself. Either way the albedo is that of the colours,
+ * up to a factor: within one in fifty, as the bins are of some width. */
+static void intensity_loses_range_and_angle(void **state)
+{
+	(void)state;
+	enum { SIDE = 120, N = SIDE * SIDE };
+	for (int corrected = 0; corrected < 2; corrected++) {
+		scan cloud = { .count = N };
+		static const char *const name[4] = { "x", "y", "z", "intensity" };
+		for (int k = 0; k < 4; k++)
+			assert_non_null(scan_add_column(&cloud, name[k], SCAN_FLOAT64, NULL));
+		const double at[3] = { 0.03, -0.02, 1.6 };
+		assert_int_equal(scan_add_scanner(&cloud, at, 0, N, NULL), GW_OK);
+		for (size_t i = 0; i < N; i++) {
+			double x = 0.1 * ((double)(i % SIDE) - 60), y = 0.1 * ((double)(i / SIDE) - 60);
+			double squared = (x - at[0]) * (x - at[0]) + (y - at[1]) * (y - at[1]) + at[2] * at[2];
+			double rho = i * 2654435761u % 4294967296u < 2147483648u ? 0.2 : 0.8;
+			scan_store(scan_find(&cloud, "x"), i, x);
+			scan_store(scan_find(&cloud, "y"), i, y);
+			scan_store(scan_find(&cloud, "intensity"), i,
+					   corrected ? 900 * rho : 900 * rho * at[2] / (squared * sqrt(squared)));
+		}
+		scan_points points;
+		scan_points_options options = SCAN_POINTS_OPTIONS_DEFAULT;
+		options.albedo = SCAN_ALBEDO_INTENSITY;
+		assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+		for (size_t i = 0; i < N; i++) {
+			double rho = i * 2654435761u % 4294967296u < 2147483648u ? 0.25 : 1.0;
+			if (!(fabs((double)points.albedo[3 * i] - rho) < 0.02 * rho))
+				fail_msg("point %zu: %g, not %g; %s", i, (double)points.albedo[3 * i], rho,
+						 points.albedo_source);
+		}
+		assert_true((strstr(points.albedo_source, "cosine") != NULL) == !corrected);
+		scan_points_clear(&points);
+		scan_clear(&cloud);
+	}
+}
+
 static void albedo_is_scaled_and_blended(void **state)
 {
 	(void)state;
@@ -496,6 +535,7 @@ int main(void)
 		cmocka_unit_test(lit_file_is_lit_again_from_its_albedo),
 		cmocka_unit_test(black_or_missing_colors_give_the_default),
 		cmocka_unit_test(intensity_is_scaled_to_its_percentile),
+		cmocka_unit_test(intensity_loses_range_and_angle),
 		cmocka_unit_test(albedo_is_scaled_and_blended),
 		cmocka_unit_test(scanners_keep_their_points),
 		cmocka_unit_test(everything_else_is_handed_on),
