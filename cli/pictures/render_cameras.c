@@ -71,14 +71,13 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 							double aspect, gw_error *error)
 {
 	static const double origin[3] = { 0 };
-	gw_status status = GW_OK;
 	plan->up = scene->up;
 	bool seen = scene->scanner_count == 0 && is_camera_frame(plan->up, surfels);
 	const double *seen_from = seen ? origin : scene->scanner;
 	plan->view = calloc(plan->text_count, sizeof *plan->view);
 	if (!plan->view)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cameras", plan->text_count);
-	for (size_t i = 0; i < plan->text_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < plan->text_count; i++) {
 		const camera_text *text = plan->text + i;
 		gw_viewpoint *view = plan->view + i;
 		if (text->placed) {
@@ -96,11 +95,11 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 											 .around = plan->orbit > 1,
 											 .scanner = seen_from,
 											 .scanner_count = seen ? 1 : scene->scanner_count };
-			status = gw_viewpoint_find(surfels, &wish, view, error);
+			GW_TRY(gw_viewpoint_find(surfels, &wish, view, error));
 			round_view(&scene->place, view);
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 /*
@@ -226,9 +225,7 @@ gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t pic
 	const gw_viewpoint *view = plan->view + picture / plan->orbit;
 	double up[3];
 	gw_camera_up(plan->up, up);
-	gw_status status = gw_camera_look(camera, view->at, view->to, up, view->angle, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_camera_look(camera, view->at, view->to, up, view->angle, error));
 	double radians = turn * (double)(picture % plan->orbit) / (double)plan->orbit;
 	gw_camera_orbit(camera, view->inside ? view->at : view->to, up, radians);
 	camera->near = fmax(NEAR * spacing, view->near);
