@@ -141,10 +141,9 @@ static bool is_packed(const scan_column *column, size_t count)
 gw_status scan_color_unpack(scan *cloud, gw_error *error)
 {
 	scan_color color;
-	const char *name = "rgb";
-	const scan_column *packed = find_other(cloud, name);
+	const scan_column *packed = find_other(cloud, "rgb");
 	if (!packed)
-		packed = find_other(cloud, name = "rgba");
+		packed = find_other(cloud, "rgba");
 	if (!packed || scan_color_find(cloud, scan_color_names, &color) ||
 		!is_packed(packed, cloud->count))
 		return GW_OK;
