@@ -121,8 +121,8 @@ static void reach_cell(const reach *r, size_t surfel, int cell[3])
 	for (size_t k = 0; k < 3; k++) {
 		double offset =
 			(double)r->surfels->position[3 * surfel + k] - (double)r->surfels->minimum[k];
-		int at = (int)(offset * r->per_metre);
-		cell[k] = at < r->side[k] ? at : r->side[k] - 1;
+		/* Strays lie outside the bounds, as far as one likes. */
+		cell[k] = (int)fmin(fmax(offset * r->per_metre, 0.0), r->side[k] - 1.0);
 	}
 }
 

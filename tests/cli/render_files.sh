@@ -40,6 +40,15 @@ small='--size 200x120'
 	run 0 render box.ply -o walk.png $small --path path.txt --up z -q
 	ls around-*.png walk-*.png
 
+	# Points far off, in the picture's middle or at the end of the world, change nothing but by
+	# a disc's width.
+	glowworm convert box.ply plain.txt --output-format xyz -f
+	{ cat plain.txt; echo 300 0 -40; echo 1e9 0 0; } | awk '{ print $1, $2, $3 }' >far.txt
+	awk '{ print $1, $2, $3 }' plain.txt >near.txt
+	for file in near far; do
+		glowworm render $file.txt -o $file.png $small 2>&1 | sed -n 's/.*at \([^,]*\),.*/\1/p'
+	done | awk '{ x[NR] = $1 } END { print NR, (x[1] - x[2]) ^ 2 < 0.03 ^ 2 }'
+
 	echo == bad wishes
 	run 2 render box.ply $small
 	run 2 render -o x.png
