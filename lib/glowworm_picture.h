@@ -145,6 +145,19 @@ typedef struct gw_camera {
 gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[3],
 						 const double up[3], double angle, gw_error *error);
 
+/*
+ * The axis that a letter names: 'x', 'y' or 'z', and 'X', 'Y' or 'Z' for the same ones downwards.
+ *   axis  receives it, unit
+ */
+void gw_camera_up(char up, double axis[3]);
+
+/*
+ * A right-handed frame for such an axis: x for 'z', and y for it, are to the right and to the back
+ * of who looks straight at a cloud, and for 'Y', as depth cameras have it, that is x and z.
+ *   right, back, up  receive unit vectors
+ */
+void gw_camera_stand(char axis, double right[3], double back[3], double up[3]);
+
 /* Turns a vector from the world's axes to the camera's. */
 void gw_camera_turn(const gw_camera *camera, const double world[3], double view[3]);
 
@@ -184,9 +197,12 @@ typedef enum gw_viewpoint_kind {
 typedef struct gw_viewpoint_wish {
 	gw_viewpoint_kind kind; /* GW_VIEWPOINT_INSIDE falls back to outside when no cell is enclosed */
 	const float *luminance; /* count of the surfels, or NULL: all count as lit */
-	char up;                /* 'y' or 'z' */
+	char up;                /* as gw_camera_up has it */
 	double angle;           /* degrees, vertical angle of view; 0: the one that suits */
 	double aspect;          /* width of the picture by its height */
+	bool around;            /* from outside, all has to be in the picture from every side */
+	const double *scanner;  /* 3 * scanner_count, as in gw_points, or NULL */
+	size_t scanner_count;
 } gw_viewpoint_wish;
 
 /* Vertical angles of view that suit them, degrees. */
@@ -196,7 +212,10 @@ typedef struct gw_viewpoint_wish {
 typedef struct gw_viewpoint {
 	double at[3], to[3]; /* metres, in the coordinates of gw_points.position */
 	double angle;        /* degrees, vertical angle of view */
+	double near;         /* metres; what is nearer than this is in the way of what counts */
 	bool inside;
+	char flat; /* as gw_camera_up has it, 0 as a rule: much of the surface is flat across this axis,
+				  as ground is, and not across `up` */
 } gw_viewpoint;
 
 /*
@@ -208,13 +227,18 @@ typedef struct gw_viewpoint {
 double gw_viewpoint_enclosure(const gw_surfels *surfels);
 
 /*
- * Finds a viewpoint.
+ * Finds a viewpoint. Points far from the rest, and small groups of such, do not count.
  *
- * Outside: slightly from above, at that of eight azimuths from which most light is seen, as near as
- * the picture holds all surfels. Inside: space is cut into coarse cells; from each free one (or
- * some thousand of them) rays go out in all directions. Where most of them meet the front of a
- * surface the cell is inside; the view is best that sees far, and lit surfaces. Unless inside was
- * asked for, a space that is open on a side, such as a stage, is looked at from outside.
+ * Space is cut into coarse cells, and rays go out from the free ones in all directions. Where most
+ * of them meet a surface the cell is enclosed. A cloud is seen from inside when it encloses space,
+ * most of its surface is seen from there, and its fronts are: by its normals if they were given,
+ * else because scanners stood there, or else because there is a floor to stand on, of a size for
+ * people. A space that is open on a side, such as a stage, is looked at from outside.
+ *
+ * Inside: where there is floor, at the height of eyes, or in the air when there is none; the view
+ * is best that sees far, and lit surfaces. Outside: slightly from above, where most surface is seen
+ * by its front and lit, which is three quarters from the front for boxes and steeper for terrain,
+ * as near as the picture holds all that counts.
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,

@@ -14,6 +14,9 @@ typedef struct camera_text {
 	double angle;           /* degrees, vertical; 0: the default */
 } camera_text;
 
+/* How a coordinate of a camera is printed. */
+#define CAMERA_TEXT_NUMBER "%.10g"
+
 /* Vertical angle of view of a camera that does not say its own, degrees. */
 #define CAMERA_TEXT_ANGLE 50.0
 

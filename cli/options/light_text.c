@@ -2,6 +2,8 @@
 #include "program/nearest_name.h"
 #include "program/words.h"
 
+#include "glowworm_picture.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -246,10 +248,11 @@ void light_resolve(lamp *light, char up)
 	const double degree = acos(-1.0) / 180.0;
 	double a = light->azimuth * degree, e = light->elevation * degree;
 	double east = sin(a) * cos(e), north = cos(a) * cos(e), height = sin(e);
+	double axis[3][3];
+	gw_camera_stand(up, axis[0], axis[1], axis[2]);
 	/* From 0, so that no -0 comes out. */
-	l->direction[0] = 0.0 - east;
-	l->direction[1] = 0.0 - (up == 'y' ? height : north);
-	l->direction[2] = up == 'y' ? north : 0.0 - height;
+	for (int k = 0; k < 3; k++)
+		l->direction[k] = 0.0 - (east * axis[0][k] + north * axis[1][k] + height * axis[2][k]);
 }
 
 /* -------------------------------------------------------------------------------- words */

@@ -90,7 +90,8 @@ gw_status light_check(const lamp *light, unsigned given, bool scene, gw_error *e
 /* Reads the text of one --light. Failures name the word and where it stands. */
 gw_status light_from_text(const char *text, lamp *light, gw_error *error);
 
-/* Works out the direction. up: 'y' or 'z'; with y up, north is -z. */
+/* Works out the direction. up: as gw_camera_up has it; north is the back of gw_camera_stand, which
+ * is y with z up and -z with y up. */
 void light_resolve(lamp *light, char up);
 
 #endif

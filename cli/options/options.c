@@ -2,6 +2,7 @@
 #include "table/format_table.h"
 #include "program/nearest_name.h"
 #include "options/preview.h"
+#include "units/coordinates.h"
 #include "program/text_quote.h"
 
 #include <assert.h>
@@ -65,8 +66,14 @@ static const char *gamma_name(int i)
 
 static const char *up_name(int i)
 {
-	static const char *const name[] = { "auto", "y", "z", NULL };
-	return name[i];
+	if (i == SETTINGS_UP_AUTO)
+		return "auto";
+	return i < SETTINGS_UP_COUNT ? settings_up_name(settings_up_axis(i)) : NULL;
+}
+
+static const char *length_name(int i)
+{
+	return i < COORDINATES_UNIT_COUNT ? coordinates_unit_name((coordinates_unit)i) : NULL;
 }
 
 static const char *colors_name(int i)
@@ -323,8 +330,14 @@ const option options[] = {
 	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true, AT(up),
 	  .choice = up_name, .group = "Scene",
 	  .help =
-		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
-		  "the format" },
+		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
+		  "of a depth camera's own frame; auto asks the format" },
+	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | INFO | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	  AT(length), .choice = length_name, .group = "Scene",
+	  .help =
+		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
+		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
+		  "metres, and what is written keeps the coordinates" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
 	  .choice = format_name, .group = "Scene",

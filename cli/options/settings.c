@@ -26,6 +26,22 @@ settings settings_default(void)
 	return s;
 }
 
+static const char up_axis[SETTINGS_UP_COUNT] = { 'z', 'y', 'z', 'x', 'Y', 'Z', 'X' };
+
+char settings_up_axis(int up)
+{
+	return up_axis[up];
+}
+
+const char *settings_up_name(char axis)
+{
+	static const char *const name[SETTINGS_UP_COUNT] = { "auto", "y", "z", "x", "-y", "-z", "-x" };
+	int up = axis ? 1 : 0;
+	while (axis && up + 1 < SETTINGS_UP_COUNT && up_axis[up] != axis)
+		up++;
+	return name[up];
+}
+
 void settings_clear(settings *s)
 {
 	for (size_t i = 0; i < s->input_count; i++)

@@ -46,6 +46,10 @@ typedef enum settings_up {
 	SETTINGS_UP_AUTO,
 	SETTINGS_UP_Y,
 	SETTINGS_UP_Z,
+	SETTINGS_UP_X,
+	SETTINGS_UP_MINUS_Y,
+	SETTINGS_UP_MINUS_Z,
+	SETTINGS_UP_MINUS_X,
 	SETTINGS_UP_COUNT
 } settings_up;
 
@@ -162,6 +166,7 @@ typedef struct settings {
 	const char *frames;   /* which of them to bake, as given; NULL: none */
 	bool rebuild, independent;
 	int units;                       /* 0 radiometric, 1 photometric */
+	int length;                      /* a coordinates_unit: what coordinates are in */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
@@ -188,6 +193,11 @@ typedef struct settings {
 	char **text;   /* owned; text_count strings that others point to */
 	size_t text_count;
 } settings;
+
+/* The letter of an axis, as gw_camera_up has it; z for SETTINGS_UP_AUTO. And its name as an option:
+ * "-y". */
+char settings_up_axis(int up);
+const char *settings_up_name(char axis);
 
 settings settings_default(void);
 void settings_clear(settings *settings);

@@ -204,14 +204,14 @@ static gw_status make_records(const settings *s, const render_scene *scene, octr
 static gw_status make_shadow(settings *s, render_scene *scene, const octree_view *v,
 							 gw_render_octree *o, gw_error *error)
 {
-	lamp *light = &s->light[v->lamp];
+	lamp light = s->light[v->lamp];
 	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
 	float *share = calloc(count, sizeof *share);
 	if (!share)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for shadows on %zu points", count);
-	light_resolve(light, scene->up);
+	loaded_scene_place(&scene->place, scene->up, &light);
 	gw_status status =
-		gw_render_octree_shadow(o, &scene->surfels, &light->light, &s->bake, share, error);
+		gw_render_octree_shadow(o, &scene->surfels, &light.light, &s->bake, share, error);
 	for (size_t i = 0; i < count && status == GW_OK; i++)
 		scene->channel[i * stride + (size_t)scene->offset[RENDER_SHADOW]] = share[i];
 	free(share);

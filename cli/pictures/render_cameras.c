@@ -4,6 +4,7 @@
 #include "glowworm_host.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,10 +46,34 @@ size_t camera_plan_count(const camera_plan *plan)
 	return plan->text_count * plan->orbit;
 }
 
+/* To the digits that a camera is printed with, so that it takes the same picture again. */
+static void round_view(const coordinates *place, gw_viewpoint *view)
+{
+	coordinates_from_metres(place, view->at);
+	coordinates_from_metres(place, view->to);
+	for (int k = 0; k < 6; k++) {
+		double *number = k < 3 ? view->at + k : view->to + k - 3;
+		char text[64];
+		snprintf(text, sizeof text, CAMERA_TEXT_NUMBER, *number);
+		*number = strtod(text, NULL);
+	}
+	coordinates_to_metres(place, view->at);
+	coordinates_to_metres(place, view->to);
+}
+
+/* With -y up and all in front of the origin along z, a depth camera stood there. */
+static bool is_camera_frame(char up, const gw_surfels *s)
+{
+	return up == 'Y' && s->origin[2] + (double)s->minimum[2] > 0.0;
+}
+
 gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const gw_surfels *surfels,
 							double aspect, gw_error *error)
 {
+	static const double origin[3] = { 0 };
 	plan->up = scene->up;
+	bool seen = scene->scanner_count == 0 && is_camera_frame(plan->up, surfels);
+	const double *seen_from = seen ? origin : scene->scanner;
 	plan->view = calloc(plan->text_count, sizeof *plan->view);
 	if (!plan->view)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cameras", plan->text_count);
@@ -59,11 +84,19 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			view->angle = text->angle > 0.0 ? text->angle : CAMERA_TEXT_ANGLE;
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
+			coordinates_to_metres(&scene->place, view->at);
+			coordinates_to_metres(&scene->place, view->to);
 		} else {
-			GW_TRY(gw_viewpoint_find(
-				surfels,
-				&(gw_viewpoint_wish){ text->kind, scene->luminance, plan->up, text->angle, aspect },
-				view, error));
+			const gw_viewpoint_wish wish = { .kind = text->kind,
+											 .luminance = scene->luminance,
+											 .up = plan->up,
+											 .angle = text->angle,
+											 .aspect = aspect,
+											 .around = plan->orbit > 1,
+											 .scanner = seen_from,
+											 .scanner_count = seen ? 1 : scene->scanner_count };
+			GW_TRY(gw_viewpoint_find(surfels, &wish, view, error));
+			round_view(&scene->place, view);
 		}
 	}
 	return GW_OK;
@@ -88,8 +121,8 @@ static void reach_cell(const reach *r, size_t surfel, int cell[3])
 	for (size_t k = 0; k < 3; k++) {
 		double offset =
 			(double)r->surfels->position[3 * surfel + k] - (double)r->surfels->minimum[k];
-		int at = (int)(offset * r->per_metre);
-		cell[k] = at < r->side[k] ? at : r->side[k] - 1;
+		/* Strays lie outside the bounds, as far as one likes. */
+		cell[k] = (int)fmin(fmax(offset * r->per_metre, 0.0), r->side[k] - 1.0);
 	}
 }
 
@@ -190,10 +223,11 @@ gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t pic
 {
 	const double turn = 2.0 * acos(-1.0);
 	const gw_viewpoint *view = plan->view + picture / plan->orbit;
-	const double up[3] = { 0.0, plan->up == 'y', plan->up != 'y' };
+	double up[3];
+	gw_camera_up(plan->up, up);
 	GW_TRY(gw_camera_look(camera, view->at, view->to, up, view->angle, error));
 	double radians = turn * (double)(picture % plan->orbit) / (double)plan->orbit;
 	gw_camera_orbit(camera, view->inside ? view->at : view->to, up, radians);
-	camera->near = NEAR * spacing;
+	camera->near = fmax(NEAR * spacing, view->near);
 	return GW_OK;
 }

@@ -13,7 +13,7 @@ typedef struct camera_plan {
 	gw_viewpoint *view; /* owned; text_count, or NULL before the cloud is known */
 	size_t text_count;
 	uint32_t orbit; /* pictures from each of them, all around */
-	char up;        /* 'y' or 'z'; known once they are placed */
+	char up;        /* as gw_camera_up has it; known once they are placed */
 } camera_plan;
 
 /* Reads the options and the path's file. On success freed with camera_plan_clear. */

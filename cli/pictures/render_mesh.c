@@ -160,7 +160,7 @@ gw_status render_mesh_add(const settings *s, render_scene *scene, gw_error *erro
 	if (status == GW_OK && !meshes)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for meshes");
 	if (status == GW_OK)
-		status = read_meshes(&list, s->up == SETTINGS_UP_Y ? 'y' : 'z', meshes, error);
+		status = read_meshes(&list, settings_up_axis(s->up), meshes, error);
 	if (status == GW_OK)
 		status = cut_meshes(meshes, list.input_count, scene, error);
 	for (size_t i = 0; meshes && i < list.input_count; i++)

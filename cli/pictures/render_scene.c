@@ -4,6 +4,7 @@
 #include "options/preview.h"
 #include "pictures/render_mesh.h"
 #include "points/scan_color.h"
+#include "program/text_quote.h"
 #include "program/signals.h"
 
 #include <math.h>
@@ -235,7 +236,7 @@ static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, 
 	return status;
 }
 
-static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wanted, choosing *c,
+static gw_status make(const settings *s, loaded_scene *loaded, uint32_t wanted, choosing *c,
 					  gw_error *error)
 {
 	render_scene *scene = c->scene;
@@ -246,9 +247,15 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 								   .rough_area = !c->all,
 								   .cancelled = is_cancelled };
 	scene->up = loaded->up;
+	scene->place = loaded->place;
+	loaded->place = coordinates_metres();
+	scene->scanner = loaded->points.points.scanner;
+	scene->scanner_count = loaded->points.points.scanner_count;
 	scene->photometric = is_photometric(&loaded->cloud);
 	double start = gw_seconds();
 	GW_TRY(gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error));
+	scene->scanner = NULL;
+	scene->scanner_count = 0;
 	lay_out(scene, &loaded->cloud, wanted);
 	GW_TRY(fill_channels(scene, &loaded->cloud, error));
 	GW_TRY(find_glowing(scene, error));
@@ -258,15 +265,25 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	return GW_OK;
 }
 
+/* What its readers found. */
+static void note_input(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
+}
+
 gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,
 							gw_error *error)
 {
 	loaded_scene loaded;
 	choosing c = { scene, &loaded.cloud, wish->choose, false, wish->user };
-	*scene = (render_scene){ .channel = NULL };
+	*scene = (render_scene){ .place = coordinates_metres() };
 	double start = gw_seconds();
 	gw_status status = loaded_scene_read(s, &loaded, error);
 	scene->read_seconds = gw_seconds() - start;
+	if (status == GW_OK && !s->quiet)
+		note_input(&loaded.cloud);
 	if (status == GW_OK) {
 		bool glossy = scan_find_scalar(&loaded.cloud, column_name[RENDER_SPECULAR][0]) != NULL;
 		c.all =
@@ -285,7 +302,8 @@ void render_scene_clear(render_scene *scene)
 	free(scene->channel);
 	free(scene->glows);
 	free(scene->luminance);
+	coordinates_clear(&scene->place);
 	gw_mesh_pieces_clear(&scene->pieces);
 	free(scene->index);
-	*scene = (render_scene){ .channel = NULL };
+	*scene = (render_scene){ .place = coordinates_metres() };
 }

@@ -6,6 +6,7 @@
 
 #include "glowworm_picture.h"
 #include "options/settings.h"
+#include "scene/loaded_scene.h"
 
 /* What a surfel can carry into a picture. */
 typedef enum render_channel {
@@ -37,8 +38,11 @@ typedef struct render_scene {
 	gw_mesh_pieces pieces;            /* owned; of --mesh */
 	uint32_t *index;                  /* owned; 0, 1, 2... for the pieces' corners */
 	gw_raster_scene raster;           /* leads into the above */
-	char up;                          /* 'y' or 'z' */
-	bool photometric;                 /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */
+	const double *scanner;            /* while choosing: 3 * scanner_count, or NULL */
+	size_t scanner_count;
+	char up;           /* as gw_camera_up has it */
+	coordinates place; /* owned; from the input's coordinates to metres */
+	bool photometric;  /* cd/m^2 and lx, not W/(sr m^2) and W/m^2 */
 	/* What making it took, seconds. */
 	double read_seconds, choose_seconds, surface_seconds;
 } render_scene;

@@ -184,8 +184,8 @@ static gw_status make_movers(const settings *s, const loaded_scene *scene, mover
 	return GW_OK;
 }
 
-static gw_status lights_at(const settings *s, char up, uint32_t frame, gw_light *lights,
-						   gw_error *error)
+static gw_status lights_at(const settings *s, const loaded_scene *scene, uint32_t frame,
+						   gw_light *lights, gw_error *error)
 {
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
@@ -196,7 +196,7 @@ static gw_status lights_at(const settings *s, char up, uint32_t frame, gw_light 
 		if (status != GW_OK)
 			return gw_fail(error, status, "light %zu in frame %u: %.600s", i + 1, frame,
 						   reason.text);
-		light_resolve(&light, up);
+		loaded_scene_place(&scene->place, scene->up, &light);
 		lights[i] = light.light;
 	}
 	return status;
@@ -253,7 +253,7 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
 	gw_status status = make_movers(s, scene, &m, error);
 	if (status == GW_OK)
-		status = lights_at(s, scene->up, 0, lights, error);
+		status = lights_at(s, scene, 0, lights, error);
 	if (status == GW_OK)
 		status = gw_frames_open(
 			&(gw_moving_scene){ { &scene->points.points, lights, s->light_count }, &m.motion },
@@ -391,7 +391,7 @@ static gw_status bake_frame(frame_run *r)
 	gw_bake_result *result = NULL;
 	double start = now(), shared = gw_frames_shared_seconds(r->frames);
 	f->frame = r->at;
-	gw_status status = lights_at(s, r->scene->up, r->at, r->lights, r->error);
+	gw_status status = lights_at(s, r->scene, r->at, r->lights, r->error);
 	if (status == GW_OK)
 		status = gw_frames_bake(r->frames, r->at, r->lights, s->light_count, &result, r->error);
 	if (status != GW_OK)
@@ -501,7 +501,7 @@ static gw_status run(frame_run *r)
 		status = gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the frames");
 	/* Normals are oriented as in frame 0, whichever frames are asked for. */
 	if (status == GW_OK)
-		status = lights_at(s, r->scene->up, 0, first, r->error);
+		status = lights_at(s, r->scene, 0, first, r->error);
 	gw_bake_options options = s->bake;
 	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;

@@ -290,6 +290,9 @@ static gw_status make_comments(maker *m)
 			 exposure);
 	if (m->settings->colors == 0)
 		GW_TRY(comment(m, text));
+	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
+	if (m->lit->up != 'z')
+		GW_TRY(comment(m, text));
 	return comment_error(m);
 }
 

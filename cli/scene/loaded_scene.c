@@ -1,6 +1,7 @@
 #include "scene/loaded_scene.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
 #include "table/format_table.h"
@@ -213,6 +214,11 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 							(!(scan_color_find(cloud, scan_albedo_names, &color) ||
 							   scan_color_find(cloud, scan_color_names, &color)) ||
 							 color.black);
+	facts->albedo_told = !from->has_albedo && points->albedo_told;
+	double sum = 0.0;
+	for (size_t i = 0; i < 3 * cloud->count; i++)
+		sum += isfinite(points->albedo[i]) ? fmin((double)points->albedo[i], 1.0) : 0.0;
+	facts->albedo_mean = sum / (3.0 * (double)cloud->count);
 	facts->lit = is_lit(cloud);
 	facts->points = cloud->count;
 	facts->left_out = cloud->left_out;
@@ -242,7 +248,7 @@ static gw_status read_mesh(const settings *s, const settings_input *from, loaded
 {
 	GW_TRY(mesh_read(from->path, &facts->mesh, error));
 	facts->format = facts->mesh.format;
-	mesh_stand(&facts->mesh, s->up == SETTINGS_UP_Y ? 'y' : 'z');
+	mesh_stand(&facts->mesh, settings_up_axis(s->up));
 	if (from->has_matrix)
 		mesh_transform(&facts->mesh, from->matrix);
 	return mesh_measure(&facts->mesh, loaded_scene_input_name(from->path), error);
@@ -383,11 +389,12 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 						  gw_error *error)
 {
 	if (s->up != SETTINGS_UP_AUTO)
-		up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+		up = settings_up_axis(s->up);
 	if (scene->up && scene->up != up)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "%s has %c up, but the inputs before it %c; say which holds with --up",
-					   loaded_scene_input_name(path), up, scene->up);
+					   "%s has %s up, but the inputs before it %s; say which holds with --up",
+					   loaded_scene_input_name(path), settings_up_name(up),
+					   settings_up_name(scene->up));
 	scene->up = up;
 	return GW_OK;
 }
@@ -401,6 +408,46 @@ bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 {
 	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
 	return from->mesh || (named && mesh_has_faces(from->path));
+}
+
+static void place_points(const loaded_scene *scene, scan_points *points, size_t count)
+{
+	for (size_t i = 0; i < count && scene->place.changes; i++)
+		coordinates_to_metres(&scene->place, points->position + 3 * i);
+}
+
+/* What the coordinates of an input are in, which has to be the same for all of them. */
+static gw_status find_place(const settings *s, loaded_scene *scene, size_t input, scan *cloud,
+							gw_error *error)
+{
+	coordinates own;
+	gw_error reason = { 0 };
+	const char *name = loaded_scene_input_name(s->input[input].path);
+	gw_status status = coordinates_find(cloud, (coordinates_unit)s->length, &own, &reason);
+	if (status != GW_OK)
+		return gw_fail(error, status, "%s: %.900s", name, reason.text);
+	if (own.changes && s->path_count > 0)
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"%s: the coordinates are %s, but what moves by frames needs metres; convert "
+					"the file, or say --units m",
+					name, own.name);
+	bool first = true;
+	for (size_t i = 0; i < input; i++)
+		first = first && scene->input[i].is_mesh;
+	if (status == GW_OK && !first && !coordinates_agree(&own, &scene->place))
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"%s has coordinates in %s, but the inputs before it in %s; say which holds "
+					"with --units",
+					name, own.name, scene->place.name);
+	if (status == GW_OK && first) {
+		coordinates_clear(&scene->place);
+		scene->place = own;
+		return GW_OK;
+	}
+	coordinates_clear(&own);
+	return status;
 }
 
 /* Clouds become points; meshes are read, but how densely to sample them is known only when all
@@ -418,7 +465,52 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 		else
 			GW_TRY(read_cloud(s, from, &parts[i].cloud, facts, error));
 		if (!facts->is_mesh)
-			GW_TRY(finish_part(s, from, &parts[i], facts, error));
+			GW_TRY(find_place(s, scene, i, &parts[i].cloud, error));
+		GW_TRY(stopped(error));
+	}
+	return GW_OK;
+}
+
+/* What intensity counts to in several clouds together: so that one that is darker stays so. */
+static gw_status find_full_intensity(const settings *s, const loaded_scene *scene,
+									 const part *parts, float *full, gw_error *error)
+{
+	size_t clouds = 0, count = 0;
+	float *all = NULL;
+	gw_status status = GW_OK;
+	*full = 0.0f;
+	for (size_t i = 0; i < s->input_count; i++)
+		clouds += !scene->input[i].is_mesh;
+	bool needed = s->points.albedo == SCAN_ALBEDO_INTENSITY && clouds > 1;
+	for (size_t i = 0; i < s->input_count && needed && status == GW_OK; i++) {
+		const scan *cloud = &parts[i].cloud;
+		if (scene->input[i].is_mesh || !scan_find_scalar(cloud, "intensity"))
+			continue;
+		char how[120];
+		float *own;
+		status = scan_intensity_make(cloud, s->bake.threads, &own, how, error);
+		if (status == GW_OK)
+			status = append_floats(&all, count, own, cloud->count, error);
+		count += cloud->count;
+		free(own);
+	}
+	if (status == GW_OK && all)
+		*full = scan_intensity_full(all, count);
+	free(all);
+	return status;
+}
+
+/* From the clouds' columns to points. */
+static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	settings scaled = *s; /* nothing of it is freed */
+	GW_TRY(find_full_intensity(s, scene, parts, &scaled.points.intensity_full, error));
+	scaled.points.threads = s->bake.threads;
+	for (size_t i = 0; i < s->input_count; i++) {
+		if (scene->input[i].is_mesh)
+			continue;
+		GW_TRY(finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error));
+		place_points(scene, &parts[i].points, parts[i].cloud.count);
 		GW_TRY(stopped(error));
 	}
 	return GW_OK;
@@ -431,6 +523,8 @@ static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts,
 	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
 		if (scene->input[i].is_mesh)
 			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
+		if (scene->input[i].is_mesh && status == GW_OK)
+			place_points(scene, &parts[i].points, parts[i].cloud.count);
 		/* A mesh that does not say which way is up follows the inputs before it. */
 		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
 		char up = follows ? scene->up : parts[i].cloud.up;
@@ -456,6 +550,8 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 	if (status == GW_OK)
 		status = read_parts(s, scene, parts, error);
 	if (status == GW_OK)
+		status = finish_clouds(s, scene, parts, error);
+	if (status == GW_OK)
 		status = join_parts(s, scene, parts, error);
 	for (size_t i = 0; parts && i < s->input_count; i++) {
 		scan_clear(&parts[i].cloud);
@@ -463,6 +559,20 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 	}
 	free(parts);
 	return status;
+}
+
+static gw_status place_scanners(loaded_scene *scene, gw_error *error)
+{
+	size_t count = scene->cloud.scanner_count;
+	if (!scene->place.changes || count == 0)
+		return GW_OK;
+	scene->scanner = reallocarray(NULL, count, 3 * sizeof *scene->scanner);
+	if (!scene->scanner)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", count);
+	memcpy(scene->scanner, scene->cloud.scanner, 3 * count * sizeof *scene->scanner);
+	for (size_t i = 0; i < count; i++)
+		coordinates_to_metres(&scene->place, scene->scanner + 3 * i);
+	return GW_OK;
 }
 
 /* Scanners that the user names go before those of the files: who saw which point is then open. */
@@ -484,7 +594,7 @@ static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
 
 gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
 {
-	*scene = (loaded_scene){ 0 };
+	*scene = (loaded_scene){ .place = coordinates_metres() };
 	gw_status status = read_all(s, scene, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
@@ -496,12 +606,17 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 		return status;
 	}
 	scan_points *p = &scene->points;
+	status = place_scanners(scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
 	p->points = (gw_points){ .count = scene->cloud.count,
 							 .position = p->position,
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
-							 .scanner = scene->cloud.scanner,
+							 .scanner = scene->scanner ? scene->scanner : scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
 							 .scanner_of = scene->cloud.scanner_of };
 	return GW_OK;
@@ -517,7 +632,20 @@ void loaded_scene_clear(loaded_scene *scene)
 		panorama_clear(&scene->map[i]);
 	free(scene->map);
 	free(scene->input);
-	*scene = (loaded_scene){ 0 };
+	free(scene->scanner);
+	coordinates_clear(&scene->place);
+	*scene = (loaded_scene){ .place = coordinates_metres() };
+}
+
+void loaded_scene_place(const coordinates *place, char up, lamp *light)
+{
+	double at[3];
+	memcpy(at, light->light.position, sizeof at);
+	coordinates_to_metres(place, at);
+	coordinates_to_metres(place, light->target);
+	for (int k = 0; k < 3; k++)
+		light->light.position[k] = at[k];
+	light_resolve(light, up);
 }
 
 static bool emits(const loaded_scene *scene)
@@ -541,6 +669,12 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
 		scene->map = grown;
+		if (scene->up != 'y' && scene->up != 'z')
+			return gw_fail(
+				error, GW_ERROR_USAGE,
+				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
+				"with \"matrix\" of an input in a scene file",
+				s->light[i].map, settings_up_name(scene->up));
 		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
 		if (status != GW_OK)
 			break;
@@ -558,8 +692,10 @@ gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **light
 	if (!*lights)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
 	for (size_t i = 0; i < s->light_count; i++) {
+		lamp placed = s->light[i];
+		loaded_scene_place(&scene->place, scene->up, &placed);
 		light_resolve(&s->light[i], scene->up);
-		(*lights)[i] = s->light[i].light;
+		(*lights)[i] = placed.light;
 	}
 	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
 		return gw_fail(error, GW_ERROR_USAGE,

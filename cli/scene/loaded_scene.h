@@ -7,7 +7,9 @@
 
 #include "meshes/mesh.h"
 #include "panoramas/panorama.h"
+#include "options/light_text.h"
 #include "options/settings.h"
+#include "units/coordinates.h"
 
 /* What one input was. */
 typedef struct loaded_input {
@@ -15,8 +17,10 @@ typedef struct loaded_input {
 	const format *format;
 	size_t points;
 	uint64_t left_out; /* rows of the file without a point */
-	char albedo_source[160];
+	char albedo_source[240];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
+	bool albedo_told;    /* what its colours count to was told by their values */
+	double albedo_mean;  /* of all points and colours, linear */
 	bool lit;            /* glowworm wrote it */
 	bool is_mesh;
 	mesh mesh; /* what it was, without its shape; empty for a cloud */
@@ -30,7 +34,9 @@ typedef struct loaded_scene {
 	size_t input_count;
 	panorama *map; /* owned; map_count: of environment lights, from loaded_scene_lights */
 	size_t map_count;
-	char up; /* 'y' or 'z' */
+	char up;           /* as gw_camera_up has it */
+	coordinates place; /* owned; from the cloud's coordinates to those of `points`, metres */
+	double *scanner;   /* owned; the cloud's scanners in metres, or NULL when those are the same */
 } loaded_scene;
 
 /*
@@ -53,6 +59,9 @@ bool loaded_scene_is_mesh(const settings *settings, const settings_input *from);
  *   name    of the file, for messages */
 gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *name,
 								  uint64_t *count, gw_error *error);
+
+/* A lamp's place and target in metres, and its direction. */
+void loaded_scene_place(const coordinates *place, char up, lamp *light);
 
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
  * to free, the pixels of their maps are the scene's. GW_ERROR_USAGE when nothing in the scene gives

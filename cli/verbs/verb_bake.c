@@ -124,6 +124,35 @@ static gw_status open_outputs(bake *b)
 
 /* ------------------------------------------------------------------------------- the bake */
 
+#define ALBEDO_DARK 0.03   /* mean of charcoal; no scan of a place is darker */
+#define ALBEDO_BRIGHT 0.85 /* of fresh snow */
+#define ALBEDO_USUAL 0.2   /* of most places */
+
+/* What was told of colours by their values alone, and what looks wrong with them as a whole. */
+static void note_colors(const settings *s, const loaded_input *input)
+{
+	const char *name = loaded_scene_input_name(input->path);
+	double mean = input->albedo_mean;
+	if (input->albedo_told)
+		text_message(stderr, "glowworm: note: %s: the albedo is from %s, as the values tell\n",
+					 name, input->albedo_source);
+	if (input->albedo_missing || input->is_mesh || input->lit || s->points.scale != 1.0f ||
+		s->points.white > 0.0f)
+		return;
+	if (mean < ALBEDO_DARK && mean > 0.0)
+		text_message(stderr,
+					 "glowworm: note: %s: the albedo is %.2g on average, which is darker than "
+					 "charcoal; --albedo-scale %.2g makes it %g, and --input-gamma linear does not "
+					 "decode it\n",
+					 name, mean, ALBEDO_USUAL / mean, ALBEDO_USUAL);
+	if (mean > ALBEDO_BRIGHT)
+		text_message(
+			stderr,
+			"glowworm: note: %s: the albedo is %.2g on average, as bright as snow, so that "
+			"light hardly ends; --albedo-scale %.2g makes it 0.5\n",
+			name, mean, 0.5 / mean);
+}
+
 static void note_inputs(const bake *b)
 {
 	bool lit = true;
@@ -136,7 +165,15 @@ static void note_inputs(const bake *b)
 		if (input->albedo_missing)
 			text_message(stderr, "glowworm: note: %s: the albedo is %s\n",
 						 loaded_scene_input_name(input->path), input->albedo_source);
+		note_colors(b->settings, input);
 	}
+	if (b->scene.place.changes)
+		text_message(stderr,
+					 "glowworm: note: the coordinates are %s, %s; the places of lamps are too, all "
+					 "other lengths are metres; points keep their coordinates%s\n",
+					 b->scene.place.name,
+					 b->scene.place.by_file ? "as the file says" : "as asked for",
+					 b->settings->vdb ? ", grids are in metres" : "");
 	for (size_t c = 0; c < b->scene.cloud.comment_count; c++)
 		if (strncmp(b->scene.cloud.comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
 			text_message(stderr, "glowworm: %s\n", b->scene.cloud.comment[c]);
@@ -319,7 +356,7 @@ static gw_status light_frames(bake *b)
 static gw_status print_scene(bake *b)
 {
 	settings *s = b->settings;
-	char up = s->up == SETTINGS_UP_Y ? 'y' : 'z';
+	char up = settings_up_axis(s->up);
 	bool ask = false;
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);

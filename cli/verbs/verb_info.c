@@ -21,6 +21,7 @@ typedef struct facts {
 	const format *format;
 	const scan *cloud;
 	const scan_points *points;
+	const coordinates *place; /* from the coordinates to metres, as the statistics are */
 	gw_statistics statistics;
 	double albedo[3];     /* mean, linear */
 	double normal_length; /* mean of the given ones */
@@ -101,7 +102,8 @@ static void print_json(const facts *f)
 	json_put_count(&json, "finite", s->finite);
 	json_put_count(&json, "duplicates", s->duplicates);
 	json_put_count(&json, "left_out", f->cloud->left_out);
-	json_put_text(&json, "up", (char[]){ f->cloud->up, '\0' });
+	json_put_text(&json, "up", settings_up_name(f->cloud->up));
+	json_put_text(&json, "units", f->place->name);
 	json_put_reals(&json, "minimum", s->minimum, 3);
 	json_put_reals(&json, "maximum", s->maximum, 3);
 	json_put_reals(&json, "spacing", s->spacing, 3);
@@ -146,7 +148,7 @@ static void print_text(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
 	text_message(stdout, "%s\n", f->name);
-	printf("  format     %s, %c up\n", f->format->name, f->cloud->up);
+	printf("  format     %s, %s up\n", f->format->name, settings_up_name(f->cloud->up));
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
@@ -158,6 +160,8 @@ static void print_text(const facts *f)
 	}
 	for (int k = 0; k < 3 && s->finite; k++)
 		printf("  %-10s %.12g to %.12g m\n", k ? "" : "bounds", s->minimum[k], s->maximum[k]);
+	if (f->place->changes)
+		printf("  units      coordinates are %s; all here is in metres\n", f->place->name);
 	printf("  spacing    %.4g m (5th percentile %.4g, 95th %.4g)\n", s->spacing[1], s->spacing[0],
 		   s->spacing[2]);
 	printf("  density    %.4g points/m^2\n", s->density);
@@ -183,6 +187,8 @@ static gw_status describe(const settings *s, facts *f, gw_error *error)
 	scan_points points;
 	gw_status status = scan_points_make(f->cloud, &s->points, &points, &reason);
 	if (status == GW_OK) {
+		for (size_t i = 0; i < f->cloud->count && f->place->changes; i++)
+			coordinates_to_metres(f->place, points.position + 3 * i);
 		status = gw_measure(&points.points, s->bake.threads, &f->statistics, &reason);
 		f->points = &points;
 		find_means(f);
@@ -204,8 +210,17 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 	facts f = { .name = loaded_scene_input_name(path), .cloud = &cloud };
 	format_options options = { s->format, s->columns, s->bake.threads };
 	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
+	coordinates place = coordinates_metres();
+	gw_error reason = { 0 };
+	f.place = &place;
+	if (status == GW_OK) {
+		status = coordinates_find(&cloud, (coordinates_unit)s->length, &place, &reason);
+		if (status != GW_OK)
+			gw_fail(error, status, "%s: %.900s", f.name, reason.text);
+	}
 	if (status == GW_OK)
 		status = describe(s, &f, error);
+	coordinates_clear(&place);
 	scan_clear(&cloud);
 	return status;
 }

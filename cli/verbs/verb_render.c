@@ -26,6 +26,8 @@
 #define POINTS_RADIUS 0.2f  /* of --view points: discs that do not meet */
 #define METERED_PICTURES 32 /* of several ones, which share one exposure */
 #define METERED_HEIGHT 120u /* pixels */
+#define CAMERA_TRIPLE CAMERA_TEXT_NUMBER "," CAMERA_TEXT_NUMBER "," CAMERA_TEXT_NUMBER
+#define CAMERA_PLACE "at " CAMERA_TRIPLE " to " CAMERA_TRIPLE
 
 /* All that lives as long as one run. */
 typedef struct render {
@@ -436,12 +438,39 @@ static void note_lamps(const render *r)
 				idle);
 }
 
+/* The first camera in the input's coordinates. */
+static gw_viewpoint shown_view(const render *r)
+{
+	gw_viewpoint view = r->plan.view[0];
+	coordinates_from_metres(&r->scene.place, view.at);
+	coordinates_from_metres(&r->scene.place, view.to);
+	return view;
+}
+
+/* A camera that was chosen, as the option that takes the same picture again. */
+static void note_camera(const render *r)
+{
+	const gw_viewpoint own = shown_view(r), *v = &own;
+	if (r->settings->quiet || r->plan.text[0].placed)
+		return;
+	fprintf(stderr,
+			"glowworm: note: the camera is %s: --camera '" CAMERA_PLACE " fov %g' --up %s\n",
+			v->inside ? "inside" : "outside", v->at[0], v->at[1], v->at[2], v->to[0], v->to[1],
+			v->to[2], v->angle, settings_up_name(r->scene.up));
+	if (v->flat && r->settings->up == SETTINGS_UP_AUTO)
+		fprintf(stderr,
+				"glowworm: note: most of the surface lies flat across %c, as ground does; if %c "
+				"points up, say --up %c\n",
+				v->flat, v->flat, v->flat);
+}
+
 static gw_status run(render *r)
 {
 	GW_TRY(scene_read_all(r->settings, r->error));
 	GW_TRY(check(r));
 	GW_TRY(read_scene(r));
 	note_lamps(r);
+	note_camera(r);
 	double start = gw_seconds();
 	GW_TRY(choose_exposure(r));
 	r->meter_seconds = gw_seconds() - start;
@@ -457,9 +486,9 @@ static gw_status run(render *r)
 /* What --verbose says: enough to take the same picture again. */
 static void summarize(const render *r)
 {
-	const gw_viewpoint *v = r->plan.view;
-	fprintf(stderr, "camera    at %.10g,%.10g,%.10g to %.10g,%.10g,%.10g fov %g\n", v->at[0],
-			v->at[1], v->at[2], v->to[0], v->to[1], v->to[2], v->angle);
+	const gw_viewpoint own = shown_view(r), *v = &own;
+	fprintf(stderr, "camera    " CAMERA_PLACE " fov %g\n", v->at[0], v->at[1], v->at[2], v->to[0],
+			v->to[1], v->to[2], v->angle);
 	if (!isnan(r->look.exposure))
 		fprintf(stderr, "exposure  EV %g\n", r->look.exposure);
 	fprintf(stderr, "points    %zu\n", r->scene.surfels.point_count);

@@ -1,4 +1,6 @@
 #include "meshes/mesh.h"
+
+#include "glowworm_picture.h"
 #include "files/growing_table.h"
 #include "meshes/mesh_sample.h"
 
@@ -125,11 +127,16 @@ void mesh_transform(mesh *m, const double a[16])
 
 void mesh_stand(mesh *m, char up)
 {
-	static const double to_z[16] = { 1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1 };
-	static const double to_y[16] = { 1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1 };
+	double from[3][3], to[3][3], turn[16] = { [15] = 1 };
 	if (!m->up || m->up == up)
 		return;
-	mesh_transform(m, up == 'z' ? to_z : to_y);
+	gw_camera_stand(m->up, from[0], from[1], from[2]);
+	gw_camera_stand(up, to[0], to[1], to[2]);
+	for (int row = 0; row < 3; row++)
+		for (int column = 0; column < 3; column++)
+			for (int k = 0; k < 3; k++)
+				turn[4 * row + column] += to[k][row] * from[k][column];
+	mesh_transform(m, turn);
 	m->up = up;
 }
 

@@ -90,8 +90,8 @@ void mesh_clear_shape(mesh *mesh);
  *   matrix   row-major, last row 0 0 0 1, with an inverse */
 void mesh_transform(mesh *mesh, const double matrix[16]);
 
-/* Turns a mesh about the x axis so that `up`, 'y' or 'z', is up; one that does not say which axis
- * is stays as it is. */
+/* Turns a mesh so that `up`, as gw_camera_up has it, is up; one that does not say which axis is
+ * stays as it is. */
 void mesh_stand(mesh *mesh, char up);
 
 /* Sums areas and counts what has none. GW_ERROR_DATA when no triangle has area, or the whole is too

@@ -35,10 +35,5 @@ gw_status mesh_vertices_put(const mesh *m, bool faces, scan *cloud, gw_error *er
 		snprintf(text, sizeof text, SCAN_NOTE "%s", m->note[i]);
 		GW_TRY(scan_add_comment(cloud, text, error));
 	}
-	if (faces)
-		GW_TRY(scan_add_comment(cloud,
-								SCAN_NOTE "its vertices were read, not its faces; `glowworm "
-										  "sample` puts points on them",
-								error));
-	return GW_OK;
+	return faces ? scan_add_comment(cloud, MESH_VERTICES_NOTE, error) : GW_OK;
 }

@@ -329,7 +329,7 @@ static gw_status check_size(const reader *r)
 	if (ascii)
 		wrong = h->points > (left + 1) / (2 * h->values);
 	else if (h->encoding == PCD_BINARY)
-		wrong = h->points > left / stride || left - h->points * stride >= stride;
+		wrong = h->points > left / stride;
 	if (wrong)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s has %zu bytes from byte %zu on, but %llu points of %zu %s are counted; "
@@ -362,6 +362,20 @@ static gw_status read_body(reader *r)
 	return status;
 }
 
+/* Some programs leave bytes behind the points. */
+static gw_status note_rest(const reader *r)
+{
+	const pcd_header *h = r->header;
+	size_t left = (size_t)(r->end - r->body);
+	char text[160];
+	if (h->encoding != PCD_BINARY || left - h->points * h->stride < h->stride)
+		return GW_OK;
+	snprintf(text, sizeof text,
+			 SCAN_NOTE "%zu bytes behind the %llu points that its header counts were left out",
+			 left - (size_t)h->points * h->stride, (unsigned long long)h->points);
+	return scan_add_comment(r->cloud, text, r->error);
+}
+
 /* The default says nothing; in an organised cloud it is the camera itself. */
 static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
 {
@@ -370,6 +384,67 @@ static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *erro
 	for (int k = 0; k < 7; k++)
 		known = known || h->viewpoint[k] != usual[k];
 	return known ? scan_add_scanner(cloud, h->viewpoint, 0, cloud->count, error) : GW_OK;
+}
+
+/* Sums for a straight line through points. */
+typedef struct line_sums {
+	double n, x, y, xx, yy, xy;
+} line_sums;
+
+static void add_to_line(line_sums *s, double x, double y)
+{
+	s->n++;
+	s->x += x;
+	s->y += y;
+	s->xx += x * x;
+	s->yy += y * y;
+	s->xy += x * y;
+}
+
+/* Whether they rise along a line, but for one part in twenty of the variance. */
+static bool rises_straight(const line_sums *s)
+{
+	double xx = s->n * s->xx - s->x * s->x, yy = s->n * s->yy - s->y * s->y;
+	double xy = s->n * s->xy - s->x * s->y;
+	return xy > 0.0 && xy * xy > 0.95 * xx * yy;
+}
+
+#define CAMERA_SAMPLES 20000 /* points that are looked at */
+#define CAMERA_LEAST 50      /* fewer say nothing */
+
+/* A depth camera's picture in its own frame: all in front of it along z, columns go with x / z and
+ * rows, from the top, with y / z. */
+static bool is_camera_frame(const pcd_header *h, const scan *cloud)
+{
+	const scan_column *column[3] = { scan_find(cloud, "x"), scan_find(cloud, "y"),
+									 scan_find(cloud, "z") };
+	line_sums columns = { 0 }, rows = { 0 };
+	if (h->width < 2 || h->height < 2 || h->viewpoint[0] != 0.0 || h->viewpoint[1] != 0.0 ||
+		h->viewpoint[2] != 0.0)
+		return false;
+	for (size_t i = 0; i < cloud->count; i += cloud->count / CAMERA_SAMPLES + 1) {
+		double p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = scan_value(column[k], i);
+		if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+			continue;
+		if (!(p[2] > 0.0))
+			return false;
+		add_to_line(&columns, (double)(i % h->width), p[0] / p[2]);
+		add_to_line(&rows, (double)(i / h->width), p[1] / p[2]);
+	}
+	return rows.n >= CAMERA_LEAST && rises_straight(&columns) && rises_straight(&rows);
+}
+
+static gw_status take_frame(const pcd_header *h, scan *cloud, gw_error *error)
+{
+	if (!is_camera_frame(h, cloud))
+		return GW_OK;
+	cloud->up = 'Y';
+	return scan_add_comment(cloud,
+							SCAN_NOTE "this is a depth camera's picture in its own frame, in which "
+									  "-y points up; if it does not, give --up",
+							error);
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
@@ -386,7 +461,11 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 					 .error = error };
 		status = read_body(&r);
 		if (status == GW_OK)
+			status = note_rest(&r);
+		if (status == GW_OK)
 			status = take_viewpoint(&header, cloud, error);
+		if (status == GW_OK)
+			status = take_frame(&header, cloud, error);
 		pcd_header_clear(&header);
 	}
 	if (status != GW_OK)

@@ -543,6 +543,15 @@ static gw_status read_body(reader *r)
 	return status;
 }
 
+/* Vertices alone are a cloud of a kind, but not an even one. */
+static gw_status note_faces(const ply_header *header, scan *cloud, gw_error *error)
+{
+	for (size_t e = 0; e < header->element_count; e++)
+		if (strcmp(header->element[e].name, "face") == 0 && header->element[e].count > 0)
+			return scan_add_comment(cloud, MESH_VERTICES_NOTE, error);
+	return GW_OK;
+}
+
 gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 {
 	*cloud = (scan){ .up = 'z' };
@@ -558,6 +567,8 @@ gw_status ply_read(input_file *in, scan *cloud, gw_error *error)
 					 .end = in->data + in->length,
 					 .line = header.lines };
 		status = read_body(&r);
+		if (status == GW_OK)
+			status = note_faces(&header, cloud, error);
 		ply_header_clear(&header);
 	}
 	if (status != GW_OK)

@@ -36,6 +36,12 @@ typedef struct scan_column {
 /* A comment that begins with this is about the input: something that its reader found wrong or took
  * for granted. Users see it; it does not go into results. */
 #define SCAN_NOTE "note: "
+/* What is said of a mesh whose vertices are taken as points. */
+#define MESH_VERTICES_NOTE                                                                         \
+	SCAN_NOTE "its vertices were read, not its faces; `glowworm sample` puts points on them"
+
+/* And one that begins with this names the axis that points up: "y" or "-y". */
+#define SCAN_UP "glowworm up: "
 #define SCAN_NO_SCANNER UINT32_MAX
 
 typedef struct scan {
@@ -45,7 +51,7 @@ typedef struct scan {
 	char **comment; /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
 	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
-	char up;           /* 'y' or 'z': which axis the format calls up */
+	char up;           /* which axis the format calls up, as gw_camera_up has it */
 	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
 						  coordinates */
 	size_t scanner_count;
@@ -108,6 +114,9 @@ typedef struct scan_points_options {
 	float scale;          /* every albedo is multiplied by this; 1 leaves it */
 	float white;          /* 0..1: blend towards white, rho + white * (1 - rho) (Salm 5.1) */
 	bool linear_colors;   /* colours are linear already, not sRGB-encoded */
+	float intensity_full; /* what intensity counts to, after scan_intensity_make; 0: its 99th
+							 percentile */
+	uint32_t threads;     /* 0: one a core */
 } scan_points_options;
 
 #define SCAN_POINTS_OPTIONS_DEFAULT                                                                \
@@ -116,7 +125,8 @@ typedef struct scan_points_options {
 /* gw_points with the memory behind them. */
 typedef struct scan_points {
 	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
-	char albedo_source[160]; /* a phrase: which albedo was used and why */
+	char albedo_source[240]; /* a phrase: which albedo was used and why */
+	bool albedo_told;        /* what its colours count to was told by their values */
 	double *position;
 	float *normal;
 	float *albedo;
@@ -124,12 +134,11 @@ typedef struct scan_points {
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo and emission. uint8 colours count to 255, uint16 to
- * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). With
- * SCAN_ALBEDO_AUTO, colours that are all black count as none. CloudCompare's prefix scalar_ is
- * understood. A lit file's own albedo_* columns go before its preview colours.
- *   out   on success owned by the caller, freed with scan_points_clear; its scanners are those of
- *         the scan, which has to live as long
+ * Derives positions, normals, linear albedo and emission. What colours count up to, from 1 to
+ * 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO, colours that are all black
+ * count as none. CloudCompare's prefix scalar_ is understood. A lit file's own albedo_* columns go
+ * before its preview colours. out   on success owned by the caller, freed with scan_points_clear;
+ * its scanners are those of the scan, which has to live as long
  */
 gw_status scan_points_make(const scan *scan, const scan_points_options *options, scan_points *out,
 						   gw_error *error);

@@ -1,6 +1,7 @@
 #include "points/scan_color.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -34,34 +35,138 @@ static double unwrapped(const scan_column *column, size_t i)
 	return column->type == SCAN_INT8 && value < 0.0 ? value + 256.0 : value;
 }
 
-static double largest_value(const scan_column *column, size_t count)
+/* What colours may count up to, and how far values may go beyond it: computed ones come out a
+ * little over 1. */
+static const double full_of[] = { 1.0, 255.0, 1023.0, 4095.0, 65535.0 };
+static const double most_of[] = { 1.5, 255.0, 1023.0, 4095.0, 65535.0 };
+#define FULLS (sizeof full_of / sizeof *full_of)
+#define ODD 1000 /* one in so many values may be larger than full */
+
+/* Counts values above each of the limits; what is larger than all of them, and bad, is none. */
+static void count_above(const scan_column *column, size_t count, size_t above[FULLS],
+						double *largest)
 {
-	double largest = 0.0;
 	for (size_t i = 0; i < count; i++) {
 		double value = unwrapped(column, i);
-		if (value > largest && isfinite(value))
-			largest = value;
+		if (!(value > 0.0) || !isfinite(value))
+			continue;
+		*largest = fmax(*largest, value);
+		for (size_t f = 0; f < FULLS && value > most_of[f]; f++)
+			above[f]++;
 	}
-	return largest;
+}
+
+/* Other programs' names of colours, in any case. */
+static const char *const other_names[][3] = { { "r", "g", "b" },
+											  { "rf", "gf", "bf" },
+											  { "diffuse_red", "diffuse_green", "diffuse_blue" } };
+
+static const scan_column *find_other(const scan *cloud, const char *name)
+{
+	static const char prefix[] = "scalar_";
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		const char *own = cloud->column[c].name;
+		if (strncmp(own, prefix, sizeof prefix - 1) == 0)
+			own += sizeof prefix - 1;
+		if (strcasecmp(own, name) == 0)
+			return &cloud->column[c];
+	}
+	return NULL;
+}
+
+static bool find_columns(const scan *cloud, const char *const name[3], scan_color *color)
+{
+	bool found = scan_find_triple(cloud, name, color->column);
+	size_t others = name == scan_color_names ? sizeof other_names / sizeof *other_names : 0;
+	for (size_t n = 0; n < others && !found; n++) {
+		found = true;
+		for (int k = 0; k < 3; k++)
+			found = (color->column[k] = find_other(cloud, other_names[n][k])) && found;
+	}
+	return found;
 }
 
 bool scan_color_find(const scan *cloud, const char *const name[3], scan_color *color)
 {
-	if (!scan_find_triple(cloud, name, color->column))
+	if (!find_columns(cloud, name, color))
 		return false;
 	double largest = 0.0;
-	bool floats = false;
+	bool floats = false, bytes = true;
+	size_t above[FULLS] = { 0 };
 	for (int k = 0; k < 3; k++) {
 		scan_type type = color->column[k]->type;
 		floats = floats || type == SCAN_FLOAT32 || type == SCAN_FLOAT64;
-		largest = fmax(largest, largest_value(color->column[k], cloud->count));
+		bytes = bytes && (type == SCAN_UINT8 || type == SCAN_INT8);
+		count_above(color->column[k], cloud->count, above, &largest);
 	}
-	if (floats)
-		color->range = largest > 1.0 ? 255.0 : 1.0;
-	else
-		color->range = largest > 255.0 ? 65535.0 : 255.0;
+	size_t full = floats ? 0 : 1;
+	while (full + 1 < FULLS && above[full] > 3 * cloud->count / ODD)
+		full++;
+	color->range = full_of[full];
 	color->black = largest <= 0.0;
+	color->told = !color->black && !bytes && color->range != (floats ? 1.0 : 65535.0);
 	return true;
+}
+
+/* The 32 bits of a packed colour; false when the value is none. PCL stores the bits of an integer
+ * as a float, which is below the least normal one, or not a number where alpha is full. */
+static bool packed_bits(const scan_column *column, size_t i, uint32_t *bits)
+{
+	double value = scan_value(column, i);
+	if (column->type == SCAN_FLOAT32) {
+		memcpy(bits, (const float *)column->data + i, sizeof *bits);
+		if (fabs(value) < 0x1p-126 || isnan(value))
+			return true;
+	}
+	if (column->type == SCAN_INT32 && value < 0.0)
+		value += 0x1p32;
+	if (!(value >= 0.0 && value < 0x1p32 && value == floor(value)))
+		return false;
+	*bits = (uint32_t)value;
+	return true;
+}
+
+static bool is_packed(const scan_column *column, size_t count)
+{
+	bool wide = column->type == SCAN_UINT32 || column->type == SCAN_INT32 ||
+				column->type == SCAN_FLOAT32 || column->type == SCAN_FLOAT64;
+	uint32_t bits = 0, all = 0;
+	for (size_t i = 0; i < count && wide; i++) {
+		wide = packed_bits(column, i, &bits);
+		all |= bits;
+	}
+	return wide && all > 0xffff;
+}
+
+gw_status scan_color_unpack(scan *cloud, gw_error *error)
+{
+	scan_color color;
+	const scan_column *packed = find_other(cloud, "rgb");
+	if (!packed)
+		packed = find_other(cloud, "rgba");
+	if (!packed || scan_color_find(cloud, scan_color_names, &color) ||
+		!is_packed(packed, cloud->count))
+		return GW_OK;
+	size_t place = (size_t)(packed - cloud->column);
+	for (int k = 0; k < 3; k++) {
+		scan_column *to = scan_add_column(cloud, scan_color_names[k], SCAN_UINT8, error);
+		if (!to)
+			return GW_ERROR_MEMORY;
+		uint32_t bits = 0;
+		for (size_t i = 0; i < cloud->count; i++)
+			if (packed_bits(&cloud->column[place], i, &bits))
+				((uint8_t *)to->data)[i] = (uint8_t)(bits >> (16 - 8 * k));
+	}
+	scan_column moved[3], *column = cloud->column;
+	size_t first = cloud->column_count - 3;
+	memcpy(moved, column + first, sizeof moved);
+	scan_column old = column[place];
+	memmove(column + place + 3, column + place + 1, (first - place - 1) * sizeof *column);
+	memcpy(column + place, moved, sizeof moved);
+	cloud->column_count--;
+	free(old.name);
+	free(old.data);
+	return GW_OK;
 }
 
 double scan_color_value(const scan_color *color, int k, size_t i)

@@ -9,7 +9,8 @@
 /* Three colour columns and the value that stands for full. */
 typedef struct scan_color {
 	const scan_column *column[3]; /* red, green, blue; lead into the scan */
-	double range;                 /* 255, 65535 or 1 */
+	double range;                 /* 1, 255, 1023, 4095 or 65535 */
+	bool told;                    /* only the values tell it, the type would have another */
 	bool black;                   /* no value is above 0 */
 } scan_color;
 
@@ -26,11 +27,19 @@ const scan_column *scan_find_scalar(const scan *scan, const char *name);
 bool scan_find_triple(const scan *scan, const char *const name[3], const scan_column *column[3]);
 
 /*
- * Finds colour columns and what they count to: 8-bit types to 255; wider integers to 65535, or to
- * 255 if no value is larger; floats to 1, or to 255 if a value is over 1. False when one is
- * missing.
+ * Finds colour columns and what they count to: the least of 1 (of floats only), 255, 1023, 4095 and
+ * 65535 that all values but one in a thousand fit under; floats of 1 may be somewhat larger. As
+ * scan_color_names, r g b, Rf Gf Bf and diffuse_red diffuse_green diffuse_blue in any case are
+ * found too. False when one is missing.
  */
 bool scan_color_find(const scan *scan, const char *const name[3], scan_color *color);
+
+/*
+ * Takes red, green and blue, 8 bits each, out of a column rgb or rgba that holds all of them as one
+ * number, or as the bits of a float, and puts them into its place; unless there are colours
+ * already, or its values are something else. GW_ERROR_MEMORY.
+ */
+gw_status scan_color_unpack(scan *scan, gw_error *error);
 
 /* Channel k of point i, 0..1 and still encoded as it was; bad values come out as they are. */
 double scan_color_value(const scan_color *color, int k, size_t i);

@@ -3,6 +3,7 @@
  * encoding. Values are handed on as they are; the library repairs and counts bad ones.
  */
 #include "points/scan_color.h"
+#include "points/scan_intensity.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -81,56 +82,6 @@ static gw_status albedo_of_color(const scan_color *color, size_t count, bool lin
 	return GW_OK;
 }
 
-static void swap_floats(float *a, float *b)
-{
-	float kept = *a;
-	*a = *b;
-	*b = kept;
-}
-
-/* The value that would stand at `rank` if the values were sorted (Hoare's selection, without NaN).
- */
-static float select_rank(float *value, ptrdiff_t count, ptrdiff_t rank)
-{
-	ptrdiff_t low = 0, high = count - 1;
-	while (low < high) {
-		float pivot = value[rank];
-		ptrdiff_t i = low, j = high;
-		while (i <= j) {
-			while (value[i] < pivot)
-				i++;
-			while (value[j] > pivot)
-				j--;
-			if (i <= j)
-				swap_floats(&value[i++], &value[j--]);
-		}
-		if (j < rank)
-			low = i;
-		if (rank < i)
-			high = j;
-	}
-	return value[rank];
-}
-
-/* The 99th percentile of the finite values; 0 when none is above 0. */
-static gw_status percentile_99(const scan_column *column, size_t count, float *result,
-							   gw_error *error)
-{
-	float *value = reallocarray(NULL, count, sizeof *value);
-	if (!value)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu intensities", count);
-	ptrdiff_t finite = 0;
-	for (size_t i = 0; i < count; i++) {
-		float v = (float)scan_value(column, i);
-		if (isfinite(v))
-			value[finite++] = v;
-	}
-	if (finite > 0)
-		*result = select_rank(value, finite, finite - 1 - finite / 100);
-	free(value);
-	return GW_OK;
-}
-
 static void fill_grey(scan_points *out, size_t count, const scan_column *column, double divisor)
 {
 	for (size_t i = 0; i < count; i++) {
@@ -140,22 +91,27 @@ static void fill_grey(scan_points *out, size_t count, const scan_column *column,
 	}
 }
 
-static gw_status albedo_of_intensity(const scan *cloud, scan_points *out, gw_error *error)
+static gw_status albedo_of_intensity(const scan *cloud, const scan_points_options *options,
+									 scan_points *out, gw_error *error)
 {
-	const scan_column *column = scan_find_scalar(cloud, "intensity");
-	if (!column)
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "the albedo shall come from the intensity, but the points have none");
-	float full = 0.0f;
-	GW_TRY(percentile_99(column, cloud->count, &full, error));
-	if (!(full > 0.0f))
+	float *value = NULL, full = options->intensity_full;
+	char how[120] = "";
+	gw_status status = scan_intensity_make(cloud, options->threads, &value, how, error);
+	for (size_t i = 0; i < 3 * cloud->count && status == GW_OK; i++)
+		out->albedo[i] = value[i / 3];
+	if (status == GW_OK && !(full > 0.0f))
+		full = scan_intensity_full(value, cloud->count);
+	free(value);
+	if (status == GW_OK && !(full > 0.0f))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the albedo shall come from the intensity, but that is zero almost "
 					   "everywhere; choose another source");
-	fill_grey(out, cloud->count, column, (double)full);
+	for (size_t i = 0; i < 3 * cloud->count && status == GW_OK; i++)
+		out->albedo[i] /= full;
 	snprintf(out->albedo_source, sizeof out->albedo_source,
-			 "the intensity, of which the 99th percentile, %g, counts as 1", (double)full);
-	return GW_OK;
+			 "the intensity, of which the 99th percentile%s, %g, counts as 1%s",
+			 options->intensity_full > 0.0f ? " of all inputs" : "", (double)full, how);
+	return status;
 }
 
 static gw_status albedo_of_property(const scan *cloud, const char *name, scan_points *out,
@@ -201,6 +157,7 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 	}
 	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full",
 			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
+	out->albedo_told = color.told;
 	return albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error);
 }
 
@@ -215,7 +172,7 @@ static gw_status make_albedo(const scan *cloud, const scan_points_options *optio
 		albedo_constant(out, cloud->count, options->constant, "as asked for");
 		break;
 	case SCAN_ALBEDO_INTENSITY:
-		status = albedo_of_intensity(cloud, out, error);
+		status = albedo_of_intensity(cloud, options, out, error);
 		break;
 	case SCAN_ALBEDO_PROPERTY:
 		status = albedo_of_property(cloud, options->property, out, error);

@@ -6,6 +6,7 @@
 #include "meshes/mesh.h"
 #include "pcd/pcd_format.h"
 #include "ply/ply_format.h"
+#include "points/scan_color.h"
 #include "text/text_formats.h"
 
 #include <stdio.h>
@@ -86,6 +87,21 @@ static gw_status read_as(const format *found, input_file *in, scan *cloud, gw_er
 	return found->read(in, cloud, error);
 }
 
+/* A lit file says which axis is up if its format does not. */
+static void take_up(scan *cloud)
+{
+	size_t length = strlen(SCAN_UP);
+	for (size_t c = 0; c < cloud->comment_count; c++) {
+		const char *text = cloud->comment[c];
+		if (strncmp(text, SCAN_UP, length) != 0)
+			continue;
+		bool down = text[length] == '-';
+		char axis = text[length + down];
+		if (axis >= 'x' && axis <= 'z' && !text[length + down + 1])
+			cloud->up = down ? (char)(axis - 'x' + 'X') : axis;
+	}
+}
+
 gw_status format_read_with(const char *path, const format_options *options, scan *cloud,
 						   const format **recognised, gw_error *error)
 {
@@ -106,8 +122,11 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 	if (!found)
 		found = recognise(path, &in);
 	status = input_file_check(&in, read_as(found, &in, cloud, error), error);
+	if (status == GW_OK)
+		status = scan_color_unpack(cloud, error);
 	if (status != GW_OK)
 		scan_clear(cloud);
+	take_up(cloud);
 	input_file_close(&in);
 	if (recognised)
 		*recognised = found;

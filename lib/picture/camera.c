@@ -69,6 +69,21 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 	return GW_OK;
 }
 
+void gw_camera_up(char up, double axis[3])
+{
+	bool down = up >= 'X' && up <= 'Z';
+	for (int k = 0; k < 3; k++)
+		axis[k] = up - (down ? 'X' : 'x') == k ? (down ? -1.0 : 1.0) : 0.0;
+}
+
+void gw_camera_stand(char axis, double right[3], double back[3], double up[3])
+{
+	gw_camera_up(axis, up);
+	for (int k = 0; k < 3; k++)
+		right[k] = k == (up[0] != 0.0 ? 1 : 0);
+	cross(up, right, back);
+}
+
 void gw_camera_turn(const gw_camera *camera, const double world[3], double view[3])
 {
 	double v[3] = { dot(camera->right, world), dot(camera->up, world),

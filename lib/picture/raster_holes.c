@@ -2,9 +2,10 @@
  * raster_holes.c - closes holes that the cuts of discs leave; see raster_steps.h.
  *
  * Discs are cut where a surface seems to end, and now and then that is wrong and leaves a hole.
- * What lies beyond the cut is shown where there is solid surface on both sides, left and right or
- * above and below, and nothing empty between. Beyond the picture's edge there is none. All of the
- * picture takes part: tiles would show at the rims of large holes.
+ * What lies beyond the cut is shown where there is solid surface on both sides along five of eight
+ * lines through it or more, and nothing empty between: lines along rows and columns alone would
+ * leave holes and rims that are boxes. Beyond the picture's edge there is none. All of the picture
+ * takes part: tiles would show at the rims of large holes.
  */
 #include "picture/raster_steps.h"
 
@@ -12,44 +13,37 @@
 
 #include <stdlib.h>
 
-/* Solid surface is met first, among all that is not empty, on that side of the pixel. */
-enum { ON_LEFT = 1, ON_RIGHT = 2, ABOVE = 4, BELOW = 8 };
+#define LINES 8
+#define LEAST_LINES 5 /* with surface on both sides */
 
-/* Whether what follows on a pixel sees solid surface, when the pixel sees it or not. */
-static bool passes_on(const gw_raster_cover *c, unsigned all, bool solid)
+/* From a pixel to the one before it on each line, in the order of rows; and to the one behind it
+ * the other way round. */
+static const int step_of[LINES][2] = { { -1, 0 },  { 0, -1 }, { -1, -1 }, { 1, -1 },
+									   { -2, -1 }, { 2, -1 }, { -1, -2 }, { 1, -2 } };
+
+/* What a pixel passes on: 1 << line where solid surface is met first, among all that is not empty.
+ */
+static uint8_t passes_on(const gw_raster_cover *c, unsigned all, uint8_t solid)
 {
-	return c->sure == all || (solid && c->sure + c->beyond == (int)all);
+	return c->sure == all ? UINT8_MAX : c->sure + c->beyond == (int)all ? solid : 0;
 }
 
-static void look_along_row(const gw_raster_cover *cover, size_t width, unsigned all, uint8_t *seen)
+/* One way along all lines, way 1 from the first row down, -1 from the last one up. Sets the bits of
+ * a pixel in `seen`, and uses `passed`, both a byte a pixel. */
+static void look_along(const gw_gbuffer *g, const gw_raster_cover *cover, unsigned all, int way,
+					   uint8_t *seen, uint8_t *passed)
 {
-	bool left = false, right = false;
-	for (size_t i = 0, j = width - 1; i < width; i++, j--) {
-		seen[i] |= left ? ON_LEFT : 0;
-		seen[j] |= right ? ON_RIGHT : 0;
-		left = passes_on(cover + i, all, left);
-		right = passes_on(cover + j, all, right);
-	}
-}
-
-/* One row further; `solid` holds what the last one passed on. */
-static void look_across_row(const gw_raster_cover *cover, size_t width, unsigned all, uint8_t bit,
-							uint8_t *solid, uint8_t *seen)
-{
-	for (size_t i = 0; i < width; i++) {
-		seen[i] |= solid[i] ? bit : 0;
-		solid[i] = passes_on(cover + i, all, solid[i]);
-	}
-}
-
-static void look_around(const gw_gbuffer *g, const gw_raster_cover *cover, unsigned all,
-						uint8_t *above, uint8_t *below, uint8_t *seen)
-{
-	size_t width = g->width, height = g->height;
-	for (size_t i = 0, j = height - 1; i < height; i++, j--) {
-		look_along_row(cover + i * width, width, all, seen + i * width);
-		look_across_row(cover + i * width, width, all, ABOVE, above, seen + i * width);
-		look_across_row(cover + j * width, width, all, BELOW, below, seen + j * width);
+	int64_t width = g->width, height = g->height, pixels = width * height;
+	for (int64_t n = 0; n < pixels; n++) {
+		int64_t i = way > 0 ? n : pixels - 1 - n, x = i % width, y = i / width;
+		uint8_t bits = 0;
+		for (int line = 0; line < LINES && cover[i].sure < all; line++) {
+			int64_t from_x = x + way * step_of[line][0], from_y = y + way * step_of[line][1];
+			if (from_x >= 0 && from_x < width && from_y >= 0 && from_y < height)
+				bits |= (uint8_t)(passed[from_y * width + from_x] & 1u << line);
+		}
+		seen[i] = bits;
+		passed[i] = passes_on(cover + i, all, bits);
 	}
 }
 
@@ -69,20 +63,22 @@ gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cove
 {
 	unsigned all = view->options->samples * view->options->samples;
 	size_t pixels = (size_t)g->width * g->height;
-	uint8_t *seen = gw_allocate_zeros(pixels, 1);
-	uint8_t *solid = gw_allocate_zeros(g->width, 2);
-	bool good = seen && solid;
-	if (good)
-		look_around(g, cover, all, solid, solid + g->width, seen);
+	uint8_t *above = gw_allocate_zeros(pixels, 1), *below = gw_allocate_zeros(pixels, 1);
+	uint8_t *passed = gw_allocate_zeros(pixels, 1);
+	bool good = above && below && passed;
+	if (good) {
+		look_along(g, cover, all, 1, above, passed);
+		look_along(g, cover, all, -1, below, passed);
+	}
 	for (size_t i = 0; i < pixels && good; i++) {
-		bool across = (seen[i] & ON_LEFT) && (seen[i] & ON_RIGHT);
-		bool along = (seen[i] & ABOVE) && (seen[i] & BELOW);
-		unsigned covered = cover[i].sure + (across || along ? (unsigned)cover[i].beyond : 0u);
+		bool between = __builtin_popcount(above[i] & below[i]) >= LEAST_LINES;
+		unsigned covered = cover[i].sure + (between ? (unsigned)cover[i].beyond : 0u);
 		g->coverage[i] = (float)covered / (float)all;
 		if (covered == 0)
 			empty_pixel(g, i);
 	}
-	free(seen);
-	free(solid);
+	free(above);
+	free(below);
+	free(passed);
 	return good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory to close holes");
 }

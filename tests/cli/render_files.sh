@@ -8,8 +8,9 @@ signature() {
 run() { # status arguments...
 	expected=$1
 	shift
-	glowworm "$@" 2>&1
+	glowworm "$@" >said.txt 2>&1
 	status=$?
+	sed '/note: the camera is/d' said.txt
 	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
 }
 small='--size 200x120'
@@ -21,14 +22,32 @@ small='--size 200x120'
 	run 0 render box.ply -o one.exr $small --samples 1
 	run 0 render box.ply -o depth.png $small --view depth
 	run 0 render box.ply -o clear.png $small --background none
-	glowworm render - -o - $small <box.ply >pipe.png
+	glowworm render - -o - $small <box.ply >pipe.png -q
 	signature one.png
 	signature one.exr
 	signature pipe.png
 	run 0 render box.ply -o around.png $small --orbit 3
+	# The camera that was chosen is printed as options that take the same picture again.
+	glowworm render box.ply -o chosen.png $small 2>said.txt
+	taken=$(sed -n 's/.*: --camera/--camera/p' said.txt)
+	eval "glowworm render box.ply -o again.png $small $taken"
+	for file in chosen again; do # the pixels, without what a picture says of itself
+		start=$(grep -abo IDAT $file.png | head -n 1 | cut -d: -f1)
+		tail -c +"$((start + 1))" $file.png >$file.txt
+	done
+	cmp chosen.txt again.txt
 	printf '# two cameras\n\nat 9,8,7 to 0,0,0 fov 30\noutside\n' >path.txt
 	run 0 render box.ply -o walk.png $small --path path.txt --up z -q
 	ls around-*.png walk-*.png
+
+	# Points far off, in the picture's middle or at the end of the world, change nothing but by
+	# a disc's width.
+	glowworm convert box.ply plain.txt --output-format xyz -f
+	{ cat plain.txt; echo 300 0 -40; echo 1e9 0 0; } | awk '{ print $1, $2, $3 }' >far.txt
+	awk '{ print $1, $2, $3 }' plain.txt >near.txt
+	for file in near far; do
+		glowworm render $file.txt -o $file.png $small 2>&1 | sed -n 's/.*at \([^,]*\),.*/\1/p'
+	done | awk '{ x[NR] = $1 } END { print NR, (x[1] - x[2]) ^ 2 < 0.03 ^ 2 }'
 
 	echo == bad wishes
 	run 2 render box.ply $small

@@ -147,19 +147,21 @@ static void test_inside_and_outside(void **state)
 	gw_surfels s;
 	gw_viewpoint v;
 	make_cube(1, &s);
-	assert_int_equal(gw_viewpoint_find(&s,
-									   &(gw_viewpoint_wish){ GW_VIEWPOINT_AUTO, NULL, 'z', 0, 1.5 },
-									   &v, NULL),
-					 GW_OK);
+	assert_int_equal(
+		gw_viewpoint_find(
+			&s, &(gw_viewpoint_wish){ .kind = GW_VIEWPOINT_AUTO, .up = 'z', .aspect = 1.5 }, &v,
+			NULL),
+		GW_OK);
 	assert_true(v.inside);
 	assert_true(fabs(v.at[0] - 100) < 1 && fabs(v.at[1] - 200) < 1 && fabs(v.at[2] - 5) < 1);
 	gw_surfels_clear(&s);
 
 	make_cube(-1, &s);
-	assert_int_equal(gw_viewpoint_find(&s,
-									   &(gw_viewpoint_wish){ GW_VIEWPOINT_AUTO, NULL, 'z', 0, 1.5 },
-									   &v, NULL),
-					 GW_OK);
+	assert_int_equal(
+		gw_viewpoint_find(
+			&s, &(gw_viewpoint_wish){ .kind = GW_VIEWPOINT_AUTO, .up = 'z', .aspect = 1.5 }, &v,
+			NULL),
+		GW_OK);
 	assert_false(v.inside);
 	gw_camera c;
 	assert_int_equal(gw_camera_look(&c, v.at, v.to, z_up, v.angle, NULL), GW_OK);
@@ -179,6 +181,192 @@ static void test_inside_and_outside(void **state)
 	gw_surfels_clear(&s);
 }
 
+/* ------------------------------------------------------------------- rooms, things, strays */
+
+#define SIDE_POINTS 40
+
+/* A box without normals, the corner at the origin; with `open`, the side of least y is missing. */
+static size_t fill_box(const double size[3], bool open, double *position)
+{
+	size_t n = 0;
+	for (int face = 0; face < 6; face++) {
+		size_t axis = (size_t)face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+		for (int i = 0; i < SIDE_POINTS * SIDE_POINTS && !(open && face == 2); i++, n++) {
+			position[3 * n + axis] = face % 2 ? size[axis] : 0;
+			position[3 * n + u] = size[u] * (i % SIDE_POINTS + 0.5) / SIDE_POINTS;
+			position[3 * n + v] = size[v] * ((double)(i / SIDE_POINTS) + 0.5) / SIDE_POINTS;
+		}
+	}
+	return n;
+}
+
+static gw_viewpoint find_view(const double *position, size_t count, gw_viewpoint_wish wish)
+{
+	gw_points points = { .count = count, .position = position };
+	gw_surfels_options options = { .threads = 1 };
+	gw_surfels s;
+	gw_viewpoint v;
+	wish.up = wish.up ? wish.up : 'z';
+	wish.aspect = 1.5;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
+	assert_int_equal(gw_viewpoint_find(&s, &wish, &v, NULL), GW_OK);
+	gw_surfels_clear(&s);
+	return v;
+}
+
+/* Nobody says which side is which: a box of 20 cm is a thing. One of 8 x 4 x 3 m is a room, where
+ * eyes are 1.6 m high (EYE_HEIGHT) and look along its length. */
+static void test_size_for_people(void **state)
+{
+	(void)state;
+	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	const double carton[3] = { 0.2, 0.1, 0.1 }, room[3] = { 8, 4, 3 };
+	size_t count = fill_box(carton, false, position);
+	assert_false(find_view(position, count, (gw_viewpoint_wish){ 0 }).inside);
+	count = fill_box(room, false, position);
+	gw_viewpoint v = find_view(position, count, (gw_viewpoint_wish){ 0 });
+	assert_true(v.inside);
+	/* The floor is known to the float32 of a cell's mean. */
+	assert_near(v.at[2], 1.6, 1e-3);
+	assert_true(fabs(v.to[0] - v.at[0]) > 2 * fabs(v.to[1] - v.at[1]));
+	assert_true(v.at[1] > 0 && v.at[1] < 4);
+	/* The same with -y up, turned about x: z goes along -y. */
+	for (size_t i = 0; i < count; i++) {
+		double *p = position + 3 * i, z = p[2];
+		p[2] = p[1];
+		p[1] = -z;
+	}
+	v = find_view(position, count, (gw_viewpoint_wish){ .up = 'Y' });
+	assert_true(v.inside);
+	assert_near(v.at[1], -1.6, 1e-3);
+	free(position);
+}
+
+/* A ball of 10 m has no corners and no flat floor: whoever sees it stands outside. */
+static void test_ball(void **state)
+{
+	(void)state;
+	size_t count = 8000;
+	double *position = malloc(3 * count * sizeof *position);
+	for (size_t i = 0; i < count; i++) {
+		double z = 1 - (2 * (double)i + 1) / (double)count, r = sqrt(1 - z * z);
+		position[3 * i] = 5 * r * cos(2.39996323 * (double)i);
+		position[3 * i + 1] = 5 * r * sin(2.39996323 * (double)i);
+		position[3 * i + 2] = 5 * z;
+	}
+	assert_false(find_view(position, count, (gw_viewpoint_wish){ 0 }).inside);
+	free(position);
+}
+
+/* A room without its front is a stage: seen from outside, through the front. */
+static void test_stage(void **state)
+{
+	(void)state;
+	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	float *normal = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *normal);
+	const double room[3] = { 4, 4, 3 };
+	size_t count = fill_box(room, true, position);
+	for (size_t i = 0; i < 3 * count; i++) {
+		bool low = position[i] <= 0, high = position[i] >= room[i % 3];
+		normal[i] = low ? 1.0f : high ? -1.0f : 0.0f;
+	}
+	gw_points points = { .count = count, .position = position, .normal = normal };
+	gw_surfels_options options = { .threads = 1 };
+	gw_surfels s;
+	gw_viewpoint v;
+	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
+	gw_viewpoint_wish wish = { .up = 'z', .aspect = 1 };
+	assert_int_equal(gw_viewpoint_find(&s, &wish, &v, NULL), GW_OK);
+	assert_false(v.inside);
+	assert_true(v.at[1] < 0 && fabs(v.at[0] - 2) < 2 - v.at[1]);
+	gw_surfels_clear(&s);
+	free(position);
+	free(normal);
+}
+
+/* One point 300 m away, and one before the camera, change the distance of the camera by no more
+ * than a disc's width, and nearer than `near` there is only the latter. */
+static void test_strays(void **state)
+{
+	(void)state;
+	size_t most = 6 * SIDE_POINTS * SIDE_POINTS + 2;
+	double *position = malloc(most * 3 * sizeof *position);
+	const double carton[3] = { 0.2, 0.1, 0.1 };
+	size_t count = fill_box(carton, false, position);
+	gw_viewpoint clean = find_view(position, count, (gw_viewpoint_wish){ 0 });
+	double way = 0;
+	for (size_t k = 0; k < 3; k++) {
+		position[3 * count + k] = k == 0 ? 300 : 0;
+		position[3 * count + 3 + k] = clean.at[k] + 0.05 * (clean.to[k] - clean.at[k]);
+		way += (clean.to[k] - clean.at[k]) * (clean.to[k] - clean.at[k]);
+	}
+	gw_viewpoint v = find_view(position, count + 2, (gw_viewpoint_wish){ 0 });
+	assert_false(v.inside);
+	for (int k = 0; k < 3; k++)
+		assert_near(v.at[k], clean.at[k], 0.02);
+	assert_true(v.near > 0.05 * sqrt(way) && v.near < sqrt(way) - 0.1);
+	free(position);
+}
+
+/* From all sides of a turn, all of a thing is in the picture. */
+static void test_around(void **state)
+{
+	(void)state;
+	double *position = malloc(6 * SIDE_POINTS * SIDE_POINTS * 3 * sizeof *position);
+	const double plank[3] = { 2, 0.2, 0.3 };
+	size_t count = fill_box(plank, false, position);
+	gw_viewpoint v = find_view(position, count, (gw_viewpoint_wish){ .around = true });
+	assert_false(v.inside);
+	for (int turn = 0; turn < 7; turn++) {
+		gw_camera c;
+		assert_int_equal(gw_camera_look(&c, v.at, v.to, z_up, v.angle, NULL), GW_OK);
+		gw_camera_orbit(&c, v.to, z_up, 2 * M_PI * turn / 7);
+		for (size_t i = 0; i < count; i++) {
+			double world[3], view[3];
+			for (size_t k = 0; k < 3; k++)
+				world[k] = position[3 * i + k] - c.position[k];
+			gw_camera_turn(&c, world, view);
+			assert_true(fabs(view[0]) < 1.5 * c.tangent * view[2]);
+			assert_true(fabs(view[1]) < c.tangent * view[2]);
+			assert_true(view[2] > v.near);
+		}
+	}
+	free(position);
+}
+
+/* Without normals, a sheet is looked at from where the scanner stood. */
+static void test_scanner_side(void **state)
+{
+	(void)state;
+	double position[1200];
+	for (size_t i = 0; i < 400; i++) {
+		position[3 * i] = 0.1 * (double)(i % 20);
+		position[3 * i + 1] = 0;
+		position[3 * i + 2] = 0.1 * (double)(i / 20);
+	}
+	double scanner[3] = { 1, 3, 1 };
+	gw_viewpoint_wish wish = { .scanner = scanner, .scanner_count = 1 };
+	assert_true(find_view(position, 400, wish).at[1] > 0);
+	scanner[1] = -3;
+	assert_true(find_view(position, 400, wish).at[1] < 0);
+}
+
+/* Right-handed for every axis; that of depth cameras is right, down and ahead. */
+static void test_stand(void **state)
+{
+	(void)state;
+	for (const char *axis = "xyzXYZ"; *axis; axis++) {
+		double r[3], b[3], u[3];
+		gw_camera_stand(*axis, r, b, u);
+		for (int k = 0; k < 3; k++)
+			assert_near(r[(k + 1) % 3] * b[(k + 2) % 3] - r[(k + 2) % 3] * b[(k + 1) % 3], u[k],
+						ROUNDING);
+	}
+	double r[3], b[3], u[3];
+	gw_camera_stand('Y', r, b, u);
+	assert_true(r[0] == 1 && b[2] == 1 && u[1] == -1);
+}
+
 /* Nothing encloses a lone plane, so it is looked at from outside even when inside was asked for. */
 static void test_plane(void **state)
 {
@@ -196,10 +384,11 @@ static void test_plane(void **state)
 	gw_surfels s;
 	gw_viewpoint v;
 	assert_int_equal(gw_surfels_make(&points, &options, &s, NULL), GW_OK);
-	assert_int_equal(gw_viewpoint_find(&s,
-									   &(gw_viewpoint_wish){ GW_VIEWPOINT_INSIDE, NULL, 'z', 0, 1 },
-									   &v, NULL),
-					 GW_OK);
+	assert_int_equal(
+		gw_viewpoint_find(
+			&s, &(gw_viewpoint_wish){ .kind = GW_VIEWPOINT_INSIDE, .up = 'z', .aspect = 1 }, &v,
+			NULL),
+		GW_OK);
 	assert_false(v.inside);
 	assert_true(v.at[2] > 0);
 	gw_surfels_clear(&s);
@@ -231,10 +420,14 @@ static void test_choice(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_axes),        cmocka_unit_test(test_orbit),
-		cmocka_unit_test(test_bad_cameras), cmocka_unit_test(test_balls_in_view),
-		cmocka_unit_test(test_enclosure),   cmocka_unit_test(test_inside_and_outside),
-		cmocka_unit_test(test_plane),       cmocka_unit_test(test_choice),
+		cmocka_unit_test(test_axes),         cmocka_unit_test(test_orbit),
+		cmocka_unit_test(test_bad_cameras),  cmocka_unit_test(test_balls_in_view),
+		cmocka_unit_test(test_enclosure),    cmocka_unit_test(test_inside_and_outside),
+		cmocka_unit_test(test_plane),        cmocka_unit_test(test_size_for_people),
+		cmocka_unit_test(test_ball),         cmocka_unit_test(test_stage),
+		cmocka_unit_test(test_strays),       cmocka_unit_test(test_around),
+		cmocka_unit_test(test_scanner_side), cmocka_unit_test(test_stand),
+		cmocka_unit_test(test_choice),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

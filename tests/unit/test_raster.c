@@ -1,6 +1,7 @@
 /* The rasteriser against closed forms: areas, depths, order, holes, and bytes of several threads.
  */
 #include "glowworm_picture.h"
+#include "picture/raster_steps.h"
 #include "surfels/surfels.h"
 
 #include <math.h>
@@ -221,6 +222,69 @@ static void test_holes_are_filled(void **state)
 	gw_gbuffer_clear(&g);
 	free(clip);
 	free_discs(&d);
+}
+
+#define SLOT_SIDE 161
+
+/* What is missing of a solid surface: a slot 24 wide and 60 long, one end of which leads out into
+ * the open, or all that lies between two edges at a right angle. */
+typedef struct gap {
+	double angle; /* by which all of it is turned */
+	bool corner;
+} gap;
+
+static void lay_gap(const gap *what, double x, double y, gw_raster_cover *cover)
+{
+	double along = x * cos(what->angle) + y * sin(what->angle);
+	double across = y * cos(what->angle) - x * sin(what->angle);
+	bool missing = what->corner ? along > -20 && across > -20
+								: fabs(across) < 12 && along > -30 && along <= 30;
+	bool open = what->corner ? missing && hypot(along, across) > 60 : !missing && along > 30;
+	bool outside = hypot(along, across) > 75;
+	cover->sure = !missing && !open && !outside;
+	cover->beyond = missing && !open;
+}
+
+/* How many pixels of it are closed, of how many. */
+static size_t close_gap(gap what, size_t *missing)
+{
+	size_t pixels = SLOT_SIDE * SLOT_SIDE, closed = 0;
+	gw_raster_cover *cover = calloc(pixels, sizeof *cover);
+	gw_gbuffer g = { .width = SLOT_SIDE, .height = SLOT_SIDE };
+	g.coverage = calloc(pixels, sizeof *g.coverage);
+	g.depth = calloc(pixels, sizeof *g.depth);
+	g.facing = calloc(pixels, sizeof *g.facing);
+	g.id = calloc(pixels, sizeof *g.id);
+	g.normal = calloc(3 * pixels, sizeof *g.normal);
+	for (size_t i = 0; i < pixels; i++)
+		lay_gap(&what, (double)(i % SLOT_SIDE) - 80, (double)(i / SLOT_SIDE) - 80, cover + i);
+	const gw_raster_options options = { .samples = 1 };
+	const gw_raster_view view = { .options = &options };
+	assert_int_equal(gw_raster_holes_close(&view, cover, &g, NULL), GW_OK);
+	*missing = 0;
+	for (size_t i = 0; i < pixels; i++) {
+		*missing += cover[i].beyond;
+		closed += cover[i].beyond && g.coverage[i] > 0.0f;
+	}
+	free(cover);
+	gw_gbuffer_clear(&g);
+	return closed;
+}
+
+/* Which holes are closed does not depend on how they lie to rows and columns: of a slot the inner
+ * part is, more than half; between two edges at a right angle, which no five of eight lines cross,
+ * nothing but what roundings of the edges to pixels make. */
+static void test_holes_are_no_boxes(void **state)
+{
+	(void)state;
+	for (int turn = 0; turn < 32; turn++) {
+		size_t missing, closed = close_gap((gap){ pi * turn / 16, false }, &missing);
+		if (!(2 * closed > missing))
+			fail_msg("turn %d: %zu of %zu of a slot are closed", turn, closed, missing);
+		closed = close_gap((gap){ pi * turn / 16, true }, &missing);
+		if (!(50 * closed < missing))
+			fail_msg("turn %d: %zu of %zu of a corner are closed", turn, closed, missing);
+	}
 }
 
 /* Where a surface ends and nothing follows, what discs reach beyond their cuts stays out, wherever
@@ -566,6 +630,7 @@ int main(void)
 		cmocka_unit_test(test_plane_has_no_holes),
 		cmocka_unit_test(test_noisy_plane_has_no_holes),
 		cmocka_unit_test(test_holes_are_filled),
+		cmocka_unit_test(test_holes_are_no_boxes),
 		cmocka_unit_test(test_edges_end_within_tiles),
 		cmocka_unit_test(test_fronts_hide_backs),
 		cmocka_unit_test(test_facing_of_a_ridge),

@@ -844,8 +844,8 @@ static void estimated_normals_are_of_one_side(void **state)
 		float sign; /* 1: out of the box */
 	} lit[] = {
 		{ { .type = GW_LIGHT_POINT, .position = { 0.7, 0.2, 0.9 }, .intensity = { 1, 1, 1 } }, -1 },
-		{ { .type = GW_LIGHT_SUN, .direction = { 1, 0.3, -1 }, .irradiance = { 1, 1, 1 } }, -1 },
-		{ { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } }, -1 },
+		{ { .type = GW_LIGHT_SUN, .direction = { 1, 0.3, -1 }, .irradiance = { 1, 1, 1 } }, 1 },
+		{ { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } }, 1 },
 	};
 	cloud c = make_box(12000, true, 0, 0);
 	float *truth = c.normal;
@@ -875,7 +875,7 @@ static void estimated_normals_are_of_one_side(void **state)
 	clear_cloud(&c);
 }
 
-static void estimated_normals_point_up_or_inwards(void **state)
+static void estimated_normals_point_up_or_outwards(void **state)
 {
 	(void)state;
 	cloud c = make_grid(20);
@@ -906,7 +906,7 @@ static void estimated_normals_point_up_or_inwards(void **state)
 	float *truth = c.normal;
 	c.normal = NULL;
 	gw_surfels closed = make(&c);
-	assert_true(share_right(&closed, truth, -1) > 0.99);
+	assert_true(share_right(&closed, truth, 1) > 0.99);
 	gw_surfels_clear(&closed);
 	free(truth);
 	clear_cloud(&c);
@@ -1802,7 +1802,7 @@ int main(void)
 		cmocka_unit_test(closed_bodies_inside_out_are_turned),
 		cmocka_unit_test(floors_seen_edge_on_are_trusted),
 		cmocka_unit_test(estimated_normals_are_of_one_side),
-		cmocka_unit_test(estimated_normals_point_up_or_inwards),
+		cmocka_unit_test(estimated_normals_point_up_or_outwards),
 		cmocka_unit_test(tangent_frame_is_right_handed),
 		cmocka_unit_test(areas_add_up),
 		cmocka_unit_test(scan_lines_are_one_surface),

@@ -1,0 +1,57 @@
+/*
+ * coordinates.h - from the coordinates of a file to metres and back. Light needs metres; what is
+ * written keeps the file's coordinates.
+ */
+#ifndef COORDINATES_H
+#define COORDINATES_H
+
+#include "points/scan.h"
+
+/* What coordinates are in, as somebody says it. */
+typedef enum coordinates_unit {
+	COORDINATES_AUTO, /* as the file says, else metres */
+	COORDINATES_M,
+	COORDINATES_MM,
+	COORDINATES_CM,
+	COORDINATES_KM,
+	COORDINATES_IN,
+	COORDINATES_FT,
+	COORDINATES_US_FT,
+	COORDINATES_DEGREES, /* longitude and latitude (WGS 84), and metres of height */
+	COORDINATES_UNIT_COUNT
+} coordinates_unit;
+
+/* "us-ft"; the names of all, in order. */
+const char *coordinates_unit_name(coordinates_unit unit);
+
+typedef struct coordinates {
+	double scale[3];  /* metres of one of them; not of degrees */
+	void *projection; /* owned; of degrees, to metres around their middle, or NULL */
+	void *context;    /* owned; with it */
+	char name[120];   /* a phrase for messages: "feet (0.3048 m)" */
+	bool changes;     /* they are not metres */
+	bool by_file;     /* who says so */
+} coordinates;
+
+/* Coordinates that are metres. */
+coordinates coordinates_metres(void);
+
+/*
+ * Finds out what the coordinates of a cloud are in: by `unit`, else by the WKT or GeoTIFF keys that
+ * its file had (las_notes.h), unless the coordinates cannot be degrees that these claim, which
+ * becomes a note of the scan.
+ *   to   on success freed with coordinates_clear; metres on failure
+ * GW_ERROR_DATA, without the file's name, when nothing says so and they look like degrees, or PROJ
+ * has no way to project them; GW_ERROR_MEMORY.
+ */
+gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, gw_error *error);
+void coordinates_clear(coordinates *c);
+
+/* Whether two clouds' coordinates are of the same kind. */
+bool coordinates_agree(const coordinates *a, const coordinates *b);
+
+/* Turns a place into metres, and back. */
+void coordinates_to_metres(const coordinates *c, double place[3]);
+void coordinates_from_metres(const coordinates *c, double place[3]);
+
+#endif
