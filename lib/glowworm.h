@@ -104,7 +104,7 @@ typedef struct gw_points {
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
-								   scanner has, and for NULL, the nearest one counts */
+								   scanner has, and for NULL, the one that sees it best */
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */
@@ -178,6 +178,14 @@ typedef enum gw_pass_choice {
 	GW_PASSES_COUNT
 } gw_pass_choice;
 
+/* What becomes of normals that come with the points. */
+typedef enum gw_normals_choice {
+	GW_NORMALS_AUTO,     /* taken, unless many of them cannot be right: these are mended */
+	GW_NORMALS_GIVEN,    /* taken as they are; missing ones are estimated */
+	GW_NORMALS_ESTIMATE, /* all are estimated */
+	GW_NORMALS_COUNT
+} gw_normals_choice;
+
 /* What Vulkan's validation layer looks at; it can't do both at once. */
 typedef enum gw_validation {
 	GW_VALIDATE_NOTHING,
@@ -246,10 +254,11 @@ typedef struct gw_bake_options {
 								 of what the machine has free */
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
 	gw_pass_choice passes;    /* for those who look into a difference */
-	gw_validation validate;   /* run under Vulkan's validation layer; any message is an error */
-	bool voxels;              /* fill gw_bake_result.voxels */
-	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
-	bool ambient_occlusion;   /* fill gw_bake_result.ambient_occlusion */
+	gw_normals_choice normals;
+	gw_validation validate; /* run under Vulkan's validation layer; any message is an error */
+	bool voxels;            /* fill gw_bake_result.voxels */
+	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
+	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
 					around a point disagree, as a standard error of their mean. It knows the noise

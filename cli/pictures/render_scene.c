@@ -240,6 +240,7 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 {
 	render_scene *scene = c->scene;
 	gw_surfels_options options = { .threads = s->bake.threads,
+								   .normals = s->bake.normals,
 								   .choose = choose,
 								   .chooser = c,
 								   .rough_area = !c->all,

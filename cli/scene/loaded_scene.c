@@ -465,10 +465,32 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 	return status;
 }
 
+/* Scanners that the user names go before those of the files: who saw which point is then open. */
+static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
+{
+	if (s->scanner_count == 0)
+		return GW_OK;
+	double *place = reallocarray(NULL, s->scanner_count, 3 * sizeof *place);
+	if (!place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", s->scanner_count);
+	memcpy(place, s->scanner, 3 * s->scanner_count * sizeof *place);
+	free(cloud->scanner);
+	free(cloud->scanner_of);
+	cloud->scanner = place;
+	cloud->scanner_count = s->scanner_count;
+	cloud->scanner_of = NULL;
+	return GW_OK;
+}
+
 gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	*scene = (loaded_scene){ 0 };
 	gw_status status = read_all(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	status = take_scanners(s, &scene->cloud, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;

@@ -611,6 +611,14 @@ static gw_status take_list(reader *r, json_t *list, gw_status (*take)(reader *, 
 	return status;
 }
 
+static gw_status take_scanner(reader *r, json_t *value)
+{
+	double place[3];
+	size_t count;
+	gw_status status = take_numbers(r, value, place, 3, false, &count);
+	return status == GW_OK ? settings_add_scanner(r->settings, place, r->error) : status;
+}
+
 static gw_status take_frame_count(const reader *r, json_t *value)
 {
 	json_int_t count = json_integer_value(value);
@@ -640,7 +648,8 @@ static gw_status check_frames(const reader *r)
 
 static gw_status take_member(reader *r, const char *key, json_t *value)
 {
-	static const char *const name[] = { "version", "units", "inputs", "lights", "frames", "bake" };
+	static const char *const name[] = { "version",  "units",  "inputs", "lights",
+										"scanners", "frames", "bake" };
 	if (strcmp(key, "version") == 0)
 		return json_integer_value(value) == 1 ? GW_OK
 											  : fail_here(r, "this program reads version 1 only");
@@ -650,6 +659,8 @@ static gw_status take_member(reader *r, const char *key, json_t *value)
 		return take_list(r, value, take_input);
 	if (strcmp(key, "lights") == 0)
 		return take_list(r, value, take_light);
+	if (strcmp(key, "scanners") == 0)
+		return take_list(r, value, take_scanner);
 	if (strcmp(key, "frames") == 0)
 		return take_frame_count(r, value);
 	if (strcmp(key, "bake") == 0)

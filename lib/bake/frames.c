@@ -58,6 +58,7 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	const gw_surfels_options options = { .threads = f->scene.options.threads,
 										 .lights = f->first_lights,
 										 .light_count = f->first_light_count,
+										 .normals = f->scene.options.normals,
 										 .memory = f->scene.options.memory,
 										 .cancelled = gw_scene_stopped,
 										 .user = &f->scene };

@@ -55,6 +55,7 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
 		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
+		{ "normals", (double)o->normals, 0, GW_NORMALS_COUNT - 1 },
 		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
@@ -188,6 +189,12 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	gw_report_emission(r, s);
 	gw_report_count(r, "normals_estimated", s->normals_estimated,
 					"points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_turned", s->normals_turned,
+					"points whose normal faced the wrong side and was turned; --normals given "
+					"leaves them");
+	gw_report_count(r, "normals_doubted", s->normals_doubted,
+					"points whose normals came with so many wrong ones that all were estimated; "
+					"--normals given takes them");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
 					"points whose normal cannot be trusted: lit from both sides");
 	memcpy(r->origin, s->origin, sizeof r->origin);
@@ -199,6 +206,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 	gw_surfels_options options = { .threads = scene->options.threads,
 								   .lights = from->lights,
 								   .light_count = from->light_count,
+								   .normals = scene->options.normals,
 								   .memory = scene->options.memory,
 								   .cancelled = gw_scene_stopped,
 								   .user = scene };

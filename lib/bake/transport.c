@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 7u
+#define VERSION 8u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
@@ -29,7 +29,7 @@ typedef struct identity {
 
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
-	double method, depth, leaf_spacing, rays, record_spacing, seed;
+	double method, depth, leaf_spacing, rays, record_spacing, seed, normals;
 } fixed_settings;
 
 typedef struct head {
@@ -75,7 +75,8 @@ static fixed_settings settle(const gw_bake_options *o)
 								 o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
 							 .rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
 							 .record_spacing = (double)o->record_spacing,
-							 .seed = (double)o->seed };
+							 .seed = (double)o->seed,
+							 .normals = o->normals };
 }
 
 /* To where the next part begins. */
@@ -216,6 +217,7 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		{ "number of rays", kept->rays, own.rays },
 		{ "record spacing", kept->record_spacing, own.record_spacing },
 		{ "seed", kept->seed, own.seed },
+		{ "choice of normals", kept->normals, own.normals },
 	};
 	if (kept->method != own.method)
 		return gw_fail(error, GW_ERROR_USAGE,

@@ -2,6 +2,7 @@
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
+#include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
 
 #include <stdlib.h>
@@ -57,7 +58,9 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	if (status != GW_OK)
 		return status;
 	bool smoothed = false;
-	status = complete_normals(points, options, search, surfels, error);
+	status = gw_given_normals_mend(points, options, search, surfels, error);
+	if (status == GW_OK)
+		status = complete_normals(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = gw_surfels_smooth(search, surfels, &smoothed, error);
 	if (smoothed) {
