@@ -1155,9 +1155,9 @@ static cloud make_strips(size_t count, double spacings, double noise, double deg
 
 /*
  * How far off the normals are is told without knowing the truth: it is an expectation, less exact
- * the more the noise resembles the shape, as bends of strips do. A quarter is what is asked of it: it
- * is one of four parts of an error that add up by squares, so that where all are alike the sum is off
- * by 25 / 4, 6 %, and the number told by one in its second digit.
+ * the more the noise resembles the shape, as bends of strips do. A quarter is what is asked of it:
+ * it is one of four parts of an error that add up by squares, so that where all are alike the sum
+ * is off by 25 / 4, 6 %, and the number told by one in its second digit.
  */
 static void errors_of_normals_are_known(void **state)
 {
@@ -1189,7 +1189,8 @@ static void errors_of_normals_are_known(void **state)
 
 /*
  * Estimated normals are off where places are noisy, and beside creases those of points that may
- * lie on either face. How far is told to a quarter, as above. On a plane there is nothing but rounding of float32: 1e-7 of a height, in degrees.
+ * lie on either face. How far is told to a quarter, as above. On a plane there is nothing but
+ * rounding of float32: 1e-7 of a height, in degrees.
  */
 static void errors_of_estimated_normals_are_known(void **state)
 {
