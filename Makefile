@@ -80,10 +80,12 @@ SONAME  := libglowworm.so.$(basename $(VERSION))
 SHARED  := libglowworm.so.$(VERSION)
 
 # Passes that run on the processor as well: lib/light/kernel.cpp, compiled with the text of each.
-KERNELS         := light_visibility light_irradiance facet_direct record_rays record_again record_emitters \
-                   record_sky record_first record_gather record_add facet_weights facet_shade read_back
-KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/kernel_%.o)
-KERNEL_OF        = -DPASS=gw_kernel_$(1) -DPASS_TEXT='"light/$(1).comp"'
+KERNELS         := device/prefix_sum light/light_visibility light/light_irradiance \
+                   light/facet_direct light/record_rays light/record_again light/record_emitters \
+                   light/record_sky light/record_first light/record_gather light/record_add \
+                   light/facet_weights light/facet_shade light/read_back
+KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/%_kernel.o)
+KERNEL_OF        = -DPASS=gw_kernel_$(notdir $(1)) -DPASS_TEXT='"$(1).comp"'
 LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 
 # Pages of the manual and completions, of which the program itself writes what repeats its options.
@@ -136,7 +138,7 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -MMD -MP -c -o $@ $<
 
-$(KERNEL_OBJECTS): $(BUILD)/kernels/kernel_%.o: lib/light/kernel.cpp shaders/light/%.comp $(BUILD_FLAGS)
+$(KERNEL_OBJECTS): $(BUILD)/kernels/%_kernel.o: lib/light/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -Werror=double-promotion $(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
 
@@ -272,7 +274,7 @@ $(BUILD)/analysis/%.cpp.txt: %.cpp
 	@$(call ANALYSE,$(CXXFLAGS)) 2>$@.new; mv $@.new $@
 
 KERNELS_ANALYSED := $(KERNELS:%=$(BUILD)/analysis/kernels/%.txt)
-$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shaders/light/%.comp
+$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shaders/%.comp
 	@mkdir -p $(@D)
 	@$(call ANALYSE,$(CXXFLAGS) $(call KERNEL_OF,$*)) 2>$@.new; mv $@.new $@
 

@@ -54,7 +54,7 @@ static size_t count_of(const solve *w)
 
 static float luminance(const float c[3])
 {
-	return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
+	return (float)gw_relative_luminance((double)c[0], (double)c[1], (double)c[2]);
 }
 
 static float largest(const float c[3])

@@ -32,6 +32,9 @@
 static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_PREFIX_SUM] = { "prefix_sum", "ss", sizeof(gw_prefix_push), GW_PREFIX_RUN,
 							 .cpu = gw_cpu_prefix_sum },
+	/* The kernels of the sort are loops of their own: they take few long runs, each with its counts
+	 * in an array on its thread's stack, where shaders have thousands of short ones that count in
+	 * place, which threads of a processor would wait for each other at. */
 	[GW_PASS_RADIX_COUNT] = { "radix_count", "ts", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,
 							  .cpu = gw_cpu_radix_count },
 	[GW_PASS_RADIX_SCATTER] = { "radix_scatter", "tttssss", sizeof(gw_radix_push), GW_RADIX_RUN_MAX,

@@ -6,6 +6,7 @@
 #include "device/prefix_sum.h"
 
 #include "base/memory.h"
+#include "device/kernel.h"
 #include "device/sort_layout.h"
 #include "base/parallel.h"
 
@@ -113,42 +114,18 @@ gw_status gw_prefix_sum_run(gw_passes *passes, gw_prefix_sum *prefix, gw_buffer 
 
 /* -------------------------------------------------------------------------------- CPU kernel */
 
-typedef struct runs_job {
-	const gw_prefix_push *push;
-	uint32_t *source, *sums;
-} runs_job;
-
-static void add_up_run(const runs_job *job, uint32_t run)
-{
-	const gw_prefix_push *push = job->push;
-	uint32_t begin = run * GW_PREFIX_RUN, left = push->total - begin, sum = 0;
-	uint32_t count = left < GW_PREFIX_RUN ? left : GW_PREFIX_RUN;
-	uint32_t *word = job->source + push->source + begin;
-	if (push->scan == 0) {
-		for (uint32_t i = 0; i < count; i++)
-			sum += word[i];
-		job->sums[push->sums + run] = sum;
-		return;
-	}
-	if (push->offsets != 0)
-		sum = job->sums[push->sums + run];
-	for (uint32_t i = 0; i < count; i++) {
-		uint32_t value = word[i];
-		word[i] = sum;
-		sum += value;
-	}
-}
-
 static void add_up_runs(void *user, size_t first, size_t last, uint32_t worker)
 {
 	(void)worker;
-	for (size_t run = first; run < last; run++)
-		add_up_run(user, (uint32_t)run);
+	gw_kernel_prefix_sum(user, first, last);
 }
 
 void gw_cpu_prefix_sum(gw_passes *passes, const gw_binding *bindings, const void *push,
 					   uint64_t count)
 {
-	runs_job job = { push, bindings[0].buffer->mapped, bindings[1].buffer->mapped };
-	gw_parallel_for(passes->threads, (size_t)count, CPU_RUNS, add_up_runs, &job);
+	gw_prefix_push all = *(const gw_prefix_push *)push;
+	gw_kernel_input input = { .bindings = bindings, .constant = passes->constant, .push = &all };
+	all.first = 0;
+	all.count = UINT32_MAX;
+	gw_parallel_for(passes->threads, (size_t)count, CPU_RUNS, add_up_runs, &input);
 }

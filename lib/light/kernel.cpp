@@ -9,6 +9,7 @@
 #include "device/kernel.h"
 
 #include "base/shared_math.h"
+#include "device/sort_layout.h"
 #include "octree/trace_constants.h"
 #include "light/transport_layout.h"
 

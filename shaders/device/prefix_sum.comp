@@ -3,36 +3,32 @@
  *
  * One invocation does one run, so that nothing is shared and no barrier is needed.
  */
-#version 460
-#extension GL_GOOGLE_include_directive : require
-
+#include "base/pass.glsl"
 #include "device/sort_layout.h"
 
-layout(local_size_x_id = 0) in;
-
-layout(binding = 0) buffer Source { uint source[]; };
-layout(binding = 1) buffer Sums { uint sums[]; };
-
-layout(push_constant) uniform Push { gw_prefix_push push; };
+BUFFER(0, readwrite, uint, words);
+BUFFER(1, readwrite, uint, sums);
+PUSH(gw_prefix_push);
 
 void main()
 {
 	if (gl_GlobalInvocationID.x >= push.count)
 		return;
 	uint run = push.first + gl_GlobalInvocationID.x;
-	uint begin = run * GW_PREFIX_RUN, end = min(begin + GW_PREFIX_RUN, push.total);
+	uint begin = push.source + run * GW_PREFIX_RUN;
+	uint end = begin + min(GW_PREFIX_RUN, push.total - run * GW_PREFIX_RUN);
 	uint sum = 0u;
 	if (push.scan == 0u) {
 		for (uint i = begin; i < end; i++)
-			sum += source[push.source + i];
+			sum += words[i];
 		sums[push.sums + run] = sum;
 		return;
 	}
 	if (push.offsets != 0u)
 		sum = sums[push.sums + run];
 	for (uint i = begin; i < end; i++) {
-		uint value = source[push.source + i];
-		source[push.source + i] = sum;
+		uint value = words[i];
+		words[i] = sum;
 		sum += value;
 	}
 }

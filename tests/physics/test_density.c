@@ -17,8 +17,8 @@
 /*
  * By which light may be further from the closed form than that of the even cloud, which has to do
  * with planes where the sphere is round: 64 rays from each of some 60 records or more, each with an
- * error of 10 % of the gathered half of the light at most, are 0.1 % of the mean; what is measured
- * is below 0.2 %. Where discs ended 16 leaf cells off, 7 to 96 % were missing.
+ * error of 10 % of the gathered half of the light at most, are 0.1 % of the mean, as a standard
+ * deviation; five of them. Where discs ended 16 leaf cells off, 7 to 96 % were missing.
  */
 #define TOLERANCE 0.005
 

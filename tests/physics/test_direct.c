@@ -521,8 +521,7 @@ static double error_on_strips(double degrees, double *said)
 }
 
 /* A sun's light on noisy normals is wrong by what the estimate says, to a quarter, as well as it is
- * known how far off the normals are (test_surfels.c); seen: a fifth too much. Of clean ones it says
- * nothing. */
+ * known how far off the normals are (test_surfels.c). Of clean ones it says nothing. */
 static void noise_of_normals_is_in_the_estimate(void **state)
 {
 	(void)state;

@@ -67,7 +67,7 @@ static double compare(const scene *s, const gw_bake_result *r, double *scatter)
  * stick out of it), a binomial of 11 +- 2.7, and four records speak for a point: 12 %. Where three
  * walls meet, of which a leaf has two planes, six rays in 10,000 get out of the closed cellar, so
  * of 100 records with 64 rays four have one, which brings pi / 64, 1.3 times the mean: 13 %, or
- * 20 % where ten do (three standard deviations more). That makes 24 %, times 1.3. Seen: 11 to 30 %.
+ * 20 % where ten do (three standard deviations more). That makes 24 %, times 1.3.
  * Rays alone would find the hole with 1.3 of 64: 88 % a record, 44 % a point, and the leaks.
  */
 static void floor_below_a_hole(void **state)
