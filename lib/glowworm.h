@@ -85,6 +85,17 @@ gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 
 /* --------------------------------------------------------------------------------- points in */
 
+/*
+ * Points that one scanner saw as a picture: rows and columns of cells, of which neighbours were
+ * seen in neighbouring directions, such as a scan of a PTX or E57 file, or an organised PCD file.
+ * What lies side by side in it but not at one depth is no surface, and noise is along its rays.
+ */
+typedef struct gw_range_image {
+	size_t first, count;    /* its points among all, those from `first` on */
+	uint32_t columns, rows; /* less than 2^32 cells */
+	double scanner[3];      /* where all its rays begin */
+} gw_range_image;
+
 /* The points of one scene. Nothing here is modified or kept after gw_bake returns. */
 typedef struct gw_points {
 	size_t count;           /* number of points; 0 is an error */
@@ -97,6 +108,11 @@ typedef struct gw_points {
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
 								   scanner has, and for NULL, the nearest one counts */
+	const gw_range_image *image; /* image_count, in ascending order; may be NULL */
+	size_t image_count;
+	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
+								   Normals that are missing come from the neighbours there, and
+								   noise along the rays is smoothed */
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */

@@ -99,8 +99,10 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
 		shift[row] = matrix[4 * row + 3];
 	}
-	for (size_t i = 0; i < cloud->scanner_count; i++) {
-		double s[3], *to = cloud->scanner + 3 * i;
+	for (size_t i = 0; i < cloud->scanner_count + cloud->image_count; i++) {
+		bool image = i >= cloud->scanner_count;
+		double s[3],
+			*to = image ? cloud->image[i - cloud->scanner_count].scanner : cloud->scanner + 3 * i;
 		memcpy(s, to, sizeof s);
 		for (int k = 0; k < 3; k++)
 			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
@@ -495,7 +497,10 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .emission = p->emission,
 							 .scanner = scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
-							 .scanner_of = scene->cloud.scanner_of };
+							 .scanner_of = scene->cloud.scanner_of,
+							 .image = scene->cloud.image,
+							 .image_count = scene->cloud.image_count,
+							 .image_cell = scene->cloud.image_cell };
 	return GW_OK;
 }
 

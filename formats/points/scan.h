@@ -49,8 +49,11 @@ typedef struct scan {
 	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
 						  coordinates */
 	size_t scanner_count;
-	uint32_t *scanner_of; /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
-							 NULL when there is none, or the one saw them all */
+	uint32_t *scanner_of;  /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
+							  NULL when there is none, or the one saw them all */
+	gw_range_image *image; /* owned; image_count: which points are whole pictures of a scanner */
+	size_t image_count;
+	uint32_t *image_cell; /* owned; count: the cell of each point of an image; NULL without one */
 } scan;
 
 /* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
@@ -69,6 +72,13 @@ gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
  */
 gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
 						   gw_error *error);
+
+/*
+ * Says that the points [first, first + count), which lie behind all those of earlier images, are a
+ * picture of columns * rows cells seen from `position`. Cells, row * columns + column, are to be
+ * put into image_cell[first] and following. GW_ERROR_MEMORY.
+ */
+gw_status scan_add_image(scan *scan, const gw_range_image *image, gw_error *error);
 
 /* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
  * when memory is short. A file may have a million, so that not all are compared. */

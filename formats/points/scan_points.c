@@ -289,7 +289,10 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .emission = out->emission,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
-							   .scanner_of = cloud->scanner_of };
+							   .scanner_of = cloud->scanner_of,
+							   .image = cloud->image,
+							   .image_count = cloud->image_count,
+							   .image_cell = cloud->image_cell };
 	return GW_OK;
 }
 

@@ -58,6 +58,13 @@ static uint64_t hash_array(const void *values, size_t count, size_t size)
 static identity identify(const gw_points *p)
 {
 	uint64_t scanner = hash_array(p->scanner, p->scanner_count, 3 * sizeof *p->scanner);
+	for (size_t i = 0; i < p->image_count; i++) {
+		const gw_range_image *image = &p->image[i];
+		const uint64_t size[4] = { image->first, image->count, image->columns, image->rows };
+		scanner = gw_hash(scanner, size, sizeof size);
+		scanner = gw_hash(scanner, image->scanner, sizeof image->scanner);
+	}
+	scanner ^= hash_array(p->image_count ? p->image_cell : NULL, p->count, sizeof *p->image_cell);
 	return (identity){
 		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),

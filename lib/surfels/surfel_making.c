@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "surfels/plane_error.h"
+#include "surfels/range_image.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -74,10 +75,15 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
 									gw_surfels *surfels, float **gap, gw_error *error)
 {
+	gw_ranged_points ranged;
 	*surfels = (gw_surfels){ .count = 0 };
 	if (gap)
 		*gap = NULL;
-	gw_status status = make_steps(points, options, surfels, gap, error);
+	gw_status status = gw_range_images_use(points, options->threads, &ranged, error);
+	if (status == GW_OK)
+		status = make_steps(&ranged.points, options, surfels, gap, error);
+	surfels->normals_estimated += ranged.normals;
+	gw_ranged_points_clear(&ranged);
 	if (status != GW_OK) {
 		gw_surfels_clear(surfels);
 		if (gap) {

@@ -4,6 +4,7 @@
 #include "surfels/surfel_parts.h"
 
 #include "base/memory.h"
+#include "surfels/range_image.h"
 #include "surfels/surfel_steps.h"
 #include "base/nth_element.h"
 
@@ -355,11 +356,16 @@ gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
 							   const gw_surfels_options *options, gw_surfel_parts *parts,
 							   gw_surfels *surfels, gw_error *error)
 {
-	const source from = { points, motion, options };
-	uint32_t *number;
+	gw_ranged_points ranged;
+	uint32_t *number = NULL;
 	*parts = (gw_surfel_parts){ 0 };
 	*surfels = (gw_surfels){ 0 };
-	gw_status status = make_parts(&from, parts, surfels, &number, error);
+	gw_status status = gw_range_images_use(points, options->threads, &ranged, error);
+	const source from = { &ranged.points, motion, options };
+	if (status == GW_OK)
+		status = make_parts(&from, parts, surfels, &number, error);
+	surfels->normals_estimated += ranged.normals;
+	gw_ranged_points_clear(&ranged);
 	free(number);
 	if (status == GW_OK) {
 		widen_bounds(parts, motion, surfels);
