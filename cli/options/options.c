@@ -50,6 +50,12 @@ static const char *up_name(int i)
 	return name[i];
 }
 
+static const char *strays_name(int i)
+{
+	static const char *const name[] = { "light", "keep", "drop", NULL };
+	return name[i];
+}
+
 static const char *colors_name(int i)
 {
 	static const char *const name[] = { "preview", "keep", NULL };
@@ -286,6 +292,11 @@ const option options[] = {
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
 		  "the format" },
+	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(strays),
+	  .choice = strays_name, .group = "Scene",
+	  .help = "points of no surface, such as those far from all others or that a LAS file calls "
+			  "noise: light lights them like the nearest surface, of which they are no part; keep "
+			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(format),
 	  .choice = format_name, .group = "Scene",

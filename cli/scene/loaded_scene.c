@@ -361,6 +361,26 @@ static gw_status append_floats(float **to, size_t count, const float *from, size
 	return GW_OK;
 }
 
+static gw_status append_strays(scan_points *to, size_t count, const scan_points *from,
+							   gw_error *error)
+{
+	size_t n = from->points.count;
+	if (!to->stray && !from->stray)
+		return GW_OK;
+	bool had = to->stray != NULL;
+	uint8_t *grown = realloc(to->stray, count + n);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", count + n);
+	to->stray = grown;
+	if (!had)
+		memset(grown, 0, count);
+	if (from->stray)
+		memcpy(grown + count, from->stray, n);
+	else
+		memset(grown + count, 0, n);
+	return GW_OK;
+}
+
 static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
 							   gw_error *error)
 {
@@ -375,7 +395,7 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 		status = append_floats(&to->albedo, 3 * count, from->albedo, n, error);
 	if (status == GW_OK)
 		status = append_floats(&to->emission, 3 * count, from->emission, n, error);
-	return status;
+	return status == GW_OK ? append_strays(to, count, from, error) : status;
 }
 
 static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
@@ -495,6 +515,8 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
+							 .stray = p->stray,
+							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .scanner = scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
 							 .scanner_of = scene->cloud.scanner_of,

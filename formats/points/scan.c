@@ -59,6 +59,28 @@ scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_e
 	return column;
 }
 
+void scan_remove_points(scan *cloud, const uint8_t *gone)
+{
+	size_t kept = 0;
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		size_t size = scan_type_size(cloud->column[c].type);
+		char *data = cloud->column[c].data;
+		kept = 0;
+		for (size_t i = 0; i < cloud->count; i++)
+			if (!gone[i])
+				memmove(data + size * kept++, data + size * i, size);
+	}
+	kept = 0;
+	for (size_t i = 0; i < cloud->count; i++) {
+		if (gone[i])
+			continue;
+		if (cloud->scanner_of)
+			cloud->scanner_of[kept] = cloud->scanner_of[i];
+		kept++;
+	}
+	cloud->count = kept;
+}
+
 gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
 {
 	char **grown = growing_table_room(cloud->comment, cloud->comment_count, sizeof *grown);

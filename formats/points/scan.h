@@ -46,6 +46,8 @@ typedef struct scan {
 	size_t comment_count;
 	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
 	char up;           /* 'y' or 'z': which axis the format calls up */
+	bool las_classes;  /* `classification` counts as in LAS files, where 7 and 18 are noise, and
+						  points that are `withheld` are not to be used */
 	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
 						  coordinates */
 	size_t scanner_count;
@@ -93,6 +95,12 @@ scan_column *scan_find(const scan *scan, const char *name);
 /* Removes the column of that name, if there is one. */
 void scan_remove_column(scan *scan, const char *name);
 
+/*
+ * Removes points: their values of all columns, and which scanner saw them.
+ *   gone  count, not 0 for those that go
+ */
+void scan_remove_points(scan *scan, const uint8_t *gone);
+
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
 
@@ -130,11 +138,13 @@ typedef struct scan_points {
 	double *position;
 	float *normal;
 	float *albedo;
-	float *emission; /* owned */
+	float *emission;
+	uint8_t *stray; /* owned */
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo and emission. uint8 colours count to 255, uint16 to
+ * Derives positions, normals, linear albedo, emission, and which points a file calls noise or
+ * withholds. uint8 colours count to 255, uint16 to
  * 65535 (to 255 if no value is larger), float ones to 1 (to 255 if a value is over 1). With
  * SCAN_ALBEDO_AUTO, colours that are all black count as none. CloudCompare's prefix scalar_ is
  * understood. A lit file's own albedo_* columns go before its preview colours.

@@ -237,6 +237,28 @@ static gw_status make_albedo(const scan *cloud, const scan_points_options *optio
 	return GW_OK;
 }
 
+/* ------------------------------------------------------------------------------- strays */
+
+/* Classes 7 and 18 of LAS files: low and high noise. */
+static gw_status make_strays(const scan *cloud, scan_points *out, gw_error *error)
+{
+	const scan_column *class = scan_find(cloud, "classification");
+	const scan_column *withheld = scan_find(cloud, "withheld");
+	if (!cloud->las_classes || (!class && !withheld))
+		return GW_OK;
+	out->stray = calloc(cloud->count, 1);
+	if (!out->stray)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for classes of %zu points", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++) {
+		double value = class ? scan_value(class, i) : 0.0;
+		if (value == 7.0 || value == 18.0)
+			out->stray[i] = 1 + GW_STRAY_NOISE;
+		else if (withheld && scan_value(withheld, i) != 0.0)
+			out->stray[i] = 1 + GW_STRAY_WITHHELD;
+	}
+	return GW_OK;
+}
+
 /* ---------------------------------------------------------------------------- everything */
 
 static gw_status check_options(const scan_points_options *options, gw_error *error)
@@ -262,6 +284,8 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 		status = make_positions(cloud, out, error);
 	if (status == GW_OK)
 		status = make_albedo(cloud, options, out, error);
+	if (status == GW_OK)
+		status = make_strays(cloud, out, error);
 	const scan_column *column[3];
 	if (status == GW_OK && scan_find_triple(cloud, normal_names, column))
 		status = gather(&out->normal, column, cloud->count, error);
@@ -287,6 +311,7 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .normal = out->normal,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
+							   .stray = out->stray,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
 							   .scanner_of = cloud->scanner_of,
@@ -302,5 +327,6 @@ void scan_points_clear(scan_points *points)
 	free(points->normal);
 	free(points->albedo);
 	free(points->emission);
+	free(points->stray);
 	memset(points, 0, sizeof *points);
 }

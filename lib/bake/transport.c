@@ -17,14 +17,14 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 7u
+#define VERSION 8u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
 
 /* What was baked: a hash each. */
 typedef struct identity {
-	uint64_t position, normal, albedo, scanner, emission;
+	uint64_t position, normal, albedo, scanner, stray, emission;
 } identity;
 
 /* Settings that change what a transport holds. */
@@ -70,6 +70,7 @@ static identity identify(const gw_points *p)
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
 		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),
+		.stray = p->keep_strays ? 1 : hash_array(p->stray, p->count, 1),
 		.emission = hash_array(p->emission, p->count, 3 * sizeof *p->emission),
 	};
 }
@@ -203,6 +204,7 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 					   : kept->normal != own->normal      ? "other normals"
 					   : kept->albedo != own->albedo      ? "other albedo"
 					   : kept->scanner != own->scanner    ? "other places of scanners"
+					   : kept->stray != own->stray        ? "other strays"
 														  : NULL;
 	if (what == NULL)
 		return GW_OK;
@@ -359,10 +361,15 @@ static bool tree_fits(const gw_scene *scene, const arrivals *all)
 	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, 2 * (uint64_t)o->leaf_count);
 }
 
-/* And rows follow each other. */
+/* And rows follow each other, and strays are points. */
 static bool rows_fit(const gw_scene *scene, const gw_transport_numbers *n)
 {
 	const gw_read_back *b = &scene->read_back;
+	const gw_surfels *s = &scene->surfels;
+	for (size_t i = 0; i < s->stray_count; i++)
+		if (s->stray[i].point >= s->point_count || s->stray[i].kind >= GW_STRAY_KIND_COUNT ||
+			(s->stray[i].surfel >= s->count && s->stray[i].surfel != UINT32_MAX))
+			return false;
 	if (b->first[0] != 0 || b->first[b->count] != n->entries)
 		return false;
 	for (size_t i = 0; i < b->count; i++)
@@ -431,6 +438,10 @@ static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error
 	for (size_t i = 0; i < s->count; i++)
 		for (size_t k = 0; k < 3; k++)
 			s->emission[3 * i + k] = (float)(sum[4 * i + k] / fmax(sum[4 * i + 3], 1.0));
+	for (size_t i = 0; i < 3 * s->stray_count; i++) {
+		float e = points->emission[3 * (size_t)s->stray[i / 3].point + i % 3];
+		s->stray[i / 3].emission[i % 3] = isfinite(e) && e > 0.0f ? e : 0.0f;
+	}
 	free(sum);
 	return GW_OK;
 }

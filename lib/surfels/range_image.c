@@ -113,11 +113,6 @@ static bool is_usable(const gw_points *points, const gw_range_image *image)
 
 /* -------------------------------------------------------------------------------- outcome */
 
-static double dot_plane(const gw_range_plane *plane, const double v[3])
-{
-	return (double)plane->a[0] * v[0] + (double)plane->a[1] * v[1] + (double)plane->a[2] * v[2];
-}
-
 /* Is a normal given? */
 static bool has_normal(const gw_points *points, size_t point)
 {
@@ -152,7 +147,7 @@ static void take_plane(const gw_range_grid *grid, const gw_range_plane *plane, s
 	for (size_t k = 0; k < 3; k++)
 		direction[k] = way[k] / range;
 	double share = fmin(fmax((spread - NOISE_LEAST) / (NOISE_MUCH - NOISE_LEAST), 0.0), 1.0);
-	double smooth = 1.0 / dot_plane(plane, direction);
+	double smooth = 1.0 / gw_range_plane_dot(plane, direction);
 	if (!(share > 0.0 && fabs(smooth - range) < 4.0 * noise))
 		return;
 	for (size_t k = 0; k < 3; k++)
@@ -169,7 +164,10 @@ static bool use_grid(gw_range_grid *grid, uint32_t threads, gw_ranged_points *ou
 		size_t cell = grid->points->image_cell[i];
 		if (cell >= (size_t)image->columns * image->rows || grid->point[cell] != i)
 			continue;
-		if (plane[i - image->first].half > 0) {
+		uint8_t stray = out->stray ? gw_range_stray(grid, plane, cell) : 0;
+		if (stray != 0) {
+			out->stray[i] = out->stray[i] != 0 ? out->stray[i] : stray;
+		} else if (plane[i - image->first].half > 0) {
 			take_plane(grid, &plane[i - image->first], i, out);
 		}
 	}
@@ -199,6 +197,13 @@ static bool allocate(const gw_points *points, gw_ranged_points *out)
 	out->normal = gw_allocate_zeros(n, 3 * sizeof *out->normal);
 	if (!out->position || !out->normal)
 		return false;
+	if (!points->keep_strays) {
+		out->stray = gw_allocate_zeros(n, 1);
+		if (!out->stray)
+			return false;
+		if (points->stray)
+			memcpy(out->stray, points->stray, n);
+	}
 	memcpy(out->position, points->position, 3 * n * sizeof *out->position);
 	if (points->normal)
 		memcpy(out->normal, points->normal, 3 * n * sizeof *out->normal);
@@ -221,6 +226,7 @@ gw_status gw_range_images_use(const gw_points *points, uint32_t threads, gw_rang
 	}
 	out->points.position = out->position;
 	out->points.normal = out->normal;
+	out->points.stray = out->stray;
 	out->points.image_count = 0;
 	return GW_OK;
 }
@@ -229,5 +235,6 @@ void gw_ranged_points_clear(gw_ranged_points *out)
 {
 	free(out->position);
 	free(out->normal);
+	free(out->stray);
 	*out = (gw_ranged_points){ .points = { .count = 0 } };
 }

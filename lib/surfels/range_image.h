@@ -7,11 +7,13 @@
  * the inverse of the range is linear in the direction, whatever the grid; and noise and steps of
  * the range are along the rays. So each point gets the largest window of the grid, around it or
  * beside it, whose points are on one plane but for the noise. Its normal is that plane's, and where
- * there is noise its range is.
+ * there is noise its range is. What no plane holds, and lies between something nearer and something
+ * further off that planes do hold, is a mixed pixel: the mean of two ranges, and no surface.
  *
  * Steps:  range_image.c  grids, checks, what comes out
  *         range_noise.c  noise of the ranges, by range
  *         range_plane.c  windows and their planes
+ *         range_mixed.c  what is no surface
  */
 #ifndef RANGE_IMAGE_H
 #define RANGE_IMAGE_H
@@ -24,6 +26,7 @@ typedef struct gw_ranged_points {
 	double *position; /* NULL or owned: with less noise */
 	float *normal;    /* NULL or owned: those that were missing */
 	size_t normals;   /* how many of those */
+	uint8_t *stray;   /* NULL or owned: those that came, and those found */
 } gw_ranged_points;
 
 /*
@@ -64,11 +67,20 @@ bool gw_range_way(const gw_range_grid *grid, size_t cell, double way[3]);
 
 uint32_t gw_range_bin(double range);
 
+/* The product of a plane's normal and a vector. */
+static inline double gw_range_plane_dot(const gw_range_plane *plane, const double v[3])
+{
+	return (double)plane->a[0] * v[0] + (double)plane->a[1] * v[1] + (double)plane->a[2] * v[2];
+}
+
 /* Fills noise. False when memory is short. */
 bool gw_range_noise_find(gw_range_grid *grid);
 
 /* Fills a plane for each of image->count points, those from image->first on. False when memory is
  * short. */
 bool gw_range_planes_find(const gw_range_grid *grid, uint32_t threads, gw_range_plane *plane);
+
+/* What kind of stray the point of a cell is by its planes: 0, or 1 + a gw_stray_kind. */
+uint8_t gw_range_stray(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell);
 
 #endif

@@ -47,7 +47,6 @@ typedef struct disc_step {
 	gw_surfels *surfels;
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
-	uint8_t *stray;    /* count, 1 where that is because all others are far off */
 	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
@@ -273,7 +272,6 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		s->noise[surfel] = (float)noise;
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
-		step->stray[surfel] = near.count < all->count;
 		return;
 	}
 	gw_half_plane edge[2];
@@ -291,18 +289,6 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		edges > 0 && edges == at_creases && (double)s->noise[surfel] < GW_CREASE_NOISE * reach;
 	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
 	gw_plane_store_clips(s, surfel, edge, edges);
-}
-
-static void count_stray(gw_surfels *s, size_t surfel, bool stray)
-{
-	const float *p = s->position + 3 * surfel;
-	float off = 0;
-	for (int k = 0; k < 3; k++)
-		off = fmaxf(off, fmaxf(s->minimum[k] - p[k], p[k] - s->maximum[k]));
-	if (!stray && !(off > 0))
-		return;
-	s->strays++;
-	s->stray_distance = fmaxf(s->stray_distance, stray ? s->nearest[surfel] : off);
 }
 
 /* Isolated surfels are lit from both sides and no larger than the median of the others. */
@@ -324,7 +310,6 @@ static gw_status finish(disc_step *step, gw_error *error)
 			s->area[i] = fmaxf((float)(M_PI * (double)radius * (double)radius), FLT_MIN);
 			s->two_sided[i] = 1;
 		}
-		count_stray(s, i, step->stray[i]);
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
@@ -348,12 +333,10 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (step.measure_noise)
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
-	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
 	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.stray ||
-		!step.boundary)
+		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.boundary)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
@@ -362,7 +345,6 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 	if (status == GW_OK)
 		status = finish(&step, error);
 	free(step.isolated);
-	free(step.stray);
 	free(step.boundary);
 	return status;
 }
