@@ -210,15 +210,19 @@ static bool allocate(const gw_points *points, gw_ranged_points *out)
 	return true;
 }
 
-gw_status gw_range_images_use(const gw_points *points, uint32_t threads, gw_ranged_points *out,
-							  gw_error *error)
+gw_status gw_range_images_use(const gw_points *points, const gw_surfels_options *options,
+							  gw_ranged_points *out, gw_error *error)
 {
-	*out = (gw_ranged_points){ .points = *points };
+	*out = (gw_ranged_points){ .points = *points, .options = *options };
 	if (points->image_count == 0 || !points->image || !points->image_cell)
 		return GW_OK;
-	bool good = allocate(points, out);
+	if (options->normals == GW_NORMALS_ESTIMATE)
+		out->points.normal = NULL;
+	if (!out->points.normal)
+		out->options.normals = GW_NORMALS_GIVEN;
+	bool good = allocate(&out->points, out);
 	for (size_t i = 0; good && i < points->image_count; i++)
-		good = use_image(points, &points->image[i], threads, out);
+		good = use_image(points, &points->image[i], options->threads, out);
 	if (!good) {
 		gw_ranged_points_clear(out);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the range images of %zu points",

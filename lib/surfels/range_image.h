@@ -23,10 +23,12 @@
 /* Points with what their range images tell. */
 typedef struct gw_ranged_points {
 	gw_points points; /* those that came, with what follows in place, and without images */
-	double *position; /* NULL or owned: with less noise */
-	float *normal;    /* NULL or owned: those that were missing */
-	size_t normals;   /* how many of those */
-	uint8_t *stray;   /* NULL or owned: those that came, and those found */
+	gw_surfels_options options; /* that came, but for what is to be done with normals: those of
+								   images count as given */
+	double *position;           /* NULL or owned: with less noise */
+	float *normal;              /* NULL or owned: those that were missing */
+	size_t normals;             /* how many of those */
+	uint8_t *stray;             /* NULL or owned: those that came, and those found */
 } gw_ranged_points;
 
 /*
@@ -38,8 +40,8 @@ typedef struct gw_ranged_points {
  *
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_range_images_use(const gw_points *points, uint32_t threads, gw_ranged_points *ranged,
-							  gw_error *error);
+gw_status gw_range_images_use(const gw_points *points, const gw_surfels_options *options,
+							  gw_ranged_points *ranged, gw_error *error);
 void gw_ranged_points_clear(gw_ranged_points *ranged);
 
 /* ------------------------------------------------------------------------- what the steps share */

@@ -2,6 +2,7 @@
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
+#include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
 #include "surfels/range_image.h"
 #include "surfels/strays.h"
@@ -37,8 +38,8 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		const float *n = s->normal + 3 * i;
 		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
-	gw_status status = gw_normals_complete(points, options, search, s, error);
-	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	return gw_plane_error(search, s, error);
 }
 
 /* What is known of the points, and which of them belong to surfaces. */
@@ -89,6 +90,8 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 	bool smoothed = false;
 	status = gw_strays_list(p->all, &p->strays, search, surfels, error);
 	if (status == GW_OK)
+		status = gw_given_normals_mend(points, options, search, surfels, error);
+	if (status == GW_OK)
 		status = complete_normals(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = gw_surfels_smooth(search, surfels, &smoothed, error);
@@ -111,11 +114,11 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 	*surfels = (gw_surfels){ .count = 0 };
 	if (gap)
 		*gap = NULL;
-	gw_status status = gw_range_images_use(points, options->threads, &ranged, error);
+	gw_status status = gw_range_images_use(points, options, &ranged, error);
 	if (status == GW_OK)
-		status = sort_points(options, &sorted, surfels, error);
+		status = sort_points(&ranged.options, &sorted, surfels, error);
 	if (status == GW_OK)
-		status = make_surface(&sorted, options, surfels, gap, error);
+		status = make_surface(&sorted, &ranged.options, surfels, gap, error);
 	free(sorted.strays.mark);
 	free(sorted.position);
 	surfels->normals_estimated += ranged.normals;

@@ -204,6 +204,8 @@ static void add_counts(gw_surfels *all, const gw_surfels *part)
 	all->normals_given += part->normals_given;
 	all->normals_estimated += part->normals_estimated;
 	all->normals_untrusted += part->normals_untrusted;
+	all->normals_turned += part->normals_turned;
+	all->normals_doubted += part->normals_doubted;
 	all->albedo_defaulted += part->albedo_defaulted;
 }
 
@@ -387,8 +389,8 @@ gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
 	uint32_t *number = NULL;
 	*parts = (gw_surfel_parts){ 0 };
 	*surfels = (gw_surfels){ 0 };
-	gw_status status = gw_range_images_use(points, options->threads, &ranged, error);
-	const source from = { &ranged.points, motion, options };
+	gw_status status = gw_range_images_use(points, options, &ranged, error);
+	const source from = { &ranged.points, motion, &ranged.options };
 	if (status == GW_OK)
 		status = make_parts(&from, parts, surfels, &number, error);
 	surfels->normals_estimated += ranged.normals;

@@ -268,18 +268,13 @@ static gw_status trace(maker *m)
 
 static gw_status run(maker *m)
 {
-	gw_status status = mesh_scene_make(m->kind, &m->scene, &m->error);
-	if (status == GW_OK)
-		status = mesh_points_make(&m->scene, &m->sampling, &m->points, &m->error);
-	if (status == GW_OK)
-		status = write_points(m);
-	if (status == GW_OK)
-		status = write_scene(m);
-	if (status == GW_OK)
-		status = choose(m);
-	if (status == GW_OK)
-		status = trace(m);
-	return status == GW_OK ? write_truth(m) : status;
+	GW_TRY(mesh_scene_make(m->kind, &m->scene, &m->error));
+	GW_TRY(mesh_points_make(&m->scene, &m->sampling, &m->points, &m->error));
+	GW_TRY(write_points(m));
+	GW_TRY(write_scene(m));
+	GW_TRY(choose(m));
+	GW_TRY(trace(m));
+	return write_truth(m);
 }
 
 int main(int count, char **argument)

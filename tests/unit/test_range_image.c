@@ -122,7 +122,8 @@ static gw_ranged_points use(const gw_points *points, uint32_t threads)
 {
 	gw_ranged_points ranged;
 	gw_error error = { 0 };
-	if (gw_range_images_use(points, threads, &ranged, &error) != GW_OK)
+	const gw_surfels_options options = { .threads = threads };
+	if (gw_range_images_use(points, &options, &ranged, &error) != GW_OK)
 		fail_msg("%s", error.text);
 	return ranged;
 }
