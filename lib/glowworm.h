@@ -93,6 +93,17 @@ gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 
 /* --------------------------------------------------------------------------------- points in */
 
+/*
+ * Points that one scanner saw as a picture: rows and columns of cells, of which neighbours were
+ * seen in neighbouring directions, such as a scan of a PTX or E57 file, or an organised PCD file.
+ * What lies side by side in it but not at one depth is no surface, and noise is along its rays.
+ */
+typedef struct gw_range_image {
+	size_t first, count;    /* its points among all, those from `first` on */
+	uint32_t columns, rows; /* less than 2^32 cells */
+	double scanner[3];      /* where all its rays begin */
+} gw_range_image;
+
 /* The points of one scene. Nothing here is modified or kept after gw_bake returns. */
 typedef struct gw_points {
 	size_t count;           /* number of points; 0 is an error */
@@ -105,7 +116,32 @@ typedef struct gw_points {
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
 								   scanner has, and for NULL, the one that sees it best */
+	const gw_range_image *image; /* image_count, in ascending order; may be NULL */
+	size_t image_count;
+	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
+								   Normals that are missing come from the neighbours there, and
+								   noise along the rays is smoothed */
+	const uint8_t *stray; /* count or NULL: 0, or 1 + the gw_stray_kind of points of which it is
+							 known that they belong to no surface */
+	bool keep_strays;     /* all are taken for points of surfaces, these too, and none is looked
+							 for */
 } gw_points;
+
+/* Points that belong to no surface are strays. They get the light of the surface nearest to them,
+ * but shade nothing, light nothing, and bounds are without them. */
+typedef enum gw_stray_kind {
+	GW_STRAY_NOISE,    /* classified as noise in the file */
+	GW_STRAY_WITHHELD, /* marked there as not to be used */
+	GW_STRAY_ZERO,     /* at 0, 0, 0, far from the rest */
+	GW_STRAY_NO_DATA,  /* at a value for no data, such as -9999, far from the rest */
+	GW_STRAY_FAR,      /* far off all the rest */
+	GW_STRAY_ALONE,    /* many times further from others than those around are from each other */
+	GW_STRAY_MIXED,    /* between an edge and what is behind it, seen from the scanner */
+	GW_STRAY_KIND_COUNT
+} gw_stray_kind;
+
+/* The kind, as it is called in reports, such as "no data". */
+const char *gw_stray_kind_name(gw_stray_kind kind);
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */
 #define GW_ALBEDO_MAX 0.99f
@@ -378,9 +414,16 @@ typedef enum gw_goal {
 /* A number that a user should know about: points repaired, left out, clamped... */
 typedef struct gw_count {
 	char name[40];     /* snake_case, e.g. "duplicates_merged" */
-	char meaning[120]; /* one sentence */
+	char meaning[400]; /* one sentence */
 	uint64_t points;
 } gw_count;
+
+/* Strays of one kind. */
+typedef struct gw_stray_count {
+	uint64_t points;
+	size_t example;     /* the first of them, its place in gw_points */
+	double position[3]; /* and where it is */
+} gw_stray_count;
 
 #define GW_REPORT_STAGES 24
 #define GW_REPORT_EFFECTS 12
@@ -396,6 +439,7 @@ typedef struct gw_report {
 	uint32_t effect_count;
 	gw_count count[GW_REPORT_COUNTS];
 	uint32_t count_count;
+	gw_stray_count stray[GW_STRAY_KIND_COUNT];
 	gw_bounce *bounce;
 	uint32_t bounce_count;
 	/* Seconds on the device, over all bounces: shading the facets, which for cones are then
@@ -460,6 +504,7 @@ typedef struct gw_bake_result {
 						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
 	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
 	float *roi;               /* count, side of the region of influence in leaf cells */
+	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
 	gw_report report;
 } gw_bake_result;

@@ -26,6 +26,15 @@ extern "C" {
  * Order is canonical: by Morton key of the position on a 2^21 grid over the bounds, then by the
  * exact coordinates, so that it does not depend on the order of the input.
  */
+
+/* A point that belongs to no surface and is no surfel. */
+typedef struct gw_stray {
+	uint32_t point;  /* which */
+	uint32_t surfel; /* the one that is nearest, whose light it gets */
+	uint32_t kind;   /* a gw_stray_kind */
+	float albedo[3], emission[3];
+} gw_stray;
+
 typedef struct gw_surfels {
 	size_t count;     /* distinct finite positions */
 	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
@@ -62,12 +71,10 @@ typedef struct gw_surfels {
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
 								  chosen */
 	size_t point_count;
-	size_t strays;        /* surfels so far off all others that nothing is known of a surface
-							 there: their discs are no larger than others' are; what lies outside
-							 the bounds has no place in an octree, and only lamps light it */
-	float stray_distance; /* metres, how far off the furthest of them is, about */
-	float spacing;        /* metres, median of sqrt(area): width of a surfel's share of surface */
-	double given_area;    /* m^2, sum of area */
+	gw_stray *stray; /* stray_count; NULL when there is none */
+	size_t stray_count;
+	float spacing;     /* metres, median of sqrt(area): width of a surfel's share of surface */
+	double given_area; /* m^2, sum of area */
 	/* What was repaired, for the report. Normals count surfels, the others points. */
 	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
 		normals_estimated, normals_untrusted, albedo_defaulted;

@@ -76,6 +76,12 @@ static const char *length_name(int i)
 	return i < COORDINATES_UNIT_COUNT ? coordinates_unit_name((coordinates_unit)i) : NULL;
 }
 
+static const char *strays_name(int i)
+{
+	static const char *const name[] = { "light", "keep", "drop", NULL };
+	return name[i];
+}
+
 static const char *colors_name(int i)
 {
 	static const char *const name[] = { "preview", "keep", NULL };
@@ -338,6 +344,11 @@ const option options[] = {
 		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
 		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
 		  "metres, and what is written keeps the coordinates" },
+	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(strays),
+	  .choice = strays_name, .group = "Scene",
+	  .help = "points of no surface, such as those far from all others or that a LAS file calls "
+			  "noise: light lights them like the nearest surface, of which they are no part; keep "
+			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
 	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
 	  .choice = format_name, .group = "Scene",

@@ -53,6 +53,14 @@ typedef enum settings_up {
 	SETTINGS_UP_COUNT
 } settings_up;
 
+/* What becomes of points that belong to no surface. */
+typedef enum settings_strays {
+	SETTINGS_STRAYS_LIGHT, /* they get light */
+	SETTINGS_STRAYS_KEEP,  /* they are points like others */
+	SETTINGS_STRAYS_DROP,  /* they are not written */
+	SETTINGS_STRAYS_COUNT
+} settings_strays;
+
 /* In what light photographs were taken. */
 typedef enum settings_capture {
 	SETTINGS_CAPTURE_AUTO,      /* the lights that are named, else the laser's intensity */
@@ -168,6 +176,7 @@ typedef struct settings {
 	int units;                       /* 0 radiometric, 1 photometric */
 	int length;                      /* a coordinates_unit: what coordinates are in */
 	int up, colors, gamma, progress; /* values of enums and choices */
+	int strays;                      /* settings_strays */
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */

@@ -46,6 +46,23 @@ static void write_counts(json_writer *json, const gw_report *r)
 	json_put_close(json, ']');
 }
 
+static void write_strays(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "strays", '[');
+	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
+		const gw_stray_count *count = &r->stray[kind];
+		if (count->points == 0)
+			continue;
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "kind", gw_stray_kind_name((gw_stray_kind)kind));
+		json_put_count(json, "points", count->points);
+		json_put_count(json, "example", count->example);
+		json_put_reals(json, "position", count->position, 3);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
 static void write_effects(json_writer *json, const gw_report *r)
 {
 	json_put_open(json, "plan", '[');
@@ -213,6 +230,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	json_put_text(&json, "device", r->device);
 	json_put_text(&json, "driver", r->driver);
 	write_counts(&json, r);
+	write_strays(&json, r);
 	write_effects(&json, r);
 	write_octree(&json, r);
 	write_stages(&json, f);

@@ -329,6 +329,8 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	m.from->scanner_of = NULL;
 	m.from->scanner_count = 0;
 	scan_clear(&scene->cloud);
+	if (status == GW_OK && s->strays == SETTINGS_STRAYS_DROP && result->stray)
+		scan_remove_points(lit, result->stray);
 	if (status != GW_OK)
 		scan_clear(lit);
 	return status;

@@ -100,8 +100,10 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 		memcpy(linear + 3 * row, matrix + 4 * row, 3 * sizeof *linear);
 		shift[row] = matrix[4 * row + 3];
 	}
-	for (size_t i = 0; i < cloud->scanner_count; i++) {
-		double s[3], *to = cloud->scanner + 3 * i;
+	for (size_t i = 0; i < cloud->scanner_count + cloud->image_count; i++) {
+		bool image = i >= cloud->scanner_count;
+		double s[3],
+			*to = image ? cloud->image[i - cloud->scanner_count].scanner : cloud->scanner + 3 * i;
 		memcpy(s, to, sizeof s);
 		for (int k = 0; k < 3; k++)
 			to[k] = linear[3 * k] * s[0] + linear[3 * k + 1] * s[1] + linear[3 * k + 2] * s[2] +
@@ -358,6 +360,26 @@ static gw_status append_floats(float **to, size_t count, const float *from, size
 	return GW_OK;
 }
 
+static gw_status append_strays(scan_points *to, size_t count, const scan_points *from,
+							   gw_error *error)
+{
+	size_t n = from->points.count;
+	if (!to->stray && !from->stray)
+		return GW_OK;
+	bool had = to->stray != NULL;
+	uint8_t *grown = realloc(to->stray, count + n);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", count + n);
+	to->stray = grown;
+	if (!had)
+		memset(grown, 0, count);
+	if (from->stray)
+		memcpy(grown + count, from->stray, n);
+	else
+		memset(grown + count, 0, n);
+	return GW_OK;
+}
+
 static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
 							   gw_error *error)
 {
@@ -369,7 +391,8 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 	memcpy(position + 3 * count, from->position, n * sizeof *position);
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
-	return append_floats(&to->emission, 3 * count, from->emission, n, error);
+	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
+	return append_strays(to, count, from, error);
 }
 
 static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
@@ -616,9 +639,14 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
+							 .stray = p->stray,
+							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .scanner = scene->scanner ? scene->scanner : scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
-							 .scanner_of = scene->cloud.scanner_of };
+							 .scanner_of = scene->cloud.scanner_of,
+							 .image = scene->cloud.image,
+							 .image_count = scene->cloud.image_count,
+							 .image_cell = scene->cloud.image_cell };
 	return GW_OK;
 }
 

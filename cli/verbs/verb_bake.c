@@ -280,6 +280,31 @@ static gw_status light_points(bake *b)
 
 /* -------------------------------------------------------------------------------- results */
 
+/* Leaves the rows of points that stay, of `width` numbers each. */
+static void keep_rows(float *values, size_t width, const uint8_t *gone, size_t count)
+{
+	for (size_t i = 0, kept = 0; i < count; i++)
+		if (!gone[i])
+			memmove(values + width * kept++, values + width * i, width * sizeof *values);
+}
+
+/* The points of grids are without those that are not to be written; returns how many stay. */
+static size_t drop_strays(bake *b)
+{
+	const gw_bake_result *r = b->result;
+	double *position = b->scene.points.position;
+	size_t kept = 0;
+	if (b->settings->strays != SETTINGS_STRAYS_DROP || !r->stray || !b->settings->vdb_points)
+		return r->count;
+	float *const triple[] = { r->radiance, r->albedo, r->normal };
+	for (size_t k = 0; k < sizeof triple / sizeof *triple; k++)
+		keep_rows(triple[k], 3, r->stray, r->count);
+	for (size_t i = 0; i < r->count; i++)
+		if (!r->stray[i])
+			memmove(position + 3 * kept++, position + 3 * i, 3 * sizeof *position);
+	return kept;
+}
+
 static gw_status write_grids(bake *b)
 {
 	const settings *s = b->settings;
@@ -288,7 +313,7 @@ static gw_status write_grids(bake *b)
 		{ "command", s->command },
 		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
 	};
-	const vdb_points points = { .count = b->result->count,
+	const vdb_points points = { .count = drop_strays(b),
 								.position = b->scene.points.points.position,
 								.radiance = b->result->radiance,
 								.albedo = b->result->albedo,

@@ -476,6 +476,46 @@ static gw_status take_scanners(const reader *r)
 	return GW_OK;
 }
 
+/* The least and the largest value of a scan's field, which has to have whole ones. */
+static bool find_limits(const reader *r, const source *s, const char *name, double limit[2])
+{
+	const scan_column *column = scan_find(r->cloud, name);
+	limit[0] = INFINITY;
+	limit[1] = -INFINITY;
+	for (size_t i = s->first; column && i < s->first + s->kept; i++) {
+		double value = scan_value(column, i);
+		if (value != trunc(value))
+			return false;
+		limit[0] = fmin(limit[0], value);
+		limit[1] = fmax(limit[1], value);
+	}
+	return column && limit[1] - limit[0] < 1e9;
+}
+
+/* Rows and columns make a scan a picture, which is seen from the origin of its frame. Whether that
+ * is so where there is no pose is seen by the angles between neighbours. */
+static gw_status add_image(const reader *r, const source *s)
+{
+	double row[2], column[2];
+	if (s->kept == 0 || !find_limits(r, s, "rowIndex", row) ||
+		!find_limits(r, s, "columnIndex", column) ||
+		(row[1] - row[0] + 1.0) * (column[1] - column[0] + 1.0) >= (double)UINT32_MAX)
+		return GW_OK;
+	gw_range_image image = { .first = s->first,
+							 .count = s->kept,
+							 .columns = (uint32_t)(column[1] - column[0]) + 1,
+							 .rows = (uint32_t)(row[1] - row[0]) + 1 };
+	for (size_t k = 0; k < 3 && s->scan->has_pose; k++)
+		image.scanner[k] = s->scan->translation[k];
+	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	const scan_column *const index[2] = { scan_find(r->cloud, "rowIndex"),
+										  scan_find(r->cloud, "columnIndex") };
+	for (size_t i = s->first; status == GW_OK && i < s->first + s->kept; i++)
+		r->cloud->image_cell[i] = (uint32_t)(scan_value(index[0], i) - row[0]) * image.columns +
+								  (uint32_t)(scan_value(index[1], i) - column[0]);
+	return status;
+}
+
 static gw_status read_all(reader *r)
 {
 	GW_TRY(e57_pages_read(&r->pages, r->in, r->error));
@@ -496,7 +536,10 @@ static gw_status read_all(reader *r)
 	}
 	leave_out(r);
 	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
-	return take_scanners(r);
+	GW_TRY(take_scanners(r));
+	for (size_t i = 0; i < r->description.scan_count; i++)
+		GW_TRY(add_image(r, &r->source[i]));
+	return GW_OK;
 }
 
 gw_status e57_read(input_file *in, scan *cloud, gw_error *error)

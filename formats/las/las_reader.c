@@ -298,7 +298,7 @@ static gw_status read_all(reader *r)
 
 gw_status las_read(input_file *in, scan *cloud, gw_error *error)
 {
-	*cloud = (scan){ .up = 'z' };
+	*cloud = (scan){ .up = 'z', .las_classes = true };
 	reader r = { .in = in, .cloud = cloud, .error = error };
 	gw_status status = read_all(&r);
 	las_layout_clear(&r.layout);

@@ -447,6 +447,22 @@ static gw_status take_frame(const pcd_header *h, scan *cloud, gw_error *error)
 							error);
 }
 
+/* An organised cloud is a picture, row after row. */
+static gw_status take_image(const pcd_header *h, scan *cloud, gw_error *error)
+{
+	if (h->height < 2 || h->width < 2 || h->height > cloud->count / h->width ||
+		h->height * h->width != cloud->count || cloud->count >= UINT32_MAX)
+		return GW_OK;
+	gw_range_image image = { .count = cloud->count,
+							 .columns = (uint32_t)h->width,
+							 .rows = (uint32_t)h->height };
+	memcpy(image.scanner, h->viewpoint, sizeof image.scanner);
+	gw_status status = scan_add_image(cloud, &image, error);
+	for (size_t i = 0; status == GW_OK && i < cloud->count; i++)
+		cloud->image_cell[i] = (uint32_t)i;
+	return status;
+}
+
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 {
 	pcd_header header;
@@ -466,6 +482,8 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 			status = take_viewpoint(&header, cloud, error);
 		if (status == GW_OK)
 			status = take_frame(&header, cloud, error);
+		if (status == GW_OK)
+			status = take_image(&header, cloud, error);
 		pcd_header_clear(&header);
 	}
 	if (status != GW_OK)

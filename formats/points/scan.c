@@ -30,6 +30,8 @@ void scan_clear(scan *cloud)
 	free(cloud->comment);
 	free(cloud->scanner);
 	free(cloud->scanner_of);
+	free(cloud->image);
+	free(cloud->image_cell);
 	memset(cloud, 0, sizeof *cloud);
 }
 
@@ -55,6 +57,28 @@ scan_column *scan_add_column(scan *cloud, const char *name, scan_type type, gw_e
 	scan_column *column = &cloud->column[cloud->column_count++];
 	*column = (scan_column){ .name = copy, .type = type, .data = data };
 	return column;
+}
+
+void scan_remove_points(scan *cloud, const uint8_t *gone)
+{
+	size_t kept = 0;
+	for (size_t c = 0; c < cloud->column_count; c++) {
+		size_t size = scan_type_size(cloud->column[c].type);
+		char *data = cloud->column[c].data;
+		kept = 0;
+		for (size_t i = 0; i < cloud->count; i++)
+			if (!gone[i])
+				memmove(data + size * kept++, data + size * i, size);
+	}
+	kept = 0;
+	for (size_t i = 0; i < cloud->count; i++) {
+		if (gone[i])
+			continue;
+		if (cloud->scanner_of)
+			cloud->scanner_of[kept] = cloud->scanner_of[i];
+		kept++;
+	}
+	cloud->count = kept;
 }
 
 gw_status scan_add_comment(scan *cloud, const char *text, gw_error *error)
@@ -83,6 +107,24 @@ uint32_t scan_scanner_at(scan *cloud, const double position[3])
 	cloud->scanner = grown;
 	memcpy(grown + 3 * cloud->scanner_count, position, 3 * sizeof *position);
 	return (uint32_t)cloud->scanner_count++;
+}
+
+gw_status scan_add_image(scan *cloud, const gw_range_image *image, gw_error *error)
+{
+	gw_range_image *grown = growing_table_room(cloud->image, cloud->image_count, sizeof *grown);
+	if (grown)
+		cloud->image = grown;
+	if (grown && !cloud->image_cell) {
+		cloud->image_cell =
+			reallocarray(NULL, cloud->count ? cloud->count : 1, sizeof *cloud->image_cell);
+		for (size_t i = 0; cloud->image_cell && i < cloud->count; i++)
+			cloud->image_cell[i] = UINT32_MAX;
+	}
+	if (!grown || !cloud->image_cell)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the cells of %zu points",
+					   cloud->count);
+	cloud->image[cloud->image_count++] = *image;
+	return GW_OK;
 }
 
 gw_status scan_part_scanners(scan *cloud, gw_error *error)

@@ -52,11 +52,16 @@ typedef struct scan {
 	size_t comment_count;
 	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
 	char up;           /* which axis the format calls up, as gw_camera_up has it */
+	bool las_classes;  /* `classification` counts as in LAS files, where 7 and 18 are noise, and
+						  points that are `withheld` are not to be used */
 	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
 						  coordinates */
 	size_t scanner_count;
-	uint32_t *scanner_of; /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
-							 NULL when there is none, or the one saw them all */
+	uint32_t *scanner_of;  /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
+							  NULL when there is none, or the one saw them all */
+	gw_range_image *image; /* owned; image_count: which points are whole pictures of a scanner */
+	size_t image_count;
+	uint32_t *image_cell; /* owned; count: the cell of each point of an image; NULL without one */
 } scan;
 
 /* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
@@ -76,6 +81,13 @@ gw_status scan_add_comment(scan *scan, const char *text, gw_error *error);
 gw_status scan_add_scanner(scan *scan, const double position[3], size_t first, size_t count,
 						   gw_error *error);
 
+/*
+ * Says that the points [first, first + count), which lie behind all those of earlier images, are a
+ * picture of columns * rows cells seen from `position`. Cells, row * columns + column, are to be
+ * put into image_cell[first] and following. GW_ERROR_MEMORY.
+ */
+gw_status scan_add_image(scan *scan, const gw_range_image *image, gw_error *error);
+
 /* Index of the scanner at a position, which is added unless it is one of the last; SCAN_NO_SCANNER
  * when memory is short. A file may have a million, so that not all are compared. */
 uint32_t scan_scanner_at(scan *scan, const double position[3]);
@@ -88,6 +100,12 @@ scan_column *scan_find(const scan *scan, const char *name);
 
 /* Removes the column of that name, if there is one. */
 void scan_remove_column(scan *scan, const char *name);
+
+/*
+ * Removes points: their values of all columns, and which scanner saw them.
+ *   gone  count, not 0 for those that go
+ */
+void scan_remove_points(scan *scan, const uint8_t *gone);
 
 /* Value of point i as a double. */
 double scan_value(const scan_column *column, size_t i);
@@ -130,11 +148,13 @@ typedef struct scan_points {
 	double *position;
 	float *normal;
 	float *albedo;
-	float *emission; /* owned */
+	float *emission;
+	uint8_t *stray; /* owned */
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo and emission. What colours count up to, from 1 to
+ * Derives positions, normals, linear albedo, emission, and which points a
+ * file calls noise or withholds. What colours count up to, from 1 to
  * 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO, colours that are all black
  * count as none. CloudCompare's prefix scalar_ is understood. A lit file's own albedo_* columns go
  * before its preview colours. out   on success owned by the caller, freed with scan_points_clear;

@@ -160,6 +160,21 @@ static gw_status join_scanners(scan *joined, const scan *part, size_t first, gw_
 	return found ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners");
 }
 
+/* The same with its range images. */
+static gw_status join_images(scan *joined, const scan *part, size_t first, gw_error *error)
+{
+	gw_status status = GW_OK;
+	for (size_t i = 0; i < part->image_count && status == GW_OK; i++) {
+		gw_range_image image = part->image[i];
+		image.first += first;
+		status = scan_add_image(joined, &image, error);
+	}
+	if (status == GW_OK && part->image_cell)
+		memcpy(joined->image_cell + first, part->image_cell,
+			   part->count * sizeof *part->image_cell);
+	return status;
+}
+
 gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 {
 	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
@@ -172,6 +187,10 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 		status = join_scanners(&joined, cloud, 0, error);
 	if (status == GW_OK)
 		status = join_scanners(&joined, tail, cloud->count, error);
+	if (status == GW_OK)
+		status = join_images(&joined, cloud, 0, error);
+	if (status == GW_OK)
+		status = join_images(&joined, tail, cloud->count, error);
 	if (status != GW_OK) {
 		scan_clear(&joined);
 		return status;

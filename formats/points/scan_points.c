@@ -192,6 +192,28 @@ static gw_status make_albedo(const scan *cloud, const scan_points_options *optio
 	return GW_OK;
 }
 
+/* ------------------------------------------------------------------------------- strays */
+
+/* Classes 7 and 18 of LAS files: low and high noise. */
+static gw_status make_strays(const scan *cloud, scan_points *out, gw_error *error)
+{
+	const scan_column *class = scan_find(cloud, "classification");
+	const scan_column *withheld = scan_find(cloud, "withheld");
+	if (!cloud->las_classes || (!class && !withheld))
+		return GW_OK;
+	out->stray = calloc(cloud->count, 1);
+	if (!out->stray)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for classes of %zu points", cloud->count);
+	for (size_t i = 0; i < cloud->count; i++) {
+		double value = class ? scan_value(class, i) : 0.0;
+		if (value == 7.0 || value == 18.0)
+			out->stray[i] = 1 + GW_STRAY_NOISE;
+		else if (withheld && scan_value(withheld, i) != 0.0)
+			out->stray[i] = 1 + GW_STRAY_WITHHELD;
+	}
+	return GW_OK;
+}
+
 /* ---------------------------------------------------------------------------- everything */
 
 static gw_status check_options(const scan_points_options *options, gw_error *error)
@@ -215,6 +237,7 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	GW_TRY(check_options(options, error));
 	GW_TRY(make_positions(cloud, out, error));
 	GW_TRY(make_albedo(cloud, options, out, error));
+	GW_TRY(make_strays(cloud, out, error));
 	const scan_column *column[3];
 	if (scan_find_triple(cloud, normal_names, column))
 		GW_TRY(gather(&out->normal, column, cloud->count, error));
@@ -240,9 +263,13 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .normal = out->normal,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
+							   .stray = out->stray,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
-							   .scanner_of = cloud->scanner_of };
+							   .scanner_of = cloud->scanner_of,
+							   .image = cloud->image,
+							   .image_count = cloud->image_count,
+							   .image_cell = cloud->image_cell };
 	return GW_OK;
 }
 
@@ -252,5 +279,6 @@ void scan_points_clear(scan_points *points)
 	free(points->normal);
 	free(points->albedo);
 	free(points->emission);
+	free(points->stray);
 	memset(points, 0, sizeof *points);
 }

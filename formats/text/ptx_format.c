@@ -239,14 +239,41 @@ static void move_points(const grid *g, double *x, double *y, double *z)
 	}
 }
 
+/* A grid is a picture; its cells are filled in when its rows are read. */
+static gw_status add_image(reader *r, grid *g)
+{
+	gw_range_image image = { .first = g->first, .count = g->rows.count };
+	if (g->rows.count == 0 || g->size[0] * g->size[1] >= (double)UINT32_MAX)
+		return GW_OK;
+	image.columns = (uint32_t)g->size[0];
+	image.rows = (uint32_t)g->size[1];
+	memcpy(image.scanner, &g->matrix[12], sizeof image.scanner);
+	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	g->rows.cell = status == GW_OK ? r->cloud->image_cell + g->first : NULL;
+	return status;
+}
+
+/* Cells come column after column. */
+static void number_cells(const reader *r, const grid *g)
+{
+	uint32_t columns = (uint32_t)g->size[0], rows = (uint32_t)g->size[1];
+	for (size_t i = g->first; g->rows.cell && i < g->first + g->rows.count; i++) {
+		uint32_t cell = r->cloud->image_cell[i];
+		r->cloud->image_cell[i] = cell % rows * columns + cell / rows;
+	}
+}
+
 static gw_status read_points(reader *r, const text_names *names, text_column *all)
 {
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
 		text_column own[7];
-		const grid *g = &r->grid[i];
+		grid *g = &r->grid[i];
 		aim(names, all, g, own);
-		status = text_rows_read(&g->rows, own, r->error);
+		status = add_image(r, g);
+		if (status == GW_OK)
+			status = text_rows_read(&g->rows, own, r->error);
+		number_cells(r, g);
 		keep_forms(names, all, g, own);
 		if (status == GW_OK)
 			move_points(g, all[0].data, all[1].data, all[2].data);

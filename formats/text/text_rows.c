@@ -217,6 +217,7 @@ gw_status text_rows_count(text_rows *rows, gw_error *error)
 		text_chunk own = rows->chunk[i];
 		rows->chunk[i].row = row;
 		rows->chunk[i].line = line;
+		rows->chunk[i].cell = row + rows->skipped;
 		row += own.row;
 		line += own.line;
 		rows->skipped += own.skipped;
@@ -378,12 +379,17 @@ static fault read_chunk(const text_rows *rows, text_column *column, size_t i, pl
 {
 	const text_chunk *chunk = &rows->chunk[i];
 	const char *at = rows->begin + chunk->begin, *stop = rows->begin + chunk[1].begin, *line;
-	size_t row = chunk->row, length;
+	size_t row = chunk->row, length, cell = chunk->cell;
 	*line_number = rows->first_line + chunk->line;
 	for (; text_rows_next_line(&at, stop, rows->newline, &line, &length); ++*line_number) {
-		if (chunk->skipped ? kind_of(rows, line, length) != LINE_ROW
-						   : text_rows_is_empty(line, length))
+		line_kind kind = chunk->skipped                     ? kind_of(rows, line, length)
+						 : text_rows_is_empty(line, length) ? LINE_EMPTY
+															: LINE_ROW;
+		cell += kind != LINE_EMPTY;
+		if (kind != LINE_ROW)
 			continue;
+		if (rows->cell)
+			rows->cell[row] = (uint32_t)(cell - 1);
 		*end = line + length;
 		p->at = line;
 		fault found = take_row(rows, column, row++, *end, p);

@@ -27,6 +27,7 @@ typedef struct text_chunk {
 	size_t begin;   /* offset of its first line from text_rows.begin */
 	size_t row;     /* rows before it */
 	size_t line;    /* lines before it */
+	size_t cell;    /* rows before it and those that are left out */
 	size_t skipped; /* rows in it that are left out */
 } text_chunk;
 
@@ -45,6 +46,9 @@ typedef struct text_rows {
 	size_t skipped;    /* rows left out by `skip` */
 	text_chunk *chunk; /* owned; chunk_count + 1 */
 	size_t chunk_count;
+
+	uint32_t *cell; /* NULL, or receives in the second pass how many rows, those left out included,
+					   are before each row; count */
 } text_rows;
 
 /* Where the values of one column go. */

@@ -585,6 +585,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->ambient_occlusion);
 	free(r->error);
 	free(r->roi);
+	free(r->stray);
 	gw_voxels_clear(&r->voxels);
 	free(r->report.bounce);
 	free(r);

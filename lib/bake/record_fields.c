@@ -27,6 +27,9 @@ static gw_status to_points(const gw_surfels *surfels, const float *values, float
 	for (size_t i = 0; i < surfels->point_count; i++)
 		if (surfels->surfel_of_point[i] != UINT32_MAX)
 			(*points)[i] = values[surfels->surfel_of_point[i]];
+	for (size_t j = 0; j < surfels->stray_count; j++)
+		if (surfels->stray[j].surfel != UINT32_MAX)
+			(*points)[surfels->stray[j].point] = values[surfels->stray[j].surfel];
 	return GW_OK;
 }
 

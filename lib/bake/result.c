@@ -64,6 +64,36 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 	}
 }
 
+/* Strays have the light of the surface that is nearest. */
+static gw_status collect_strays(const scatter *job, gw_error *error)
+{
+	const gw_lighting *light = job->lighting;
+	const gw_surfels *surfels = &light->scene->surfels;
+	gw_bake_result *out = job->result;
+	if (surfels->stray_count == 0)
+		return GW_OK;
+	out->stray = gw_allocate_zeros(surfels->point_count, 1);
+	if (!out->stray)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to mark strays");
+	for (size_t j = 0; j < surfels->stray_count; j++) {
+		const gw_stray *stray = &surfels->stray[j];
+		size_t i = stray->point, s = stray->surfel;
+		out->stray[i] = (uint8_t)(1 + stray->kind);
+		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
+			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
+			float indirect = component(light->surfel_indirect, s, c);
+			out->direct_irradiance[3 * i + c] = direct;
+			out->indirect_irradiance[3 * i + c] = indirect;
+			out->albedo[3 * i + c] = stray->albedo[c];
+			out->normal[3 * i + c] =
+				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * s + c];
+			out->radiance[3 * i + c] =
+				stray->emission[c] + stray->albedo[c] * 0.318309886f * (direct + indirect);
+		}
+	}
+	return GW_OK;
+}
+
 gw_status gw_result_collect(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
@@ -82,6 +112,7 @@ gw_status gw_result_collect(const gw_lighting *lighting, gw_bake_result *result,
 		scatter job = { lighting, direct, result };
 		gw_parallel_for(gw_thread_count(scene->options.threads), points, 8192, scatter_points,
 						&job);
+		status = collect_strays(&job, error);
 	}
 	free(direct);
 	return status;
@@ -113,6 +144,23 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	}
 }
 
+static void add_strays(const part_radiance *job)
+{
+	const gw_surfels *surfels = &job->light->scene->surfels;
+	for (size_t j = 0; j < surfels->stray_count; j++) {
+		const gw_stray *stray = &surfels->stray[j];
+		size_t s = stray->surfel;
+		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
+			float irradiance = component(job->direct, s, c) +
+							   component(job->light->surfel_first, s, c) +
+							   component(job->light->surfel_indirect, s, c);
+			job->radiance[3 * (size_t)stray->point + c] =
+				(job->emission ? stray->emission[c] : 0.0f) +
+				stray->albedo[c] * 0.318309886f * irradiance;
+		}
+	}
+}
+
 /* With their emission or without. */
 static gw_status write_radiance(const gw_lighting *lighting, bool emission, float *radiance,
 								gw_error *error)
@@ -124,6 +172,7 @@ static gw_status write_radiance(const gw_lighting *lighting, bool emission, floa
 		part_radiance job = { lighting, direct, emission, radiance };
 		gw_parallel_for(gw_thread_count(scene->options.threads), scene->surfels.point_count, 8192,
 						scatter_radiance, &job);
+		add_strays(&job);
 	}
 	free(direct);
 	return status;

@@ -9,6 +9,7 @@
 #include "bake/report.h"
 #include "surfels/surfel_steps.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -161,6 +162,34 @@ static uint64_t count_far(const gw_points *points)
 	return far;
 }
 
+/* How many strays there are of each kind, with an example each. */
+static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *points)
+{
+	char meaning[sizeof r->count->meaning];
+	int length = snprintf(meaning, sizeof meaning,
+						  "points are strays, lit as the surface nearest to them, of which they "
+						  "are no part:");
+	memset(r->stray, 0, sizeof r->stray);
+	for (size_t i = 0; i < s->stray_count; i++) {
+		gw_stray_count *count = &r->stray[s->stray[i].kind];
+		size_t point = s->stray[i].point;
+		if (count->points++ > 0 && point > count->example)
+			continue;
+		count->example = point;
+		memcpy(count->position, points->position + 3 * point, sizeof count->position);
+	}
+	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
+		const gw_stray_count *count = &r->stray[kind];
+		if (count->points > 0 && length < (int)sizeof meaning)
+			length += snprintf(meaning + length, sizeof meaning - (size_t)length,
+							   "%s %" PRIu64 " %s (%.6g, %.6g, %.6g)",
+							   meaning[length - 1] == ':' ? "" : ",", count->points,
+							   gw_stray_kind_name((gw_stray_kind)kind), count->position[0],
+							   count->position[1], count->position[2]);
+	}
+	gw_report_count(r, "strays", s->stray_count, meaning);
+}
+
 void gw_report_emission(gw_report *r, const gw_surfels *s)
 {
 	gw_report_count(r, "emission_repaired", s->emission_repaired,
@@ -174,12 +203,7 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points without finite coordinates: left out, written as dark");
 	gw_report_count(r, "left_out_far", far,
 					"points with a coordinate beyond 1e12 m: left out, written as dark");
-	char meaning[sizeof r->count->meaning];
-	snprintf(
-		meaning, sizeof meaning,
-		"points far off all others, up to %.3g m: strays, which neither shade nor light the rest",
-		(double)s->stray_distance);
-	gw_report_count(r, "strays", s->strays, meaning);
+	report_strays(r, s, points);
 	gw_report_count(r, "duplicates_merged", s->duplicates,
 					"points at the place of another: they share its light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,

@@ -102,6 +102,15 @@ static gw_status make(gw_scene *scene, const float *emission, size_t points, rep
 	return status;
 }
 
+/* That of points which are no surfels. */
+static void set_strays(gw_surfels *s, const float *emission)
+{
+	for (size_t i = 0; i < 3 * s->stray_count; i++) {
+		float e = emission ? emission[3 * (size_t)s->stray[i / 3].point + i % 3] : 0.0f;
+		s->stray[i / 3].emission[i % 3] = isfinite(e) && e > 0.0f ? e : 0.0f;
+	}
+}
+
 gw_status gw_scene_replace_emission(gw_scene *scene, const float *emission, size_t points,
 									gw_error *error)
 {
@@ -115,6 +124,7 @@ gw_status gw_scene_replace_emission(gw_scene *scene, const float *emission, size
 	gw_scene_forget_samples(scene);
 	free(scene->surfels.emission);
 	scene->surfels.emission = to.surfels;
+	set_strays(&scene->surfels, emission);
 	scene->surfels.emission_repaired = to.repaired;
 	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
 	scene->octree.facet_emission = to.facets;

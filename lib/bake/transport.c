@@ -24,7 +24,7 @@
 
 /* What was baked: a hash each. */
 typedef struct identity {
-	uint64_t position, normal, albedo, scanner, emission;
+	uint64_t position, normal, albedo, scanner, stray, emission;
 } identity;
 
 /* Settings that change what a transport holds. */
@@ -58,11 +58,19 @@ static uint64_t hash_array(const void *values, size_t count, size_t size)
 static identity identify(const gw_points *p)
 {
 	uint64_t scanner = hash_array(p->scanner, p->scanner_count, 3 * sizeof *p->scanner);
+	for (size_t i = 0; i < p->image_count; i++) {
+		const gw_range_image *image = &p->image[i];
+		const uint64_t size[4] = { image->first, image->count, image->columns, image->rows };
+		scanner = gw_hash(scanner, size, sizeof size);
+		scanner = gw_hash(scanner, image->scanner, sizeof image->scanner);
+	}
+	scanner ^= hash_array(p->image_count ? p->image_cell : NULL, p->count, sizeof *p->image_cell);
 	return (identity){
 		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
 		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),
+		.stray = p->keep_strays ? 1 : hash_array(p->stray, p->count, 1),
 		.emission = hash_array(p->emission, p->count, 3 * sizeof *p->emission),
 	};
 }
@@ -196,6 +204,7 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 					   : kept->normal != own->normal      ? "other normals"
 					   : kept->albedo != own->albedo      ? "other albedo"
 					   : kept->scanner != own->scanner    ? "other places of scanners"
+					   : kept->stray != own->stray        ? "other strays"
 														  : NULL;
 	if (what == NULL)
 		return GW_OK;
@@ -353,10 +362,15 @@ static bool tree_fits(const gw_scene *scene, const arrivals *all)
 	return gw_disc_tree_fits((const uint32_t *)a->from, o->tree_discs, 2 * (uint64_t)o->leaf_count);
 }
 
-/* And rows follow each other. */
+/* And rows follow each other, and strays are points. */
 static bool rows_fit(const gw_scene *scene, const gw_transport_numbers *n)
 {
 	const gw_read_back *b = &scene->read_back;
+	const gw_surfels *s = &scene->surfels;
+	for (size_t i = 0; i < s->stray_count; i++)
+		if (s->stray[i].point >= s->point_count || s->stray[i].kind >= GW_STRAY_KIND_COUNT ||
+			(s->stray[i].surfel >= s->count && s->stray[i].surfel != UINT32_MAX))
+			return false;
 	if (b->first[0] != 0 || b->first[b->count] != n->entries)
 		return false;
 	for (size_t i = 0; i < b->count; i++)

@@ -34,8 +34,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.surfels = s->count;
 	n.points = s->point_count;
 	n.tree_discs = o->tree_discs;
-	n.strays = s->strays;
-	n.stray_distance = s->stray_distance;
+	n.strays = s->stray_count;
 	n.depth = o->depth;
 	n.directory_level = o->directory_level;
 	n.leaves = o->leaf_count;
@@ -79,10 +78,10 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
 	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= n->points &&
-		   n->points <= POINTS_MAX && n->depth >= 1 && n->depth <= GW_DEPTH_MAX &&
-		   n->directory_level == directory && n->rays > 0 && n->rays <= 4096 &&
-		   (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 && n->looked <= 1 &&
-		   n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
+		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
+		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
+		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
+		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
 		   n->noisy <= (NOISY | OFF) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
@@ -98,8 +97,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	gw_octree *o = &scene->octree;
 	*s = (gw_surfels){ .count = (size_t)n->surfels,
 					   .point_count = (size_t)n->points,
-					   .strays = (size_t)n->strays,
-					   .stray_distance = n->stray_distance,
+					   .stray_count = (size_t)n->strays,
 					   .spacing = n->spacing,
 					   .given_area = n->given_area };
 	*o = (gw_octree){ .depth = n->depth,
@@ -195,6 +193,8 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "sides", &s->two_sided, count);
 	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
+	if (n->strays > 0)
+		host(l, "strays", &s->stray, sizeof(gw_stray) * n->strays);
 }
 
 static void list_tree(list *l, gw_octree *o, const gw_transport_numbers *n)

@@ -48,7 +48,6 @@ typedef struct disc_step {
 	float *gap;        /* NULL or count */
 	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
 	uint8_t *amid;     /* count, 1 where that is so though others are all around */
-	uint8_t *stray;    /* count, 1 where that is because all others are far off */
 	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
@@ -274,7 +273,6 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		s->noise[surfel] = (float)noise;
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
-		step->stray[surfel] = near.count < all->count;
 		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
 	}
@@ -293,18 +291,6 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		edges > 0 && edges == at_creases && (double)s->noise[surfel] < GW_CREASE_NOISE * reach;
 	fit_bend(flat, kept, radius, s->bend + 3 * surfel);
 	gw_plane_store_clips(s, surfel, edge, edges);
-}
-
-static void count_stray(gw_surfels *s, size_t surfel, bool stray)
-{
-	const float *p = s->position + 3 * surfel;
-	float off = 0;
-	for (int k = 0; k < 3; k++)
-		off = fmaxf(off, fmaxf(s->minimum[k] - p[k], p[k] - s->maximum[k]));
-	if (!stray && !(off > 0))
-		return;
-	s->strays++;
-	s->stray_distance = fmaxf(s->stray_distance, stray ? s->nearest[surfel] : off);
 }
 
 /* Isolated surfels are no larger than the median of the others. They are lit from both sides, but
@@ -330,7 +316,6 @@ static gw_status finish(disc_step *step, gw_error *error)
 			if (!given || !step->amid[i])
 				s->two_sided[i] = 1;
 		}
-		count_stray(s, i, step->stray[i]);
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
@@ -355,12 +340,11 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 		surfels->noise = gw_allocate_array(n, sizeof(float));
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	step.amid = gw_allocate_zeros(n, sizeof *step.amid);
-	step.stray = gw_allocate_zeros(n, sizeof *step.stray);
 	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
 	gw_status status = GW_OK;
 	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
 		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.amid ||
-		!step.stray || !step.boundary)
+		!step.boundary)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
@@ -370,7 +354,6 @@ gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_a
 		status = finish(&step, error);
 	free(step.isolated);
 	free(step.amid);
-	free(step.stray);
 	free(step.boundary);
 	return status;
 }

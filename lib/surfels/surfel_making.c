@@ -4,6 +4,8 @@
 #include "base/memory.h"
 #include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
+#include "surfels/range_image.h"
+#include "surfels/strays.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -40,13 +42,41 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 	return gw_plane_error(search, s, error);
 }
 
-static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
-							gw_surfels *surfels, float **gap, gw_error *error)
+/* What is known of the points, and which of them belong to surfaces. */
+typedef struct sorted_points {
+	const gw_points *all;
+	gw_stray_marks strays;
+	gw_points rest;   /* those that are no strays */
+	double *position; /* of the rest */
+} sorted_points;
+
+/* The frame of the points that are no strays. It is made anew when more of them are found in it, so
+ * that strays have no part in it. */
+static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
+							 gw_surfels *surfels, gw_error *error)
 {
+	gw_status status = gw_strays_mark_known(p->all, &p->strays, error);
+	if (status == GW_OK)
+		status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
+	if (status == GW_OK)
+		status = gw_frame_make(&p->rest, options, surfels, error);
+	size_t known = p->strays.count;
+	if (status == GW_OK)
+		status = gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error);
+	if (status != GW_OK || p->strays.count == known)
+		return status;
+	gw_surfels_clear(surfels);
+	free(p->position);
+	status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
+	return status == GW_OK ? gw_frame_make(&p->rest, options, surfels, error) : status;
+}
+
+static gw_status make_surface(const sorted_points *p, const gw_surfels_options *options,
+							  gw_surfels *surfels, float **gap, gw_error *error)
+{
+	const gw_points *points = &p->rest;
 	gw_neighbours *search = NULL;
-	gw_status status = gw_frame_make(points, options, surfels, error);
-	if (status == GW_OK && options->choose)
-		status = choose(points, options, surfels, error);
+	gw_status status = options->choose ? choose(points, options, surfels, error) : GW_OK;
 	if (status != GW_OK)
 		return status;
 	if (gap) {
@@ -58,7 +88,9 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	if (status != GW_OK)
 		return status;
 	bool smoothed = false;
-	status = gw_given_normals_mend(points, options, search, surfels, error);
+	status = gw_strays_list(p->all, &p->strays, search, surfels, error);
+	if (status == GW_OK)
+		status = gw_given_normals_mend(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = complete_normals(points, options, search, surfels, error);
 	if (status == GW_OK)
@@ -77,10 +109,20 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_options *options,
 									gw_surfels *surfels, float **gap, gw_error *error)
 {
+	gw_ranged_points ranged;
+	sorted_points sorted = { .all = &ranged.points };
 	*surfels = (gw_surfels){ .count = 0 };
 	if (gap)
 		*gap = NULL;
-	gw_status status = make_steps(points, options, surfels, gap, error);
+	gw_status status = gw_range_images_use(points, options, &ranged, error);
+	if (status == GW_OK)
+		status = sort_points(&ranged.options, &sorted, surfels, error);
+	if (status == GW_OK)
+		status = make_surface(&sorted, &ranged.options, surfels, gap, error);
+	free(sorted.strays.mark);
+	free(sorted.position);
+	surfels->normals_estimated += ranged.normals;
+	gw_ranged_points_clear(&ranged);
 	if (status != GW_OK) {
 		gw_surfels_clear(surfels);
 		if (gap) {
@@ -115,5 +157,6 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->two_sided);
 	free(surfels->noise);
 	free(surfels->surfel_of_point);
+	free(surfels->stray);
 	*surfels = (gw_surfels){ .count = 0 };
 }

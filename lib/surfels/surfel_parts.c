@@ -4,6 +4,7 @@
 #include "surfels/surfel_parts.h"
 
 #include "base/memory.h"
+#include "surfels/range_image.h"
 #include "surfels/surfel_steps.h"
 #include "base/nth_element.h"
 
@@ -97,12 +98,12 @@ gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_e
 /* Some of the points, copied or lent. */
 typedef struct some_points {
 	gw_points points;
-	void *owned[5];
+	void *owned[6];
 } some_points;
 
 static void clear_some(some_points *some)
 {
-	for (size_t i = 0; i < 5; i++)
+	for (size_t i = 0; i < 6; i++)
 		free(some->owned[i]);
 }
 
@@ -135,12 +136,14 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 		copy_still(points->normal, vector, n, motion, still, &some->owned[1]) &&
 		copy_still(points->albedo, vector, n, motion, still, &some->owned[2]) &&
 		copy_still(points->emission, vector, n, motion, still, &some->owned[3]) &&
-		copy_still(points->scanner_of, sizeof(uint32_t), n, motion, still, &some->owned[4]);
+		copy_still(points->scanner_of, sizeof(uint32_t), n, motion, still, &some->owned[4]) &&
+		copy_still(points->stray, 1, n, motion, still, &some->owned[5]);
 	some->points.position = some->owned[0];
 	some->points.normal = some->owned[1];
 	some->points.albedo = some->owned[2];
 	some->points.emission = some->owned[3];
 	some->points.scanner_of = some->owned[4];
+	some->points.stray = some->owned[5];
 	if (good)
 		return GW_OK;
 	clear_some(some);
@@ -157,6 +160,7 @@ static some_points take_mover(const gw_points *points, const gw_mover *mover)
 	some.points.albedo = points->albedo ? points->albedo + 3 * first : NULL;
 	some.points.emission = points->emission ? points->emission + 3 * first : NULL;
 	some.points.scanner_of = points->scanner_of ? points->scanner_of + first : NULL;
+	some.points.stray = points->stray ? points->stray + first : NULL;
 	return some;
 }
 
@@ -194,8 +198,6 @@ static void add_counts(gw_surfels *all, const gw_surfels *part)
 {
 	all->given_area += part->given_area;
 	all->non_finite += part->non_finite;
-	all->strays += part->strays;
-	all->stray_distance = fmaxf(all->stray_distance, part->stray_distance);
 	all->duplicates += part->duplicates;
 	all->albedo_clamped += part->albedo_clamped;
 	all->emission_repaired += part->emission_repaired;
@@ -303,6 +305,29 @@ static bool find_spacing(gw_surfels *all)
 	return true;
 }
 
+/* Strays of what stands still, which were counted without the movers. */
+static void number_still_strays(const gw_motion *motion, gw_surfels *all)
+{
+	for (size_t i = 0; i < all->stray_count; i++)
+		for (size_t m = 0; m < motion->mover_count; m++)
+			if (all->stray[i].point >= motion->mover[m].first)
+				all->stray[i].point += (uint32_t)motion->mover[m].count;
+}
+
+/* Adds those of a mover, whose surfels begin at `base`. */
+static bool append_strays(const gw_surfels *part, const gw_mover *mover, size_t base,
+						  gw_surfels *all)
+{
+	if (!append(&all->stray, all->stray_count, part->stray, part->stray_count, sizeof *all->stray))
+		return false;
+	for (size_t i = 0; i < part->stray_count; i++) {
+		gw_stray *stray = &all->stray[all->stray_count++];
+		stray->point += (uint32_t)mover->first;
+		stray->surfel += stray->surfel != UINT32_MAX ? (uint32_t)base : 0;
+	}
+	return true;
+}
+
 /* What surfels are made of. */
 typedef struct source {
 	const gw_points *points;
@@ -337,6 +362,7 @@ static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfe
 	for (size_t i = 0; i < motion->mover_count; i++)
 		still -= motion->mover[i].count;
 	gw_status status = make_still(from, still, all, number, error);
+	number_still_strays(motion, all);
 	parts->still = all->count;
 	parts->own = gw_allocate_zeros(motion->mover_count + 1, sizeof *parts->own);
 	bool good = parts->own != NULL;
@@ -344,7 +370,9 @@ static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfe
 		some_points some = take_mover(points, &motion->mover[i]);
 		status = gw_surfels_make(&some.points, from->options, &parts->own[i], error);
 		parts->own_count += status == GW_OK;
-		good = status != GW_OK || append_part(all, &parts->own[i]);
+		size_t base = all->count;
+		good = status != GW_OK || (append_part(all, &parts->own[i]) &&
+								   append_strays(&parts->own[i], &motion->mover[i], base, all));
 	}
 	good = good && (status != GW_OK ||
 					(number_all(points, motion, *number, parts, all) && find_spacing(all)));
@@ -358,11 +386,16 @@ gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,
 							   const gw_surfels_options *options, gw_surfel_parts *parts,
 							   gw_surfels *surfels, gw_error *error)
 {
-	const source from = { points, motion, options };
-	uint32_t *number;
+	gw_ranged_points ranged;
+	uint32_t *number = NULL;
 	*parts = (gw_surfel_parts){ 0 };
 	*surfels = (gw_surfels){ 0 };
-	gw_status status = make_parts(&from, parts, surfels, &number, error);
+	gw_status status = gw_range_images_use(points, options, &ranged, error);
+	const source from = { &ranged.points, motion, &ranged.options };
+	if (status == GW_OK)
+		status = make_parts(&from, parts, surfels, &number, error);
+	surfels->normals_estimated += ranged.normals;
+	gw_ranged_points_clear(&ranged);
 	free(number);
 	if (status == GW_OK) {
 		widen_bounds(parts, motion, surfels);

@@ -1,7 +1,8 @@
-#include "mesh_scenes.h"
+#include "mesh_builder.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -10,15 +11,7 @@
 /* Surface counts as hidden when the place this far in front of it is within a solid. */
 #define PROBE 1e-3
 
-/* A scene under construction; the first failure is kept. */
-typedef struct builder {
-	mesh_scene *scene;
-	bool failed;
-	uint8_t color[3]; /* of what is added next */
-	float emission[3];
-} builder;
-
-static void set_color(builder *b, int red, int green, int blue)
+void mesh_set_color(mesh_builder *b, int red, int green, int blue)
 {
 	b->color[0] = (uint8_t)red;
 	b->color[1] = (uint8_t)green;
@@ -39,7 +32,7 @@ static double length_of(const double v[3])
 	return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-static void add_triangle(builder *b, const double p[3], const double q[3], const double r[3])
+void mesh_add_triangle(mesh_builder *b, const double p[3], const double q[3], const double r[3])
 {
 	mesh_scene *s = b->scene;
 	mesh_triangle *grown = growing_table_room(s->triangle, s->count, sizeof *grown);
@@ -68,7 +61,7 @@ static void add_triangle(builder *b, const double p[3], const double q[3], const
 }
 
 /* A parallelogram whose normal is along u x v. */
-static void add_patch(builder *b, const double corner[3], const double u[3], const double v[3])
+void mesh_add_patch(mesh_builder *b, const double corner[3], const double u[3], const double v[3])
 {
 	double p[4][3];
 	for (size_t k = 0; k < 3; k++) {
@@ -77,26 +70,26 @@ static void add_patch(builder *b, const double corner[3], const double u[3], con
 		p[2][k] = corner[k] + u[k] + v[k];
 		p[3][k] = corner[k] + v[k];
 	}
-	add_triangle(b, p[0], p[1], p[2]);
-	add_triangle(b, p[0], p[2], p[3]);
+	mesh_add_triangle(b, p[0], p[1], p[2]);
+	mesh_add_triangle(b, p[0], p[2], p[3]);
 }
 
 /* One side of a box from `low` to `high`, seen from inside; side: 0 to 5 for -x +x -y +y -z +z. */
-static void add_side(builder *b, const double low[3], const double high[3], int side)
+void mesh_add_side(mesh_builder *b, const double low[3], const double high[3], int side)
 {
 	size_t axis = (size_t)side / 2, a = (axis + 1) % 3, c = (axis + 2) % 3;
 	double corner[3] = { low[0], low[1], low[2] }, u[3] = { 0 }, v[3] = { 0 };
 	u[a] = high[a] - low[a];
 	v[c] = high[c] - low[c];
 	if (side % 2 == 0) {
-		add_patch(b, corner, u, v);
+		mesh_add_patch(b, corner, u, v);
 	} else {
 		corner[axis] = high[axis];
-		add_patch(b, corner, v, u);
+		mesh_add_patch(b, corner, v, u);
 	}
 }
 
-static void set_bounds(builder *b, double x, double y, double z)
+static void set_bounds(mesh_builder *b, double x, double y, double z)
 {
 	const double high[3] = { x, y, z };
 	memcpy(b->scene->high, high, sizeof high);
@@ -104,7 +97,7 @@ static void set_bounds(builder *b, double x, double y, double z)
 }
 
 /* A solid block, seen from outside. */
-static void add_solid(builder *b, const double centre[3], const double half[3], double turn)
+void mesh_add_solid(mesh_builder *b, const double centre[3], const double half[3], double turn)
 {
 	mesh_scene *s = b->scene;
 	mesh_solid *solid = &s->solid[s->solid_count++];
@@ -129,32 +122,40 @@ static void add_solid(builder *b, const double centre[3], const double half[3], 
 		}
 		for (size_t k = 0; k < 3; k++)
 			turned[0][k] += centre[k];
-		add_patch(b, turned[0], turned[1], turned[2]);
+		mesh_add_patch(b, turned[0], turned[1], turned[2]);
 	}
 }
 
-static void add_block(builder *b, double x0, double x1, double y0, double y1, double z0, double z1)
+static void add_block(mesh_builder *b, double x0, double x1, double y0, double y1, double z0,
+					  double z1)
 {
 	const double centre[3] = { 0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1) };
 	const double half[3] = { 0.5 * (x1 - x0), 0.5 * (y1 - y0), 0.5 * (z1 - z0) };
-	add_solid(b, centre, half, 0.0);
+	mesh_add_solid(b, centre, half, 0.0);
 }
 
-static gw_light *add_light(builder *b, gw_light_type type)
+gw_light *mesh_add_light(mesh_builder *b, gw_light_type type)
 {
 	gw_light *light = &b->scene->light[b->scene->light_count++];
 	*light = (gw_light){ .type = type };
 	return light;
 }
 
-static void set3(float to[3], float x, float y, float z)
+void mesh_set_stations(mesh_builder *b, const double (*place)[3], size_t count)
+{
+	assert(count <= MESH_STATIONS);
+	memcpy(b->scene->station, place, count * sizeof *place);
+	b->scene->station_count = count;
+}
+
+void mesh_set_color3(float to[3], float x, float y, float z)
 {
 	to[0] = x;
 	to[1] = y;
 	to[2] = z;
 }
 
-static void set3d(double to[3], double x, double y, double z)
+void mesh_set_place(double to[3], double x, double y, double z)
 {
 	to[0] = x;
 	to[1] = y;
@@ -163,89 +164,107 @@ static void set3d(double to[3], double x, double y, double z)
 
 /* A ceiling at the top of the bounds with a rectangle in it: eight pieces, the ninth is left to the
  * caller. */
-static void add_ceiling_around(builder *b, double x0, double x1, double y0, double y1)
+static void add_ceiling_around(mesh_builder *b, double x0, double x1, double y0, double y1)
 {
 	const double *high = b->scene->high;
 	const double x[4] = { 0, x0, x1, high[0] }, y[4] = { 0, y0, y1, high[1] };
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
 			if (i != 1 || j != 1)
-				add_side(b, (double[3]){ x[i], y[j], 0 },
-						 (double[3]){ x[i + 1], y[j + 1], high[2] }, 5);
+				mesh_add_side(b, (double[3]){ x[i], y[j], 0 },
+							  (double[3]){ x[i + 1], y[j + 1], high[2] }, 5);
 }
 
 /* --------------------------------------------------------------------------------- scenes */
 
-static void make_cornell(builder *b)
+static void make_cornell(mesh_builder *b)
 {
 	set_bounds(b, 3.0, 3.0, 2.7);
 	const double *low = b->scene->low, *high = b->scene->high;
-	set_color(b, 220, 215, 205);
-	add_side(b, low, high, 4);
-	add_side(b, low, high, 3);
+	mesh_set_color(b, 220, 215, 205);
+	mesh_add_side(b, low, high, 4);
+	mesh_add_side(b, low, high, 3);
 	add_ceiling_around(b, 1.1, 1.9, 1.2, 1.9);
-	set_color(b, 200, 40, 35);
-	add_side(b, low, high, 0);
-	set_color(b, 50, 180, 60);
-	add_side(b, low, high, 1);
-	set_color(b, 215, 210, 220);
-	add_solid(b, (double[3]){ 0.95, 2.0, 0.75 }, (double[3]){ 0.4, 0.4, 0.75 }, 0.3);
-	add_solid(b, (double[3]){ 2.05, 1.0, 0.4 }, (double[3]){ 0.4, 0.4, 0.4 }, -0.3);
-	set_color(b, 120, 120, 120);
-	set3(b->emission, 12.0f, 10.0f, 7.0f);
-	add_side(b, (double[3]){ 1.1, 1.2, 0 }, (double[3]){ 1.9, 1.9, 2.7 }, 5);
+	mesh_set_color(b, 200, 40, 35);
+	mesh_add_side(b, low, high, 0);
+	mesh_set_color(b, 50, 180, 60);
+	mesh_add_side(b, low, high, 1);
+	mesh_set_color(b, 215, 210, 220);
+	mesh_add_solid(b, (double[3]){ 0.95, 2.0, 0.75 }, (double[3]){ 0.4, 0.4, 0.75 }, 0.3);
+	mesh_add_solid(b, (double[3]){ 2.05, 1.0, 0.4 }, (double[3]){ 0.4, 0.4, 0.4 }, -0.3);
+	mesh_set_color(b, 120, 120, 120);
+	mesh_set_color3(b->emission, 12.0f, 10.0f, 7.0f);
+	mesh_add_side(b, (double[3]){ 1.1, 1.2, 0 }, (double[3]){ 1.9, 1.9, 2.7 }, 5);
+	static const double place[][3] = { { 1.5, 0.4, 1.4 },
+									   { 0.5, 0.5, 1.0 },
+									   { 2.5, 0.4, 1.2 },
+									   { 2.5, 2.5, 1.6 },
+									   { 0.4, 1.2, 1.5 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
 /* All six sides of the bounds. */
-static void add_room(builder *b)
+static void add_room(mesh_builder *b)
 {
 	for (int side = 0; side < 6; side++) {
 		if (side == 4)
-			set_color(b, 170, 150, 130);
-		add_side(b, b->scene->low, b->scene->high, side);
+			mesh_set_color(b, 170, 150, 130);
+		mesh_add_side(b, b->scene->low, b->scene->high, side);
 		if (side == 4)
-			set_color(b, 215, 215, 210);
+			mesh_set_color(b, 215, 215, 210);
 	}
 }
 
-static void make_rooms(builder *b)
+static void make_rooms(mesh_builder *b)
 {
 	set_bounds(b, 6.0, 4.0, 2.5);
-	set_color(b, 225, 205, 180);
+	mesh_set_color(b, 225, 205, 180);
 	add_room(b);
-	set_color(b, 190, 205, 220);
+	mesh_set_color(b, 190, 205, 220);
 	add_block(b, 2.95, 3.05, 0.0, 1.5, 0.0, 2.5);
 	add_block(b, 2.95, 3.05, 2.4, 4.0, 0.0, 2.5);
 	add_block(b, 2.95, 3.05, 1.5, 2.4, 2.0, 2.5);
-	set_color(b, 200, 120, 80);
-	add_solid(b, (double[3]){ 4.6, 2.2, 0.375 }, (double[3]){ 0.5, 0.35, 0.375 }, 0.5);
-	gw_light *lamp = add_light(b, GW_LIGHT_POINT);
-	set3d(lamp->position, 1.3, 2.7, 1.7);
-	set3(lamp->intensity, 9.0f, 8.0f, 6.0f);
+	mesh_set_color(b, 200, 120, 80);
+	mesh_add_solid(b, (double[3]){ 4.6, 2.2, 0.375 }, (double[3]){ 0.5, 0.35, 0.375 }, 0.5);
+	gw_light *lamp = mesh_add_light(b, GW_LIGHT_POINT);
+	mesh_set_place(lamp->position, 1.3, 2.7, 1.7);
+	mesh_set_color3(lamp->intensity, 9.0f, 8.0f, 6.0f);
+	static const double place[][3] = { { 1.0, 1.0, 1.3 },
+									   { 1.3, 3.3, 1.3 },
+									   { 2.2, 2.0, 1.3 },
+									   { 4.0, 1.0, 1.3 },
+									   { 5.3, 3.2, 1.3 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
-static void make_corridor(builder *b)
+static void make_corridor(mesh_builder *b)
 {
 	set_bounds(b, 5.0, 3.6, 2.2);
-	set_color(b, 225, 215, 195);
+	mesh_set_color(b, 225, 215, 195);
 	add_room(b);
-	set_color(b, 205, 190, 170);
+	mesh_set_color(b, 205, 190, 170);
 	add_block(b, 0.0, 4.0, 1.0, 1.3, 0.0, 2.2);
 	add_block(b, 1.0, 5.0, 2.3, 2.6, 0.0, 2.2);
-	gw_light *lamp = add_light(b, GW_LIGHT_POINT);
-	set3d(lamp->position, 2.6, 0.5, 1.3);
-	set3(lamp->intensity, 4.0f, 3.6f, 3.0f);
+	gw_light *lamp = mesh_add_light(b, GW_LIGHT_POINT);
+	mesh_set_place(lamp->position, 2.6, 0.5, 1.3);
+	mesh_set_color3(lamp->intensity, 4.0f, 3.6f, 3.0f);
+	static const double place[][3] = { { 0.5, 0.5, 1.3 },
+									   { 1.7, 0.5, 1.3 },
+									   { 4.5, 1.1, 1.3 },
+									   { 2.5, 1.8, 1.3 },
+									   { 3.5, 3.1, 1.3 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
-static void make_hole(builder *b)
+static void make_hole(mesh_builder *b)
 {
 	set_bounds(b, 4.0, 3.0, 2.5);
-	set_color(b, 225, 215, 200);
+	mesh_set_color(b, 225, 215, 200);
 	for (int side = 0; side < 5; side++) {
 		if (side == 1)
-			set_color(b, 190, 90, 70);
-		add_side(b, b->scene->low, b->scene->high, side);
-		set_color(b, 225, 215, 200);
+			mesh_set_color(b, 190, 90, 70);
+		mesh_add_side(b, b->scene->low, b->scene->high, side);
+		mesh_set_color(b, 225, 215, 200);
 	}
 	add_ceiling_around(b, 1.2, 1.8, 1.2, 1.8);
 	b->scene->opening = (mesh_opening){ .corner = { 1.2, 1.2, 2.5 },
@@ -253,35 +272,47 @@ static void make_hole(builder *b)
 										.v = { 0, 0.6, 0 },
 										.normal = { 0, 0, -1 },
 										.area = 0.36 };
-	set_color(b, 160, 170, 180);
-	add_solid(b, (double[3]){ 2.9, 1.9, 0.45 }, (double[3]){ 0.35, 0.35, 0.45 }, 0.4);
-	gw_light *sun = add_light(b, GW_LIGHT_SUN);
-	set3d(sun->direction, 0.5, -0.15, -1.0);
-	set3(sun->irradiance, 12.0f, 11.0f, 9.5f);
+	mesh_set_color(b, 160, 170, 180);
+	mesh_add_solid(b, (double[3]){ 2.9, 1.9, 0.45 }, (double[3]){ 0.35, 0.35, 0.45 }, 0.4);
+	gw_light *sun = mesh_add_light(b, GW_LIGHT_SUN);
+	mesh_set_place(sun->direction, 0.5, -0.15, -1.0);
+	mesh_set_color3(sun->irradiance, 12.0f, 11.0f, 9.5f);
 	sun->angle = 0.53f;
-	set3(add_light(b, GW_LIGHT_ENVIRONMENT)->radiance, 1.5f, 2.0f, 3.0f);
+	mesh_set_color3(mesh_add_light(b, GW_LIGHT_ENVIRONMENT)->radiance, 1.5f, 2.0f, 3.0f);
+	static const double place[][3] = { { 0.7, 0.7, 1.3 },
+									   { 3.3, 0.7, 1.3 },
+									   { 0.7, 2.3, 1.3 },
+									   { 3.5, 2.6, 1.3 },
+									   { 2.0, 1.0, 1.2 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
-static void make_ruin(builder *b)
+static void make_ruin(mesh_builder *b)
 {
 	set_bounds(b, 12.0, 12.0, 6.0);
-	set_color(b, 150, 145, 105);
-	add_side(b, b->scene->low, b->scene->high, 4);
-	set_color(b, 205, 185, 150);
+	mesh_set_color(b, 150, 145, 105);
+	mesh_add_side(b, b->scene->low, b->scene->high, 4);
+	mesh_set_color(b, 205, 185, 150);
 	add_block(b, 3.0, 3.5, 3.0, 9.0, 0.0, 3.2);
 	add_block(b, 3.5, 5.5, 8.5, 9.0, 0.0, 2.4);
 	add_block(b, 6.6, 9.0, 8.5, 9.0, 0.0, 2.4);
 	add_block(b, 5.2, 7.0, 8.5, 9.0, 2.4, 2.9);
 	add_block(b, 8.5, 9.0, 5.5, 8.5, 0.0, 1.3);
 	add_block(b, 3.5, 6.0, 3.0, 3.5, 0.0, 0.7);
-	set_color(b, 180, 150, 120);
-	add_solid(b, (double[3]){ 6.2, 6.0, 1.2 }, (double[3]){ 0.25, 0.25, 1.2 }, 0.2);
-	add_solid(b, (double[3]){ 7.6, 3.8, 0.35 }, (double[3]){ 0.5, 0.7, 0.35 }, 0.7);
-	gw_light *sun = add_light(b, GW_LIGHT_SUN);
-	set3d(sun->direction, 0.6, 0.35, -0.55);
-	set3(sun->irradiance, 3.0f, 2.7f, 2.2f);
+	mesh_set_color(b, 180, 150, 120);
+	mesh_add_solid(b, (double[3]){ 6.2, 6.0, 1.2 }, (double[3]){ 0.25, 0.25, 1.2 }, 0.2);
+	mesh_add_solid(b, (double[3]){ 7.6, 3.8, 0.35 }, (double[3]){ 0.5, 0.7, 0.35 }, 0.7);
+	gw_light *sun = mesh_add_light(b, GW_LIGHT_SUN);
+	mesh_set_place(sun->direction, 0.6, 0.35, -0.55);
+	mesh_set_color3(sun->irradiance, 3.0f, 2.7f, 2.2f);
 	sun->angle = 0.53f;
-	set3(add_light(b, GW_LIGHT_ENVIRONMENT)->radiance, 0.25f, 0.35f, 0.5f);
+	mesh_set_color3(mesh_add_light(b, GW_LIGHT_ENVIRONMENT)->radiance, 0.25f, 0.35f, 0.5f);
+	static const double place[][3] = { { 1.2, 6.0, 1.6 },
+									   { 6.5, 1.5, 1.6 },
+									   { 10.5, 7.0, 1.6 },
+									   { 6.0, 10.8, 1.6 },
+									   { 7.3, 6.6, 1.6 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
 /* ----------------------------------------------------------------------------------- cave */
@@ -296,7 +327,7 @@ static double lattice_value(int64_t x, int64_t y, int64_t z)
 }
 
 /* Smooth noise in [-1, 1]: random values on a lattice, interpolated by smoothstep. */
-static double smooth_noise(const double p[3])
+double mesh_smooth_noise(const double p[3])
 {
 	double base[3], weight[3], sum = 0.0;
 	for (size_t k = 0; k < 3; k++) {
@@ -323,7 +354,7 @@ static void cave_wall(const double direction[3], double out[3])
 		double p[3];
 		for (size_t k = 0; k < 3; k++)
 			p[k] = direction[k] / length * radius[k] * frequency * 0.4 + 17.3;
-		bump += strength * smooth_noise(p);
+		bump += strength * mesh_smooth_noise(p);
 		strength *= 0.45;
 	}
 	for (size_t k = 0; k < 3; k++)
@@ -331,7 +362,8 @@ static void cave_wall(const double direction[3], double out[3])
 }
 
 /* One triangle of the cave; its colour follows noise at its middle. */
-static void add_cave_triangle(builder *b, const double p[3], const double q[3], const double r[3])
+static void add_cave_triangle(mesh_builder *b, const double p[3], const double q[3],
+							  const double r[3])
 {
 	double a[3], c[3], d[3], middle[3];
 	cave_wall(p, a);
@@ -339,13 +371,13 @@ static void add_cave_triangle(builder *b, const double p[3], const double q[3], 
 	cave_wall(r, d);
 	for (size_t k = 0; k < 3; k++)
 		middle[k] = (a[k] + c[k] + d[k]) * 0.4 + 5.0;
-	double grey = 165.0 + 45.0 * smooth_noise(middle);
-	set_color(b, (int)(grey + 15.0), (int)grey, (int)(grey - 20.0));
-	add_triangle(b, a, d, c); /* turned inwards */
+	double grey = 165.0 + 45.0 * mesh_smooth_noise(middle);
+	mesh_set_color(b, (int)(grey + 15.0), (int)grey, (int)(grey - 20.0));
+	mesh_add_triangle(b, a, d, c); /* turned inwards */
 }
 
 /* Splits a face of the octahedron into n x n triangles. */
-static void add_cave_face(builder *b, const double p[3], const double q[3], const double r[3],
+static void add_cave_face(mesh_builder *b, const double p[3], const double q[3], const double r[3],
 						  int n)
 {
 	for (int i = 0; i < n; i++) {
@@ -367,7 +399,7 @@ static void add_cave_face(builder *b, const double p[3], const double q[3], cons
 	}
 }
 
-static void make_cave(builder *b)
+static void make_cave(mesh_builder *b)
 {
 	static const double x[3] = { 1, 0, 0 }, y[3] = { 0, 1, 0 }, z[3] = { 0, 0, 1 };
 	for (int octant = 0; octant < 8; octant++) {
@@ -384,22 +416,30 @@ static void make_cave(builder *b)
 		b->scene->low[k] = -10.0;
 		b->scene->high[k] = 10.0;
 	}
-	gw_light *lamp = add_light(b, GW_LIGHT_POINT);
-	set3d(lamp->position, 1.6, 0.4, -0.2);
-	set3(lamp->intensity, 7.0f, 5.5f, 3.5f);
-	gw_light *spot = add_light(b, GW_LIGHT_SPOT);
-	set3d(spot->position, -0.6, -0.3, 0.2);
-	set3d(spot->direction, -1.0, 0.25, -0.2);
-	set3(spot->intensity, 20.0f, 22.0f, 26.0f);
+	gw_light *lamp = mesh_add_light(b, GW_LIGHT_POINT);
+	mesh_set_place(lamp->position, 1.6, 0.4, -0.2);
+	mesh_set_color3(lamp->intensity, 7.0f, 5.5f, 3.5f);
+	gw_light *spot = mesh_add_light(b, GW_LIGHT_SPOT);
+	mesh_set_place(spot->position, -0.6, -0.3, 0.2);
+	mesh_set_place(spot->direction, -1.0, 0.25, -0.2);
+	mesh_set_color3(spot->intensity, 20.0f, 22.0f, 26.0f);
 	spot->inner_angle = 20.0f;
 	spot->outer_angle = 35.0f;
+	static const double place[][3] = { { 0.0, 0.0, -0.3 },
+									   { 1.8, 0.3, -0.2 },
+									   { -1.8, -0.2, -0.2 },
+									   { 0.5, 0.9, -0.3 },
+									   { -0.5, -0.9, 0.0 } };
+	mesh_set_stations(b, place, sizeof place / sizeof *place);
 }
 
 const char *mesh_kind_name(int kind)
 {
 	static const char *const name[] = {
-		[MESH_CORNELL] = "cornell", [MESH_ROOMS] = "rooms", [MESH_CORRIDOR] = "corridor",
-		[MESH_HOLE] = "hole",       [MESH_RUIN] = "ruin",   [MESH_CAVE] = "cave",
+		[MESH_CORNELL] = "cornell", [MESH_ROOMS] = "rooms",   [MESH_CORRIDOR] = "corridor",
+		[MESH_HOLE] = "hole",       [MESH_RUIN] = "ruin",     [MESH_CAVE] = "cave",
+		[MESH_BALL] = "ball",       [MESH_CARTON] = "carton", [MESH_TORUS] = "torus",
+		[MESH_TERRAIN] = "terrain", [MESH_FENCE] = "fence",   [MESH_TREE] = "tree",
 		[MESH_KINDS] = NULL,
 	};
 	return name[kind];
@@ -407,11 +447,13 @@ const char *mesh_kind_name(int kind)
 
 gw_status mesh_scene_make(mesh_kind kind, mesh_scene *scene, gw_error *error)
 {
-	static void (*const make[MESH_KINDS])(builder *) = {
-		make_cornell, make_rooms, make_corridor, make_hole, make_ruin, make_cave,
+	static void (*const make[MESH_KINDS])(mesh_builder *) = {
+		make_cornell,    make_rooms,        make_corridor,   make_hole,
+		make_ruin,       make_cave,         mesh_make_ball,  mesh_make_carton,
+		mesh_make_torus, mesh_make_terrain, mesh_make_fence, mesh_make_tree,
 	};
 	*scene = (mesh_scene){ 0 };
-	builder b = { .scene = scene };
+	mesh_builder b = { .scene = scene };
 	make[kind](&b);
 	if (!b.failed)
 		return GW_OK;

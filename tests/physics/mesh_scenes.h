@@ -18,6 +18,12 @@ typedef enum mesh_kind {
 	MESH_HOLE,     /* a room lit by sun and sky through a hole in its ceiling */
 	MESH_RUIN,     /* broken walls in the open, sun and sky */
 	MESH_CAVE,     /* a closed rough surface, a lamp and a spot */
+	MESH_BALL,     /* a ball on a floor in the open, sun and sky */
+	MESH_CARTON,   /* a turned box on a floor, a lamp */
+	MESH_TORUS,    /* a ring that lies on a floor under an even sky */
+	MESH_TERRAIN,  /* hills with a house, sun and sky */
+	MESH_FENCE,    /* wires of 5 mm between posts, a low wall behind, sun and sky */
+	MESH_TREE,     /* trunk, branches and leaves over a floor, sun and sky */
 	MESH_KINDS
 } mesh_kind;
 
@@ -45,6 +51,7 @@ typedef struct mesh_opening {
 
 #define MESH_SOLIDS 16
 #define MESH_LIGHTS 4
+#define MESH_STATIONS 5
 
 typedef struct mesh_scene {
 	mesh_triangle *triangle; /* owned; count */
@@ -55,6 +62,8 @@ typedef struct mesh_scene {
 	double low[3], high[3]; /* surface outside is not sampled */
 	gw_light light[MESH_LIGHTS];
 	size_t light_count;
+	double station[MESH_STATIONS][3]; /* where scanners would stand */
+	size_t station_count;
 } mesh_scene;
 
 /* The name of a kind ("cornell"), or NULL behind the last. */

@@ -386,6 +386,17 @@ static double met_weight(double density, double cosine, double leaving, double d
 	return cosine / PI / (cosine / PI + density * distance * distance / leaving);
 }
 
+bool reference_tracer_hit(const reference_tracer *t, const double origin[3],
+						  const double direction[3], uint32_t *triangle, double *distance)
+{
+	double place[3];
+	const vertex v = { .p = { origin[0], origin[1], origin[2] } };
+	const piece *hit = find_hit(t, &v, direction, place, distance);
+	if (hit)
+		*triangle = hit->triangle;
+	return hit;
+}
+
 /* Sky that a path met when it left the scene. */
 static void add_met_sky(const reference_tracer *t, const vertex *v, const double direction[3],
 						const double throughput[3], double sum[3])

@@ -48,4 +48,9 @@ void reference_tracer_light(const reference_tracer *tracer, const double *surfac
 							const uint32_t *triangle, size_t count, uint32_t paths, uint64_t seed,
 							uint32_t threads, reference_light *light, void (*shown)(double done));
 
+/* The triangle that a ray meets first, from either side, and how far off in lengths of `direction`;
+ * false when none. Thread-safe. */
+bool reference_tracer_hit(const reference_tracer *tracer, const double origin[3],
+						  const double direction[3], uint32_t *triangle, double *distance);
+
 #endif

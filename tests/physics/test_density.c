@@ -134,23 +134,31 @@ static void strays_change_nothing(void **state)
 	}
 }
 
-/* A stray is counted, and has light of its own: that of the sun, which shines on it alone. */
+/* A stray is counted, and has the light of the surface that is nearest to it, with its own albedo.
+ */
 static void strays_are_counted(void **state)
 {
 	(void)state;
 	scene s = make_sphere(1, 0);
-	gw_light sun = { .type = GW_LIGHT_SUN, .direction = { 0, 0, -1 }, .irradiance = { 1, 1, 1 } };
+	gw_light lamp = { .type = GW_LIGHT_POINT, .intensity = { 1, 1, 1 } };
 	gw_bake_options options = gw_bake_options_default();
-	size_t stray = scene_add(&s, (double[3]){ 0, 1e8, 0 }, (double[3]){ 0, 0, 1 }, ALBEDO);
+	size_t stray = scene_add(&s, (double[3]){ 0, 1e8, 0 }, (double[3]){ 0, 0, 1 }, ALBEDO / 2);
 	gw_points points = scene_points(&s);
 	options.estimate_points = 0;
-	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
 	const gw_report *report = &result->report;
 	uint64_t counted = 0;
 	for (uint32_t i = 0; i < report->count_count; i++)
 		counted += strcmp(report->count[i].name, "strays") == 0 ? report->count[i].points : 0;
 	assert_int_equal(counted, 1);
-	assert_true(fabs((double)result->radiance[3 * stray] - (double)ALBEDO / SCENE_PI) < 1e-4);
+	assert_int_equal(report->stray[GW_STRAY_FAR].points, 1);
+	assert_int_equal(report->stray[GW_STRAY_FAR].example, stray);
+	assert_int_equal(result->stray[stray], 1 + GW_STRAY_FAR);
+	size_t nearest = 0;
+	for (size_t i = 0; i < stray; i++)
+		nearest = points.position[3 * i + 1] > points.position[3 * nearest + 1] ? i : nearest;
+	double own = (double)result->radiance[3 * stray], there = (double)result->radiance[3 * nearest];
+	assert_true(there > 0 && fabs(own - 0.5 * there) < 0.01 * there);
 	gw_bake_result_destroy(&result);
 	scene_clear(&s);
 }

@@ -1623,7 +1623,9 @@ static void uneven_density_works(void **state)
 
 	c = make_grid(30);
 	set_point(&c, 0, 0, 0, 1000);
-	gw_surfels lone = make(&c);
+	gw_points points = points_of(&c);
+	points.keep_strays = true;
+	gw_surfels lone = make_with(&points, &(gw_surfels_options){ .threads = 2 });
 	uint32_t at = lone.surfel_of_point[0];
 	assert_true(lone.two_sided[at] && lone.radius[at] <= 1);
 	gw_surfels_clear(&lone);

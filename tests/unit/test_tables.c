@@ -286,6 +286,13 @@ static void ptx_of_two_grids(void **state)
 	assert_int_equal(cloud.scanner_count, 2);
 	assert_memory_equal(cloud.scanner, scanners, sizeof scanners);
 	assert_memory_equal(cloud.scanner_of, seen_by, sizeof seen_by);
+	/* Cells come column after column; the first grid's second and third are empty. */
+	static const uint32_t cells[4] = { 0, 3, 0, 1 };
+	assert_int_equal(cloud.image_count, 2);
+	assert_memory_equal(cloud.image_cell, cells, sizeof cells);
+	assert_int_equal(cloud.image[1].first, 2);
+	assert_int_equal(cloud.image[1].columns, 1);
+	assert_memory_equal(cloud.image[1].scanner, &scanners[3], sizeof cloud.image[1].scanner);
 	scan_clear(&cloud);
 }
 

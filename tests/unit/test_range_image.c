@@ -1,0 +1,258 @@
+/* What rows and columns of simulated scans tell: normals, ranges without noise, and nothing where
+ * they are no picture. */
+#include "simulated_scan.h"
+#include "surfels/range_image.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* All stations of a scene as points. */
+typedef struct scanned {
+	mesh_scene scene;
+	cell_kind *kind;
+	gw_points points;
+	double *position, *surface;
+	uint32_t *cell, *triangle;
+	gw_range_image image[MESH_STATIONS];
+} scanned;
+
+static void add_station(scanned *s, const scan_setup *setup, const station_scan *from)
+{
+	gw_range_image *image = &s->image[s->points.image_count++];
+	*image = (gw_range_image){ .first = s->points.count,
+							   .columns = (uint32_t)from->columns,
+							   .rows = (uint32_t)from->rows };
+	memcpy(image->scanner, from->own, sizeof image->scanner);
+	for (size_t c = 0; c < from->columns * from->rows; c++) {
+		size_t i = s->points.count;
+		double own[3];
+		if (from->cell[c].kind == CELL_EMPTY)
+			continue;
+		station_scan_direction(from, setup, c / from->rows, c % from->rows, own);
+		for (size_t k = 0; k < 3; k++)
+			own[k] *= from->cell[c].range;
+		station_scan_to_world(from, own, s->position + 3 * i);
+		memcpy(s->surface + 3 * i, from->cell[c].surface, 3 * sizeof *s->surface);
+		s->triangle[i] = from->cell[c].triangle;
+		s->kind[i] = from->cell[c].kind;
+		s->cell[i] = (uint32_t)(c % from->rows * from->columns + c / from->rows);
+		s->points.count++;
+		image->count++;
+	}
+}
+
+static scanned scan_scene(mesh_kind kind, const scan_setup *setup)
+{
+	scanned s = { .points = { .count = 0 } };
+	simulated_scan scan;
+	gw_error error = { 0 };
+	if (mesh_scene_make(kind, &s.scene, &error) != GW_OK ||
+		simulated_scan_make(&s.scene, setup, &scan, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	s.position = calloc(scan.count, 3 * sizeof *s.position);
+	s.surface = calloc(scan.count, 3 * sizeof *s.surface);
+	s.cell = calloc(scan.count, sizeof *s.cell);
+	s.triangle = calloc(scan.count, sizeof *s.triangle);
+	s.kind = calloc(scan.count, sizeof *s.kind);
+	assert_true(s.position && s.surface && s.cell && s.triangle && s.kind);
+	for (size_t i = 0; i < scan.station_count; i++)
+		add_station(&s, setup, &scan.station[i]);
+	s.points.position = s.position;
+	s.points.image_cell = s.cell;
+	simulated_scan_clear(&scan);
+	return s;
+}
+
+static void clear(scanned *s)
+{
+	mesh_scene_clear(&s->scene);
+	free(s->position);
+	free(s->surface);
+	free(s->cell);
+	free(s->triangle);
+	free(s->kind);
+}
+
+/* The RMS distance of points from the planes of their triangles, without the worst hundredth, which
+ * lies at edges. */
+static int by_size(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+static double height_of_points(const scanned *s, const double *position)
+{
+	size_t n = s->points.count, kept = n - n / 100;
+	double *height = calloc(n, sizeof *height), sum = 0.0;
+	assert_non_null(height);
+	for (size_t i = 0; i < n; i++) {
+		const mesh_triangle *t = &s->scene.triangle[s->triangle[i]];
+		for (size_t k = 0; k < 3; k++)
+			height[i] += (position[3 * i + k] - t->corner[0][k]) * t->normal[k];
+		height[i] = fabs(height[i]);
+	}
+	qsort(height, n, sizeof *height, by_size);
+	for (size_t i = 0; i < kept; i++)
+		sum += height[i] * height[i];
+	free(height);
+	return sqrt(sum / (double)kept);
+}
+
+/* Share of all points that have a normal within some degrees of the true one. */
+static double share_of_normals(const scanned *s, const float *normal, double degrees)
+{
+	size_t good = 0;
+	double least = cos(degrees * 3.14159265358979323846 / 180.0);
+	for (size_t i = 0; i < s->points.count; i++) {
+		double cosine = 0.0;
+		for (size_t k = 0; k < 3; k++)
+			cosine += (double)normal[3 * i + k] * s->scene.triangle[s->triangle[i]].normal[k];
+		good += cosine > least;
+	}
+	return (double)good / (double)s->points.count;
+}
+
+static gw_ranged_points use(const gw_points *points, uint32_t threads)
+{
+	gw_ranged_points ranged;
+	gw_error error = { 0 };
+	const gw_surfels_options options = { .threads = threads };
+	if (gw_range_images_use(points, &options, &ranged, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	return ranged;
+}
+
+/* Noise of 3 mm: windows of nine cells or more leave a third of it, those at edges more. */
+static void noise_is_smoothed(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 40000, .seed = 2, .faults = { .range_noise = 0.003 } };
+	scanned s = scan_scene(MESH_ROOMS, &setup);
+	s.points.image = s.image;
+	gw_ranged_points ranged = use(&s.points, 1), again = use(&s.points, 3);
+	double before = height_of_points(&s, s.position), after = height_of_points(&s, ranged.position);
+	double normals = share_of_normals(&s, ranged.normal, 5.0);
+	print_message("heights %.2f mm, smoothed %.2f mm; %.2f %% of normals within 5 degrees\n",
+				  1e3 * before, 1e3 * after, 100.0 * normals);
+	assert_true(after < 0.5 * before);
+	/* Points within a cell of one of the edges, whose windows are small, are 5 %. */
+	assert_true(normals > 0.93);
+	assert_memory_equal(ranged.position, again.position, 3 * s.points.count * sizeof(double));
+	assert_memory_equal(ranged.normal, again.normal, 3 * s.points.count * sizeof(float));
+	gw_ranged_points_clear(&ranged);
+	gw_ranged_points_clear(&again);
+	clear(&s);
+}
+
+/* Without noise points stay where they are, and normals are those of the planes. */
+static void clean_points_stay(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 20000, .seed = 2 };
+	scanned s = scan_scene(MESH_ROOMS, &setup);
+	s.points.image = s.image;
+	gw_ranged_points ranged = use(&s.points, 0);
+	assert_memory_equal(ranged.position, s.position, 3 * s.points.count * sizeof(double));
+	assert_true(share_of_normals(&s, ranged.normal, 0.5) > 0.95);
+	gw_ranged_points_clear(&ranged);
+	clear(&s);
+}
+
+/* A camera's steps of 3 mm at 1 m, which are 12 mm at 2 m, as wide as the cells: no stairs. */
+static void steps_are_no_stairs(void **state)
+{
+	(void)state;
+	const scan_setup setup = {
+		.count = 40000, .camera = true, .seed = 2, .faults = { .step = 0.003 }
+	};
+	scanned s = scan_scene(MESH_CARTON, &setup);
+	s.points.image = s.image;
+	gw_ranged_points ranged = use(&s.points, 0);
+	double before = height_of_points(&s, s.position), after = height_of_points(&s, ranged.position);
+	double normals = share_of_normals(&s, ranged.normal, 5.0);
+	print_message("heights %.2f mm, smoothed %.2f mm; %.2f %% of normals within 5 degrees\n",
+				  1e3 * before, 1e3 * after, 100.0 * normals);
+	assert_true(after < 0.5 * before);
+	assert_true(normals > 0.9);
+	gw_ranged_points_clear(&ranged);
+	clear(&s);
+}
+
+/* Mixed pixels between a carton and the floor behind it, and points anywhere along their beams:
+ * most are found, and hardly any of the surface is taken for them. */
+static void mixed_pixels_are_found(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 60000,
+							   .seed = 2,
+							   .faults = {
+								   .range_noise = 0.001, .beam_width = 0.008, .strays = 0.005 } };
+	scanned s = scan_scene(MESH_CARTON, &setup);
+	size_t found[4] = { 0 }, all[4] = { 0 };
+	s.points.image = s.image;
+	gw_ranged_points ranged = use(&s.points, 0);
+	for (size_t i = 0; i < s.points.count; i++) {
+		all[s.kind[i]]++;
+		found[s.kind[i]] += ranged.stray[i] != 0;
+	}
+	print_message("%zu of %zu mixed pixels, %zu of %zu strays, %zu of %zu on surface\n",
+				  found[CELL_MIXED], all[CELL_MIXED], found[CELL_STRAY], all[CELL_STRAY],
+				  found[CELL_SURFACE], all[CELL_SURFACE]);
+	/* Mixed pixels within the noise and a spacing of a surface can't be told from it, and a stray
+	 * in ten is as near to it as that. */
+	assert_true(found[CELL_MIXED] > all[CELL_MIXED] * 3 / 5);
+	assert_true(found[CELL_STRAY] > all[CELL_STRAY] * 3 / 4);
+	assert_true(found[CELL_SURFACE] < all[CELL_SURFACE] / 500);
+	s.points.keep_strays = true;
+	gw_ranged_points kept = use(&s.points, 0);
+	assert_null(kept.points.stray);
+	gw_ranged_points_clear(&kept);
+	gw_ranged_points_clear(&ranged);
+	clear(&s);
+}
+
+/* Rows and columns that are no picture, or of which the scanner stood elsewhere, tell nothing. */
+static void no_pictures_tell_nothing(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 10000, .seed = 2, .faults = { .range_noise = 0.01 } };
+	scanned s = scan_scene(MESH_ROOMS, &setup);
+	gw_ranged_points without = use(&s.points, 0);
+	assert_true(without.normals == 0 || s.points.image_count > 0);
+	s.points.image = s.image;
+	for (size_t i = 0; i < s.points.image_count; i++)
+		s.image[i].scanner[0] += 2.0;
+	gw_ranged_points elsewhere = use(&s.points, 0);
+	assert_memory_equal(elsewhere.position, s.position, 3 * s.points.count * sizeof(double));
+	assert_int_equal(elsewhere.normals, 0);
+	for (size_t i = 0; i < s.points.image_count; i++) {
+		s.image[i].scanner[0] -= 2.0;
+		s.image[i].columns = s.image[i].columns / 2 + 1; /* rows of the wrong length */
+	}
+	gw_ranged_points broken = use(&s.points, 0);
+	for (size_t i = 0; i < s.points.count; i++)
+		s.cell[i] = UINT32_MAX;
+	gw_ranged_points empty = use(&s.points, 0);
+	assert_int_equal(empty.normals, 0);
+	gw_ranged_points_clear(&without);
+	gw_ranged_points_clear(&elsewhere);
+	gw_ranged_points_clear(&broken);
+	gw_ranged_points_clear(&empty);
+	clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(noise_is_smoothed),        cmocka_unit_test(clean_points_stay),
+		cmocka_unit_test(steps_are_no_stairs),      cmocka_unit_test(mixed_pixels_are_found),
+		cmocka_unit_test(no_pictures_tell_nothing),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
