@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "surfels/filled_space.h"
+#include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
 #include "surfels/strays.h"
 
@@ -37,8 +38,8 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		const float *n = s->normal + 3 * i;
 		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
-	gw_status status = gw_normals_complete(points, options, search, s, error);
-	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	return gw_plane_error(search, s, error);
 }
 
 /* What is known of the points, and which of them belong to surfaces. */
@@ -88,6 +89,8 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 		return status;
 	bool smoothed = false;
 	status = gw_strays_list(p->all, &p->strays, search, surfels, error);
+	if (status == GW_OK)
+		status = gw_given_normals_mend(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = complete_normals(points, options, search, surfels, error);
 	uint8_t *filled = NULL;
