@@ -100,8 +100,9 @@ static gw_status bake_light(solve *w)
 	gw_bake_result *r = NULL;
 	options.estimate_points = 0;
 	options.lamps = w->own_lamps;
-	gw_status status = gw_bake(&w->scene->points.points, w->light, w->light_count, &options,
-							   &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
+	const gw_scene_description scene = { &w->scene->points.points, w->light, w->light_count };
+	gw_status status =
+		gw_bake(&scene, &options, &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
 		take_irradiance(w, r, i, w->level + 3 * i);
 	gw_bake_result_destroy(&r);
