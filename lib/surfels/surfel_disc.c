@@ -25,8 +25,8 @@
 #define VOID_SLOPE 0.7
 #define LONE_RADIUS 0.01f    /* metres, of a scene that is one point */
 #define STRAY_SEEN 4         /* neighbours that tell */
-#define STRAY_CONE 0.8      /* least share of their length that their offsets have in common */
-#define STRAY_GAP 6         /* how many times further off than from each other they are */
+#define STRAY_CONE 0.95      /* least share of their length that their offsets have in common */
+#define STRAY_GAP 30         /* how many times further off than from each other they are */
 #define STRAY_JUMP 8.0f      /* how many times further off than the neighbours before them */
 #define STRAY_NEAREST 0.475f /* without any before them: how far, of the furthest */
 #define BEND_POINTS 6        /* neighbours from which on a bend is looked for */
