@@ -114,8 +114,8 @@ typedef struct gw_points {
 	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
-	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
-								   scanner has, and for NULL, the one that sees it best */
+	const uint32_t *scanner_of;  /* count or NULL: which scanner saw each point; for numbers that no
+									scanner has, and for NULL, the one that sees it best */
 	const gw_range_image *image; /* image_count, in ascending order; may be NULL */
 	size_t image_count;
 	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
@@ -136,7 +136,6 @@ typedef enum gw_stray_kind {
 	GW_STRAY_NO_DATA,  /* at a value for no data, such as -9999, far from the rest */
 	GW_STRAY_FAR,      /* far off all the rest */
 	GW_STRAY_ALONE,    /* many times further from others than those around are from each other */
-	GW_STRAY_MIXED,    /* between an edge and what is behind it, seen from the scanner */
 	GW_STRAY_KIND_COUNT
 } gw_stray_kind;
 

@@ -587,6 +587,8 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 static gw_status place_scanners(loaded_scene *scene, gw_error *error)
 {
 	size_t count = scene->cloud.scanner_count;
+	for (size_t i = 0; i < scene->cloud.image_count && scene->place.changes; i++)
+		coordinates_to_metres(&scene->place, scene->cloud.image[i].scanner);
 	if (!scene->place.changes || count == 0)
 		return GW_OK;
 	scene->scanner = reallocarray(NULL, count, 3 * sizeof *scene->scanner);

@@ -102,8 +102,8 @@ static gw_status make(gw_scene *scene, const float *emission, size_t points, rep
 	return status;
 }
 
-/* That of points which are no surfels. */
-static void set_strays(gw_surfels *s, const float *emission)
+/* Of points that are no surface. */
+static void replace_of_strays(gw_surfels *s, const float *emission)
 {
 	for (size_t i = 0; i < 3 * s->stray_count; i++) {
 		float e = emission ? emission[3 * (size_t)s->stray[i / 3].point + i % 3] : 0.0f;
@@ -124,8 +124,8 @@ gw_status gw_scene_replace_emission(gw_scene *scene, const float *emission, size
 	gw_scene_forget_samples(scene);
 	free(scene->surfels.emission);
 	scene->surfels.emission = to.surfels;
-	set_strays(&scene->surfels, emission);
 	scene->surfels.emission_repaired = to.repaired;
+	replace_of_strays(&scene->surfels, emission);
 	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
 	scene->octree.facet_emission = to.facets;
 	return GW_OK;

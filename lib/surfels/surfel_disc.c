@@ -11,6 +11,7 @@
 #include "surfels/surfel_plane.h"
 
 #include "base/memory.h"
+#include "surfels/filled_space.h"
 #include "surfels/surfel_crease.h"
 #include "base/nth_element.h"
 
@@ -45,10 +46,11 @@ static const double open_extent[GW_NEIGHBOURS + 1] = {
 typedef struct disc_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
-	float *gap;        /* NULL or count */
-	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
-	uint8_t *amid;     /* count, 1 where that is so though others are all around */
-	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
+	const uint8_t *filled; /* count, 1: a point that fills space */
+	float *gap;            /* NULL or count */
+	uint8_t *isolated;     /* count, 1 where there is too little surface to measure */
+	uint8_t *amid;         /* count, 1 where that is so though others are all around */
+	uint8_t *boundary;     /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
 
@@ -244,12 +246,17 @@ static uint32_t count_near(const gw_surfels *s, size_t surfel, const gw_neighbou
 	return list->count;
 }
 
-static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
+/* A disc that shares no surface with others. */
+static void store_alone(disc_step *step, size_t surfel, float radius)
 {
 	gw_surfels *s = step->surfels;
-	float radius = list->count ? fmaxf(0.5f * list->distance[0], FLT_MIN) : LONE_RADIUS;
-	s->radius[surfel] = radius;
+	s->radius[surfel] = radius = fmaxf(radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)(M_PI * (double)radius * (double)radius), FLT_MIN);
+}
+
+static void store_isolated(disc_step *step, size_t surfel, const gw_neighbour_list *list)
+{
+	store_alone(step, surfel, list->count ? 0.5f * list->distance[0] : LONE_RADIUS);
 	step->isolated[surfel] = 1;
 }
 
@@ -276,6 +283,10 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
 	}
+	if (step->filled[surfel]) {
+		store_alone(step, surfel, gw_filled_space_radius(list));
+		return;
+	}
 	gw_half_plane edge[2];
 	/* Half the reach is less than the 8th neighbour's distance but where scan lines are far apart:
 	 * there it closes the gaps between them. */
@@ -295,7 +306,7 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 
 /* Isolated surfels are no larger than the median of the others. They are lit from both sides, but
  * for those whose normal was given and that have others all around: they lie in creases, and what
- * is behind them is rock. */
+ * is behind them is rock. Leaves are lit from both sides, too, unless their sides were given. */
 static gw_status finish(disc_step *step, gw_error *error)
 {
 	gw_surfels *s = step->surfels;
@@ -316,6 +327,8 @@ static gw_status finish(disc_step *step, gw_error *error)
 			if (!given || !step->amid[i])
 				s->two_sided[i] = 1;
 		}
+		if (step->filled[i] && s->normals_given < s->count)
+			s->two_sided[i] = 1;
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
@@ -324,10 +337,12 @@ static gw_status finish(disc_step *step, gw_error *error)
 	return GW_OK;
 }
 
-gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
-						gw_error *error)
+gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+						bool rough_area, float *gap, gw_error *error)
 {
-	disc_step step = { .search = search, .surfels = surfels, .gap = gap, .rough_area = rough_area };
+	disc_step step = {
+		.search = search, .surfels = surfels, .filled = filled, .gap = gap, .rough_area = rough_area
+	};
 	size_t n = surfels->count;
 	surfels->nearest = gw_allocate_array(n, sizeof(float));
 	surfels->radius = gw_allocate_array(n, sizeof(float));

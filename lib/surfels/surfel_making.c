@@ -2,6 +2,7 @@
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
+#include "surfels/filled_space.h"
 #include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
 #include "surfels/range_image.h"
@@ -93,15 +94,20 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 		status = gw_given_normals_mend(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = complete_normals(points, options, search, surfels, error);
+	uint8_t *filled = NULL;
 	if (status == GW_OK)
-		status = gw_surfels_smooth(search, surfels, &smoothed, error);
+		status = gw_filled_space_find(search, surfels, &filled, error);
+	if (status == GW_OK)
+		status = gw_surfels_smooth(search, filled, surfels, &smoothed, error);
 	if (smoothed) {
 		gw_neighbours_close(search);
 		search = NULL;
 		status = gw_neighbours_open(surfels, options, &search, error);
 	}
 	if (status == GW_OK)
-		status = gw_discs_make(search, surfels, options->rough_area, gap ? *gap : NULL, error);
+		status =
+			gw_discs_make(search, filled, surfels, options->rough_area, gap ? *gap : NULL, error);
+	free(filled);
 	gw_neighbours_close(search);
 	return status;
 }

@@ -29,9 +29,10 @@ typedef struct smooth_step {
 	gw_surfels *surfels;
 	const float *position, *normal; /* as they are */
 	const float *level;             /* noise of each region, in spacings */
-	float *out;                     /* what the step makes of them */
-	float *noise;                   /* NULL or count, metres, RMS distance to the mean height */
-	float *own;                     /* count, share of the surfel's own normal in the mean normal */
+	const uint8_t *filled; /* 1: a point that fills space, which has no surface behind it */
+	float *out;            /* what the step makes of them */
+	float *noise;          /* NULL or count, metres, RMS distance to the mean height */
+	float *own;            /* count, share of the surfel's own normal in the mean normal */
 } smooth_step;
 
 /*
@@ -63,7 +64,7 @@ static double reach_of(const gw_neighbour_list *list)
 /* Share by which a surfel is moved; 0 where it is clean. */
 static double share_of(const smooth_step *step, size_t surfel)
 {
-	double level = (double)step->level[surfel / REGION];
+	double level = step->filled[surfel] ? 0 : (double)step->level[surfel / REGION];
 	return fmin(fmax((level - NOISE_LEAST) / (NOISE_MUCH - NOISE_LEAST), 0), 1);
 }
 
@@ -88,7 +89,7 @@ static void measure_noise(void *user, size_t surfel, const gw_neighbour_list *li
 			nearest[at] = nearest[at - 1];
 		nearest[at] = height;
 	}
-	bool known = count == NOISE_RANK && list->count == GW_NEIGHBOURS;
+	bool known = count == NOISE_RANK && list->count == GW_NEIGHBOURS && !step->filled[surfel];
 	double height = known ? nearest[(NOISE_RANK - 1) / 2] : 0;
 	step->out[surfel] = height > 0 ? (float)(height / (NOISE_SHARE * SPREAD * reach_of(list))) : 0;
 }
@@ -193,13 +194,18 @@ static gw_status clean_normals(gw_neighbours *search, gw_surfels *s,
 	return status;
 }
 
-gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
-							gw_error *error)
+gw_status gw_surfels_smooth(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+							bool *smoothed, gw_error *error)
 {
 	size_t n = surfels->count;
 	float *position = gw_allocate_array(n, 3 * sizeof *position), *spare = NULL, *normal = NULL;
 	float *level = gw_allocate_array(n / REGION + 1, sizeof *level);
-	smooth_step step = { surfels, surfels->position, surfels->normal, level, position, NULL, NULL };
+	smooth_step step = { .surfels = surfels,
+						 .position = surfels->position,
+						 .normal = surfels->normal,
+						 .level = level,
+						 .filled = filled,
+						 .out = position };
 	gw_status status = GW_OK;
 	*smoothed = false;
 	if (!position || !level)

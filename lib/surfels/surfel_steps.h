@@ -123,21 +123,24 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
  * Finds the noise of the points. Where it is significant, replaces position and normal by those of
  * the surface that the points scatter around, keeps the normals from before, without their noise,
  * in shading_normal, and fills shading_normal_off and noise. Clean clouds stay as they are; in
- * those partly clean, what lies in clean parts. search     must have the surfels as they are; when
+ * those partly clean, what lies in clean parts, and points that fill space.
+ * filled     count, as gw_filled_space_find finds it
+ * search     must have the surfels as they are; when
  * they change it is of no more use smoothed   receives whether anything was replaced Fails with
  * GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_surfels_smooth(gw_neighbours *search, gw_surfels *surfels, bool *smoothed,
-							gw_error *error);
+gw_status gw_surfels_smooth(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+							bool *smoothed, gw_error *error);
 
 /*
  * Fills nearest, radius, area, clip, bend, creased, spacing and given_area, noise unless it is
  * there, and sets two_sided of surfels that have fewer than three neighbours on their surface.
+ *   filled      count, as gw_filled_space_find finds it
  *   rough_area  as in gw_surfels_options
  *   gap         NULL or count floats that receive the Euclidean distance to the nearest other one
  */
-gw_status gw_discs_make(gw_neighbours *search, gw_surfels *surfels, bool rough_area, float *gap,
-						gw_error *error);
+gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+						bool rough_area, float *gap, gw_error *error);
 
 /*
  * Settles where surfaces end that border on nothing: replaces the clips of discs near such

@@ -1608,6 +1608,57 @@ static void scale_does_not_matter(void **state)
 }
 
 /* Distances from 1e-9 to 1e3 in one cloud, and single points far away. */
+/* Random points in a cube lie on no surface: nine of ten stay where they are and have discs that do
+ * not reach the third neighbour, at 0.89 of their spacing. A disc of a surface is 1.6 wide. */
+static void what_fills_space_has_small_discs(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(4096, false);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, uniform(), uniform(), uniform());
+	gw_surfels s = make(&c);
+	size_t small = 0;
+	for (size_t i = 0; i < c.count; i++) {
+		size_t at = s.surfel_of_point[i];
+		double moved = 0;
+		for (size_t k = 0; k < 3; k++)
+			moved += fabs((double)s.position[3 * at + k] + s.origin[k] - c.position[3 * i + k]);
+		small += s.radius[at] < 0.75f / 16 && moved < 1e-6 && s.two_sided[at];
+	}
+	assert_true(small > c.count * 8 / 10);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
+/* Points in the air above a sheet are strays, each with the surfel below; those of the sheet are
+ * not, nor those of one that is thinner beside it. */
+static void strays_are_no_surfels(void **state)
+{
+	(void)state;
+	cloud c = make_cloud(3000, true);
+	const size_t first = c.count - 10;
+	for (size_t i = 0; i < c.count; i++) {
+		double x = uniform(), y = uniform();
+		bool thin = i < 200;
+		set_point(&c, i, thin ? x + 1 : x, y, 0);
+		c.normal[3 * i + 2] = 1;
+		if (i >= first)
+			set_point(&c, i, 0.05 + 0.1 * (double)(i - first), 0.2 + 0.6 * y, 0.3 + 0.3 * x);
+	}
+	gw_surfels s = make(&c);
+	assert_int_equal(s.stray_count, 10);
+	assert_true((double)s.maximum[2] < 1e-9);
+	for (size_t i = 0; i < s.stray_count; i++) {
+		const gw_stray *stray = &s.stray[i];
+		assert_true(stray->point >= first && stray->kind == GW_STRAY_ALONE);
+		assert_int_equal(s.surfel_of_point[stray->point], UINT32_MAX);
+		double x = (double)s.position[3 * stray->surfel] + s.origin[0];
+		assert_true(fabs(x - c.position[3 * stray->point]) < 0.1);
+	}
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 static void uneven_density_works(void **state)
 {
 	(void)state;
@@ -1831,6 +1882,8 @@ int main(void)
 		cmocka_unit_test(few_or_degenerate_points_work),
 		cmocka_unit_test(identical_and_collinear_points_work),
 		cmocka_unit_test(scale_does_not_matter),
+		cmocka_unit_test(what_fills_space_has_small_discs),
+		cmocka_unit_test(strays_are_no_surfels),
 		cmocka_unit_test(uneven_density_works),
 		cmocka_unit_test(it_asks_within_each_step),
 		cmocka_unit_test(stopping_and_small_memory_leave_nothing),
