@@ -315,7 +315,7 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the five below that are parts of it */
+	double relative_rms; /* root mean square error: of the six below that are parts of it */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -329,6 +329,9 @@ typedef struct gw_error_estimate {
 							(emission_error.h); only denser points would lessen it */
 	double geometry;     /* of the octree, which the points by themselves do not agree with
 							(geometry_error.h) */
+	double sides;       /* of surfaces that may face the other way, as what points see on both sides
+						   says (side_error.h) */
+	double sides_share; /* of the points: those that are likely to */
 } gw_error_estimate;
 
 /* What a smaller error would cost, predicted from what a bake measured (error_price.h). */

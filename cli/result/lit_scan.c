@@ -247,7 +247,7 @@ static gw_status comment_error(maker *m)
 	const gw_report *r = &m->result->report;
 	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
-	char geometry[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
@@ -255,6 +255,7 @@ static gw_status comment_error(maker *m)
 	number_print_float(normals, (float)r->error.normals);
 	number_print_float(emission, (float)r->error.emission);
 	number_print_float(geometry, (float)r->error.geometry);
+	number_print_float(sides, (float)r->error.sides);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -271,7 +272,10 @@ static gw_status comment_error(maker *m)
 		length += snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s",
 						   emission);
 	if (r->error.geometry > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+		length +=
+			snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+	if (r->error.sides > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", guessed sides %s", sides);
 	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }

@@ -16,7 +16,8 @@
  * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
  * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
  * emitters do to their power (emission_error.h). What is wrong with the octree itself, rays find
- * that meet nothing of it (geometry_error.h).
+ * that meet nothing of it (geometry_error.h); they also find what surfaces cost that may face the
+ * wrong way (side_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H
