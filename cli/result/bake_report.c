@@ -12,10 +12,13 @@
 #include <string.h>
 
 #define MEGABYTE 1e6
-#define PART_LEAST 0.003  /* share of the mean radiance from which on errors are worth a word, */
-#define PART_SHARE 0.25   /* and of the whole error */
-#define GUESSED_LEAST 0.1 /* of the mean radiance: from there on it is said what hangs on guesses  \
-						   */
+#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
+#define PART_SHARE 0.25  /* and of the whole error */
+#define GAPS_LEAST                                                                                 \
+	0.01 /* share of the light that comes through gaps, from which on they are told */
+#define GUESSED_LEAST                                                                              \
+	0.1 /* of the mean radiance: from there on it is said what hangs on guesses                    \
+		 */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -113,8 +116,17 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "normals", r->error.normals);
 	json_put_real(json, "emission", r->error.emission);
 	json_put_real(json, "geometry", r->error.geometry);
+	json_put_real(json, "gaps", r->error.gaps);
 	json_put_real(json, "sides", r->error.sides);
 	json_put_real(json, "sides_share", r->error.sides_share);
+	json_put_close(json, '}');
+	json_put_open_flat(json, "gaps", '{');
+	json_put_count(json, "scanners", r->gaps.scanners);
+	json_put_real(json, "share", r->gaps.share);
+	json_put_real(json, "sky", r->gaps.sky);
+	json_put_real(json, "lamps", r->gaps.lamps);
+	json_put_real(json, "black", r->gaps.black);
+	json_put_real(json, "bright", r->gaps.bright);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "price", '{');
 	json_put_real(json, "error", r->price.error);
@@ -142,6 +154,7 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "normals", round->error.normals);
 		json_put_real(json, "emission", round->error.emission);
 		json_put_real(json, "geometry", round->error.geometry);
+		json_put_real(json, "gaps", round->error.gaps);
 		json_put_real(json, "sides", round->error.sides);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
@@ -318,6 +331,22 @@ static void note_sides(const gw_report *r)
 			text_percent(r->error.sides_share, percent));
 }
 
+/* Where light comes through what no scanner looked at. */
+static void note_gaps(const gw_report *r)
+{
+	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], black[TEXT_PERCENT], bright[TEXT_PERCENT];
+	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST)
+		return;
+	fprintf(
+		stderr,
+		"glowworm: note: %s %% of the directions that light is gathered from, and %s %% of what "
+		"lamps and suns send, pass gaps that no scanner looked at: were they black, the light "
+		"would be %s %% of what it is, as bright as what surrounds them, %s %%; --gaps closes "
+		"them, --fields unknown says where\n",
+		text_percent(r->gaps.share, share), text_percent(r->gaps.lamps, lamps),
+		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright));
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -328,6 +357,7 @@ void bake_report_notes(const bake_facts *f)
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	note_geometry(r);
 	note_sides(r);
+	note_gaps(r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
@@ -375,6 +405,7 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 	put_part(r, r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
 	put_part(r, r->error.normals, "errors of the points' normals", "better ones", text, room);
 	put_part(r, r->error.emission, "edges of what emits", "denser points", text, room);
+	put_part(r, r->error.gaps, "gaps that no scanner looked at", "more scans", text, room);
 	put_part(r, r->error.sides, "surfaces that may face the wrong way",
 			 "normals or scanner positions", text, room);
 }

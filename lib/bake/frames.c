@@ -78,7 +78,7 @@ static bool shares(const gw_frames *f)
 static bool needs_places(const gw_frames *f)
 {
 	const gw_bake_options *o = &f->scene.options;
-	return f->light.plan.records || o->ambient_occlusion || o->errors;
+	return f->light.plan.records || o->ambient_occlusion || o->errors || o->unknown;
 }
 
 static void drop_geometry(gw_frames *f)
@@ -222,7 +222,7 @@ static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
 	gw_status status = GW_OK;
-	if (o->ambient_occlusion || o->errors)
+	if (o->ambient_occlusion || o->errors || o->unknown)
 		status = gw_record_fields_collect(&f->light, result, error);
 	if (status == GW_OK && o->voxels)
 		status = gw_result_collect_voxels(&f->light, result, error);

@@ -154,6 +154,7 @@ gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, 
 					   points->count);
 	scaled->options.ambient_occlusion_distance =
 		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
+	scaled->options.gap_radiance = ldexpf(options->gap_radiance, scaled->light);
 	return GW_OK;
 }
 

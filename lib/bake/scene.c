@@ -54,6 +54,8 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+		{ "gaps", (double)o->gaps, 0, GW_GAPS_COUNT - 1 },
+		{ "radiance of gaps", (double)o->gap_radiance, 0, 1e30 },
 		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
 		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
 	};
@@ -71,6 +73,14 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		status = gw_fail(error, GW_ERROR_USAGE,
 						 "a bake that refines its settings cannot begin with a transport nor make "
 						 "one; leave out the error or time to aim at");
+	if (status == GW_OK && o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
+		status = gw_fail(error, GW_ERROR_USAGE,
+						 "cones do not know gaps; leave these open, or gather by rays");
+	if (status == GW_OK && o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
+		status =
+			gw_fail(error, GW_ERROR_USAGE,
+					"a radiance of gaps takes gaps that are black without it, and is no lamp's: "
+					"leave out the light of single lamps, or say black for gaps");
 	return status == GW_OK ? gw_lights_check(lights, light_count, error) : status;
 }
 
@@ -192,6 +202,14 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	r->spacing = (double)s->spacing;
 }
 
+static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *error)
+{
+	gw_status status = gw_scanned_space_make(points, &scene->surfels, scene->options.threads,
+											 &scene->space, error);
+	scene->report->gaps.scanners = scene->space.scanners;
+	return status;
+}
+
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
 								size_t light_count, gw_error *error)
 {
@@ -204,7 +222,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const 
 	gw_status status = gw_surfels_make(points, &options, &scene->surfels, error);
 	if (status == GW_OK)
 		gw_report_surfels(scene->report, &scene->surfels, points);
-	return status;
+	return status == GW_OK ? find_space(scene, points, error) : status;
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -411,7 +429,9 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	gw_report_surfels(scene->report, &scene->surfels, points);
 	gw_scene_report_octree(scene);
 	scene->report->records = scene->records.count;
-	gw_status status = gw_records_make_room(scene->gpu, &scene->records, error);
+	gw_status status = find_space(scene, points, error);
+	if (status == GW_OK)
+		status = gw_records_make_room(scene->gpu, &scene->records, error);
 	return status == GW_OK ? make_pools(scene, error) : status;
 }
 
@@ -454,6 +474,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 void gw_scene_close(gw_scene *scene)
 {
 	gw_surfels_clear(&scene->surfels);
+	gw_scanned_space_clear(&scene->space);
 	if (scene->gpu == NULL)
 		return;
 	gw_scene_drop_octree(scene);

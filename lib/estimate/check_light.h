@@ -8,16 +8,8 @@
 #include "light/gather_rays.h"
 #include "light/transport_layout.h"
 
-/* What comes from outside. */
-typedef struct gw_check_sky {
-	const float *radiance; /* 3, the same from everywhere */
-	const gw_sky_map *map; /* or NULL: only where texel is there */
-	const float *texel;    /* 4 * width * height of the map, or NULL */
-} gw_check_sky;
-
-/* Luminance of the radiance that comes from a direction: sky_map.glsl.
- *   towards   unit, to where it comes from */
-double gw_check_sky_light(const gw_check_sky *sky, gw_vec3 towards);
+/* Luminance of what comes from outside from a direction. */
+double gw_check_sky_light(const gw_sky_view *sky, gw_vec3 towards);
 
 /* A place on a surface. */
 typedef struct gw_check_place {

@@ -86,7 +86,7 @@ static double outside(double value, double a, double b)
 
 static double sky_light(const check *c, gw_vec3 d)
 {
-	const gw_check_sky sky = { c->task->sky, c->task->map, c->view.texel.bytes };
+	const gw_sky_view sky = { c->task->sky, c->task->map, c->view.texel.bytes };
 	return gw_check_sky_light(&sky, d);
 }
 

@@ -33,7 +33,7 @@
 #define OWN_OPINIONS 8.0
 
 /* Where no ray differs there may still be one in so many. */
-#define SHARE_LEAST 1e-4
+#define SHARE_LEAST 1e-6
 
 #define FAR_METRES 1e30f
 #define CHUNK 4u
@@ -304,6 +304,14 @@ static void list_lamps(check *c)
 	}
 }
 
+static bool any_unknown(const check *c)
+{
+	bool any = false;
+	for (size_t i = 0; i < c->choice.count && !any; i++)
+		any = c->task->surfels->two_sided[c->choice.point[i]];
+	return any;
+}
+
 static gw_status look_and_conclude(check *c, gw_side_finding *found, gw_error *error)
 {
 	const gw_surfels *s = c->task->surfels;
@@ -314,7 +322,7 @@ static gw_status look_and_conclude(check *c, gw_side_finding *found, gw_error *e
 	if (status != GW_OK || (sure && share_differing(c) < SUSPECT))
 		return status;
 	status = look_at(c, 1, error);
-	if (status == GW_OK)
+	if (status == GW_OK && (share_differing(c) > 0.0 || any_unknown(c)))
 		conclude(c, found);
 	return status;
 }
