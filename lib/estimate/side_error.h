@@ -27,7 +27,7 @@ typedef struct gw_side_task {
 	uint32_t seed, threads;
 	const float *radiance;  /* one a surfel: luminance of what it sends out, or NULL: nothing */
 	bool whole;             /* that is all of it, the light of lamps as well */
-	gw_sky_view sky;       /* where there is radiance */
+	gw_sky_view sky;        /* where there is radiance */
 	uint32_t limit;         /* reflections, or GW_BOUNCES_AUTO */
 	const gw_light *lights; /* light_count: lamps; 0 where they are not looked at */
 	size_t light_count;
