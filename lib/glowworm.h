@@ -78,6 +78,14 @@ typedef struct gw_error {
 gw_status gw_fail(gw_error *error, gw_status status, const char *format, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/* Calls, and returns from the calling function when the call did not succeed. */
+#define GW_TRY(call)                                                                               \
+	do {                                                                                           \
+		gw_status gw_status_ = (call);                                                             \
+		if (gw_status_ != GW_OK)                                                                   \
+			return gw_status_;                                                                     \
+	} while (0)
+
 /* What clang's analyzer cannot see from outside: a failure is never GW_OK. */
 #ifdef __clang_analyzer__
 #define gw_fail(error, status, ...) (gw_fail((error), (status), __VA_ARGS__), (status))
@@ -96,7 +104,7 @@ typedef struct gw_points {
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of; /* count or NULL: which scanner saw each point; for numbers that no
-								   scanner has, and for NULL, the nearest one counts */
+								   scanner has, and for NULL, the one that sees it best */
 } gw_points;
 
 /* Albedo is clamped to this, so that the sum of all bounces stays finite. */
@@ -169,6 +177,14 @@ typedef enum gw_pass_choice {
 						 that shares its memory, as the software driver's does */
 	GW_PASSES_COUNT
 } gw_pass_choice;
+
+/* What becomes of normals that come with the points. */
+typedef enum gw_normals_choice {
+	GW_NORMALS_AUTO,     /* taken, unless many of them cannot be right: these are mended */
+	GW_NORMALS_GIVEN,    /* taken as they are; missing ones are estimated */
+	GW_NORMALS_ESTIMATE, /* all are estimated */
+	GW_NORMALS_COUNT
+} gw_normals_choice;
 
 /* What Vulkan's validation layer looks at; it can't do both at once. */
 typedef enum gw_validation {
@@ -251,10 +267,11 @@ typedef struct gw_bake_options {
 								 of what the machine has free */
 	const char *device;       /* NULL, or an index, type name or part of the name of a device */
 	gw_pass_choice passes;    /* for those who look into a difference */
-	gw_validation validate;   /* run under Vulkan's validation layer; any message is an error */
-	bool voxels;              /* fill gw_bake_result.voxels */
-	bool lamps;               /* fill gw_bake_result.lamp and rest: solves again for each light */
-	bool ambient_occlusion;   /* fill gw_bake_result.ambient_occlusion */
+	gw_normals_choice normals;
+	gw_validation validate; /* run under Vulkan's validation layer; any message is an error */
+	bool voxels;            /* fill gw_bake_result.voxels */
+	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
+	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool unknown;                     /* fill gw_bake_result.unknown */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
@@ -481,13 +498,19 @@ typedef struct gw_bake_result {
 	gw_report report;
 } gw_bake_result;
 
+/* What is lit, and by what. All that it points to stays the caller's, and is only read. */
+typedef struct gw_scene_description {
+	const gw_points *points;
+	const gw_light *lights; /* light_count; may be NULL when that is 0 */
+	size_t light_count;
+} gw_scene_description;
+
 /*
  * Bakes the light of a scene into its points.
  *
  * Returns GW_OK and a result that the caller hands to gw_bake_result_destroy; on failure returns
  * the class, fills *error and leaves *result NULL.
- *   points       what the scene is made of, see gw_points
- *   lights       light_count of them; may be NULL when light_count is 0
+ *   scene        what to light, and by what
  *   options      how to bake; NULL: gw_bake_options_default
  *   callbacks    NULL or see gw_bake_callbacks
  *   result       receives the result
@@ -496,12 +519,15 @@ typedef struct gw_bake_result {
  * What it does once, scenes and lightings below do step by step. The same input, options, device
  * and driver give the same bytes, for any number of threads.
  */
-gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-				  gw_bake_result **result, gw_error *error);
+gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
+				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error);
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
+
+/* The relative luminance of linear RGB, by BT.709: 0.2126 R + 0.7152 G + 0.0722 B, in their unit.
+ */
+double gw_relative_luminance(double red, double green, double blue);
 
 /* ---------------------------------------------------------------------- scenes and lightings */
 
@@ -511,23 +537,34 @@ typedef struct gw_scene gw_scene;
 
 /*
  * Prepares a scene.
- *   points     may be changed or freed afterwards
- *   lights     light_count, or NULL and 0; where nobody knows from where points were scanned, they
- *              orient estimated normals. They need not be those that the scene is lit by, but the
- *              brightest of those should be of about their brightness where float32 could be left
- *   options    as of gw_bake, without max_error, time_limit and transport; NULL: the defaults
- *   callbacks  NULL, or called during all calls for the scene and its lightings; copied
- *   scene      on success to be given back with gw_scene_destroy; NULL on failure
+ *   description  may be changed or freed afterwards. Where nobody knows from where points were
+ *                scanned, its lights orient estimated normals. They need not be those that the
+ *                scene is lit by, but the brightest of those should be of about their brightness
+ *                where float32 could be left
+ *   options      as of gw_bake; NULL: the defaults. max_error and time_limit are refused: what is
+ *                fine enough depends on the light, and a scene is there for many; bake once with
+ *                the hardest light, and make the scene with the settings of the last gw_round in
+ *                its report. So is transport, which is a scene on disk
+ *   callbacks    NULL, or called during all calls for the scene and its lightings; copied
+ *   scene        on success to be given back with gw_scene_destroy; NULL on failure
  * Fails as gw_bake.
  *
  * A scene with its lightings belongs to one thread at a time.
  */
-gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_t light_count,
-						  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-						  gw_scene **scene, gw_error *error);
+gw_status gw_scene_create(const gw_scene_description *description, const gw_bake_options *options,
+						  const gw_bake_callbacks *callbacks, gw_scene **scene, gw_error *error);
 
 /* After all of its lightings. Sets *scene to NULL; an empty handle is accepted. */
 void gw_scene_destroy(gw_scene **scene);
+
+/*
+ * Gives the points other emission; all else stays as it was prepared, so that lamps and screens are
+ * switched at the price of a lighting; the light is that of such a scene prepared anew but for
+ * roundings. Lightings have to be changed before they are read again. On failure the emission is as
+ * it was.
+ *   emission   3 * gw_scene_point_count, as gw_points.emission, or NULL: none; copied
+ */
+gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_error *error);
 
 /* The number of its points: those that it was made of, in their order. */
 size_t gw_scene_point_count(const gw_scene *scene);
@@ -587,10 +624,9 @@ typedef struct gw_motion {
 
 /* A scene in which something moves. What this points to must outlive the frames made of it. */
 typedef struct gw_moving_scene {
-	const gw_points *points; /* whose movers are where the motion's matrices begin */
+	gw_scene_description scene; /* movers are where the motion's matrices begin; lights orient
+								   estimated normals without a scanner */
 	const gw_motion *motion;
-	const gw_light *lights; /* light_count; they orient estimated normals without a scanner */
-	size_t light_count;
 } gw_moving_scene;
 
 /* How frames are baked. */

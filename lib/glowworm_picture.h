@@ -71,6 +71,9 @@ typedef struct gw_surfels {
 	/* What was repaired, for the report. Normals count surfels, the others points. */
 	uint64_t non_finite, duplicates, albedo_clamped, emission_repaired, normals_given,
 		normals_estimated, normals_untrusted, albedo_defaulted;
+	/* Of given normals that were mended: those turned round, and those found so wrong that none
+	 * was taken. */
+	uint64_t normals_turned, normals_doubted;
 } gw_surfels;
 
 /*
@@ -86,6 +89,7 @@ typedef struct gw_surfels_options {
 	uint32_t threads;       /* 0: one a core */
 	const gw_light *lights; /* light_count; orient estimated normals when there is no scanner */
 	size_t light_count;
+	gw_normals_choice normals;
 	uint64_t memory; /* bytes the step may use beyond its result; chunks follow from it */
 	gw_surfels_chooser *choose; /* NULL: all. What surrounds the chosen ones is to be chosen too,
 								   about twice as far as their neighbours are. At least some

@@ -52,6 +52,7 @@ static int check(gw_status status, const gw_error *error)
 int main(void)
 {
 	gw_points points = { .count = POINTS, .position = position, .normal = normal };
+	gw_scene_description room = { .points = &points };
 	gw_light lamp = { .type = GW_LIGHT_POINT, .intensity = { 10.0f, 10.0f, 10.0f } };
 	gw_scene *scene = NULL;
 	gw_lighting *lighting = NULL;
@@ -59,7 +60,7 @@ int main(void)
 	gw_error error;
 
 	make_room();
-	int good = check(gw_scene_create(&points, NULL, 0, NULL, NULL, &scene, &error), &error);
+	int good = check(gw_scene_create(&room, NULL, NULL, &scene, &error), &error);
 	for (int i = 0; i < FRAMES && good; i++) {
 		double turn = 2.0 * 3.14159265358979324 * i / FRAMES;
 		lamp.position[0] = 1.5 + cos(turn);

@@ -28,6 +28,11 @@ class Light(c.Structure):  # gw_light
                 ("map_height", c.c_uint32), ("rotation", c.c_float), ("map_y_up", c.c_bool)]
 
 
+class SceneDescription(c.Structure):  # gw_scene_description
+    _fields_ = [("points", c.POINTER(Points)), ("lights", c.POINTER(Light)),
+                ("light_count", c.c_size_t)]
+
+
 class Error(c.Structure):  # gw_error
     _fields_ = [("status", c.c_int), ("text", c.c_char * 1024)]
 
@@ -64,7 +69,8 @@ radiance = numpy.empty((POINTS, 3), numpy.float32)
 points = Points(count=POINTS, position=position.ctypes.data, normal=normal.ctypes.data)
 lamp = Light(type=0, intensity=(10.0, 10.0, 10.0))
 scene, lighting = c.c_void_p(), c.c_void_p()
-call("gw_scene_create", c.byref(points), None, c.c_size_t(0), None, None, c.byref(scene))
+room = SceneDescription(points=c.pointer(points))
+call("gw_scene_create", c.byref(room), None, None, c.byref(scene))
 for i in range(FRAMES):
     turn = 2.0 * math.pi * i / FRAMES
     lamp.position[:] = 1.5 + math.cos(turn), 1.5 + math.sin(turn), 0.6 + 0.25 * i

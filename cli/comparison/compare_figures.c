@@ -144,22 +144,19 @@ gw_status compare_figures_make(const matched_scans *match, compare_figures *f, g
 	static const char *const more[] = { "direct", "indirect", "irradiance" };
 	const scan_column *found[3], *truth[3];
 	*f = (compare_figures){ .match = match };
-	gw_status status = find_radiance(match->found, match->found_name, found, error);
-	if (status == GW_OK)
-		status = find_radiance(match->truth, match->truth_name, truth, error);
+	GW_TRY(find_radiance(match->found, match->found_name, found, error));
+	GW_TRY(find_radiance(match->truth, match->truth_name, truth, error));
 	f->component[f->component_count++].name = "radiance";
-	if (status == GW_OK)
-		status = compare_columns(match, found, truth, &f->component[0], error);
-	if (status == GW_OK)
-		status = find_errors(f, found, truth, error);
-	for (size_t i = 0; i < sizeof more / sizeof *more && status == GW_OK; i++) {
+	GW_TRY(compare_columns(match, found, truth, &f->component[0], error));
+	GW_TRY(find_errors(f, found, truth, error));
+	for (size_t i = 0; i < sizeof more / sizeof *more; i++) {
 		if (!find_common(match, more[i], found, truth))
 			continue;
 		compare_component *component = &f->component[f->component_count++];
 		component->name = more[i];
-		status = compare_columns(match, found, truth, component, error);
+		GW_TRY(compare_columns(match, found, truth, component, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 void compare_figures_clear(compare_figures *f)

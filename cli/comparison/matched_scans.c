@@ -155,12 +155,10 @@ static gw_status find_partners(matched_scans *m, const scan_column *const found[
 gw_status matched_scans_make(matched_scans *m, gw_error *error)
 {
 	const scan_column *found[3], *truth[3];
-	gw_status status = find_positions(m->found, m->found_name, found, error);
-	if (status == GW_OK)
-		status = find_positions(m->truth, m->truth_name, truth, error);
-	if (status == GW_OK)
-		status = find_partners(m, found, truth, error);
-	return status == GW_OK ? select_pairs(m, truth, error) : status;
+	GW_TRY(find_positions(m->found, m->found_name, found, error));
+	GW_TRY(find_positions(m->truth, m->truth_name, truth, error));
+	GW_TRY(find_partners(m, found, truth, error));
+	return select_pairs(m, truth, error);
 }
 
 void matched_scans_clear(matched_scans *m)

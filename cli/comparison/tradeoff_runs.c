@@ -84,8 +84,8 @@ static void bake_here(const loaded_scene *scene, const gw_light *lights, size_t 
 	gw_bake_result *result = NULL;
 	gw_bake_callbacks callbacks = { .cancelled = on_cancelled };
 	double start = now();
-	to->status = gw_bake(&scene->points.points, lights, light_count, options, &callbacks, &result,
-						 &to->error);
+	to->status = gw_bake(&(gw_scene_description){ &scene->points.points, lights, light_count },
+						 options, &callbacks, &result, &to->error);
 	to->seconds = now() - start;
 	if (to->status != GW_OK)
 		return;

@@ -125,9 +125,7 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 					gw_error *error)
 {
 	gw_light *l = &light->light;
-	gw_status status = check_numbers(light_keys[key].value, values, count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_numbers(light_keys[key].value, values, count, error));
 	switch (key) {
 	case LIGHT_KEY_POSITION:
 		set_vector(l->position, values);
@@ -344,11 +342,9 @@ gw_status light_from_text(const char *text, lamp *out, gw_error *error)
 	words w = words_of("--light", text, error);
 	gw_light_type type;
 	unsigned given = 0;
-	gw_status status = find_type(&w, &type);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_type(&w, &type));
 	*out = light_default(type);
-	while (status == GW_OK && words_next(&w)) {
+	while (words_next(&w)) {
 		light_key_id id = find_key(&w, type);
 		if (id == LIGHT_KEY_COUNT)
 			return GW_ERROR_USAGE;
@@ -357,10 +353,10 @@ gw_status light_from_text(const char *text, lamp *out, gw_error *error)
 		given |= 1u << id;
 		char key[WORD_MAX];
 		memcpy(key, w.word, sizeof key);
-		status = set_from_word(&w, out, id, key);
+		GW_TRY(set_from_word(&w, out, id, key));
 	}
 	gw_error reason = { 0 };
-	if (status == GW_OK && light_check(out, given, false, &reason) != GW_OK)
+	if (light_check(out, given, false, &reason) != GW_OK)
 		return words_fail(&w, reason.text);
-	return status;
+	return GW_OK;
 }

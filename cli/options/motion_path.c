@@ -150,16 +150,15 @@ void motion_path_matrix(const motion_path *path, const double *matrix, uint32_t 
 
 gw_status motion_path_lamp(const motion_path *path, uint32_t frame, lamp *light, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (int which = 0; which < LIGHT_KEY_COUNT && status == GW_OK; which++) {
+	for (int which = 0; which < LIGHT_KEY_COUNT; which++) {
 		double value[3];
 		light_value kind = light_keys[which].value;
 		if (!value_in_frame(path, which, frame, value))
 			continue;
 		for (int k = 0; k < 3 && kind != LIGHT_VALUE_VECTOR; k++)
 			value[k] = fmax(value[k], 0.0);
-		status =
-			light_set(light, (light_key_id)which, value, kind == LIGHT_VALUE_NUMBER ? 1 : 3, error);
+		GW_TRY(light_set(light, (light_key_id)which, value, kind == LIGHT_VALUE_NUMBER ? 1 : 3,
+						 error));
 	}
-	return status;
+	return GW_OK;
 }

@@ -194,8 +194,7 @@ static void write_zsh(FILE *out)
 		for (const option *o = options; o->name; o++) {
 			if (!(o->verbs & 1u << v))
 				continue;
-			fprintf(out, " \\\n\t\t'%s--%s%s[",
-					o->type == OPTION_LIGHT || o->type == OPTION_GAIN ? "*" : "", o->name,
+			fprintf(out, " \\\n\t\t'%s--%s%s[", option_repeats(o) ? "*" : "", o->name,
 					o->type == OPTION_FLAG ? "" : "=");
 			write_plain(out, o->help);
 			fputs(o->type == OPTION_FLAG ? "]" : "]:value:", out);

@@ -4,6 +4,7 @@
 #include "program/nearest_name.h"
 #include "files/number_text.h"
 #include "options/options.h"
+#include "options/scanner_text.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -273,6 +274,8 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 		if (light_from_text(text, &light, error) != GW_OK)
 			return GW_ERROR_USAGE;
 		return settings_add_light(s, &light, error);
+	case OPTION_SCANNER:
+		return scanner_text_add(s, text, error);
 	case OPTION_GAIN:
 		return set_gain(s, text, error);
 	case OPTION_ALBEDO:

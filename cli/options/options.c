@@ -28,6 +28,25 @@ static const char *passes_name(int i)
 	return i < GW_PASSES_COUNT ? gw_pass_choice_name((gw_pass_choice)i) : NULL;
 }
 
+static const char *capture_name(int i)
+{
+	static const char *const name[] = {
+		[SETTINGS_CAPTURE_AUTO] = "auto",           [SETTINGS_CAPTURE_LIGHTS] = "lights",
+		[SETTINGS_CAPTURE_FLASH] = "flash",         [SETTINGS_CAPTURE_OVERCAST] = "overcast",
+		[SETTINGS_CAPTURE_INTENSITY] = "intensity", [SETTINGS_CAPTURE_COUNT] = NULL
+	};
+	return name[i];
+}
+
+static const char *normals_name(int i)
+{
+	static const char *const name[] = { [GW_NORMALS_AUTO] = "auto",
+										[GW_NORMALS_GIVEN] = "given",
+										[GW_NORMALS_ESTIMATE] = "estimate",
+										[GW_NORMALS_COUNT] = NULL };
+	return name[i];
+}
+
 static const char *validation_name(int i)
 {
 	return i < GW_VALIDATION_COUNT ? gw_validation_name((gw_validation)i) : NULL;
@@ -148,6 +167,7 @@ enum {
 	CONVERT = 1u << VERB_CONVERT,
 	RENDER = 1u << VERB_RENDER,
 	DOCTOR = 1u << VERB_DOCTOR,
+	ALBEDO = 1u << VERB_ALBEDO,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -163,15 +183,15 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX), AT(output),
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | ALBEDO), AT(output),
 	  .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
-	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT),
+	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT | ALBEDO),
 	  AT(output_format), .choice = format_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(force),
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(force),
 	  .group = "Output", .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
@@ -273,8 +293,27 @@ const option options[] = {
 	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
 			  "sampling" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | TRADEOFF | RENDER), .group = "Scene",
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
+	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER, FOR(BAKE | TRADEOFF | RENDER | ALBEDO),
+	  .group = "Scene",
+	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
+			  "face it where it saw the point. May be given many times; @FILE holds one place a "
+			  "line" },
+	{ "capture", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(capture), .choice = capture_name,
+	  .group = "Scene",
+	  .help = "in what light the photographs were taken: that of --light, a flash at the scanner, "
+			  "an overcast sky; intensity takes the level from the laser and only the chroma from "
+			  "the photographs. auto is --light where that is given, else the laser's intensity" },
+	{ "capture-scale", 0, "X", OPTION_REAL, FOR(ALBEDO), AT(capture_scale), RANGE(0.0, 1e9),
+	  .open = true, AUTOMATIC(0.0), .group = "Scene",
+	  .help = "colour, linear and up to 1, that radiance 1 has in the photographs; auto finds it: "
+			  "the brightest surfaces then have an albedo of 0.8" },
+	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	  AT(bake.normals), .choice = normals_name, .group = "Scene",
+	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "
+			  "them unless many cannot be right: mixed signs, normals that are not perpendicular "
+			  "to the surface, a closed body inside out" },
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },
@@ -285,20 +324,21 @@ const option options[] = {
 	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(points.white),
 	  RANGE(0.0, 1.0), .group = "Scene",
 	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
 	  AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(up),
+	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true, AT(up),
 	  .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; auto asks "
 		  "the format" },
 	{ "format", 0, NULL, OPTION_TEXT,
-	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(format),
+	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
 	  .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT,
-	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER), AT(columns), .group = "Scene",
+	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(columns),
+	  .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
@@ -310,9 +350,9 @@ const option options[] = {
 	  RANGE(1.0, 4e9), .group = "Scene",
 	  .help = "points on all meshes together, when nothing says their density" },
 
-	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.method),
+	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | ALBEDO), .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
-	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(quality),
+	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | ALBEDO), .scene = true, AT(quality),
 	  .choice = quality_name, .group = "Light",
 	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
 			  "that go together; those that are given by themselves win" },
@@ -324,7 +364,7 @@ const option options[] = {
 	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
 	  AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
 	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.gaps), .choice = gaps_name,
@@ -335,28 +375,28 @@ const option options[] = {
 	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.gap_radiance),
 	  RANGE(0.0, 1e30), .group = "Light",
 	  .help = "radiance that gaps send with --gaps black, instead of none" },
-	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(bake.depth),
-	  RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
+	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	  AT(bake.depth), RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER), .scene = true, AT(bake.leaf_spacing),
-	  RANGE(0.25, 64.0), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER | ALBEDO), .scene = true,
+	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
-	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.bounces),
-	  RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
+	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | ALBEDO), .scene = true,
+	  AT(bake.bounces), RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
 			  "goes on until the rest is below the tolerance" },
-	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.tolerance),
-	  RANGE(0.0, 1.0), .open = true, .group = "Light",
+	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF | ALBEDO), .scene = true,
+	  AT(bake.tolerance), RANGE(0.0, 1.0), .open = true, .group = "Light",
 	  .help = "share of the light that --bounces auto may leave out" },
-	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.rays), RANGE(1.0, 4096.0),
-	  .group = "Light", .help = "gather rays a record, for --method rays" },
-	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.light_samples),
-	  RANGE(1.0, 4096.0), .group = "Light",
+	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true, AT(bake.rays),
+	  RANGE(1.0, 4096.0), .group = "Light", .help = "gather rays a record, for --method rays" },
+	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true,
+	  AT(bake.light_samples), RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "samples of the points that emit light, a record" },
-	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE), .scene = true, AT(bake.cones), RANGE(1.0, 256.0),
-	  .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER), .scene = true,
+	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true, AT(bake.cones),
+	  RANGE(1.0, 256.0), .group = "Light", .help = "gather cones a record, for --method cones" },
+	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER | ALBEDO), .scene = true,
 	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true,
@@ -366,8 +406,8 @@ const option options[] = {
 	  AT(bake.estimate_points), RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; where records are "
 			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(bake.seed),
-	  .group = "Light", .help = "of all random numbers" },
+	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
+	  AT(bake.seed), .group = "Light", .help = "of all random numbers" },
 
 	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(frames), .group = "Frames",
 	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
@@ -378,15 +418,15 @@ const option options[] = {
 			  "whichever frames are asked for" },
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY,
-	  FOR(BAKE | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR),
+	  FOR(BAKE | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR | ALBEDO),
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER | DOCTOR),
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER | DOCTOR | ALBEDO),
 	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | TRADEOFF | RENDER | DOCTOR), .scene = true,
-	  AT(bake.device), .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | TRADEOFF | RENDER | DOCTOR | ALBEDO),
+	  .scene = true, AT(bake.device), .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
@@ -418,8 +458,9 @@ const option options[] = {
 	  .group = "Messages", .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
-	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | TRADEOFF | MIX | RENDER),
-	  AT(quiet), .group = "Messages", .help = "print errors only" },
+	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
+	  FOR(BAKE | SAMPLE | TRADEOFF | MIX | RENDER | ALBEDO), AT(quiet), .group = "Messages",
+	  .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, FOR(EVERY_VERB), AT(help), .group = "Messages",
@@ -436,6 +477,11 @@ const option *option_find(verb v, const char *name, size_t length)
 		if (o->verbs & 1u << v && strlen(o->name) == length && !strncmp(name, o->name, length))
 			return o;
 	return NULL;
+}
+
+bool option_repeats(const option *o)
+{
+	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_SCANNER;
 }
 
 void option_key(const option *o, char key[64])
@@ -461,8 +507,9 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",    "info",   "compare",  "mix",    "sample",
-										"convert", "render", "tradeoff", "doctor", NULL };
+	static const char *const name[] = { "bake",   "info",    "compare", "mix",
+										"sample", "convert", "render",  "tradeoff",
+										"albedo", "doctor",  NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -477,6 +524,7 @@ const char *verb_summary(verb v)
 										   "write a point cloud in another format",
 										   "make pictures of a point cloud",
 										   "show what error costs in seconds and memory",
+										   "take the light out of photographed colours",
 										   "say whether this machine can bake, and what is wrong" };
 	return summary[v];
 }
@@ -491,6 +539,7 @@ const char *verb_synopsis(verb v)
 											"convert INPUT OUTPUT [option]...",
 											"render INPUT... -o PICTURE [option]...",
 											"tradeoff INPUT... --light LIGHT... [option]...",
+											"albedo SCAN... -o POINTS [option]...",
 											"doctor [--device NAME] [--json]" };
 	return synopsis[v];
 }
@@ -600,20 +649,19 @@ static gw_status take_input(const parser *p, char *word)
 
 static gw_status parse_all(parser *p)
 {
-	gw_status status = GW_OK;
 	bool names_only = false;
-	while (status == GW_OK && p->next < p->count) {
+	while (p->next < p->count) {
 		char *word = p->argument[p->next++];
 		if (names_only || word[0] != '-' || !word[1])
-			status = take_input(p, word);
+			GW_TRY(take_input(p, word));
 		else if (strcmp(word, "--") == 0)
 			names_only = true;
 		else if (word[1] == '-')
-			status = take_long(p, word);
+			GW_TRY(take_long(p, word));
 		else
-			status = take_letters(p, word);
+			GW_TRY(take_letters(p, word));
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status options_parse(verb v, int count, char *const *argument, settings *s, gw_error *error)

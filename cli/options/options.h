@@ -10,18 +10,19 @@
 #include "options/settings.h"
 
 typedef enum option_type {
-	OPTION_FLAG,   /* bool */
-	OPTION_TEXT,   /* const char * */
-	OPTION_CHOICE, /* int, one of option.choice */
-	OPTION_VIEW,   /* int, as CHOICE; what stands behind a colon is settings_render.detail */
-	OPTION_COUNT,  /* uint32_t */
-	OPTION_SEED,   /* uint64_t */
-	OPTION_SIZE,   /* uint64_t, bytes; K, M, G, T behind it */
-	OPTION_REAL,   /* float */
-	OPTION_LIGHT,  /* added to the lights */
-	OPTION_ALBEDO, /* source of the albedo */
-	OPTION_GAIN,   /* NAME=FACTOR, added to the gains */
-	OPTION_FIELDS, /* uint32_t, 1 << choice, a list with commas */
+	OPTION_FLAG,    /* bool */
+	OPTION_TEXT,    /* const char * */
+	OPTION_CHOICE,  /* int, one of option.choice */
+	OPTION_VIEW,    /* int, as CHOICE; what stands behind a colon is settings_render.detail */
+	OPTION_COUNT,   /* uint32_t */
+	OPTION_SEED,    /* uint64_t */
+	OPTION_SIZE,    /* uint64_t, bytes; K, M, G, T behind it */
+	OPTION_REAL,    /* float */
+	OPTION_LIGHT,   /* added to the lights */
+	OPTION_ALBEDO,  /* source of the albedo */
+	OPTION_SCANNER, /* X,Y,Z or @FILE, added to the scanners */
+	OPTION_GAIN,    /* NAME=FACTOR, added to the gains */
+	OPTION_FIELDS,  /* uint32_t, 1 << choice, a list with commas */
 } option_type;
 
 /* What an option has to do with what comes out. */
@@ -55,6 +56,9 @@ extern const option options[]; /* name of the last is NULL */
 
 /* What stands behind the option in a synopsis: "rays|cones" for a choice, else its argument. */
 void option_argument(const option *option, char text[OPTION_VALUE]);
+
+/* Whether it may be given many times, each adding to the last. */
+bool option_repeats(const option *option);
 
 /* Legal values as a phrase ("rays or cones", "1 to 16, or auto"); empty when any text goes. */
 void option_legal(const option *option, char text[OPTION_VALUE]);

@@ -8,7 +8,7 @@
 
 double preview_luminance(const float rgb[3])
 {
-	return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+	return gw_relative_luminance((double)rgb[0], (double)rgb[1], (double)rgb[2]);
 }
 
 /* A histogram over the doublings of all floats. */
@@ -98,7 +98,7 @@ const char *preview_tone_name(preview_tone tone)
 
 void preview_tone_apply(preview_tone tone, double c[3])
 {
-	double luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+	double luminance = gw_relative_luminance(c[0], c[1], c[2]);
 	if (tone == PREVIEW_TONE_PBR_NEUTRAL)
 		preview_tone_map(c);
 	for (int k = 0; k < 3; k++) {

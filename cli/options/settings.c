@@ -6,22 +6,24 @@
 
 settings settings_default(void)
 {
-	return (settings){ .bake = gw_bake_options_default(),
-					   .points = SCAN_POINTS_OPTIONS_DEFAULT,
-					   .quality = GW_QUALITY_NORMAL,
-					   .count = 1000000,
-					   .exposure = NAN,
-					   .worst_count = 1000,
-					   .max_rel_rmse = NAN,
-					   .max_best_99 = NAN,
-					   .max_bias = NAN,
-					   .render = { .camera = "auto",
-								   .size = "1600x900",
-								   .background = "0",
-								   .orbit = 1,
-								   .glossy = SETTINGS_GLOSSY_RAYS,
-								   .glossy_rays = 32,
-								   .samples = 2 } };
+	settings s = { .bake = gw_bake_options_default(),
+				   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+				   .quality = GW_QUALITY_NORMAL,
+				   .count = 1000000,
+				   .exposure = NAN,
+				   .worst_count = 1000,
+				   .max_rel_rmse = NAN,
+				   .max_best_99 = NAN,
+				   .max_bias = NAN,
+				   .render = { .camera = "auto",
+							   .size = "1600x900",
+							   .background = "0",
+							   .orbit = 1,
+							   .glossy = SETTINGS_GLOSSY_RAYS,
+							   .glossy_rays = 32,
+							   .samples = 2 } };
+	s.bake.normals = GW_NORMALS_AUTO; /* files are wrong more often than programs */
+	return s;
 }
 
 void settings_clear(settings *s)
@@ -35,6 +37,7 @@ void settings_clear(settings *s)
 	free(s->path);
 	free(s->input);
 	free(s->light);
+	free(s->scanner);
 	free(s->gain);
 	free(s->text);
 	free(s->command);
@@ -63,6 +66,16 @@ gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
 	s->light = grown;
 	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+gw_status settings_add_scanner(settings *s, const double place[3], gw_error *error)
+{
+	double *grown = growing_table_room(s->scanner, s->scanner_count, 3 * sizeof *grown);
+	if (!grown)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of scanners");
+	s->scanner = grown;
+	memcpy(grown + 3 * s->scanner_count++, place, 3 * sizeof *place);
 	return GW_OK;
 }
 

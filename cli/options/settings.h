@@ -16,6 +16,7 @@ typedef enum verb {
 	VERB_CONVERT,
 	VERB_RENDER,
 	VERB_TRADEOFF,
+	VERB_ALBEDO,
 	VERB_DOCTOR,
 	VERB_COUNT,
 } verb;
@@ -47,6 +48,16 @@ typedef enum settings_up {
 	SETTINGS_UP_Z,
 	SETTINGS_UP_COUNT
 } settings_up;
+
+/* In what light photographs were taken. */
+typedef enum settings_capture {
+	SETTINGS_CAPTURE_AUTO,      /* the lights that are named, else the laser's intensity */
+	SETTINGS_CAPTURE_LIGHTS,    /* those that are named */
+	SETTINGS_CAPTURE_FLASH,     /* at the scanner */
+	SETTINGS_CAPTURE_OVERCAST,  /* a sky that is even */
+	SETTINGS_CAPTURE_INTENSITY, /* any: the laser says how bright a surface is */
+	SETTINGS_CAPTURE_COUNT
+} settings_capture;
 
 typedef enum settings_progress {
 	SETTINGS_PROGRESS_AUTO,
@@ -144,6 +155,9 @@ typedef struct settings {
 	size_t input_count;
 	lamp *light; /* owned; light_count */
 	size_t light_count;
+	double *scanner; /* owned; 3 * scanner_count, metres: where scanners stood, whatever the
+						inputs say */
+	size_t scanner_count;
 	motion_path *path; /* owned; path_count */
 	size_t path_count;
 	uint32_t frame_count; /* 0: the scene says nothing of frames */
@@ -154,6 +168,8 @@ typedef struct settings {
 	uint32_t fields;                 /* 1 << settings_field */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
+	int capture;                     /* a settings_capture */
+	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int quality;                     /* a gw_quality */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
@@ -181,6 +197,9 @@ void settings_clear(settings *settings);
 /* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Adds the place of a scanner, metres, in the scene's coordinates. */
+gw_status settings_add_scanner(settings *settings, const double place[3], gw_error *error);
 
 /* Adds a path, which then belongs to the settings; its number, from 1, goes to *number. */
 gw_status settings_add_path(settings *settings, motion_path *path, size_t *number, gw_error *error);

@@ -51,16 +51,14 @@ static void add_face(box_mesh *m, const float low[3], float size, const float co
 gw_status box_mesh_add(box_mesh *m, const float low[3], float size, const float color[3],
 					   unsigned faces, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (unsigned face = 0; face < 6 && status == GW_OK; face++) {
+	for (unsigned face = 0; face < 6; face++) {
 		if (!(faces & 1u << face))
 			continue;
 		if (m->face_count == m->face_room)
-			status = grow(m, error);
-		if (status == GW_OK)
-			add_face(m, low, size, color, face);
+			GW_TRY(grow(m, error));
+		add_face(m, low, size, color, face);
 	}
-	return status;
+	return GW_OK;
 }
 
 void box_mesh_clear(box_mesh *m)

@@ -65,19 +65,18 @@ static gw_status average_map(const char *path, double mean[3], gw_error *error)
 /* The sky that the lights speak of, for rays that meet nothing: one colour, of maps their mean. */
 static gw_status find_sky(const settings *s, float sky[3], gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < s->light_count; i++) {
 		double mean[3] = { 1.0, 1.0, 1.0 };
 		if (s->light[i].light.type != GW_LIGHT_ENVIRONMENT)
 			continue;
 		if (s->light[i].map[0]) {
 			mean[0] = mean[1] = mean[2] = 0.0;
-			status = average_map(s->light[i].map, mean, error);
+			GW_TRY(average_map(s->light[i].map, mean, error));
 		}
 		for (int k = 0; k < 3; k++)
 			sky[k] += s->light[i].light.radiance[k] * (float)mean[k];
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status build(octree_picture *p, const settings *s, const render_scene *scene,
@@ -309,9 +308,9 @@ gw_status octree_picture_shade(octree_picture *p, const render_scene *scene,
 							   gw_error *error)
 {
 	double start = gw_seconds();
-	gw_status status = p->voxels ? read_voxels(p, scene, camera, g, values, error) : GW_OK;
-	if (status == GW_OK && p->glossy)
-		status = reflect(p, scene, camera, g, values, error);
+	GW_TRY(p->voxels ? read_voxels(p, scene, camera, g, values, error) : GW_OK);
+	if (p->glossy)
+		GW_TRY(reflect(p, scene, camera, g, values, error));
 	p->seconds += gw_seconds() - start;
-	return status;
+	return GW_OK;
 }

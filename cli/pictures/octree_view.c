@@ -134,9 +134,8 @@ static unsigned open_faces(const gw_cells *cells, uint64_t key)
 static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *shown,
 						   gw_error *error)
 {
-	gw_status status = GW_OK;
 	v->size = cells->size;
-	for (size_t i = 0; i < cells->count && status == GW_OK; i++) {
+	for (size_t i = 0; i < cells->count; i++) {
 		float low[3], color[3];
 		uint32_t cell[3];
 		gw_morton_decode(cells->key[i], cell);
@@ -151,11 +150,11 @@ static gw_status add_cells(octree_view *v, const gw_cells *cells, const float *s
 		if (shown && shown[4 * i + 3] < EMPTY)
 			continue;
 		/* What is left out opens the faces beside it. */
-		status = box_mesh_add(&v->boxes, low, cells->size, color,
-							  shown ? 63u : open_faces(cells, cells->key[i]), error);
+		GW_TRY(box_mesh_add(&v->boxes, low, cells->size, color,
+							shown ? 63u : open_faces(cells, cells->key[i]), error));
 		v->shown++;
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status make_cells(octree_view *v, gw_render_octree *octree, gw_error *error)
@@ -237,12 +236,12 @@ static gw_status make(settings *s, render_scene *scene, octree_view *v, gw_rende
 {
 	if (v->view == SETTINGS_VIEW_SHADOW)
 		return make_shadow(s, scene, v, octree, error);
-	gw_status status = v->view == SETTINGS_VIEW_RECORDS ? make_records(s, scene, v, octree, error)
-														: make_cells(v, octree, error);
+	GW_TRY(v->view == SETTINGS_VIEW_RECORDS ? make_records(s, scene, v, octree, error)
+											: make_cells(v, octree, error));
 	v->raster = (gw_raster_scene){ .triangles = box_mesh_triangles(&v->boxes),
 								   .channel_count = BOX_MESH_CHANNELS };
 	memcpy(v->raster.origin, scene->surfels.origin, sizeof v->raster.origin);
-	return status;
+	return GW_OK;
 }
 
 bool octree_view_needs_octree(settings_view view)

@@ -48,12 +48,11 @@ size_t camera_plan_count(const camera_plan *plan)
 gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const gw_surfels *surfels,
 							double aspect, gw_error *error)
 {
-	gw_status status = GW_OK;
 	plan->up = scene->up;
 	plan->view = calloc(plan->text_count, sizeof *plan->view);
 	if (!plan->view)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu cameras", plan->text_count);
-	for (size_t i = 0; i < plan->text_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < plan->text_count; i++) {
 		const camera_text *text = plan->text + i;
 		gw_viewpoint *view = plan->view + i;
 		if (text->placed) {
@@ -61,13 +60,13 @@ gw_status camera_plan_place(camera_plan *plan, const render_scene *scene, const 
 			memcpy(view->at, text->at, sizeof view->at);
 			memcpy(view->to, text->to, sizeof view->to);
 		} else {
-			status = gw_viewpoint_find(
+			GW_TRY(gw_viewpoint_find(
 				surfels,
 				&(gw_viewpoint_wish){ text->kind, scene->luminance, plan->up, text->angle, aspect },
-				view, error);
+				view, error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 /*
@@ -192,9 +191,7 @@ gw_status camera_plan_camera(const camera_plan *plan, double spacing, size_t pic
 	const double turn = 2.0 * acos(-1.0);
 	const gw_viewpoint *view = plan->view + picture / plan->orbit;
 	const double up[3] = { 0.0, plan->up == 'y', plan->up != 'y' };
-	gw_status status = gw_camera_look(camera, view->at, view->to, up, view->angle, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_camera_look(camera, view->at, view->to, up, view->angle, error));
 	double radians = turn * (double)(picture % plan->orbit) / (double)plan->orbit;
 	gw_camera_orbit(camera, view->inside ? view->at : view->to, up, radians);
 	camera->near = NEAR * spacing;

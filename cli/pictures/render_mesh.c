@@ -40,8 +40,7 @@ static void place_triangle(const mesh *m, size_t triangle, const double origin[3
 static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pieces *pieces,
 							   gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < m->triangle_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < m->triangle_count; i++) {
 		float corner[9], normal[9];
 		/* A triangle without area has no place in the sum of areas either. */
 		if (!(m->area_sum[i] > (i > 0 ? m->area_sum[i - 1] : 0.0)))
@@ -51,33 +50,30 @@ static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pi
 		for (int k = 0; k < 9; k++)
 			finite = finite && isfinite(corner[k]) && isfinite(normal[k]);
 		if (finite)
-			status = gw_mesh_pieces_add(pieces, corner, normal, error);
+			GW_TRY(gw_mesh_pieces_add(pieces, corner, normal, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status read_meshes(const settings *list, char up, mesh *meshes, gw_error *error)
 {
-	gw_status status = GW_OK;
 	size_t found = 0;
-	for (size_t i = 0; i < list->input_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < list->input_count; i++) {
 		const settings_input *from = list->input + i;
 		if (!loaded_scene_is_mesh(list, from))
 			continue;
 		found++;
-		status = mesh_read(from->path, meshes + i, error);
-		if (status == GW_OK)
-			mesh_stand(meshes + i, up);
-		if (status == GW_OK && from->has_matrix)
+		GW_TRY(mesh_read(from->path, meshes + i, error));
+		mesh_stand(meshes + i, up);
+		if (from->has_matrix)
 			mesh_transform(meshes + i, from->matrix);
-		if (status == GW_OK)
-			status = mesh_measure(meshes + i, loaded_scene_input_name(from->path), error);
+		GW_TRY(mesh_measure(meshes + i, loaded_scene_input_name(from->path), error));
 	}
-	if (status == GW_OK && found == 0)
+	if (found == 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the scene of --mesh has no mesh among its inputs; name one that has, or a "
 					   "mesh");
-	return status;
+	return GW_OK;
 }
 
 /* Bounds of the points, and some more, for pieces that are half inside. */

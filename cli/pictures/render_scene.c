@@ -242,6 +242,7 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 {
 	render_scene *scene = c->scene;
 	gw_surfels_options options = { .threads = s->bake.threads,
+								   .normals = s->bake.normals,
 								   .choose = choose,
 								   .chooser = c,
 								   .rough_area = !c->all,
@@ -249,19 +250,14 @@ static gw_status make(const settings *s, const loaded_scene *loaded, uint32_t wa
 	scene->up = loaded->up;
 	scene->photometric = is_photometric(&loaded->cloud);
 	double start = gw_seconds();
-	gw_status status = gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_surfels_make(&loaded->points.points, &options, &scene->surfels, error));
 	lay_out(scene, &loaded->cloud, wanted);
-	status = fill_channels(scene, &loaded->cloud, error);
-	if (status == GW_OK)
-		status = find_glowing(scene, error);
-	if (status == GW_OK)
-		point_to_surfels(scene);
-	if (status == GW_OK)
-		status = render_mesh_add(s, scene, error);
+	GW_TRY(fill_channels(scene, &loaded->cloud, error));
+	GW_TRY(find_glowing(scene, error));
+	point_to_surfels(scene);
+	GW_TRY(render_mesh_add(s, scene, error));
 	scene->surface_seconds = gw_seconds() - start - scene->choose_seconds;
-	return status;
+	return GW_OK;
 }
 
 gw_status render_scene_read(const settings *s, const render_scene_wish *wish, render_scene *scene,

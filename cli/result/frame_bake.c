@@ -131,8 +131,8 @@ gw_status frame_bake_check(const settings *s, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "%s: a frame's number is put in place of %%d or %%04d; this %% is neither",
 					   s->output);
-	gw_status status = find_range(s, &first, &last, error);
-	return status == GW_OK ? check_files(s, first, last, error) : status;
+	GW_TRY(find_range(s, &first, &last, error));
+	return check_files(s, first, last, error);
 }
 
 /* ------------------------------------------------------------------------------------- motion */
@@ -256,8 +256,8 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 		status = lights_at(s, scene->up, 0, lights, error);
 	if (status == GW_OK)
 		status = gw_frames_open(
-			&(gw_moving_scene){ &scene->points.points, &m.motion, lights, s->light_count }, options,
-			&how, callbacks, &frames, error);
+			&(gw_moving_scene){ { &scene->points.points, lights, s->light_count }, &m.motion },
+			options, &how, callbacks, &frames, error);
 	if (status == GW_OK)
 		status = gw_frames_bake(frames, 0, lights, s->light_count, result, error);
 	gw_frames_close(&frames);
@@ -313,17 +313,16 @@ static bool on_cancelled(void *user)
 static gw_status copy_scan(const scan *from, scan *to, gw_error *error)
 {
 	*to = (scan){ .count = from->count, .up = from->up, .left_out = from->left_out };
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < from->column_count && status == GW_OK; c++) {
+	for (size_t c = 0; c < from->column_count; c++) {
 		const scan_column *column = &from->column[c];
 		scan_column *copy = scan_add_column(to, column->name, column->type, error);
 		if (!copy)
 			return GW_ERROR_MEMORY;
 		memcpy(copy->data, column->data, from->count * scan_type_size(column->type));
 	}
-	for (size_t c = 0; c < from->comment_count && status == GW_OK; c++)
-		status = scan_add_comment(to, from->comment[c], error);
-	return status;
+	for (size_t c = 0; c < from->comment_count; c++)
+		GW_TRY(scan_add_comment(to, from->comment[c], error));
+	return GW_OK;
 }
 
 /* The points as they are in the frame, with their light. */
@@ -509,9 +508,10 @@ static gw_status run(frame_run *r)
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	if (status == GW_OK)
-		status = gw_frames_open(&(gw_moving_scene){ &r->scene->points.points, &r->movers.motion,
-													first, s->light_count },
-								&options, &how, &callbacks, &r->frames, r->error);
+		status =
+			gw_frames_open(&(gw_moving_scene){ { &r->scene->points.points, first, s->light_count },
+											   &r->movers.motion },
+						   &options, &how, &callbacks, &r->frames, r->error);
 	for (; status == GW_OK && r->at <= r->last; r->at++)
 		status = bake_frame(r);
 	gw_frames_close(&r->frames);

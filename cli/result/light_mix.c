@@ -247,14 +247,12 @@ static size_t remove_stale(scan *cloud)
 
 static gw_status apply(mix *m, const settings_gain *gain, size_t gain_count, float *radiance)
 {
-	gw_status status = find_lamps(m);
-	if (status == GW_OK)
-		status = set_gains(m, gain, gain_count);
-	if (status == GW_OK)
-		status = check_sum(m);
-	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = sum_channel(m, k, radiance);
-	return status == GW_OK ? put_radiance(m, radiance) : status;
+	GW_TRY(find_lamps(m));
+	GW_TRY(set_gains(m, gain, gain_count));
+	GW_TRY(check_sum(m));
+	for (size_t k = 0; k < 3; k++)
+		GW_TRY(sum_channel(m, k, radiance));
+	return put_radiance(m, radiance);
 }
 
 gw_status light_mix_apply(scan *cloud, const settings_gain *gain, size_t gain_count,

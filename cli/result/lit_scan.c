@@ -63,10 +63,9 @@ static gw_status move_column(maker *m, const char *name)
 
 static gw_status move_triple(maker *m, const char *const name[3])
 {
-	gw_status status = GW_OK;
-	for (int k = 0; k < 3 && status == GW_OK; k++)
-		status = move_column(m, name[k]);
-	return status;
+	for (int k = 0; k < 3; k++)
+		GW_TRY(move_column(m, name[k]));
+	return GW_OK;
 }
 
 static gw_status add_floats(maker *m, const char *name, const float *values, size_t stride)
@@ -82,13 +81,12 @@ static gw_status add_floats(maker *m, const char *name, const float *values, siz
 static gw_status add_triple(maker *m, const char *name, const float *values)
 {
 	static const char channel[3] = "rgb";
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+	for (size_t k = 0; k < 3; k++) {
 		char full[64];
 		snprintf(full, sizeof full, "scalar_%s_%c", name, channel[k]);
-		status = add_floats(m, full, values + k, 3);
+		GW_TRY(add_floats(m, full, values + k, 3));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- normals */
@@ -125,12 +123,11 @@ static gw_status make_normals(maker *m)
 	}
 	if (keep)
 		return move_triple(m, name);
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+	for (size_t k = 0; k < 3; k++) {
 		scan_remove_column(m->from, name[k]);
-		status = add_floats(m, name[k], m->result->normal + k, 3);
+		GW_TRY(add_floats(m, name[k], m->result->normal + k, 3));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- colours */
@@ -196,35 +193,33 @@ static gw_status make_irradiance(maker *m)
 static gw_status make_used_normals(maker *m)
 {
 	static const char *const name[3] = { "scalar_normal_x", "scalar_normal_y", "scalar_normal_z" };
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = add_floats(m, name[k], m->result->normal + k, 3);
-	return status;
+	for (size_t k = 0; k < 3; k++)
+		GW_TRY(add_floats(m, name[k], m->result->normal + k, 3));
+	return GW_OK;
 }
 
 static gw_status make_fields(maker *m)
 {
 	uint32_t fields = m->settings->fields;
-	gw_status status = GW_OK;
 	if (fields & 1u << SETTINGS_FIELD_DIRECT)
-		status = add_triple(m, "direct", m->result->direct_irradiance);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_INDIRECT)
-		status = add_triple(m, "indirect", m->result->indirect_irradiance);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_IRRADIANCE)
-		status = make_irradiance(m);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ROI)
-		status = add_floats(m, "scalar_roi", m->result->roi, 1);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_AO)
-		status = add_floats(m, "scalar_ao", m->result->ambient_occlusion, 1);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_NORMALS)
-		status = make_used_normals(m);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_ERROR)
-		status = add_floats(m, "scalar_error", m->result->error, 1);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_UNKNOWN)
-		status = add_floats(m, "scalar_unknown", m->result->unknown, 1);
-	if (status == GW_OK && fields & 1u << SETTINGS_FIELD_LIGHTS)
-		status = lamp_columns_add(m->lit, m->result, m->settings, m->error);
-	return status;
+		GW_TRY(add_triple(m, "direct", m->result->direct_irradiance));
+	if (fields & 1u << SETTINGS_FIELD_INDIRECT)
+		GW_TRY(add_triple(m, "indirect", m->result->indirect_irradiance));
+	if (fields & 1u << SETTINGS_FIELD_IRRADIANCE)
+		GW_TRY(make_irradiance(m));
+	if (fields & 1u << SETTINGS_FIELD_ROI)
+		GW_TRY(add_floats(m, "scalar_roi", m->result->roi, 1));
+	if (fields & 1u << SETTINGS_FIELD_AO)
+		GW_TRY(add_floats(m, "scalar_ao", m->result->ambient_occlusion, 1));
+	if (fields & 1u << SETTINGS_FIELD_NORMALS)
+		GW_TRY(make_used_normals(m));
+	if (fields & 1u << SETTINGS_FIELD_ERROR)
+		GW_TRY(add_floats(m, "scalar_error", m->result->error, 1));
+	if (fields & 1u << SETTINGS_FIELD_UNKNOWN)
+		GW_TRY(add_floats(m, "scalar_unknown", m->result->unknown, 1));
+	if (fields & 1u << SETTINGS_FIELD_LIGHTS)
+		GW_TRY(lamp_columns_add(m->lit, m->result, m->settings, m->error));
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- comments */
@@ -291,32 +286,41 @@ static gw_status make_comments(maker *m)
 {
 	char text[256], exposure[NUMBER_TEXT];
 	number_print_float(exposure, (float)m->exposure);
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < m->from->comment_count && status == GW_OK; c++)
+	for (size_t c = 0; c < m->from->comment_count; c++)
 		if (strncmp(m->from->comment[c], "glowworm ", 9) != 0 &&
 			strncmp(m->from->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) != 0)
-			status = comment(m, m->from->comment[c]);
-	if (status == GW_OK)
-		status = comment(m, "glowworm " GW_VERSION);
-	if (status == GW_OK)
-		status = comment_command(m);
+			GW_TRY(comment(m, m->from->comment[c]));
+	GW_TRY(comment(m, "glowworm " GW_VERSION));
+	GW_TRY(comment_command(m));
 	snprintf(text, sizeof text,
 			 "glowworm units: linear RGB, Rec.709; radiance in %s, irradiance in %s",
 			 m->settings->units ? "cd/m^2" : "W/(sr m^2)", m->settings->units ? "lx" : "W/m^2");
-	if (status == GW_OK)
-		status = comment(m, text);
+	GW_TRY(comment(m, text));
 	snprintf(text, sizeof text,
 			 "glowworm preview: sRGB(PBR Neutral(radiance * 0.18 / (0.125 * 2^EV))), EV %s",
 			 exposure);
-	if (status == GW_OK && m->settings->colors == 0)
-		status = comment(m, text);
-	return status == GW_OK ? comment_error(m) : status;
+	if (m->settings->colors == 0)
+		GW_TRY(comment(m, text));
+	return comment_error(m);
+}
+
+static gw_status make_all(maker *m)
+{
+	static const char *const position[3] = { "x", "y", "z" };
+	GW_TRY(make_comments(m));
+	GW_TRY(move_triple(m, position));
+	GW_TRY(make_normals(m));
+	GW_TRY(make_colors(m));
+	GW_TRY(move_triple(m, scan_albedo_names));
+	while (m->from->column_count > 0)
+		GW_TRY(move_column(m, m->from->column[0].name));
+	GW_TRY(make_light(m));
+	return make_fields(m);
 }
 
 gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const settings *s,
 						scan *lit, double *exposure, gw_error *error)
 {
-	static const char *const position[3] = { "x", "y", "z" };
 	*lit = (scan){ .count = scene->cloud.count, .up = scene->up };
 	*exposure = isnan(s->exposure)
 					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
@@ -325,21 +329,7 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
 		scan_remove_column(m.from, stale[i]);
 	lamp_columns_remove(m.from);
-	gw_status status = make_comments(&m);
-	if (status == GW_OK)
-		status = move_triple(&m, position);
-	if (status == GW_OK)
-		status = make_normals(&m);
-	if (status == GW_OK)
-		status = make_colors(&m);
-	if (status == GW_OK)
-		status = move_triple(&m, scan_albedo_names);
-	while (status == GW_OK && m.from->column_count > 0)
-		status = move_column(&m, m.from->column[0].name);
-	if (status == GW_OK)
-		status = make_light(&m);
-	if (status == GW_OK)
-		status = make_fields(&m);
+	gw_status status = make_all(&m);
 	lit->scanner = m.from->scanner;
 	lit->scanner_count = m.from->scanner_count;
 	lit->scanner_of = m.from->scanner_of;

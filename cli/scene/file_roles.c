@@ -116,11 +116,11 @@ static gw_status add_input(roles *r, const settings_input *input, bool sampled, 
 	struct stat info;
 	size_t length = strlen(input->path);
 	bool named = length > 4 && strcasecmp(input->path + length - 4, ".obj") == 0;
-	gw_status status = add(r, input->path, false, error);
-	if (status == GW_OK && r->replaces && (named || input->mesh || sampled) &&
-		stat(input->path, &info) == 0 && S_ISREG(info.st_mode))
-		status = mesh_obj_libraries(input->path, add_library, r, error);
-	return status;
+	GW_TRY(add(r, input->path, false, error));
+	if (r->replaces && (named || input->mesh || sampled) && stat(input->path, &info) == 0 &&
+		S_ISREG(info.st_mode))
+		GW_TRY(mesh_obj_libraries(input->path, add_library, r, error));
+	return GW_OK;
 }
 
 /* Of a scene, or what --mesh names.
@@ -128,13 +128,13 @@ static gw_status add_input(roles *r, const settings_input *input, bool sampled, 
 static gw_status add_scene(roles *r, const settings *s, size_t inputs, bool sampled,
 						   gw_error *error)
 {
-	gw_status status = add(r, s->scene, false, error);
-	for (size_t i = 0; i < inputs && status == GW_OK; i++)
-		status = add_input(r, &s->input[i], sampled, error);
-	for (size_t i = 0; i < s->light_count && status == GW_OK; i++)
+	GW_TRY(add(r, s->scene, false, error));
+	for (size_t i = 0; i < inputs; i++)
+		GW_TRY(add_input(r, &s->input[i], sampled, error));
+	for (size_t i = 0; i < s->light_count; i++)
 		if (s->light[i].map[0])
-			status = add(r, s->light[i].map, false, error);
-	return status;
+			GW_TRY(add(r, s->light[i].map, false, error));
+	return GW_OK;
 }
 
 static gw_status add_mesh(roles *r, const char *path, gw_error *error)
@@ -162,26 +162,23 @@ static gw_status add_outputs(roles *r, const file_series *series, gw_error *erro
 								 s->svg,
 								 s->worst,
 								 s->json_file };
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < sizeof path / sizeof *path && status == GW_OK; i++)
-		status = add(r, path[i], true, error);
-	for (size_t i = 0; series && i < series->count && status == GW_OK; i++)
-		status = take(r, series->name(series->user, i), true, error);
-	return status;
+	for (size_t i = 0; i < sizeof path / sizeof *path; i++)
+		GW_TRY(add(r, path[i], true, error));
+	for (size_t i = 0; series && i < series->count; i++)
+		GW_TRY(take(r, series->name(series->user, i), true, error));
+	return GW_OK;
 }
 
 static gw_status add_inputs(roles *r, gw_error *error)
 {
 	const settings *s = r->settings;
-	gw_status status = add_scene(r, s, r->verb == VERB_CONVERT ? 1 : s->input_count,
-								 r->verb == VERB_SAMPLE, error);
-	if (status == GW_OK)
-		status = add(r, s->transport, false, error);
-	if (status == GW_OK)
-		status = add(r, s->render.path, false, error);
-	if (status == GW_OK && s->render.mesh)
-		status = add_mesh(r, s->render.mesh, error);
-	return status;
+	GW_TRY(add_scene(r, s, r->verb == VERB_CONVERT ? 1 : s->input_count, r->verb == VERB_SAMPLE,
+					 error));
+	GW_TRY(add(r, s->transport, false, error));
+	GW_TRY(add(r, s->render.path, false, error));
+	if (s->render.mesh)
+		GW_TRY(add_mesh(r, s->render.mesh, error));
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------ the rule */

@@ -107,10 +107,10 @@ static gw_status transform(scan *cloud, const double matrix[16], gw_error *error
 					shift[k];
 	}
 	bool normals = scan_find(cloud, "nx") && scan_find(cloud, "ny") && scan_find(cloud, "nz");
-	gw_status status = transform_columns(cloud, position_names, linear, shift, error);
-	if (status == GW_OK && normals)
-		status = transform_normals(cloud, linear, error);
-	return status;
+	GW_TRY(transform_columns(cloud, position_names, linear, shift, error));
+	if (normals)
+		GW_TRY(transform_normals(cloud, linear, error));
+	return GW_OK;
 }
 
 /* --------------------------------------------------------------------- one input's columns */
@@ -140,14 +140,13 @@ static gw_status set_number(scan *cloud, const char *name, float value, gw_error
 /* A glossy surface of which nobody says how rough it is is as matt as can be. */
 static gw_status set_gloss(const settings_input *from, scan *cloud, gw_error *error)
 {
-	gw_status status = GW_OK;
 	if (from->has_specular)
-		status = set_number(cloud, "specular", from->specular, error);
-	if (status == GW_OK && from->has_roughness)
+		GW_TRY(set_number(cloud, "specular", from->specular, error));
+	if (from->has_roughness)
 		return set_number(cloud, "roughness", from->roughness, error);
-	if (status == GW_OK && from->has_specular && !scan_find(cloud, "roughness"))
-		status = set_number(cloud, "roughness", 1.0f, error);
-	return status;
+	if (from->has_specular && !scan_find(cloud, "roughness"))
+		GW_TRY(set_number(cloud, "roughness", 1.0f, error));
+	return GW_OK;
 }
 
 static uint8_t to_byte(double value)
@@ -200,9 +199,7 @@ static gw_status make_points(const settings *s, const settings_input *from, scan
 	 * ones included. */
 	if (facts->is_mesh && options.albedo != SCAN_ALBEDO_CONSTANT)
 		options.albedo = SCAN_ALBEDO_COLOR;
-	gw_status status = scan_points_make(cloud, &options, points, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(scan_points_make(cloud, &options, points, error));
 	for (size_t i = 0; from->has_albedo && i < 3 * cloud->count; i++)
 		points->albedo[i] = from->albedo[i % 3];
 	bool colors = !from->has_albedo;
@@ -232,9 +229,7 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 							loaded_input *facts, gw_error *error)
 {
 	format_options options = { s->format, s->columns, s->bake.threads };
-	gw_status status = format_read_with(from->path, &options, cloud, &facts->format, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(format_read_with(from->path, &options, cloud, &facts->format, error));
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
@@ -245,9 +240,7 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 static gw_status read_mesh(const settings *s, const settings_input *from, loaded_input *facts,
 						   gw_error *error)
 {
-	gw_status status = mesh_read(from->path, &facts->mesh, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(mesh_read(from->path, &facts->mesh, error));
 	facts->format = facts->mesh.format;
 	mesh_stand(&facts->mesh, s->up == SETTINGS_UP_Y ? 'y' : 'z');
 	if (from->has_matrix)
@@ -312,12 +305,12 @@ static gw_status find_density(const settings *s, const loaded_scene *scene, cons
 	if (!needed || s->density > 0.0f || !largest)
 		return GW_OK;
 	gw_statistics statistics;
-	gw_status status = gw_measure(&largest->points.points, s->bake.threads, &statistics, error);
-	if (status == GW_OK && !(statistics.density > 0.0 && isfinite(statistics.density)))
+	GW_TRY(gw_measure(&largest->points.points, s->bake.threads, &statistics, error));
+	if (!(statistics.density > 0.0 && isfinite(statistics.density)))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the clouds have no density that meshes could follow; give --density");
 	*density = statistics.density;
-	return status;
+	return GW_OK;
 }
 
 static gw_status sample_mesh(const settings *s, size_t i, double density, loaded_input *facts,
@@ -368,12 +361,9 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for positions");
 	to->position = position;
 	memcpy(position + 3 * count, from->position, n * sizeof *position);
-	gw_status status = append_floats(&to->normal, 3 * count, from->normal, n, error);
-	if (status == GW_OK)
-		status = append_floats(&to->albedo, 3 * count, from->albedo, n, error);
-	if (status == GW_OK)
-		status = append_floats(&to->emission, 3 * count, from->emission, n, error);
-	return status;
+	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
+	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
+	return append_floats(&to->emission, 3 * count, from->emission, n, error);
 }
 
 static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
@@ -385,10 +375,8 @@ static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_
 		*points = (scan_points){ 0 };
 		return GW_OK;
 	}
-	gw_status status = append_points(&scene->points, scene->cloud.count, points, error);
-	if (status == GW_OK)
-		status = scan_append(&scene->cloud, cloud, error);
-	return status;
+	GW_TRY(append_points(&scene->points, scene->cloud.count, points, error));
+	return scan_append(&scene->cloud, cloud, error);
 }
 
 static gw_status check_up(const settings *s, loaded_scene *scene, char up, const char *path,
@@ -419,23 +407,21 @@ bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
  * clouds are there. */
 static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < s->input_count; i++) {
 		const settings_input *from = &s->input[i];
 		loaded_input *facts = &scene->input[i];
 		facts->path = from->path;
 		facts->is_mesh = loaded_scene_is_mesh(s, from);
 		scene->input_count = i + 1;
 		if (facts->is_mesh)
-			status = read_mesh(s, from, facts, error);
+			GW_TRY(read_mesh(s, from, facts, error));
 		else
-			status = read_cloud(s, from, &parts[i].cloud, facts, error);
-		if (status == GW_OK && !facts->is_mesh)
-			status = finish_part(s, from, &parts[i], facts, error);
-		if (status == GW_OK)
-			status = stopped(error);
+			GW_TRY(read_cloud(s, from, &parts[i].cloud, facts, error));
+		if (!facts->is_mesh)
+			GW_TRY(finish_part(s, from, &parts[i], facts, error));
+		GW_TRY(stopped(error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
@@ -479,10 +465,32 @@ static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *erro
 	return status;
 }
 
+/* Scanners that the user names go before those of the files: who saw which point is then open. */
+static gw_status take_scanners(const settings *s, scan *cloud, gw_error *error)
+{
+	if (s->scanner_count == 0)
+		return GW_OK;
+	double *place = reallocarray(NULL, s->scanner_count, 3 * sizeof *place);
+	if (!place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", s->scanner_count);
+	memcpy(place, s->scanner, 3 * s->scanner_count * sizeof *place);
+	free(cloud->scanner);
+	free(cloud->scanner_of);
+	cloud->scanner = place;
+	cloud->scanner_count = s->scanner_count;
+	cloud->scanner_of = NULL;
+	return GW_OK;
+}
+
 gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	*scene = (loaded_scene){ 0 };
 	gw_status status = read_all(s, scene, error);
+	if (status != GW_OK) {
+		loaded_scene_clear(scene);
+		return status;
+	}
+	status = take_scanners(s, &scene->cloud, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;

@@ -111,15 +111,15 @@ static gw_status take_color(const reader *r, json_t *value, double most, float c
 {
 	double v[3] = { 0 };
 	size_t count;
-	gw_status status = take_numbers(r, value, v, 3, true, &count);
-	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+	GW_TRY(take_numbers(r, value, v, 3, true, &count));
+	for (size_t k = 0; k < 3; k++) {
 		double number = v[count == 3 ? k : 0];
 		color[k] = (float)number;
 		if (!(number >= 0.0 && number <= most && isfinite(color[k])))
-			status = isinf(most) ? fail_here(r, "it must be 0 or more")
-								 : fail_here(r, "it must be 0 to %g", most);
+			GW_TRY(isinf(most) ? fail_here(r, "it must be 0 or more")
+							   : fail_here(r, "it must be 0 to %g", most));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* --------------------------------------------------------------------------------- inputs */
@@ -127,9 +127,7 @@ static gw_status take_color(const reader *r, json_t *value, double most, float c
 static gw_status take_matrix(const reader *r, json_t *value, double m[16])
 {
 	size_t count;
-	gw_status status = take_numbers(r, value, m, 16, false, &count);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_numbers(r, value, m, 16, false, &count));
 	double determinant = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
 						 m[2] * (m[4] * m[9] - m[5] * m[8]);
 	if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0)
@@ -165,11 +163,11 @@ static gw_status take_input_value(const reader *r, const char *key, json_t *valu
 	if (which == MOTION_VALUES)
 		return fail_key(r, name, MOTION_VALUES + 1);
 	to->given |= 1u << which;
-	gw_status status = take_numbers(r, value, to->value[which], which == MOTION_SCALE ? 1 : 3,
-									which == MOTION_SCALE, &count);
-	if (status == GW_OK && which == MOTION_SCALE && !(to->value[which][0] > 0.0))
+	GW_TRY(take_numbers(r, value, to->value[which], which == MOTION_SCALE ? 1 : 3,
+						which == MOTION_SCALE, &count));
+	if (which == MOTION_SCALE && !(to->value[which][0] > 0.0))
 		return fail_here(r, "it must be above 0");
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
@@ -183,17 +181,16 @@ static gw_status take_light_value(const reader *r, const char *key, json_t *valu
 	unsigned given = 0;
 	if (strcmp(key, "name") == 0)
 		return fail_here(r, "a light's name stays the same");
-	gw_status status = take_light_key(r, key, value, &trial, &given);
+	GW_TRY(take_light_key(r, key, value, &trial, &given));
 	int which = 0;
-	while (status == GW_OK && !(given & 1u << which))
+	while (!(given & 1u << which))
 		which++;
 	size_t count = 0, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
-	if (status == GW_OK)
-		status = take_numbers(r, value, to->value[which], most, true, &count);
-	for (size_t k = count; k < most && status == GW_OK; k++)
+	GW_TRY(take_numbers(r, value, to->value[which], most, true, &count));
+	for (size_t k = count; k < most; k++)
 		to->value[which][k] = to->value[which][0];
 	to->given |= given;
-	return status;
+	return GW_OK;
 }
 
 /* light: NULL for an input's keyframe. */
@@ -462,11 +459,11 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 	light_value kind = light_keys[id].value;
 	size_t count, most = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE ? 1 : 3;
 	bool one = light_keys[id].value != LIGHT_VALUE_VECTOR;
-	gw_status status = take_numbers(r, value, v, most, one, &count);
+	GW_TRY(take_numbers(r, value, v, most, one, &count));
 	gw_error reason = { 0 };
-	if (status == GW_OK && light_set(light, (light_key_id)id, v, count, &reason) != GW_OK)
-		status = fail_here(r, "%.600s", reason.text);
-	return status;
+	if (light_set(light, (light_key_id)id, v, count, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	return GW_OK;
 }
 
 static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
@@ -614,6 +611,14 @@ static gw_status take_list(reader *r, json_t *list, gw_status (*take)(reader *, 
 	return status;
 }
 
+static gw_status take_scanner(reader *r, json_t *value)
+{
+	double place[3];
+	size_t count;
+	gw_status status = take_numbers(r, value, place, 3, false, &count);
+	return status == GW_OK ? settings_add_scanner(r->settings, place, r->error) : status;
+}
+
 static gw_status take_frame_count(const reader *r, json_t *value)
 {
 	json_int_t count = json_integer_value(value);
@@ -643,7 +648,8 @@ static gw_status check_frames(const reader *r)
 
 static gw_status take_member(reader *r, const char *key, json_t *value)
 {
-	static const char *const name[] = { "version", "units", "inputs", "lights", "frames", "bake" };
+	static const char *const name[] = { "version",  "units",  "inputs", "lights",
+										"scanners", "frames", "bake" };
 	if (strcmp(key, "version") == 0)
 		return json_integer_value(value) == 1 ? GW_OK
 											  : fail_here(r, "this program reads version 1 only");
@@ -653,6 +659,8 @@ static gw_status take_member(reader *r, const char *key, json_t *value)
 		return take_list(r, value, take_input);
 	if (strcmp(key, "lights") == 0)
 		return take_list(r, value, take_light);
+	if (strcmp(key, "scanners") == 0)
+		return take_list(r, value, take_scanner);
 	if (strcmp(key, "frames") == 0)
 		return take_frame_count(r, value);
 	if (strcmp(key, "bake") == 0)

@@ -136,6 +136,12 @@ void scene_write_members(json_writer *json, const settings *s)
 	if (s->frame_count > 0)
 		json_put_count(json, "frames", s->frame_count);
 	write_lights(json, s);
+	if (s->scanner_count > 0)
+		json_put_open(json, "scanners", '[');
+	for (size_t i = 0; i < s->scanner_count; i++)
+		json_put_reals(json, NULL, s->scanner + 3 * i, 3);
+	if (s->scanner_count > 0)
+		json_put_close(json, ']');
 	json_put_open(json, "bake", '{');
 	for (const option *o = options; o->name; o++)
 		if (o->scene)

@@ -104,7 +104,8 @@ static void bake_sphere(void *user)
 	options.estimate_points = 0;
 	gw_bake_result *result = NULL;
 	canary->expected = closed_form();
-	canary->status = gw_bake(&points, &light, 1, &options, NULL, &result, &canary->error);
+	canary->status = gw_bake(&(gw_scene_description){ &points, &light, 1 }, &options, NULL, &result,
+							 &canary->error);
 	if (canary->status == GW_OK)
 		compare(result, canary);
 	gw_bake_result_destroy(&result);
@@ -233,14 +234,13 @@ static gw_status look_at(health *h, step *s, gw_error *error)
 static gw_status look_at_all(health *h, step *s, gw_error *error)
 {
 	char group[40];
-	gw_status status = GW_OK;
 	if (h->asked->bake.device) {
 		snprintf(s->device, sizeof s->device, "%s", h->asked->bake.device);
 		snprintf(group, sizeof group, "device %.30s", s->device);
 		health_begin(h, group);
 		return look_at(h, s, error);
 	}
-	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
+	for (size_t i = 0; i < s->count; i++) {
 		if (!s->info[i].usable)
 			continue;
 		snprintf(s->device, sizeof s->device, "%zu", i);
@@ -248,9 +248,9 @@ static gw_status look_at_all(health *h, step *s, gw_error *error)
 		health_begin(h, group);
 		for (size_t k = 0; k < GW_DEVICE_LIMITS; k++)
 			health_judge_limit(h, &s->info[i].limit[k]);
-		status = look_at(h, s, error);
+		GW_TRY(look_at(h, s, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static void describe_all(health *h, const step *s)

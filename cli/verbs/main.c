@@ -59,6 +59,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_render(s, error);
 	case VERB_TRADEOFF:
 		return verb_tradeoff(s, error);
+	case VERB_ALBEDO:
+		return verb_albedo(s, error);
 	case VERB_DOCTOR:
 		return verb_doctor(s, error);
 	case VERB_COUNT:

@@ -92,37 +92,34 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
-	gw_status status = check_streams(s, b->error);
-	if (status == GW_OK)
-		status = frame_bake_check(s, b->error);
-	if (status == GW_OK && !s->frames)
-		status = file_roles_check(VERB_BAKE, s, NULL, b->error);
-	if (status == GW_OK && s->output)
-		status = output_name_format(s->output, s->output_format, &b->format, b->error);
-	return status;
+	GW_TRY(check_streams(s, b->error));
+	GW_TRY(frame_bake_check(s, b->error));
+	if (!s->frames)
+		GW_TRY(file_roles_check(VERB_BAKE, s, NULL, b->error));
+	if (s->output)
+		GW_TRY(output_name_format(s->output, s->output_format, &b->format, b->error));
+	return GW_OK;
 }
 
 /* Before hours of work it has to be clear that the results can be put down. */
 static gw_status open_outputs(bake *b)
 {
 	const settings *s = b->settings;
-	gw_status status = GW_OK;
 	if (s->output && !s->frames)
-		status = output_file_create(&b->output, s->output, s->force, b->error);
-	if (status == GW_OK && s->report)
-		status = output_file_create(&b->report, s->report, s->force, b->error);
-	if (status == GW_OK && s->save_transport)
-		status = output_file_create(&b->transport, s->save_transport, s->force, b->error);
+		GW_TRY(output_file_create(&b->output, s->output, s->force, b->error));
+	if (s->report)
+		GW_TRY(output_file_create(&b->report, s->report, s->force, b->error));
+	if (s->save_transport)
+		GW_TRY(output_file_create(&b->transport, s->save_transport, s->force, b->error));
 	struct stat info;
 	bool stream = s->vdb && (strcmp(s->vdb, "-") == 0 ||
 							 (stat(s->vdb, &info) == 0 && !S_ISREG(info.st_mode)));
-	if (status == GW_OK && s->vdb && !stream) {
+	if (s->vdb && !stream) {
 		output_file *probe;
-		status = output_file_create(&probe, s->vdb, s->force, b->error);
-		if (status == GW_OK)
-			output_file_abandon(&probe);
+		GW_TRY(output_file_create(&probe, s->vdb, s->force, b->error));
+		output_file_abandon(&probe);
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- the bake */
@@ -170,13 +167,10 @@ static gw_status check_results(const bake *b)
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, s, &columns) : 0;
 	if (!b->format)
 		return GW_OK;
-	gw_status status =
-		b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK;
+	GW_TRY(b->format->accept ? b->format->accept(&b->scene.cloud, s->output, b->error) : GW_OK);
 	row = b->format->row_bytes ? b->format->row_bytes : b->format->text ? 2 * columns : row;
 	/* Of frames, at least one. */
-	return status == GW_OK
-			   ? output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error)
-			   : status;
+	return output_file_check_room(s->output, (uint64_t)row * b->scene.cloud.count, b->error);
 }
 
 static void on_progress(void *user, const char *stage, double done)
@@ -218,8 +212,9 @@ static gw_status light_points(bake *b)
 	gw_status status =
 		b->settings->frame_count > 0
 			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
-			: gw_bake(&b->scene.points.points, b->light, b->settings->light_count, &options,
-					  &callbacks, &b->result, b->error);
+			: gw_bake(&(gw_scene_description){ &b->scene.points.points, b->light,
+											   b->settings->light_count },
+					  &options, &callbacks, &b->result, b->error);
 	progress_clear(&b->progress);
 	b->facts.bake_seconds = now() - start;
 	b->facts.result = b->result;
@@ -309,9 +304,7 @@ static gw_status print_scene(bake *b)
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);
 	if (ask) {
-		gw_status status = read_inputs(b);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(read_inputs(b));
 		up = b->scene.up;
 	}
 	for (size_t i = 0; i < s->light_count; i++)
@@ -322,31 +315,39 @@ static gw_status print_scene(bake *b)
 
 static gw_status run(bake *b)
 {
-	gw_status status = scene_read_all(b->settings, b->error);
+	GW_TRY(scene_read_all(b->settings, b->error));
 	quality_preset_apply(b->settings);
-	if (status == GW_OK)
-		status = check(b);
-	if (status == GW_OK && b->settings->print_scene)
+	GW_TRY(check(b));
+	if (b->settings->print_scene)
 		return print_scene(b);
-	if (status == GW_OK)
-		status = open_outputs(b);
-	if (status == GW_OK)
-		b->settings->bake.drivers = b->drivers = gw_drivers_load();
-	if (status == GW_OK)
-		status = read_inputs(b);
-	if (status == GW_OK)
-		status = check_results(b);
-	if (status == GW_OK && b->settings->transport)
-		status = input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error);
-	if (status == GW_OK)
-		status = loaded_scene_lights(&b->scene, b->settings, &b->light, b->error);
-	if (status == GW_OK && b->settings->frames)
+	GW_TRY(open_outputs(b));
+	b->settings->bake.drivers = b->drivers = gw_drivers_load();
+	GW_TRY(read_inputs(b));
+	GW_TRY(check_results(b));
+	if (b->settings->transport)
+		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error));
+	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
+	if (b->settings->frames)
 		return light_frames(b);
-	if (status == GW_OK)
-		status = light_points(b);
-	if (status == GW_OK)
-		status = write_results(b);
-	return status;
+	GW_TRY(light_points(b));
+	return write_results(b);
+}
+
+/* On standard error; fails when the bake missed what it was to reach. */
+static gw_status say_results(const bake *b)
+{
+	const settings *s = b->settings;
+	if (!s->quiet)
+		bake_report_notes(&b->facts);
+	if (s->verbose)
+		bake_report_summary(&b->facts);
+	if (!s->quiet && !b->result->report.missed)
+		bake_report_error(&b->facts);
+	if (s->explain)
+		bake_report_explain(&b->result->report);
+	if (s->profile)
+		bake_report_profile(&b->result->report);
+	return bake_report_goal(&b->facts, b->error);
 }
 
 gw_status verb_bake(settings *s, gw_error *error)
@@ -357,18 +358,8 @@ gw_status verb_bake(settings *s, gw_error *error)
 	b.facts = (bake_facts){ .settings = s, .scene = &b.scene };
 	gw_status status = run(&b);
 	progress_end(&b.progress);
-	if (status == GW_OK && b.result && !s->quiet)
-		bake_report_notes(&b.facts);
-	if (status == GW_OK && b.result && s->verbose)
-		bake_report_summary(&b.facts);
-	if (status == GW_OK && b.result && !s->quiet && !b.result->report.missed)
-		bake_report_error(&b.facts);
-	if (status == GW_OK && b.result && s->explain)
-		bake_report_explain(&b.result->report);
-	if (status == GW_OK && b.result && s->profile)
-		bake_report_profile(&b.result->report);
 	if (status == GW_OK && b.result)
-		status = bake_report_goal(&b.facts, error);
+		status = say_results(&b);
 	output_file_abandon(&b.output);
 	output_file_abandon(&b.report);
 	output_file_abandon(&b.transport);

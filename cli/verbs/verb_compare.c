@@ -54,22 +54,19 @@ static gw_status check(comparison *c)
 static gw_status open_outputs(comparison *c)
 {
 	const settings *s = c->settings;
-	gw_status status = GW_OK;
 	if (s->worst)
-		status = output_file_create(&c->worst, s->worst, s->force, c->error);
-	if (status == GW_OK && s->json_file)
-		status = output_file_create(&c->json, s->json_file, s->force, c->error);
-	return status;
+		GW_TRY(output_file_create(&c->worst, s->worst, s->force, c->error));
+	if (s->json_file)
+		GW_TRY(output_file_create(&c->json, s->json_file, s->force, c->error));
+	return GW_OK;
 }
 
 static gw_status read_clouds(comparison *c)
 {
 	const settings *s = c->settings;
 	format_options options = { s->format, s->columns, s->bake.threads };
-	gw_status status = format_read_with(s->input[0].path, &options, &c->found, NULL, c->error);
-	if (status == GW_OK)
-		status = format_read_with(s->input[1].path, &options, &c->truth, NULL, c->error);
-	return status;
+	GW_TRY(format_read_with(s->input[0].path, &options, &c->found, NULL, c->error));
+	return format_read_with(s->input[1].path, &options, &c->truth, NULL, c->error);
 }
 
 static gw_status write_worst(comparison *c)
@@ -118,21 +115,16 @@ static gw_status show(comparison *c)
 static gw_status run(comparison *c)
 {
 	const settings *s = c->settings;
-	gw_status status = check(c);
-	if (status == GW_OK)
-		status = open_outputs(c);
-	if (status == GW_OK)
-		status = read_clouds(c);
-	if (status == GW_OK) {
-		c->match = (matched_scans){ .found = &c->found,
-									.truth = &c->truth,
-									.found_name = loaded_scene_input_name(s->input[0].path),
-									.truth_name = loaded_scene_input_name(s->input[1].path) };
-		status = matched_scans_make(&c->match, c->error);
-	}
-	if (status == GW_OK)
-		status = compare_figures_make(&c->match, &c->figures, c->error);
-	return status == GW_OK ? show(c) : status;
+	GW_TRY(check(c));
+	GW_TRY(open_outputs(c));
+	GW_TRY(read_clouds(c));
+	c->match = (matched_scans){ .found = &c->found,
+								.truth = &c->truth,
+								.found_name = loaded_scene_input_name(s->input[0].path),
+								.truth_name = loaded_scene_input_name(s->input[1].path) };
+	GW_TRY(matched_scans_make(&c->match, c->error));
+	GW_TRY(compare_figures_make(&c->match, &c->figures, c->error));
+	return show(c);
 }
 
 gw_status verb_compare(const settings *s, gw_error *error)

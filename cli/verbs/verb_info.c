@@ -236,9 +236,7 @@ static gw_status list_devices(const settings *s, gw_error *error)
 {
 	gw_device_info *device;
 	size_t count;
-	gw_status status = gw_devices(&device, &count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_devices(&device, &count, error));
 	for (size_t i = 0; i < count; i++)
 		print_device(&device[i], i, s->json);
 	free(device);
@@ -258,8 +256,7 @@ gw_status verb_info(const settings *s, gw_error *error)
 	if (s->input_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "describe what? Name files, - for standard input, or --devices");
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->input_count && status == GW_OK; i++)
-		status = describe_file(s, s->input[i].path, error);
-	return status;
+	for (size_t i = 0; i < s->input_count; i++)
+		GW_TRY(describe_file(s, s->input[i].path, error));
+	return GW_OK;
 }

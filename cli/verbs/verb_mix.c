@@ -40,9 +40,8 @@ static gw_status check(mixing *m)
 		return gw_fail(m->error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and points are binary data; redirect it, or "
 					   "name a file with -o");
-	gw_status status = file_roles_check(VERB_MIX, s, NULL, m->error);
-	return status == GW_OK ? output_name_format(s->output, s->output_format, &m->format, m->error)
-						   : status;
+	GW_TRY(file_roles_check(VERB_MIX, s, NULL, m->error));
+	return output_name_format(s->output, s->output_format, &m->format, m->error);
 }
 
 /* Colours that are the surface's own stay; those of a bake are a preview of its light. */
@@ -140,18 +139,20 @@ static gw_status mix_cloud(mixing *m)
 	return status;
 }
 
+static gw_status run(mixing *m)
+{
+	const settings *s = m->settings;
+	GW_TRY(check(m));
+	GW_TRY(output_file_create(&m->output, s->output, s->force, m->error));
+	GW_TRY(mix_cloud(m));
+	GW_TRY(m->format->write(m->output, &m->cloud, m->error));
+	return output_file_commit(&m->output, m->error);
+}
+
 gw_status verb_mix(const settings *s, gw_error *error)
 {
 	mixing m = { .settings = s, .error = error };
-	gw_status status = check(&m);
-	if (status == GW_OK)
-		status = output_file_create(&m.output, s->output, s->force, error);
-	if (status == GW_OK)
-		status = mix_cloud(&m);
-	if (status == GW_OK)
-		status = m.format->write(m.output, &m.cloud, error);
-	if (status == GW_OK)
-		status = output_file_commit(&m.output, error);
+	gw_status status = run(&m);
 	output_file_abandon(&m.output);
 	scan_clear(&m.cloud);
 	free(m.radiance);

@@ -172,21 +172,15 @@ static gw_status probe_outputs(const render *r)
 
 static gw_status check(render *r)
 {
-	gw_status status = check_inputs(r);
-	if (status == GW_OK)
-		status = check_size(r);
-	if (status == GW_OK)
-		status = check_background(r);
-	if (status == GW_OK)
-		status = camera_plan_read(r->settings, &r->plan, r->error);
-	if (status == GW_OK)
-		status = octree_view_check(r->settings, &r->inner, r->error);
-	if (status == GW_OK)
-		status = check_output(r);
+	GW_TRY(check_inputs(r));
+	GW_TRY(check_size(r));
+	GW_TRY(check_background(r));
+	GW_TRY(camera_plan_read(r->settings, &r->plan, r->error));
+	GW_TRY(octree_view_check(r->settings, &r->inner, r->error));
+	GW_TRY(check_output(r));
 	const file_series pictures = { camera_plan_count(&r->plan), name_picture, r };
-	if (status == GW_OK)
-		status = file_roles_check(VERB_RENDER, r->settings, &pictures, r->error);
-	return status == GW_OK ? probe_outputs(r) : status;
+	GW_TRY(file_roles_check(VERB_RENDER, r->settings, &pictures, r->error));
+	return probe_outputs(r);
 }
 
 /* -------------------------------------------------------------------------------- reading */
@@ -260,8 +254,8 @@ static gw_status choose_points(void *user, const render_scene *scene, const gw_s
 {
 	render *r = user;
 	double aspect = (double)r->width / (double)r->height;
-	gw_status status = camera_plan_place(&r->plan, scene, surfels, aspect, error);
-	return status == GW_OK ? camera_plan_choose(&r->plan, surfels, aspect, chosen, error) : status;
+	GW_TRY(camera_plan_place(&r->plan, scene, surfels, aspect, error));
+	return camera_plan_choose(&r->plan, surfels, aspect, chosen, error);
 }
 
 static gw_status read_scene(render *r)
@@ -269,15 +263,13 @@ static gw_status read_scene(render *r)
 	double start = gw_seconds();
 	progress_show(&r->progress, "read", 0.0);
 	const render_scene_wish wish = { wanted_channels(r), needs_octree(r), choose_points, r };
-	gw_status status = render_scene_read(r->settings, &wish, &r->scene, r->error);
-	if (status == GW_OK)
-		status = choose_view(r);
-	if (status == GW_OK && r->look.view == SETTINGS_VIEW_RADIANCE)
-		status = octree_picture_open(r->settings, &r->scene, &r->octree, r->error);
-	if (status == GW_OK)
-		status = octree_view_open(r->settings, &r->scene, &r->inner, r->error);
+	GW_TRY(render_scene_read(r->settings, &wish, &r->scene, r->error));
+	GW_TRY(choose_view(r));
+	if (r->look.view == SETTINGS_VIEW_RADIANCE)
+		GW_TRY(octree_picture_open(r->settings, &r->scene, &r->octree, r->error));
+	GW_TRY(octree_view_open(r->settings, &r->scene, &r->inner, r->error));
 	r->read_seconds = gw_seconds() - start;
-	return status;
+	return GW_OK;
 }
 
 /* -------------------------------------------------------------------------------- drawing */
@@ -311,14 +303,11 @@ static gw_status draw(render *r, size_t picture, resolution size, gw_gbuffer *g,
 	bool boxes = octree_view_is_boxes(r->look.view);
 	*values = NULL;
 	*g = (gw_gbuffer){ .width = 0 };
-	gw_status status =
-		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error);
+	GW_TRY(
+		camera_plan_camera(&r->plan, (double)r->scene.surfels.spacing, picture, &camera, r->error));
 	const gw_raster_scene *shown = boxes ? &r->inner.raster : &r->scene.raster;
 	raster.cull = raster.cull && !boxes;
-	if (status == GW_OK)
-		status = gw_raster_draw(shown, &camera, &raster, g, r->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_raster_draw(shown, &camera, &raster, g, r->error));
 	*values = reallocarray(NULL, (size_t)size.width * size.height, 3 * sizeof **values);
 	if (!*values) {
 		gw_gbuffer_clear(g);
@@ -329,10 +318,10 @@ static gw_status draw(render *r, size_t picture, resolution size, gw_gbuffer *g,
 	else
 		render_view_values(&r->scene, g, r->look.view, *values);
 	if (r->octree.octree)
-		status = octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error);
-	if (status == GW_OK && octree_view_is_overlay(r->look.view))
-		status = lay_over(r, &camera, &raster, g, *values);
-	return status;
+		GW_TRY(octree_picture_shade(&r->octree, &r->scene, &camera, g, *values, r->error));
+	if (octree_view_is_overlay(r->look.view))
+		GW_TRY(lay_over(r, &camera, &raster, g, *values));
+	return GW_OK;
 }
 
 /* What is seen in some pictures, pixel by pixel. */
@@ -452,24 +441,20 @@ static void note_lamps(const render *r)
 
 static gw_status run(render *r)
 {
-	gw_status status = scene_read_all(r->settings, r->error);
-	if (status == GW_OK)
-		status = check(r);
-	if (status == GW_OK)
-		status = read_scene(r);
-	if (status == GW_OK)
-		note_lamps(r);
+	GW_TRY(scene_read_all(r->settings, r->error));
+	GW_TRY(check(r));
+	GW_TRY(read_scene(r));
+	note_lamps(r);
 	double start = gw_seconds();
-	if (status == GW_OK)
-		status = choose_exposure(r);
+	GW_TRY(choose_exposure(r));
 	r->meter_seconds = gw_seconds() - start;
 	size_t pictures = camera_plan_count(&r->plan);
-	for (size_t i = 0; i < pictures && status == GW_OK; i++) {
+	for (size_t i = 0; i < pictures; i++) {
 		progress_show(&r->progress, "draw", (double)(i + 1) / (double)(pictures + 1));
-		status = make_picture(r, i);
+		GW_TRY(make_picture(r, i));
 	}
 	r->draw_seconds = gw_seconds() - start;
-	return status;
+	return GW_OK;
 }
 
 /* What --verbose says: enough to take the same picture again. */

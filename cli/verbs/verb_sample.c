@@ -40,8 +40,8 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
 					   "name a file with -o");
-	gw_status status = file_roles_check(VERB_SAMPLE, s, NULL, error);
-	return status == GW_OK ? output_name_format(s->output, s->output_format, to, error) : status;
+	GW_TRY(file_roles_check(VERB_SAMPLE, s, NULL, error));
+	return output_name_format(s->output, s->output_format, to, error);
 }
 
 /* Points for the density, or as many as were asked for. */
@@ -74,20 +74,16 @@ static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error
 {
 	const char *path = s->input[0].path, *name = loaded_scene_input_name(path);
 	uint64_t count = 0;
-	gw_status status = mesh_read(path, m, error);
-	if (status == GW_OK)
-		status = mesh_measure(m, name, error);
-	if (status == GW_OK)
-		status = find_count(s, m, name, &count, error);
-	if (status == GW_OK)
-		status = mesh_sample(m, count, s->bake.seed, s->bake.threads, cloud, error);
-	if (status == GW_OK)
-		status = add_comment(s, cloud, error);
-	if (status == GW_OK && !s->quiet)
+	GW_TRY(mesh_read(path, m, error));
+	GW_TRY(mesh_measure(m, name, error));
+	GW_TRY(find_count(s, m, name, &count, error));
+	GW_TRY(mesh_sample(m, count, s->bake.seed, s->bake.threads, cloud, error));
+	GW_TRY(add_comment(s, cloud, error));
+	if (!s->quiet)
 		mesh_notes_print(m, name, false);
-	if (status == GW_OK && s->verbose)
+	if (s->verbose)
 		print_summary(m, name, count);
-	return status;
+	return GW_OK;
 }
 
 gw_status verb_sample(const settings *s, gw_error *error)

@@ -36,12 +36,12 @@ static gw_status check(sweep *w)
 	if (is_stream(s->csv) && is_stream(s->svg))
 		return gw_fail(w->error, GW_ERROR_USAGE,
 					   "standard output can hold one of --csv and --svg, not both");
-	gw_status status = file_roles_check(VERB_TRADEOFF, s, NULL, w->error);
-	if (status == GW_OK && s->csv)
-		status = output_file_create(&w->csv, s->csv, s->force, w->error);
-	if (status == GW_OK && s->svg)
-		status = output_file_create(&w->svg, s->svg, s->force, w->error);
-	return status;
+	GW_TRY(file_roles_check(VERB_TRADEOFF, s, NULL, w->error));
+	if (s->csv)
+		GW_TRY(output_file_create(&w->csv, s->csv, s->force, w->error));
+	if (s->svg)
+		GW_TRY(output_file_create(&w->svg, s->svg, s->force, w->error));
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- the table */
@@ -155,38 +155,31 @@ static gw_status show(sweep *w)
 {
 	const settings *s = w->settings;
 	FILE *out = is_stream(s->csv) || is_stream(s->svg) ? stderr : stdout;
-	gw_status status = GW_OK;
 	print_table(&w->tradeoff, out);
 	if (w->csv)
-		status = write_file(&w->csv, print_csv, &w->tradeoff, w->error);
-	if (status == GW_OK && w->svg)
-		status = write_file(&w->svg, tradeoff_plot_write, &w->tradeoff, w->error);
-	if (status == GW_OK && s->bake.max_error > 0.0f)
-		status = print_reaching(&w->tradeoff, (double)s->bake.max_error, out, w->error);
-	return status;
+		GW_TRY(write_file(&w->csv, print_csv, &w->tradeoff, w->error));
+	if (w->svg)
+		GW_TRY(write_file(&w->svg, tradeoff_plot_write, &w->tradeoff, w->error));
+	if (s->bake.max_error > 0.0f)
+		GW_TRY(print_reaching(&w->tradeoff, (double)s->bake.max_error, out, w->error));
+	return GW_OK;
 }
 
 static gw_status run(sweep *w)
 {
 	settings *s = w->settings;
 	progress shown = progress_start((settings_progress)s->progress, s->quiet);
-	gw_status status = scene_read_all(s, w->error);
-	if (status == GW_OK)
-		status = check(w);
-	if (status == GW_OK)
-		status = loaded_scene_read(s, &w->scene, w->error);
-	if (status == GW_OK)
-		glossy_points_apply(&w->scene);
-	if (status == GW_OK)
-		status = loaded_scene_lights(&w->scene, s, &w->light, w->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(scene_read_all(s, w->error));
+	GW_TRY(check(w));
+	GW_TRY(loaded_scene_read(s, &w->scene, w->error));
+	glossy_points_apply(&w->scene);
+	GW_TRY(loaded_scene_lights(&w->scene, s, &w->light, w->error));
 	/* Each run has its settings from the start, and says how wrong it is. */
 	gw_bake_options base = s->bake;
 	base.max_error = base.time_limit = 0.0f;
 	tradeoff_plan(&base, &w->tradeoff);
-	status = tradeoff_bake(&w->scene, w->light, s->light_count, &w->tradeoff, &shown, w->error);
-	return status == GW_OK ? show(w) : status;
+	GW_TRY(tradeoff_bake(&w->scene, w->light, s->light_count, &w->tradeoff, &shown, w->error));
+	return show(w);
 }
 
 gw_status verb_tradeoff(settings *s, gw_error *error)

@@ -312,9 +312,7 @@ static gw_status name_columns(reader *r)
 
 static gw_status add_columns(reader *r)
 {
-	gw_status status = name_columns(r);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(name_columns(r));
 	const char *twice = text_names_repeated(&r->names);
 	if (twice)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s: two fields are called '%.40s'", r->in->name,
@@ -334,8 +332,7 @@ static gw_status add_columns(reader *r)
 
 static gw_status read_fields(reader *r, const source *s)
 {
-	gw_status status = GW_OK;
-	for (size_t f = 0; f < s->scan->field_count && status == GW_OK; f++) {
+	for (size_t f = 0; f < s->scan->field_count; f++) {
 		const char *name = column_name(s, f);
 		if (!name)
 			continue;
@@ -345,11 +342,11 @@ static gw_status read_fields(reader *r, const source *s)
 			to->whole = false;
 		if (type != E57_SINGLE)
 			to->single = false;
-		status = unpack_field(r, s, f, (double *)to->data + s->first);
+		GW_TRY(unpack_field(r, s, f, (double *)to->data + s->first));
 	}
-	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = unpack_field(r, s, s->position[k], (double *)r->column[k].data + s->first);
-	return status;
+	for (size_t k = 0; k < 3; k++)
+		GW_TRY(unpack_field(r, s, s->position[k], (double *)r->column[k].data + s->first));
+	return GW_OK;
 }
 
 /* Records whose state is not 0 have no position. */
@@ -463,44 +460,35 @@ static void leave_out(reader *r)
  * have no pose, and nobody knows. */
 static gw_status take_scanners(const reader *r)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
 		if (s->kept > 0 && (s->scan->has_pose || s->kind == SPHERICAL))
-			status = scan_add_scanner(r->cloud, s->scan->translation, s->first, s->kept, r->error);
+			GW_TRY(scan_add_scanner(r->cloud, s->scan->translation, s->first, s->kept, r->error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status read_all(reader *r)
 {
-	gw_status status = e57_pages_read(&r->pages, r->in, r->error);
-	if (status == GW_OK)
-		status = e57_description_parse(&r->description, &r->pages, r->in, r->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(e57_pages_read(&r->pages, r->in, r->error));
+	GW_TRY(e57_description_parse(&r->description, &r->pages, r->in, r->error));
 	r->source = calloc(r->description.scan_count + 1, sizeof *r->source);
 	if (!r->source)
 		return fail_memory(r);
-	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++)
-		status = prepare_source(r, i);
-	if (status == GW_OK)
-		status = add_columns(r);
-	for (size_t i = 0; i < r->description.scan_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < r->description.scan_count; i++)
+		GW_TRY(prepare_source(r, i));
+	GW_TRY(add_columns(r));
+	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
 		if (s->kept == 0)
 			continue;
-		status = read_fields(r, s);
-		if (status == GW_OK)
-			status = read_states(r, s);
-		if (status == GW_OK)
-			status = place_points(r, s, i);
+		GW_TRY(read_fields(r, s));
+		GW_TRY(read_states(r, s));
+		GW_TRY(place_points(r, s, i));
 	}
-	if (status != GW_OK)
-		return status;
 	leave_out(r);
-	status = text_columns_narrow(r->cloud, &r->names, r->column, r->error);
-	return status == GW_OK ? take_scanners(r) : status;
+	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
+	return take_scanners(r);
 }
 
 gw_status e57_read(input_file *in, scan *cloud, gw_error *error)

@@ -277,9 +277,7 @@ static gw_status open_target(output_file *out, const char *path, gw_error *error
 	target_kind kind;
 	if (strcmp(path, "-") == 0)
 		return open_directly(out, fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 3), error);
-	gw_status status = look(path, out->force, &kind, &info, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(look(path, out->force, &kind, &info, error));
 	if (kind == TARGET_STREAM)
 		return open_directly(out, open(path, O_WRONLY | O_CLOEXEC), error);
 	out->target = kind == TARGET_FILE ? realpath(path, NULL) : strdup(path);

@@ -44,13 +44,12 @@ gw_status las_layout_add(las_layout *layout, const las_field *field, gw_error *e
 static gw_status add_fields(las_layout *layout, const las_field *field, size_t count, size_t shift,
 							gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < count && status == GW_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		las_field moved = field[i];
 		moved.place += shift;
-		status = las_layout_add(layout, &moved, error);
+		GW_TRY(las_layout_add(layout, &moved, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* --------------------------------------------------------------------- fields of a format */
@@ -170,15 +169,15 @@ static gw_status add_format(las_layout *layout, unsigned format, gw_error *error
 		format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
 	bool infrared = format == 8 || format == 10;
 	bool wave = format == 4 || format == 5 || format == 9 || format == 10;
-	gw_status status = add_fields(layout, old ? old_fields : new_fields,
-								  old ? LENGTH(old_fields) : LENGTH(new_fields), 0, error);
-	if (status == GW_OK && time)
-		status = add_fields(layout, time_fields, LENGTH(time_fields), layout->bytes, error);
-	if (status == GW_OK && color)
-		status = add_fields(layout, color_fields, infrared ? 4 : 3, layout->bytes, error);
-	if (status == GW_OK && wave)
-		status = add_fields(layout, wave_fields, LENGTH(wave_fields), layout->bytes, error);
-	return status;
+	GW_TRY(add_fields(layout, old ? old_fields : new_fields,
+					  old ? LENGTH(old_fields) : LENGTH(new_fields), 0, error));
+	if (time)
+		GW_TRY(add_fields(layout, time_fields, LENGTH(time_fields), layout->bytes, error));
+	if (color)
+		GW_TRY(add_fields(layout, color_fields, infrared ? 4 : 3, layout->bytes, error));
+	if (wave)
+		GW_TRY(add_fields(layout, wave_fields, LENGTH(wave_fields), layout->bytes, error));
+	return GW_OK;
 }
 
 gw_status las_layout_make(las_layout *layout, unsigned format, const double *scale,
@@ -282,10 +281,9 @@ static gw_status add_bytes(las_layout *layout, const uint8_t *from, size_t count
 		return las_note(notes, error, "%zu extra bytes of each point have no type and are left out",
 						count);
 	}
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = add_value(layout, plain, LAS_UINT8, i, count, error);
-	return status;
+	for (size_t i = 0; i < count; i++)
+		GW_TRY(add_value(layout, plain, LAS_UINT8, i, count, error));
+	return GW_OK;
 }
 
 gw_status las_layout_add_extra(las_layout *layout, const las_header *header, scan *notes,

@@ -25,10 +25,9 @@ static const char *const laz_extensions[] = { "laz", NULL };
 static gw_status las_accept(const scan *cloud, const char *name, gw_error *error)
 {
 	las_grid grid;
-	gw_status status = GW_OK;
-	for (int axis = 0; axis < 3 && status == GW_OK; axis++)
-		status = las_grid_find(cloud, axis, name, &grid, error);
-	return status;
+	for (int axis = 0; axis < 3; axis++)
+		GW_TRY(las_grid_find(cloud, axis, name, &grid, error));
+	return GW_OK;
 }
 
 const format las_format = {

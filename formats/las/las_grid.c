@@ -104,9 +104,7 @@ gw_status las_grid_find(const scan *cloud, int axis, const char *name, las_grid 
 	if (!column)
 		return gw_fail(error, GW_ERROR_DATA, "%s: the points have no coordinate '%s'", name,
 					   axes[axis]);
-	gw_status status = find_bounds(cloud, column, name, &minimum, &maximum, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_bounds(cloud, column, name, &minimum, &maximum, error));
 	double middle = floor(0.5 * minimum + 0.5 * maximum);
 	grid->exact = find_own(cloud, column, axis, grid) || find_decimal(cloud, column, middle, grid);
 	if (!grid->exact && !find_finest(minimum, maximum, middle, grid))

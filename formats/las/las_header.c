@@ -123,14 +123,11 @@ static gw_status note_header(parser *p)
 	const uint8_t *data = p->in->data;
 	double file[4] = { load_16(data + 6), load_16(data + 4), load_16(data + 90),
 					   load_16(data + 92) };
-	gw_status status = las_note_numbers(p->notes, "scale", p->header->scale, 3, p->error);
-	if (status == GW_OK)
-		status = las_note_numbers(p->notes, "offset", p->header->offset, 3, p->error);
-	if (status == GW_OK)
-		status = las_note_numbers(p->notes, "file", file, 4, p->error);
-	if (status == GW_OK)
-		status = note_field(p, "system", 26, 32);
-	return status == GW_OK ? note_field(p, "software", 58, 32) : status;
+	GW_TRY(las_note_numbers(p->notes, "scale", p->header->scale, 3, p->error));
+	GW_TRY(las_note_numbers(p->notes, "offset", p->header->offset, 3, p->error));
+	GW_TRY(las_note_numbers(p->notes, "file", file, 4, p->error));
+	GW_TRY(note_field(p, "system", 26, 32));
+	return note_field(p, "software", 58, 32);
 }
 
 /* ------------------------------------------------------------------------------------ VLRs */
@@ -155,10 +152,9 @@ static gw_status note_geo(parser *p, const char *key, las_vlr body, size_t size)
 /* Each line is a comment. */
 static gw_status note_lines(parser *p, las_vlr body)
 {
-	gw_status status = GW_OK;
 	const char *text = (const char *)body.data;
 	size_t length = strnlen(text, body.length);
-	for (size_t at = 0; at < length && status == GW_OK && p->lines < TEXT_LINES;) {
+	for (size_t at = 0; at < length && p->lines < TEXT_LINES;) {
 		size_t end = at;
 		char line[LAS_NOTE_TEXT + 1];
 		while (end < length && text[end] != '\n')
@@ -171,9 +167,9 @@ static gw_status note_lines(parser *p, las_vlr body)
 		line[size] = '\0';
 		at = end + 1;
 		if (size > 0 && ++p->lines)
-			status = scan_add_comment(p->notes, line, p->error);
+			GW_TRY(scan_add_comment(p->notes, line, p->error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_crs(parser *p, unsigned id, las_vlr body)
@@ -213,23 +209,22 @@ static gw_status take_vlrs(parser *p)
 {
 	uint32_t count = load_32(p->in->data + 100), done = 0;
 	size_t at = p->size, end = p->header->points;
-	gw_status status = GW_OK;
-	for (; done < count && status == GW_OK; done++) {
+	for (; done < count; done++) {
 		if (end - at < LAS_VLR_BYTES)
 			break;
 		const uint8_t *record = p->in->data + at;
 		size_t length = load_16(record + 20);
 		if (length > end - at - LAS_VLR_BYTES)
 			break;
-		status = take_vlr(p, record, (las_vlr){ record + LAS_VLR_BYTES, length });
+		GW_TRY(take_vlr(p, record, (las_vlr){ record + LAS_VLR_BYTES, length }));
 		at += LAS_VLR_BYTES + length;
 	}
-	if (status == GW_OK && done < count)
-		status = las_note(p->notes, p->error,
-						  "the header counts %" PRIu32 " variable-length records, of which %" PRIu32
-						  " are whole before the points",
-						  count, done);
-	return status;
+	if (done < count)
+		GW_TRY(las_note(p->notes, p->error,
+						"the header counts %" PRIu32 " variable-length records, of which %" PRIu32
+						" are whole before the points",
+						count, done));
+	return GW_OK;
 }
 
 /* Those after the points; only a coordinate system is looked for there. */
@@ -239,8 +234,7 @@ static gw_status take_evlrs(parser *p)
 		return GW_OK;
 	uint64_t start = load_64(p->in->data + 235);
 	uint32_t count = load_32(p->in->data + 243);
-	gw_status status = GW_OK;
-	for (uint32_t done = 0; done < count && status == GW_OK; done++) {
+	for (uint32_t done = 0; done < count; done++) {
 		if (start < p->header->points || start > p->in->length ||
 			p->in->length - start < EVLR_BYTES)
 			break;
@@ -249,27 +243,22 @@ static gw_status take_evlrs(parser *p)
 		if (length > rest)
 			break;
 		if (strncmp((const char *)record + 2, LAS_USER_CRS, 16) == 0 && length <= UINT16_MAX)
-			status =
-				take_crs(p, load_16(record + 18), (las_vlr){ record + EVLR_BYTES, (size_t)length });
+			GW_TRY(take_crs(p, load_16(record + 18),
+							(las_vlr){ record + EVLR_BYTES, (size_t)length }));
 		start += EVLR_BYTES + length;
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status las_header_parse(las_header *header, const input_file *in, scan *notes, gw_error *error)
 {
 	*header = (las_header){ 0 };
 	parser p = { .in = in, .header = header, .notes = notes, .error = error };
-	gw_status status = check_kind(&p);
-	if (status == GW_OK)
-		status = take_sizes(&p);
-	if (status == GW_OK)
-		status = take_count(&p);
-	if (status == GW_OK)
-		status = take_grid(&p);
-	if (status == GW_OK)
-		status = note_header(&p);
-	if (status == GW_OK)
-		status = take_vlrs(&p);
-	return status == GW_OK ? take_evlrs(&p) : status;
+	GW_TRY(check_kind(&p));
+	GW_TRY(take_sizes(&p));
+	GW_TRY(take_count(&p));
+	GW_TRY(take_grid(&p));
+	GW_TRY(note_header(&p));
+	GW_TRY(take_vlrs(&p));
+	return take_evlrs(&p);
 }

@@ -43,8 +43,7 @@ static size_t piece(const char *text, size_t length)
 gw_status las_note_text(scan *cloud, const char *key, const char *text, size_t length,
 						gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t at = 0, size; at < length && status == GW_OK; at += size) {
+	for (size_t at = 0, size; at < length; at += size) {
 		char line[64 + LAS_NOTE_TEXT];
 		size = piece(text + at, length - at);
 		int used = snprintf(line, 64, LAS_NOTE "%s%s ", key, at ? "+" : "");
@@ -53,9 +52,9 @@ gw_status las_note_text(scan *cloud, const char *key, const char *text, size_t l
 			line[used++] = c >= ' ' && c <= '~' ? c : ' ';
 		}
 		line[used] = '\0';
-		status = scan_add_comment(cloud, line, error);
+		GW_TRY(scan_add_comment(cloud, line, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 const char *las_note_find(const char *comment, const char *key)

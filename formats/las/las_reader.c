@@ -129,9 +129,7 @@ static gw_status check_memory(const reader *r)
 
 static gw_status add_columns(reader *r)
 {
-	gw_status status = check_memory(r);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_memory(r));
 	r->data = calloc(r->layout.count, sizeof *r->data);
 	if (!r->data)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the fields of %s", r->in->name);
@@ -157,10 +155,9 @@ static gw_status read_plain(reader *r)
 					   "there is room for %" PRIu64 "; the file is cut short or damaged",
 					   r->in->name, h->count, h->record, h->points, there);
 	r->cloud->count = (size_t)h->count;
-	gw_status status = add_columns(r);
-	if (status == GW_OK)
-		gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_block, r);
-	return status;
+	GW_TRY(add_columns(r));
+	gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_block, r);
+	return GW_OK;
 }
 
 static gw_status read_compressed(reader *r)
@@ -250,19 +247,19 @@ static gw_status settle_colors(reader *r)
 static gw_status settle_columns(reader *r)
 {
 	const las_layout *layout = &r->layout;
-	gw_status status = settle_colors(r);
-	for (size_t f = 0; f < layout->count && status == GW_OK; f++) {
+	GW_TRY(settle_colors(r));
+	for (size_t f = 0; f < layout->count; f++) {
 		const las_field *field = &layout->field[f];
 		const scan_column *column = scan_find(r->cloud, field->name);
 		if (field->optional && column && all_zero(r->cloud, column))
 			scan_remove_column(r->cloud, field->name);
 		else if (column && !field->scaled &&
 				 (field->kind == LAS_UINT64 || field->kind == LAS_INT64))
-			status = settle_wide(r, field);
-		if (status == GW_OK && field->standard[0])
-			status = take_place(r, field);
+			GW_TRY(settle_wide(r, field));
+		if (field->standard[0])
+			GW_TRY(take_place(r, field));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Says so when the header's bounds are not those of the points. Half a step may be lost where a
@@ -290,17 +287,13 @@ static gw_status check_bounds(reader *r)
 
 static gw_status read_all(reader *r)
 {
-	gw_status status = las_header_parse(&r->header, r->in, r->cloud, r->error);
-	if (status == GW_OK)
-		status = las_layout_make(&r->layout, r->header.format, r->header.scale, r->header.offset,
-								 r->error);
-	if (status == GW_OK)
-		status = las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error);
-	if (status == GW_OK)
-		status = r->header.compressed ? read_compressed(r) : read_plain(r);
-	if (status == GW_OK)
-		status = check_bounds(r);
-	return status == GW_OK ? settle_columns(r) : status;
+	GW_TRY(las_header_parse(&r->header, r->in, r->cloud, r->error));
+	GW_TRY(
+		las_layout_make(&r->layout, r->header.format, r->header.scale, r->header.offset, r->error));
+	GW_TRY(las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error));
+	GW_TRY(r->header.compressed ? read_compressed(r) : read_plain(r));
+	GW_TRY(check_bounds(r));
+	return settle_columns(r);
 }
 
 gw_status las_read(input_file *in, scan *cloud, gw_error *error)

@@ -93,9 +93,7 @@ static gw_status choose_format(writer *w)
 				 scan_find(w->cloud, "blue") &&
 				 scan_color_find(w->cloud, scan_color_names, &w->color);
 	unsigned number = (time ? 1u : 0u) + (w->colored ? 2u : 0u);
-	gw_status status = las_layout_make(&old, number, zero, zero, w->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(las_layout_make(&old, number, zero, zero, w->error));
 	if (!fits_old(w, &old))
 		number = scan_find(w->cloud, "nir") ? 8 : w->colored ? 7 : 6;
 	las_layout_clear(&old);
@@ -157,9 +155,7 @@ static gw_status assign_columns(writer *w)
 {
 	const double scale[3] = { w->grid[0].scale, w->grid[1].scale, w->grid[2].scale };
 	const double offset[3] = { w->grid[0].offset, w->grid[1].offset, w->grid[2].offset };
-	gw_status status = las_layout_make(&w->layout, w->format, scale, offset, w->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(las_layout_make(&w->layout, w->format, scale, offset, w->error));
 	w->own = w->layout.count;
 	w->column = calloc(w->own + w->cloud->column_count, sizeof *w->column);
 	if (!w->column)
@@ -174,10 +170,10 @@ static gw_status assign_columns(writer *w)
 		if (strcmp(field->name, "scan_angle") == 0 && !column)
 			w->column[f] = find_rank(w->cloud);
 	}
-	for (size_t c = 0; c < w->cloud->column_count && status == GW_OK; c++)
+	for (size_t c = 0; c < w->cloud->column_count; c++)
 		if (!is_written(w, w->cloud->column[c].name))
-			status = add_extra(w, &w->cloud->column[c]);
-	return status;
+			GW_TRY(add_extra(w, &w->cloud->column[c]));
+	return GW_OK;
 }
 
 /* ----------------------------------------------------------------------------------- records */
@@ -391,22 +387,17 @@ static gw_status make_vlrs(const writer *w, vlr v[VLR_COUNT])
 	v[VLR_GEO_TEXT] = (vlr){ .user = LAS_USER_CRS, .id = LAS_VLR_GEO_TEXT };
 	v[VLR_TEXT] = (vlr){ .user = LAS_USER_SPEC, .id = LAS_VLR_TEXT };
 	v[VLR_EXTRA] = (vlr){ .user = LAS_USER_SPEC, .id = LAS_VLR_EXTRA };
-	gw_status status = make_text(w, &v[VLR_WKT], "wkt");
-	if (status == GW_OK)
-		status = make_numbers(w, &v[VLR_KEYS], "geokeys", 2);
-	if (status == GW_OK)
-		status = make_numbers(w, &v[VLR_DOUBLES], "geodoubles", 8);
-	if (status == GW_OK)
-		status = make_text(w, &v[VLR_GEO_TEXT], "geotext");
-	if (status == GW_OK)
-		status = make_comments(w, &v[VLR_TEXT]);
-	return status == GW_OK ? make_extra(w, &v[VLR_EXTRA]) : status;
+	GW_TRY(make_text(w, &v[VLR_WKT], "wkt"));
+	GW_TRY(make_numbers(w, &v[VLR_KEYS], "geokeys", 2));
+	GW_TRY(make_numbers(w, &v[VLR_DOUBLES], "geodoubles", 8));
+	GW_TRY(make_text(w, &v[VLR_GEO_TEXT], "geotext"));
+	GW_TRY(make_comments(w, &v[VLR_TEXT]));
+	return make_extra(w, &v[VLR_EXTRA]);
 }
 
 static gw_status write_vlrs(writer *w, const vlr v[VLR_COUNT])
 {
-	gw_status status = GW_OK;
-	for (int k = 0; k < VLR_COUNT && status == GW_OK; k++) {
+	for (int k = 0; k < VLR_COUNT; k++) {
 		uint8_t head[LAS_VLR_BYTES] = { 0 };
 		if (v[k].length == 0)
 			continue;
@@ -414,9 +405,9 @@ static gw_status write_vlrs(writer *w, const vlr v[VLR_COUNT])
 		store_16(head + 18, v[k].id);
 		store_16(head + 20, (uint16_t)v[k].length);
 		output_file_write(w->out, head, sizeof head, w->error);
-		status = output_file_write(w->out, v[k].data, v[k].length, w->error);
+		GW_TRY(output_file_write(w->out, v[k].data, v[k].length, w->error));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ----------------------------------------------------------------------------------- header */
@@ -503,22 +494,22 @@ static gw_status write_header(writer *w, const vlr v[VLR_COUNT])
 	return output_file_write(w->out, h, sizeof h, w->error);
 }
 
+static gw_status write_parts(writer *w, vlr v[VLR_COUNT])
+{
+	GW_TRY(choose_format(w));
+	for (int k = 0; k < 3; k++)
+		GW_TRY(las_grid_find(w->cloud, k, output_file_name(w->out), &w->grid[k], w->error));
+	GW_TRY(assign_columns(w));
+	GW_TRY(make_vlrs(w, v));
+	GW_TRY(write_header(w, v));
+	GW_TRY(write_vlrs(w, v));
+	return write_records(w);
+}
+
 static gw_status write_all(writer *w)
 {
 	vlr v[VLR_COUNT] = { 0 };
-	gw_status status = choose_format(w);
-	for (int k = 0; k < 3 && status == GW_OK; k++)
-		status = las_grid_find(w->cloud, k, output_file_name(w->out), &w->grid[k], w->error);
-	if (status == GW_OK)
-		status = assign_columns(w);
-	if (status == GW_OK)
-		status = make_vlrs(w, v);
-	if (status == GW_OK)
-		status = write_header(w, v);
-	if (status == GW_OK)
-		status = write_vlrs(w, v);
-	if (status == GW_OK)
-		status = write_records(w);
+	gw_status status = write_parts(w, v);
 	for (int k = 0; k < VLR_COUNT; k++)
 		free(v[k].data);
 	return status;

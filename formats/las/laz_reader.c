@@ -241,9 +241,7 @@ static gw_status take_table(laz_stream *s, gw_error *error)
 	if (s->chunk_size == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s: the LASzip record says that chunks have 0 points",
 					   s->in->name);
-	gw_status status = find_table(s, &table, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_table(s, &table, error));
 	size_t count = load_32(s->in->data + table + 4);
 	size_t most = (table - s->header->points - 8) / laz_points_least(&s->items, 1);
 	if (count > most)
@@ -252,10 +250,10 @@ static gw_status take_table(laz_stream *s, gw_error *error)
 			"%s, byte %zu: %zu chunks, but the bytes before are enough for %zu; the file "
 			"is cut short or damaged",
 			s->in->name, table + 4, count, most);
-	status = allocate_chunks(s, count, error);
-	if (status == GW_OK && count > 0)
-		status = decode_table(s, table, error);
-	return status == GW_OK ? place_chunks(s, table, error) : status;
+	GW_TRY(allocate_chunks(s, count, error));
+	if (count > 0)
+		GW_TRY(decode_table(s, table, error));
+	return place_chunks(s, table, error);
 }
 
 /* One stream to the end of the file, or to what follows it. */
@@ -264,10 +262,9 @@ static gw_status take_whole(laz_stream *s, gw_error *error)
 	size_t length = s->in->length - s->header->points;
 	if (length < laz_points_least(&s->items, s->header->count))
 		return fail_table(s, s->header->points, "no room for compressed points", error);
-	gw_status status = allocate_chunks(s, 1, error);
-	if (status == GW_OK)
-		s->chunk[0] = (chunk){ 0, s->header->count, s->header->points, length };
-	return status;
+	GW_TRY(allocate_chunks(s, 1, error));
+	s->chunk[0] = (chunk){ 0, s->header->count, s->header->points, length };
+	return GW_OK;
 }
 
 /* --------------------------------------------------------------------------------- decoding */

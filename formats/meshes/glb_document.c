@@ -109,8 +109,8 @@ static gw_status check_asset(const glb_document *d)
 gw_status glb_open(glb_document *d, const input_file *in, gw_error *error)
 {
 	*d = (glb_document){ .in = in, .error = error };
-	gw_status status = find_chunks(d);
-	return status == GW_OK ? check_asset(d) : status;
+	GW_TRY(find_chunks(d));
+	return check_asset(d);
 }
 
 void glb_close(glb_document *d)
@@ -191,15 +191,10 @@ static gw_status find_view(const glb_document *d, size_t index, const uint8_t **
 	size_t buffer, offset;
 	if (!json_is_object(view))
 		return glb_fail(d, "there is no bufferViews[%zu]", index);
-	gw_status status = glb_size(d, view, "buffer", SIZE_MAX, &buffer);
-	if (status == GW_OK)
-		status = glb_size(d, view, "byteOffset", 0, &offset);
-	if (status == GW_OK)
-		status = glb_size(d, view, "byteLength", 0, length);
-	if (status == GW_OK)
-		status = glb_size(d, view, "byteStride", 0, stride);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(glb_size(d, view, "buffer", SIZE_MAX, &buffer));
+	GW_TRY(glb_size(d, view, "byteOffset", 0, &offset));
+	GW_TRY(glb_size(d, view, "byteLength", 0, length));
+	GW_TRY(glb_size(d, view, "byteStride", 0, stride));
 	if (buffer != 0 || !d->bytes || json_object_get(glb_entry(d, "buffers", 0), "uri"))
 		return glb_fail(d, "bufferViews[%zu] lies in another file; export as one GLB file", index);
 	if (offset > d->length || *length > d->length - offset)
@@ -216,9 +211,7 @@ static gw_status place_values(const glb_document *d, size_t index, size_t view, 
 	size_t size = component_size(v->component) * v->width, length = 0;
 	const uint8_t *bytes = NULL;
 	assert(size > 0 && v->count > 0);
-	gw_status status = find_view(d, view, &bytes, &length, &v->stride);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_view(d, view, &bytes, &length, &v->stride));
 	v->stride = v->stride ? v->stride : size;
 	if (v->stride < size || v->stride > 252)
 		return glb_fail(d, "accessors[%zu]: its elements are %zu bytes apart and %zu long", index,
@@ -239,15 +232,10 @@ gw_status glb_find_values(const glb_document *d, size_t index, glb_values *v)
 		return glb_fail(d, "there is no accessors[%zu]", index);
 	if (json_object_get(accessor, "sparse"))
 		return glb_fail(d, "accessors[%zu] is sparse, which is not read", index);
-	gw_status status = glb_size(d, accessor, "bufferView", SIZE_MAX, &view);
-	if (status == GW_OK)
-		status = glb_size(d, accessor, "byteOffset", 0, &offset);
-	if (status == GW_OK)
-		status = glb_size(d, accessor, "componentType", 0, &component);
-	if (status == GW_OK)
-		status = glb_size(d, accessor, "count", 0, &v->count);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(glb_size(d, accessor, "bufferView", SIZE_MAX, &view));
+	GW_TRY(glb_size(d, accessor, "byteOffset", 0, &offset));
+	GW_TRY(glb_size(d, accessor, "componentType", 0, &component));
+	GW_TRY(glb_size(d, accessor, "count", 0, &v->count));
 	v->width = type_width(json_string_value(json_object_get(accessor, "type")));
 	v->component = (unsigned)component;
 	v->normalized = json_is_true(json_object_get(accessor, "normalized"));

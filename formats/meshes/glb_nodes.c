@@ -55,21 +55,18 @@ static gw_status take_matrix(const glb_document *d, json_t *node, double m[16])
 {
 	double t[3] = { 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 }, columns[16];
 	if (json_object_get(node, "matrix")) {
-		gw_status status = glb_numbers(d, node, "matrix", columns, 16);
-		for (int i = 0; i < 16 && status == GW_OK; i++)
+		GW_TRY(glb_numbers(d, node, "matrix", columns, 16));
+		for (int i = 0; i < 16; i++)
 			m[i] = columns[4 * (i % 4) + i / 4];
-		if (status == GW_OK && (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0))
+		if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0)
 			return glb_fail(d, "the matrix of a node is a projection, which is not read");
-		return status;
+		return GW_OK;
 	}
-	gw_status status = glb_numbers(d, node, "translation", t, 3);
-	if (status == GW_OK)
-		status = glb_numbers(d, node, "rotation", q, 4);
-	if (status == GW_OK)
-		status = glb_numbers(d, node, "scale", s, 3);
-	if (status == GW_OK)
-		compose(t, q, s, m);
-	return status;
+	GW_TRY(glb_numbers(d, node, "translation", t, 3));
+	GW_TRY(glb_numbers(d, node, "rotation", q, 4));
+	GW_TRY(glb_numbers(d, node, "scale", s, 3));
+	compose(t, q, s, m);
+	return GW_OK;
 }
 
 /* Nodes may only be reached once, so there is no circle. */
@@ -106,41 +103,37 @@ static gw_status visit(walk *w, const waiting *from)
 	json_t *node = glb_entry(w->document, "nodes", from->node);
 	double own[16], matrix[16];
 	size_t mesh;
-	gw_status status = take_matrix(w->document, node, own);
-	if (status == GW_OK)
-		status = glb_size(w->document, node, "mesh", SIZE_MAX, &mesh);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_matrix(w->document, node, own));
+	GW_TRY(glb_size(w->document, node, "mesh", SIZE_MAX, &mesh));
 	multiply(from->matrix, own, matrix);
 	for (int i = 0; i < 16; i++)
 		if (!isfinite(matrix[i]))
 			return glb_fail(w->document, "the matrix of nodes[%zu] is too large", from->node);
 	if (mesh != SIZE_MAX)
-		status = add_mesh(w, mesh, matrix);
+		GW_TRY(add_mesh(w, mesh, matrix));
 	json_t *children = json_object_get(node, "children");
-	for (size_t i = json_array_size(children); i-- > 0 && status == GW_OK;)
-		status = push(w, json_array_get(children, i), matrix);
-	return status;
+	for (size_t i = json_array_size(children); i-- > 0;)
+		GW_TRY(push(w, json_array_get(children, i), matrix));
+	return GW_OK;
 }
 
 static gw_status visit_all(walk *w)
 {
-	gw_status status = GW_OK;
-	while (w->depth > 0 && status == GW_OK) {
+	while (w->depth > 0) {
 		waiting next = w->stack[--w->depth];
-		status = visit(w, &next);
+		GW_TRY(visit(w, &next));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status push_roots(walk *w)
 {
 	size_t scene;
-	gw_status status = glb_size(w->document, w->document->root, "scene", 0, &scene);
+	GW_TRY(glb_size(w->document, w->document->root, "scene", 0, &scene));
 	json_t *roots = json_object_get(glb_entry(w->document, "scenes", scene), "nodes");
-	for (size_t i = json_array_size(roots); i-- > 0 && status == GW_OK;)
-		status = push(w, json_array_get(roots, i), identity);
-	return status;
+	for (size_t i = json_array_size(roots); i-- > 0;)
+		GW_TRY(push(w, json_array_get(roots, i), identity));
+	return GW_OK;
 }
 
 /* Without scenes, nodes that are nobody's children; without nodes, the meshes as they are. */
@@ -173,21 +166,25 @@ static gw_status push_orphans(walk *w)
 	return status;
 }
 
+static gw_status walk_all(walk *w)
+{
+	const glb_document *d = w->document;
+	w->stack = reallocarray(NULL, w->nodes + 1, sizeof *w->stack);
+	w->seen = calloc(w->nodes + 1, sizeof *w->seen);
+	if (!w->stack || !w->seen)
+		return gw_fail(d->error, GW_ERROR_MEMORY, "no memory for %zu nodes", w->nodes);
+	if (json_array_size(json_object_get(d->root, "scenes")) > 0)
+		GW_TRY(push_roots(w));
+	else
+		GW_TRY(push_orphans(w));
+	GW_TRY(visit_all(w));
+	return w->placed_count > 0 ? GW_OK : glb_fail(d, "its scene holds no mesh");
+}
+
 gw_status glb_list_meshes(const glb_document *d, glb_placed **placed, size_t *count)
 {
 	walk w = { .document = d, .nodes = json_array_size(json_object_get(d->root, "nodes")) };
-	w.stack = reallocarray(NULL, w.nodes + 1, sizeof *w.stack);
-	w.seen = calloc(w.nodes + 1, sizeof *w.seen);
-	gw_status status = GW_OK;
-	if (!w.stack || !w.seen)
-		status = gw_fail(d->error, GW_ERROR_MEMORY, "no memory for %zu nodes", w.nodes);
-	if (status == GW_OK)
-		status = json_array_size(json_object_get(d->root, "scenes")) > 0 ? push_roots(&w)
-																		 : push_orphans(&w);
-	if (status == GW_OK)
-		status = visit_all(&w);
-	if (status == GW_OK && w.placed_count == 0)
-		status = glb_fail(d, "its scene holds no mesh");
+	gw_status status = walk_all(&w);
 	free(w.stack);
 	free(w.seen);
 	if (status != GW_OK)

@@ -47,13 +47,13 @@ static gw_status take_color(const reader *r, json_t *object, const char *key, si
 	double v[4] = { 1, 1, 1, 1 };
 	for (int k = 0; k < 3; k++)
 		v[k] = (double)color[k];
-	gw_status status = glb_numbers(&r->document, object, key, v, count);
-	for (int k = 0; k < 3 && status == GW_OK; k++) {
+	GW_TRY(glb_numbers(&r->document, object, key, v, count));
+	for (int k = 0; k < 3; k++) {
 		color[k] = (float)v[k];
 		if (!(v[k] >= 0.0 && v[k] <= most))
-			status = glb_fail(&r->document, "'%s' has to be from 0 to %g", key, most);
+			return glb_fail(&r->document, "'%s' has to be from 0 to %g", key, most);
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_emission(const reader *r, json_t *object, mesh_material *m)
@@ -66,10 +66,10 @@ static gw_status take_emission(const reader *r, json_t *object, mesh_material *m
 		strength = json_is_number(value) ? json_number_value(value) : -1.0;
 	if (!(strength >= 0.0 && strength <= 1e30))
 		return glb_fail(&r->document, "'emissiveStrength' has to be from 0 to 1e30");
-	gw_status status = take_color(r, object, "emissiveFactor", 3, 1.0, m->emission);
+	GW_TRY(take_color(r, object, "emissiveFactor", 3, 1.0, m->emission));
 	for (int k = 0; k < 3; k++)
 		m->emission[k] *= (float)strength;
-	return status;
+	return GW_OK;
 }
 
 /* What a texture would say is unknown: grey stands in for its colour, darkness for its light. */
@@ -83,9 +83,8 @@ static gw_status take_material(reader *r, json_t *object, mesh_material *m, size
 					   r->document.in->name);
 	for (int k = 0; k < 3; k++)
 		m->albedo[k] = 1.0f;
-	gw_status status = take_color(r, surface, "baseColorFactor", 4, 1.0, m->albedo);
-	if (status == GW_OK)
-		status = take_emission(r, object, m);
+	GW_TRY(take_color(r, surface, "baseColorFactor", 4, 1.0, m->albedo));
+	GW_TRY(take_emission(r, object, m));
 	bool painted = json_object_get(surface, "baseColorTexture");
 	bool glows = json_object_get(object, "emissiveTexture");
 	for (int k = 0; k < 3; k++) {
@@ -93,7 +92,7 @@ static gw_status take_material(reader *r, json_t *object, mesh_material *m, size
 		m->emission[k] *= glows ? 0.0f : 1.0f;
 	}
 	*textures += (size_t)painted + (size_t)glows;
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_materials(reader *r)
@@ -101,22 +100,21 @@ static gw_status take_materials(reader *r)
 	mesh *m = r->mesh;
 	json_t *list = json_object_get(r->document.root, "materials");
 	size_t count = json_array_size(list), textures = 0;
-	gw_status status = GW_OK;
 	if (count >= MESH_NONE)
 		return glb_fail(&r->document, "there are too many materials");
 	m->material = calloc(count + 1, sizeof *m->material);
 	if (!m->material)
 		return gw_fail(r->document.error, GW_ERROR_MEMORY, "no memory for %zu materials", count);
-	for (size_t i = 0; i < count && status == GW_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		m->material_count = i + 1;
-		status = take_material(r, json_array_get(list, i), &m->material[i], &textures);
+		GW_TRY(take_material(r, json_array_get(list, i), &m->material[i], &textures));
 	}
-	if (status == GW_OK && textures > 0)
-		status = mesh_add_note(m, r->document.error,
-							   "%s has textures (%zu), which are not read; an albedo of %g and no "
-							   "light stand in for them",
-							   r->document.in->name, textures, (double)GW_ALBEDO_DEFAULT);
-	return status;
+	if (textures > 0)
+		GW_TRY(mesh_add_note(m, r->document.error,
+							 "%s has textures (%zu), which are not read; an albedo of %g and no "
+							 "light stand in for them",
+							 r->document.in->name, textures, (double)GW_ALBEDO_DEFAULT));
+	return GW_OK;
 }
 
 /* ----------------------------------------------------------------------------- primitives */
@@ -169,33 +167,27 @@ static gw_status find_primitive(const reader *r, json_t *object, primitive *p)
 	json_t *attributes = json_object_get(object, "attributes");
 	bool found;
 	*p = (primitive){ .mode = 0 };
-	gw_status status = glb_size(&r->document, object, "mode", MODE_TRIANGLES, &p->mode);
-	if (status == GW_OK && !is_taken(r, p->mode))
+	GW_TRY(glb_size(&r->document, object, "mode", MODE_TRIANGLES, &p->mode));
+	if (!is_taken(r, p->mode))
 		return GW_OK;
-	if (status == GW_OK &&
-		json_object_get(json_object_get(object, "extensions"), "KHR_draco_mesh_compression"))
+	if (json_object_get(json_object_get(object, "extensions"), "KHR_draco_mesh_compression"))
 		return glb_fail(&r->document, "its triangles are compressed by Draco, which is not read; "
 									  "export it without compression");
-	if (status == GW_OK)
-		status = find_attribute(r, attributes, "POSITION", 0, &p->position, &found);
-	if (status == GW_OK && (!found || p->mode > MODE_FAN))
+	GW_TRY(find_attribute(r, attributes, "POSITION", 0, &p->position, &found));
+	if (!found || p->mode > MODE_FAN)
 		return glb_fail(&r->document, "a primitive has no POSITION, or an unknown mode");
 	size_t vertices = p->position.count;
-	if (status == GW_OK)
-		status = find_attribute(r, attributes, "NORMAL", vertices, &p->normal, &p->has_normal);
-	if (status == GW_OK)
-		status = find_attribute(r, attributes, "COLOR_0", vertices, &p->color, &p->has_color);
-	if (status == GW_OK)
-		status = find_index(r, object, p);
-	if (status == GW_OK)
-		status = glb_size(&r->document, object, "material", SIZE_MAX, &p->material);
-	if (status == GW_OK && p->material != SIZE_MAX && p->material >= r->mesh->material_count)
+	GW_TRY(find_attribute(r, attributes, "NORMAL", vertices, &p->normal, &p->has_normal));
+	GW_TRY(find_attribute(r, attributes, "COLOR_0", vertices, &p->color, &p->has_color));
+	GW_TRY(find_index(r, object, p));
+	GW_TRY(glb_size(&r->document, object, "material", SIZE_MAX, &p->material));
+	if (p->material != SIZE_MAX && p->material >= r->mesh->material_count)
 		return glb_fail(&r->document, "there is no materials[%zu]", p->material);
 	p->triangles = r->taking != TAKE_TRIANGLES ? 0
 				   : p->mode == MODE_TRIANGLES ? p->corners / 3
 				   : p->corners >= 2           ? p->corners - 2
 											   : 0;
-	return status;
+	return GW_OK;
 }
 
 /* Bytes of a vertex with normal and colour, and of a triangle with its sum of areas. */
@@ -301,10 +293,10 @@ static gw_status put_primitive(reader *r, const primitive *p)
 	size_t first = r->mesh->position_count, first_normal = r->mesh->normal_count;
 	if (!is_taken(r, p->mode))
 		return GW_OK;
-	gw_status status = put_vertices(r, p);
-	if (status == GW_OK && r->colors)
+	GW_TRY(put_vertices(r, p));
+	if (r->colors)
 		put_colors(r, p, first);
-	return status == GW_OK ? put_triangles(r, p, first, first_normal) : status;
+	return put_triangles(r, p, first, first_normal);
 }
 
 /* -------------------------------------------------------------------------------- the whole */
@@ -342,61 +334,59 @@ static gw_status take_memory(reader *r)
 
 static gw_status count_placed(reader *r)
 {
-	gw_status status = GW_OK;
 	r->left_out = r->positions = r->normals = r->triangles = 0;
-	for (size_t i = 0; i < r->placed_count && status == GW_OK; i++)
-		status = each_primitive(r, &r->placed[i], false);
-	return status;
+	for (size_t i = 0; i < r->placed_count; i++)
+		GW_TRY(each_primitive(r, &r->placed[i], false));
+	return GW_OK;
 }
 
 static gw_status count_all(reader *r)
 {
-	gw_status status = count_placed(r);
-	if (status == GW_OK && r->taking == TAKE_POINTS && r->positions == 0) {
+	GW_TRY(count_placed(r));
+	if (r->taking == TAKE_POINTS && r->positions == 0) {
 		r->taking = TAKE_VERTICES;
-		status = count_placed(r);
+		GW_TRY(count_placed(r));
 	}
-	if (status == GW_OK && r->taking == TAKE_TRIANGLES && r->triangles == 0)
+	if (r->taking == TAKE_TRIANGLES && r->triangles == 0)
 		return glb_fail(&r->document, "it holds no triangles%s",
 						r->left_out ? ", only points or lines" : "");
-	if (status == GW_OK && r->positions == 0)
+	if (r->positions == 0)
 		return glb_fail(&r->document, "it holds no vertices");
-	if (status == GW_OK && r->left_out > 0)
-		status = mesh_add_note(r->mesh, r->document.error, "%s: %zu primitives of %s are left out",
-							   r->document.in->name, r->left_out,
-							   r->taking == TAKE_TRIANGLES ? "points or lines"
-							   : r->taking == TAKE_POINTS  ? "lines or faces"
-														   : "lines");
-	return status;
+	if (r->left_out > 0)
+		GW_TRY(mesh_add_note(r->mesh, r->document.error, "%s: %zu primitives of %s are left out",
+							 r->document.in->name, r->left_out,
+							 r->taking == TAKE_TRIANGLES ? "points or lines"
+							 : r->taking == TAKE_POINTS  ? "lines or faces"
+														 : "lines"));
+	return GW_OK;
 }
 
 static gw_status put_all(reader *r)
 {
-	gw_status status = take_memory(r);
-	for (size_t i = 0; i < r->placed_count && status == GW_OK; i++) {
+	GW_TRY(take_memory(r));
+	for (size_t i = 0; i < r->placed_count; i++) {
 		mesh_mark mark = mesh_mark_now(r->mesh);
-		status = each_primitive(r, &r->placed[i], true);
-		if (status == GW_OK)
-			mesh_transform_since(r->mesh, mark, r->placed[i].matrix);
+		GW_TRY(each_primitive(r, &r->placed[i], true));
+		mesh_transform_since(r->mesh, mark, r->placed[i].matrix);
 	}
-	if (status == GW_OK)
-		mesh_stand(r->mesh, 'z');
-	return status;
+	mesh_stand(r->mesh, 'z');
+	return GW_OK;
+}
+
+static gw_status read_parts(reader *r, const input_file *in, gw_error *error)
+{
+	*r->mesh = (mesh){ .format = &glb_format, .up = 'y' };
+	GW_TRY(glb_open(&r->document, in, error));
+	GW_TRY(take_materials(r));
+	GW_TRY(glb_list_meshes(&r->document, &r->placed, &r->placed_count));
+	GW_TRY(count_all(r));
+	return put_all(r);
 }
 
 /* The document, and of it what is taken; *r is to be closed. */
 static gw_status read_all(reader *r, const input_file *in, gw_error *error)
 {
-	*r->mesh = (mesh){ .format = &glb_format, .up = 'y' };
-	gw_status status = glb_open(&r->document, in, error);
-	if (status == GW_OK)
-		status = take_materials(r);
-	if (status == GW_OK)
-		status = glb_list_meshes(&r->document, &r->placed, &r->placed_count);
-	if (status == GW_OK)
-		status = count_all(r);
-	if (status == GW_OK)
-		status = put_all(r);
+	gw_status status = read_parts(r, in, error);
 	r->mesh->bare = r->mesh->material_count == 0 && !r->mesh->color;
 	free(r->placed);
 	glb_close(&r->document);

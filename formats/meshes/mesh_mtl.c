@@ -87,10 +87,10 @@ static gw_status take_property(reader *r, mesh_word key)
 	if (mesh_word_is(key, "Ke"))
 		return take_color(r, "Ke", 1e30, m->emission);
 	if (mesh_word_is(key, "Ks")) {
-		gw_status status = take_color(r, "Ks", 1e30, color);
-		if (status == GW_OK)
-			m->specular = fminf(0.2126f * color[0] + 0.7152f * color[1] + 0.0722f * color[2], 1.0f);
-		return status;
+		GW_TRY(take_color(r, "Ks", 1e30, color));
+		m->specular = (float)fmin(
+			gw_relative_luminance((double)color[0], (double)color[1], (double)color[2]), 1.0);
+		return GW_OK;
 	}
 	if (mesh_word_is(key, "Pr")) {
 		gw_status status = take_number(r, "Pr", 1.0, &value);
@@ -124,12 +124,11 @@ static gw_status take_line(reader *r)
 gw_status mesh_mtl_read(const input_file *in, mesh *m, gw_error *error)
 {
 	reader r = { .in = in, .mesh = m, .text = mesh_text_start(in), .error = error };
-	gw_status status = GW_OK;
-	while (status == GW_OK && mesh_text_next(&r.text))
-		status = take_line(&r);
-	if (status == GW_OK && r.textures > 0)
-		status = mesh_add_note(m, error,
-							   "%s names %zu textures, which are not read; Kd stands in for them",
-							   in->name, r.textures);
-	return status;
+	while (mesh_text_next(&r.text))
+		GW_TRY(take_line(&r));
+	if (r.textures > 0)
+		GW_TRY(mesh_add_note(m, error,
+							 "%s names %zu textures, which are not read; Kd stands in for them",
+							 in->name, r.textures));
+	return GW_OK;
 }

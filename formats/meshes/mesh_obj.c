@@ -179,27 +179,26 @@ static gw_status take_corner(reader *r, mesh_word word)
 	const indexed vertices = { "vertex", r->mesh->position_count, r->vertices };
 	const indexed normals = { "normal", r->mesh->normal_count, r->normals };
 	uint32_t corner, normal = MESH_NONE;
-	gw_status status = take_index(r, word, &at, vertices, &corner);
-	if (status == GW_OK && at < end) {
+	GW_TRY(take_index(r, word, &at, vertices, &corner));
+	if (at < end) {
 		/* Texture coordinates are not needed, so their index is not looked at. */
 		for (at++; at < end && *at != '/';)
 			at++;
 		if (at < end && ++at < end)
-			status = take_index(r, word, &at, normals, &normal);
+			GW_TRY(take_index(r, word, &at, normals, &normal));
 	}
-	if (status == GW_OK && at < end)
+	if (at < end)
 		return fail_line(r, word, "where the indices of a corner were expected");
-	return status == GW_OK ? mesh_polygon_add(&r->polygon, corner, normal, r->error) : status;
+	return mesh_polygon_add(&r->polygon, corner, normal, r->error);
 }
 
 static gw_status take_face(reader *r)
 {
-	gw_status status = GW_OK;
 	mesh_word word;
 	r->polygon.count = 0;
-	while (status == GW_OK && (word = mesh_text_word(&r->text)).length > 0)
-		status = take_corner(r, word);
-	return status == GW_OK ? mesh_add_polygon(r->mesh, &r->polygon, r->material, r->error) : status;
+	while ((word = mesh_text_word(&r->text)).length > 0)
+		GW_TRY(take_corner(r, word));
+	return mesh_add_polygon(r->mesh, &r->polygon, r->material, r->error);
 }
 
 static void take_use(reader *r)
@@ -214,34 +213,31 @@ static void take_use(reader *r)
 
 static gw_status first_pass(reader *r)
 {
-	gw_status status = GW_OK;
 	r->text = mesh_text_start(r->in);
-	while (status == GW_OK && mesh_text_next(&r->text)) {
+	while (mesh_text_next(&r->text)) {
 		mesh_word key = mesh_text_word(&r->text);
 		if (memchr(key.text, '\0', key.length))
 			return fail_line(r, key, "is no text; this is no OBJ file");
 		if (mesh_word_is(key, "v"))
-			status = take_vertex(r);
+			GW_TRY(take_vertex(r));
 		else if (mesh_word_is(key, "vn"))
-			status = take_normal(r);
+			GW_TRY(take_normal(r));
 		else if (mesh_word_is(key, "mtllib") && !r->points)
-			status = take_library(r);
+			GW_TRY(take_library(r));
 		else if (mesh_word_is(key, "f"))
 			r->faces = true;
 	}
-	if (status == GW_OK &&
-		(r->mesh->position_count >= MESH_NONE || r->mesh->normal_count >= MESH_NONE))
-		status =
-			gw_fail(r->error, GW_ERROR_DATA, "%s has more than 4294967294 vertices", r->in->name);
-	return status;
+	if (r->mesh->position_count >= MESH_NONE || r->mesh->normal_count >= MESH_NONE)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s has more than 4294967294 vertices",
+					   r->in->name);
+	return GW_OK;
 }
 
 static gw_status second_pass(reader *r)
 {
-	gw_status status = GW_OK;
 	r->text = mesh_text_start(r->in);
 	r->material = MESH_NONE;
-	while (status == GW_OK && mesh_text_next(&r->text)) {
+	while (mesh_text_next(&r->text)) {
 		mesh_word key = mesh_text_word(&r->text);
 		if (mesh_word_is(key, "v"))
 			r->vertices++;
@@ -250,9 +246,9 @@ static gw_status second_pass(reader *r)
 		else if (mesh_word_is(key, "usemtl"))
 			take_use(r);
 		else if (mesh_word_is(key, "f"))
-			status = take_face(r);
+			GW_TRY(take_face(r));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Colours count when every vertex has one. */
@@ -274,14 +270,14 @@ static gw_status finish(reader *r)
 	if (m->triangle_count == 0)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces (%zu vertices)", r->in->name,
 					   m->position_count);
-	gw_status status = check_colors(r);
-	if (status == GW_OK && r->undefined > 0)
-		status = mesh_add_note(m, r->error,
-							   "%s: the material '%s' is nowhere defined; its faces get an albedo "
-							   "of %g",
-							   r->in->name, r->undefined_name, (double)GW_ALBEDO_DEFAULT);
+	GW_TRY(check_colors(r));
+	if (r->undefined > 0)
+		GW_TRY(mesh_add_note(m, r->error,
+							 "%s: the material '%s' is nowhere defined; its faces get an albedo "
+							 "of %g",
+							 r->in->name, r->undefined_name, (double)GW_ALBEDO_DEFAULT));
 	m->bare = m->material_count == 0 && !m->color && r->undefined == 0;
-	return status;
+	return GW_OK;
 }
 
 gw_status mesh_obj_read(const input_file *in, const char *path, mesh *m, gw_error *error)
@@ -339,11 +335,10 @@ static gw_status name_libraries(mesh_text *line, const char *obj, mesh_obj_named
 {
 	char path[PATH_MAX];
 	mesh_word word = mesh_text_rest(line);
-	gw_status status = GW_OK;
-	for (; status == GW_OK && word.length > 0; word = mesh_text_word(line))
+	for (; word.length > 0; word = mesh_text_word(line))
 		if (name_beside(obj, word, path))
-			status = named(user, path, error);
-	return status;
+			GW_TRY(named(user, path, error));
+	return GW_OK;
 }
 
 gw_status mesh_obj_libraries(const char *path, mesh_obj_named *named, void *user, gw_error *error)

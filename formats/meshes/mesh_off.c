@@ -68,9 +68,7 @@ static gw_status take_counts(reader *r)
 {
 	double v[3];
 	size_t count;
-	gw_status status = take_numbers(r, v, 3, &count);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_numbers(r, v, 3, &count));
 	double bytes = (double)r->in->length;
 	if (count < 2 || !(v[0] >= 0.0) || !(v[1] >= 0.0))
 		return fail_line(r, "the numbers of vertices and faces were expected");
@@ -96,10 +94,8 @@ static gw_status take_head(reader *r)
 		return fail_line(r, "binary OFF cannot be read; save it as text");
 	if (behind.length == 0 && !next_line(r))
 		return fail_line(r, "the numbers of vertices and faces are missing");
-	gw_status status = take_counts(r);
+	GW_TRY(take_counts(r));
 	mesh *m = r->mesh;
-	if (status != GW_OK)
-		return status;
 	m->position = calloc(m->position_count + 1, 3 * sizeof *m->position);
 	m->normal = r->normals ? calloc(m->position_count + 1, 3 * sizeof *m->normal) : NULL;
 	m->color = r->colors ? calloc(m->position_count + 1, 3 * sizeof *m->color) : NULL;

@@ -71,9 +71,7 @@ static gw_status take_value(reader *r, scan_type type, double *value)
 static gw_status take_length(reader *r, const ply_property *property, size_t *length)
 {
 	double value;
-	gw_status status = take_value(r, property->count_type, &value);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_value(r, property->count_type, &value));
 	if (!(value >= 0.0 && value <= 0x1p32 && value == floor(value)))
 		return fail_entry(r, "has a list whose length is no count");
 	*length = (size_t)value;
@@ -87,17 +85,17 @@ static gw_status skip_property(reader *r, const ply_property *property)
 {
 	size_t length = 1;
 	double ignored;
-	gw_status status = property->list ? take_length(r, property, &length) : GW_OK;
-	if (status == GW_OK && property->list && !r->ascii) {
+	GW_TRY(property->list ? take_length(r, property, &length) : GW_OK);
+	if (property->list && !r->ascii) {
 		size_t bytes = length * scan_type_size(property->type);
 		if ((size_t)(r->end - r->at) < bytes)
 			return fail_entry(r, "is missing or cut short; the file is damaged");
 		r->at += bytes;
 		return GW_OK;
 	}
-	for (size_t i = 0; i < length && status == GW_OK; i++)
-		status = take_value(r, property->type, &ignored);
-	return status;
+	for (size_t i = 0; i < length; i++)
+		GW_TRY(take_value(r, property->type, &ignored));
+	return GW_OK;
 }
 
 /* Skips an element with all its entries. Without lists that is one step. */
@@ -117,11 +115,10 @@ static gw_status skip_element(reader *r, const ply_element *element)
 		r->at += element->count * bytes;
 		return GW_OK;
 	}
-	gw_status status = GW_OK;
-	for (r->entry = 0; r->entry < element->count && status == GW_OK; r->entry++)
-		for (size_t k = 0; k < element->property_count && status == GW_OK; k++)
-			status = skip_property(r, &element->property[k]);
-	return status;
+	for (r->entry = 0; r->entry < element->count; r->entry++)
+		for (size_t k = 0; k < element->property_count; k++)
+			GW_TRY(skip_property(r, &element->property[k]));
+	return GW_OK;
 }
 
 /* ---------------------------------------------------------------------------------- faces */
@@ -136,13 +133,11 @@ static bool is_indices(const ply_property *property)
 static gw_status take_face(reader *r, const ply_property *property)
 {
 	size_t length = 0;
-	gw_status status = take_length(r, property, &length);
+	GW_TRY(take_length(r, property, &length));
 	r->polygon.count = 0;
-	for (size_t i = 0; i < length && status == GW_OK; i++) {
+	for (size_t i = 0; i < length; i++) {
 		double index;
-		status = take_value(r, property->type, &index);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(take_value(r, property->type, &index));
 		if (!(index >= 0.0 && index < (double)r->mesh->position_count && index == floor(index))) {
 			char text[80];
 			snprintf(text, sizeof text, "leads to vertex %.12g; there are %zu, from 0", index,
@@ -150,10 +145,10 @@ static gw_status take_face(reader *r, const ply_property *property)
 			return fail_entry(r, text);
 		}
 		uint32_t corner = (uint32_t)index;
-		status =
-			mesh_polygon_add(&r->polygon, corner, r->mesh->normal ? corner : MESH_NONE, r->error);
+		GW_TRY(
+			mesh_polygon_add(&r->polygon, corner, r->mesh->normal ? corner : MESH_NONE, r->error));
 	}
-	return status == GW_OK ? mesh_add_polygon(r->mesh, &r->polygon, MESH_NONE, r->error) : status;
+	return mesh_add_polygon(r->mesh, &r->polygon, MESH_NONE, r->error);
 }
 
 static gw_status take_faces(reader *r, const ply_element *element)
@@ -165,38 +160,36 @@ static gw_status take_faces(reader *r, const ply_element *element)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s: its faces have no list 'vertex_indices', so they lead nowhere",
 					   r->in->name);
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < element->property_count && status == GW_OK && !r->mesh->color; k++)
+	for (size_t k = 0; k < element->property_count && !r->mesh->color; k++)
 		if (strcmp(element->property[k].name, "red") == 0)
-			status = mesh_add_note(r->mesh, r->error,
-								   "%s: its faces have colours, which are not read; only those of "
-								   "vertices are",
-								   r->in->name);
-	for (r->entry = 0; r->entry < element->count && status == GW_OK; r->entry++)
-		for (size_t k = 0; k < element->property_count && status == GW_OK; k++)
-			status = k == own ? take_face(r, &element->property[k])
-							  : skip_property(r, &element->property[k]);
-	return status;
+			GW_TRY(mesh_add_note(r->mesh, r->error,
+								 "%s: its faces have colours, which are not read; only those of "
+								 "vertices are",
+								 r->in->name));
+	for (r->entry = 0; r->entry < element->count; r->entry++)
+		for (size_t k = 0; k < element->property_count; k++)
+			GW_TRY(k == own ? take_face(r, &element->property[k])
+							: skip_property(r, &element->property[k]));
+	return GW_OK;
 }
 
 static gw_status take_body(reader *r)
 {
 	const ply_header *h = r->header;
-	gw_status status = GW_OK;
 	bool found = false;
-	for (r->element = 0; r->element < h->element_count && status == GW_OK && !found; r->element++) {
+	for (r->element = 0; r->element < h->element_count && !found; r->element++) {
 		const ply_element *element = &h->element[r->element];
 		found = strcmp(element->name, "face") == 0;
 		r->entry = 0;
-		status = found ? take_faces(r, element) : skip_element(r, element);
+		GW_TRY(found ? take_faces(r, element) : skip_element(r, element));
 		if (found)
 			break;
 	}
-	if (status == GW_OK && r->mesh->triangle_count == 0)
-		status = gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces%s", r->in->name,
-						 r->mesh->position_count ? "; it is a point cloud, which needs no sampling"
-												 : " and no vertices");
-	return status;
+	if (r->mesh->triangle_count == 0)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces%s", r->in->name,
+					   r->mesh->position_count ? "; it is a point cloud, which needs no sampling"
+											   : " and no vertices");
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- vertices */

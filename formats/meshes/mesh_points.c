@@ -174,25 +174,23 @@ static gw_status add_columns(sampler *s, scan *cloud, gw_error *error)
 			emits = emits || m->material[i].emission[k] > 0.0f;
 		shines = shines || m->material[i].specular > 0.0f;
 	}
-	gw_status status =
-		add_three(cloud, position_names, s->wide ? SCAN_FLOAT64 : SCAN_FLOAT32, s->position, error);
-	if (status == GW_OK)
-		status = add_three(cloud, normal_names, SCAN_FLOAT32, data, error);
-	for (int k = 0; k < 3 && status == GW_OK; k++)
+	GW_TRY(add_three(cloud, position_names, s->wide ? SCAN_FLOAT64 : SCAN_FLOAT32, s->position,
+					 error));
+	GW_TRY(add_three(cloud, normal_names, SCAN_FLOAT32, data, error));
+	for (int k = 0; k < 3; k++)
 		s->normal[k] = data[k];
-	if (status == GW_OK)
-		status = add_three(cloud, scan_color_names, SCAN_UINT8, data, error);
-	for (int k = 0; k < 3 && status == GW_OK; k++)
+	GW_TRY(add_three(cloud, scan_color_names, SCAN_UINT8, data, error));
+	for (int k = 0; k < 3; k++)
 		s->color[k] = data[k];
-	if (status == GW_OK && emits)
-		status = add_three(cloud, emission_names, SCAN_FLOAT32, data, error);
-	for (int k = 0; k < 3 && status == GW_OK && emits; k++)
+	if (emits)
+		GW_TRY(add_three(cloud, emission_names, SCAN_FLOAT32, data, error));
+	for (int k = 0; k < 3 && emits; k++)
 		s->emission[k] = data[k];
-	if (status == GW_OK && shines)
-		status = add_one(cloud, "specular", &s->specular, error);
-	if (status == GW_OK && shines)
-		status = add_one(cloud, "roughness", &s->roughness, error);
-	return status;
+	if (shines)
+		GW_TRY(add_one(cloud, "specular", &s->specular, error));
+	if (shines)
+		GW_TRY(add_one(cloud, "roughness", &s->roughness, error));
+	return GW_OK;
 }
 
 /* Bytes of a point with all its columns. */

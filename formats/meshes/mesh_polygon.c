@@ -210,11 +210,8 @@ gw_status mesh_add_polygon(mesh *m, mesh_polygon *p, uint32_t material, gw_error
 		return GW_OK;
 	}
 	size_t triangles = p->count - 2;
-	gw_status status = reserve_scratch(p, error);
-	if (status == GW_OK)
-		status = reserve_triangles(m, triangles, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(reserve_scratch(p, error));
+	GW_TRY(reserve_triangles(m, triangles, error));
 	cut(m, p);
 	for (size_t i = 0; i < 3 * triangles; i++) {
 		m->corner[3 * m->triangle_count + i] = p->corner[p->order[i]];

@@ -29,16 +29,16 @@ static gw_status put_columns(const mesh *m, scan *cloud, gw_error *error)
 gw_status mesh_vertices_put(const mesh *m, bool faces, scan *cloud, gw_error *error)
 {
 	*cloud = (scan){ .up = 'z' };
-	gw_status status = put_columns(m, cloud, error);
-	for (size_t i = 0; i < m->note_count && status == GW_OK; i++) {
+	GW_TRY(put_columns(m, cloud, error));
+	for (size_t i = 0; i < m->note_count; i++) {
 		char text[560];
 		snprintf(text, sizeof text, SCAN_NOTE "%s", m->note[i]);
-		status = scan_add_comment(cloud, text, error);
+		GW_TRY(scan_add_comment(cloud, text, error));
 	}
-	if (status == GW_OK && faces)
-		status = scan_add_comment(cloud,
-								  SCAN_NOTE "its vertices were read, not its faces; `glowworm "
-											"sample` puts points on them",
-								  error);
-	return status;
+	if (faces)
+		GW_TRY(scan_add_comment(cloud,
+								SCAN_NOTE "its vertices were read, not its faces; `glowworm "
+										  "sample` puts points on them",
+								error));
+	return GW_OK;
 }

@@ -118,9 +118,7 @@ static gw_status take_header(const source *s, exr_const_context_t file, panorama
 	if (memcmp(&data, &shown, sizeof data) != 0)
 		return bad(s, "its pixels are cut out of a larger picture; a map holds all directions",
 				   error);
-	gw_status status = check_channels(s, file, rgb, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_channels(s, file, rgb, error));
 	int64_t width = (int64_t)data.max.x - data.min.x + 1;
 	int64_t height = (int64_t)data.max.y - data.min.y + 1;
 	uint64_t most = (uint64_t)s->in->length * PIXELS_A_BYTE;

@@ -131,16 +131,15 @@ static gw_status take_row(hdr *h, uint32_t width, uint8_t *row, float *pixel)
 	bool runs = width >= 8 && width < 32768 && h->at[0] == 2 && h->at[1] == 2 &&
 				((uint32_t)h->at[2] << 8 | h->at[3]) == width;
 	if (runs) {
-		gw_status status = GW_OK;
 		h->at += 4;
-		for (size_t c = 0; c < 4 && status == GW_OK; c++)
-			status = take_runs(h, width, row + c * width);
-		for (uint32_t x = 0; x < width && status == GW_OK; x++) {
+		for (size_t c = 0; c < 4; c++)
+			GW_TRY(take_runs(h, width, row + c * width));
+		for (uint32_t x = 0; x < width; x++) {
 			const uint8_t rgbe[4] = { row[x], row[width + x], row[2 * width + x],
 									  row[3 * width + x] };
 			put_pixel(h, rgbe, pixel + 3 * (size_t)x);
 		}
-		return status;
+		return GW_OK;
 	}
 	for (uint32_t x = 0; x < width; x++, h->at += 4) {
 		if (h->end - h->at < 4)

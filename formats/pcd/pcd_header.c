@@ -285,8 +285,7 @@ static bool next_line(parser *p)
 
 static gw_status parse_lines(parser *p)
 {
-	gw_status status = GW_OK;
-	while (status == GW_OK && !(p->saw & SAW_DATA)) {
+	while (!(p->saw & SAW_DATA)) {
 		if (!next_line(p))
 			return gw_fail(p->error, GW_ERROR_DATA,
 						   "%s: no line DATA in the first %zu bytes; this is no PCD file, or its "
@@ -295,9 +294,9 @@ static gw_status parse_lines(parser *p)
 						   p->in->length < HEADER_BYTES ? p->in->length : HEADER_BYTES);
 		while (p->at < p->end && is_blank(*p->at))
 			p->at++;
-		status = p->at < p->end && *p->at == '#' ? take_comment(p) : take_line(p);
+		GW_TRY(p->at < p->end && *p->at == '#' ? take_comment(p) : take_line(p));
 	}
-	return status == GW_OK ? check_whole(p) : status;
+	return check_whole(p);
 }
 
 gw_status pcd_header_parse(pcd_header *header, const input_file *in, scan *comments,

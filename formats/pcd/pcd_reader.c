@@ -178,10 +178,9 @@ static void take_points(void *user, size_t first, size_t last, uint32_t worker)
 
 static gw_status read_binary(reader *r)
 {
-	gw_status status = add_columns(r);
-	if (status == GW_OK)
-		gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_points, r);
-	return status;
+	GW_TRY(add_columns(r));
+	gw_parallel_for(r->in->threads, r->cloud->count, BLOCK_POINTS, take_points, r);
+	return GW_OK;
 }
 
 /* Unpacked, a field's values of all points stand together; those of one point are neighbours. */

@@ -204,9 +204,7 @@ static gw_status take_property(parser *p)
 	const word *name = NULL;
 	if (h->element_count == 0)
 		return fail_line(p, &p->line, "an element before its properties");
-	gw_status status = parse_property(p, &property, &name);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(parse_property(p, &property, &name));
 	ply_element *element = &h->element[h->element_count - 1];
 	if (element->property_count >= PLY_PROPERTIES)
 		return fail_line(p, &p->line, "no property after the 4096th");

@@ -202,12 +202,12 @@ static gw_status skip_binary(reader *r, const ply_element *element)
 {
 	bool lists;
 	size_t bytes = least_bytes(element, &lists);
-	gw_status status = check_bytes(r, element, bytes);
-	if (status == GW_OK && !lists)
+	GW_TRY(check_bytes(r, element, bytes));
+	if (!lists)
 		r->at += bytes * (size_t)element->count;
-	for (uint64_t i = 0; i < element->count && lists && status == GW_OK; i++)
-		status = take_binary(r, element, 0);
-	return status;
+	for (uint64_t i = 0; i < element->count && lists; i++)
+		GW_TRY(take_binary(r, element, 0));
+	return GW_OK;
 }
 
 /* Vertices of one size: column by column within blocks that stay in the cache. */
@@ -238,23 +238,20 @@ static gw_status read_binary(reader *r)
 {
 	bool lists;
 	size_t bytes = least_bytes(r->vertex, &lists);
-	gw_status status = check_bytes(r, r->vertex, bytes);
-	if (status == GW_OK)
-		status = add_columns(r);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_bytes(r, r->vertex, bytes));
+	GW_TRY(add_columns(r));
 	if (!lists) {
 		gw_parallel_for(r->in->threads, r->scan->count, BLOCK_ROWS, take_rows, &(rows){ r, bytes });
 		r->at += r->scan->count * bytes;
 	}
-	for (size_t i = 0; i < r->scan->count && lists && status == GW_OK; i++)
-		status = take_binary(r, r->vertex, i);
-	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && left(r) >= bytes)
+	for (size_t i = 0; i < r->scan->count && lists; i++)
+		GW_TRY(take_binary(r, r->vertex, i));
+	if (r->header->vertex + 1 == r->header->element_count && left(r) >= bytes)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s: %zu bytes follow the last of %zu vertices at byte %zu; the count in "
 					   "the header is wrong or the file is damaged",
 					   r->in->name, left(r), r->scan->count, offset(r));
-	return status;
+	return GW_OK;
 }
 
 /* -------------------------------------------------------------------------- ascii bodies */
@@ -361,9 +358,7 @@ static gw_status take_integer(reader *r, const ply_property *property, scan_type
 							  ascii_line *line, double *value)
 {
 	ascii_line before = *line;
-	gw_status status = take_number(r, property, line, value, NULL);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_number(r, property, line, value, NULL));
 	skip_blanks(&before);
 	bool fits = *value >= limits[type][0] && *value <= limits[type][1] && *value == trunc(*value);
 	if (!fits) {
@@ -378,13 +373,13 @@ static gw_status take_integer(reader *r, const ply_property *property, scan_type
 static gw_status skip_ascii_list(reader *r, const ply_property *property, ascii_line *line)
 {
 	double count, ignored;
-	gw_status status = take_integer(r, property, property->count_type, line, &count);
-	if (status == GW_OK && count < 0.0)
+	GW_TRY(take_integer(r, property, property->count_type, line, &count));
+	if (count < 0.0)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %zu: the list '%.40s' has a length of %g",
 					   r->in->name, r->line, property->name, count);
-	for (double i = 0.0; status == GW_OK && i < count; i += 1.0)
-		status = take_number(r, property, line, &ignored, NULL);
-	return status;
+	for (double i = 0.0; i < count; i += 1.0)
+		GW_TRY(take_number(r, property, line, &ignored, NULL));
+	return GW_OK;
 }
 
 static gw_status take_ascii_value(reader *r, size_t k, size_t i, ascii_line *line)
@@ -397,10 +392,9 @@ static gw_status take_ascii_value(reader *r, size_t k, size_t i, ascii_line *lin
 		return take_number(r, property, line, NULL, (float *)r->data[k] + i);
 	if (property->type == SCAN_FLOAT64)
 		return take_number(r, property, line, (double *)r->data[k] + i, NULL);
-	gw_status status = take_integer(r, property, property->type, line, &value);
-	if (status == GW_OK)
-		store_integer(r->data[k], property->type, i, value);
-	return status;
+	GW_TRY(take_integer(r, property, property->type, line, &value));
+	store_integer(r->data[k], property->type, i, value);
+	return GW_OK;
 }
 
 static gw_status take_ascii_vertex(reader *r, size_t i)
@@ -462,10 +456,9 @@ static gw_status read_block(const ascii_blocks *b, size_t block, gw_error *error
 	own.at = b->place[block].at;
 	own.line = b->place[block].line;
 	own.error = error;
-	gw_status status = GW_OK;
-	for (size_t i = first; i < last && i < b->count && status == GW_OK; i++)
-		status = take_ascii_vertex(&own, i);
-	return status;
+	for (size_t i = first; i < last && i < b->count; i++)
+		GW_TRY(take_ascii_vertex(&own, i));
+	return GW_OK;
 }
 
 static void read_blocks(void *user, size_t first, size_t last, uint32_t worker)
@@ -521,16 +514,15 @@ static gw_status read_ascii(reader *r)
 	size_t bytes = 2 * r->vertex->property_count;
 	if (r->vertex->count > (left(r) + 1) / bytes)
 		return fail_short(r, r->vertex, bytes);
-	gw_status status = add_columns(r);
-	if (status == GW_OK)
-		status = read_vertices(r);
+	GW_TRY(add_columns(r));
+	GW_TRY(read_vertices(r));
 	ascii_line line;
-	if (status == GW_OK && r->header->vertex + 1 == r->header->element_count && next_line(r, &line))
+	if (r->header->vertex + 1 == r->header->element_count && next_line(r, &line))
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s, line %zu follows the last of %zu vertices; the count in the header is "
 					   "wrong or the file is damaged",
 					   r->in->name, r->line, r->scan->count);
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------ the whole */

@@ -104,9 +104,7 @@ gw_status scan_add_scanner(scan *cloud, const double position[3], size_t first, 
 {
 	bool all = count == cloud->count;
 	if (!all) {
-		gw_status status = scan_part_scanners(cloud, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(scan_part_scanners(cloud, error));
 	}
 	uint32_t scanner = scan_scanner_at(cloud, position);
 	if (scanner == SCAN_NO_SCANNER)

@@ -127,17 +127,16 @@ static gw_status join_columns(scan *joined, const scan *head, const scan *tail, 
 	join j = { .head = head, .tail = tail, .joined = joined };
 	j.match[0] = match_colors(head, tail, scan_color_names);
 	j.match[1] = match_colors(head, tail, scan_albedo_names);
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < head->column_count && status == GW_OK; c++)
-		status = join_column(&j, head->column[c].name, error);
-	for (size_t c = 0; c < tail->column_count && status == GW_OK; c++)
+	for (size_t c = 0; c < head->column_count; c++)
+		GW_TRY(join_column(&j, head->column[c].name, error));
+	for (size_t c = 0; c < tail->column_count; c++)
 		if (!scan_find(head, tail->column[c].name))
-			status = join_column(&j, tail->column[c].name, error);
-	for (size_t c = 0; c < head->comment_count && status == GW_OK; c++)
-		status = scan_add_comment(joined, head->comment[c], error);
-	for (size_t c = 0; c < tail->comment_count && status == GW_OK; c++)
-		status = scan_add_comment(joined, tail->comment[c], error);
-	return status;
+			GW_TRY(join_column(&j, tail->column[c].name, error));
+	for (size_t c = 0; c < head->comment_count; c++)
+		GW_TRY(scan_add_comment(joined, head->comment[c], error));
+	for (size_t c = 0; c < tail->comment_count; c++)
+		GW_TRY(scan_add_comment(joined, tail->comment[c], error));
+	return GW_OK;
 }
 
 /* Adds a part's scanners to the scan that it is joined to, where its points are from `first` on. */

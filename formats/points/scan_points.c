@@ -24,11 +24,11 @@ static gw_status allocate_triples(float **values, size_t count, gw_error *error)
 static gw_status gather(float **values, const scan_column *const column[3], size_t count,
 						gw_error *error)
 {
-	gw_status status = allocate_triples(values, count, error);
-	for (size_t k = 0; k < 3 && status == GW_OK; k++)
+	GW_TRY(allocate_triples(values, count, error));
+	for (size_t k = 0; k < 3; k++)
 		for (size_t i = 0; i < count; i++)
 			(*values)[3 * i + k] = column[k] ? (float)scan_value(column[k], i) : 0.0f;
-	return status;
+	return GW_OK;
 }
 
 /* ---------------------------------------------------------------------------- positions */
@@ -147,9 +147,7 @@ static gw_status albedo_of_intensity(const scan *cloud, scan_points *out, gw_err
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the albedo shall come from the intensity, but the points have none");
 	float full = 0.0f;
-	gw_status status = percentile_99(column, cloud->count, &full, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(percentile_99(column, cloud->count, &full, error));
 	if (!(full > 0.0f))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the albedo shall come from the intensity, but that is zero almost "
@@ -257,18 +255,16 @@ static gw_status check_options(const scan_points_options *options, gw_error *err
 static gw_status make_all(const scan *cloud, const scan_points_options *options, scan_points *out,
 						  gw_error *error)
 {
-	gw_status status = check_options(options, error);
-	if (status == GW_OK)
-		status = make_positions(cloud, out, error);
-	if (status == GW_OK)
-		status = make_albedo(cloud, options, out, error);
+	GW_TRY(check_options(options, error));
+	GW_TRY(make_positions(cloud, out, error));
+	GW_TRY(make_albedo(cloud, options, out, error));
 	const scan_column *column[3];
-	if (status == GW_OK && scan_find_triple(cloud, normal_names, column))
-		status = gather(&out->normal, column, cloud->count, error);
+	if (scan_find_triple(cloud, normal_names, column))
+		GW_TRY(gather(&out->normal, column, cloud->count, error));
 	bool all = scan_find_triple(cloud, emission_names, column);
-	if (status == GW_OK && (all || column[0] || column[1] || column[2]))
-		status = gather(&out->emission, column, cloud->count, error);
-	return status;
+	if (all || column[0] || column[1] || column[2])
+		GW_TRY(gather(&out->emission, column, cloud->count, error));
+	return GW_OK;
 }
 
 gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,

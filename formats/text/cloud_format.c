@@ -42,9 +42,7 @@ gw_status cloud_read(input_file *in, scan *cloud, gw_error *error)
 {
 	static const char *const names[9] = { "x", "y", "z", "nx", "ny", "nz", "red", "green", "blue" };
 	*cloud = (scan){ .up = 'y' };
-	gw_status status = check_length(in, &cloud->count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_length(in, &cloud->count, error));
 	for (size_t c = 0; c < 9; c++) {
 		scan_column *column =
 			scan_add_column(cloud, names[c], c < 6 ? SCAN_FLOAT32 : SCAN_UINT8, error);
@@ -145,18 +143,16 @@ static void put_sample(uint8_t *to, const sources *from, size_t i)
 gw_status cloud_write(output_file *out, const scan *cloud, gw_error *error)
 {
 	sources from = { 0 };
-	gw_status status = cloud_accept(cloud, output_file_name(out), error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(cloud_accept(cloud, output_file_name(out), error));
 	find_sources(cloud, &from);
 	uint8_t bytes[SAMPLE_BYTES];
 	store_32(bytes, (uint32_t)cloud->count);
-	status = output_file_write(out, bytes, 4, error);
-	for (size_t i = 0; i < cloud->count && status == GW_OK; i++) {
+	GW_TRY(output_file_write(out, bytes, 4, error));
+	for (size_t i = 0; i < cloud->count; i++) {
 		put_sample(bytes, &from, i);
-		status = output_file_write(out, bytes, SAMPLE_BYTES, error);
+		GW_TRY(output_file_write(out, bytes, SAMPLE_BYTES, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static const char *const extensions[] = { "cloud", NULL };

@@ -70,26 +70,24 @@ static gw_status take_numbers(reader *r, double *value, size_t count)
 static gw_status take_header(reader *r, grid *g)
 {
 	double position[12];
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 2 && status == GW_OK; k++) {
-		status = take_numbers(r, &g->size[k], 1);
-		if (status == GW_OK &&
-			!(g->size[k] >= 0.0 && g->size[k] <= 9e15 && g->size[k] == trunc(g->size[k])))
+	for (size_t k = 0; k < 2; k++) {
+		GW_TRY(take_numbers(r, &g->size[k], 1));
+		if (!(g->size[k] >= 0.0 && g->size[k] <= 9e15 && g->size[k] == trunc(g->size[k])))
 			return gw_fail(r->error, GW_ERROR_DATA,
 						   "%s, line %zu: %g is no number of columns or rows", r->in->name,
 						   r->line - 1, g->size[k]);
 	}
-	for (size_t k = 0; k < 4 && status == GW_OK; k++)
-		status = take_numbers(r, position + 3 * k, 3);
-	for (size_t k = 0; k < 4 && status == GW_OK; k++)
-		status = take_numbers(r, g->matrix + 4 * k, 4);
+	for (size_t k = 0; k < 4; k++)
+		GW_TRY(take_numbers(r, position + 3 * k, 3));
+	for (size_t k = 0; k < 4; k++)
+		GW_TRY(take_numbers(r, g->matrix + 4 * k, 4));
 	const double *m = g->matrix;
-	if (status == GW_OK && (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0))
+	if (m[3] != 0.0 || m[7] != 0.0 || m[11] != 0.0 || m[15] != 1.0)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s, line %zu: the last column of the matrix of scan %zu is not 0 0 0 1, so "
 					   "it does not move points",
 					   r->in->name, r->line - 4, r->grid_count + 1);
-	return status;
+	return GW_OK;
 }
 
 /* Steps over the lines of the cells. A line takes a byte and its end; only the last may lack it. */
@@ -123,18 +121,14 @@ static size_t row_width(const text_rows *rows)
 static gw_status take_grid(reader *r)
 {
 	grid g = { 0 };
-	gw_status status = take_header(r, &g);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(take_header(r, &g));
 	g.rows = (text_rows){ .in = r->in,
 						  .begin = r->at,
 						  .first_line = r->line,
 						  .newline = r->newline,
 						  .separator = ' ',
 						  .skip = TEXT_ROWS_SKIP_ORIGIN };
-	status = skip_cells(r, &g);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(skip_cells(r, &g));
 	g.rows.end = r->at;
 	g.rows.width = row_width(&g.rows);
 	if (g.rows.width != 3 && g.rows.width != 4 && g.rows.width != 6 && g.rows.width != 7)
@@ -146,10 +140,9 @@ static gw_status take_grid(reader *r)
 	if (!grown)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the scans of %s", r->in->name);
 	r->grid = grown;
-	status = text_rows_count(&g.rows, r->error);
-	if (status == GW_OK)
-		r->grid[r->grid_count++] = g;
-	return status;
+	GW_TRY(text_rows_count(&g.rows, r->error));
+	r->grid[r->grid_count++] = g;
+	return GW_OK;
 }
 
 static bool at_end(const reader *r)
@@ -283,13 +276,12 @@ static bool is_among(const grid *g, const scan *cloud)
  */
 static gw_status take_scanners(const reader *r)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < r->grid_count; i++) {
 		const grid *g = &r->grid[i];
 		if (!is_identity(g->matrix) || is_among(g, r->cloud))
-			status = scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error);
+			GW_TRY(scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error));
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)

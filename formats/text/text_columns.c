@@ -180,10 +180,9 @@ static bool are_normals(const triple *t, size_t rows)
 
 static gw_status add_names(text_names *names, const char *const *name, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 3 && status == GW_OK; k++)
-		status = text_names_add(names, name[k], error);
-	return status;
+	for (size_t k = 0; k < 3; k++)
+		GW_TRY(text_names_add(names, name[k], error));
+	return GW_OK;
 }
 
 static gw_status guess(text_names *names, const text_rows *rows, const triple *t, size_t count,
@@ -193,25 +192,25 @@ static gw_status guess(text_names *names, const text_rows *rows, const triple *t
 							 *const normal[3] = { "nx", "ny", "nz" },
 							 *const color[3] = { "red", "green", "blue" };
 	bool colors = false, normals = false;
-	gw_status status = add_names(names, position, error);
-	while (status == GW_OK && names->count < rows->width) {
+	GW_TRY(add_names(names, position, error));
+	while (names->count < rows->width) {
 		size_t c = names->count;
 		bool three = c + 2 < rows->width && !(intensity_first && c == 3 && rows->width >= 7);
 		if (three && !normals && are_normals(&t[c], count)) {
 			normals = true;
-			status = add_names(names, normal, error);
+			GW_TRY(add_names(names, normal, error));
 		} else if (three && !colors && (t[c].bytes || t[c].fractions)) {
 			colors = true;
-			status = add_names(names, color, error);
+			GW_TRY(add_names(names, color, error));
 		} else {
 			bool before_color = c + 3 < rows->width && (t[c + 1].bytes || t[c + 1].fractions);
 			bool is_intensity = c == 3 && (rows->width == 4 || before_color || intensity_first);
 			char name[32];
 			snprintf(name, sizeof name, "field_%zu", c + 1);
-			status = text_names_add(names, is_intensity ? "intensity" : name, error);
+			GW_TRY(text_names_add(names, is_intensity ? "intensity" : name, error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status text_names_guess(text_names *names, text_rows *rows, bool intensity_first,
@@ -301,15 +300,14 @@ static gw_status narrow(scan_column *column, size_t count, scan_type type, gw_er
 gw_status text_columns_narrow(scan *cloud, const text_names *names, text_column *column,
 							  gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < names->count && status == GW_OK; i++) {
+	for (size_t i = 0; i < names->count; i++) {
 		if (!column[i].data || is_position(names->name[i]))
 			continue;
 		scan_column *own = scan_find(cloud, names->name[i]);
 		scan_type type = smallest_type(own, cloud->count, atomic_load(&column[i].whole),
 									   atomic_load(&column[i].single));
 		if (type != SCAN_FLOAT64)
-			status = narrow(own, cloud->count, type, error);
+			GW_TRY(narrow(own, cloud->count, type, error));
 	}
-	return status;
+	return GW_OK;
 }

@@ -53,15 +53,14 @@ static void print_stretches(void *user, size_t first, size_t last, uint32_t work
 static gw_status write_rows(output_file *out, writer *w, gw_error *error)
 {
 	size_t rows = w->cloud->count, block = w->rows * STRETCHES;
-	gw_status status = GW_OK;
-	for (w->first = 0; w->first < rows && status == GW_OK; w->first += block) {
+	for (w->first = 0; w->first < rows; w->first += block) {
 		size_t left = rows - w->first < block ? rows - w->first : block;
 		size_t stretches = (left + w->rows - 1) / w->rows;
 		gw_parallel_for(0, stretches, 1, print_stretches, w);
-		for (size_t s = 0; s < stretches && status == GW_OK; s++)
-			status = output_file_write(out, w->text[s], w->length[s], error);
+		for (size_t s = 0; s < stretches; s++)
+			GW_TRY(output_file_write(out, w->text[s], w->length[s], error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status write_table(output_file *out, const scan *cloud, const char *separator,
@@ -104,12 +103,11 @@ static gw_status write_word(output_file *out, const char *text, const char *bad,
 static gw_status write_names(output_file *out, const scan *cloud, const char *separator,
 							 const char *bad, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < cloud->column_count && status == GW_OK; c++) {
+	for (size_t c = 0; c < cloud->column_count; c++) {
 		output_file_print(out, NULL, "%s", c ? separator : "");
-		status = write_word(out, cloud->column[c].name, bad, '_', error);
+		GW_TRY(write_word(out, cloud->column[c].name, bad, '_', error));
 	}
-	return status == GW_OK ? output_file_print(out, error, "\n") : status;
+	return output_file_print(out, error, "\n");
 }
 
 static bool is_plain(const scan *cloud)
@@ -135,6 +133,6 @@ gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error)
 
 gw_status csv_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	gw_status status = write_names(out, cloud, ",", "\",;", error);
-	return status == GW_OK ? write_table(out, cloud, ",", error) : status;
+	GW_TRY(write_names(out, cloud, ",", "\",;", error));
+	return write_table(out, cloud, ",", error);
 }

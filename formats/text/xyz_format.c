@@ -120,11 +120,10 @@ static gw_status take_comment(const text_rows *rows, const head *h, text_names *
 	if (!h->comment)
 		return GW_OK;
 	size_t width = text_rows_numbers(h->line, h->length, rows->separator, value, 64);
-	gw_status status = text_names_split(names, h->comment, h->comment_length, error);
-	if (status == GW_OK &&
-		(names->count != width || !text_names_have_position(names) || text_names_repeated(names)))
+	GW_TRY(text_names_split(names, h->comment, h->comment_length, error));
+	if (names->count != width || !text_names_have_position(names) || text_names_repeated(names))
 		text_names_clear(names);
-	return status;
+	return GW_OK;
 }
 
 /* *comment becomes the one that held names, or NULL. */

@@ -68,19 +68,16 @@ static gw_status load_transport(bake *b, gw_error *error)
 static gw_status save_transport(bake *b, gw_error *error)
 {
 	/* Whatever shone this time, a sky may the next time. */
-	gw_status status =
-		b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error) : GW_OK;
-	if (status == GW_OK)
-		status = gw_lighting_foresee(&b->light, error);
-	return status == GW_OK
-			   ? gw_transport_save(&b->scene, b->points, b->scene.options.transport, error)
-			   : status;
+	GW_TRY(b->scene.options.method == GW_METHOD_RAYS ? gw_scene_open_to_sky(&b->scene, error)
+													 : GW_OK);
+	GW_TRY(gw_lighting_foresee(&b->light, error));
+	return gw_transport_save(&b->scene, b->points, b->scene.options.transport, error);
 }
 
 static gw_status make_surfels(bake *b, gw_error *error)
 {
-	return gw_scene_make_surfels(&b->scene, b->points, b->light.lights, b->light.light_count,
-								 error);
+	const gw_scene_description from = { b->points, b->light.lights, b->light.light_count };
+	return gw_scene_make_surfels(&b->scene, &from, error);
 }
 
 static gw_status make_plan(bake *b, gw_error *error)
@@ -98,9 +95,9 @@ static gw_status build_octree(bake *b, gw_error *error)
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
-	gw_status status = gw_lighting_direct(&b->light, error);
+	GW_TRY(gw_lighting_direct(&b->light, error));
 	b->octree_seconds = gw_seconds() - b->octree_start;
-	return status;
+	return GW_OK;
 }
 
 static gw_status place_records(bake *b, gw_error *error)
@@ -521,13 +518,12 @@ static gw_status run(bake *b, gw_error *error)
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
-static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_light *lights,
-							   size_t light_count, const gw_bake_callbacks *callbacks,
+static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_bake_callbacks *callbacks,
 							   gw_bake_result **result, gw_error *error)
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = &scaled->points };
+	bake b = { .points = scaled->scene.points };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
@@ -538,9 +534,10 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_light *li
 	};
 	if (callbacks)
 		b.scene.callbacks = *callbacks;
-	b.light = (gw_lighting){
-		.scene = &b.scene, .lights = lights, .light_count = light_count, .kept = options->lamps
-	};
+	b.light = (gw_lighting){ .scene = &b.scene,
+							 .lights = scaled->scene.lights,
+							 .light_count = scaled->scene.light_count,
+							 .kept = options->lamps };
 	b.start = gw_seconds();
 	gw_status status = run(&b, error);
 	gw_record_density_clear(&b.density);
@@ -553,21 +550,17 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_light *li
 	return status;
 }
 
-gw_status gw_bake(const gw_points *points, const gw_light *lights, size_t light_count,
-				  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-				  gw_bake_result **result, gw_error *error)
+gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
+				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
 	const gw_bake_options ordinary = gw_bake_options_default();
 	*result = NULL;
 	options = options ? options : &ordinary;
-	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
-	if (status != GW_OK)
-		return status;
-	status = gw_scaled_scene_make(points, lights, light_count, options, &scaled, error);
+	GW_TRY(gw_options_check(options, scene, error));
+	gw_status status = gw_scaled_scene_make(scene, options, &scaled, error);
 	if (status == GW_OK)
-		status = bake_in_units(&scaled, scaled.lights ? scaled.lights : lights, light_count,
-							   callbacks, result, error);
+		status = bake_in_units(&scaled, callbacks, result, error);
 	if (status == GW_OK)
 		status = gw_scaled_scene_undo(&scaled, *result, error);
 	if (status != GW_OK)

@@ -58,6 +58,7 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	const gw_surfels_options options = { .threads = f->scene.options.threads,
 										 .lights = f->first_lights,
 										 .light_count = f->first_light_count,
+										 .normals = f->scene.options.normals,
 										 .memory = f->scene.options.memory,
 										 .cancelled = gw_scene_stopped,
 										 .user = &f->scene };
@@ -188,25 +189,19 @@ static gw_status place_records(gw_frames *f, gw_error *error)
 
 static gw_status gather(gw_frames *f, gw_error *error)
 {
-	gw_status status = stage(f, "first gather", 0.6, error);
-	if (status == GW_OK)
-		status = gw_lighting_gather_first(&f->light, error);
-	if (status == GW_OK)
-		status = stage(f, "bounces", 0.7, error);
+	GW_TRY(stage(f, "first gather", 0.6, error));
+	GW_TRY(gw_lighting_gather_first(&f->light, error));
+	GW_TRY(stage(f, "bounces", 0.7, error));
 	f->light.carried = f->how.independent || f->how.rebuild ? NULL : f->carried;
-	if (status == GW_OK)
-		status = gw_lighting_bounce(&f->light, error);
-	if (status == GW_OK)
-		status = stage(f, "read back", 0.9, error);
-	if (status == GW_OK)
-		status = gw_lighting_read_back(&f->light, error);
-	if (status == GW_OK && f->scene.options.estimate_points > 0) {
-		status = stage(f, "estimate", 0.92, error);
-		if (status == GW_OK)
-			status = gw_lighting_estimate(&f->light, error);
-		f->scene.options.estimate_points = 0;
-	}
-	return status;
+	GW_TRY(gw_lighting_bounce(&f->light, error));
+	GW_TRY(stage(f, "read back", 0.9, error));
+	GW_TRY(gw_lighting_read_back(&f->light, error));
+	if (f->scene.options.estimate_points == 0)
+		return GW_OK;
+	GW_TRY(stage(f, "estimate", 0.92, error));
+	GW_TRY(gw_lighting_estimate(&f->light, error));
+	f->scene.options.estimate_points = 0;
+	return GW_OK;
 }
 
 /* The light goes over to the next frame. */
@@ -221,44 +216,36 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	gw_status status = GW_OK;
 	if (o->ambient_occlusion || o->errors || o->unknown)
-		status = gw_record_fields_collect(&f->light, result, error);
-	if (status == GW_OK && o->voxels)
-		status = gw_result_collect_voxels(&f->light, result, error);
-	if (status == GW_OK)
-		status = stage(f, "points", 0.95, error);
-	if (status == GW_OK)
-		status = gw_result_collect(&f->light, result, error);
-	if (status == GW_OK)
-		carry(f);
+		GW_TRY(gw_record_fields_collect(&f->light, result, error));
+	if (o->voxels)
+		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
+	GW_TRY(stage(f, "points", 0.95, error));
+	GW_TRY(gw_result_collect(&f->light, result, error));
+	carry(f);
 	f->light.carried = NULL;
-	if (status == GW_OK && o->lamps)
-		status = gw_result_collect_lamps(&f->light, result, error);
-	return status;
+	if (o->lamps)
+		GW_TRY(gw_result_collect_lamps(&f->light, result, error));
+	return GW_OK;
 }
 
 static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
 {
-	gw_status status = stage(f, "device", 0.0, error);
-	if (status == GW_OK && !f->scene.gpu)
-		status = gw_scene_open_device(&f->scene, error);
-	if (status == GW_OK && !f->made)
-		status = make_surfels(f, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(stage(f, "device", 0.0, error));
+	if (!f->scene.gpu)
+		GW_TRY(gw_scene_open_device(&f->scene, error));
+	if (!f->made)
+		GW_TRY(make_surfels(f, error));
 	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
 	gw_lighting_plan(&f->light);
-	status = build(f, frame, error);
-	if (status == GW_OK)
-		status = stage(f, "direct light", 0.35, error);
-	if (status == GW_OK)
-		status = gw_lighting_direct(&f->light, error);
-	if (status == GW_OK && needs_places(f))
-		status = place_records(f, error);
-	if (status == GW_OK && f->light.plan.records)
-		status = gather(f, error);
-	return status == GW_OK ? collect(f, result, error) : status;
+	GW_TRY(build(f, frame, error));
+	GW_TRY(stage(f, "direct light", 0.35, error));
+	GW_TRY(gw_lighting_direct(&f->light, error));
+	if (needs_places(f))
+		GW_TRY(place_records(f, error));
+	if (f->light.plan.records)
+		GW_TRY(gather(f, error));
+	return collect(f, result, error);
 }
 
 /* Forgets all but what was asked for. */
@@ -311,24 +298,19 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 						 const gw_frames_options *how, const gw_bake_callbacks *callbacks,
 						 gw_frames **frames, gw_error *error)
 {
-	const gw_points *points = scene->points;
+	const gw_points *points = scene->scene.points;
 	const gw_motion *motion = scene->motion;
 	*frames = NULL;
-	gw_status status =
-		gw_options_check(options, points->count, scene->lights, scene->light_count, error);
-	if (status == GW_OK && gw_options_refine(options))
-		status =
-			gw_fail(error, GW_ERROR_USAGE,
-					"frames are all baked with the same settings; they cannot be refined until "
-					"an error or a time is reached");
-	if (status == GW_OK && options->transport)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "frames in which something moves cannot begin with a transport nor make "
-						 "one; leave it out");
-	if (status == GW_OK)
-		status = gw_motion_check(points, motion, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_options_check(options, &scene->scene, error));
+	if (gw_options_refine(options))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "frames are all baked with the same settings; they cannot be refined until "
+					   "an error or a time is reached");
+	if (options->transport)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "frames in which something moves cannot begin with a transport nor make "
+					   "one; leave it out");
+	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)
 		f->box = gw_allocate_zeros(GW_CHANGED_BOXES, sizeof *f->box);
@@ -338,8 +320,8 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 	}
 	f->points = points;
 	f->motion = motion;
-	f->first_lights = scene->lights;
-	f->first_light_count = scene->light_count;
+	f->first_lights = scene->scene.lights;
+	f->first_light_count = scene->scene.light_count;
 	f->how = *how;
 	f->scene = (gw_scene){
 		.options = *options,

@@ -27,36 +27,31 @@ static gw_status begin(gw_scene *scene, const char *name, double done, double sh
 	return gw_scene_begin(scene, name, done, share, error);
 }
 
-/* -------------------------------------------------------------------------------------- scenes */
-
-static gw_status prepare(gw_scene *scene, const gw_points *points, const gw_light *lights,
-						 size_t light_count, gw_error *error)
+/* Stops the clock of the last step; what went well so far is asked for what validation said. */
+static gw_status end(gw_scene *scene, gw_status status, gw_error *error)
 {
-	gw_status status = begin(scene, "device", 0.0, 0.01, error);
-	if (status == GW_OK)
-		status = gw_scene_open_device(scene, error);
-	if (status == GW_OK)
-		status = begin(scene, "surfels", 0.01, 0.45, error);
-	if (status == GW_OK)
-		status = gw_scene_make_surfels(scene, points, lights, light_count, error);
-	if (status == GW_OK)
-		status = begin(scene, "octree", 0.46, 0.3, error);
-	if (status == GW_OK)
-		status = gw_scene_build_octree(scene, error);
-	if (status == GW_OK)
-		status = begin(scene, "records", 0.76, 0.24, error);
-	if (status == GW_OK)
-		status = gw_scene_place_records(scene, error);
 	gw_report_stage(scene->report, scene->gpu, NULL);
 	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
 }
 
-static gw_status check(const gw_points *points, const gw_light *lights, size_t light_count,
-					   const gw_bake_options *options, gw_error *error)
+/* -------------------------------------------------------------------------------------- scenes */
+
+static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
-	gw_status status = gw_options_check(options, points->count, lights, light_count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(begin(scene, "device", 0.0, 0.01, error));
+	GW_TRY(gw_scene_open_device(scene, error));
+	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
+	GW_TRY(gw_scene_make_surfels(scene, from, error));
+	GW_TRY(begin(scene, "octree", 0.46, 0.3, error));
+	GW_TRY(gw_scene_build_octree(scene, error));
+	GW_TRY(begin(scene, "records", 0.76, 0.24, error));
+	return gw_scene_place_records(scene, error);
+}
+
+static gw_status check(const gw_scene_description *description, const gw_bake_options *options,
+					   gw_error *error)
+{
+	GW_TRY(gw_options_check(options, description, error));
 	if (gw_options_refine(options))
 		return gw_fail(
 			error, GW_ERROR_USAGE,
@@ -68,16 +63,13 @@ static gw_status check(const gw_points *points, const gw_light *lights, size_t l
 	return GW_OK;
 }
 
-gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_t light_count,
-						  const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-						  gw_scene **scene, gw_error *error)
+gw_status gw_scene_create(const gw_scene_description *description, const gw_bake_options *options,
+						  const gw_bake_callbacks *callbacks, gw_scene **scene, gw_error *error)
 {
 	const gw_bake_options ordinary = gw_bake_options_default();
 	*scene = NULL;
 	options = options ? options : &ordinary;
-	gw_status status = check(points, lights, light_count, options, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check(description, options, error));
 	gw_scene *s = gw_allocate_zeros(1, sizeof *s);
 	if (s)
 		s->own_report = gw_allocate_zeros(1, sizeof *s->own_report);
@@ -88,11 +80,10 @@ gw_status gw_scene_create(const gw_points *points, const gw_light *lights, size_
 	s->report = s->own_report;
 	if (callbacks)
 		s->callbacks = *callbacks;
-	status = gw_scaled_scene_make(points, lights, light_count, options, &s->units, error);
+	gw_status status = gw_scaled_scene_make(description, options, &s->units, error);
 	s->options = s->units.options;
 	if (status == GW_OK)
-		status = prepare(s, &s->units.points, s->units.lights ? s->units.lights : lights,
-						 light_count, error);
+		status = end(s, prepare(s, &s->units.scene, error), error);
 	gw_scaled_scene_let_go(&s->units);
 	s->options.device = NULL;
 	s->options.drivers = NULL;
@@ -115,6 +106,23 @@ void gw_scene_destroy(gw_scene **scene)
 	free(s->own_report);
 	free(s);
 	*scene = NULL;
+}
+
+gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_error *error)
+{
+	size_t points = scene->surfels.point_count;
+	begin_call(scene);
+	float *scaled = emission ? gw_scaled_emission(&scene->units, emission, points) : NULL;
+	if (emission && !scaled)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu points",
+					   points);
+	gw_status status = gw_scene_replace_emission(scene, scaled, points, error);
+	free(scaled);
+	if (status != GW_OK)
+		return status;
+	gw_report_emission(&scene->prepared, &scene->surfels);
+	scene->emissions++;
+	return GW_OK;
 }
 
 size_t gw_scene_point_count(const gw_scene *scene)
@@ -143,24 +151,16 @@ static gw_status light(gw_lighting *lighting, gw_error *error)
 	gw_lighting_plan(lighting);
 	if (!lighting->plan.lamps || !lighting->plan.records)
 		gw_lighting_clear(lighting); /* of an earlier light that had more to it */
-	gw_status status = begin(scene, "direct light", 0.0, 0.4, error);
-	if (status == GW_OK)
-		status = gw_lighting_direct(lighting, error);
-	if (status == GW_OK && lighting->plan.records) {
-		status = begin(scene, "first gather", 0.4, 0.2, error);
-		if (status == GW_OK)
-			status = gw_lighting_gather_first(lighting, error);
-		if (status == GW_OK)
-			status = begin(scene, "bounces", 0.6, 0.35, error);
-		if (status == GW_OK)
-			status = gw_lighting_bounce(lighting, error);
-		if (status == GW_OK)
-			status = begin(scene, "read back", 0.95, 0.05, error);
-		if (status == GW_OK)
-			status = gw_lighting_read_back(lighting, error);
-	}
-	gw_report_stage(scene->report, scene->gpu, NULL);
-	return status == GW_OK ? gw_scene_check_validation(scene, error) : status;
+	GW_TRY(begin(scene, "direct light", 0.0, 0.4, error));
+	GW_TRY(gw_lighting_direct(lighting, error));
+	if (!lighting->plan.records)
+		return GW_OK;
+	GW_TRY(begin(scene, "first gather", 0.4, 0.2, error));
+	GW_TRY(gw_lighting_gather_first(lighting, error));
+	GW_TRY(begin(scene, "bounces", 0.6, 0.35, error));
+	GW_TRY(gw_lighting_bounce(lighting, error));
+	GW_TRY(begin(scene, "read back", 0.95, 0.05, error));
+	return gw_lighting_read_back(lighting, error);
 }
 
 /* What a call that failed may have left half done is made anew when it is asked for. */
@@ -177,8 +177,9 @@ static gw_status run(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	begin_call(scene);
-	gw_status status = light(lighting, error);
+	gw_status status = end(scene, light(lighting, error), error);
 	scene->lit = lighting;
+	lighting->emissions = scene->emissions;
 	if (status != GW_OK)
 		forget_halves(lighting);
 	return status;
@@ -188,9 +189,7 @@ gw_status gw_lighting_change(gw_lighting *lighting, const gw_light *lights, size
 							 gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	gw_status status = gw_lights_check(lights, light_count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_lights_check(lights, light_count, error));
 	gw_light *own = gw_scaled_lights(&scene->units, lights, light_count);
 	if (!own)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", light_count);
@@ -236,10 +235,14 @@ void gw_lighting_destroy(gw_lighting **lighting)
 
 static gw_status check_lit(const gw_lighting *lighting, gw_error *error)
 {
-	return lighting->lights
-			   ? GW_OK
-			   : gw_fail(error, GW_ERROR_USAGE,
-						 "there is no light to read: the last change of the lighting failed");
+	if (!lighting->lights)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "there is no light to read: the last change of the lighting failed");
+	if (lighting->emissions != lighting->scene->emissions)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the points have been given other emission since this lighting was made; "
+					   "change the lighting before it is read");
+	return GW_OK;
 }
 
 /* Sees to it that the light of this lighting is in the records. */
@@ -278,22 +281,19 @@ static gw_status collect(gw_lighting *lighting, gw_bake_result *result, gw_error
 {
 	gw_scene *scene = lighting->scene;
 	const gw_bake_options *o = &scene->options;
-	gw_status status = gw_scene_begin(scene, "points", 0.0, 1.0, error);
-	if (status == GW_OK)
-		status = gw_record_fields_collect(lighting, result, error);
+	GW_TRY(gw_scene_begin(scene, "points", 0.0, 1.0, error));
+	GW_TRY(gw_record_fields_collect(lighting, result, error));
 	/* What follows works where the records' light is. */
 	if (o->voxels || o->lamps)
 		scene->lit = NULL;
-	if (status == GW_OK && o->voxels)
-		status = gw_result_collect_voxels(lighting, result, error);
-	if (status == GW_OK)
-		status = gw_result_collect(lighting, result, error);
-	if (status == GW_OK && o->lamps)
-		status = gw_result_collect_lamps(lighting, result, error);
+	if (o->voxels)
+		GW_TRY(gw_result_collect_voxels(lighting, result, error));
+	GW_TRY(gw_result_collect(lighting, result, error));
+	if (o->lamps)
+		GW_TRY(gw_result_collect_lamps(lighting, result, error));
 	scene->report->peak_bytes = gw_gpu_read_account(scene->gpu).peak_bytes;
-	if (status == GW_OK)
-		status = copy_report(scene->report, &result->report, error);
-	return status == GW_OK ? gw_scaled_scene_undo(&scene->units, result, error) : status;
+	GW_TRY(copy_report(scene->report, &result->report, error));
+	return gw_scaled_scene_undo(&scene->units, result, error);
 }
 
 gw_status gw_lighting_result(gw_lighting *lighting, gw_bake_result **result, gw_error *error)

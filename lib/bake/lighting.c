@@ -62,22 +62,21 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
-	gw_status status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
-							  &lighting->surfel_direct, error);
-	if (status == GW_OK)
-		status = darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
-						&lighting->facet_direct, error);
+	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
+				  &lighting->surfel_direct, error));
+	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
+				  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options };
 	bool off = lighting->plan.lamps && lighting->whole == NULL &&
 			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
-	if (status == GW_OK && off)
-		status = darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
-						"irradiance of normals that are off", &lighting->surfel_turned, error);
+	if (off)
+		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
+					  "irradiance of normals that are off", &lighting->surfel_turned, error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
 									  off ? &lighting->surfel_turned : NULL };
-	if (status == GW_OK && lighting->plan.lamps)
-		status = gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
-	return status;
+	if (lighting->plan.lamps)
+		GW_TRY(gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error));
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------ first gather */
@@ -98,10 +97,9 @@ static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 {
 	if (!lighting->plan.sky)
 		return GW_OK;
-	gw_status status = gw_scene_open_to_sky(lighting->scene, error);
-	if (status == GW_OK)
-		report_portals(lighting->scene->report, &lighting->scene->portals);
-	return status;
+	GW_TRY(gw_scene_open_to_sky(lighting->scene, error));
+	report_portals(lighting->scene->report, &lighting->scene->portals);
+	return GW_OK;
 }
 
 static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
@@ -261,12 +259,11 @@ static gw_status keep_patches(gw_lighting *lighting, const gw_buffer *facet_radi
 {
 	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_status status = darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
-							  &lighting->patch_radiance, error);
-	if (status == GW_OK)
-		status = gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, slots, error);
+	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "radiance of patches",
+				  &lighting->patch_radiance, error));
+	GW_TRY(gw_light_add(&s->passes, facet_radiance, &lighting->patch_radiance, slots, error));
 	lighting->patches.radiance = &lighting->patch_radiance;
-	return status;
+	return GW_OK;
 }
 
 /* Samples lit facets, half as often as what emits: patches carry less of the light, and of all that
@@ -401,10 +398,8 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, float *records,
 						   float **surfels, gw_error *error)
 {
-	gw_status status =
-		gw_buffer_download(s->gpu, irradiance, 0, records, 16 * (uint64_t)s->records.count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(
+		gw_buffer_download(s->gpu, irradiance, 0, records, 16 * (uint64_t)s->records.count, error));
 	if (!*surfels)
 		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
 	if (!*surfels)
@@ -431,14 +426,14 @@ gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 
 gw_status gw_lighting_run(gw_lighting *lighting, gw_error *error)
 {
-	gw_status status = gw_lighting_direct(lighting, error);
-	if (status == GW_OK && lighting->plan.records)
-		status = gw_lighting_gather_first(lighting, error);
-	if (status == GW_OK && lighting->plan.records)
-		status = gw_lighting_bounce(lighting, error);
-	if (status == GW_OK && lighting->plan.records)
-		status = gw_lighting_read_back(lighting, error);
-	return status;
+	GW_TRY(gw_lighting_direct(lighting, error));
+	if (lighting->plan.records)
+		GW_TRY(gw_lighting_gather_first(lighting, error));
+	if (lighting->plan.records)
+		GW_TRY(gw_lighting_bounce(lighting, error));
+	if (lighting->plan.records)
+		GW_TRY(gw_lighting_read_back(lighting, error));
+	return GW_OK;
 }
 
 static gw_status download(const gw_lighting *lighting, const gw_buffer *buffer, float **direct,
@@ -540,6 +535,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 										.light_count = lighting->light_count,
 										.options = o,
 										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
+										.seen = s->space.scanners > 0,
 										.hits = &s->check_points };
 		status = gw_estimate_error(&task, &s->report->error, error);
 		if (status == GW_OK && lighting->gap)

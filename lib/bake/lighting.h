@@ -40,6 +40,7 @@ struct gw_lighting {
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
 							 bounces by rays begin */
 	gw_light *own_lights; /* NULL, or lights, owned: of lightings that are kept (handles.c) */
+	uint64_t emissions;   /* of the scene, when these were lit last */
 };
 
 /* Decides which effects these lights call for, and writes it into the scene's report. */

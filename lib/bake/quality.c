@@ -23,6 +23,7 @@ gw_bake_options gw_bake_options_default(void)
 							  .depth = GW_DEPTH_AUTO,
 							  .leaf_spacing = GW_LEAF_SPACING,
 							  .bounces = GW_BOUNCES_AUTO,
+							  .normals = GW_NORMALS_GIVEN,
 							  .tolerance = 0.001f,
 							  .rays = 64,
 							  .light_samples = 64,

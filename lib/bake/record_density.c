@@ -157,11 +157,10 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		density->facet_spacing[i] = s->options.record_spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
 		density->surfel_spacing[i] = s->options.record_spacing;
-	gw_status status =
-		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error);
-	return status == GW_OK ? gw_buffer_download(s->gpu, &s->records.facet_weight, 0,
-												w->facet_weight, 4 * words, error)
-						   : status;
+	GW_TRY(
+		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error));
+	return gw_buffer_download(s->gpu, &s->records.facet_weight, 0, w->facet_weight, 4 * words,
+							  error);
 }
 
 gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density_wish *wish,

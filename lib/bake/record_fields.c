@@ -118,12 +118,11 @@ gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *
 								   gw_error *error)
 {
 	const gw_bake_options *o = &lighting->scene->options;
-	gw_status status = GW_OK;
 	if (o->ambient_occlusion)
-		status = find_ambient_occlusion(lighting->scene, &result->ambient_occlusion, error);
-	if (status == GW_OK && o->unknown)
-		status = find_unknown(lighting, &result->unknown, error);
-	if (status == GW_OK && o->errors)
-		status = find_errors(lighting, &result->error, error);
-	return status;
+		GW_TRY(find_ambient_occlusion(lighting->scene, &result->ambient_occlusion, error));
+	if (o->unknown)
+		GW_TRY(find_unknown(lighting, &result->unknown, error));
+	if (o->errors)
+		GW_TRY(find_errors(lighting, &result->error, error));
+	return GW_OK;
 }

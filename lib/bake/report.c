@@ -71,10 +71,14 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
 {
 	uint32_t i = 0;
-	if (points == 0)
-		return;
 	while (i < report->count_count && strcmp(report->count[i].name, name) != 0)
 		i++;
+	if (points == 0) {
+		if (i < report->count_count) /* of an earlier one */
+			memmove(&report->count[i], &report->count[i + 1],
+					(--report->count_count - i) * sizeof *report->count);
+		return;
+	}
 	assert(i < GW_REPORT_COUNTS);
 	report->count_count += i == report->count_count;
 	gw_count *count = &report->count[i];

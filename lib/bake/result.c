@@ -144,8 +144,8 @@ static gw_status light_part(gw_lighting *part, bool emission, float **radiance, 
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
 					   points);
 	gw_lighting_plan_part(part, emission);
-	gw_status status = gw_lighting_run(part, error);
-	return status == GW_OK ? write_radiance(part, emission, *radiance, error) : status;
+	GW_TRY(gw_lighting_run(part, error));
+	return write_radiance(part, emission, *radiance, error);
 }
 
 gw_status gw_result_collect_lamps(const gw_lighting *lighting, gw_bake_result *result,

@@ -60,22 +60,21 @@ static double brightness(const gw_light *light, const box *b)
 	}
 }
 
-static double brightest(const gw_points *points, const gw_light *lights, size_t light_count,
-						const box *b)
+static double brightest(const gw_scene_description *scene, const box *b)
 {
+	const gw_points *points = scene->points;
 	double most = 0.0;
-	for (size_t i = 0; i < light_count; i++)
-		most = fmax(most, brightness(&lights[i], b));
+	for (size_t i = 0; i < scene->light_count; i++)
+		most = fmax(most, brightness(&scene->lights[i], b));
 	for (size_t i = 0; points->emission && i < points->count; i++)
 		most = fmax(most, largest(points->emission + 3 * i));
 	return most;
 }
 
-static void choose_units(const gw_points *points, const gw_light *lights, size_t light_count,
-						 gw_scaled_scene *scaled)
+static void choose_units(const gw_scene_description *scene, gw_scaled_scene *scaled)
 {
 	box b = { .extent = 0.0 };
-	if (gw_finite_bounds(points, b.low, b.high) == 0)
+	if (gw_finite_bounds(scene->points, b.low, b.high) == 0)
 		return;
 	for (int k = 0; k < 3; k++)
 		b.extent = fmax(b.extent, b.high[k] - b.low[k]);
@@ -83,7 +82,7 @@ static void choose_units(const gw_points *points, const gw_light *lights, size_t
 		return;
 	if (b.extent < EXTENT_LEAST)
 		scaled->length = -ilogb(b.extent);
-	double most = brightest(points, lights, light_count, &b);
+	double most = brightest(scene, &b);
 	if (!isfinite(most)) /* more than a double holds */
 		scaled->light = -1024;
 	else if (most > LIGHT_MOST || (most > 0.0 && most < LIGHT_LEAST))
@@ -131,16 +130,22 @@ gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights
 	return copy;
 }
 
-gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, size_t light_count,
-							   const gw_bake_options *options, gw_scaled_scene *scaled,
-							   gw_error *error)
+float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count)
 {
-	*scaled = (gw_scaled_scene){ .points = *points, .options = *options };
-	choose_units(points, lights, light_count, scaled);
+	return scaled_light(emission, count, scaled->light);
+}
+
+gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
+							   gw_scaled_scene *scaled, gw_error *error)
+{
+	const gw_points *points = scene->points;
+	*scaled = (gw_scaled_scene){ .scene = *scene, .points = *points, .options = *options };
+	choose_units(scene, scaled);
 	if (scaled->length == 0 && scaled->light == 0)
 		return GW_OK;
 	gw_points *p = &scaled->points;
-	scaled->lights = gw_scaled_lights(scaled, lights, light_count);
+	scaled->lights = gw_scaled_lights(scaled, scene->lights, scene->light_count);
+	scaled->scene = (gw_scene_description){ p, scaled->lights, scene->light_count };
 	p->position = scaled->position = scaled_places(points->position, points->count, scaled->length);
 	if (points->scanner)
 		p->scanner = scaled->scanner =

@@ -11,10 +11,11 @@
 #include "glowworm.h"
 
 typedef struct gw_scaled_scene {
-	int length; /* lengths are multiplied by 2^length, */
-	int light;  /* and radiance and irradiance by 2^light */
+	int length;                 /* lengths are multiplied by 2^length, */
+	int light;                  /* and radiance and irradiance by 2^light */
+	gw_scene_description scene; /* in these units; as it was given when both are 0 */
 	gw_points points;
-	gw_light *lights; /* NULL when both are 0: all is as it was given */
+	gw_light *lights; /* NULL when both are 0 */
 	gw_bake_options options;
 	double *position, *scanner; /* of points, where they are copies */
 	float *emission;
@@ -25,9 +26,8 @@ typedef struct gw_scaled_scene {
  *   scaled   to be freed with gw_scaled_scene_clear, also on failure; refers to what was given
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_scaled_scene_make(const gw_points *points, const gw_light *lights, size_t light_count,
-							   const gw_bake_options *options, gw_scaled_scene *scaled,
-							   gw_error *error);
+gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
+							   gw_scaled_scene *scaled, gw_error *error);
 
 /* Brings a result back into the units that were given. Fails with GW_ERROR_DATA where its light is
  * more than a float32 holds. */
@@ -39,6 +39,9 @@ gw_status gw_scaled_scene_undo_radiance(const gw_scaled_scene *scaled, float *ra
 
 /* A copy of other lights in these units, for free(); NULL when there is no memory. */
 gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count);
+
+/* The same of 3 * count emissions. */
+float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count);
 
 /* Keeps the units alone, and refers to nothing any more. */
 void gw_scaled_scene_let_go(gw_scaled_scene *scaled);

@@ -34,8 +34,8 @@ bool gw_options_refine(const gw_bake_options *o)
 	return o->max_error > 0.0f || o->time_limit > 0.0f;
 }
 
-gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const gw_light *lights,
-						   size_t light_count, gw_error *error)
+gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
+						   gw_error *error)
 {
 	const struct {
 		const char *name;
@@ -57,31 +57,30 @@ gw_status gw_options_check(const gw_bake_options *o, size_t point_count, const g
 		{ "gaps", (double)o->gaps, 0, GW_GAPS_COUNT - 1 },
 		{ "radiance of gaps", (double)o->gap_radiance, 0, 1e30 },
 		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
+		{ "normals", (double)o->normals, 0, GW_NORMALS_COUNT - 1 },
 		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
 	};
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
-		status = check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error);
-	if (status == GW_OK && point_count == 0)
-		status = gw_fail(error, GW_ERROR_DATA,
-						 "the cloud holds no points, so there is nothing to light");
-	if (status == GW_OK && gw_options_refine(o) && o->estimate_points == 0)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "an error or a time to aim at needs an estimate of the error; let it have "
-						 "at least one point");
-	if (status == GW_OK && gw_options_refine(o) && o->transport)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "a bake that refines its settings cannot begin with a transport nor make "
-						 "one; leave out the error or time to aim at");
-	if (status == GW_OK && o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
-		status = gw_fail(error, GW_ERROR_USAGE,
-						 "cones do not know gaps; leave these open, or gather by rays");
-	if (status == GW_OK && o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
-		status =
-			gw_fail(error, GW_ERROR_USAGE,
-					"a radiance of gaps takes gaps that are black without it, and is no lamp's: "
-					"leave out the light of single lamps, or say black for gaps");
-	return status == GW_OK ? gw_lights_check(lights, light_count, error) : status;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		GW_TRY(check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error));
+	if (scene->points->count == 0)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "the cloud holds no points, so there is nothing to light");
+	if (gw_options_refine(o) && o->estimate_points == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "an error or a time to aim at needs an estimate of the error; let it have "
+					   "at least one point");
+	if (gw_options_refine(o) && o->transport)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a bake that refines its settings cannot begin with a transport nor make "
+					   "one; leave out the error or time to aim at");
+	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "cones do not know gaps; leave these open, or gather by rays");
+	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
+					   "leave out the light of single lamps, or say black for gaps");
+	return gw_lights_check(scene->lights, scene->light_count, error);
 }
 
 gw_status gw_scene_begin(gw_scene *scene, const char *name, double done, double share,
@@ -152,13 +151,11 @@ gw_status gw_scene_open_device(gw_scene *scene, gw_error *error)
 							   .passes = scene->options.passes,
 							   .cancelled = gw_scene_stopped,
 							   .user = scene };
-	gw_status status = gw_gpu_create(&options, &scene->gpu, error);
-	if (status == GW_OK) {
-		const gw_device_info *device = gw_gpu_device(scene->gpu);
-		snprintf(scene->report->device, sizeof scene->report->device, "%s", device->name);
-		snprintf(scene->report->driver, sizeof scene->report->driver, "%s", device->driver);
-	}
-	return status;
+	GW_TRY(gw_gpu_create(&options, &scene->gpu, error));
+	const gw_device_info *device = gw_gpu_device(scene->gpu);
+	snprintf(scene->report->device, sizeof scene->report->device, "%s", device->name);
+	snprintf(scene->report->driver, sizeof scene->report->driver, "%s", device->driver);
+	return GW_OK;
 }
 
 /* Of those that are left out. */
@@ -171,6 +168,12 @@ static uint64_t count_far(const gw_points *points)
 		far += isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]) && most > GW_COORDINATE_MAX;
 	}
 	return far;
+}
+
+void gw_report_emission(gw_report *r, const gw_surfels *s)
+{
+	gw_report_count(r, "emission_repaired", s->emission_repaired,
+					"points with negative or non-finite emission: taken as 0");
 }
 
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
@@ -192,10 +195,15 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points whose albedo was outside 0 to 0.99");
 	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
 					"points whose albedo was not a number: 0.5 was taken");
-	gw_report_count(r, "emission_repaired", s->emission_repaired,
-					"points with negative or non-finite emission: taken as 0");
+	gw_report_emission(r, s);
 	gw_report_count(r, "normals_estimated", s->normals_estimated,
 					"points whose normal was missing or bad: estimated from neighbours");
+	gw_report_count(r, "normals_turned", s->normals_turned,
+					"points whose normal faced the wrong side and was turned; --normals given "
+					"leaves them");
+	gw_report_count(r, "normals_doubted", s->normals_doubted,
+					"points whose normals came with so many wrong ones that all were estimated; "
+					"--normals given takes them");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
 					"points whose normal cannot be trusted: lit from both sides");
 	memcpy(r->origin, s->origin, sizeof r->origin);
@@ -210,19 +218,18 @@ static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *
 	return status;
 }
 
-gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
-								size_t light_count, gw_error *error)
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	gw_surfels_options options = { .threads = scene->options.threads,
-								   .lights = lights,
-								   .light_count = light_count,
+								   .lights = from->lights,
+								   .light_count = from->light_count,
+								   .normals = scene->options.normals,
 								   .memory = scene->options.memory,
 								   .cancelled = gw_scene_stopped,
 								   .user = scene };
-	gw_status status = gw_surfels_make(points, &options, &scene->surfels, error);
-	if (status == GW_OK)
-		gw_report_surfels(scene->report, &scene->surfels, points);
-	return status == GW_OK ? find_space(scene, points, error) : status;
+	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
+	gw_report_surfels(scene->report, &scene->surfels, from->points);
+	return find_space(scene, from->points, error);
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -250,15 +257,12 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
 	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
-	gw_status status =
-		scene->keeps
-			? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
-		: o->depth == GW_DEPTH_AUTO
-			? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
-									 error)
-			: gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(scene->keeps
+			   ? gw_octree_build_kept(scene->gpu, &task, &scene->kept_octree, &scene->octree, error)
+		   : o->depth == GW_DEPTH_AUTO
+			   ? gw_octree_build_spaced(scene->gpu, &scene->surfels, o->leaf_spacing,
+										&scene->octree, error)
+			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
 	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
@@ -286,16 +290,13 @@ static gw_status trace_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	gw_status status;
 	if (scene->kept)
-		status =
-			gw_kept_hits_trace(&on, scene->kept, scene->boxes, &scene->rays, &scene->traced, error);
+		GW_TRY(gw_kept_hits_trace(&on, scene->kept, scene->boxes, &scene->rays, &scene->traced,
+								  error));
 	else
-		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
+		GW_TRY(gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error));
 	report_rays(scene);
-	if (status == GW_OK)
-		status = gw_ray_gather_look(&on, &scene->rays, error);
-	return status;
+	return gw_ray_gather_look(&on, &scene->rays, error);
 }
 
 /* Work space of cones. */
@@ -304,10 +305,10 @@ static gw_status make_pools(gw_scene *scene, gw_error *error)
 	const gw_bake_options *o = &scene->options;
 	if (o->method != GW_METHOD_CONES)
 		return GW_OK;
-	gw_status status = gw_cone_gather_create(scene->gpu, &scene->octree, o->cones,
-											 (uint32_t)o->seed, &scene->cones, error);
+	GW_TRY(gw_cone_gather_create(scene->gpu, &scene->octree, o->cones, (uint32_t)o->seed,
+								 &scene->cones, error));
 	scene->report->brick_bytes = scene->cones.leaf_pool.allocated + scene->cones.mip_pool.allocated;
-	return status;
+	return GW_OK;
 }
 
 /* What emitters brought is not so any more. */
@@ -336,17 +337,12 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	gw_status status = gw_records_place(&on, o->record_spacing, o->seed, error);
+	GW_TRY(gw_records_place(&on, o->record_spacing, o->seed, error));
 	scene->report->records = scene->records.count;
-	if (status == GW_OK)
-		status = trace_records(scene, error);
-	if (status == GW_OK)
-		status = make_pools(scene, error);
-	if (status == GW_OK)
-		status = gw_records_weigh_facets(&on, NULL, error);
-	if (status == GW_OK)
-		status = gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error);
-	return status;
+	GW_TRY(trace_records(scene, error));
+	GW_TRY(make_pools(scene, error));
+	GW_TRY(gw_records_weigh_facets(&on, NULL, error));
+	return gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error);
 }
 
 /* The records from `first` on, by themselves. */
@@ -398,30 +394,27 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 	const gw_bake_options *o = &scene->options;
 	uint32_t before = scene->records.count;
 	gw_scene_forget_further(scene);
-	gw_status status =
-		gw_records_add(&on, o->record_spacing, o->seed, density->facet_spacing, error);
+	GW_TRY(gw_records_add(&on, o->record_spacing, o->seed, density->facet_spacing, error));
 	scene->report->records = scene->records.count;
-	if (status == GW_OK && scene->records.count > before)
-		status = list_further(scene, before, error);
-	if (status == GW_OK && scene->further.count > 0)
-		status = gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error);
+	if (scene->records.count > before)
+		GW_TRY(list_further(scene, before, error));
+	if (scene->further.count > 0)
+		GW_TRY(gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error));
 	report_rays(scene);
-	if (status == GW_OK)
-		status = gw_ray_gather_look(&on, &scene->rays, error);
-	return status == GW_OK ? weigh_again(scene, density, error) : status;
+	GW_TRY(gw_ray_gather_look(&on, &scene->rays, error));
+	return weigh_again(scene, density, error);
 }
 
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
-	gw_status status = GW_OK;
 	if (!s->portals.looked)
-		status = gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error);
-	if (status == GW_OK && s->further.count > 0)
-		status =
-			gw_ray_gather_open_further(&further, &s->portals, &s->rays, &s->further_rays, error);
-	return status == GW_OK ? gw_ray_gather_open(&on, &s->portals, &s->rays, error) : status;
+		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
+	if (s->further.count > 0)
+		GW_TRY(
+			gw_ray_gather_open_further(&further, &s->portals, &s->rays, &s->further_rays, error));
+	return gw_ray_gather_open(&on, &s->portals, &s->rays, error);
 }
 
 gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error)
@@ -429,10 +422,9 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	gw_report_surfels(scene->report, &scene->surfels, points);
 	gw_scene_report_octree(scene);
 	scene->report->records = scene->records.count;
-	gw_status status = find_space(scene, points, error);
-	if (status == GW_OK)
-		status = gw_records_make_room(scene->gpu, &scene->records, error);
-	return status == GW_OK ? make_pools(scene, error) : status;
+	GW_TRY(find_space(scene, points, error));
+	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
+	return make_pools(scene, error);
 }
 
 gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *error)

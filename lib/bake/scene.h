@@ -72,6 +72,7 @@ struct gw_scene {
 	gw_report *own_report;  /* owned: report */
 	gw_report prepared;     /* what of it is so for every lighting */
 	gw_scaled_scene units;  /* in which all is reckoned */
+	uint64_t emissions;     /* how often the points were given other emission */
 	const gw_lighting *lit; /* whose light is in the records; not owned, maybe gone */
 };
 
@@ -97,8 +98,8 @@ gw_status gw_scene_check_validation(const gw_scene *scene, gw_error *error);
 bool gw_scene_stopped(void *scene);
 
 /* GW_ERROR_USAGE when options or lights make no sense, GW_ERROR_DATA when there are no points. */
-gw_status gw_options_check(const gw_bake_options *options, size_t point_count,
-						   const gw_light *lights, size_t light_count, gw_error *error);
+gw_status gw_options_check(const gw_bake_options *options, const gw_scene_description *scene,
+						   gw_error *error);
 
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);
@@ -107,11 +108,10 @@ bool gw_options_refine(const gw_bake_options *options);
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
 
 /*
- * Makes the surfels of the points.
- *   lights   light_count; they orient estimated normals when nobody knows where the scanner stood
+ * Makes the surfels of the points. The lights orient estimated normals when nobody knows where the
+ * scanner stood.
  */
-gw_status gw_scene_make_surfels(gw_scene *scene, const gw_points *points, const gw_light *lights,
-								size_t light_count, gw_error *error);
+gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error);
 
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
@@ -135,6 +135,15 @@ gw_status gw_scene_open_to_sky(gw_scene *scene, gw_error *error);
 
 /* Makes the work space, and reports, where all of these came from a transport (transport.h). */
 gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *error);
+
+/*
+ * Gives the points other emission; nothing else changes. On failure it is as it was.
+ *   emission   3 * points, in the order that the scene was made from, or NULL: none
+ */
+gw_status gw_scene_replace_emission(gw_scene *scene, const float *emission, size_t points,
+									gw_error *error);
+/* The points whose emission could not be taken as it was, into a report. */
+void gw_report_emission(gw_report *report, const gw_surfels *surfels);
 
 /* To be called when the emission of surfels changes. */
 void gw_scene_forget_samples(gw_scene *scene);

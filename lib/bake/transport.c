@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 7u
+#define VERSION 8u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
@@ -29,7 +29,7 @@ typedef struct identity {
 
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
-	double method, depth, leaf_spacing, rays, record_spacing, seed;
+	double method, depth, leaf_spacing, rays, record_spacing, seed, normals;
 } fixed_settings;
 
 typedef struct head {
@@ -75,7 +75,8 @@ static fixed_settings settle(const gw_bake_options *o)
 								 o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
 							 .rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
 							 .record_spacing = (double)o->record_spacing,
-							 .seed = (double)o->seed };
+							 .seed = (double)o->seed,
+							 .normals = o->normals };
 }
 
 /* To where the next part begins. */
@@ -155,12 +156,11 @@ gw_status gw_transport_save(gw_scene *scene, const gw_points *points, const gw_t
 	size_t count = gw_transport_list(scene, &h.numbers, blocks);
 	h.length = length_of(blocks, count);
 	h.hash = gw_hash(0, &h, offsetof(head, hash));
-	gw_status status = transport->write(transport->user, &h, sizeof h, error);
-	if (status == GW_OK)
-		status = pad(transport, sizeof h, error);
-	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = write_block(scene, &blocks[i], transport, &hash, error);
-	return status == GW_OK ? transport->write(transport->user, &hash, sizeof hash, error) : status;
+	GW_TRY(transport->write(transport->user, &h, sizeof h, error));
+	GW_TRY(pad(transport, sizeof h, error));
+	for (size_t i = 0; i < count; i++)
+		GW_TRY(write_block(scene, &blocks[i], transport, &hash, error));
+	return transport->write(transport->user, &hash, sizeof hash, error);
 }
 
 /* ----------------------------------------------------------------------------------- loading */
@@ -217,6 +217,7 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		{ "number of rays", kept->rays, own.rays },
 		{ "record spacing", kept->record_spacing, own.record_spacing },
 		{ "seed", kept->seed, own.seed },
+		{ "choice of normals", kept->normals, own.normals },
 	};
 	if (kept->method != own.method)
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -389,124 +390,26 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	}
 	if (!fits)
 		return damaged(t, "this transport is damaged", error);
-	gw_status status = take_blocks(scene, t, &all, error);
-	if (status == GW_OK && (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers)))
-		status = damaged(t, "this transport is damaged", error);
-	return status;
-}
-
-/* ---------------------------------------------------------------------------- other emission */
-
-/* The mean emission of each surfel's points. */
-static gw_status merge_emission(const gw_points *points, gw_surfels *s, gw_error *error)
-{
-	double *sum = gw_allocate_zeros(s->count, 4 * sizeof *sum);
-	s->emission = gw_allocate_array(s->count, 3 * sizeof *s->emission);
-	if (!sum || !s->emission) {
-		free(sum);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
-					   s->count);
-	}
-	for (size_t i = 0; i < points->count; i++) {
-		uint32_t surfel = s->surfel_of_point[i];
-		bool repaired = false;
-		if (surfel == UINT32_MAX)
-			continue;
-		for (size_t k = 0; k < 3; k++) {
-			double e = (double)points->emission[3 * i + k];
-			bool good = isfinite(e) && e >= 0.0;
-			sum[4 * (size_t)surfel + k] += good ? e : 0.0;
-			repaired |= !good;
-		}
-		sum[4 * (size_t)surfel + 3] += 1.0;
-		s->emission_repaired += repaired;
-	}
-	for (size_t i = 0; i < s->count; i++)
-		for (size_t k = 0; k < 3; k++)
-			s->emission[3 * i + k] = (float)(sum[4 * i + k] / fmax(sum[4 * i + 3], 1.0));
-	free(sum);
+	GW_TRY(take_blocks(scene, t, &all, error));
+	if (!tree_fits(scene, &all) || !rows_fit(scene, &h->numbers))
+		return damaged(t, "this transport is damaged", error);
 	return GW_OK;
-}
-
-/* The mean emission of each facet's surfels. */
-static gw_status average_emission(gw_scene *scene, gw_error *error)
-{
-	const gw_surfels *s = &scene->surfels;
-	gw_octree *o = &scene->octree;
-	gw_buffer emission = { 0 };
-	float *rows = gw_allocate_zeros(s->count, 4 * sizeof *rows);
-	gw_status status = rows ? GW_OK
-							: gw_fail(error, GW_ERROR_MEMORY,
-									  "no host memory for the emission of %zu surfels", s->count);
-	for (size_t i = 0; i < s->count && status == GW_OK; i++)
-		memcpy(rows + 4 * i, s->emission + 3 * i, 3 * sizeof *rows);
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			scene->gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-									  16 * (uint64_t)s->count, "emission of surfels" },
-			&emission, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(scene->gpu, &emission, 0, rows, 16 * (uint64_t)s->count, error);
-	gw_buffer_destroy(scene->gpu, &o->facet_emission);
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			scene->gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-									  32 * (uint64_t)o->leaf_count, "emission of facets" },
-			&o->facet_emission, error);
-	if (status == GW_OK)
-		status = gw_average_facets(&scene->passes, o, &emission, &o->facet_emission, error);
-	gw_buffer_destroy(scene->gpu, &emission);
-	free(rows);
-	return status;
-}
-
-static gw_status replace_emission(gw_scene *scene, const gw_points *points, gw_error *error)
-{
-	gw_surfels *s = &scene->surfels;
-	bool emits = false;
-	gw_status status = GW_OK;
-	gw_scene_forget_samples(scene);
-	free(s->emission);
-	s->emission = NULL;
-	s->emission_repaired = 0;
-	if (points->emission)
-		status = merge_emission(points, s, error);
-	for (size_t i = 0; s->emission && i < 3 * s->count && status == GW_OK; i++)
-		emits |= s->emission[i] > 0.0f;
-	if (status != GW_OK || emits)
-		return status == GW_OK ? average_emission(scene, error) : status;
-	free(s->emission);
-	s->emission = NULL;
-	gw_buffer_destroy(scene->gpu, &scene->octree.facet_emission);
-	return gw_buffer_create(scene->gpu,
-							&(gw_buffer_description){ GW_BUFFER_TEXEL,
-													  VK_FORMAT_R32G32B32A32_SFLOAT, 16,
-													  "emission of facets" },
-							&scene->octree.facet_emission, error);
 }
 
 gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_transport *transport,
 							gw_error *error)
 {
 	head h;
-	gw_status status = read_head(transport, &h, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(read_head(transport, &h, error));
 	const identity own = identify(points);
-	status = check_points(transport, &h, &own, points, error);
-	if (status == GW_OK)
-		status = check_settings(transport, &h, &scene->options, error);
-	if (status == GW_OK)
-		status = read_blocks(scene, transport, &h, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check_points(transport, &h, &own, points, error));
+	GW_TRY(check_settings(transport, &h, &scene->options, error));
+	GW_TRY(read_blocks(scene, transport, &h, error));
 	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = scene->options.threads;
 	if (h.numbers.light_samples != scene->options.light_samples)
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
 	if (own.emission != h.identity.emission)
-		status = replace_emission(scene, points, error);
-	return status == GW_OK ? gw_scene_complete(scene, points, error) : status;
+		GW_TRY(gw_scene_replace_emission(scene, points->emission, points->count, error));
+	return gw_scene_complete(scene, points, error);
 }

@@ -69,12 +69,11 @@ static gw_status fetch_all(const gw_voxels_task *task, leaf_arrays *arrays, gw_e
 		{ task->facet_direct, slots, (void **)&arrays->direct },
 		{ &o->leaf_cell, o->leaf_count, (void **)&arrays->cell },
 	};
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
-		status = fetch(task, rows[i].buffer, rows[i].texels, rows[i].values, error);
-	if (status == GW_OK && task->records)
-		status = shade_gathered(task, &arrays->gathered, error);
-	return status;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		GW_TRY(fetch(task, rows[i].buffer, rows[i].texels, rows[i].values, error));
+	if (task->records)
+		GW_TRY(shade_gathered(task, &arrays->gathered, error));
+	return GW_OK;
 }
 
 static gw_status allocate(size_t count, gw_voxels *voxels, gw_error *error)

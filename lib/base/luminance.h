@@ -1,14 +1,16 @@
 /*
- * luminance.h - what an eye makes of linear RGB: weights of BT.709, as in
- * shaders/base/sampling.glsl.
+ * luminance.h - what an eye makes of linear RGB.
  */
 #ifndef LUMINANCE_H
 #define LUMINANCE_H
 
+#include "base/shared_math.h"
+
 /* rgb: 3, any linear quantity; the result has its unit. */
 static inline double gw_luminance(const float *rgb)
 {
-	return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+	return GW_LUMINANCE_RED * (double)rgb[0] + GW_LUMINANCE_GREEN * (double)rgb[1] +
+		   GW_LUMINANCE_BLUE * (double)rgb[2];
 }
 
 #endif

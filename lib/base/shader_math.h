@@ -4,6 +4,8 @@
 #ifndef SHADER_MATH_H
 #define SHADER_MATH_H
 
+#include "base/shared_math.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
@@ -69,7 +71,8 @@ static inline uint32_t gw_bits_of(float value)
 
 static inline float gw_luminance_of(gw_vec3 c)
 {
-	return gw_dot(c, (gw_vec3){ 0.2126f, 0.7152f, 0.0722f });
+	return gw_dot(c, (gw_vec3){ (float)GW_LUMINANCE_RED, (float)GW_LUMINANCE_GREEN,
+								(float)GW_LUMINANCE_BLUE });
 }
 
 #endif

@@ -107,14 +107,6 @@ gw_status gw_vulkan_fail(gw_gpu *gpu, gw_error *error, const char *call, const c
 			return gw_vulkan_fail((gpu), (error), #call, (what), gw_result_);                      \
 	} while (0)
 
-/* Returns from the calling function when one of ours did not succeed. */
-#define GW_TRY(call)                                                                               \
-	do {                                                                                           \
-		gw_status gw_status_ = (call);                                                             \
-		if (gw_status_ != GW_OK)                                                                   \
-			return gw_status_;                                                                     \
-	} while (0)
-
 /* Fails when the device is lost, the work was stopped, or validation has said something that no
  * error told yet. */
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error);

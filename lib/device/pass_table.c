@@ -26,16 +26,6 @@
 #define PIXELS "for glossy pictures, which few ask for"
 #define PORTALS "few scenes have portals to a sky, and there it is a small part of a bake"
 
-static bool has_no_portals(const void *push)
-{
-	return ((const gw_record_push *)push)->portals == 0;
-}
-
-static bool sees_no_map(const void *push)
-{
-	return ((const gw_record_push *)push)->sky_hits == 0;
-}
-
 #define BATCHES_OF(samples)                                                                        \
 	.batch = (samples), .batch_at = (uint32_t)offsetof(gw_record_push, batch_first)
 
@@ -92,15 +82,13 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RECORD_EMITTERS] = { "record_emitters", "tttttttssstttttttt", sizeof(gw_record_push),
 								  4096, BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_emitters },
 	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttssstttttttt", sizeof(gw_record_push), 4096,
-							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky,
-							 .cpu_takes = has_no_portals, .why = PORTALS },
+							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky },
 	[GW_PASS_RECORD_PORTALS] = { "record_portals", "ttttttttsttttttt", sizeof(gw_record_push), 4096,
 								 .why = PORTALS },
 	[GW_PASS_PORTAL_LIGHT] = { "portal_light", "ttttsss", sizeof(gw_record_push), 4096,
 							   BATCHES_OF(PORTAL_BATCH), .why = PORTALS },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096,
-							   .cpu = gw_cpu_record_first, .cpu_takes = sees_no_map,
-							   .why = "few skies have a map that rays see as well" },
+							   .cpu = gw_cpu_record_first },
 	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096,
 								.cpu = gw_cpu_record_gather },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), .cpu = gw_cpu_record_add },

@@ -85,9 +85,8 @@ typedef struct gw_pass_row {
 	uint32_t batch;
 	uint32_t batch_at; /* of their first and number in the push constants, bytes */
 
-	gw_cpu_kernel *cpu;                  /* NULL: there is none */
-	bool (*cpu_takes)(const void *push); /* NULL: all; else whether the kernel can do this run */
-	const char *why;                     /* there is no kernel, or it does not take all runs */
+	gw_cpu_kernel *cpu; /* NULL: there is none, for this reason: */
+	const char *why;
 } gw_pass_row;
 
 const gw_pass_row *gw_pass_row_of(gw_pass_id id);

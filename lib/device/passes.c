@@ -55,14 +55,13 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 						  &passes->pass[id], error);
 }
 
-gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *push)
+gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id)
 {
 	const gw_pass_row *row = gw_pass_row_of(id);
 	if (row->cpu == NULL || passes->gpu->passes == GW_PASSES_DEVICE ||
 		!gw_gpu_shares_memory(passes->gpu))
 		return GW_WAY_DEVICE;
-	return push == NULL || row->cpu_takes == NULL || row->cpu_takes(push) ? GW_WAY_CPU
-																		  : GW_WAY_DEVICE;
+	return GW_WAY_CPU;
 }
 
 /* All samples of a pass, in runs of a batch each. */
@@ -90,12 +89,11 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 	if (passes->pass[id] == NULL)
 		GW_TRY(create(passes, id, error));
 	double before = passes->gpu->account.device_seconds;
-	gw_status status =
-		gw_pass_row_of(id)->batch > 0
-			? run_batches(passes, id, bindings, push, count, error)
-			: gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error);
+	GW_TRY(gw_pass_row_of(id)->batch > 0
+			   ? run_batches(passes, id, bindings, push, count, error)
+			   : gw_pass_run(passes->gpu, passes->pass[id], bindings, push, count, error));
 	passes->device_seconds[id] += passes->gpu->account.device_seconds - before;
-	return status;
+	return GW_OK;
 }
 
 void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
@@ -107,7 +105,7 @@ void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bi
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						const void *push, uint64_t count, gw_error *error)
 {
-	if (gw_passes_way(passes, id, push) == GW_WAY_DEVICE)
+	if (gw_passes_way(passes, id) == GW_WAY_DEVICE)
 		return gw_passes_run_shader(passes, id, bindings, push, count, error);
 	gw_passes_run_kernel(passes, id, bindings, push, count);
 	return GW_OK;

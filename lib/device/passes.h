@@ -8,16 +8,6 @@
 
 #include "device/pass_table.h"
 
-/* Returns from the calling function when a call of ours did not succeed. */
-#ifndef GW_TRY
-#define GW_TRY(call)                                                                               \
-	do {                                                                                           \
-		gw_status gw_status_ = (call);                                                             \
-		if (gw_status_ != GW_OK)                                                                   \
-			return gw_status_;                                                                     \
-	} while (0)
-#endif
-
 #define GW_PASS_CONSTANTS 4u
 
 /* All zero but for gpu and constants is a set of which nothing is made yet. */
@@ -38,12 +28,11 @@ typedef enum gw_pass_way {
 } gw_pass_way;
 
 /*
- * The one place that decides. A CPU kernel runs if there is one that can do this run, the buffers
- * lie in the processor's memory, and gw_gpu_options.passes leaves it the choice: there, with as
- * many processors, it takes a fraction of the shader's time.
- *   push   what the run is called with; NULL asks for runs that every kernel takes
+ * The one place that decides. A CPU kernel runs if there is one, the buffers lie in the processor's
+ * memory, and gw_gpu_options.passes leaves it the choice: there, with as many processors, it takes
+ * a fraction of the shader's time.
  */
-gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id, const void *push);
+gw_pass_way gw_passes_way(const gw_passes *passes, gw_pass_id id);
 
 /*
  * Runs a pass over count elements, see gw_pass_run.

@@ -111,7 +111,7 @@ static gw_status sort_digit(gw_passes *passes, gw_radix_sort *sort, gw_sort_list
 
 static uint32_t keys_of_run(const gw_passes *passes, uint64_t count)
 {
-	if (gw_passes_way(passes, GW_PASS_RADIX_COUNT, NULL) == GW_WAY_CPU)
+	if (gw_passes_way(passes, GW_PASS_RADIX_COUNT) == GW_WAY_CPU)
 		return (uint32_t)(count / CPU_RUNS + 1);
 	uint64_t run = count / RUNS_WANTED + 1;
 	return run < RUN_MIN ? RUN_MIN : run > GW_RADIX_RUN_MAX ? GW_RADIX_RUN_MAX : (uint32_t)run;

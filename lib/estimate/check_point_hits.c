@@ -151,11 +151,10 @@ static void free_some(const gw_check_point_task *task, some_points *some)
 static gw_status fetch_rows(const gw_check_point_task *task, const some_points *some,
 							gw_buffer *buffer, size_t row, char *first, gw_error *error)
 {
-	gw_status status =
-		gw_buffer_download(task->passes->gpu, buffer, 0, some->rows, row * some->count, error);
-	for (size_t i = 0; i < some->count && status == GW_OK; i++)
+	GW_TRY(gw_buffer_download(task->passes->gpu, buffer, 0, some->rows, row * some->count, error));
+	for (size_t i = 0; i < some->count; i++)
 		memcpy(first + row * some->index[i], some->rows + row * i, row);
-	return status;
+	return GW_OK;
 }
 
 static gw_status put_rows(const gw_check_point_task *task, const some_points *some,

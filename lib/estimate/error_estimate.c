@@ -180,10 +180,8 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 {
 	gw_records *place = &e->place;
 	const gw_record_context on = { task->passes, task->octree, place };
-	gw_status status = gw_ray_gather_sampled(&on, rays, sources, &place->gathered, error);
-	return status == GW_OK ? download_added(task->passes->gpu, &place->gathered, e->half[half],
-											place->count, error)
-						   : status;
+	GW_TRY(gw_ray_gather_sampled(&on, rays, sources, &place->gathered, error));
+	return download_added(task->passes->gpu, &place->gathered, e->half[half], place->count, error);
 }
 
 static void count_behind(const gw_check_point_hits *hits, uint32_t *behind)
@@ -217,14 +215,12 @@ static gw_status gather_along(const gw_estimate_task *task, gw_check_point_view 
 										   .use_hits = true,
 										   .sky = black,
 										   .seed = rays->seed };
-	gw_status status = GW_OK;
 	if (task->portals)
-		status = gw_ray_gather_open(&on, task->portals, rays, error);
-	if (status == GW_OK)
-		status = gather_from(task, rays, half, &emitters, e, error);
-	if (status == GW_OK && task->bounces)
-		status = gather_from(task, rays, half, &reflected, e, error);
-	return status;
+		GW_TRY(gw_ray_gather_open(&on, task->portals, rays, error));
+	GW_TRY(gather_from(task, rays, half, &emitters, e, error));
+	if (task->bounces)
+		GW_TRY(gather_from(task, rays, half, &reflected, e, error));
+	return GW_OK;
 }
 
 static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_task *check_points,
@@ -388,10 +384,7 @@ static gw_status look(const gw_estimate_task *task, const gw_check_point_task *c
 					  estimate *e, gw_error *error)
 {
 	const gw_check_point_choice *c = &e->choice;
-	gw_status status =
-		gw_check_point_hits_find(check_points, c->point, c->count, task->hits, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_check_point_hits_find(check_points, c->point, c->count, task->hits, error));
 	e->behind = gw_allocate_zeros(c->count, sizeof *e->behind);
 	if (!e->behind)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
@@ -416,7 +409,7 @@ static float *list_radiance(const gw_estimate_task *task)
 }
 
 /* What it costs that some points may face the other way. */
-static gw_status check_sides(const gw_geometry_task *geometry, double mean,
+static gw_status check_sides(const gw_geometry_task *geometry, bool seen, double mean,
 							 gw_error_estimate *result, gw_error *error)
 {
 	gw_view texel = { 0 };
@@ -430,6 +423,7 @@ static gw_status check_sides(const gw_geometry_task *geometry, double mean,
 								 .octree = geometry->octree,
 								 .surfels = geometry->surfels,
 								 .discs = geometry->discs,
+								 .seen = seen,
 								 .seed = geometry->seed,
 								 .threads = geometry->threads,
 								 .radiance = geometry->radiance,
@@ -488,7 +482,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 	if (status == GW_OK)
 		status = gw_geometry_error(&check, &rms, error);
 	if (status == GW_OK)
-		status = check_sides(&check, mean, result, error);
+		status = check_sides(&check, task->seen, mean, result, error);
 	gw_check_discs_clear(&discs);
 	free(light);
 	result->geometry = rms / mean;

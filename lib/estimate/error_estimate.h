@@ -51,6 +51,7 @@ typedef struct gw_estimate_task {
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
+	bool seen;                 /* scanners are known */
 	uint32_t limit;            /* reflections, or GW_BOUNCES_AUTO */
 	gw_check_point_hits *hits; /* what is known of what points see; theirs in the end */
 } gw_estimate_task;

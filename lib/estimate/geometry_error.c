@@ -396,25 +396,23 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 	const gw_octree *o = t->octree;
 	uint64_t records = 16 * (uint64_t)t->records->count, slots = 32 * (uint64_t)o->leaf_count;
 	const gw_sky_map *m = t->map;
-	gw_status status = gw_view_open(t->gpu, &t->records->position, records, &v->position, error);
-	if (status == GW_OK)
-		status = gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error);
-	if (status == GW_OK)
-		status = gw_view_open(t->gpu, &t->rays->facet, records / 4 * t->rays->rays, &v->hit, error);
-	if (status == GW_OK && t->facet_radiance)
-		status = gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error);
-	if (status == GW_OK && t->surfels->emission)
-		status = gw_view_open(t->gpu, &o->facet_emission, slots, &v->emission, error);
-	if (status == GW_OK && t->surfels->emission)
-		status = gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1),
-							  &v->first, error);
-	if (status == GW_OK && t->surfels->emission)
-		status = gw_view_open(t->gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count,
-							  &v->fragment, error);
-	if (status == GW_OK && m && m->width > 0)
-		status =
-			gw_view_open(t->gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &v->texel, error);
-	return status;
+	GW_TRY(gw_view_open(t->gpu, &t->records->position, records, &v->position, error));
+	GW_TRY(gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error));
+	GW_TRY(gw_view_open(t->gpu, &t->rays->facet, records / 4 * t->rays->rays, &v->hit, error));
+	if (t->facet_radiance)
+		GW_TRY(gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error));
+	if (t->surfels->emission)
+		GW_TRY(gw_view_open(t->gpu, &o->facet_emission, slots, &v->emission, error));
+	if (t->surfels->emission)
+		GW_TRY(gw_view_open(t->gpu, &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &v->first,
+							error));
+	if (t->surfels->emission)
+		GW_TRY(gw_view_open(t->gpu, &o->fragment_surfel, 4 * (uint64_t)o->fragment_count,
+							&v->fragment, error));
+	if (m && m->width > 0)
+		GW_TRY(
+			gw_view_open(t->gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &v->texel, error));
+	return GW_OK;
 }
 
 static void close_all(check *c)

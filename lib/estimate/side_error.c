@@ -32,6 +32,10 @@
 /* The rays of a point lie close together: they say as much as so many that do not. */
 #define OWN_OPINIONS 8.0
 
+/* By how much a scanner that saw a point makes it less likely that it faces the wrong way: the
+ * logarithm of a factor. */
+#define SEEN_ODDS 6.0
+
 /* Where no ray differs there may still be one in so many. */
 #define SHARE_LEAST 1e-6
 
@@ -202,11 +206,13 @@ static double share_wrong(double differing)
 /* That a point faces the wrong way: a ray of it differs with probability w where it does not, and
  * with 1 - w where it does. Before any ray, w of the points do, and half of those whose side nobody
  * knows. */
-static double probability(const side of[2], bool unknown, double w)
+static double probability(const side of[2], bool unknown, bool seen, double w)
 {
 	double odds = log(w / (1.0 - w));
 	double rays = fmin(of[0].fits + of[1].fits + of[0].differs + of[1].differs, OWN_OPINIONS);
 	double says = rays * (1.0 - 2.0 * differing(of)) * odds + (unknown ? 0.0 : odds);
+	if (seen && !unknown)
+		says -= SEEN_ODDS;
 	return 1.0 / (1.0 + exp(-says));
 }
 
@@ -240,7 +246,7 @@ static double list_errors(check *c, double w)
 	for (size_t i = 0; i < c->choice.count; i++) {
 		const side *of = c->found[i];
 		bool unknown = c->task->surfels->two_sided[c->choice.point[i]];
-		double p = probability(of, unknown, w);
+		double p = probability(of, unknown, c->task->seen, w);
 		double more[2] = { of[1].light[0] - of[0].light[0], of[1].light[1] - of[0].light[1] };
 		wrong += c->choice.weight[i] * (unknown ? fmin(p, 1.0 - p) : p);
 		c->value[0][i] = p * (more[0] + more[1]);

@@ -94,10 +94,8 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 static gw_status measure(const gw_bounces_task *task, facet_sums *sums, double *energy,
 						 float *largest, gw_error *error)
 {
-	gw_status status = gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->slots,
-									&sums->radiance, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_view_open(task->on.passes->gpu, task->facet_radiance, 16 * sums->slots,
+						&sums->radiance, error));
 	gw_parallel_for(task->on.passes->threads, sums->slots, SUM_CHUNK, sum_chunk, sums);
 	gw_view_close(&sums->radiance);
 	double sum = 0.0;
@@ -151,10 +149,8 @@ static gw_status gather_once(const gw_bounces_task *task, bool first, float larg
 {
 	gw_records *records = task->on.records;
 	const gw_trace_step *step = &task->step;
-	gw_status status = (first && step->gather_first ? step->gather_first : step->gather)(
-		step->self, task->facet_radiance, largest, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY((first && step->gather_first ? step->gather_first : step->gather)(
+		step->self, task->facet_radiance, largest, error));
 	return gw_light_add(task->on.passes, &records->gathered, &records->indirect, records->count,
 						error);
 }
@@ -165,20 +161,14 @@ static gw_status begin_carried(const gw_bounces_task *task, facet_sums *sums, fl
 							   double *guessed, gw_error *error)
 {
 	gw_records *records = task->on.records;
-	gw_status status = gather_once(task, true, largest, error);
-	if (status == GW_OK)
-		status = gw_buffer_fill(task->on.passes->gpu, &records->gathered, 0, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&task->on, &records->gathered, task->carried, 1.0f,
-								 task->facet_radiance, error);
-	if (status == GW_OK)
-		status = measure(task, sums, guessed, &largest, error);
-	if (status == GW_OK)
-		status = gather_once(task, false, largest, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&task->on, &records->indirect, task->carried, -1.0f,
-								 task->facet_radiance, error);
-	return status;
+	GW_TRY(gather_once(task, true, largest, error));
+	GW_TRY(gw_buffer_fill(task->on.passes->gpu, &records->gathered, 0, error));
+	GW_TRY(gw_facets_shade(&task->on, &records->gathered, task->carried, 1.0f, task->facet_radiance,
+						   error));
+	GW_TRY(measure(task, sums, guessed, &largest, error));
+	GW_TRY(gather_once(task, false, largest, error));
+	return gw_facets_shade(&task->on, &records->indirect, task->carried, -1.0f,
+						   task->facet_radiance, error);
 }
 
 /* Bounces under way. */
@@ -212,13 +202,12 @@ static gw_status bounce_once(progress *p, bool first, gw_error *error)
 	if (p->gathered)
 		gw_hit_facets_shade(task->on.passes, task->on.octree, task->on.records, &p->hits,
 							task->facet_radiance);
-	gw_status status = gather_once(task, first, p->largest, error);
-	if (status == GW_OK && p->by_hits)
+	GW_TRY(gather_once(task, first, p->largest, error));
+	if (p->by_hits)
 		return measure_gathered(p, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
-								 task->facet_radiance, error);
-	return status == GW_OK ? measure(task, &p->sums, &p->energy, &p->largest, error) : status;
+	GW_TRY(gw_facets_shade(&task->on, &task->on.records->gathered, task->facet_direct, 0.0f,
+						   task->facet_radiance, error));
+	return measure(task, &p->sums, &p->energy, &p->largest, error);
 }
 
 /* The reflection of direct light, and what bounds the others. */
@@ -226,22 +215,19 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	double started = gw_seconds();
-	gw_status status = sums_create(task, &p->sums, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&task->on, &task->on.records->first, task->facet_direct, 1.0f,
-								 task->facet_radiance, error);
-	if (status == GW_OK)
-		status = measure(task, &p->sums, &p->energy, &p->largest, error);
-	if (status == GW_OK)
-		status = append(bounces, p->energy, gw_seconds() - started, error);
-	if (status == GW_OK && task->limit > 1 && !task->no_bound)
-		status = find_contraction(task, &bounces->contraction, error);
+	GW_TRY(sums_create(task, &p->sums, error));
+	GW_TRY(gw_facets_shade(&task->on, &task->on.records->first, task->facet_direct, 1.0f,
+						   task->facet_radiance, error));
+	GW_TRY(measure(task, &p->sums, &p->energy, &p->largest, error));
+	GW_TRY(append(bounces, p->energy, gw_seconds() - started, error));
+	if (task->limit > 1 && !task->no_bound)
+		GW_TRY(find_contraction(task, &bounces->contraction, error));
 	p->by_hits = task->step.hits && task->limit > 1 &&
-				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE, NULL) == GW_WAY_CPU;
-	if (status == GW_OK && p->by_hits)
-		status = gw_hit_facets_find(task->on.passes, task->on.octree, task->on.records,
-									task->step.hits, &p->hits, error);
-	return status;
+				 gw_passes_way(task->on.passes, GW_PASS_FACET_SHADE) == GW_WAY_CPU;
+	if (p->by_hits)
+		GW_TRY(gw_hit_facets_find(task->on.passes, task->on.octree, task->on.records,
+								  task->step.hits, &p->hits, error));
+	return GW_OK;
 }
 
 static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)

@@ -65,9 +65,7 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 		if (!(light->inner_angle >= 0.0f && light->inner_angle <= light->outer_angle))
 			return bad_light(index, light, "inner angle", (double)light->inner_angle,
 							 "give degrees from 0 to the outer angle", error);
-		gw_status status = check_direction(index, light, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(check_direction(index, light, error));
 	}
 	return check_color(index, light, "intensity", light->intensity, error);
 }

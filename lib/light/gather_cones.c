@@ -86,19 +86,19 @@ static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_con
 		gw_whole(&octree->facet_plane), gw_whole(&octree->facet_centre),
 		gw_whole(facet_radiance),       gw_voxels_of(&gather->leaf_pool)
 	};
-	gw_status status = gw_passes_run(passes, GW_PASS_BRICK_INJECT, leaves, &push,
-									 27 * (uint64_t)octree->leaf_tile_count, error);
+	GW_TRY(gw_passes_run(passes, GW_PASS_BRICK_INJECT, leaves, &push,
+						 27 * (uint64_t)octree->leaf_tile_count, error));
 	const gw_binding levels[] = { gw_whole(&octree->node), gw_whole(&octree->tile_neighbour),
 								  gw_voxels_of(&gather->leaf_pool),
 								  gw_voxels_of(&gather->mip_pool) };
-	for (uint32_t level = octree->depth - 1; level >= 1 && status == GW_OK; level--) {
+	for (uint32_t level = octree->depth - 1; level >= 1; level--) {
 		push.level = level;
 		push.tile_first = octree->tile_first[level];
 		push.from_leaves = level == octree->depth - 1;
 		uint64_t tiles = octree->tile_first[level + 1] - octree->tile_first[level];
-		status = gw_passes_run(passes, GW_PASS_BRICK_MIPMAP, levels, &push, 27 * tiles, error);
+		GW_TRY(gw_passes_run(passes, GW_PASS_BRICK_MIPMAP, levels, &push, 27 * tiles, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status gw_cone_gather_fill(gw_passes *passes, const gw_octree *octree,
@@ -116,18 +116,15 @@ gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gat
 								gw_error *error)
 {
 	float scale;
-	gw_status status = gw_cone_gather_fill(on->passes, on->octree, gather, radiance, &scale, error);
+	GW_TRY(gw_cone_gather_fill(on->passes, on->octree, gather, radiance, &scale, error));
 	const gw_cone_push push = gw_cone_gather_push(gather, scale, sky);
-	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
-										gw_whole(&on->octree->node),
-										gw_voxels_of(&gather->leaf_pool),
-										gw_voxels_of(&gather->mip_pool),
-										gw_window(&on->records->position, 16),
-										gw_window(&on->records->normal, 16),
-										gw_window(gathered, 16) };
-		status = gw_passes_run(on->passes, GW_PASS_RECORD_CONES, bindings, &push,
-							   on->records->count, error);
-	}
-	return status;
+	const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
+									gw_whole(&on->octree->node),
+									gw_voxels_of(&gather->leaf_pool),
+									gw_voxels_of(&gather->mip_pool),
+									gw_window(&on->records->position, 16),
+									gw_window(&on->records->normal, 16),
+									gw_window(gathered, 16) };
+	return gw_passes_run(on->passes, GW_PASS_RECORD_CONES, bindings, &push, on->records->count,
+						 error);
 }

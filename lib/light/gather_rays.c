@@ -93,12 +93,9 @@ gw_status gw_ray_gather_add(const gw_record_context *on, gw_ray_gather *gather, 
 							gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	gw_status status = gw_ray_gather_trace(on, gather->rays, gather->seed, own, error);
-	if (status == GW_OK)
-		status = append(gpu, VK_FORMAT_R32_UINT, &own->facet, &gather->facet, error);
-	if (status == GW_OK)
-		status = append(gpu, VK_FORMAT_R32_SFLOAT, &own->distance, &gather->distance, error);
-	return status;
+	GW_TRY(gw_ray_gather_trace(on, gather->rays, gather->seed, own, error));
+	GW_TRY(append(gpu, VK_FORMAT_R32_UINT, &own->facet, &gather->facet, error));
+	return append(gpu, VK_FORMAT_R32_SFLOAT, &own->distance, &gather->distance, error);
 }
 
 gw_status gw_ray_gather_open(const gw_record_context *on, const gw_portals *portals,
@@ -132,10 +129,8 @@ gw_status gw_ray_gather_open_further(const gw_record_context *on, const gw_porta
 {
 	if (gather->through.handle == VK_NULL_HANDLE)
 		return GW_OK;
-	gw_status status = gw_ray_gather_open(on, portals, own, error);
-	return status == GW_OK
-			   ? append(on->passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error)
-			   : status;
+	GW_TRY(gw_ray_gather_open(on, portals, own, error));
+	return append(on->passes->gpu, VK_FORMAT_R32_UINT, &own->through, &gather->through, error);
 }
 
 /* One gather from sources under way. */
@@ -256,6 +251,18 @@ static gw_status gather_hits(const gathering *g, gw_record_push push, gw_buffer 
 }
 
 /* All sources at once. */
+static gw_status gather_all(const gathering *g, gw_record_push push, gw_buffer *irradiance,
+							gw_error *error)
+{
+	if (push.light_samples > 0)
+		GW_TRY(sample_emitters(g, push, error));
+	if (push.sky_width > 0)
+		GW_TRY(sample_sky(g, push, error));
+	if (push.portals > 0)
+		GW_TRY(add_opened(g, push, error));
+	return gather_hits(g, push, irradiance, error);
+}
+
 static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather *gather,
 								const gw_sampled_sources *sources, gw_buffer *irradiance,
 								gw_error *error)
@@ -286,14 +293,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)on->records->count, "sampled irradiance" },
 		&g.sampled, error);
-	if (status == GW_OK && push.light_samples > 0)
-		status = sample_emitters(&g, push, error);
-	if (status == GW_OK && push.sky_width > 0)
-		status = sample_sky(&g, push, error);
-	if (status == GW_OK && push.portals > 0)
-		status = add_opened(&g, push, error);
 	if (status == GW_OK)
-		status = gather_hits(&g, push, irradiance, error);
+		status = gather_all(&g, push, irradiance, error);
 	gw_buffer_destroy(on->passes->gpu, &g.sampled);
 	return status;
 }
@@ -344,12 +345,9 @@ gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather
 	if (!sources->kept)
 		return gather_sources(on, gather, sources, irradiance, error);
 	others.emitters = &none;
-	gw_status status = keep_emitters(on, gather, sources, error);
-	if (status == GW_OK)
-		status = gather_sources(on, gather, &others, irradiance, error);
-	if (status == GW_OK)
-		status = gw_light_add(on->passes, sources->kept, irradiance, on->records->count, error);
-	return status;
+	GW_TRY(keep_emitters(on, gather, sources, error));
+	GW_TRY(gather_sources(on, gather, &others, irradiance, error));
+	return gw_light_add(on->passes, sources->kept, irradiance, on->records->count, error);
 }
 
 gw_status gw_ray_gather_look(const gw_record_context *on, const gw_ray_gather *gather,

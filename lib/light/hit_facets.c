@@ -32,9 +32,9 @@ static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 		const uint32_t *record = job->record + GW_WEIGHTS * i;
 		const float *weight = job->weight + GW_WEIGHTS * i;
 		const double area = (double)job->centre[4 * i + 3];
-		const double share[3] = { 0.2126 * area * (double)albedo[4 * i],
-								  0.7152 * area * (double)albedo[4 * i + 1],
-								  0.0722 * area * (double)albedo[4 * i + 2] };
+		const double share[3] = { GW_LUMINANCE_RED * area * (double)albedo[4 * i],
+								  GW_LUMINANCE_GREEN * area * (double)albedo[4 * i + 1],
+								  GW_LUMINANCE_BLUE * area * (double)albedo[4 * i + 2] };
 		for (size_t k = 0; k < GW_WEIGHTS && record[k] != GW_NONE; k++)
 			for (size_t c = 0; c < 3; c++)
 				power[3 * (size_t)record[k] + c] += share[c] * (double)weight[k];

@@ -139,9 +139,8 @@ typedef struct keep_tables {
 static gw_status upload(gw_gpu *gpu, const gw_buffer_description *description, const void *values,
 						gw_buffer *buffer, gw_error *error)
 {
-	gw_status status = gw_buffer_create(gpu, description, buffer, error);
-	return status == GW_OK ? gw_buffer_upload(gpu, buffer, 0, values, description->bytes, error)
-						   : status;
+	GW_TRY(gw_buffer_create(gpu, description, buffer, error));
+	return gw_buffer_upload(gpu, buffer, 0, values, description->bytes, error);
 }
 
 static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_kept_hits *kept,
@@ -211,10 +210,7 @@ static gw_status trace_listed(const gw_record_context *on, const keep_tables *ta
 							  gw_ray_gather *gather, uint64_t *traced, gw_error *error)
 {
 	uint32_t listed;
-	gw_status status =
-		gw_buffer_download(on->passes->gpu, writable(&tables->list), 0, &listed, 4, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_buffer_download(on->passes->gpu, writable(&tables->list), 0, &listed, 4, error));
 	*traced = listed;
 	const gw_binding bindings[] = {
 		GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
@@ -231,21 +227,17 @@ static gw_status make_tables(const gw_record_context *on, const gw_kept_hits *ke
 {
 	tables->box_count = boxes.count;
 	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
-	gw_status status = match_records(on->passes->gpu, on->records, kept, tables, error);
-	if (status == GW_OK)
-		status = match_leaves(on->passes->gpu, on->octree, kept, tables, error);
-	if (status == GW_OK)
-		status = upload(on->passes->gpu,
-						&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-												  sizeof *boxes.box * (uint64_t)boxes.count,
-												  "changed boxes" },
-						boxes.box, &tables->box, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(on->passes->gpu,
-								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-															4 * (rays + 1), "rays to trace again" },
-								  &tables->list, error);
-	return status;
+	GW_TRY(match_records(on->passes->gpu, on->records, kept, tables, error));
+	GW_TRY(match_leaves(on->passes->gpu, on->octree, kept, tables, error));
+	GW_TRY(upload(on->passes->gpu,
+				  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+											sizeof *boxes.box * (uint64_t)boxes.count,
+											"changed boxes" },
+				  boxes.box, &tables->box, error));
+	return gw_buffer_create(on->passes->gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+													  4 * (rays + 1), "rays to trace again" },
+							&tables->list, error);
 }
 
 gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *kept,

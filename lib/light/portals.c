@@ -347,13 +347,19 @@ static gw_status keep_spheres(gw_gpu *gpu, const float *sphere, uint32_t count, 
 	portals->count = count;
 	if (count == 0)
 		return GW_OK;
-	gw_status status =
+	GW_TRY(
 		gw_buffer_create(gpu,
 						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 												   16 * count, "portals" },
-						 &portals->sphere, error);
-	return status == GW_OK ? gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error)
-						   : status;
+						 &portals->sphere, error));
+	return gw_buffer_upload(gpu, &portals->sphere, 0, sphere, 16 * count, error);
+}
+
+static gw_status look_along(finder *f, float *sphere, uint32_t *count, gw_error *error)
+{
+	GW_TRY(fetch_lines(f, &f->sky, error));
+	GW_TRY(fetch_lines(f, &f->any, error));
+	return find_spheres(f, sphere, count, error);
 }
 
 gw_status gw_portals_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,
@@ -372,11 +378,7 @@ gw_status gw_portals_find(gw_passes *passes, const gw_octree *octree, const gw_r
 		status = list_rays(&f, hits.bytes, &portals->escaped, error);
 	gw_view_close(&hits);
 	if (status == GW_OK && f.sky.count > 0)
-		status = fetch_lines(&f, &f.sky, error);
-	if (status == GW_OK && f.sky.count > 0)
-		status = fetch_lines(&f, &f.any, error);
-	if (status == GW_OK && f.sky.count > 0)
-		status = find_spheres(&f, sphere, &count, error);
+		status = look_along(&f, sphere, &count, error);
 	if (status == GW_OK)
 		status = keep_spheres(passes->gpu, sphere, count, portals, error);
 	clear_list(&f.sky);

@@ -30,17 +30,14 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
 	if (!r->host_record || !r->host_weight)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for weights of records");
-	gw_status status =
-		gw_buffer_create(gpu,
-						 &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-												   4 * words, "records of surfels" },
-						 &r->on_device.record, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															4 * words, "weights of surfels" },
-								  &r->on_device.weight, error);
-	return status;
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+													  4 * words, "records of surfels" },
+							&r->on_device.record, error));
+	return gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+													  4 * words, "weights of surfels" },
+							&r->on_device.weight, error);
 }
 
 /* Room for a further chunk; lists grow by half. */
@@ -102,25 +99,21 @@ static void pack(gw_read_back *b, const rows *r, const renewal *how, size_t firs
 static gw_status find_rows(const gw_record_context *on, const renewal *how, rows *r,
 						   gw_read_back *b, gw_error *error)
 {
-	gw_status status = create(on->passes->gpu, r, error);
-	for (size_t first = 0; first < b->count && status == GW_OK; first += CHUNK) {
+	GW_TRY(create(on->passes->gpu, r, error));
+	for (size_t first = 0; first < b->count; first += CHUNK) {
 		size_t left = b->count - first, count = left < CHUNK ? left : CHUNK;
 		uint64_t bytes = 4 * (uint64_t)GW_SURFEL_WEIGHTS * count;
 		r->on_device.first = first;
 		r->on_device.count = count;
-		status = reserve(b, r, b->first[first], error);
-		if (status == GW_OK)
-			status = gw_records_weigh_surfels(on, how->reach, &r->on_device, error);
-		if (status == GW_OK)
-			status = gw_buffer_download(on->passes->gpu, &r->on_device.record, 0, r->host_record,
-										bytes, error);
-		if (status == GW_OK)
-			status = gw_buffer_download(on->passes->gpu, &r->on_device.weight, 0, r->host_weight,
-										bytes, error);
-		if (status == GW_OK)
-			pack(b, r, how, first, count);
+		GW_TRY(reserve(b, r, b->first[first], error));
+		GW_TRY(gw_records_weigh_surfels(on, how->reach, &r->on_device, error));
+		GW_TRY(gw_buffer_download(on->passes->gpu, &r->on_device.record, 0, r->host_record, bytes,
+								  error));
+		GW_TRY(gw_buffer_download(on->passes->gpu, &r->on_device.weight, 0, r->host_weight, bytes,
+								  error));
+		pack(b, r, how, first, count);
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Gives back what the lists did not need; when that fails they stay as they are. */
@@ -163,9 +156,7 @@ gw_status gw_read_back_again(const gw_record_context *on, const gw_buffer *reach
 {
 	gw_read_back again;
 	const renewal how = { reach, closer, read_back };
-	gw_status status = make(on, &how, read_back->count, &again, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(make(on, &how, read_back->count, &again, error));
 	gw_read_back_clear(read_back);
 	*read_back = again;
 	return GW_OK;

@@ -50,11 +50,10 @@ gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error
 	gw_buffer *const buffer[] = { &records->first, &records->indirect, &records->gathered };
 	const char *const name[] = { "record first irradiance", "record indirect irradiance",
 								 "record gathered irradiance" };
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < 3 && status == GW_OK; i++)
-		status = texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count, name[i],
-					   buffer[i], error);
-	return status;
+	for (size_t i = 0; i < 3; i++)
+		GW_TRY(texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, 16 * (uint64_t)records->count, name[i],
+					 buffer[i], error));
+	return GW_OK;
 }
 
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
@@ -76,13 +75,10 @@ static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records
 		  "facet record" },
 		{ &records->facet_weight, f4, 4 * GW_WEIGHTS * slots, "facet weight" },
 	};
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < sizeof rows / sizeof *rows && status == GW_OK; i++)
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		if (rows[i].buffer->handle == VK_NULL_HANDLE)
-			status = texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error);
-	if (status == GW_OK)
-		status = gw_records_make_room(gpu, records, error);
-	return status;
+			GW_TRY(texel(gpu, rows[i].format, rows[i].bytes, rows[i].name, rows[i].buffer, error));
+	return gw_records_make_room(gpu, records, error);
 }
 
 /* Puts a record on each of the facets that are listed. */

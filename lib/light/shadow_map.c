@@ -59,25 +59,22 @@ static gw_status draw_facets(shadow_map *map, gw_shadow_push *push, gw_error *er
 									gw_whole(&map->most) };
 	gw_gpu *gpu = map->passes->gpu;
 	uint32_t rounds = 1;
-	gw_status status = gw_buffer_fill(gpu, &map->most, 0, error);
-	for (push->round = 0; push->round < rounds && status == GW_OK; push->round++) {
-		status = gw_passes_run(map->passes, GW_PASS_SHADOW_MAP_SPLAT, bindings, push,
-							   2 * (uint64_t)map->octree->leaf_count, error);
+	GW_TRY(gw_buffer_fill(gpu, &map->most, 0, error));
+	for (push->round = 0; push->round < rounds; push->round++) {
+		GW_TRY(gw_passes_run(map->passes, GW_PASS_SHADOW_MAP_SPLAT, bindings, push,
+							 2 * (uint64_t)map->octree->leaf_count, error));
 		uint32_t most = 0;
-		if (status == GW_OK && push->round == 0)
-			status = gw_buffer_download(gpu, &map->most, 0, &most, sizeof most, error);
+		if (push->round == 0)
+			GW_TRY(gw_buffer_download(gpu, &map->most, 0, &most, sizeof most, error));
 		rounds = most > rounds ? most : rounds;
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status run_window(shadow_map *map, gw_shadow_push *push, gw_error *error)
 {
-	gw_status status = gw_buffer_fill(map->passes->gpu, &map->depth, FAR_DEPTH, error);
-	if (status == GW_OK)
-		status = draw_facets(map, push, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_buffer_fill(map->passes->gpu, &map->depth, FAR_DEPTH, error));
+	GW_TRY(draw_facets(map, push, error));
 	const gw_binding bindings[] = { gw_whole(&map->depth),
 									gw_window(&map->octree->surfel_position, 16),
 									gw_window(&map->octree->surfel_normal, 16),
@@ -96,17 +93,16 @@ static gw_status run_view(shadow_map *map, gw_shadow_push push, float extent, gw
 	push.right.w = half / extent;
 	push.forward.w = (float)map->size;
 	push.side = map->window + 2 * GW_SHADOW_BORDER;
-	gw_status status = GW_OK;
-	for (uint32_t y = 0; y < map->size && status == GW_OK; y += map->window) {
-		for (uint32_t x = 0; x < map->size && status == GW_OK; x += map->window) {
+	for (uint32_t y = 0; y < map->size; y += map->window) {
+		for (uint32_t x = 0; x < map->size; x += map->window) {
 			push.first_x = (float)x;
 			push.first_y = (float)y;
 			push.centre_x = half - push.first_x + (float)GW_SHADOW_BORDER;
 			push.centre_y = half - push.first_y + (float)GW_SHADOW_BORDER;
-			status = run_window(map, &push, error);
+			GW_TRY(run_window(map, &push, error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ---------------------------------------------------------------------------------- views */
@@ -177,17 +173,16 @@ static gw_status run_lamp(shadow_map *map, const gw_light_push *light, gw_error 
 		frame_along(&push, spot <= outside ? light->direction : middle);
 		return run_view(map, push, fminf(spot, outside), error);
 	}
-	gw_status status = GW_OK;
 	float range = push.up.w;
-	for (int face = 0; face < 6 && status == GW_OK; face++) {
+	for (int face = 0; face < 6; face++) {
 		int axis = face / 2;
 		push.forward = axis_vector(axis, face % 2 ? -1.0f : 1.0f);
 		push.right = axis_vector((axis + 1) % 3, 1.0f);
 		push.up = axis_vector((axis + 2) % 3, 1.0f);
 		push.up.w = range;
-		status = run_view(map, push, 1.0f, error);
+		GW_TRY(run_view(map, push, 1.0f, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status run_sun(shadow_map *map, const gw_light_push *light, gw_error *error)
@@ -222,19 +217,15 @@ static gw_status create(shadow_map *map, gw_error *error)
 {
 	gw_gpu *gpu = map->passes->gpu;
 	uint64_t side = (uint64_t)map->window + 2 * GW_SHADOW_BORDER;
-	gw_status status =
-		gw_buffer_create(gpu,
-						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
-												   4 * side * side, "shadow map" },
-						 &map->depth, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															4, "shadow map tiles" },
-								  &map->most, error);
-	if (status == GW_OK)
-		status = gw_buffer_fill(gpu, map->visibility, 0, error);
-	return status;
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_SFLOAT,
+													  4 * side * side, "shadow map" },
+							&map->depth, error));
+	GW_TRY(gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4, "shadow map tiles" },
+		&map->most, error));
+	return gw_buffer_fill(gpu, map->visibility, 0, error);
 }
 
 gw_status gw_shadow_map_visibility(const gw_lit_cloud *cloud, const gw_light_push *light,

@@ -98,21 +98,17 @@ static gw_status upload(gw_gpu *gpu, gw_sky_map *map, const float *texel, const 
 						gw_error *error)
 {
 	uint64_t count = (uint64_t)map->width * map->height;
-	gw_status status =
+	GW_TRY(
 		gw_buffer_create(gpu,
 						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 												   16 * count, "map of the sky" },
-						 &map->texel, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32_UINT,
-															8 * count, "table of the sky" },
-								  &map->alias, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &map->texel, 0, texel, 16 * count, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &map->alias, 0, alias, 8 * count, error);
-	return status;
+						 &map->texel, error));
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32_UINT,
+													  8 * count, "table of the sky" },
+							&map->alias, error));
+	GW_TRY(gw_buffer_upload(gpu, &map->texel, 0, texel, 16 * count, error));
+	return gw_buffer_upload(gpu, &map->alias, 0, alias, 8 * count, error);
 }
 
 gw_status gw_sky_map_make(gw_gpu *gpu, const gw_light *light, gw_sky_map *map, gw_error *error)

@@ -67,15 +67,15 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 					 gw_error *error)
 {
 	whole_cloud whole = { 0 };
-	gw_surfels_options options = {
-		.threads = threads, .choose = choose_stretches, .chooser = &whole, .choose_by_place = true
-	};
+	gw_surfels_options options = { .threads = threads,
+								   .normals = GW_NORMALS_GIVEN,
+								   .choose = choose_stretches,
+								   .chooser = &whole,
+								   .choose_by_place = true };
 	gw_surfels surfels;
 	float *gap = NULL;
 	*statistics = (gw_statistics){ .points = points->count };
-	gw_status status = gw_surfels_make_with_gaps(points, &options, &surfels, &gap, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_surfels_make_with_gaps(points, &options, &surfels, &gap, error));
 	statistics->finite = gw_finite_bounds(points, statistics->minimum, statistics->maximum);
 	statistics->duplicates = surfels.duplicates;
 	count_normals(points, statistics);

@@ -87,11 +87,10 @@ static gw_status keys_of_tiles(gw_render_octree *o, uint32_t level, uint64_t **k
 	*keys = gw_allocate_array(*count, sizeof **keys);
 	if (!*keys)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu tiles", *count);
-	gw_status status = gw_buffer_download(o->gpu, leaves ? &t->leaf_tile_key : &t->tile_key,
-										  8 * (uint64_t)first, *keys, 8 * (uint64_t)*count, error);
-	if (status == GW_OK)
-		*count = sort_unique(*keys, *count);
-	return status;
+	GW_TRY(gw_buffer_download(o->gpu, leaves ? &t->leaf_tile_key : &t->tile_key,
+							  8 * (uint64_t)first, *keys, 8 * (uint64_t)*count, error));
+	*count = sort_unique(*keys, *count);
+	return GW_OK;
 }
 
 gw_status gw_cells_list_borders(gw_render_octree *o, uint32_t level, gw_cells *cells,

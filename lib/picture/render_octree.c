@@ -270,13 +270,12 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
 		GW_TREE_BINDING(t)
 	};
-	gw_status status = GW_OK;
-	for (push.ray = 0; push.ray < r->rays && status == GW_OK; push.ray++) {
-		status = gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error);
-		if (status == GW_OK && r->cancelled && r->cancelled(r->user))
-			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
+	for (push.ray = 0; push.ray < r->rays; push.ray++) {
+		GW_TRY(gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error));
+		if (r->cancelled && r->cancelled(r->user))
+			return gw_fail(error, GW_ERROR_CANCELLED, "stopped while light was reflected");
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass,

@@ -150,9 +150,7 @@ static gw_status find_outside(const gw_surfels *s, const gw_viewpoint_wish *wish
 	const double nowhere[3] = { 0, 0, 0 };
 	double backwards[3] = { -best[0], -best[1], -best[2] };
 	v->angle = wish->angle > 0 ? wish->angle : GW_VIEWPOINT_ANGLE_OUTSIDE;
-	gw_status status = gw_camera_look(&camera, nowhere, backwards, upright, v->angle, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_camera_look(&camera, nowhere, backwards, upright, v->angle, error));
 	for (int k = 0; k < 3; k++)
 		middle[k] = 0.5 * ((double)s->minimum[k] + (double)s->maximum[k]);
 	double distance, shift[2];
@@ -315,9 +313,7 @@ static gw_status try_inside(const gw_surfels *s, const gw_viewpoint_wish *wish, 
 {
 	double ray[RAYS][3], view[3 * AZIMUTHS][3];
 	grid g = { .surfels = s, .ray = ray, .view = view };
-	gw_status status = make_grid(&g, wish->luminance, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(make_grid(&g, wish->luminance, error));
 	make_rays(ray);
 	for (int a = 0; a < AZIMUTHS; a++)
 		for (int e = -1; e <= 1; e++)

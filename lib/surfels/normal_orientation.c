@@ -438,11 +438,8 @@ static gw_status decide_components(orientation_work *w, const uint8_t *estimated
 	}
 	find_sun(w);
 	limit_areas(w);
-	gw_status status = find_lamps(w, error);
-	if (status == GW_OK)
-		status = measure_components(w, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_lamps(w, error));
+	GW_TRY(measure_components(w, error));
 	for (uint32_t i = 0; i < s->count; i++) {
 		find_root(w, i, &opposite);
 		add_surfel(w, i, opposite ? -1 : 1, !estimated[i], w->components + w->component_of[i]);

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "surfels/normal_orientation.h"
 #include "surfels/plane_normal.h"
+#include "surfels/scanner_sight.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +24,11 @@
 
 #define VOTES 2
 
+/* A surface seen edge-on is trusted where so much of the vote agrees, of at least so much weight:
+ * noise of the normals that could turn it would have turned some of the neighbours. */
+#define AGREEMENT_SURE 0.9f
+#define AGREEMENT_LEAST 8.0f
+
 /* A neighbour's plane is taken when it leaves less than this of what the own plane leaves: noise
  * alone, whose squares over 14 degrees of freedom vary by 0.38, rarely does. */
 #define BETTER_PLANE 0.15f
@@ -35,6 +41,7 @@ enum {
 	UNSURE = 2,    /* orientation may be changed by a vote */
 	UNTRUSTED = 4, /* lit from both sides */
 	NEGATIVE = 8,  /* the vote's result: points the other way */
+	EDGE_ON = 16,  /* untrusted unless the neighbours agree */
 };
 
 typedef struct normal_step {
@@ -42,7 +49,7 @@ typedef struct normal_step {
 	gw_neighbours *search;
 	double *scanner; /* 3 * scanner_count, local */
 	size_t scanner_count;
-	uint32_t *scanner_of; /* count, the one that saw each surfel, or NULL: the nearest */
+	uint32_t *scanner_of; /* count, the one that saw each surfel, or NULL: there is but one */
 	uint8_t *state;       /* count, bits as above */
 	uint8_t *next;        /* count, state after the vote */
 	float *plane;         /* 4 * count: normal, and what of its neighbours' spread it leaves */
@@ -53,13 +60,13 @@ typedef struct normal_step {
 static bool assign_scanners(normal_step *step, const gw_points *points)
 {
 	const gw_surfels *s = step->surfels;
-	if (!points->scanner_of)
+	if (points->scanner_count < 2)
 		return true;
 	step->scanner_of = gw_allocate_array(s->count, sizeof *step->scanner_of);
 	if (!step->scanner_of)
 		return false;
 	memset(step->scanner_of, 0xff, s->count * sizeof *step->scanner_of);
-	for (size_t i = 0; i < s->point_count; i++) {
+	for (size_t i = 0; points->scanner_of && i < s->point_count; i++) {
 		uint32_t surfel = s->surfel_of_point[i];
 		if (surfel != UINT32_MAX && points->scanner_of[i] < step->scanner_of[surfel])
 			step->scanner_of[surfel] = points->scanner_of[i];
@@ -235,14 +242,13 @@ static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *lis
 /* A neighbour of a neighbour may know the face where no neighbour does. */
 static gw_status choose_planes(normal_step *step, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (int round = 0; round < PLANE_ROUNDS && status == GW_OK; round++) {
-		status = gw_neighbours_visit(step->search, choose_plane, step, error);
+	for (int round = 0; round < PLANE_ROUNDS; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, choose_plane, step, error));
 		float *swap = step->plane;
 		step->plane = step->better;
 		step->better = swap;
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Takes the planes' normals, to the scanner where there is one. */
@@ -260,8 +266,9 @@ static void set_normals(normal_step *step)
 			step->surfels->normal[3 * i + k] = cosine < 0 ? -plane[k] : plane[k];
 		if (step->scanner_count && fabs(cosine) < (double)SURE_COSINE)
 			step->state[i] |= UNSURE;
-		if ((step->scanner_count && fabs(cosine) <= (double)UNTRUSTED_COSINE) ||
-			plane[3] > CURVATURE_MAX)
+		if (step->scanner_count && fabs(cosine) <= (double)UNTRUSTED_COSINE)
+			step->state[i] |= EDGE_ON;
+		if (plane[3] > CURVATURE_MAX)
 			step->state[i] |= UNTRUSTED;
 	}
 }
@@ -274,7 +281,7 @@ static void vote(void *user, size_t surfel, const gw_neighbour_list *list)
 	const gw_surfels *s = step->surfels;
 	const float *n = s->normal + 3 * surfel;
 	uint8_t state = step->state[surfel];
-	float balance = 0;
+	float balance = 0, weights = 0;
 	step->next[surfel] = state;
 	if (!(state & UNSURE))
 		return;
@@ -289,21 +296,23 @@ static void vote(void *user, size_t surfel, const gw_neighbour_list *list)
 		bool agrees = (cosine > 0) == ((step->state[other] & NEGATIVE) == (state & NEGATIVE));
 		float weight = (step->state[other] & UNSURE ? 1.0f : 4.0f) * fabsf(cosine);
 		balance += agrees ? weight : -weight;
+		weights += weight;
 	}
 	if (balance < 0)
-		step->next[surfel] = state ^ NEGATIVE;
+		step->next[surfel] ^= NEGATIVE;
+	if (weights >= AGREEMENT_LEAST && fabsf(balance) >= AGREEMENT_SURE * weights)
+		step->next[surfel] &= (uint8_t)~EDGE_ON;
 }
 
 static gw_status run_votes(normal_step *step, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (int round = 0; round < VOTES && status == GW_OK; round++) {
-		status = gw_neighbours_visit(step->search, vote, step, error);
+	for (int round = 0; round < VOTES; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, vote, step, error));
 		uint8_t *swap = step->state;
 		step->state = step->next;
 		step->next = swap;
 	}
-	return status;
+	return GW_OK;
 }
 
 static void apply_states(normal_step *step)
@@ -311,6 +320,7 @@ static void apply_states(normal_step *step)
 	gw_surfels *s = step->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint8_t state = step->state[i];
+		state |= state & EDGE_ON ? UNTRUSTED : 0;
 		for (size_t k = 0; k < 3 && (state & NEGATIVE); k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 		s->normals_estimated += (state & ESTIMATED) != 0;
@@ -355,6 +365,10 @@ gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options 
 		status = gw_neighbours_visit(search, estimate_normal, &step, error);
 	if (status == GW_OK)
 		status = choose_planes(&step, error);
+	if (status == GW_OK && step.scanner_of)
+		status = gw_scanners_assign(
+			search, surfels, &(gw_scanner_places){ step.scanner, step.scanner_count, step.plane },
+			step.scanner_of, error);
 	if (status == GW_OK)
 		set_normals(&step);
 	if (status == GW_OK)

@@ -2,6 +2,7 @@
 #include "surfels/surfel_steps.h"
 
 #include "base/memory.h"
+#include "surfels/given_normals.h"
 #include "surfels/plane_error.h"
 
 #include <stdlib.h>
@@ -35,8 +36,8 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		const float *n = s->normal + 3 * i;
 		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
-	gw_status status = gw_normals_complete(points, options, search, s, error);
-	return status == GW_OK ? gw_plane_error(search, s, error) : status;
+	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	return gw_plane_error(search, s, error);
 }
 
 static gw_status make_steps(const gw_points *points, const gw_surfels_options *options,
@@ -57,7 +58,9 @@ static gw_status make_steps(const gw_points *points, const gw_surfels_options *o
 	if (status != GW_OK)
 		return status;
 	bool smoothed = false;
-	status = complete_normals(points, options, search, surfels, error);
+	status = gw_given_normals_mend(points, options, search, surfels, error);
+	if (status == GW_OK)
+		status = complete_normals(points, options, search, surfels, error);
 	if (status == GW_OK)
 		status = gw_surfels_smooth(search, surfels, &smoothed, error);
 	if (smoothed) {

@@ -202,6 +202,8 @@ static void add_counts(gw_surfels *all, const gw_surfels *part)
 	all->normals_given += part->normals_given;
 	all->normals_estimated += part->normals_estimated;
 	all->normals_untrusted += part->normals_untrusted;
+	all->normals_turned += part->normals_turned;
+	all->normals_doubted += part->normals_doubted;
 	all->albedo_defaulted += part->albedo_defaulted;
 }
 

@@ -158,18 +158,18 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
 						float *normal, gw_error *error)
 {
 	step->out = normal;
-	gw_status status = gw_neighbours_visit(search, turn_normal, step, error);
+	GW_TRY(gw_neighbours_visit(search, turn_normal, step, error));
 	step->normal = normal;
-	for (int round = 0; round < ROUNDS && status == GW_OK; round++) {
+	for (int round = 0; round < ROUNDS; round++) {
 		float *swap = *a;
 		step->out = *b;
-		status = gw_neighbours_visit(search, move_point, step, error);
+		GW_TRY(gw_neighbours_visit(search, move_point, step, error));
 		step->position = *b;
 		step->noise = NULL;
 		*a = *b;
 		*b = swap;
 	}
-	return status;
+	return GW_OK;
 }
 
 /*

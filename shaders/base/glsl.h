@@ -22,16 +22,19 @@ namespace glsl
 
 /* ------------------------------------------------------------------------------------- vectors */
 
-struct vec2 {
-	float x, y;
-	vec2() = default;
-	explicit vec2(float all) : x(all), y(all)
+template <typename number> struct two {
+	number x, y;
+	two() = default;
+	explicit two(number all) : x(all), y(all)
 	{
 	}
-	vec2(float x, float y) : x(x), y(y)
+	two(number x, number y) : x(x), y(y)
 	{
 	}
 };
+
+typedef two<float> vec2;
+typedef two<uint> uvec2;
 
 struct vec3 {
 	float x, y, z;
@@ -81,17 +84,6 @@ struct alignas(16) vec4 {
 	float operator[](int i) const
 	{
 		return at[i];
-	}
-};
-
-struct uvec2 {
-	uint x, y;
-	uvec2() = default;
-	explicit uvec2(uint all) : x(all), y(all)
-	{
-	}
-	uvec2(uint x, uint y) : x(x), y(y)
-	{
 	}
 };
 

@@ -43,7 +43,8 @@ vec3 disc_to_hemisphere(vec2 p, vec3 n, OUT(float) cosine)
 
 float luminance(vec3 c)
 {
-	return dot(c, vec3(0.2126f, 0.7152f, 0.0722f));
+	return dot(c, vec3(float(GW_LUMINANCE_RED), float(GW_LUMINANCE_GREEN),
+					   float(GW_LUMINANCE_BLUE)));
 }
 
 #endif

@@ -8,6 +8,11 @@
 
 #define GW_PI 3.14159265358979f
 
+/* Relative luminance of linear RGB, BT.709. Doubles for C, floats for GLSL. */
+#define GW_LUMINANCE_RED 0.2126
+#define GW_LUMINANCE_GREEN 0.7152
+#define GW_LUMINANCE_BLUE 0.0722
+
 /* PCG hash (Jarzynski and Olano 2020): one well-mixed word from one word. */
 SHARED_FUNCTION(uint) pcg_hash(uint v)
 {

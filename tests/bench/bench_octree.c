@@ -23,9 +23,7 @@ static gw_status measure(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth,
 	gw_gpu_account before = gw_gpu_read_account(gpu);
 	double start = seconds();
 	gw_octree octree;
-	gw_status status = gw_octree_build(gpu, surfels, depth, &octree, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_octree_build(gpu, surfels, depth, &octree, error));
 	gw_gpu_account after = gw_gpu_read_account(gpu);
 	printf("%zu points, depth %u: %u fragments, %u leaves, %u leaf tiles, %u tiles, %u border\n",
 		   surfels->count, depth, octree.fragment_count, octree.leaf_count, octree.leaf_tile_count,

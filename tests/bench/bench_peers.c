@@ -105,9 +105,7 @@ static gw_status match_truth(problem *p, const scan *truth)
 	static const char *const name[3] = { "radiance_r", "radiance_g", "radiance_b" };
 	if (!scan_find_triple(truth, name, column))
 		return gw_fail(&p->error, GW_ERROR_DATA, "the truth has no radiance");
-	gw_status status = matched_scans_make(&match, &p->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(matched_scans_make(&match, &p->error));
 	p->known = match.count;
 	p->which = calloc(p->known, sizeof *p->which);
 	p->truth = calloc(p->known, sizeof *p->truth);
@@ -207,12 +205,10 @@ static gw_status trace_truth(problem *p)
 static gw_status make_scene(problem *p)
 {
 	const mesh_sampling sampling = { .count = OWN_POINTS, .seed = 1 };
-	gw_status status = mesh_scene_make(MESH_CORNELL, &p->mesh, &p->error);
-	if (status == GW_OK)
-		status = mesh_points_make(&p->mesh, &sampling, &p->mesh_points, &p->error);
-	if (status == GW_OK)
-		status = copy_surface(p);
-	return status == GW_OK ? trace_truth(p) : status;
+	GW_TRY(mesh_scene_make(MESH_CORNELL, &p->mesh, &p->error));
+	GW_TRY(mesh_points_make(&p->mesh, &sampling, &p->mesh_points, &p->error));
+	GW_TRY(copy_surface(p));
+	return trace_truth(p);
 }
 
 /* --------------------------------------------------------------------------------- results */
@@ -310,9 +306,7 @@ static void fill_radiance(const problem *p, peers *s, uint32_t samples)
 static gw_status make_peers(problem *p, peers *s)
 {
 	span start = now();
-	gw_status status = peer_discs_make(&p->points, p->lights, p->light_count, &s->discs, &p->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(peer_discs_make(&p->points, p->lights, p->light_count, &s->discs, &p->error));
 	size_t count = s->discs.surfels.count;
 	s->lamps = calloc(count, 3 * sizeof *s->lamps);
 	s->light = calloc(count, 3 * sizeof *s->light);
@@ -365,13 +359,12 @@ static gw_status try_cached(problem *p, peers *s, ladder *l, uint32_t rays, bool
 
 static gw_status climb_cached(problem *p, peers *s, ladder *l)
 {
-	gw_status status = GW_OK;
 	bool over = false;
-	for (uint32_t rays = 4; !over && rays <= MOST_RAYS && status == GW_OK; rays *= 2)
-		status = try_cached(p, s, l, rays, &over);
-	if (status == GW_OK && p->prefix)
-		status = write_light(p, "cached", s->radiance);
-	return status;
+	for (uint32_t rays = 4; !over && rays <= MOST_RAYS; rays *= 2)
+		GW_TRY(try_cached(p, s, l, rays, &over));
+	if (p->prefix)
+		GW_TRY(write_light(p, "cached", s->radiance));
+	return GW_OK;
 }
 
 static gw_status climb_peers(problem *p, ladder ladders[2])
@@ -396,8 +389,8 @@ static gw_status try_bake(problem *p, ladder *l, const gw_bake_options *options,
 {
 	gw_bake_result *result = NULL;
 	span start = now();
-	gw_status status =
-		gw_bake(&p->points, p->lights, p->light_count, options, NULL, &result, &p->error);
+	gw_status status = gw_bake(&(gw_scene_description){ &p->points, p->lights, p->light_count },
+							   options, NULL, &result, &p->error);
 	if (status != GW_OK)
 		return status;
 	*over = show(p, l, setting, since(start), result->radiance);
@@ -411,9 +404,8 @@ static gw_status try_bake(problem *p, ladder *l, const gw_bake_options *options,
  * peers do not make either. */
 static gw_status climb_presets(problem *p, ladder *l)
 {
-	gw_status status = GW_OK;
 	bool over = false;
-	for (int i = 0; i < 6 && !over && status == GW_OK; i++) {
+	for (int i = 0; i < 6 && !over; i++) {
 		gw_bake_options options = gw_bake_options_default();
 		char setting[64];
 		gw_bake_options_set_quality(&options, (gw_quality)(i / 2));
@@ -422,26 +414,25 @@ static gw_status climb_presets(problem *p, ladder *l)
 			options.rays = options.light_samples = options.rays / 4;
 		snprintf(setting, sizeof setting, "%s, %u rays", gw_quality_name((gw_quality)(i / 2)),
 				 options.rays);
-		status = try_bake(p, l, &options, setting, &over);
+		GW_TRY(try_bake(p, l, &options, setting, &over));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* Errors to aim at. */
 static gw_status climb_targets(problem *p, ladder *l)
 {
 	static const float target[3] = { 0.05f, 0.03f, 0.02f };
-	gw_status status = GW_OK;
 	bool over = false;
-	for (int i = 0; i < 3 && !over && status == GW_OK; i++) {
+	for (int i = 0; i < 3 && !over; i++) {
 		gw_bake_options options = gw_bake_options_default();
 		char setting[64];
 		gw_bake_options_set_start(&options);
 		options.max_error = target[i];
 		snprintf(setting, sizeof setting, "--max-error %.2f", (double)target[i]);
-		status = try_bake(p, l, &options, setting, &over);
+		GW_TRY(try_bake(p, l, &options, setting, &over));
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------------ main */

@@ -433,9 +433,7 @@ static void report(const maker *m, double seconds)
 static gw_status trace(maker *m)
 {
 	reference_tracer *tracer;
-	gw_status status = reference_tracer_create(&m->scene, &tracer, &m->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(reference_tracer_create(&m->scene, &tracer, &m->error));
 	double start = now();
 	reference_tracer_light(tracer, m->surface, m->triangle, m->truth_count,
 						   (m->paths + REFERENCE_BATCHES - 1) / REFERENCE_BATCHES, m->sampling.seed,
@@ -447,18 +445,13 @@ static gw_status trace(maker *m)
 
 static gw_status run(maker *m)
 {
-	gw_status status = mesh_scene_make(m->kind, &m->scene, &m->error);
-	if (status == GW_OK)
-		status = mesh_points_make(&m->scene, &m->sampling, &m->points, &m->error);
-	if (status == GW_OK)
-		status = write_points(m);
-	if (status == GW_OK)
-		status = write_scene(m);
-	if (status == GW_OK)
-		status = choose(m);
-	if (status == GW_OK)
-		status = trace(m);
-	return status == GW_OK ? write_truth(m) : status;
+	GW_TRY(mesh_scene_make(m->kind, &m->scene, &m->error));
+	GW_TRY(mesh_points_make(&m->scene, &m->sampling, &m->points, &m->error));
+	GW_TRY(write_points(m));
+	GW_TRY(write_scene(m));
+	GW_TRY(choose(m));
+	GW_TRY(trace(m));
+	return write_truth(m);
 }
 
 int main(int count, char **argument)

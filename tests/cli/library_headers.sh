@@ -28,7 +28,8 @@ int main()
 	gw_error error;
 	gw_scene *scene = nullptr;
 	gw_points points{};
-	return gw_scene_create(&points, nullptr, 0, &options, nullptr, &scene, &error) != GW_ERROR_DATA;
+	gw_scene_description nothing{ &points, nullptr, 0 };
+	return gw_scene_create(&nothing, &options, nullptr, &scene, &error) != GW_ERROR_DATA;
 }
 END
 folder=$(dirname "$GLOWWORM")

@@ -201,9 +201,7 @@ static void put_input(size_t rows)
 static gw_status write_one(bool force, gw_error *error)
 {
 	output_file *out;
-	gw_status status = output_file_create(&out, output, force, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(output_file_create(&out, output, force, error));
 	output_file_write(out, "0123456789", 10, NULL);
 	return output_file_commit(&out, error);
 }

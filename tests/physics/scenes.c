@@ -196,7 +196,9 @@ gw_bake_result *scene_bake(const gw_points *points, const gw_light *lights, size
 	gw_error error = { 0 };
 	gw_bake_options own = *options;
 	scene_choose_passes(&own.passes, &own.validate);
-	assert_ok(gw_bake(points, lights, light_count, &own, NULL, &result, &error), &error);
+	assert_ok(gw_bake(&(gw_scene_description){ points, lights, light_count }, &own, NULL, &result,
+					  &error),
+			  &error);
 	return result;
 }
 

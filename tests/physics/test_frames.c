@@ -80,8 +80,8 @@ static void play(stage_play *p, gw_frames_options how, const size_t *order, size
 	gw_error error = { 0 };
 	gw_frames *frames;
 	gw_bake_options options = options_of();
-	if (gw_frames_open(&(gw_moving_scene){ &p->points, &p->motion, p->light, 1 }, &options, &how,
-					   NULL, &frames, &error) != GW_OK)
+	if (gw_frames_open(&(gw_moving_scene){ { &p->points, p->light, 1 }, &p->motion }, &options,
+					   &how, NULL, &frames, &error) != GW_OK)
 		fail_msg("%s", error.text);
 	for (size_t i = 0; i < count; i++) {
 		assert_ok(gw_frames_bake(frames, order[i], &p->light[order[i]], 1, &result[i], &error),
@@ -223,7 +223,7 @@ static void expect(const stage_play *p, gw_status status, const char *words)
 	gw_frames *frames;
 	gw_bake_options options = options_of();
 	gw_frames_options how = { .rebuild = false };
-	assert_int_equal(gw_frames_open(&(gw_moving_scene){ &p->points, &p->motion, p->light, 1 },
+	assert_int_equal(gw_frames_open(&(gw_moving_scene){ { &p->points, p->light, 1 }, &p->motion },
 									&options, &how, NULL, &frames, &error),
 					 status);
 	assert_null(frames);

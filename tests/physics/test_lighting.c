@@ -266,7 +266,8 @@ static void refuse(const fixture *f, const gw_points *points, const gw_bake_opti
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
 	own.transport = &transport;
-	gw_status status = gw_bake(points, f->lights, LIGHTS, &own, NULL, &result, &error);
+	gw_status status =
+		gw_bake(&(gw_scene_description){ points, f->lights, LIGHTS }, &own, NULL, &result, &error);
 	if (status != expected || result != NULL || strstr(error.text, "kept") == NULL)
 		fail_msg("status %d: %s", (int)status, error.text);
 }
@@ -345,7 +346,8 @@ static void writes_may_fail(void **state)
 		gw_bake_result *result = NULL;
 		gw_error error = { 0 };
 		options.transport = &transport;
-		assert_int_equal(gw_bake(&f.points, f.lights, LIGHTS, &options, NULL, &result, &error),
+		assert_int_equal(gw_bake(&(gw_scene_description){ &f.points, f.lights, LIGHTS }, &options,
+								 NULL, &result, &error),
 						 GW_STATUS_OF_CALLER);
 		assert_string_equal(error.text, "the disk of this test is full");
 		assert_null(result);

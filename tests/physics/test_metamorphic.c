@@ -384,7 +384,8 @@ static void light_beyond_numbers(void **state)
 	gw_bake_options options = options_of(GW_METHOD_RAYS);
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
-	gw_status status = gw_bake(&points, &light, 1, &options, NULL, &result, &error);
+	gw_status status =
+		gw_bake(&(gw_scene_description){ &points, &light, 1 }, &options, NULL, &result, &error);
 	if (status == GW_ERROR_NO_DEVICE)
 		skip();
 	assert_int_equal(status, GW_ERROR_DATA);
@@ -567,7 +568,8 @@ static void validated(void **state)
 		options.validate = GW_VALIDATE_CALLS;
 		scene_choose_passes(&options.passes, &options.validate);
 		options.voxels = true;
-		gw_status status = gw_bake(&points, lights, LIGHTS, &options, NULL, &result, &error);
+		gw_status status = gw_bake(&(gw_scene_description){ &points, lights, LIGHTS }, &options,
+								   NULL, &result, &error);
 		scene_clear(&hall);
 		assert_ok_validated(status, &error);
 		assert_true(result->voxels.count > 0);

@@ -36,7 +36,7 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 							   const void *push, uint64_t count, gw_error *error)
 {
-	gw_pass_way way = gw_passes_way(passes, id, push);
+	gw_pass_way way = gw_passes_way(passes, id);
 	if (counting) {
 		assert_int_equal(way, GW_WAY_DEVICE);
 		elements[id] += count;
@@ -82,7 +82,8 @@ static void compare_bakes(const scene *s, const gw_light *light, size_t lights,
 	by_shaders.passes = GW_PASSES_DEVICE;
 	by_shaders.validate = kind;
 	counting = true;
-	gw_status status = gw_bake(&points, light, lights, &by_shaders, NULL, &found, &error);
+	gw_status status = gw_bake(&(gw_scene_description){ &points, light, lights }, &by_shaders, NULL,
+							   &found, &error);
 	counting = false;
 	assert_ok_validated(status, &error);
 	double off = difference(expected->radiance, found->radiance, 3 * points.count);
@@ -128,7 +129,7 @@ static gw_bake_result *bake_frames(const scene *s, const gw_mover *ball,
 			matrix[16 * i + 5 * k] = 1.0;
 		matrix[16 * i + 3] = 0.3 * (double)i;
 	}
-	gw_status status = gw_frames_open(&(gw_moving_scene){ &points, &motion, light, LIGHTS },
+	gw_status status = gw_frames_open(&(gw_moving_scene){ { &points, light, LIGHTS }, &motion },
 									  options, &how, NULL, &frames, &error);
 	for (size_t i = 0; i < FRAMES && status == GW_OK; i++) {
 		gw_bake_result_destroy(&result);

@@ -72,7 +72,8 @@ static gw_bake_result *bake(const shadow_case *test)
 	scene_choose_passes(&options.passes, &options.validate);
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
-	if (gw_bake(&points, &test->light, 1, &options, NULL, &result, &error) != GW_OK)
+	if (gw_bake(&(gw_scene_description){ &points, &test->light, 1 }, &options, NULL, &result,
+				&error) != GW_OK)
 		fail_msg("%s", error.text);
 	free(s);
 	return result;

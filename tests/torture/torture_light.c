@@ -38,8 +38,9 @@ static bool bake(torture_case *c, const char *row, const char *lamp, const char 
 {
 	torture_child child;
 	child_start(&child);
-	child_add_words(&child, "bake in.ply -o out.ply --report report.json --input-gamma linear "
-							"--albedo rgb --force");
+	child_add_words(
+		&child, "bake in.ply -o out.ply --report report.json --input-gamma linear --normals given "
+				"--albedo rgb --force");
 	child_add_words(&child, options);
 	if (lamp) {
 		child_add(&child, "--light");

@@ -1,0 +1,19 @@
+/*
+ * albedo_seams.h - several scans of one place, each photographed at an exposure of its own: their
+ * levels are made the same where they overlap.
+ */
+#ifndef ALBEDO_SEAMS_H
+#define ALBEDO_SEAMS_H
+
+#include "scene/loaded_scene.h"
+
+/*
+ * Multiplies the values of each input but the first by one factor a channel, so that in places with
+ * points of two inputs both have the same level, as well as can be (least squares of logarithms).
+ * Inputs that overlap with no other keep their level.
+ *   level   3 * count, in the order of the scene's points; 0 where nothing is known
+ * GW_ERROR_MEMORY.
+ */
+gw_status albedo_seams_level(const loaded_scene *scene, float *level, gw_error *error);
+
+#endif

@@ -1,0 +1,274 @@
+/* albedo_solve.c - see albedo_solve.h. */
+#include "result/albedo_solve.h"
+#include "points/scan_color.h"
+#include "program/signals.h"
+#include "result/albedo_seams.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Rounds at most, and the mean change of the albedo at which they end. */
+#define ROUNDS 8
+#define CHANGE_SMALL 0.003
+
+/* How far a round goes towards what it found, in logarithms: where much of the light was reflected
+ * before, going all the way would swing to and fro. */
+#define STEP 0.75
+
+/* The brightest surfaces, of which so many are brighter, and their albedo. */
+#define BRIGHT_SHARE 0.02
+#define BRIGHT_ALBEDO 0.8
+
+/* Points with less than this share of the median irradiance are dark: stray light of the camera and
+ * of the estimate outweigh what reaches them. */
+#define DARK_SHARE 0.01
+
+typedef struct solve {
+	loaded_scene *scene;
+	const settings *settings;
+	const gw_light *light;
+	size_t light_count;
+	bool own_lamps;
+	float *photo;  /* 3 * count, linear colours, owned */
+	float *level;  /* 3 * count: irradiance, then pi times the colour over it; owned */
+	float *sorted; /* count, scratch; owned */
+	uint8_t *dark; /* count; owned */
+	albedo_facts *facts;
+	gw_error *error;
+} solve;
+
+static size_t count_of(const solve *w)
+{
+	return w->scene->cloud.count;
+}
+
+static float luminance(const float c[3])
+{
+	return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
+}
+
+static float largest(const float c[3])
+{
+	return fmaxf(fmaxf(c[0], c[1]), c[2]);
+}
+
+static int compare_floats(const void *a, const void *b)
+{
+	float x = *(const float *)a, y = *(const float *)b;
+	return (x > y) - (x < y);
+}
+
+/* The value below which a share of the points lies, of those that are above 0. */
+static float quantile(const solve *w, float (*measure)(const float *), const float *values,
+					  double share)
+{
+	size_t used = 0;
+	for (size_t i = 0; i < count_of(w); i++) {
+		float v = measure(values + 3 * i);
+		if (v > 0.0f && isfinite(v) && !(w->dark && w->dark[i]))
+			w->sorted[used++] = v;
+	}
+	qsort(w->sorted, used, sizeof *w->sorted, compare_floats);
+	return used ? w->sorted[(size_t)(share * (double)(used - 1))] : 0.0f;
+}
+
+static float bounded(const solve *w, float rho)
+{
+	(void)w;
+	return fminf(fmaxf(rho, ALBEDO_SOLVE_LEAST), ALBEDO_SOLVE_MOST);
+}
+
+/* --------------------------------------------------------------------------------- one round */
+
+/* Irradiance of a point: of all lights, or of the flash of the scanner that saw it. */
+static void take_irradiance(const solve *w, const gw_bake_result *r, size_t i, float e[3])
+{
+	const gw_points *p = &w->scene->points.points;
+	uint32_t own = p->scanner_of ? p->scanner_of[i] : 0;
+	for (size_t k = 0; k < 3; k++) {
+		size_t at = 3 * i + k;
+		bool flash = w->own_lamps && own < r->lamp_count && r->albedo[at] > 0.0f;
+		e[k] = flash ? (float)M_PI * r->lamp[own][at] / r->albedo[at]
+					 : r->direct_irradiance[at] + r->indirect_irradiance[at];
+	}
+}
+
+static gw_status bake_light(solve *w)
+{
+	gw_bake_options options = w->settings->bake;
+	gw_bake_result *r = NULL;
+	options.estimate_points = 0;
+	options.lamps = w->own_lamps;
+	const gw_scene_description scene = { &w->scene->points.points, w->light, w->light_count };
+	gw_status status =
+		gw_bake(&scene, &options, &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
+	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
+		take_irradiance(w, r, i, w->level + 3 * i);
+	gw_bake_result_destroy(&r);
+	if (status == GW_OK && signals_pending())
+		return gw_fail(w->error, GW_ERROR_CANCELLED, "stopped");
+	return status;
+}
+
+/* Marks points without light, once, so that rounds agree which those are. */
+static gw_status find_dark(solve *w)
+{
+	float median = quantile(w, luminance, w->level, 0.5);
+	w->dark = calloc(count_of(w), 1);
+	if (!w->dark)
+		return gw_fail(w->error, GW_ERROR_MEMORY, "no memory for %zu points", count_of(w));
+	if (!(median > 0.0f))
+		return gw_fail(w->error, GW_ERROR_DATA,
+					   "the light of the capture reaches no point; say where the lamps stood with "
+					   "--light, or which side surfaces show with --normals or --scanner");
+	for (size_t i = 0; i < count_of(w); i++) {
+		w->dark[i] = !(luminance(w->level + 3 * i) > (float)DARK_SHARE * median);
+		w->facts->dark += w->dark[i];
+	}
+	return GW_OK;
+}
+
+/* What the colours leave when the light is taken out of them: albedo, up to one factor. */
+static void divide(solve *w)
+{
+	for (size_t i = 0; i < 3 * count_of(w); i++) {
+		float e = w->level[i];
+		w->level[i] = e > 0.0f && !w->dark[i / 3] ? (float)M_PI * w->photo[i] / e : 0.0f;
+	}
+}
+
+static double find_scale(solve *w)
+{
+	double scale = (double)w->settings->capture_scale;
+	if (!(scale > 0.0))
+		scale = (double)quantile(w, largest, w->level, 1.0 - BRIGHT_SHARE) / BRIGHT_ALBEDO;
+	return scale > 0.0 ? scale : 1.0;
+}
+
+/* A dark point has the level of the median, and the chroma of its colour. */
+static void fill_dark(solve *w)
+{
+	float *albedo = w->scene->points.albedo;
+	float median = quantile(w, luminance, albedo, 0.5);
+	for (size_t i = 0; i < count_of(w); i++) {
+		const float *c = w->photo + 3 * i;
+		float own = luminance(c);
+		for (size_t k = 0; w->dark[i] && k < 3; k++)
+			albedo[3 * i + k] = bounded(w, own > 0.0f ? median * c[k] / own : median);
+	}
+}
+
+/* Moves the albedo to what was found; returns by how much, the mean of the relative changes. */
+static double take_step(solve *w, double step)
+{
+	float *albedo = w->scene->points.albedo;
+	double change = 0.0;
+	size_t used = 0;
+	w->facts->clipped = 0;
+	for (size_t i = 0; i < 3 * count_of(w); i++) {
+		if (w->dark[i / 3])
+			continue;
+		float found = w->level[i] / (float)w->facts->scale, to = bounded(w, found);
+		double ratio = (double)to / (double)bounded(w, albedo[i]);
+		w->facts->clipped += i % 3 == 0 && found > 1.0f;
+		albedo[i] = bounded(w, bounded(w, albedo[i]) * (float)pow(ratio, step));
+		change += fabs(log(ratio));
+		used++;
+	}
+	fill_dark(w);
+	return used ? change / (double)used : 0.0;
+}
+
+static gw_status run_rounds(solve *w)
+{
+	gw_status status = GW_OK;
+	for (int round = 0; round < ROUNDS && status == GW_OK; round++) {
+		status = bake_light(w);
+		if (status == GW_OK && round == 0)
+			status = find_dark(w);
+		if (status != GW_OK)
+			return status;
+		divide(w);
+		status = albedo_seams_level(w->scene, w->level, w->error);
+		w->facts->scale = find_scale(w);
+		w->facts->change = take_step(w, round == 0 ? 1.0 : STEP);
+		w->facts->rounds = round + 1;
+		if (round > 0 && w->facts->change < CHANGE_SMALL)
+			break;
+	}
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- all of it */
+
+static gw_status start(solve *w)
+{
+	size_t n = 3 * count_of(w);
+	w->photo = reallocarray(NULL, n, sizeof *w->photo);
+	w->level = reallocarray(NULL, n, sizeof *w->level);
+	w->sorted = reallocarray(NULL, count_of(w), sizeof *w->sorted);
+	if (!w->photo || !w->level || !w->sorted)
+		return gw_fail(w->error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
+					   count_of(w));
+	float *albedo = w->scene->points.albedo;
+	for (size_t i = 0; i < n; i++)
+		w->photo[i] = isfinite(albedo[i]) && albedo[i] > 0.0f ? albedo[i] : 0.0f;
+	return GW_OK;
+}
+
+static void finish(solve *w)
+{
+	free(w->photo);
+	free(w->level);
+	free(w->sorted);
+	free(w->dark);
+}
+
+/* What a first guess of the albedo needs: colours, the brightest of which are bright surfaces. */
+static void guess(solve *w)
+{
+	float bright = quantile(w, largest, w->photo, 1.0 - BRIGHT_SHARE);
+	for (size_t i = 0; i < 3 * count_of(w); i++)
+		w->scene->points.albedo[i] =
+			bounded(w, bright > 0.0f ? (float)BRIGHT_ALBEDO * w->photo[i] / bright : 0.5f);
+}
+
+gw_status albedo_solve(loaded_scene *scene, const settings *s, const gw_light *light,
+					   size_t light_count, bool own_lamps, albedo_facts *facts, gw_error *error)
+{
+	*facts = (albedo_facts){ 0 };
+	solve w = { scene, s, light, light_count, own_lamps, NULL, NULL, NULL, NULL, facts, error };
+	gw_status status = start(&w);
+	if (status == GW_OK) {
+		guess(&w);
+		status = run_rounds(&w);
+	}
+	finish(&w);
+	return status;
+}
+
+gw_status albedo_of_laser(loaded_scene *scene, const settings *s, albedo_facts *facts,
+						  gw_error *error)
+{
+	*facts = (albedo_facts){ 0 };
+	solve w = { .scene = scene, .settings = s, .facts = facts, .error = error };
+	const scan_column *column = scan_find_scalar(&scene->cloud, "intensity");
+	gw_status status = start(&w);
+	for (size_t i = 0; status == GW_OK && i < 3 * count_of(&w); i++)
+		w.level[i] = (float)scan_value(column, i / 3);
+	float bright = status == GW_OK ? quantile(&w, largest, w.level, 1.0 - BRIGHT_SHARE) : 0.0f;
+	if (status == GW_OK && !(bright > 0.0f))
+		status = gw_fail(error, GW_ERROR_DATA,
+						 "the laser's intensity is zero almost everywhere; "
+						 "name the light of the photographs with --capture");
+	for (size_t i = 0; status == GW_OK && i < count_of(&w); i++) {
+		const float *c = w.photo + 3 * i;
+		float level = (float)BRIGHT_ALBEDO * w.level[3 * i] / bright, own = luminance(c);
+		for (size_t k = 0; k < 3; k++)
+			scene->points.albedo[3 * i + k] = bounded(&w, own > 0.0f ? level * c[k] / own : level);
+	}
+	facts->scale = 1.0;
+	finish(&w);
+	return status;
+}

@@ -1,0 +1,190 @@
+#include "verbs/verbs.h"
+#include "files/output_file.h"
+#include "options/output_name.h"
+#include "options/quality_preset.h"
+#include "points/scan_color.h"
+#include "program/text_quote.h"
+#include "result/albedo_solve.h"
+#include "scene/file_roles.h"
+#include "scene/scene_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static gw_status check(const settings *s, const format **to, gw_error *error)
+{
+	if (s->input_count == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "whose albedo? Name a scan, or - for standard input");
+	if (!s->output)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "where to write? Give -o FILE, or -o - for standard output");
+	if (strcmp(s->output, "-") == 0 && isatty(STDOUT_FILENO))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "standard output is a terminal, and this is binary data; redirect it, or "
+					   "name a file with -o");
+	gw_status status = file_roles_check(VERB_ALBEDO, s, NULL, error);
+	return status == GW_OK ? output_name_format(s->output, s->output_format, to, error) : status;
+}
+
+/* What is photographed must not be lit already: its colours are a preview then. */
+static gw_status read_scan(settings *s, loaded_scene *scene, gw_error *error)
+{
+	s->points.albedo = SCAN_ALBEDO_COLOR;
+	gw_status status = loaded_scene_read(s, scene, error);
+	for (size_t i = 0; status == GW_OK && i < scene->input_count; i++)
+		if (scene->input[i].lit)
+			status = gw_fail(error, GW_ERROR_USAGE,
+							 "%s was lit by glowworm and holds its albedo; photographs have none",
+							 loaded_scene_input_name(scene->input[i].path));
+	return status;
+}
+
+/* ------------------------------------------------------------------------------- the set-up */
+
+static settings_capture find_capture(const settings *s, const loaded_scene *scene)
+{
+	if (s->capture != SETTINGS_CAPTURE_AUTO)
+		return (settings_capture)s->capture;
+	if (s->light_count > 0)
+		return SETTINGS_CAPTURE_LIGHTS;
+	return scan_find_scalar(&scene->cloud, "intensity") ? SETTINGS_CAPTURE_INTENSITY
+														: SETTINGS_CAPTURE_AUTO;
+}
+
+static gw_status add_flashes(settings *s, const loaded_scene *scene, gw_error *error)
+{
+	const scan *cloud = &scene->cloud;
+	gw_status status = GW_OK;
+	if (cloud->scanner_count == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "nobody says where the flash was; give --scanner X,Y,Z");
+	if (cloud->scanner_count > 64)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the scanner stood at %zu places; that is no flash on a tripod",
+					   cloud->scanner_count);
+	for (size_t i = 0; i < cloud->scanner_count && status == GW_OK; i++) {
+		lamp flash = light_default(GW_LIGHT_POINT);
+		for (size_t k = 0; k < 3; k++) {
+			flash.light.position[k] = cloud->scanner[3 * i + k];
+			flash.light.intensity[k] = 1.0f;
+		}
+		status = settings_add_light(s, &flash, error);
+	}
+	return status;
+}
+
+static gw_status add_sky(settings *s, gw_error *error)
+{
+	lamp sky = light_default(GW_LIGHT_ENVIRONMENT);
+	for (size_t k = 0; k < 3; k++)
+		sky.light.radiance[k] = 1.0f;
+	return settings_add_light(s, &sky, error);
+}
+
+static gw_status make_setup(settings *s, settings_capture capture, const loaded_scene *scene,
+							gw_error *error)
+{
+	bool own = capture == SETTINGS_CAPTURE_FLASH || capture == SETTINGS_CAPTURE_OVERCAST;
+	if (own && s->light_count > 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--light and --capture %s are two set-ups; give one of them",
+					   capture == SETTINGS_CAPTURE_FLASH ? "flash" : "overcast");
+	if (capture == SETTINGS_CAPTURE_FLASH)
+		return add_flashes(s, scene, error);
+	if (capture == SETTINGS_CAPTURE_OVERCAST)
+		return add_sky(s, error);
+	if (capture == SETTINGS_CAPTURE_INTENSITY && !scan_find_scalar(&scene->cloud, "intensity"))
+		return gw_fail(error, GW_ERROR_USAGE, "the points have no laser intensity");
+	if (capture == SETTINGS_CAPTURE_AUTO ||
+		(capture == SETTINGS_CAPTURE_LIGHTS && s->light_count == 0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "in what light were the photographs taken? Say it with --light, or with "
+					   "--capture flash or overcast");
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------- the result */
+
+static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
+{
+	albedo_facts facts;
+	gw_light *light = NULL;
+	settings_capture capture = find_capture(s, scene);
+	gw_status status = make_setup(s, capture, scene, error);
+	if (status != GW_OK)
+		return status;
+	bool laser = capture == SETTINGS_CAPTURE_INTENSITY;
+	if (!laser)
+		status = loaded_scene_lights(scene, s, &light, error);
+	if (status == GW_OK && laser)
+		status = albedo_of_laser(scene, s, &facts, error);
+	else if (status == GW_OK)
+		status =
+			albedo_solve(scene, s, light, s->light_count,
+						 capture == SETTINGS_CAPTURE_FLASH && s->light_count > 1, &facts, error);
+	free(light);
+	if (status != GW_OK || s->quiet || laser)
+		return status;
+	if (facts.dark > 0)
+		text_message(stderr,
+					 "glowworm: note: %zu points that the light of the capture does not reach: "
+					 "they have the median's albedo and the chroma of their colour\n",
+					 facts.dark);
+	if (facts.clipped > 0)
+		text_message(stderr,
+					 "glowworm: note: %zu points brighter than white in that light: their albedo "
+					 "is %g\n",
+					 facts.clipped, (double)ALBEDO_SOLVE_MOST);
+	text_message(stderr,
+				 "glowworm: radiance 1 is colour %.4g; the albedo changed by %.2g %% in round %d, "
+				 "the last\n",
+				 facts.scale, 100.0 * facts.change, facts.rounds);
+	return status;
+}
+
+static gw_status store_albedo(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	scan *cloud = &scene->cloud;
+	gw_status status = GW_OK;
+	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+		scan_remove_column(cloud, scan_albedo_names[k]);
+		scan_remove_column(cloud, scan_color_names[k]);
+		scan_column *column = scan_add_column(cloud, scan_color_names[k], SCAN_UINT8, error);
+		status = column ? GW_OK : GW_ERROR_MEMORY;
+		for (size_t i = 0; column && i < cloud->count; i++)
+			((uint8_t *)column->data)[i] =
+				(uint8_t)(255.0 * scan_srgb_encode((double)scene->points.albedo[3 * i + k]) + 0.5);
+	}
+	char text[1024];
+	snprintf(text, sizeof text, "colours are the albedo, by glowworm " GW_VERSION ": %.900s",
+			 s->command);
+	return status == GW_OK ? scan_add_comment(cloud, text, error) : status;
+}
+
+gw_status verb_albedo(settings *s, gw_error *error)
+{
+	const format *to = NULL;
+	output_file *output = NULL;
+	loaded_scene scene = { 0 };
+	gw_status status = scene_read_all(s, error);
+	quality_preset_apply(s);
+	if (status == GW_OK)
+		status = check(s, &to, error);
+	if (status == GW_OK)
+		status = output_file_create(&output, s->output, s->force, error);
+	if (status == GW_OK)
+		status = read_scan(s, &scene, error);
+	if (status == GW_OK)
+		status = find_albedo(s, &scene, error);
+	if (status == GW_OK)
+		status = store_albedo(s, &scene, error);
+	if (status == GW_OK)
+		status = to->write(output, &scene.cloud, error);
+	if (status == GW_OK)
+		status = output_file_commit(&output, error);
+	output_file_abandon(&output);
+	loaded_scene_clear(&scene);
+	return status;
+}

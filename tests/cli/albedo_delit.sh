@@ -1,0 +1,59 @@
+# Photographs are delit: a room of known albedo, lit by a lamp, a sky or a flash and photographed
+# (its colours are its radiance, of a bake with other numbers), gives its albedo back within 10 % at
+# nine of ten values; so do two overlapping scans of it at different exposures.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+glowworm sample "$SOURCE/samples/cornell.obj" --count 6000 -o - --output-format csv -q |
+	cut -d, -f1-9 >room.csv
+# Colours from radiance, times K, at most 1; those of points with x in A to B.
+cat >photo.awk <<'END'
+BEGIN { FS = OFS = "," }
+function color(name, v) { v = K * $c["scalar_radiance_" name]; return v < 1 ? v : 1 }
+NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; print "x,y,z,nx,ny,nz,red,green,blue"; next }
+$1 >= A && $1 <= B { print $1, $2, $3, $4, $5, $6, color("r"), color("g"), color("b") }
+END
+# The share of values within 10 % of the truth, which is found by its place.
+cat >right.awk <<'END'
+function linear(v) {
+	v /= 255
+	return v <= 0.04045 ? v / 12.92 : exp(2.4 * log((v + 0.055) / 1.055))
+}
+BEGIN { FS = ","; n[1] = "red"; n[2] = "green"; n[3] = "blue" }
+FNR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; next }
+NR == FNR { for (k in n) truth[$1, $2, $3, k] = linear($c[n[k]]); next }
+{ for (k in n) { r = linear($c[n[k]]) / truth[$1, $2, $3, k]; m++; right += r > 0.9 && r < 1.1 } }
+END { print (right >= 0.9 * m ? "right" : "only " right / m) }
+END
+shoot() { # light
+	glowworm bake room.csv --light "$1" --seed 77 -q -f -o lit.csv --estimate-points 0
+	awk -v K="$2" -v A=-9 -v B=9 -f photo.awk lit.csv >photo.csv
+}
+lamp='point at 0,0,1.7 intensity 1'
+delight() {
+	glowworm albedo "$@" --input-gamma linear -q -f -o albedo.csv --seed 5 &&
+		awk -f right.awk room.csv albedo.csv
+}
+shoot "$lamp" 0.5
+delight photo.csv --light "$lamp" --capture-scale 0.5
+delight photo.csv --light "$lamp" --normals estimate
+# Two scans, the second at half the exposure: they overlap from -0.2 to 0.3.
+awk -v K=0.5 -v A=-9 -v B=0.3 -f photo.awk lit.csv >one.csv
+awk -v K=0.25 -v A=-0.2 -v B=9 -f photo.awk lit.csv >two.csv
+delight one.csv two.csv --light "$lamp" --capture-scale 0.5
+shoot 'sky radiance 1' 0.8
+delight photo.csv --capture overcast --capture-scale 0.8
+shoot 'point at 0.3,0.2,0.9 intensity 1' 0.5
+delight photo.csv --capture flash --scanner 0.3,0.2,0.9 --capture-scale 0.5
+# The wrong set-up gives another albedo.
+delight photo.csv --capture overcast --capture-scale 0.5 | sed 's/only .*/wrong/'
+# Chroma of the photograph, level of the laser, which is a quarter and a half.
+printf 'x,y,z,red,green,blue,intensity\n0,0,0,1,1,1,50\n1,0,0,0.2,0.2,0.2,100\n2,0,0,1,0,0,100\n' \
+	>laser.csv
+glowworm albedo laser.csv --input-gamma linear -o - --output-format csv -q
+# What cannot be.
+for options in '' '--capture flash' '--capture intensity' '--capture night'; do
+	glowworm albedo photo.csv $options -o out.ply 2>&1 && echo "it was taken"
+done
+glowworm albedo photo.csv --capture overcast --light "$lamp" -o out.ply 2>&1
+glowworm bake laser.csv --light 'sky radiance 1' -q -o lit.ply
+glowworm albedo lit.ply --capture overcast -o out.ply 2>&1
+:
