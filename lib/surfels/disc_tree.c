@@ -211,6 +211,83 @@ bool gw_disc_tree_fits(const uint32_t *word, uint32_t discs, uint64_t facets)
 	return true;
 }
 
+/* ------------------------------------------------------------------------------------ crossing */
+
+/* Discs are of one sheet up to this height over each other, of the radius, and this cosine. */
+#define SHEET_HEIGHT 0.25f
+#define SHEET_COSINE 0.7f
+
+/* The disc of a leaf, as far as a crossing needs it. */
+static gw_disc crossed_disc(const uint32_t *texel)
+{
+	return (
+		gw_disc){ .place = { gw_float_of(texel[0]), gw_float_of(texel[1]), gw_float_of(texel[2]) },
+				  .radius = gw_float_of(texel[3]),
+				  .normal = { gw_float_of(texel[4]), gw_float_of(texel[5]), gw_float_of(texel[6]) },
+				  .facet = texel[7] };
+}
+
+static bool is_of_sheet(const gw_disc *d, const gw_disc *sheet)
+{
+	gw_vec3 off = gw_minus(d->place, sheet->place);
+	return fabsf(gw_dot(d->normal, sheet->normal)) > SHEET_COSINE &&
+		   fabsf(gw_dot(sheet->normal, off)) < SHEET_HEIGHT * sheet->radius;
+}
+
+static bool crosses(const gw_disc *d, const gw_disc_start *from, float *length)
+{
+	gw_vec3 off = gw_minus(d->place, from->origin);
+	float approach = gw_dot(d->normal, from->direction), height = gw_dot(d->normal, off);
+	float t = height / approach; /* infinite or not a number for a segment along the plane */
+	if (!(t > 0.0f && t < *length))
+		return false;
+	gw_vec3 at = gw_minus(gw_times(from->direction, t), off);
+	if (gw_dot(at, at) > d->radius * d->radius)
+		return false;
+	*length = t;
+	return true;
+}
+
+static bool enters(const uint32_t *node, const float origin[3], const float inverse[3], float most)
+{
+	float first = 0.0f, last = most;
+	for (int k = 0; k < 3; k++) {
+		float a = (gw_float_of(node[k]) - origin[k]) * inverse[k];
+		float b = (gw_float_of(node[4 + k]) - origin[k]) * inverse[k];
+		first = gw_larger(first, gw_smaller(a, b));
+		last = gw_smaller(last, gw_larger(a, b));
+	}
+	return first <= last;
+}
+
+uint32_t gw_disc_tree_cross(const gw_disc_tree *tree, const gw_disc_start *from,
+							const gw_disc *leaves, float *length)
+{
+	const float origin[3] = { from->origin.x, from->origin.y, from->origin.z };
+	const float way[3] = { from->direction.x, from->direction.y, from->direction.z };
+	float inverse[3];
+	uint32_t facet = GW_NONE;
+	for (int k = 0; k < 3; k++)
+		inverse[k] = 1.0f / (fabsf(way[k]) > 1e-20f ? way[k] : copysignf(1e-20f, way[k]));
+	for (uint32_t at = 0; at < tree->nodes;) {
+		const uint32_t *node = tree->word + 4 * (1 + 2 * (size_t)at);
+		if (!enters(node, origin, inverse, *length)) {
+			at = node[3];
+			continue;
+		}
+		at++;
+		if (node[7] == GW_NONE)
+			continue;
+		gw_disc d = crossed_disc(tree->word + 4 * (size_t)node[7]);
+		float t = *length;
+		if (!crosses(&d, from, &t) || (leaves && t < leaves->radius && is_of_sheet(&d, leaves)))
+			continue;
+		*length = t;
+		facet = d.facet;
+	}
+	return facet;
+}
+
 void gw_disc_tree_clear(gw_disc_tree *tree)
 {
 	free(tree->word);

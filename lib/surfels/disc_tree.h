@@ -96,4 +96,19 @@ extern "C"
 	gw_disc_hit
 	gw_disc_tree_trace(const gw_disc_tree *tree, const gw_disc_ray *ray);
 
+/*
+ * The nearest disc that a segment crosses, from whichever side: for discs of which nobody knows yet
+ * what side is their front. Discs are taken as flat and uncut.
+ *   from    unit direction and where the segment starts
+ *   length  of the segment; receives the distance to the disc that is crossed
+ *   leaves  a disc whose sheet the segment leaves, or NULL: within its radius, those that go on in
+ *           its plane are not crossed
+ * Returns the disc's facet, or GW_NONE. Thread-safe.
+ */
+typedef struct gw_disc_start {
+	gw_vec3 origin, direction;
+} gw_disc_start;
+uint32_t gw_disc_tree_cross(const gw_disc_tree *tree, const gw_disc_start *from,
+							const gw_disc *leaves, float *length);
+
 #endif

@@ -3,6 +3,8 @@
 
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "surfels/patch_signs.h"
+#include "surfels/side_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,61 +16,57 @@
 #define SMOOTH 102
 #define SMOOTH_STEP 8
 
-/* Least share of the agreement across a border that has to point one way. */
-#define BORDER_LEAST 0.5
+/* A patch has at most so many surfels, and there are some so many patches. */
+#define PATCH_LEAST 48
+#define PATCHES 2000
 
-/* Evidence counts where at least this share of it points one way: of lamps, sky and ground, which
- * two floors of a house may see differently, and of the space that is enclosed. */
-#define CLEAR 0.3
-#define CLEAR_SPACE 0.15
-/* Of surface that lies across a direction as a whole, least area projected to it. */
-#define SLOPING 0.3
-/* Or where the fronts fill at least this solid angle around a lamp. */
-#define CLEAR_ANGLE 1.0
+/* A surfel's light from one side alone weighs as much as so many pairs of surfels that agree. */
+#define LIGHT_WEIGHT 1.0
+/* And a normal that was given. */
+#define GIVEN_WEIGHT 8.0
+
+/* A patch is sure of its front to some degree where this many times the light of the back falls on
+ * it, and wholly from so many times on. */
+#define SURE_LEAST 4.0
+#define SURE 30.0
+
+/* A side counts as the front where this many times the light of the other falls on it. */
+#define CLEAR 2.0
+
+/* A point far from all others stands for no more than this many times what most do. */
 #define AREA_MOST 16.0f
-/* Emitting points that stand for all. */
-#define EMITTERS 16
-/* Part of the scene's diagonal from which on a closed component is a room, not a body within one.
- */
-#define ROOM_LEAST 0.5
 
-/* A pair of components and what their pairs of points say: > 0 for the same sign. */
-typedef struct border {
-	uint32_t a, b; /* a < b */
-	float says;    /* sum of agreements */
-	float weight;  /* sum of their sizes */
-} border;
+/* Pairs of points across borders that are held at first. */
+#define BORDERS 65536
 
-/* What is known of a component, for its sign as it is. */
-typedef struct component {
-	double given;           /* normals */
-	double lamp, lamp_size; /* steradians */
-	double up, up_size;     /* square metres */
-	double sun, sun_size;
-	double inwards, inwards_size; /* cubic metres, three times */
-	double middle, middle_size;
-	double low[3], high[3], centre[3], area;
-	int sign; /* chosen */
+/* What is known of patches that hang together, with the signs that they have. */
+typedef struct patch_group {
+	gw_side_light light;
+	double factor[2]; /* of its sides: gw_side_factor */
+	double given;     /* normals that were given, for the sign less those against it */
 	bool doubtful;
-} component;
+} patch_group;
 
 typedef struct orientation_work {
 	const gw_surfels_options *options;
 	gw_surfels *surfels;
-	uint32_t *near;         /* GW_NEIGHBOURS * count; the surfel itself where there is none */
-	int8_t *agreement;      /* GW_NEIGHBOURS * count, in 1 / AGREED */
-	float *area;            /* count, m^2, rough */
-	uint32_t *parent;       /* count: of the trees of components */
-	uint8_t *opposite;      /* count: sign against that of the parent */
-	uint32_t *component_of; /* count: number among the components */
-	border *borders;
-	size_t border_count;
-	component *components;
-	size_t component_count;
-	double (*lamp)[3]; /* lamp_count, local */
-	size_t lamp_count;
-	double to_sun[3]; /* 0, 0, 0 when there is none */
-	double middle[3];
+	uint32_t *near;    /* GW_NEIGHBOURS * count; the surfel itself where there is none */
+	int8_t *agreement; /* GW_NEIGHBOURS * count, in 1 / AGREED */
+	float *area;       /* count, m^2, rough */
+	uint32_t *parent;  /* count: of the trees of patches */
+	uint32_t *size;    /* count: of a root's tree */
+	uint8_t *opposite; /* count: sign against that of the parent, then of the patch */
+	uint32_t *patch;   /* count: number of a surfel's patch */
+	gw_patch_border *borders;
+	size_t border_count, border_room;
+	size_t patch_count;
+	gw_side_light *light; /* the following: patch_count */
+	double *given;        /* normals that were given, for the patch's sign less those against it */
+	double *own;          /* what a patch says by itself */
+	int8_t *sign, *other; /* chosen, and another choice */
+	double *ratio;        /* of the group of that number, in the other choice */
+	uint32_t *group;
+	patch_group *groups;
 } orientation_work;
 
 /* ------------------------------------------------------------------------------------ agreement */
@@ -110,8 +108,7 @@ static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
 	w->area[surfel] = 3.14159265f * reach * reach / (float)(list->count + 1);
 }
 
-/* ---------------------------------------------------------------------------------------
- * components */
+/* -------------------------------------------------------------------------------------- patches */
 
 /* The root of a surfel's tree; its sign against the root's goes to *opposite. Paths get short. */
 static uint32_t find_root(orientation_work *w, uint32_t surfel, uint8_t *opposite)
@@ -132,15 +129,18 @@ static uint32_t find_root(orientation_work *w, uint32_t surfel, uint8_t *opposit
 	return root;
 }
 
-/* Joins the trees of two surfels, whose signs are opposite or not. */
+/* Joins the trees of two surfels, whose signs are opposite or not, if that is not too large. */
 static void join(orientation_work *w, uint32_t a, uint32_t b, bool opposite)
 {
+	size_t most = w->surfels->count / PATCHES;
 	uint8_t of_a, of_b;
 	uint32_t root_a = find_root(w, a, &of_a), root_b = find_root(w, b, &of_b);
-	if (root_a == root_b)
+	if (root_a == root_b ||
+		w->size[root_a] + w->size[root_b] > (most > PATCH_LEAST ? most : PATCH_LEAST))
 		return;
 	uint32_t low = root_a < root_b ? root_a : root_b, high = root_a < root_b ? root_b : root_a;
 	w->parent[high] = low;
+	w->size[low] += w->size[high];
 	w->opposite[high] = of_a ^ of_b ^ (uint8_t)opposite;
 }
 
@@ -153,208 +153,58 @@ static void join_smooth(orientation_work *w)
 				join(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], w->agreement[i] < 0);
 }
 
-static int by_components(const void *left, const void *right)
+static void number_patches(orientation_work *w)
 {
-	const border *a = left, *b = right;
-	return a->a != b->a ? (a->a < b->a ? -1 : 1) : a->b != b->b ? (a->b < b->b ? -1 : 1) : 0;
-}
-
-/* Sums the borders of the same two components; the sums are of whole numbers, so order is nothing.
- */
-static void merge_borders(orientation_work *w)
-{
-	size_t kept = 0;
-	qsort(w->borders, w->border_count, sizeof *w->borders, by_components);
-	for (size_t i = 0; i < w->border_count; i++) {
-		border s = w->borders[i];
-		if (kept > 0 && by_components(w->borders + kept - 1, &s) == 0) {
-			w->borders[kept - 1].says += s.says;
-			w->borders[kept - 1].weight += s.weight;
-		} else {
-			w->borders[kept++] = s;
-		}
+	size_t count = w->surfels->count;
+	uint8_t opposite;
+	for (uint32_t i = 0; i < count; i++)
+		if (find_root(w, i, &opposite) == i)
+			w->patch[i] = (uint32_t)w->patch_count++;
+	for (uint32_t i = 0; i < count; i++) {
+		w->patch[i] = w->patch[find_root(w, i, &opposite)];
+		w->opposite[i] = opposite;
 	}
-	w->border_count = kept;
 }
 
-/* A border between the components of two surfels, false within one component. */
-static bool make_border(orientation_work *w, uint32_t i, uint32_t j, float says, float weight,
-						border *out)
+/* -------------------------------------------------------------------------------------- borders */
+
+/* Room for one more: what is there is summed, and where that helps little there is more room. */
+static bool make_room(orientation_work *w)
 {
-	uint8_t of_i, of_j;
-	uint32_t a = find_root(w, i, &of_i), b = find_root(w, j, &of_j);
-	*out = (border){ a < b ? a : b, a < b ? b : a, of_i ^ of_j ? -says : says, weight };
-	return a != b;
+	if (w->border_count < w->border_room)
+		return true;
+	w->border_count = gw_patch_borders_merge(w->borders, w->border_count);
+	if (w->border_count < w->border_room / 2)
+		return true;
+	size_t room = w->border_room ? 2 * w->border_room : BORDERS;
+	gw_patch_border *more = gw_resize_array(w->borders, room, sizeof *more);
+	if (!more)
+		return false;
+	w->borders = more;
+	w->border_room = room;
+	return true;
 }
 
 static gw_status collect_borders(orientation_work *w, gw_error *error)
 {
-	size_t pairs = GW_NEIGHBOURS * w->surfels->count, count = 0;
-	border found;
-	for (int pass = 0; pass < 2; pass++) {
-		count = 0;
-		for (size_t i = 0; i < pairs; i++) {
-			float says = w->agreement[i];
-			if (says == 0 || !make_border(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], says,
-										  fabsf(says), &found))
-				continue;
-			if (pass)
-				w->borders[count] = found;
-			count++;
-		}
-		if (!pass && !(w->borders = gw_allocate_array(count, sizeof *w->borders)))
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu pairs of points", count);
+	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
+	for (size_t i = 0; i < pairs; i++) {
+		size_t surfel = i / GW_NEIGHBOURS, other = w->near[i];
+		uint32_t a = w->patch[surfel], b = w->patch[other];
+		double says = w->opposite[surfel] ^ w->opposite[other] ? -w->agreement[i] : w->agreement[i];
+		if (a == b || says == 0)
+			continue;
+		if (!make_room(w))
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu patches",
+						   w->patch_count);
+		w->borders[w->border_count++] =
+			(gw_patch_border){ a < b ? a : b, a < b ? b : a, says, fabs(says) };
 	}
-	w->border_count = count;
-	merge_borders(w);
 	return GW_OK;
-}
-
-/* Joins every component with the neighbour about which its border says most. Returns whether any
- * was. */
-static bool join_best(orientation_work *w, uint32_t *best)
-{
-	size_t joined = 0;
-	for (size_t i = 0; i < w->surfels->count; i++)
-		best[i] = UINT32_MAX;
-	for (uint32_t i = 0; i < w->border_count; i++) {
-		const border *s = w->borders + i;
-		if (fabsf(s->says) < BORDER_LEAST * s->weight)
-			continue;
-		for (int side = 0; side < 2; side++) {
-			uint32_t *b = best + (side ? s->b : s->a);
-			if (*b == UINT32_MAX || fabsf(s->says) > fabsf(w->borders[*b].says))
-				*b = i;
-		}
-	}
-	for (size_t i = 0; i < w->surfels->count; i++) {
-		if (best[i] == UINT32_MAX)
-			continue;
-		const border *s = w->borders + best[i];
-		join(w, s->a, s->b, s->says < 0);
-		joined++;
-	}
-	size_t kept = 0;
-	for (size_t i = 0; i < w->border_count; i++) {
-		border s = w->borders[i];
-		kept += make_border(w, s.a, s.b, s.says, s.weight, w->borders + kept);
-	}
-	w->border_count = kept;
-	merge_borders(w);
-	return joined > 0;
-}
-
-static gw_status join_components(orientation_work *w, gw_error *error)
-{
-	size_t count = w->surfels->count;
-	join_smooth(w);
-	gw_status status = collect_borders(w, error);
-	uint32_t *best = gw_allocate_array(count, sizeof *best);
-	if (status == GW_OK && !best)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu points", count);
-	while (status == GW_OK && join_best(w, best))
-		;
-	free(best);
-	return status;
 }
 
 /* ------------------------------------------------------------------------------------- evidence */
 
-static bool has_power(const float value[3])
-{
-	return value[0] > 0 || value[1] > 0 || value[2] > 0;
-}
-
-/* Lamps, and of points that emit some, evenly taken along the order of the surfels. */
-static gw_status find_lamps(orientation_work *w, gw_error *error)
-{
-	const gw_surfels *s = w->surfels;
-	const gw_surfels_options *o = w->options;
-	size_t emitting = 0, passed = 0;
-	for (size_t i = 0; s->emission && i < s->count; i++)
-		emitting += has_power(s->emission + 3 * i);
-	w->lamp = gw_allocate_array(o->light_count + EMITTERS + 1, sizeof *w->lamp);
-	if (!w->lamp)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lamps", o->light_count);
-	for (size_t i = 0; i < o->light_count; i++) {
-		const gw_light *l = o->lights + i;
-		if ((l->type != GW_LIGHT_POINT && l->type != GW_LIGHT_SPOT) || !has_power(l->intensity))
-			continue;
-		for (size_t k = 0; k < 3; k++)
-			w->lamp[w->lamp_count][k] = l->position[k] - s->origin[k];
-		w->lamp_count++;
-	}
-	for (size_t i = 0; emitting > 0 && i < s->count; i++) {
-		if (!has_power(s->emission + 3 * i))
-			continue;
-		if (passed * EMITTERS / emitting != (passed + 1) * EMITTERS / emitting) {
-			for (size_t k = 0; k < 3; k++)
-				w->lamp[w->lamp_count][k] = (double)s->position[3 * i + k];
-			w->lamp_count++;
-		}
-		passed++;
-	}
-	return GW_OK;
-}
-
-static void find_sun(orientation_work *w)
-{
-	for (size_t i = 0; i < w->options->light_count; i++) {
-		const gw_light *l = w->options->lights + i;
-		if (l->type != GW_LIGHT_SUN || !has_power(l->irradiance))
-			continue;
-		double length = hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
-		for (size_t k = 0; k < 3; k++)
-			w->to_sun[k] = -l->direction[k] / length;
-		return;
-	}
-}
-
-static void add_evidence(double *sum, double *size, double value)
-{
-	*sum += value;
-	*size += fabs(value);
-}
-
-/* The solid angle under which lamps see a surfel, negative from behind. */
-static void add_lamps(const orientation_work *w, const double p[3], const double n[3], double area,
-					  component *to)
-{
-	for (size_t l = 0; l < w->lamp_count; l++) {
-		double squared = 0, facing = 0;
-		for (int k = 0; k < 3; k++) {
-			double d = w->lamp[l][k] - p[k];
-			squared += d * d;
-			facing += d * n[k];
-		}
-		if (squared > 4 * area)
-			add_evidence(&to->lamp, &to->lamp_size, area * facing / (squared * sqrt(squared)));
-	}
-}
-
-static void add_surfel(const orientation_work *w, size_t surfel, double sign, bool given,
-					   component *to)
-{
-	const gw_surfels *s = w->surfels;
-	double p[3], n[3], sun = 0, inwards = 0, middle = 0, far = 0;
-	double area = (double)w->area[surfel];
-	for (size_t k = 0; k < 3; k++) {
-		p[k] = (double)s->position[3 * surfel + k];
-		n[k] = sign * (double)s->normal[3 * surfel + k];
-		sun += n[k] * w->to_sun[k];
-		inwards += n[k] * (to->centre[k] - p[k]);
-		middle += n[k] * (w->middle[k] - p[k]);
-		far += (w->middle[k] - p[k]) * (w->middle[k] - p[k]);
-	}
-	to->given += given ? sign : 0;
-	add_lamps(w, p, n, area, to);
-	add_evidence(&to->up, &to->up_size, area * n[2]);
-	add_evidence(&to->sun, &to->sun_size, area * sun);
-	add_evidence(&to->inwards, &to->inwards_size, area * inwards);
-	add_evidence(&to->middle, &to->middle_size, far > 0 ? area * middle / sqrt(far) : 0);
-}
-
-/* A point far from all others stands for no more than this many times what most do. */
 static void limit_areas(orientation_work *w)
 {
 	size_t count = w->surfels->count;
@@ -363,107 +213,171 @@ static void limit_areas(orientation_work *w)
 		w->area[i] = fminf(w->area[i], most);
 }
 
-/* Numbers the components; their bounds and centres. */
-static gw_status measure_components(orientation_work *w, gw_error *error)
+static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_error *error)
 {
-	const gw_surfels *s = w->surfels;
-	uint8_t opposite;
-	for (uint32_t i = 0; i < s->count; i++)
-		if (find_root(w, i, &opposite) == i)
-			w->component_of[i] = (uint32_t)w->component_count++;
-	w->components = gw_allocate_zeros(w->component_count, sizeof *w->components);
-	if (!w->components)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu components", w->component_count);
-	for (uint32_t i = 0; i < s->count; i++) {
-		uint32_t root = find_root(w, i, &opposite);
-		component *to = w->components + (w->component_of[i] = w->component_of[root]);
-		for (size_t k = 0; k < 3; k++) {
-			double x = (double)s->position[3 * (size_t)i + k];
-			to->low[k] = to->area > 0 ? fmin(to->low[k], x) : x;
-			to->high[k] = to->area > 0 ? fmax(to->high[k], x) : x;
-			to->centre[k] += (double)w->area[i] * x;
-		}
-		to->area += (double)w->area[i];
-	}
-	for (size_t i = 0; i < w->component_count; i++)
-		for (size_t k = 0; k < 3; k++)
-			w->components[i].centre[k] /= w->components[i].area > 0 ? w->components[i].area : 1;
-	return GW_OK;
+	gw_pieces pieces = {
+		.piece_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
+	};
+	limit_areas(w);
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
+	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, error);
+}
+
+static bool allocate_patches(orientation_work *w)
+{
+	size_t count = w->patch_count;
+	w->light = gw_allocate_zeros(count, sizeof *w->light);
+	w->given = gw_allocate_zeros(count, sizeof *w->given);
+	w->own = gw_allocate_zeros(count, sizeof *w->own);
+	w->sign = gw_allocate_array(count, sizeof *w->sign);
+	w->other = gw_allocate_array(count, sizeof *w->other);
+	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
+	w->group = gw_allocate_array(count, sizeof *w->group);
+	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
+	return w->light && w->given && w->own && w->sign && w->other && w->ratio && w->group &&
+		   w->groups;
 }
 
 /* ------------------------------------------------------------------------------------- decision */
 
-static double diagonal(const double low[3], const double high[3])
+static void add_view(const gw_side_view *more, gw_side_view *sum)
 {
-	return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+	sum->light += more->light;
+	sum->first += more->first;
+	sum->area += more->area;
+	sum->met += more->met;
+	sum->path += more->path;
+	sum->down += more->down;
+	sum->down_met += more->down_met;
 }
 
-static bool is_clear(double sum, double size)
+/* The light of a patch, with its group's factors, on its front or back by its sign. */
+static double patch_light(const orientation_work *w, size_t patch, int side)
 {
-	return fabs(sum) > CLEAR * size;
+	int own = w->sign[patch] > 0 ? side : 1 - side;
+	return w->light[patch].side[own].light * w->groups[w->group[patch]].factor[side];
 }
 
-static bool is_clear_space(double sum, double size)
+/* By how much the front of a group is the brighter side. */
+static double light_ratio(const patch_group *g)
 {
-	return fabs(sum) > CLEAR_SPACE * size;
+	const gw_side_view *side = g->light.side;
+	double back = side[1].light * g->factor[1];
+	return side[0].light * g->factor[0] / fmax(back, 1e-30);
 }
 
-static void decide(const orientation_work *w, double scene, component *p)
+/* What is known of all groups, with the signs as they are. Without rooms their factors are 1. */
+static void sum_groups(orientation_work *w, bool rooms)
 {
-	double says = p->middle;
-	if (p->given != 0)
-		says = p->given;
-	else if (fabs(p->lamp) > CLEAR_ANGLE || (w->lamp_count && is_clear(p->lamp, p->lamp_size)))
-		says = p->lamp;
-	else if (!w->lamp_count && is_clear(p->up, fmax(p->up_size, SLOPING * p->area)))
-		says = p->up;
-	else if (!w->lamp_count && is_clear(p->sun, fmax(p->sun_size, SLOPING * p->area)))
-		says = p->sun;
-	else if (is_clear_space(p->inwards, p->inwards_size))
-		says = diagonal(p->low, p->high) > ROOM_LEAST * scene ? p->inwards : -p->inwards;
-	else
-		p->doubtful = !is_clear_space(p->middle, p->middle_size);
-	p->sign = says < 0 ? -1 : 1;
-}
-
-static gw_status decide_components(orientation_work *w, const uint8_t *estimated, gw_error *error)
-{
-	const gw_surfels *s = w->surfels;
-	double low[3], high[3];
-	uint8_t opposite;
-	for (size_t k = 0; k < 3; k++) {
-		low[k] = (double)s->minimum[k];
-		high[k] = (double)s->maximum[k];
-		w->middle[k] = 0.5 * (low[k] + high[k]);
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->groups[i] = (patch_group){ .factor = { 1, 1 } };
+	for (size_t i = 0; i < w->patch_count; i++) {
+		patch_group *g = w->groups + w->group[i];
+		for (int side = 0; side < 2; side++)
+			add_view(w->light[i].side + (w->sign[i] > 0 ? side : 1 - side), g->light.side + side);
+		g->given += w->given[i] * w->sign[i];
 	}
-	find_sun(w);
-	limit_areas(w);
-	GW_TRY(find_lamps(w, error));
-	GW_TRY(measure_components(w, error));
-	for (uint32_t i = 0; i < s->count; i++) {
-		find_root(w, i, &opposite);
-		add_surfel(w, i, opposite ? -1 : 1, !estimated[i], w->components + w->component_of[i]);
+	for (size_t i = 0; i < w->patch_count; i++) {
+		patch_group *g = w->groups + i;
+		for (int side = 0; rooms && side < 2; side++)
+			g->factor[side] = gw_side_factor(g->light.side + side);
+		g->doubtful = g->given == 0 && !(light_ratio(g) > CLEAR);
 	}
-	for (size_t i = 0; i < w->component_count; i++)
-		decide(w, diagonal(low, high), w->components + i);
+}
+
+/* Turns whole groups whose back is the brighter side, or that normals were given for. */
+static void turn_whole(orientation_work *w, bool rooms)
+{
+	sum_groups(w, rooms);
+	for (size_t i = 0; i < w->patch_count; i++) {
+		const patch_group *g = w->groups + w->group[i];
+		bool turn = g->given != 0 ? g->given < 0 : light_ratio(g) < 1;
+		w->sign[i] = turn ? (int8_t)-w->sign[i] : w->sign[i];
+	}
+	sum_groups(w, rooms);
+}
+
+/* How sure a patch is of its front by itself, -1 to 1. */
+static double find_certainty(const orientation_work *w, size_t patch)
+{
+	double front = patch_light(w, patch, 0), back = patch_light(w, patch, 1);
+	double ratio = log(fmax(front, back) / fmin(front, back));
+	if (!(ratio > log(SURE_LEAST)))
+		return 0;
+	double sure = fmin((ratio - log(SURE_LEAST)) / log(SURE / SURE_LEAST), 1);
+	return (front > back) == (w->sign[patch] > 0) ? sure : -sure;
+}
+
+static void find_own(orientation_work *w)
+{
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->own[w->patch[i]] += AGREED * LIGHT_WEIGHT;
+	for (size_t i = 0; i < w->patch_count; i++) {
+		w->own[i] *= find_certainty(w, i);
+		w->own[i] += GIVEN_WEIGHT * AGREED * w->given[i];
+	}
+}
+
+/* Turns whole groups and parts of them in turn. */
+static void turn_parts(orientation_work *w, gw_patch_groups *groups, bool rooms)
+{
+	turn_whole(w, rooms);
+	find_own(w);
+	gw_patch_groups_turn(groups, w->own, w->sign);
+	turn_whole(w, true);
+}
+
+/*
+ * Which side is a room's can be told where the signs of a group agree, which needs its light where
+ * borders tell little. So that is tried with rooms from the beginning, and with light alone at
+ * first; of each group that is taken by which one side is the brighter more clearly.
+ */
+static void turn_best(orientation_work *w, gw_patch_groups *groups)
+{
+	size_t count = w->patch_count;
+	memcpy(w->other, w->sign, count * sizeof *w->other);
+	turn_parts(w, groups, false);
+	turn_parts(w, groups, true);
+	for (size_t i = 0; i < count; i++) {
+		int8_t swap = w->other[i];
+		w->other[i] = w->sign[i];
+		w->sign[i] = swap;
+		w->ratio[i] = light_ratio(w->groups + i);
+	}
+	turn_parts(w, groups, true);
+	for (size_t i = 0; i < count; i++)
+		if (w->ratio[w->group[i]] > light_ratio(w->groups + w->group[i]))
+			w->sign[i] = w->other[i];
+	sum_groups(w, true);
+}
+
+static gw_status choose_signs(orientation_work *w, const uint8_t *estimated, gw_error *error)
+{
+	if (!allocate_patches(w))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	GW_TRY(find_light(w, estimated, error));
+	gw_patch_groups *groups =
+		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
+	if (!groups)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	turn_best(w, groups);
+	gw_patch_groups_free(groups);
 	return GW_OK;
 }
 
 static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
 {
 	gw_surfels *s = w->surfels;
-	uint8_t opposite;
-	for (uint32_t i = 0; i < s->count; i++) {
-		const component *p = w->components + w->component_of[i];
-		find_root(w, i, &opposite);
-		doubtful[i] = estimated[i] && p->doubtful;
-		for (size_t k = 0; estimated[i] && opposite != (p->sign < 0) && k < 3; k++)
-			s->normal[3 * (size_t)i + k] = -s->normal[3 * (size_t)i + k];
+	for (size_t i = 0; i < s->count; i++) {
+		uint32_t patch = w->patch[i];
+		doubtful[i] = estimated[i] && w->groups[w->group[patch]].doubtful;
+		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
+			s->normal[3 * i + k] = -s->normal[3 * i + k];
 	}
 }
 
-/* -------------------------------------------------------------------------------------- all of it
- */
+/* ----------------------------------------------------------------------------------- all of it */
 
 static gw_status allocate(orientation_work *w, gw_error *error)
 {
@@ -472,12 +386,16 @@ static gw_status allocate(orientation_work *w, gw_error *error)
 	w->agreement = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *w->agreement);
 	w->area = gw_allocate_array(count, sizeof *w->area);
 	w->parent = gw_allocate_array(count, sizeof *w->parent);
+	w->size = gw_allocate_array(count, sizeof *w->size);
 	w->opposite = gw_allocate_zeros(count, sizeof *w->opposite);
-	w->component_of = gw_allocate_array(count, sizeof *w->component_of);
-	if (!w->near || !w->agreement || !w->area || !w->parent || !w->opposite || !w->component_of)
+	w->patch = gw_allocate_array(count, sizeof *w->patch);
+	if (!w->near || !w->agreement || !w->area || !w->parent || !w->size || !w->opposite ||
+		!w->patch)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
-	for (uint32_t i = 0; i < count; i++)
+	for (uint32_t i = 0; i < count; i++) {
 		w->parent[i] = i;
+		w->size[i] = 1;
+	}
 	return GW_OK;
 }
 
@@ -487,11 +405,29 @@ static void release(orientation_work *w)
 	free(w->agreement);
 	free(w->area);
 	free(w->parent);
+	free(w->size);
 	free(w->opposite);
-	free(w->component_of);
+	free(w->patch);
 	free(w->borders);
-	free(w->components);
-	free(w->lamp);
+	free(w->light);
+	free(w->given);
+	free(w->own);
+	free(w->sign);
+	free(w->other);
+	free(w->ratio);
+	free(w->group);
+	free(w->groups);
+}
+
+static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_t *estimated,
+						gw_error *error)
+{
+	GW_TRY(allocate(w, error));
+	GW_TRY(gw_neighbours_visit(search, find_pairs, w, error));
+	join_smooth(w);
+	number_patches(w);
+	GW_TRY(collect_borders(w, error));
+	return choose_signs(w, estimated, error);
 }
 
 gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
@@ -499,13 +435,7 @@ gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *se
 							gw_error *error)
 {
 	orientation_work w = { .options = options, .surfels = surfels };
-	gw_status status = allocate(&w, error);
-	if (status == GW_OK)
-		status = gw_neighbours_visit(search, find_pairs, &w, error);
-	if (status == GW_OK)
-		status = join_components(&w, error);
-	if (status == GW_OK)
-		status = decide_components(&w, estimated, error);
+	gw_status status = orient(&w, search, estimated, error);
 	if (status == GW_OK)
 		turn_normals(&w, estimated, doubtful);
 	release(&w);

@@ -3,17 +3,15 @@
  * nobody knows where the scanner stood. Internal to lib/.
  *
  * A normal from a fitted plane has no sign. Signs are carried from neighbour to neighbour along
- * smooth surface, then across creases by the majority of the pairs that meet there; what is joined
- * is one component, of which only one bit is open. That bit is decided for the component as a
- * whole:
+ * smooth surface to patches of some dozens of surfels, and across the patches' borders by the sum
+ * of the pairs that meet there (patch_signs.h). Of what hangs together one sign is open then, and
+ * that is the one with which
  *
- *   normals given     by most of those in the component
- *   lamps, emitters   free space is where they are: their light falls on the front. From a lamp
- *                     inside a closed component the fronts fill 4 pi, from one outside it 0
- *   up                where there is no lamp: ground is seen from above, unless as much of the
- * component looks down, as a ceiling does sun               likewise: the sun shines on the front
- * room what encloses space was seen from inside, if it spans most of the scene; else it is a body,
- * seen from outside middle            what is left faces the middle of the scene
+ *   normals given   most agree, if there are any
+ *   light           more falls on the front than on the back (side_light.h), rooms before others
+ *
+ * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
+ * turned against it where their light says so and their borders say less.
  *
  * Source: Hoppe et al., Surface Reconstruction from Unorganized Points, SIGGRAPH 1992, section 3.3
  * (signs carried along a tree of neighbours); the sign across a crease by reflection is that of
@@ -30,7 +28,7 @@
  *   search     over the surfels
  *   surfels    normals of all, unit length; emission where there is some
  *   estimated  surfels->count: 1 where the normal may be turned, 0 where it was given
- *   doubtful   surfels->count, receives 1 where a component's side is but a guess, else 0
+ *   doubtful   surfels->count, receives 1 where about as much light falls on both sides, else 0
  * The result depends on the surfels' order in the arrays, which is canonical, and not on threads.
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */

@@ -1,0 +1,276 @@
+/* Which side of bare points is taken for the front, on scenes of which everybody would say it. */
+#include "expected.h"
+#include "glowworm_picture.h"
+#include "surfels/patch_signs.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#define MOST 20000
+
+/* Points with the normals that they should get, which are not given. */
+typedef struct cloud {
+	double position[3 * MOST];
+	float normal[3 * MOST];
+	size_t count;
+} cloud;
+
+static double next_random(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (double)(*state >> 11) * 0x1p-53;
+}
+
+static void add(cloud *c, const double place[3], const double normal[3])
+{
+	for (size_t k = 0; k < 3; k++) {
+		c->position[3 * c->count + k] = place[k];
+		c->normal[3 * c->count + k] = (float)normal[k];
+	}
+	c->count++;
+}
+
+/* Evenly spread over a ball by Fibonacci's spiral; facing 1: outwards, -1: inwards. */
+static void add_ball(cloud *c, size_t count, const double centre[3], double radius, double facing)
+{
+	for (size_t i = 0; i < count; i++) {
+		double z = 1 - (2 * (double)i + 1) / (double)count, r = sqrt(1 - z * z);
+		double turn = 2.399963229728653 * (double)i;
+		double n[3] = { r * cos(turn), r * sin(turn), z }, p[3], f[3];
+		for (int k = 0; k < 3; k++) {
+			p[k] = centre[k] + radius * n[k];
+			f[k] = facing * n[k];
+		}
+		add(c, p, f);
+	}
+}
+
+/* A rectangle across an axis, at random. A window is left out of it when it is tall enough. */
+static void add_face(cloud *c, size_t count, const double low[3], const double high[3], int axis,
+					 double facing, bool window)
+{
+	uint64_t state = (uint64_t)(2 * axis) + (facing > 0) + 1;
+	for (size_t i = 0; i < count; i++) {
+		double p[3], n[3] = { 0 };
+		for (int k = 0; k < 3; k++)
+			p[k] = low[k] + (high[k] - low[k]) * next_random(&state);
+		n[axis] = facing;
+		double u = p[(axis + 1) % 3], v = p[2];
+		if (!(window && u > 1 && u < 2.5 && v > 0.9 && v < 2))
+			add(c, p, n);
+	}
+}
+
+/* A room of 5 by 4 by 2.5 metres with its normals inwards. */
+static void add_room(cloud *c, bool window)
+{
+	const double size[3] = { 5, 4, 2.5 };
+	for (int axis = 0; axis < 3; axis++)
+		for (int side = 0; side < 2; side++) {
+			double low[3] = { 0 }, high[3] = { size[0], size[1], size[2] };
+			*(side ? low + axis : high + axis) = side ? size[axis] : 0;
+			double area = size[(axis + 1) % 3] * size[(axis + 2) % 3];
+			add_face(c, (size_t)(180 * area), low, high, axis, side ? -1 : 1,
+					 window && axis == 0 && side);
+		}
+}
+
+static const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
+static const gw_light sun = { .type = GW_LIGHT_SUN,
+							  .direction = { -0.5, 0.3, -0.8 },
+							  .irradiance = { 3, 3, 3 } };
+
+static gw_light lamp_at(double x, double y, double z)
+{
+	return (
+		gw_light){ .type = GW_LIGHT_POINT, .position = { x, y, z }, .intensity = { 10, 10, 10 } };
+}
+
+/* The share of points that face as they should, and how many are lit from both sides. */
+static double right_share(const cloud *c, const gw_light *light, uint64_t *untrusted)
+{
+	const gw_points points = { .count = c->count, .position = c->position };
+	const gw_surfels_options options = { .lights = light, .light_count = light ? 1 : 0 };
+	gw_surfels s;
+	gw_error error;
+	assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+	size_t right = 0;
+	for (size_t i = 0; i < c->count; i++) {
+		const float *n = s.normal + 3 * (size_t)s.surfel_of_point[i], *m = c->normal + 3 * i;
+		right += n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > 0;
+	}
+	if (untrusted)
+		*untrusted = s.normals_untrusted;
+	gw_surfels_clear(&s);
+	return (double)right / (double)c->count;
+}
+
+/* What an owner would call right: no more than half a percent of the points wrong, which edges and
+ * places where things touch may be. */
+static void assert_right(const cloud *c, const gw_light *light, const char *what)
+{
+	double share = right_share(c, light, NULL);
+	if (!(share >= 0.995))
+		fail_msg("%s: only %.2f %% of %zu points face the right side", what, 100 * share, c->count);
+}
+
+static cloud *new_cloud(void)
+{
+	cloud *c = calloc(1, sizeof *c);
+	assert_non_null(c);
+	return c;
+}
+
+/* Whatever lights it from outside, and also when nobody says what does. */
+static void test_closed_thing(void **state)
+{
+	(void)state;
+	const double centre[3] = { 8e6, 5e6, -20 };
+	const double radii[3] = { 0.1, 3, 100 };
+	for (int i = 0; i < 3; i++) {
+		cloud *c = new_cloud();
+		add_ball(c, 4000, centre, radii[i], 1);
+		gw_light lamp = lamp_at(8e6 + 3 * radii[i], 5e6, radii[i] - 20);
+		assert_right(c, &sky, "a ball under the sky");
+		assert_right(c, &sun, "a ball in the sun");
+		assert_right(c, &lamp, "a ball beside a lamp");
+		assert_right(c, NULL, "a ball without light");
+		free(c);
+	}
+}
+
+static void test_lit_from_within(void **state)
+{
+	(void)state;
+	const double centre[3] = { 0 };
+	cloud *c = new_cloud();
+	gw_light lamp = lamp_at(0.5, 0, 0.2);
+	add_ball(c, 4000, centre, 2, -1);
+	assert_right(c, &lamp, "a hollow with a lamp in it");
+	free(c);
+}
+
+static void test_room(void **state)
+{
+	(void)state;
+	cloud *c = new_cloud();
+	gw_light lamp = lamp_at(2, 2, 2);
+	add_room(c, true);
+	assert_right(c, &sky, "a room with a window under the sky");
+	assert_right(c, &lamp, "a room with a lamp");
+	c->count = 0;
+	add_room(c, false);
+	assert_right(c, &lamp, "a closed room with a lamp");
+	free(c);
+}
+
+/* Floor and ball touch, and near there they are nearly parallel. The floor is under it as well. */
+static void test_thing_on_floor(void **state)
+{
+	(void)state;
+	const double low[3] = { -1.5, -1.5, 0 }, high[3] = { 1.5, 1.5, 0 }, centre[3] = { 0, 0, 0.3 };
+	const gw_light lamp = lamp_at(2, 1, 2);
+	cloud *c = new_cloud();
+	add_face(c, 12000, low, high, 2, 1, false);
+	add_ball(c, 4000, centre, 0.3, 1);
+	assert_right(c, &sky, "a ball on a floor under the sky");
+	assert_right(c, &sun, "a ball on a floor in the sun");
+	assert_right(c, &lamp, "a ball on a floor beside a lamp");
+	free(c);
+}
+
+static void test_ground(void **state)
+{
+	(void)state;
+	const gw_light lamp = lamp_at(0, 0, 30);
+	uint64_t random = 7;
+	cloud *c = new_cloud();
+	for (int i = 0; i < 10000; i++) {
+		double x = 200 * (next_random(&random) - 0.5), y = 200 * (next_random(&random) - 0.5);
+		double p[3] = { x, y, 8 * sin(x / 25) * cos(y / 30) };
+		double n[3] = { -8.0 / 25 * cos(x / 25) * cos(y / 30), 8.0 / 30 * sin(x / 25) * sin(y / 30),
+						1 };
+		add(c, p, n);
+	}
+	assert_right(c, &sky, "ground under the sky");
+	assert_right(c, &sun, "ground in the sun");
+	assert_right(c, &lamp, "ground below a lamp");
+	free(c);
+}
+
+/* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
+static void test_sheet_is_doubtful(void **state)
+{
+	(void)state;
+	const double low[3] = { 0, 0, 0 }, high[3] = { 0, 4, 3 };
+	uint64_t untrusted;
+	cloud *c = new_cloud();
+	add_face(c, 5000, low, high, 0, 1, false);
+	(void)right_share(c, &sky, &untrusted);
+	assert_int_equal(untrusted, 5000);
+	(void)right_share(c, &sun, &untrusted);
+	assert_true(untrusted < 50);
+	free(c);
+}
+
+/* Two strips of patches, each joined well, and the strips by one patch's border alone: what the
+ * second strip says about itself turns it against the first, and what a single patch says does not
+ * turn that. */
+static void test_patches_turn(void **state)
+{
+	(void)state;
+	enum { STRIP = 20 };
+	double own[2 * STRIP];
+	gw_patch_border border[2 * STRIP];
+	int8_t sign[2 * STRIP];
+	uint32_t group[2 * STRIP];
+	size_t borders = 0;
+	for (uint32_t i = 0; i < 2 * STRIP; i++) {
+		own[i] = i < STRIP ? 5 : -5;
+		if (i + 1 < 2 * STRIP)
+			border[borders++] = (gw_patch_border){ i, i + 1, i + 1 == STRIP ? 26 : 50, 50 };
+	}
+	own[5] = -60;
+	gw_patch_groups *groups = gw_patch_groups_make(2 * STRIP, border, borders, sign, group);
+	assert_non_null(groups);
+	for (int i = 1; i < 2 * STRIP; i++) {
+		assert_int_equal(group[i], group[0]);
+		assert_int_equal(sign[i], sign[0]);
+	}
+	for (int i = 0; i < 2 * STRIP; i++)
+		sign[i] = 1;
+	gw_patch_groups_turn(groups, own, sign);
+	for (int i = 0; i < 2 * STRIP; i++)
+		assert_int_equal(sign[i], i < STRIP ? 1 : -1);
+	gw_patch_groups_free(groups);
+}
+
+/* Borders that say opposite signs are kept, and patches without any stay alone. */
+static void test_patches_join(void **state)
+{
+	(void)state;
+	gw_patch_border border[] = { { 0, 1, -9, 9 }, { 1, 2, 2, 9 }, { 0, 1, -1, 1 } };
+	int8_t sign[3];
+	uint32_t group[3];
+	gw_patch_groups *groups = gw_patch_groups_make(3, border, 3, sign, group);
+	assert_non_null(groups);
+	assert_int_equal(group[0], group[1]);
+	assert_int_equal(sign[0], -sign[1]);
+	assert_int_not_equal(group[2], group[0]);
+	gw_patch_groups_free(groups);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_closed_thing), cmocka_unit_test(test_lit_from_within),
+		cmocka_unit_test(test_room),         cmocka_unit_test(test_thing_on_floor),
+		cmocka_unit_test(test_ground),       cmocka_unit_test(test_sheet_is_doubtful),
+		cmocka_unit_test(test_patches_turn), cmocka_unit_test(test_patches_join),
+	};
+	return cmocka_run_group_tests_name("sides", tests, NULL, NULL);
+}
