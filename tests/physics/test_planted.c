@@ -126,7 +126,9 @@ static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *
 	gw_scene s = { .options = gw_bake_options_default(), .report = &result->report };
 	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
 	assert_ok(gw_scene_open_device(&s, &error), &error);
-	assert_ok(gw_scene_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
+	assert_ok(
+		gw_scene_make_surfels(&s, &(gw_scene_description){ &points, lamp, lamp ? 1 : 0 }, &error),
+		&error);
 	assert_ok(gw_scene_build_octree(&s, &error), &error);
 	if (f)
 		plant(&s, f);
