@@ -229,6 +229,15 @@ typedef enum gw_validation {
 	GW_VALIDATION_COUNT
 } gw_validation;
 
+/* What light comes through gaps: through what no scanner ever looked at, because something stood in
+ * front of it. Where it did look, as through windows, is no gap. Known only where scanners are. */
+typedef enum gw_gaps {
+	GW_GAPS_OPEN,  /* that of the sky, as through everything that is not there */
+	GW_GAPS_BLACK, /* none */
+	GW_GAPS_MEAN,  /* as much as from what else is seen from where it goes */
+	GW_GAPS_COUNT
+} gw_gaps;
+
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
 #define GW_LEAF_SPACING 1.25f
@@ -282,6 +291,10 @@ typedef struct gw_bake_options {
 								 starts */
 	float time_limit;         /* above 0: refines as long as the next round will end within so many
 								 seconds of the call; the first round is made in any case */
+	gw_gaps gaps;       /* what gathered light finds in gaps; of GW_METHOD_RAYS. Lamps and suns
+						   shine through them whatever this says */
+	float gap_radiance; /* W/(sr m^2), with GW_GAPS_BLACK: what gaps send instead of nothing;
+						   not together with lamps */
 	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
 	uint32_t threads;         /* of the host; 0 means one a core */
 	uint64_t seed;            /* of all random directions */
@@ -295,6 +308,7 @@ typedef struct gw_bake_options {
 	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
+	bool unknown;                     /* fill gw_bake_result.unknown */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
 					around a point disagree, as a standard error of their mean. It knows the noise
 					of gathered light and how fast that changes, but not the error of shadows and of
@@ -367,7 +381,7 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the five below that are parts of it */
+	double relative_rms; /* root mean square error: of the seven below that are parts of it */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -381,7 +395,23 @@ typedef struct gw_error_estimate {
 							(emission_error.h); only denser points would lessen it */
 	double geometry;     /* of the octree, which the points by themselves do not agree with
 							(geometry_error.h) */
+	double gaps;         /* of light that would come from gaps, if these were as bright as what
+							surrounds them; 0 where no scanner is known */
+	double sides;       /* of surfaces that may face the other way, as what points see on both sides
+						   says (side_error.h) */
+	double sides_share; /* of the points: those that are likely to */
 } gw_error_estimate;
+
+/* What gaps let through (gw_gaps), as found for the light of a bake. */
+typedef struct gw_gap_report {
+	uint32_t scanners; /* whose view is known; 0: nothing is known of gaps, and all below is 0 */
+	double share;      /* of the directions that points gather light from, weighted as irradiance */
+	double sky;        /* of the light that the sky brings: comes through gaps, were they open */
+	double lamps;      /* of the light of lamps and suns: passes what no scanner saw */
+	/* The mean radiance over what it is, if gaps were black, and if they were as bright as what
+	 * surrounds them. */
+	double black, bright;
+} gw_gap_report;
 
 /* What a smaller error would cost, predicted from what a bake measured (error_price.h). */
 typedef struct gw_price {
@@ -445,6 +475,7 @@ typedef struct gw_report {
 	 * injected and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_gap_report gaps;
 	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
 	uint32_t round_count;
@@ -502,6 +533,9 @@ typedef struct gw_bake_result {
 	float *ambient_occlusion; /* count, 0..1: cosine-weighted share of the hemisphere in which
 						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
 	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
+	float *unknown;           /* count, 0..1: share of what is gathered around a point, weighted as
+								 irradiance, that would come through gaps; 0 where no scanner is
+								 known; NULL unless asked */
 	float *roi;               /* count, side of the region of influence in leaf cells */
 	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
@@ -761,6 +795,7 @@ void gw_drivers_release(gw_drivers **drivers);
  */
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
+const char *gw_gaps_name(gw_gaps gaps);
 const char *gw_pass_choice_name(gw_pass_choice choice);
 const char *gw_validation_name(gw_validation validation);
 const char *gw_quality_name(gw_quality quality);

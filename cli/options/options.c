@@ -113,6 +113,7 @@ static const char *view_name(int i)
 										[SETTINGS_VIEW_SHADOW] = "shadow:LAMP",
 										[SETTINGS_VIEW_RECORDS] = "records",
 										[SETTINGS_VIEW_ERROR] = "error",
+										[SETTINGS_VIEW_GAPS] = "gaps",
 										[SETTINGS_VIEW_COUNT] = NULL };
 	return name[i];
 }
@@ -141,6 +142,11 @@ static const char *progress_name(int i)
 	return name[i];
 }
 
+static const char *gaps_name(int i)
+{
+	return i < GW_GAPS_COUNT ? gw_gaps_name((gw_gaps)i) : NULL;
+}
+
 static const char *field_name(int i)
 {
 	static const char *const name[] = { [SETTINGS_FIELD_DIRECT] = "direct",
@@ -150,6 +156,7 @@ static const char *field_name(int i)
 										[SETTINGS_FIELD_AO] = "ao",
 										[SETTINGS_FIELD_NORMALS] = "normals",
 										[SETTINGS_FIELD_ERROR] = "error",
+										[SETTINGS_FIELD_UNKNOWN] = "unknown",
 										[SETTINGS_FIELD_LIGHTS] = "lights",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
@@ -384,6 +391,14 @@ const option options[] = {
 	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
 	  AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
+	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.gaps), .choice = gaps_name,
+	  .group = "Light",
+	  .help =
+		  "what gathered light finds where no scanner looked, because something stood in front "
+		  "of it: the sky, nothing, or as much as from all around. Needs positions of scanners" },
+	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.gap_radiance),
+	  RANGE(0.0, 1e30), .group = "Light",
+	  .help = "radiance that gaps send with --gaps black, instead of none" },
 	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
 	  AT(bake.depth), RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },

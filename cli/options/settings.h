@@ -87,6 +87,7 @@ typedef enum settings_field {
 	SETTINGS_FIELD_AO,         /* ambient occlusion: ambient light, 0..1 */
 	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
 	SETTINGS_FIELD_ERROR,      /* how far records disagree */
+	SETTINGS_FIELD_UNKNOWN,    /* share of what is gathered that comes through gaps */
 	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */
 	SETTINGS_FIELD_COUNT
 } settings_field;
@@ -116,6 +117,7 @@ typedef enum settings_view {
 	SETTINGS_VIEW_SHADOW,  /* what a lamp sees; detail is its name or number */
 	SETTINGS_VIEW_RECORDS, /* where a bake gathers light */
 	SETTINGS_VIEW_ERROR,   /* of a cloud that compare wrote */
+	SETTINGS_VIEW_GAPS,    /* how much of a point's light would come through gaps */
 	SETTINGS_VIEW_COUNT
 } settings_view;
 

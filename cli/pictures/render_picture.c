@@ -32,6 +32,8 @@ uint32_t render_view_channels(settings_view view)
 		return 1u << RENDER_NDF;
 	case SETTINGS_VIEW_ERROR:
 		return 1u << RENDER_ERROR;
+	case SETTINGS_VIEW_GAPS:
+		return 1u << RENDER_UNKNOWN;
 	case SETTINGS_VIEW_SHADOW:
 		return 1u << RENDER_SHADOW;
 	case SETTINGS_VIEW_RECORDS:
@@ -51,7 +53,7 @@ bool render_view_is_light(settings_view view)
 static bool is_share(settings_view view)
 {
 	return view == SETTINGS_VIEW_NDF || view == SETTINGS_VIEW_OPACITY ||
-		   view == SETTINGS_VIEW_SHADOW;
+		   view == SETTINGS_VIEW_SHADOW || view == SETTINGS_VIEW_GAPS;
 }
 
 static bool is_number(settings_view view)

@@ -19,22 +19,24 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 	[RENDER_SPECULAR] = { "specular" },
 	[RENDER_ROUGHNESS] = { "roughness" },
 	[RENDER_ERROR] = { "error" },
+	[RENDER_UNKNOWN] = { "unknown" },
 };
 
 uint32_t render_channel_width(render_channel channel)
 {
 	static const bool is_number[RENDER_CHANNEL_COUNT] = {
 		[RENDER_NDF] = true,       [RENDER_ROI] = true,   [RENDER_SPECULAR] = true,
-		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true, [RENDER_SHADOW] = true
+		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true, [RENDER_UNKNOWN] = true,
+		[RENDER_SHADOW] = true
 	};
 	return is_number[channel] ? 1 : 3;
 }
 
 const char *render_channel_name(render_channel channel)
 {
-	static const char *const name[] = { "albedo",    "radiance", "direct", "indirect",
-										"emission",  "ndf",      "roi",    "specular",
-										"roughness", "error",    "shadow" };
+	static const char *const name[] = { "albedo",    "radiance", "direct",  "indirect",
+										"emission",  "ndf",      "roi",     "specular",
+										"roughness", "error",    "unknown", "shadow" };
 	return name[channel];
 }
 

@@ -20,6 +20,7 @@ typedef enum render_channel {
 	RENDER_SPECULAR,  /* 1, reflectance at normal incidence; when a point is glossy */
 	RENDER_ROUGHNESS, /* 1, 0..1; with it */
 	RENDER_ERROR,     /* 1, of a cloud that compare wrote */
+	RENDER_UNKNOWN,   /* 1, 0..1: share of what is gathered that comes through gaps */
 	RENDER_SHADOW,    /* 1, the share of a lamp that is seen; for others to fill */
 	RENDER_CHANNEL_COUNT
 } render_channel;

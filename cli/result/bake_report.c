@@ -14,6 +14,11 @@
 #define MEGABYTE 1e6
 #define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
 #define PART_SHARE 0.25  /* and of the whole error */
+#define GAPS_LEAST                                                                                 \
+	0.01 /* share of the light that comes through gaps, from which on they are told */
+#define GUESSED_LEAST                                                                              \
+	0.1 /* of the mean radiance: from there on it is said what hangs on guesses                    \
+		 */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -128,6 +133,17 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "normals", r->error.normals);
 	json_put_real(json, "emission", r->error.emission);
 	json_put_real(json, "geometry", r->error.geometry);
+	json_put_real(json, "gaps", r->error.gaps);
+	json_put_real(json, "sides", r->error.sides);
+	json_put_real(json, "sides_share", r->error.sides_share);
+	json_put_close(json, '}');
+	json_put_open_flat(json, "gaps", '{');
+	json_put_count(json, "scanners", r->gaps.scanners);
+	json_put_real(json, "share", r->gaps.share);
+	json_put_real(json, "sky", r->gaps.sky);
+	json_put_real(json, "lamps", r->gaps.lamps);
+	json_put_real(json, "black", r->gaps.black);
+	json_put_real(json, "bright", r->gaps.bright);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "price", '{');
 	json_put_real(json, "error", r->price.error);
@@ -155,6 +171,8 @@ static void write_rounds(json_writer *json, const gw_report *r)
 		json_put_real(json, "normals", round->error.normals);
 		json_put_real(json, "emission", round->error.emission);
 		json_put_real(json, "geometry", round->error.geometry);
+		json_put_real(json, "gaps", round->error.gaps);
+		json_put_real(json, "sides", round->error.sides);
 		json_put_real(json, "seconds", round->seconds);
 		json_put_text(json, "why", round->why);
 		json_put_close(json, '}');
@@ -318,6 +336,35 @@ static void note_geometry(const gw_report *r)
 				text_percent(r->error.geometry, percent));
 }
 
+/* Where much of the light hangs on which way surfaces face. */
+static void note_sides(const gw_report *r)
+{
+	char percent[TEXT_PERCENT];
+	if (r->error.sides > GUESSED_LEAST)
+		fprintf(
+			stderr,
+			"glowworm: note: about %s %% of the points may face the wrong way, by what their two "
+			"sides see of the others; normals in the file, or positions of scanners, would "
+			"settle it\n",
+			text_percent(r->error.sides_share, percent));
+}
+
+/* Where light comes through what no scanner looked at. */
+static void note_gaps(const gw_report *r)
+{
+	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], black[TEXT_PERCENT], bright[TEXT_PERCENT];
+	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST)
+		return;
+	fprintf(
+		stderr,
+		"glowworm: note: %s %% of the directions that light is gathered from, and %s %% of what "
+		"lamps and suns send, pass gaps that no scanner looked at: were they black, the light "
+		"would be %s %% of what it is, as bright as what surrounds them, %s %%; --gaps closes "
+		"them, --fields unknown says where\n",
+		text_percent(r->gaps.share, share), text_percent(r->gaps.lamps, lamps),
+		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright));
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -327,6 +374,8 @@ void bake_report_notes(const bake_facts *f)
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	note_geometry(r);
+	note_sides(r);
+	note_gaps(r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
@@ -374,6 +423,9 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 	put_part(r, r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
 	put_part(r, r->error.normals, "errors of the points' normals", "better ones", text, room);
 	put_part(r, r->error.emission, "edges of what emits", "denser points", text, room);
+	put_part(r, r->error.gaps, "gaps that no scanner looked at", "more scans", text, room);
+	put_part(r, r->error.sides, "surfaces that may face the wrong way",
+			 "normals or scanner positions", text, room);
 }
 
 /* What less would cost, as the end of a sentence. */
@@ -398,7 +450,7 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 void bake_report_error(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
-	char error[80], price[256];
+	char error[80], price[512];
 	if (r->error.points == 0 && !(r->error.relative_rms > 0.0))
 		return;
 	error_text(r, error);
@@ -432,7 +484,7 @@ gw_status bake_report_goal(const bake_facts *f, gw_error *error)
 		[GW_GOAL_MEMORY] = "finer settings do not fit into memory",
 	};
 	const gw_report *r = &f->result->report;
-	char text[80], why[256];
+	char text[80], why[512];
 	error_text(r, text);
 	missed_text(f, why, sizeof why);
 	if (r->missed)

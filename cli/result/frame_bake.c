@@ -505,6 +505,7 @@ static gw_status run(frame_run *r)
 	gw_bake_options options = s->bake;
 	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	if (status == GW_OK)
 		status =

@@ -30,6 +30,7 @@ static const char *const stale[] = {
 	"scalar_roi",
 	"scalar_ao",
 	"scalar_error",
+	"scalar_unknown",
 	"scalar_normal_x",
 	"scalar_normal_y",
 	"scalar_normal_z",
@@ -214,6 +215,8 @@ static gw_status make_fields(maker *m)
 		GW_TRY(make_used_normals(m));
 	if (fields & 1u << SETTINGS_FIELD_ERROR)
 		GW_TRY(add_floats(m, "scalar_error", m->result->error, 1));
+	if (fields & 1u << SETTINGS_FIELD_UNKNOWN)
+		GW_TRY(add_floats(m, "scalar_unknown", m->result->unknown, 1));
 	if (fields & 1u << SETTINGS_FIELD_LIGHTS)
 		GW_TRY(lamp_columns_add(m->lit, m->result, m->settings, m->error));
 	return GW_OK;
@@ -242,7 +245,7 @@ static gw_status comment_error(maker *m)
 	const gw_report *r = &m->result->report;
 	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
-	char geometry[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
@@ -250,6 +253,8 @@ static gw_status comment_error(maker *m)
 	number_print_float(normals, (float)r->error.normals);
 	number_print_float(emission, (float)r->error.emission);
 	number_print_float(geometry, (float)r->error.geometry);
+	number_print_float(sides, (float)r->error.sides);
+	number_print_float(gaps, (float)r->error.gaps);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -266,7 +271,13 @@ static gw_status comment_error(maker *m)
 		length += snprintf(text + length, sizeof text - (size_t)length, ", edges of emitters %s",
 						   emission);
 	if (r->error.geometry > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+		length +=
+			snprintf(text + length, sizeof text - (size_t)length, ", the octree %s", geometry);
+	if (r->error.sides > 0)
+		length +=
+			snprintf(text + length, sizeof text - (size_t)length, ", guessed sides %s", sides);
+	if (r->error.gaps > 0)
+		snprintf(text + length, sizeof text - (size_t)length, ", gaps %s", gaps);
 	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }
@@ -342,7 +353,7 @@ size_t lit_scan_row_bytes(const loaded_scene *scene, const settings *s, size_t *
 	static const size_t floats[SETTINGS_FIELD_COUNT] = {
 		[SETTINGS_FIELD_DIRECT] = 3, [SETTINGS_FIELD_INDIRECT] = 3, [SETTINGS_FIELD_IRRADIANCE] = 3,
 		[SETTINGS_FIELD_ROI] = 1,    [SETTINGS_FIELD_AO] = 1,       [SETTINGS_FIELD_NORMALS] = 3,
-		[SETTINGS_FIELD_ERROR] = 1,
+		[SETTINGS_FIELD_ERROR] = 1,  [SETTINGS_FIELD_UNKNOWN] = 1,
 	};
 	size_t bytes = 6, count = 7; /* normals, the luminance and radiance; colours and albedo */
 	for (int k = 0; k < 3; k++)

@@ -254,6 +254,7 @@ static gw_status light_points(bake *b)
 	options.voxels = b->settings->vdb != NULL;
 	options.ambient_occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.unknown = b->settings->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)

@@ -202,6 +202,9 @@ static gw_status fail_channel(const render *r, render_channel channel)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "there is no column error in the input; glowworm compare writes clouds that "
 					   "have one with --worst");
+	if (channel == RENDER_UNKNOWN)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no column unknown in the input; bake it with --fields unknown");
 	return gw_fail(r->error, GW_ERROR_DATA,
 				   "there is no %s light in the input; bake it with --fields direct,indirect",
 				   render_channel_name(channel));

@@ -202,7 +202,8 @@ static bool needs_lamps(const bake *b)
 
 static bool needs_record_fields(const bake *b)
 {
-	return b->scene.options.ambient_occlusion || b->scene.options.errors;
+	const gw_bake_options *o = &b->scene.options;
+	return o->ambient_occlusion || o->errors || o->unknown;
 }
 
 static bool needs_voxels(const bake *b)
@@ -584,6 +585,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->rest);
 	free(r->ambient_occlusion);
 	free(r->error);
+	free(r->unknown);
 	free(r->roi);
 	free(r->stray);
 	gw_voxels_clear(&r->voxels);

@@ -7,6 +7,8 @@
 #include "light/bounces.h"
 #include "light/direct_light.h"
 #include "estimate/error_estimate.h"
+#include "estimate/gap_error.h"
+#include "light/gap_light.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -186,6 +188,40 @@ static gw_status make_map(gw_lighting *lighting, gw_error *error)
 	return status;
 }
 
+/* What records see through gaps, which are closed if that is asked for. */
+static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const float fill[3] = { s->options.gap_radiance, s->options.gap_radiance,
+							s->options.gap_radiance };
+	const gw_gap_task task = { .on = &on,
+							   .rays = &s->rays,
+							   .space = &s->space,
+							   .sky = lighting->plan.sky_radiance,
+							   .map = &lighting->map,
+							   .threads = s->options.threads };
+	free(lighting->gap);
+	lighting->gap = NULL;
+	if (s->space.scanners == 0)
+		return GW_OK;
+	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
+	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
+		status = gw_gap_light_close(&on, lighting->gap,
+									s->options.gaps == GW_GAPS_BLACK ? fill : NULL, error);
+	return status;
+}
+
+/* After records gathered from surfaces. */
+static gw_status fill_gaps(gw_lighting *lighting, gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	return lighting->gap && s->options.gaps == GW_GAPS_MEAN
+			   ? gw_gap_light_fill(&on, lighting->gap, &s->records.gathered, error)
+			   : GW_OK;
+}
+
 gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -202,7 +238,7 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	if (status == GW_OK)
 		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
 													 : first_by_cones(lighting, error);
-	return status;
+	return status == GW_OK ? see_gaps(lighting, error) : status;
 }
 
 /* ----------------------------------------------------------------------------------- bounces */
@@ -212,7 +248,9 @@ static gw_status gather_by_rays(void *self, const gw_buffer *facet_radiance, flo
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	(void)largest;
-	return gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error);
+	gw_status status =
+		gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error);
+	return status == GW_OK ? fill_gaps(self, error) : status;
 }
 
 /* Parts are sampled by the radiance of the whole, so it is copied. */
@@ -246,6 +284,13 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.gathered, error);
 }
 
+static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
+								 const gw_buffer *part, gw_error *error)
+{
+	gw_status status = sample_patches(lighting->scene, patches, part, error);
+	return status == GW_OK ? fill_gaps(lighting, error) : status;
+}
+
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
  */
 static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, float largest,
@@ -255,7 +300,7 @@ static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, flo
 	gw_scene *s = lighting->scene;
 	if (lighting->whole)
 		return lighting->whole->patches_sampled
-				   ? sample_patches(s, &lighting->whole->patches, facet_radiance, error)
+				   ? sample_and_fill(lighting, &lighting->whole->patches, facet_radiance, error)
 				   : gather_by_rays(self, facet_radiance, largest, error);
 	gw_emitters *patches = &lighting->patches;
 	gw_emitters_destroy(s->gpu, patches);
@@ -263,7 +308,7 @@ static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, flo
 	if (status != GW_OK)
 		return status;
 	lighting->patches_sampled = gw_emitters_are_small(patches);
-	status = lighting->patches_sampled ? sample_patches(s, patches, NULL, error)
+	status = lighting->patches_sampled ? sample_and_fill(lighting, patches, NULL, error)
 									   : gather_by_rays(self, facet_radiance, largest, error);
 	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
 		status = keep_patches(lighting, facet_radiance, error);
@@ -435,6 +480,25 @@ gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)
 					 &s->check_points, error);
 }
 
+static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *estimate,
+								gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_gap_error_task task = { .on = gw_scene_context(s, &s->records),
+									 .surfels = &s->surfels,
+									 .space = &s->space,
+									 .read_back = &s->read_back,
+									 .gap = lighting->gap,
+									 .direct = estimate->direct,
+									 .first = lighting->surfel_first,
+									 .indirect = lighting->surfel_indirect,
+									 .lights = lighting->lights,
+									 .light_count = lighting->light_count,
+									 .limit = estimate->limit,
+									 .options = &s->options };
+	return gw_gap_error(&task, &s->report->gaps, &s->report->error, error);
+}
+
 gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -471,8 +535,11 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 										.light_count = lighting->light_count,
 										.options = o,
 										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
+										.seen = s->space.scanners > 0,
 										.hits = &s->check_points };
 		status = gw_estimate_error(&task, &s->report->error, error);
+		if (status == GW_OK && lighting->gap)
+			status = find_gap_error(lighting, &task, error);
 	}
 	free(turned);
 	free(direct);
@@ -484,6 +551,8 @@ void gw_lighting_drop_gathered(gw_lighting *lighting)
 	gw_gpu *gpu = lighting->scene->gpu;
 	free(lighting->surfel_first);
 	free(lighting->surfel_indirect);
+	free(lighting->gap);
+	lighting->gap = NULL;
 	lighting->surfel_first = lighting->surfel_indirect = NULL;
 	gw_buffer_destroy(gpu, &lighting->facet_radiance);
 	gw_buffer_destroy(gpu, &lighting->patch_radiance);

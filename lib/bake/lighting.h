@@ -14,6 +14,7 @@
 
 #include "bake/plan.h"
 #include "bake/scene.h"
+#include "light/gap_light.h"
 
 /* What gw_lighting of glowworm.h is. */
 struct gw_lighting {
@@ -35,6 +36,7 @@ struct gw_lighting {
 	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
 	float *surfel_first, *surfel_indirect;  /* 4 a surfel, on the CPU */
 	gw_buffer facet_direct, facet_radiance; /* vec4 a facet */
+	gw_gap_sight *gap;                      /* one a record, or NULL: what it sees through gaps */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
 							 bounces by rays begin */
 	gw_light *own_lights; /* NULL, or lights, owned: of lightings that are kept (handles.c) */

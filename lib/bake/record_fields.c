@@ -96,12 +96,35 @@ static gw_status find_errors(const gw_lighting *lighting, float **points, gw_err
 	return status;
 }
 
+/* ----------------------------------------------------------------------------------- gaps */
+
+static gw_status find_unknown(const gw_lighting *lighting, float **points, gw_error *error)
+{
+	const gw_scene *s = lighting->scene;
+	float *records = allocate(4 * (size_t)s->records.count, error);
+	float *surfels = allocate(4 * s->surfels.count, error);
+	gw_status status = records && surfels ? GW_OK : GW_ERROR_MEMORY;
+	for (size_t i = 0; i < s->records.count && status == GW_OK && lighting->gap; i++)
+		records[4 * i] = lighting->gap[i].share;
+	if (status == GW_OK && lighting->gap)
+		gw_read_back_apply(&s->read_back, records, s->options.threads, surfels);
+	for (size_t i = 0; i < s->surfels.count && status == GW_OK; i++)
+		surfels[i] = surfels[4 * i];
+	if (status == GW_OK)
+		status = to_points(&s->surfels, surfels, points, error);
+	free(records);
+	free(surfels);
+	return status;
+}
+
 gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
 								   gw_error *error)
 {
 	const gw_bake_options *o = &lighting->scene->options;
 	if (o->ambient_occlusion)
 		GW_TRY(find_ambient_occlusion(lighting->scene, &result->ambient_occlusion, error));
+	if (o->unknown)
+		GW_TRY(find_unknown(lighting, &result->unknown, error));
 	if (o->errors)
 		GW_TRY(find_errors(lighting, &result->error, error));
 	return GW_OK;

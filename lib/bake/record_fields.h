@@ -7,7 +7,8 @@
 #include "bake/lighting.h"
 
 /*
- * Fills in result->ambient_occlusion and result->error, where the options ask for them.
+ * Fills in result->ambient_occlusion, result->unknown and result->error, where the options ask for
+ * them.
  *
  * Ambient occlusion: rays leave a record with a density that follows the cosine, so the share of
  * them that meets nothing within the distance is ambient light, 1 on a free plane. Points

@@ -159,6 +159,7 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 					   points->count);
 	scaled->options.ambient_occlusion_distance =
 		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
+	scaled->options.gap_radiance = ldexpf(options->gap_radiance, scaled->light);
 	return GW_OK;
 }
 

@@ -55,6 +55,8 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
+		{ "gaps", (double)o->gaps, 0, GW_GAPS_COUNT - 1 },
+		{ "radiance of gaps", (double)o->gap_radiance, 0, 1e30 },
 		{ "passes", (double)o->passes, 0, GW_PASSES_COUNT - 1 },
 		{ "normals", (double)o->normals, 0, GW_NORMALS_COUNT - 1 },
 		{ "validation", (double)o->validate, 0, GW_VALIDATION_COUNT - 1 },
@@ -72,6 +74,13 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a bake that refines its settings cannot begin with a transport nor make "
 					   "one; leave out the error or time to aim at");
+	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "cones do not know gaps; leave these open, or gather by rays");
+	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
+					   "leave out the light of single lamps, or say black for gaps");
 	return gw_lights_check(scene->lights, scene->light_count, error);
 }
 
@@ -229,6 +238,14 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	r->spacing = (double)s->spacing;
 }
 
+static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *error)
+{
+	gw_status status = gw_scanned_space_make(points, &scene->surfels, scene->options.threads,
+											 &scene->space, error);
+	scene->report->gaps.scanners = scene->space.scanners;
+	return status;
+}
+
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
 	gw_surfels_options options = { .threads = scene->options.threads,
@@ -240,7 +257,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 								   .user = scene };
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
-	return GW_OK;
+	return find_space(scene, from->points, error);
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -433,6 +450,7 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	gw_report_surfels(scene->report, &scene->surfels, points);
 	gw_scene_report_octree(scene);
 	scene->report->records = scene->records.count;
+	GW_TRY(find_space(scene, points, error));
 	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
 	return make_pools(scene, error);
 }
@@ -476,6 +494,7 @@ void gw_scene_drop_octree(gw_scene *scene)
 void gw_scene_close(gw_scene *scene)
 {
 	gw_surfels_clear(&scene->surfels);
+	gw_scanned_space_clear(&scene->space);
 	if (scene->gpu == NULL)
 		return;
 	gw_scene_drop_octree(scene);

@@ -17,6 +17,7 @@
 #include "light/gather_cones.h"
 #include "light/kept_hits.h"
 #include "light/read_back.h"
+#include "surfels/scanned_space.h"
 #include "bake/scaled_scene.h"
 
 /* Where records are to stand closer than the spacing with which they were placed, leaf cells. */
@@ -44,6 +45,7 @@ struct gw_scene {
 
 	gw_gpu *gpu;
 	gw_surfels surfels;
+	gw_scanned_space space; /* what scanners saw; empty where nobody knows */
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;

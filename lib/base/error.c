@@ -73,6 +73,16 @@ const char *gw_stray_kind_name(gw_stray_kind kind)
 	return kind < GW_STRAY_KIND_COUNT ? name[kind] : "unknown";
 }
 
+const char *gw_gaps_name(gw_gaps gaps)
+{
+	static const char *const name[] = {
+		[GW_GAPS_OPEN] = "open", [GW_GAPS_BLACK] = "black", [GW_GAPS_MEAN] = "mean"
+	};
+	static_assert(sizeof name / sizeof *name == GW_GAPS_COUNT, "every choice has a name");
+	assert((unsigned)gaps < GW_GAPS_COUNT);
+	return name[gaps];
+}
+
 const char *gw_goal_name(gw_goal goal)
 {
 	static const char *const name[] = {

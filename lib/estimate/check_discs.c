@@ -234,6 +234,22 @@ gw_status gw_check_discs_make(const gw_surfels *s, const float *disc, const floa
 	return GW_OK;
 }
 
+gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *s,
+							  gw_check_discs *discs, gw_error *error)
+{
+	gw_view disc = { 0 }, clip = { 0 };
+	uint64_t bytes = 16 * (uint64_t)s->count;
+	*discs = (gw_check_discs){ 0 };
+	gw_status status = gw_view_open(gpu, &octree->surfel_disc, bytes, &disc, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &clip, error);
+	if (status == GW_OK)
+		status = gw_check_discs_make(s, disc.bytes, clip.bytes, octree->leaf_size, discs, error);
+	gw_view_close(&disc);
+	gw_view_close(&clip);
+	return status;
+}
+
 void gw_check_discs_clear(gw_check_discs *discs)
 {
 	free(discs->disc);

@@ -11,6 +11,7 @@
 #define CHECK_DISCS_H
 
 #include "base/shader_math.h"
+#include "octree/octree.h"
 #include "surfels/surfels.h"
 
 #include <stdbool.h>
@@ -33,6 +34,10 @@ typedef struct gw_check_discs {
  */
 gw_status gw_check_discs_make(const gw_surfels *surfels, const float *disc, const float *clip,
 							  float cell, gw_check_discs *discs, gw_error *error);
+
+/* The same from where an octree has the cuts. */
+gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+							  gw_check_discs *discs, gw_error *error);
 void gw_check_discs_clear(gw_check_discs *discs);
 
 /* One ray, in the local frame of the surfels. */

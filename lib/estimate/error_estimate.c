@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
 #include "estimate/shadow_error.h"
+#include "estimate/side_error.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -320,7 +321,8 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 	result->relative_rms = result->gathered = rms;
 	/* d sqrt(x) = dx / (2 sqrt(x)); at 0 the spread of x is all that is known. */
 	double spread = fmin(sqrt(square.variance) / (2.0 * rms), sqrt(sqrt(square.variance)));
-	result->spread = hypot(spread, UNSEEN_SHARE * rms);
+	/* What was there is that of the sides. */
+	result->spread = hypot(result->spread, hypot(spread, UNSEEN_SHARE * rms));
 	result->bias = gw_check_point_average(c, value[OFF]).mean;
 	/* A point's light is a mean over records, each of which gathers like a half does. */
 	double samples = fmin(task->rays, task->light_samples), own = gw_estimate_rays(task->rays);
@@ -406,6 +408,42 @@ static float *list_radiance(const gw_estimate_task *task)
 	return light;
 }
 
+/* What it costs that some points may face the other way. */
+static gw_status check_sides(const gw_geometry_task *geometry, bool seen, double mean,
+							 gw_error_estimate *result, gw_error *error)
+{
+	gw_view texel = { 0 };
+	gw_side_finding found;
+	const gw_sky_map *m = geometry->map;
+	gw_status status = GW_OK;
+	if (geometry->records && m && m->width > 0)
+		status = gw_view_open(geometry->gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &texel,
+							  error);
+	const gw_side_task check = { .gpu = geometry->gpu,
+								 .octree = geometry->octree,
+								 .surfels = geometry->surfels,
+								 .discs = geometry->discs,
+								 .seen = seen,
+								 .seed = geometry->seed,
+								 .threads = geometry->threads,
+								 .radiance = geometry->radiance,
+								 .whole = geometry->facet_radiance != NULL,
+								 .sky = { geometry->sky, m, texel.bytes },
+								 .limit = geometry->limit,
+								 .lights = geometry->lights,
+								 .light_count = geometry->direct ? geometry->light_count : 0,
+								 .options = geometry->options };
+	if (status == GW_OK)
+		status = gw_side_error(&check, &found, error);
+	gw_view_close(&texel);
+	if (status == GW_OK) {
+		result->sides = found.rms / mean;
+		result->sides_share = found.share;
+		result->spread = hypot(result->spread, found.spread / mean);
+	}
+	return status;
+}
+
 /* What the geometry by itself says. */
 static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 								const gw_buffer *facet_radiance, double mean,
@@ -419,9 +457,13 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
 					   task->surfels->count);
 	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
+	gw_check_discs discs = { 0 };
+	gw_status status =
+		gw_check_discs_open(task->passes->gpu, task->octree, task->surfels, &discs, error);
 	const gw_geometry_task check = { .gpu = task->passes->gpu,
 									 .octree = task->octree,
 									 .surfels = task->surfels,
+									 .discs = &discs,
 									 .counts = e->counts,
 									 .seed = task->seed,
 									 .threads = task->threads,
@@ -437,7 +479,11 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 									 .lights = task->lights,
 									 .light_count = task->light_count,
 									 .options = task->options };
-	gw_status status = gw_geometry_error(&check, &rms, error);
+	if (status == GW_OK)
+		status = gw_geometry_error(&check, &rms, error);
+	if (status == GW_OK)
+		status = check_sides(&check, task->seen, mean, result, error);
+	gw_check_discs_clear(&discs);
 	free(light);
 	result->geometry = rms / mean;
 	return status;
@@ -513,7 +559,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 		status = add_lamps(task, &e, mean, result, error);
 	if (status == GW_OK)
 		add_emission(task, &e, mean, result);
-	result->relative_rms = hypot(result->relative_rms, result->geometry);
+	result->relative_rms = hypot(result->relative_rms, hypot(result->geometry, result->sides));
 	gw_records_destroy(task->passes->gpu, &e.place);
 	gw_check_point_choice_clear(&e.choice);
 	free(e.behind);

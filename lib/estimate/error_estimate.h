@@ -16,7 +16,8 @@
  * Added to that is what edges of lamps' shadows are off (shadow_error.h), and what the normals that
  * lamps shine on are off where points are noisy or had none (normal_error.h), and what the edges of
  * emitters do to their power (emission_error.h). What is wrong with the octree itself, rays find
- * that meet nothing of it (geometry_error.h).
+ * that meet nothing of it (geometry_error.h); they also find what surfaces cost that may face the
+ * wrong way (side_error.h).
  */
 #ifndef ERROR_ESTIMATE_H
 #define ERROR_ESTIMATE_H
@@ -50,6 +51,7 @@ typedef struct gw_estimate_task {
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
+	bool seen;                 /* scanners are known */
 	uint32_t limit;            /* reflections, or GW_BOUNCES_AUTO */
 	gw_check_point_hits *hits; /* what is known of what points see; theirs in the end */
 } gw_estimate_task;

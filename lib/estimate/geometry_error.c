@@ -4,6 +4,7 @@
 #include "estimate/geometry_error.h"
 
 #include "estimate/check_discs.h"
+#include "estimate/check_light.h"
 #include "light/direct_light.h"
 #include "base/luminance.h"
 #include "base/memory.h"
@@ -39,7 +40,6 @@
 
 /* What is read of the device. */
 typedef struct views {
-	gw_view disc, clip;
 	gw_view position, normal, hit; /* of records */
 	gw_view reflected, emission;   /* of facets */
 	gw_view first, fragment;       /* surfels of leaves, where some emit */
@@ -54,7 +54,6 @@ typedef struct gathered {
 
 typedef struct check {
 	const gw_geometry_task *task;
-	gw_check_discs discs;
 	views view;
 	uint32_t stride_leaving, stride_hit; /* one of so many rays is looked at */
 	gathered *record;
@@ -85,22 +84,10 @@ static double outside(double value, double a, double b)
 
 /* ----------------------------------------------------------------------------------- gathering */
 
-/* Luminance of the environment in a direction: sky_map.glsl. */
 static double sky_light(const check *c, gw_vec3 d)
 {
-	const gw_sky_map *m = c->task->map;
-	const float *texel = c->view.texel.bytes;
-	double light = gw_luminance(c->task->sky);
-	if (!texel)
-		return light;
-	float height = m->y_up ? d.y : d.z, north = m->y_up ? -d.z : d.y;
-	float u = atan2f(d.x, north) / (2.0f * GW_PI) + 0.5f - m->turn;
-	float v = acosf(gw_smaller(gw_larger(height, -1.0f), 1.0f)) / GW_PI;
-	uint32_t column = (uint32_t)((u - floorf(u)) * (float)m->width);
-	uint32_t row = (uint32_t)(v * (float)m->height);
-	column = column < m->width ? column : m->width - 1;
-	row = row < m->height ? row : m->height - 1;
-	return light + gw_luminance(texel + 4 * ((size_t)row * m->width + column));
+	const gw_sky_view sky = { c->task->sky, c->task->map, c->view.texel.bytes };
+	return gw_check_sky_light(&sky, d);
 }
 
 static double emission_of(const gw_surfels *s, uint32_t surfel)
@@ -166,7 +153,7 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 						 .t_max = FAR_METRES };
 	ray.origin =
 		gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(place, t->octree->leaf_size));
-	gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
+	gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
 	uint32_t facet = facet_hit(c, record, k);
 	bool leaves = facet == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
 	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
@@ -299,19 +286,6 @@ static gw_status check_gathered(check *c, finding *found, gw_error *error)
 
 /* --------------------------------------------------------------------------------------- lamps */
 
-/* A lamp's irradiance at a surfel as luminance, where nothing is in the way. */
-static double lamp_light(const gw_light_push *lamp, const float *normal, gw_vec3 place,
-						 gw_vec3 *towards, float *distance)
-{
-	float share = gw_lamp_share(lamp, place, towards, distance);
-	float light =
-		share * gw_larger(0.0f, gw_dot(gw_xyz((const float[]){ normal[0], normal[1], normal[2] }),
-									   *towards));
-	if (lamp->type != GW_PUSH_SUN)
-		light /= *distance * *distance;
-	return (double)(light * gw_luminance_of(gw_xyz(&lamp->intensity.x)));
-}
-
 /* Adds what reaches a surfel of it, between small discs and between large ones. */
 static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, double light[2])
 {
@@ -322,7 +296,8 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
 	const float *shone_on = s->shading_normal ? s->shading_normal + 3 * surfel : n;
 	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
-	double whole = lamp_light(lamp, shone_on, place, &towards, &distance);
+	const gw_check_place lit = { place, { shone_on[0], shone_on[1], shone_on[2] } };
+	double whole = gw_check_lamp_light(lamp, &lit, &towards, &distance);
 	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
 		float range;
 		gw_check_ray ray = { .origin = at,
@@ -331,7 +306,7 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 							 .own = OWN_RADII * s->radius[surfel],
 							 .both_sides = true };
 		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
-		gw_check_hit hit = gw_check_discs_trace(&c->discs, &ray);
+		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
 		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
 		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;
 	}
@@ -440,24 +415,14 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 	return GW_OK;
 }
 
-static gw_status open_discs(check *c, gw_error *error)
-{
-	const gw_geometry_task *t = c->task;
-	uint64_t bytes = 16 * (uint64_t)t->surfels->count;
-	GW_TRY(gw_view_open(t->gpu, &t->octree->surfel_disc, bytes, &c->view.disc, error));
-	GW_TRY(gw_view_open(t->gpu, &t->octree->surfel_clip, bytes, &c->view.clip, error));
-	return gw_check_discs_make(t->surfels, c->view.disc.bytes, c->view.clip.bytes,
-							   t->octree->leaf_size, &c->discs, error);
-}
-
 static void close_all(check *c)
 {
-	gw_view *view[] = { &c->view.disc,     &c->view.clip,     &c->view.position, &c->view.normal,
-						&c->view.hit,      &c->view.texel,    &c->view.first,    &c->view.fragment,
-						&c->view.emission, &c->view.reflected };
+	gw_view *view[] = {
+		&c->view.position, &c->view.normal,   &c->view.hit,      &c->view.texel,
+		&c->view.first,    &c->view.fragment, &c->view.emission, &c->view.reflected
+	};
 	for (size_t i = 0; i < sizeof view / sizeof view[0]; i++)
 		gw_view_close(view[i]);
-	gw_check_discs_clear(&c->discs);
 }
 
 /* What is wrong on average is so in each reflection: 1 + kept + kept^2 and so on. */
@@ -471,8 +436,8 @@ gw_status gw_geometry_error(const gw_geometry_task *task, double *rms, gw_error 
 {
 	check c = { .task = task };
 	finding rays = { 0 }, lamps = { 0 };
-	gw_status status = open_discs(&c, error);
-	if (status == GW_OK && task->records)
+	gw_status status = GW_OK;
+	if (task->records)
 		status = open_records(task, &c.view, error);
 	if (status == GW_OK && task->records)
 		status = check_gathered(&c, &rays, error);

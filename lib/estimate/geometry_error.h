@@ -18,6 +18,7 @@
 #ifndef GEOMETRY_ERROR_H
 #define GEOMETRY_ERROR_H
 
+#include "estimate/check_discs.h"
 #include "light/gather_rays.h"
 #include "light/read_back.h"
 
@@ -25,7 +26,8 @@ typedef struct gw_geometry_task {
 	gw_gpu *gpu;
 	const gw_octree *octree;
 	const gw_surfels *surfels;
-	const bool *counts; /* one a surfel: whether its error counts */
+	const gw_check_discs *discs; /* of the surfels */
+	const bool *counts;          /* one a surfel: whether its error counts */
 	uint32_t seed, threads;
 
 	/* What is gathered: NULL, or by which records. Then the others are there too. */

@@ -6,9 +6,11 @@
 #include "base/alias_table.h"
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "base/shared_math.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Finite pixels are limited to this, so that sums of them stay finite. */
 #define LARGEST 1e12f
@@ -150,4 +152,21 @@ void gw_sky_map_destroy(gw_gpu *gpu, gw_sky_map *map)
 	gw_buffer_destroy(gpu, &map->texel);
 	gw_buffer_destroy(gpu, &map->alias);
 	*map = (gw_sky_map){ 0 };
+}
+
+void gw_sky_radiance(const gw_sky_view *sky, gw_vec3 d, float radiance[3])
+{
+	const gw_sky_map *m = sky->map;
+	memcpy(radiance, sky->radiance, 3 * sizeof *radiance);
+	if (!sky->texel)
+		return;
+	float height = m->y_up ? d.y : d.z, north = m->y_up ? -d.z : d.y;
+	float u = atan2f(d.x, north) / (2.0f * GW_PI) + 0.5f - m->turn;
+	float v = acosf(gw_smaller(gw_larger(height, -1.0f), 1.0f)) / GW_PI;
+	uint32_t column = (uint32_t)((u - floorf(u)) * (float)m->width);
+	uint32_t row = (uint32_t)(v * (float)m->height);
+	column = column < m->width ? column : m->width - 1;
+	row = row < m->height ? row : m->height - 1;
+	for (size_t c = 0; c < 3; c++)
+		radiance[c] += sky->texel[4 * ((size_t)row * m->width + column) + c];
 }

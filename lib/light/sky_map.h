@@ -4,6 +4,7 @@
 #ifndef SKY_MAP_H
 #define SKY_MAP_H
 
+#include "base/shader_math.h"
 #include "device/gpu.h"
 
 /* Larger maps are averaged down to this many texels, of which a full moon covers 9. */
@@ -27,5 +28,16 @@ typedef struct gw_sky_map {
  */
 gw_status gw_sky_map_make(gw_gpu *gpu, const gw_light *light, gw_sky_map *map, gw_error *error);
 void gw_sky_map_destroy(gw_gpu *gpu, gw_sky_map *map);
+
+/* What comes from outside, for the processor. */
+typedef struct gw_sky_view {
+	const float *radiance; /* 3, the same from everywhere */
+	const gw_sky_map *map; /* or NULL: only where texel is there */
+	const float *texel;    /* 4 * width * height of the map, or NULL */
+} gw_sky_view;
+
+/* The radiance that comes from a direction: sky_map.glsl.
+ *   towards   unit, to where it comes from */
+void gw_sky_radiance(const gw_sky_view *sky, gw_vec3 towards, float radiance[3]);
 
 #endif

@@ -126,7 +126,9 @@ static void bake(const scene *cloud, const gw_light *lamp, const fault *f, lit *
 	gw_scene s = { .options = gw_bake_options_default(), .report = &result->report };
 	s.options.depth = f && f->depth ? f->depth : GW_DEPTH_AUTO;
 	assert_ok(gw_scene_open_device(&s, &error), &error);
-	assert_ok(gw_scene_make_surfels(&s, &points, lamp, lamp ? 1 : 0, &error), &error);
+	assert_ok(
+		gw_scene_make_surfels(&s, &(gw_scene_description){ &points, lamp, lamp ? 1 : 0 }, &error),
+		&error);
 	assert_ok(gw_scene_build_octree(&s, &error), &error);
 	if (f)
 		plant(&s, f);
@@ -243,6 +245,48 @@ static void leaves_too_wide(void **state)
 	check_room("six leaves a wall", &(fault){ .depth = 4 }, 0.01);
 }
 
+/* Turns the normals of points that lie beyond a plane. */
+static void turn_normals(scene *s, int axis, double from)
+{
+	for (size_t i = 0; i < s->count; i++)
+		for (size_t k = 0; k < 3 && s->position[3 * i + (size_t)axis] > from; k++)
+			s->normal[3 * i + k] = -s->normal[3 * i + k];
+}
+
+/* Points that face the wrong way are dark, or show what is outside, and the others lack their
+ * light. */
+static void sides_that_are_wrong(void **state)
+{
+	(void)state;
+	static const struct {
+		const char *what;
+		int axis;
+		double from, share; /* of the points, about */
+	} row[] = { { "one wall of a room turned", 0, 1.999, 1.0 / 6.0 },
+				{ "a third of a room turned", 2, 1.5, 1.0 / 3.0 },
+				{ "half a room turned", 1, 1.0, 0.5 } };
+	const size_t unclear = 2; /* which half is wrong nothing says: only that it is much */
+	const gw_light lamp = scene_point_light(0.9, 1.1, 1.2, 2.0f);
+	for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+		scene s = { 0 };
+		lit truth, found;
+		scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 16, 0.6f);
+		bake(&s, &lamp, NULL, &truth);
+		turn_normals(&s, row[i].axis, row[i].from);
+		bake(&s, &lamp, NULL, &found);
+		if (i < unclear)
+			assert_stated(row[i].what, &found, true_error(&found, &truth, 0.0), 0.2);
+		assert_true(found.report.error.relative_rms > 0.5);
+		double share = found.report.error.sides_share;
+		/* It goes by how many rays differ, as if those that are wrong were spread evenly. */
+		if (i < unclear && !(share > 0.5 * row[i].share && share < 1.5 * row[i].share))
+			fail_msg("%s: %.3f of the points, not %.3f", row[i].what, share, row[i].share);
+		clear(&truth);
+		clear(&found);
+		scene_clear(&s);
+	}
+}
+
 static void assert_little_added(const char *what, const scene *s, const gw_light *lamp)
 {
 	lit found;
@@ -251,6 +295,8 @@ static void assert_little_added(const char *what, const scene *s, const gw_light
 	double others = sqrt(fmax(e->relative_rms * e->relative_rms - e->geometry * e->geometry, 0.0));
 	print_message("%-32s stated %6.2f %%, of it geometry %6.2f %%\n", what, 100 * e->relative_rms,
 				  100 * e->geometry);
+	if (e->sides > 0.01 * e->relative_rms)
+		fail_msg("%s: %.3f %% of sides that are right", what, 100 * e->sides);
 	if (!(e->relative_rms <= 1.25 * others))
 		fail_msg("%s: %.3f %% without geometry, with it %.3f %%", what, 100 * others,
 				 100 * e->relative_rms);
@@ -301,6 +347,7 @@ int main(void)
 		cmocka_unit_test(sun_in_a_closed_sphere),
 		cmocka_unit_test(discs_that_are_cut),
 		cmocka_unit_test(leaves_too_wide),
+		cmocka_unit_test(sides_that_are_wrong),
 		cmocka_unit_test(nothing_is_added_where_all_is_right),
 		cmocka_unit_test(no_more_than_is_true),
 	};

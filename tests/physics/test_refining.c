@@ -34,7 +34,8 @@ static void prepare(gw_scene *s, gw_report *report, const gw_points *points, flo
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
 	assert_ok(gw_scene_open_device(s, &error), &error);
-	assert_ok(gw_scene_make_surfels(s, points, NULL, 0, &error), &error);
+	assert_ok(gw_scene_make_surfels(s, &(gw_scene_description){ .points = points }, &error),
+			  &error);
 	assert_ok(gw_scene_build_octree(s, &error), &error);
 	assert_ok(gw_scene_place_records(s, &error), &error);
 }

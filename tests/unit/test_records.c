@@ -381,7 +381,8 @@ static void place_records(gw_scene *built, const scene *cloud)
 	built->options.depth = 7;
 	built->options.record_spacing = 0.5f;
 	assert_ok(gw_scene_open_device(built, &error), &error);
-	assert_ok(gw_scene_make_surfels(built, &points, &light, 1, &error), &error);
+	assert_ok(gw_scene_make_surfels(built, &(gw_scene_description){ &points, &light, 1 }, &error),
+			  &error);
 	assert_ok(gw_scene_build_octree(built, &error), &error);
 	assert_ok(gw_scene_place_records(built, &error), &error);
 }

@@ -1,0 +1,36 @@
+/*
+ * gap_error.h - how much of the light hangs on gaps, where no scanner ever looked, and how wrong it
+ * is if these are surfaces like those around them.
+ *
+ * A record that sees gaps in a share of its directions is off by the difference between what they
+ * send now and what the rest of its directions send on average. That is brought to the points as
+ * the records' light is; what is off on average is so in every reflection.
+ */
+#ifndef GAP_ERROR_H
+#define GAP_ERROR_H
+
+#include "light/gap_light.h"
+#include "light/read_back.h"
+
+typedef struct gw_gap_error_task {
+	gw_record_context on; /* the records are solved: first and indirect are final */
+	const gw_surfels *surfels;
+	const gw_scanned_space *space;
+	const gw_read_back *read_back;
+	const gw_gap_sight *gap;       /* one a record */
+	const float *direct;           /* 4 a surfel, irradiance from lamps, or NULL */
+	const float *first, *indirect; /* 4 a surfel: gathered irradiance */
+	const gw_light *lights;        /* light_count */
+	size_t light_count;
+	uint32_t limit; /* reflections, or GW_BOUNCES_AUTO */
+	const gw_bake_options *options;
+} gw_gap_error_task;
+
+/*
+ *   report   receives all but the scanners
+ *   estimate receives gaps, which is added to its relative_rms
+ */
+gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
+					   gw_error_estimate *estimate, gw_error *error);
+
+#endif

@@ -1,0 +1,357 @@
+/*
+ * side_error.c - see side_error.h.
+ */
+#include "estimate/side_error.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/shared_math.h"
+#include "estimate/check_point_choice.h"
+#include "light/direct_light.h"
+#include "light/shader_functions.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#define POINTS 384u
+/* Where all normals were given and fit, one of so many of them is looked at first; the rest only
+ * where more than this share of the rays says that something is wrong. */
+#define FIRST_STEP 6u
+#define SUSPECT 0.02
+#define RAYS 32u /* of each side, in two halves; even */
+#define LAMP_RAYS 4u
+
+/* So near, in radii, discs that face alike are of the surface that a ray leaves. */
+#define OWN_RADII 2.0f
+
+/* Rays begin so far above the disc, in radii. */
+#define ABOVE_RADII 0.15f
+
+/* The rays of a point lie close together: they say as much as so many that do not. */
+#define OWN_OPINIONS 8.0
+
+/* By how much a scanner that saw a point makes it less likely that it faces the wrong way: the
+ * logarithm of a factor. */
+#define SEEN_ODDS 6.0
+
+/* Where no ray differs there may still be one in so many. */
+#define SHARE_LEAST 1e-6
+
+#define FAR_METRES 1e30f
+#define CHUNK 4u
+
+/* What one side of a point sees. */
+typedef struct side {
+	double light[2];  /* radiance that it would send out, by two halves of the rays */
+	uint32_t fits;    /* rays that meet what that side should see, if both are right */
+	uint32_t differs; /* that meet the opposite */
+} side;
+
+typedef struct check {
+	const gw_side_task *task;
+	gw_light_push *lamp; /* lamps */
+	size_t lamps;
+	gw_check_point_choice choice;
+	uint32_t step;    /* one of so many of them is looked at */
+	side (*found)[2]; /* choice.count: front, back; all 0 where nobody looked */
+	double *value[2]; /* choice.count: see below */
+	atomic_bool stopped;
+} check;
+
+static gw_vec3 three(const float *v)
+{
+	return (gw_vec3){ v[0], v[1], v[2] };
+}
+
+/* ---------------------------------------------------------------------------------------- rays */
+
+/* What lamps send to one side of a surfel. */
+static double light_of_lamps(const check *c, size_t surfel, gw_vec3 facing)
+{
+	const gw_octree *o = c->task->octree;
+	const gw_surfels *s = c->task->surfels;
+	gw_vec3 at = three(s->position + 3 * surfel), towards;
+	const gw_check_place place = { gw_times(gw_minus(at, three(o->cube_minimum)), 1 / o->leaf_size),
+								   facing };
+	double sum = 0.0;
+	for (size_t l = 0; l < c->lamps; l++) {
+		const gw_light_push *lamp = &c->lamp[l];
+		float distance, range, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
+		double whole = gw_check_lamp_light(lamp, &place, &towards, &distance);
+		for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
+			gw_check_ray ray = { .origin = at,
+								 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
+								 .facing = facing,
+								 .own = OWN_RADII * s->radius[surfel],
+								 .both_sides = true };
+			ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
+			gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
+			sum += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
+		}
+	}
+	return sum;
+}
+
+/* A ray of a side, and so near, metres, the surface that it leaves says nothing. */
+typedef struct point_ray {
+	gw_check_ray ray;
+	bool front;
+	float own;
+} point_ray;
+
+/* What it brings, and what it says. */
+static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
+{
+	const gw_check_ray *ray = &from->ray;
+	const gw_surfels *s = c->task->surfels;
+	gw_check_hit hit = gw_check_discs_trace(c->task->discs, ray);
+	uint32_t met = hit.small;
+	double light = 0.0;
+	bool meets_front = false, near = false;
+	if (met == GW_NONE) {
+		light = c->task->radiance ? gw_check_sky_light(&c->task->sky, ray->direction) : 0.0;
+	} else {
+		gw_vec3 normal = three(s->normal + 3 * (size_t)met);
+		gw_vec3 way = gw_minus(three(s->position + 3 * (size_t)met), ray->origin);
+		float approach = gw_dot(normal, ray->direction);
+		meets_front = approach < 0.0f;
+		near = fabsf(gw_dot(normal, way)) < from->own * fabsf(approach);
+		if ((meets_front || s->two_sided[met]) && c->task->radiance)
+			light = (double)c->task->radiance[met];
+	}
+	to->light[k % 2] += light / RAYS;
+	if (met == GW_NONE || s->two_sided[met] || near)
+		return;
+	to->fits += meets_front == from->front;
+	to->differs += meets_front != from->front;
+}
+
+static void look(const check *c, size_t surfel, bool front, side *to)
+{
+	const gw_surfels *s = c->task->surfels;
+	gw_vec3 normal = gw_times(three(s->normal + 3 * surfel), front ? 1.0f : -1.0f);
+	double reflectance = gw_luminance(s->albedo + 3 * surfel);
+	gw_vec3 at = three(s->position + 3 * surfel);
+	point_ray from = {
+		.ray = { .origin = gw_plus(at, gw_times(normal, ABOVE_RADII * s->radius[surfel])),
+				 .facing = normal,
+				 .t_max = FAR_METRES,
+				 .both_sides = true },
+		.front = front,
+		.own = OWN_RADII * s->radius[surfel],
+	};
+	*to = (side){ 0 };
+	for (uint32_t k = 0; k < RAYS; k++) {
+		from.ray.direction = gw_record_ray(at, normal, k, RAYS, c->task->seed);
+		add_ray(c, &from, k, to);
+	}
+	double lamps = light_of_lamps(c, surfel, normal) / (2.0 * GW_PI);
+	for (int half = 0; half < 2; half++)
+		to->light[half] = reflectance * (to->light[half] + lamps);
+}
+
+static void look_from(void *user, size_t first, size_t last, uint32_t worker)
+{
+	check *c = user;
+	for (size_t i = first; i < last; i++) {
+		if (worker == 0 && gw_gpu_stopped(c->task->gpu))
+			atomic_store(&c->stopped, true);
+		if (atomic_load(&c->stopped))
+			return;
+		side *at = c->found[i * c->step];
+		for (int back = 0; back < 2 && at[back].fits + at[back].differs == 0; back++)
+			look(c, c->choice.point[i * c->step], back == 0, &at[back]);
+	}
+}
+
+static gw_status look_at(check *c, uint32_t step, gw_error *error)
+{
+	c->step = step;
+	gw_parallel_for(c->task->threads, (c->choice.count + step - 1) / step, CHUNK, look_from, c);
+	return atomic_load(&c->stopped)
+			   ? gw_fail(error, GW_ERROR_CANCELLED, "stopped while sides were checked")
+			   : GW_OK;
+}
+
+/* ------------------------------------------------------------------------------------- finding */
+
+/* Share of the rays that differ, of one point. */
+static double differing(const side of[2])
+{
+	double differs = of[0].differs + of[1].differs;
+	double all = differs + of[0].fits + of[1].fits;
+	return all > 0.0 ? differs / all : 0.5;
+}
+
+static double share_differing(const check *c)
+{
+	double differs = 0.0, all = 0.0;
+	for (size_t i = 0; i < c->choice.count; i++)
+		for (int k = 0; k < 2; k++) {
+			differs += c->found[i][k].differs;
+			all += c->found[i][k].differs + c->found[i][k].fits;
+		}
+	return all > 0.0 ? differs / all : 0.0;
+}
+
+/* The share w of points that are wrong, where 2 w (1 - w) of the rays differ. */
+static double share_wrong(double differing)
+{
+	double w = 0.5 * (1.0 - sqrt(fmax(1.0 - 2.0 * differing, 0.0)));
+	return fmax(w, SHARE_LEAST);
+}
+
+/* That a point faces the wrong way: a ray of it differs with probability w where it does not, and
+ * with 1 - w where it does. Before any ray, w of the points do, and half of those whose side nobody
+ * knows. */
+static double probability(const side of[2], bool unknown, bool seen, double w)
+{
+	double odds = log(w / (1.0 - w));
+	double rays = fmin(of[0].fits + of[1].fits + of[0].differs + of[1].differs, OWN_OPINIONS);
+	double says = rays * (1.0 - 2.0 * differing(of)) * odds + (unknown ? 0.0 : odds);
+	if (seen && !unknown)
+		says -= SEEN_ODDS;
+	return 1.0 / (1.0 + exp(-says));
+}
+
+/* By how much the light of a side is less than what is written, by each half of its rays. */
+static void miss(const side *of, double written, double off[2])
+{
+	for (int half = 0; half < 2; half++)
+		off[half] = 2.0 * of->light[half] - written;
+}
+
+/* What a point is off by that is lit from both sides, of which one is right: p is the back's. */
+static void list_unknown(check *c, size_t i, double p)
+{
+	const side *of = c->found[i];
+	double front = of[0].light[0] + of[0].light[1], back = of[1].light[0] + of[1].light[1];
+	double off[2][2];
+	double written = c->task->radiance && c->task->whole
+						 ? (double)c->task->radiance[c->choice.point[i]]
+						 : fmax(front, back);
+	miss(&of[0], written, off[0]);
+	miss(&of[1], written, off[1]);
+	c->value[0][i] = (1.0 - p) * (front - written) + p * (back - written);
+	c->value[1][i] = (1.0 - p) * off[0][0] * off[0][1] + p * off[1][0] * off[1][1];
+}
+
+/* What each point is off by, and its square without noise, on average; returns the share of points
+ * that face the wrong way. */
+static double list_errors(check *c, double w)
+{
+	double wrong = 0.0;
+	for (size_t i = 0; i < c->choice.count; i++) {
+		const side *of = c->found[i];
+		bool unknown = c->task->surfels->two_sided[c->choice.point[i]];
+		double p = probability(of, unknown, c->task->seen, w);
+		double more[2] = { of[1].light[0] - of[0].light[0], of[1].light[1] - of[0].light[1] };
+		wrong += c->choice.weight[i] * (unknown ? fmin(p, 1.0 - p) : p);
+		c->value[0][i] = p * (more[0] + more[1]);
+		c->value[1][i] = p * 4.0 * more[0] * more[1];
+		if (unknown)
+			list_unknown(c, i, p);
+	}
+	return wrong;
+}
+
+/* What is off on average is so in each reflection: 1 + kept + kept^2 and so on. */
+static double reflections(const check *c)
+{
+	double kept = 0.0;
+	uint32_t limit = c->task->radiance ? c->task->limit : 1;
+	for (size_t i = 0; i < c->choice.count; i++)
+		kept += c->choice.weight[i] *
+				gw_luminance(c->task->surfels->albedo + 3 * (size_t)c->choice.point[i]);
+	kept = fmin(kept, (double)GW_ALBEDO_MAX);
+	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
+}
+
+static void conclude(check *c, gw_side_finding *found)
+{
+	found->share = list_errors(c, share_wrong(share_differing(c)));
+	gw_check_point_mean off = gw_check_point_average(&c->choice, c->value[0]);
+	gw_check_point_mean square = gw_check_point_average(&c->choice, c->value[1]);
+	double single = fmax(square.mean - off.mean * off.mean, 0.0);
+	found->rms = hypot(reflections(c) * off.mean, sqrt(single));
+	found->spread = fmin(sqrt(square.variance) / (2.0 * found->rms), sqrt(sqrt(square.variance)));
+}
+
+static bool emits(const gw_surfels *s, size_t i)
+{
+	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
+}
+
+static gw_status draw(check *c, gw_error *error)
+{
+	const gw_surfels *s = c->task->surfels;
+	bool *counts = gw_allocate_array(s->count, sizeof *counts);
+	if (!counts)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		counts[i] = !emits(s, i);
+	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
+											 POINTS, c->task->seed, &c->choice, error);
+	free(counts);
+	return status;
+}
+
+static void list_lamps(check *c)
+{
+	const gw_side_task *t = c->task;
+	for (size_t i = 0; i < t->light_count; i++) {
+		if (!gw_light_shines(&t->lights[i]))
+			continue;
+		gw_light_push *lamp = &c->lamp[c->lamps++];
+		*lamp = gw_light_push_of(&t->lights[i], t->octree, t->surfels, t->options);
+		lamp->samples = lamp->samples < LAMP_RAYS ? lamp->samples : LAMP_RAYS;
+	}
+}
+
+static bool any_unknown(const check *c)
+{
+	bool any = false;
+	for (size_t i = 0; i < c->choice.count && !any; i++)
+		any = c->task->surfels->two_sided[c->choice.point[i]];
+	return any;
+}
+
+static gw_status look_and_conclude(check *c, gw_side_finding *found, gw_error *error)
+{
+	const gw_surfels *s = c->task->surfels;
+	bool sure = !s->shading_normal_off; /* all normals were given, without noise */
+	gw_status status = GW_OK;
+	if (sure)
+		status = look_at(c, FIRST_STEP, error);
+	if (status != GW_OK || (sure && share_differing(c) < SUSPECT))
+		return status;
+	status = look_at(c, 1, error);
+	if (status == GW_OK && (share_differing(c) > 0.0 || any_unknown(c)))
+		conclude(c, found);
+	return status;
+}
+
+gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_error *error)
+{
+	check c = { .task = task };
+	*found = (gw_side_finding){ 0 };
+	gw_status status = draw(&c, error);
+	uint32_t count = c.choice.count;
+	c.lamp = gw_allocate_array(task->light_count + 1, sizeof *c.lamp);
+	c.found = gw_allocate_zeros(count + 1, sizeof *c.found);
+	c.value[0] = gw_allocate_array(count + 1, 2 * sizeof *c.value[0]);
+	c.value[1] = c.value[0] ? c.value[0] + count : NULL;
+	if (status == GW_OK && (!c.lamp || !c.found || !c.value[0]))
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to look from %u points", count);
+	if (status == GW_OK && count > 1) {
+		list_lamps(&c);
+		status = look_and_conclude(&c, found, error);
+	}
+	gw_check_point_choice_clear(&c.choice);
+	free(c.value[0]);
+	free(c.found);
+	free(c.lamp);
+	return status;
+}

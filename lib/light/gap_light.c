@@ -1,0 +1,160 @@
+/*
+ * gap_light.c - see gap_light.h.
+ */
+#include "light/gap_light.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/shared_math.h"
+#include "light/shader_functions.h"
+#include "light/transport_layout.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#define CHUNK 64u
+
+/* A record that sees nothing but gaps knows nothing of what surrounds them. */
+#define SHARE_MOST 0.9f
+
+typedef struct work {
+	const gw_gap_task *task;
+	gw_view position, normal, hit, texel;
+	gw_gap_sight *gap;
+	atomic_bool stopped;
+} work;
+
+static void look_through(const work *w, size_t record)
+{
+	const gw_gap_task *t = w->task;
+	const gw_octree *o = t->on->octree;
+	const float *p = (const float *)w->position.bytes + 4 * record;
+	gw_vec3 place = gw_xyz(p), normal = gw_xyz((const float *)w->normal.bytes + 4 * record);
+	const uint32_t *hit = (const uint32_t *)w->hit.bytes + record * t->rays->rays;
+	const gw_sky_view sky = { t->sky, t->map, w->texel.bytes };
+	gw_way way = { .length = INFINITY };
+	gw_gap_sight *sum = &w->gap[record];
+	float share = 1.0f / (float)t->rays->rays;
+	way.from = gw_plus((gw_vec3){ o->cube_minimum[0], o->cube_minimum[1], o->cube_minimum[2] },
+					   gw_times(place, o->leaf_size));
+	for (uint32_t k = 0; k < t->rays->rays; k++) {
+		if (hit[k] != GW_NONE)
+			continue;
+		way.direction = gw_record_ray(place, normal, k, t->rays->rays, t->rays->seed);
+		float radiance[4] = { 0 };
+		gw_sky_radiance(&sky, way.direction, radiance);
+		sum->all += share * gw_luminance_of(gw_xyz(radiance));
+		if (!gw_scanned_space_is_gap(t->space, &way))
+			continue;
+		for (int c = 0; c < 3; c++)
+			sum->sky[c] += share * radiance[c];
+		sum->share += share;
+	}
+}
+
+static void look_through_all(void *user, size_t first, size_t last, uint32_t worker)
+{
+	work *w = user;
+	for (size_t i = first; i < last; i++) {
+		if (worker == 0 && gw_gpu_stopped(w->task->on->passes->gpu))
+			atomic_store(&w->stopped, true);
+		if (atomic_load(&w->stopped))
+			return;
+		look_through(w, i);
+	}
+}
+
+static gw_status open_views(work *w, gw_error *error)
+{
+	const gw_gap_task *t = w->task;
+	gw_gpu *gpu = t->on->passes->gpu;
+	const gw_records *r = t->on->records;
+	uint64_t bytes = 16 * (uint64_t)r->count;
+	const gw_sky_map *m = t->map;
+	gw_status status = gw_view_open(gpu, &r->position, bytes, &w->position, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &r->normal, bytes, &w->normal, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &t->rays->facet, bytes / 4 * t->rays->rays, &w->hit, error);
+	if (status == GW_OK && m && m->width > 0)
+		status =
+			gw_view_open(gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &w->texel, error);
+	return status;
+}
+
+gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_error *error)
+{
+	work w = { .task = task };
+	size_t count = task->on->records->count;
+	*gap = NULL;
+	gw_status status = open_views(&w, error);
+	if (status == GW_OK && !(w.gap = gw_allocate_zeros(count, sizeof *w.gap)))
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	if (status == GW_OK) {
+		gw_parallel_for(task->threads, count, CHUNK, look_through_all, &w);
+		if (atomic_load(&w.stopped))
+			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
+	}
+	gw_view_close(&w.position);
+	gw_view_close(&w.normal);
+	gw_view_close(&w.hit);
+	gw_view_close(&w.texel);
+	if (status == GW_OK)
+		*gap = w.gap;
+	else
+		free(w.gap);
+	return status;
+}
+
+/* Of a light that a record gathered, so many times as much. */
+static float enlarged(float share)
+{
+	return 1.0f / (1.0f - gw_smaller(share, SHARE_MOST));
+}
+
+gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
+							 const float *fill, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	size_t count = on->records->count;
+	uint64_t bytes = 16 * (uint64_t)count;
+	float *first = gw_allocate_array(count, 8 * sizeof *first);
+	if (!first)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	float *normal = first + 4 * count;
+	gw_status status = gw_buffer_download(gpu, &on->records->first, 0, first, bytes, error);
+	if (status == GW_OK)
+		status = gw_buffer_download(gpu, &on->records->normal, 0, normal, bytes, error);
+	for (size_t i = 0; i < 4 * count && status == GW_OK; i++) {
+		float share = gap[i / 4].share, inside = GW_PI * normal[i / 4 * 4 + 3];
+		float rest =
+			i % 4 < 3 ? gw_larger(first[i] - inside * gap[i / 4].sky[i % 4], 0.0f) : first[i];
+		if (fill)
+			first[i] = i % 4 < 3 ? rest + inside * share * fill[i % 4] : rest;
+		else
+			first[i] = rest * enlarged(share);
+	}
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, &on->records->first, 0, first, bytes, error);
+	free(first);
+	return status;
+}
+
+gw_status gw_gap_light_fill(const gw_record_context *on, const gw_gap_sight *gap,
+							gw_buffer *gathered, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	size_t count = on->records->count;
+	uint64_t bytes = 16 * (uint64_t)count;
+	float *light = gw_allocate_array(count, 4 * sizeof *light);
+	if (!light)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	gw_status status = gw_buffer_download(gpu, gathered, 0, light, bytes, error);
+	for (size_t i = 0; i < 4 * count && status == GW_OK; i++)
+		light[i] *= enlarged(gap[i / 4].share);
+	if (status == GW_OK)
+		status = gw_buffer_upload(gpu, gathered, 0, light, bytes, error);
+	free(light);
+	return status;
+}

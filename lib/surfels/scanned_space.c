@@ -1,0 +1,342 @@
+/*
+ * scanned_space.c - see scanned_space.h.
+ */
+#include "surfels/scanned_space.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/shared_math.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { UNKNOWN, FREE, OPEN };
+
+/* Points that a cell of directions holds on average, and most rows of them. */
+#define CELL_POINTS 4.0
+#define ROWS_LEAST 8u
+#define ROWS_MOST 256u
+
+/* Of its eight neighbours, so many with points make a cell without one a chance. */
+#define NEIGHBOURS_LEAST 5u
+
+#define NOTHING -1.0f /* a beam that came back from nowhere */
+#define BLIND -2.0f   /* no beam */
+
+/* Steps of a way in a cell. */
+#define STEP 0.5f
+
+/* Cells of a way that ends are unknown: so many steps in a row. */
+#define UNKNOWN_STEPS 4u
+
+typedef struct scanner {
+	float place[3]; /* in the surfels' frame */
+	size_t points;
+	uint32_t rows; /* from straight up to straight down; twice as many columns */
+	float *depth;  /* rows * 2 rows: metres, NOTHING or BLIND */
+	float *second; /* the largest while they are being found */
+} scanner;
+
+typedef struct work {
+	const gw_points *points;
+	const gw_surfels *surfels;
+	scanner *scanner; /* scanners */
+	size_t scanners;
+	uint32_t *kept; /* points->scanner_count: which of them, or UINT32_MAX */
+	gw_scanned_space *space;
+} work;
+
+/* ------------------------------------------------------------------------------------ directions
+ */
+
+static float distance_to(const scanner *s, const float place[3], float way[3])
+{
+	float squared = 0.0f;
+	for (int k = 0; k < 3; k++) {
+		way[k] = place[k] - s->place[k];
+		squared += way[k] * way[k];
+	}
+	return sqrtf(squared);
+}
+
+static size_t cell_of(const scanner *s, const float way[3], float distance)
+{
+	float height = distance > 0.0f ? way[2] / distance : 0.0f;
+	float v = acosf(fmaxf(-1.0f, fminf(height, 1.0f))) / GW_PI;
+	float u = atan2f(way[1], way[0]) / (2.0f * GW_PI) + 0.5f;
+	uint32_t row = (uint32_t)(v * (float)s->rows), columns = 2 * s->rows;
+	uint32_t column = (uint32_t)(u * (float)columns);
+	row = row < s->rows ? row : s->rows - 1;
+	column = column < columns ? column : columns - 1;
+	return (size_t)row * columns + column;
+}
+
+/* Which scanner saw a point: the one that is named, or the nearest. */
+static size_t scanner_of(const gw_points *p, size_t point)
+{
+	size_t nearest = 0;
+	double least = INFINITY;
+	if (p->scanner_of && p->scanner_of[point] < p->scanner_count)
+		return p->scanner_of[point];
+	for (size_t s = 0; s < p->scanner_count; s++) {
+		double squared = 0.0;
+		for (size_t k = 0; k < 3; k++) {
+			double d = p->position[3 * point + k] - p->scanner[3 * s + k];
+			squared += d * d;
+		}
+		if (squared < least) {
+			least = squared;
+			nearest = s;
+		}
+	}
+	return nearest;
+}
+
+static void add_point(const work *w, size_t point)
+{
+	const gw_points *p = w->points;
+	float place[3], way[3];
+	if (w->surfels->surfel_of_point[point] == UINT32_MAX)
+		return;
+	uint32_t kept = w->kept[scanner_of(p, point)];
+	if (kept == UINT32_MAX)
+		return;
+	scanner *s = &w->scanner[kept];
+	for (size_t k = 0; k < 3; k++)
+		place[k] = (float)(p->position[3 * point + k] - w->surfels->origin[k]);
+	float distance = distance_to(s, place, way);
+	size_t cell = cell_of(s, way, distance);
+	if (s->second[cell] < 0.0f) {
+		s->depth[cell] = s->second[cell] = distance;
+	} else if (distance > s->second[cell]) {
+		s->depth[cell] = s->second[cell];
+		s->second[cell] = distance;
+	} else if (distance > s->depth[cell] || s->depth[cell] == s->second[cell]) {
+		s->depth[cell] = distance;
+	}
+}
+
+/* The depth of a cell without points, by its neighbours'. */
+static float depth_of_hole(const scanner *s, uint32_t row, uint32_t column)
+{
+	uint32_t columns = 2 * s->rows, found = 0;
+	float largest = NOTHING;
+	for (uint32_t k = 0; k < 9; k++) {
+		uint32_t r = row + k / 3, c = (column + columns + k % 3 - 1) % columns;
+		if (r < 1 || r > s->rows)
+			continue;
+		float depth = s->second[(size_t)(r - 1) * columns + c];
+		found += depth >= 0.0f;
+		largest = fmaxf(largest, depth);
+	}
+	return found >= NEIGHBOURS_LEAST ? largest : NOTHING;
+}
+
+static void close_holes(scanner *s)
+{
+	uint32_t columns = 2 * s->rows, lowest = 0;
+	for (uint32_t row = 0; row < s->rows; row++)
+		for (uint32_t c = 0; c < columns; c++)
+			lowest = s->second[(size_t)row * columns + c] >= 0.0f ? row : lowest;
+	for (uint32_t row = 0; row < s->rows; row++)
+		for (uint32_t c = 0; c < columns; c++) {
+			float *depth = &s->depth[(size_t)row * columns + c];
+			if (*depth < 0.0f)
+				*depth = row > lowest ? BLIND : depth_of_hole(s, row, c);
+		}
+}
+
+/* ------------------------------------------------------------------------------------- scanners */
+
+static int by_points(const void *left, const void *right)
+{
+	const scanner *a = left, *b = right;
+	return a->points != b->points ? (a->points < b->points ? 1 : -1)
+								  : memcmp(a->place, b->place, sizeof a->place);
+}
+
+/* Counts the points of each, and keeps those that have many. */
+static bool choose_scanners(work *w)
+{
+	const gw_points *p = w->points;
+	size_t kept = 0;
+	scanner *all = gw_allocate_zeros(p->scanner_count, sizeof *all);
+	w->kept = gw_allocate_array(p->scanner_count, sizeof *w->kept);
+	if (!all || !w->kept) {
+		free(all);
+		return false;
+	}
+	for (size_t s = 0; s < p->scanner_count; s++) {
+		for (size_t k = 0; k < 3; k++)
+			all[s].place[k] = (float)(p->scanner[3 * s + k] - w->surfels->origin[k]);
+		all[s].rows = (uint32_t)s; /* its number, until the best are known */
+		w->kept[s] = UINT32_MAX;
+	}
+	for (size_t i = 0; i < p->count; i++)
+		if (w->surfels->surfel_of_point[i] != UINT32_MAX)
+			all[scanner_of(p, i)].points++;
+	qsort(all, p->scanner_count, sizeof *all, by_points);
+	while (kept < p->scanner_count && kept < GW_SPACE_SCANNERS &&
+		   all[kept].points >= GW_SPACE_POINTS_LEAST) {
+		w->kept[all[kept].rows] = (uint32_t)kept;
+		kept++;
+	}
+	w->scanner = all;
+	w->scanners = kept;
+	return true;
+}
+
+static bool make_depths(work *w)
+{
+	for (size_t i = 0; i < w->scanners; i++) {
+		scanner *s = &w->scanner[i];
+		double rows = sqrt((double)s->points / (2.0 * CELL_POINTS));
+		s->rows = (uint32_t)fmin(fmax(rows, ROWS_LEAST), ROWS_MOST);
+		size_t cells = 2 * (size_t)s->rows * s->rows;
+		s->depth = gw_allocate_array(cells, 2 * sizeof *s->depth);
+		if (!s->depth)
+			return false;
+		s->second = s->depth + cells;
+		for (size_t c = 0; c < 2 * cells; c++)
+			s->depth[c] = NOTHING;
+	}
+	for (size_t i = 0; i < w->points->count; i++)
+		add_point(w, i);
+	for (size_t i = 0; i < w->scanners; i++)
+		close_holes(&w->scanner[i]);
+	return true;
+}
+
+/* ----------------------------------------------------------------------------------------- cells
+ */
+
+static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
+{
+	return ((size_t)at[2] * space->cells[1] + at[1]) * space->cells[0] + at[0];
+}
+
+static uint8_t look_at(const work *w, const float place[3])
+{
+	uint8_t state = UNKNOWN;
+	for (size_t i = 0; i < w->scanners && state != OPEN; i++) {
+		float way[3], distance = distance_to(&w->scanner[i], place, way);
+		float depth = w->scanner[i].depth[cell_of(&w->scanner[i], way, distance)];
+		if (depth == NOTHING)
+			state = OPEN;
+		else if (distance < depth + 0.5f * w->space->cell)
+			state = FREE;
+	}
+	return state;
+}
+
+static void look_at_layers(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const work *w = user;
+	gw_scanned_space *space = w->space;
+	(void)worker;
+	for (size_t z = first; z < last; z++)
+		for (uint32_t y = 0; y < space->cells[1]; y++)
+			for (uint32_t x = 0; x < space->cells[0]; x++) {
+				const uint32_t at[3] = { x, y, (uint32_t)z };
+				float place[3];
+				for (int k = 0; k < 3; k++)
+					place[k] = space->low[k] + ((float)at[k] + 0.5f) * space->cell;
+				space->state[cell_at(space, at)] = look_at(w, place);
+			}
+}
+
+/* Where the grid has a place; false outside of it. */
+static bool find_cell(const gw_scanned_space *space, const float place[3], uint32_t at[3])
+{
+	for (int k = 0; k < 3; k++) {
+		float cell = (place[k] - space->low[k]) / space->cell;
+		if (!(cell >= 0.0f && cell < (float)space->cells[k]))
+			return false;
+		at[k] = (uint32_t)cell;
+	}
+	return true;
+}
+
+static void mark_points(const work *w)
+{
+	uint32_t at[3];
+	for (size_t i = 0; i < w->surfels->count; i++)
+		if (find_cell(w->space, w->surfels->position + 3 * i, at) &&
+			w->space->state[cell_at(w->space, at)] == UNKNOWN)
+			w->space->state[cell_at(w->space, at)] = FREE;
+}
+
+/* One cell more than the points take on every side. */
+static bool make_grid(work *w)
+{
+	gw_scanned_space *space = w->space;
+	const gw_surfels *s = w->surfels;
+	float longest = 0.0f;
+	for (int k = 0; k < 3; k++)
+		longest = fmaxf(longest, s->maximum[k] - s->minimum[k]);
+	space->cell = longest / (float)GW_SPACE_CELLS;
+	size_t cells = 1;
+	for (int k = 0; k < 3; k++) {
+		space->low[k] = s->minimum[k] - space->cell;
+		space->cells[k] = (uint32_t)((s->maximum[k] - s->minimum[k]) / space->cell) + 3;
+		cells *= space->cells[k];
+	}
+	space->state = gw_allocate_zeros(cells, sizeof *space->state);
+	return space->state != NULL;
+}
+
+gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfels,
+								uint32_t threads, gw_scanned_space *space, gw_error *error)
+{
+	work w = { .points = points, .surfels = surfels, .space = space };
+	*space = (gw_scanned_space){ .scanners = 0 };
+	if (!points->scanner || points->scanner_count == 0 ||
+		!(surfels->maximum[0] > surfels->minimum[0]))
+		return GW_OK;
+	bool made = choose_scanners(&w);
+	if (made && w.scanners > 0)
+		made = make_depths(&w) && make_grid(&w);
+	if (made && w.scanners > 0) {
+		gw_parallel_for(threads, space->cells[2], 1, look_at_layers, &w);
+		mark_points(&w);
+		space->scanners = (uint32_t)w.scanners;
+	}
+	for (size_t i = 0; i < w.scanners; i++)
+		free(w.scanner[i].depth);
+	free(w.scanner);
+	free(w.kept);
+	if (made)
+		return GW_OK;
+	gw_scanned_space_clear(space);
+	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %zu scanners saw",
+				   points->scanner_count);
+}
+
+void gw_scanned_space_clear(gw_scanned_space *space)
+{
+	free(space->state);
+	*space = (gw_scanned_space){ .scanners = 0 };
+}
+
+/* ------------------------------------------------------------------------------------------ ways
+ */
+
+bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way)
+{
+	uint8_t last = UNKNOWN, now = UNKNOWN;
+	uint32_t at[3], unknown = 0;
+	if (space->scanners == 0)
+		return false;
+	for (float t = space->cell; t < way->length; t += STEP * space->cell) {
+		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
+		if (!find_cell(space, (const float[]){ place.x, place.y, place.z }, at))
+			break;
+		now = space->state[cell_at(space, at)];
+		last = now != UNKNOWN ? now : last;
+		unknown = now == UNKNOWN ? unknown + 1 : 0;
+		if (isfinite(way->length) && unknown >= UNKNOWN_STEPS)
+			return true;
+	}
+	return !isfinite(way->length) && now == UNKNOWN && last == FREE;
+}

@@ -1,0 +1,62 @@
+/*
+ * scanned_space.h - what scanners saw of the space around the points, and what they did not.
+ * Internal to lib/.
+ *
+ * A scanner's beam crossed all that lies between it and the point that it found. So a place is
+ *
+ *   free      if a beam crossed it, or a point lies there
+ *   open      if a beam of a scanner went there and out of the scene without finding anything
+ *   unknown   otherwise: every scanner has something in front of it
+ *
+ * For this, each scanner's points are sorted by direction, into cells of equal angles that hold
+ * about four of them; the depth of a cell is the second largest of its distances, so that no stray
+ * decides. A cell without points among cells that have some was missed by chance; others are open,
+ * but for those below all points of the scanner, where its own foot is. What that gives is kept for
+ * cells of a coarse grid.
+ *
+ * A ray that leaves the scene passes a gap if the last of the known places on its way was free, and
+ * all behind it is unknown: nobody looked there, because something stood in front of it. Through
+ * windows somebody looked: there the last known place is open.
+ */
+#ifndef SCANNED_SPACE_H
+#define SCANNED_SPACE_H
+
+#include "base/shader_math.h"
+#include "surfels/surfels.h"
+
+/* Cells along the longest side. */
+#define GW_SPACE_CELLS 96u
+
+/* Scanners that are looked at: those with the most points, and such a number of them at least. */
+#define GW_SPACE_SCANNERS 64u
+#define GW_SPACE_POINTS_LEAST 1000u
+
+typedef struct gw_scanned_space {
+	uint32_t cells[3]; /* 0: nothing is known */
+	float low[3];      /* corner of the grid, metres in the surfels' frame */
+	float cell;        /* metres */
+	uint8_t *state;    /* one a cell */
+	uint32_t scanners; /* that were looked at */
+} gw_scanned_space;
+
+/*
+ * Finds out what the scanners of points saw.
+ *   space   on success to be cleared by the caller; empty where no scanner is known or has enough
+ *           points
+ * The result does not depend on threads.
+ */
+gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfels,
+								uint32_t threads, gw_scanned_space *space, gw_error *error);
+void gw_scanned_space_clear(gw_scanned_space *space);
+
+/* A straight way: from a place, metres in the surfels' frame, along a unit direction, so far. */
+typedef struct gw_way {
+	gw_vec3 from, direction;
+	float length; /* metres; infinity for one that leaves the scene */
+} gw_way;
+
+/* Whether light along it comes through a gap. Of a way that ends, whether two cells of it in a row
+ * or more are unknown. */
+bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way);
+
+#endif
