@@ -136,6 +136,7 @@ typedef enum gw_stray_kind {
 	GW_STRAY_NO_DATA,  /* at a value for no data, such as -9999, far from the rest */
 	GW_STRAY_FAR,      /* far off all the rest */
 	GW_STRAY_ALONE,    /* many times further from others than those around are from each other */
+	GW_STRAY_MIXED,    /* between an edge and what is behind it, seen from the scanner */
 	GW_STRAY_KIND_COUNT
 } gw_stray_kind;
 
