@@ -18,6 +18,11 @@
 /* Integers up to here are doubles too. */
 #define EXACT ((int64_t)1 << 53)
 
+/* Classes 7 and 18 are low and high noise; the latter is for other use in the formats before 6. */
+#define LOW_NOISE (1u << 7)
+#define HIGH_NOISE (1u << 18)
+#define FIRST_HIGH_NOISE 6u
+
 typedef struct reader {
 	const input_file *in;
 	las_header header;
@@ -291,6 +296,8 @@ static gw_status read_all(reader *r)
 	GW_TRY(
 		las_layout_make(&r->layout, r->header.format, r->header.scale, r->header.offset, r->error));
 	GW_TRY(las_layout_add_extra(&r->layout, &r->header, r->cloud, r->error));
+	r->cloud->noise_classes =
+		r->header.format < FIRST_HIGH_NOISE ? LOW_NOISE : LOW_NOISE | HIGH_NOISE;
 	GW_TRY(r->header.compressed ? read_compressed(r) : read_plain(r));
 	GW_TRY(check_bounds(r));
 	return settle_columns(r);
@@ -298,7 +305,7 @@ static gw_status read_all(reader *r)
 
 gw_status las_read(input_file *in, scan *cloud, gw_error *error)
 {
-	*cloud = (scan){ .up = 'z', .las_classes = true };
+	*cloud = (scan){ .up = 'z' };
 	reader r = { .in = in, .cloud = cloud, .error = error };
 	gw_status status = read_all(&r);
 	las_layout_clear(&r.layout);

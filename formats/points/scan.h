@@ -50,12 +50,12 @@ typedef struct scan {
 	size_t column_count;
 	char **comment; /* owned; comment_count lines of text without the format's keyword */
 	size_t comment_count;
-	uint64_t left_out; /* rows without a point: empty cells of a scanner's grid */
-	char up;           /* which axis the format calls up, as gw_camera_up has it */
-	bool las_classes;  /* `classification` counts as in LAS files, where 7 and 18 are noise, and
-						  points that are `withheld` are not to be used */
-	double *scanner;   /* owned; 3 * scanner_count: where scanners stood, in the cloud's
-						  coordinates */
+	uint64_t left_out;      /* rows without a point: empty cells of a scanner's grid */
+	char up;                /* which axis the format calls up, as gw_camera_up has it */
+	unsigned noise_classes; /* bits: values of `classification` that mean noise; and points that are
+							   `withheld` are not to be used where any bit is set */
+	double *scanner;        /* owned; 3 * scanner_count: where scanners stood, in the cloud's
+							   coordinates */
 	size_t scanner_count;
 	uint32_t *scanner_of;  /* owned; count: which of them saw each point, or SCAN_NO_SCANNER;
 							  NULL when there is none, or the one saw them all */

@@ -194,19 +194,33 @@ static gw_status make_albedo(const scan *cloud, const scan_points_options *optio
 
 /* ------------------------------------------------------------------------------- strays */
 
-/* Classes 7 and 18 of LAS files: low and high noise. */
+static bool is_noise(const scan *cloud, const scan_column *class, size_t i)
+{
+	double value = class ? scan_value(class, i) : 0.0;
+	return value >= 0.0 && value < 32.0 && (cloud->noise_classes >> (unsigned)value & 1);
+}
+
+/* Noise is little: classes that a tenth of the points have mean something else. */
+static bool classes_mean_noise(const scan *cloud, const scan_column *class)
+{
+	size_t noise = 0;
+	for (size_t i = 0; i < cloud->count; i++)
+		noise += is_noise(cloud, class, i);
+	return noise < cloud->count / 10;
+}
+
 static gw_status make_strays(const scan *cloud, scan_points *out, gw_error *error)
 {
 	const scan_column *class = scan_find(cloud, "classification");
 	const scan_column *withheld = scan_find(cloud, "withheld");
-	if (!cloud->las_classes || (!class && !withheld))
+	if (!cloud->noise_classes || (!class && !withheld))
 		return GW_OK;
 	out->stray = calloc(cloud->count, 1);
 	if (!out->stray)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for classes of %zu points", cloud->count);
+	class = classes_mean_noise(cloud, class) ? class : NULL;
 	for (size_t i = 0; i < cloud->count; i++) {
-		double value = class ? scan_value(class, i) : 0.0;
-		if (value == 7.0 || value == 18.0)
+		if (is_noise(cloud, class, i))
 			out->stray[i] = 1 + GW_STRAY_NOISE;
 		else if (withheld && scan_value(withheld, i) != 0.0)
 			out->stray[i] = 1 + GW_STRAY_WITHHELD;

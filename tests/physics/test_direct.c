@@ -513,6 +513,7 @@ static double error_on_strips(double degrees, double *said)
 	}
 	*said = e->normals;
 	double parts = hypot(hypot(e->gathered, e->shadows), hypot(e->normals, e->geometry));
+	assert_near(e->sides, 0, 0, 0);
 	assert_near(e->relative_rms, parts, 1e-9, 0);
 	gw_bake_result_destroy(&result);
 	scene_clear(&s);
