@@ -49,6 +49,7 @@ typedef struct side {
 	double light[2];  /* radiance that it would send out, by two halves of the rays */
 	uint32_t fits;    /* rays that meet what that side should see, if both are right */
 	uint32_t differs; /* that meet the opposite */
+	uint32_t leaves;  /* that leave the scene */
 } side;
 
 typedef struct check {
@@ -124,6 +125,8 @@ static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
 			light = (double)c->task->radiance[met];
 	}
 	to->light[k % 2] += light / RAYS;
+	if (met == GW_NONE)
+		to->leaves++;
 	if (met == GW_NONE || s->two_sided[met] || near)
 		return;
 	to->fits += meets_front == from->front;
@@ -179,22 +182,36 @@ static gw_status look_at(check *c, uint32_t step, gw_error *error)
 
 /* ------------------------------------------------------------------------------------- finding */
 
+/* Rays from the front of a point that leave the scene, as far as its back sees nothing: that the
+ * point lies in the open and faces what is open fits. Where the back sees surface, the front of a
+ * room's wall that was turned leaves the scene, too. Where normals were given, nobody looked for
+ * the open side. */
+static double open_rays(const check *c, const side of[2])
+{
+	if (c->task->surfels->normals_given == c->task->surfels->count)
+		return 0.0;
+	double met = (double)(of[1].fits + of[1].differs) / RAYS;
+	return (1.0 - met) * of[0].leaves;
+}
+
 /* Share of the rays that differ, of one point. */
-static double differing(const side of[2])
+static double differing(const check *c, const side of[2])
 {
 	double differs = of[0].differs + of[1].differs;
-	double all = differs + of[0].fits + of[1].fits;
+	double all = differs + of[0].fits + of[1].fits + open_rays(c, of);
 	return all > 0.0 ? differs / all : 0.5;
 }
 
 static double share_differing(const check *c)
 {
 	double differs = 0.0, all = 0.0;
-	for (size_t i = 0; i < c->choice.count; i++)
+	for (size_t i = 0; i < c->choice.count; i++) {
+		all += open_rays(c, c->found[i]);
 		for (int k = 0; k < 2; k++) {
 			differs += c->found[i][k].differs;
 			all += c->found[i][k].differs + c->found[i][k].fits;
 		}
+	}
 	return all > 0.0 ? differs / all : 0.0;
 }
 
@@ -217,12 +234,13 @@ static double share_wrong(double differing)
 /* That a point faces the wrong way: a ray of it differs with probability w where it does not, and
  * with 1 - w where it does. Before any ray, w of the points do, and half of those whose side nobody
  * knows. */
-static double probability(const side of[2], bool unknown, bool seen, double w)
+static double probability(const check *c, const side of[2], bool unknown, double w)
 {
 	double odds = log(w / (1.0 - w));
-	double rays = fmin(of[0].fits + of[1].fits + of[0].differs + of[1].differs, OWN_OPINIONS);
-	double says = rays * (1.0 - 2.0 * differing(of)) * odds + (unknown ? 0.0 : odds);
-	if (seen && !unknown)
+	double rays = of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
+	double says =
+		fmin(rays, OWN_OPINIONS) * (1.0 - 2.0 * differing(c, of)) * odds + (unknown ? 0.0 : odds);
+	if (c->task->seen && !unknown)
 		says -= SEEN_ODDS;
 	return 1.0 / (1.0 + exp(-says));
 }
@@ -257,7 +275,7 @@ static double list_errors(check *c, double w)
 	for (size_t i = 0; i < c->choice.count; i++) {
 		const side *of = c->found[i];
 		bool unknown = c->task->surfels->two_sided[c->choice.point[i]];
-		double p = probability(of, unknown, c->task->seen, w);
+		double p = probability(c, of, unknown, w);
 		double more[2] = { of[1].light[0] - of[0].light[0], of[1].light[1] - of[0].light[1] };
 		wrong += c->choice.weight[i] * (unknown ? fmin(p, 1.0 - p) : p);
 		c->value[0][i] = p * (more[0] + more[1]);
