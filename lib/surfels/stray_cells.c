@@ -184,7 +184,9 @@ bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
 	while (good && !found) {
 		free(cells->key);
 		free(cells->first);
-		*cells = (gw_stray_cells){ .level = cells->level - 1 };
+		cells->key = NULL;
+		cells->first = NULL;
+		cells->level--;
 		cells->count = count_cells(key, s->count, cells->level);
 		if ((double)s->count < IN_A_CELL * (double)cells->count && cells->level > 0)
 			continue;

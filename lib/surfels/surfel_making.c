@@ -68,6 +68,7 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 		return status;
 	gw_surfels_clear(surfels);
 	free(p->position);
+	p->position = NULL;
 	status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
 	return status == GW_OK ? gw_frame_make(&p->rest, options, surfels, error) : status;
 }
@@ -164,5 +165,5 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->noise);
 	free(surfels->surfel_of_point);
 	free(surfels->stray);
-	*surfels = (gw_surfels){ .count = 0 };
+	memset(surfels, 0, sizeof *surfels);
 }
