@@ -51,6 +51,8 @@ static int by_patches(const void *left, const void *right)
 size_t gw_patch_borders_merge(gw_patch_border *borders, size_t count)
 {
 	size_t kept = 0;
+	if (count == 0)
+		return 0;
 	qsort(borders, count, sizeof *borders, by_patches);
 	for (size_t i = 0; i < count; i++) {
 		gw_patch_border s = borders[i];
