@@ -30,6 +30,11 @@
 #define FIRST_WIDTH 0.35
 #define TRIES 5
 
+/* A list is not wanted that is more one-sided than this: nothing of the surfel's own scale is
+ * around it, at a corner of a surface either. Some points together far off all others are left to
+ * what knows strays. */
+#define STILL_ASIDE 0.85
+
 /* One thinned cloud. */
 typedef struct thinned {
 	gw_neighbour_index *index;
@@ -216,7 +221,7 @@ bool gw_neighbour_scales_widen(gw_neighbour_scales *scales, size_t surfel, gw_ne
 	bool failed;
 	if (!is_denser_there(scales, list, &failed))
 		return !failed;
-	double width = FIRST_WIDTH * (double)list->distance[list->count - 1], least = INFINITY;
+	double width = FIRST_WIDTH * (double)list->distance[list->count - 1], least = STILL_ASIDE;
 	int level = LEVELS - 1 - (int)floor(log2(fmax(width * scales->per_metre, 1)));
 	for (int tries = 0; tries < TRIES && level >= 0 && least > ONE_SIDED; tries++, level--) {
 		gw_neighbour_list wider;

@@ -20,7 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define DISC_RANK 8    /* the disc reaches to this neighbour on the surface */
 #define VOID_STEP 0.75 /* how far behind an edge the surface is looked for, of the reach */
 #define VOID_SLOPE 0.7
 #define LONE_RADIUS 0.01f    /* metres, of a scene that is one point */
@@ -288,13 +287,14 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 		return;
 	}
 	gw_half_plane edge[2];
-	/* Half the reach is less than the 8th neighbour's distance but where scan lines are far apart:
-	 * there it closes the gaps between them. */
-	double radius = flat[kept < DISC_RANK ? kept - 1 : DISC_RANK - 1].distance;
-	radius = fmax(radius, 0.5 * flat[kept - 1].distance);
+	/* Where the list was widened, half the reach closes the gaps between scan lines that are far
+	 * apart. In others it is less than the 8th neighbour's distance but where that is by itself. */
+	double radius = flat[kept < GW_DISC_RANK ? kept - 1 : GW_DISC_RANK - 1].distance;
+	if (list->complete < list->count)
+		radius = fmax(radius, 0.5 * flat[kept - 1].distance);
 	uint32_t at_creases = gw_creases_find(s, surfel, list, reach, edge);
 	uint32_t edges = find_edges(step, surfel, flat, kept, edge, &at_creases);
-	double area = step->rough_area ? M_PI * radius * radius / DISC_RANK
+	double area = step->rough_area ? M_PI * radius * radius / GW_DISC_RANK
 								   : gw_plane_cell_area(flat, kept, radius, reach, edge, edges);
 	s->radius[surfel] = fmaxf((float)radius, FLT_MIN);
 	s->area[surfel] = fmaxf((float)area, FLT_MIN);
@@ -363,6 +363,8 @@ gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, make_disc, &step, error);
+	if (status == GW_OK)
+		status = gw_disc_widths_bound(search, surfels, rough_area, error);
 	if (status == GW_OK)
 		status = gw_boundaries_settle(search, surfels, rough_area, step.boundary, error);
 	if (status == GW_OK)

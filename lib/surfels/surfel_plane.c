@@ -218,3 +218,13 @@ void gw_plane_store_clips(gw_surfels *s, size_t surfel, const gw_half_plane *edg
 		clip[3 * e + 2] = (float)edge[e].offset;
 	}
 }
+
+uint32_t gw_plane_load_clips(const gw_surfels *s, size_t surfel, gw_half_plane edge[2])
+{
+	const float *clip = s->clip + 6 * surfel;
+	uint32_t edges = 0;
+	for (uint32_t e = 0; e < 2; e++, clip += 3)
+		if (clip[0] != 0 || clip[1] != 0)
+			edge[edges++] = (gw_half_plane){ (double)clip[0], (double)clip[1], (double)clip[2] };
+	return edges;
+}

@@ -75,4 +75,7 @@ double gw_plane_cell_area(const gw_flat_point *kept, uint32_t count, double radi
 void gw_plane_store_clips(gw_surfels *surfels, size_t surfel, const gw_half_plane *edge,
 						  uint32_t edges);
 
+/* Gives the surfel's clips as half-planes; returns how many there are. */
+uint32_t gw_plane_load_clips(const gw_surfels *surfels, size_t surfel, gw_half_plane edge[2]);
+
 #endif

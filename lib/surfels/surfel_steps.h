@@ -142,6 +142,17 @@ gw_status gw_surfels_smooth(gw_neighbours *search, const uint8_t *filled, gw_sur
 gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
 						bool rough_area, float *gap, gw_error *error);
 
+/* The disc reaches to this neighbour on the surface. */
+#define GW_DISC_RANK 8
+
+/*
+ * Makes discs narrower that are wider than their neighbours' allow; part of gw_discs_make, see
+ * disc_width.c. Changes radius and area.
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_disc_widths_bound(gw_neighbours *search, gw_surfels *surfels, bool rough_area,
+							   gw_error *error);
+
 /*
  * Settles where surfaces end that border on nothing: replaces the clips of discs near such
  * boundaries, and forgets boundaries that few surfels see. Part of gw_discs_make; see

@@ -987,6 +987,47 @@ static void scan_lines_are_one_surface(void **state)
 	}
 }
 
+/* Random points on the unit square, but for a hole in its middle, and `few` together at x. */
+static cloud make_few_apart(size_t count, double hole, size_t few, double x)
+{
+	cloud c = make_cloud(count, true);
+	for (size_t i = 0; i < count; i++) {
+		double p[2] = { x + 0.01 * uniform(), 0.5 + 0.01 * uniform() };
+		while (i >= few) {
+			p[0] = uniform();
+			p[1] = uniform();
+			if (hypot(p[0] - 0.5, p[1] - 0.5) >= hole)
+				break;
+		}
+		set_point(&c, i, p[0], p[1], 0);
+		c.normal[3 * i + 2] = 1;
+	}
+	return c;
+}
+
+/* A few points in the middle of a hole, or far beside all others, are no surface from there to the
+ * others: these are so near to each other that there would be more of it. Spacings are 0.01; the
+ * widest discs of random points have a radius of 0.03, and three times that is the bound. */
+static void few_points_apart_have_no_wide_discs(void **state)
+{
+	(void)state;
+	const struct {
+		double hole, x;
+	} where[] = { { 0.3, 0.5 }, { 0.2, 0.5 }, { 0, 1.5 } };
+	for (size_t t = 0; t < sizeof where / sizeof *where; t++)
+		for (size_t few = 1; few <= 12; few++) {
+			cloud c = make_few_apart(10000, where[t].hole, few, where[t].x);
+			gw_points points = points_of(&c);
+			points.keep_strays = true;
+			gw_surfels s = make_with(&points, &(gw_surfels_options){ .threads = 2 });
+			for (size_t i = 0; i < s.count; i++)
+				if (!(s.radius[i] < 0.09f))
+					fail_msg("%zu apart at %g: radius %g", few, where[t].x, (double)s.radius[i]);
+			gw_surfels_clear(&s);
+			clear_cloud(&c);
+		}
+}
+
 static void areas_add_up_with_sensor_noise(void **state)
 {
 	(void)state;
@@ -1863,6 +1904,7 @@ int main(void)
 		cmocka_unit_test(tangent_frame_is_right_handed),
 		cmocka_unit_test(areas_add_up),
 		cmocka_unit_test(scan_lines_are_one_surface),
+		cmocka_unit_test(few_points_apart_have_no_wide_discs),
 		cmocka_unit_test(areas_add_up_with_sensor_noise),
 		cmocka_unit_test(random_cells_share_a_plane_out),
 		cmocka_unit_test(power_of_lamps_is_known),
