@@ -18,10 +18,13 @@
 #define POINTS 384u
 /* Where all normals were given, one of so many of them is looked at first; the rest only where more
  * than this share of all rays says that something is wrong. Of a room with one of six walls turned
- * that is 0.28. Less there is where noisy points see each other's backs at grazing angles, or
+ * that is 0.14. Less there is where noisy points see each other's backs at grazing angles, or
  * sheets have one side alone: they still face as they were given. */
 #define FIRST_STEP 6u
 #define SUSPECT 0.1
+/* Nor is it where more than this share of what rays meet says so, as above and below a plate over a
+ * floor: such a scene is not closed anywhere, and sheets are seen from either side. */
+#define SHEETS 0.5
 #define RAYS 32u /* of each side, in two halves; even */
 #define LAMP_RAYS 4u
 
@@ -354,7 +357,7 @@ static gw_status look_and_conclude(check *c, gw_side_finding *found, gw_error *e
 	gw_status status = GW_OK;
 	if (sure)
 		status = look_at(c, FIRST_STEP, error);
-	if (status != GW_OK || (sure && share_of_rays(c) < SUSPECT))
+	if (status != GW_OK || (sure && (share_of_rays(c) < SUSPECT || share_differing(c) > SHEETS)))
 		return status;
 	status = look_at(c, 1, error);
 	if (status == GW_OK && (share_differing(c) > 0.0 || any_unknown(c)))

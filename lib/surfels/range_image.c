@@ -140,7 +140,8 @@ static void take_plane(const gw_range_grid *grid, const gw_range_plane *plane, s
 {
 	const gw_range_image *image = grid->image;
 	double way[3], direction[3];
-	gw_range_way(grid, grid->points->image_cell[point], way);
+	if (!gw_range_way(grid, grid->points->image_cell[point], way))
+		return;
 	double range = length_of(way), noise = (double)grid->noise[gw_range_bin(range)];
 	double spread = noise / (grid->step * range);
 	set_normal(plane, spread, point, out);

@@ -30,7 +30,7 @@
 
 /*
  * A space in which a scanner could stand: distances across it are above ROOM_PATH metres, and there
- * is a floor. The light that falls into it counts ROOM_FACTOR times, by the fourth power of the
+ * is a floor. The light that falls into it counts ROOM_FACTOR times, by the 16th power of the
  * share of directions that end at surface: daylight in rooms is about 2 % of that outside, and some
  * 0.2 % gets into a thing through what of it was not scanned. What is reflected does not count so:
  * where surfaces meet, discs stick out on the other side, and show there what light they have on
@@ -374,7 +374,7 @@ double gw_side_factor(const gw_side_view *side)
 	if (side->down > 0.0)
 		closed = fmin(closed, side->down_met / side->down);
 	double path = pow(exp(side->path / side->met) / ROOM_PATH, 4.0);
-	double factor = ROOM_FACTOR * pow(closed, 4.0) * path / (1.0 + path);
+	double factor = ROOM_FACTOR * pow(closed, 16.0) * path / (1.0 + path);
 	return 1.0 + factor * side->first / side->light;
 }
 
