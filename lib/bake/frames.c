@@ -83,7 +83,7 @@ static bool shares(const gw_frames *f)
 static bool needs_places(const gw_frames *f)
 {
 	const gw_bake_options *o = &f->scene.options;
-	return f->light.plan.records || o->ambient_occlusion || o->errors || o->unknown;
+	return f->light.plan.records || o->ambient_occlusion || o->errors;
 }
 
 static void drop_geometry(gw_frames *f)
@@ -220,7 +220,7 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	if (o->ambient_occlusion || o->errors || o->unknown)
+	if (o->ambient_occlusion || o->errors)
 		GW_TRY(gw_record_fields_collect(&f->light, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
@@ -367,6 +367,11 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames in which something moves cannot begin with a transport nor make "
 					   "one; leave it out");
+	if (options->gaps != GW_GAPS_OPEN || options->unknown)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"what scanners could not look into is not known of frames in which something "
+			"moves: leave gaps and the field unknown out");
 	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)
