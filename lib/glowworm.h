@@ -686,8 +686,8 @@ typedef struct gw_frames gw_frames;
 /*
  * Begins. Every mover is a surface of its own: what touches it or passes by alters neither its
  * discs nor the other's. The octree's cube and leaves are the same in all frames.
- *   options  as of gw_bake, without max_error, time_limit and transport; an error is estimated for
- *            the first frame that is baked
+ *   options  as of gw_bake, without max_error, time_limit, transport, gaps and unknown; an error is
+ *            estimated for the first frame that is baked
  *   frames   on success to be closed with gw_frames_close; NULL on failure
  * Fails as gw_bake; GW_ERROR_DATA when a matrix does more than it may.
  */

@@ -11,6 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The narrowest cloud in a picture, metres. Triangles of cells have squares of areas, fourth powers
+ * of lengths: they are drawn at 1e-10 m and lost at 1e-12. */
+#define WIDTH_LEAST 1e-9
+
 /* Columns of a channel that a bake writes. */
 static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 	[RENDER_RADIANCE] = { "radiance_r", "radiance_g", "radiance_b" },
@@ -223,10 +227,25 @@ typedef struct choosing {
 	void *user;
 } choosing;
 
+/* Pictures are made in the lengths that were given. */
+static gw_status check_width(const gw_surfels *surfels, gw_error *error)
+{
+	double width = 0.0;
+	for (int k = 0; k < 3; k++)
+		width = fmax(width, (double)surfels->maximum[k] - (double)surfels->minimum[k]);
+	if (surfels->count < 2 || width >= WIDTH_LEAST)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_DATA,
+				   "the points lie within %.3g m, and pictures need %g m at least: check the unit "
+				   "of their coordinates, or scale them up",
+				   width, WIDTH_LEAST);
+}
+
 static gw_status choose(void *user, const gw_surfels *surfels, uint8_t *chosen, gw_error *error)
 {
 	choosing *c = user;
 	double start = gw_seconds();
+	GW_TRY(check_width(surfels, error));
 	gw_status status = fill_luminance(c->scene, c->cloud, surfels, error);
 	if (status == GW_OK)
 		status = c->choose(c->user, c->scene, surfels, chosen, error);

@@ -365,6 +365,16 @@ static void note_gaps(const gw_report *r)
 		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright));
 }
 
+/* What was asked for gaps, where none can be known. */
+static void note_no_scanner(const settings *s, const gw_report *r)
+{
+	if (s->bake.gaps != GW_GAPS_OPEN && r->gaps.scanners == 0)
+		fprintf(stderr,
+				"glowworm: note: --gaps %s closes nothing: no scanner is known that saw a thousand "
+				"points or more; --scanner says where one stood\n",
+				gw_gaps_name(s->bake.gaps));
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -376,6 +386,7 @@ void bake_report_notes(const bake_facts *f)
 	note_geometry(r);
 	note_sides(r);
 	note_gaps(r);
+	note_no_scanner(f->settings, r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
 				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "

@@ -558,7 +558,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	*result = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
-	gw_status status = gw_scaled_scene_make(scene, options, &scaled, error);
+	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
 	if (status == GW_OK)
 		status = bake_in_units(&scaled, callbacks, result, error);
 	if (status == GW_OK)

@@ -12,6 +12,7 @@
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
+#include "bake/scaled_scene.h"
 #include "surfels/surfel_parts.h"
 
 #include <math.h>
@@ -25,7 +26,10 @@
 #define STAGE_SHARE 0.02
 
 struct gw_frames {
+	gw_scaled_scene units; /* that all below is in */
 	const gw_points *points;
+	gw_motion own_motion; /* in these units; without a matrix where they are metres */
+	double *matrix;       /* of it */
 	const gw_motion *motion;
 	const gw_light *first_lights; /* first_light_count: they orient normals */
 	size_t first_light_count;
@@ -79,7 +83,7 @@ static bool shares(const gw_frames *f)
 static bool needs_places(const gw_frames *f)
 {
 	const gw_bake_options *o = &f->scene.options;
-	return f->light.plan.records || o->ambient_occlusion || o->errors || o->unknown;
+	return f->light.plan.records || o->ambient_occlusion || o->errors;
 }
 
 static void drop_geometry(gw_frames *f)
@@ -216,7 +220,7 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	if (o->ambient_occlusion || o->errors || o->unknown)
+	if (o->ambient_occlusion || o->errors)
 		GW_TRY(gw_record_fields_collect(&f->light, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
@@ -262,6 +266,20 @@ static void forget(gw_frames *f)
 	f->made = f->prepared = false;
 }
 
+/* A frame, by lights in the units of the frames, into a result in metres. */
+static gw_status bake_in_units(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
+{
+	f->scene.report = &result->report;
+	gw_status status = solve(f, frame, result, error);
+	gw_report_stage(&result->report, f->scene.gpu, NULL);
+	if (f->scene.gpu)
+		result->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
+	if (status == GW_OK)
+		status = gw_scene_check_validation(&f->scene, error);
+	f->scene.report = NULL;
+	return status == GW_OK ? gw_scaled_scene_undo(&f->units, result, error) : status;
+}
+
 gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, size_t light_count,
 						 gw_bake_result **result, gw_error *error)
 {
@@ -273,25 +291,64 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 	if (status != GW_OK)
 		return status;
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
-	if (!r)
+	gw_light *own = gw_scaled_lights(&f->units, lights, light_count);
+	if (!r || !own) {
+		free(own);
+		gw_bake_result_destroy(&r);
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+	}
 	if (f->how.rebuild)
 		forget(f);
-	f->scene.report = &r->report;
-	f->light.lights = lights;
+	f->light.lights = own;
 	f->light.light_count = light_count;
-	status = solve(f, frame, r, error);
-	gw_report_stage(&r->report, f->scene.gpu, NULL);
-	if (f->scene.gpu)
-		r->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
-	if (status == GW_OK)
-		status = gw_scene_check_validation(&f->scene, error);
-	f->scene.report = NULL;
+	status = bake_in_units(f, frame, r, error);
+	f->light.lights = NULL;
+	f->light.light_count = 0;
+	free(own);
 	if (status == GW_OK)
 		*result = r;
 	else
 		gw_bake_result_destroy(&r);
 	return status;
+}
+
+/* The furthest that a matrix shifts anything, metres. */
+static double reach_of(const gw_motion *motion)
+{
+	double reach = 0.0;
+	for (size_t i = 0; i < motion->mover_count * motion->frame_count; i++)
+		for (size_t row = 0; row < 3; row++)
+			reach = fmax(reach, fabs(motion->matrix[16 * i + 4 * row + 3]));
+	return reach;
+}
+
+/* Takes the scene over, in units that suit it. */
+static gw_status take_scene(gw_frames *f, const gw_moving_scene *scene,
+							const gw_bake_options *options, gw_error *error)
+{
+	const gw_motion *motion = scene->motion;
+	size_t matrices = motion->mover_count * motion->frame_count;
+	GW_TRY(gw_scaled_scene_make(&scene->scene, options, reach_of(motion), &f->units, error));
+	f->scene.options = f->units.options;
+	f->points = f->units.scene.points;
+	f->first_lights = f->units.scene.lights;
+	f->first_light_count = f->units.scene.light_count;
+	f->motion = motion;
+	if (f->units.length == 0 || matrices == 0)
+		return GW_OK;
+	f->matrix = gw_allocate_array(16 * matrices, sizeof *f->matrix);
+	if (!f->matrix)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a motion of %zu frames",
+					   motion->frame_count);
+	memcpy(f->matrix, motion->matrix, 16 * matrices * sizeof *f->matrix);
+	for (size_t i = 0; i < matrices; i++)
+		for (size_t row = 0; row < 3; row++)
+			f->matrix[16 * i + 4 * row + 3] =
+				ldexp(f->matrix[16 * i + 4 * row + 3], f->units.length);
+	f->own_motion = *motion;
+	f->own_motion.matrix = f->matrix;
+	f->motion = &f->own_motion;
+	return GW_OK;
 }
 
 gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *options,
@@ -310,6 +367,11 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames in which something moves cannot begin with a transport nor make "
 					   "one; leave it out");
+	if (options->gaps != GW_GAPS_OPEN || options->unknown)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"what scanners could not look into is not known of frames in which something "
+			"moves: leave gaps and the field unknown out");
 	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)
@@ -318,19 +380,16 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		free(f);
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for frames");
 	}
-	f->points = points;
-	f->motion = motion;
-	f->first_lights = scene->scene.lights;
-	f->first_light_count = scene->scene.light_count;
 	f->how = *how;
-	f->scene = (gw_scene){
-		.options = *options,
-	};
 	if (callbacks)
 		f->scene.callbacks = *callbacks;
 	f->light = (gw_lighting){ .scene = &f->scene };
-	*frames = f;
-	return GW_OK;
+	gw_status status = take_scene(f, scene, options, error);
+	if (status == GW_OK)
+		*frames = f;
+	else
+		gw_frames_close(&f);
+	return status;
 }
 
 double gw_frames_shared_seconds(const gw_frames *frames)
@@ -344,6 +403,8 @@ void gw_frames_close(gw_frames **frames)
 	if (f == NULL)
 		return;
 	forget(f);
+	gw_scaled_scene_clear(&f->units);
+	free(f->matrix);
 	free(f->box);
 	free(f);
 	*frames = NULL;

@@ -80,7 +80,7 @@ gw_status gw_scene_create(const gw_scene_description *description, const gw_bake
 	s->report = s->own_report;
 	if (callbacks)
 		s->callbacks = *callbacks;
-	gw_status status = gw_scaled_scene_make(description, options, &s->units, error);
+	gw_status status = gw_scaled_scene_make(description, options, 0.0, &s->units, error);
 	s->options = s->units.options;
 	if (status == GW_OK)
 		status = end(s, prepare(s, &s->units.scene, error), error);

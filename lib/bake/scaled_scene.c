@@ -4,14 +4,14 @@
 #include "bake/scaled_scene.h"
 
 #include "base/memory.h"
+#include "surfels/cloud_units.h"
 #include "surfels/surfel_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Clouds narrower than this, metres, and light beyond these are brought to about 1. */
-#define EXTENT_LEAST 0x1p-20
+/* Light beyond these is brought to about 1. */
 #define LIGHT_LEAST 0x1p-60
 #define LIGHT_MOST 0x1p60
 
@@ -71,34 +71,20 @@ static double brightest(const gw_scene_description *scene, const box *b)
 	return most;
 }
 
-static void choose_units(const gw_scene_description *scene, gw_scaled_scene *scaled)
+static void choose_units(const gw_scene_description *scene, double reach, gw_scaled_scene *scaled)
 {
 	box b = { .extent = 0.0 };
 	if (gw_finite_bounds(scene->points, b.low, b.high) == 0)
 		return;
-	for (int k = 0; k < 3; k++)
-		b.extent = fmax(b.extent, b.high[k] - b.low[k]);
+	b.extent = fmax(gw_cloud_extent(scene->points), reach);
 	if (!(b.extent > 0.0))
 		return;
-	if (b.extent < EXTENT_LEAST)
-		scaled->length = -ilogb(b.extent);
+	scaled->length = gw_length_exponent(b.extent);
 	double most = brightest(scene, &b);
 	if (!isfinite(most)) /* more than a double holds */
 		scaled->light = -1024;
 	else if (most > LIGHT_MOST || (most > 0.0 && most < LIGHT_LEAST))
 		scaled->light = -ilogb(most);
-}
-
-static double *scaled_places(const double *place, size_t count, int exponent)
-{
-	double *copy = gw_allocate_array(3 * count, sizeof *copy);
-	for (size_t i = 0; copy && i < 3 * count; i++) {
-		copy[i] = ldexp(place[i], exponent);
-		/* What is left out for being far stays far, and finite. */
-		if (!isfinite(copy[i]))
-			copy[i] = place[i];
-	}
-	return copy;
 }
 
 static float *scaled_light(const float *color, size_t count, int exponent)
@@ -136,20 +122,21 @@ float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, 
 }
 
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
-							   gw_scaled_scene *scaled, gw_error *error)
+							   double reach, gw_scaled_scene *scaled, gw_error *error)
 {
 	const gw_points *points = scene->points;
 	*scaled = (gw_scaled_scene){ .scene = *scene, .points = *points, .options = *options };
-	choose_units(scene, scaled);
+	choose_units(scene, reach, scaled);
 	if (scaled->length == 0 && scaled->light == 0)
 		return GW_OK;
 	gw_points *p = &scaled->points;
 	scaled->lights = gw_scaled_lights(scaled, scene->lights, scene->light_count);
 	scaled->scene = (gw_scene_description){ p, scaled->lights, scene->light_count };
-	p->position = scaled->position = scaled_places(points->position, points->count, scaled->length);
+	p->position = scaled->position =
+		gw_scaled_places(points->position, points->count, scaled->length);
 	if (points->scanner)
 		p->scanner = scaled->scanner =
-			scaled_places(points->scanner, points->scanner_count, scaled->length);
+			gw_scaled_places(points->scanner, points->scanner_count, scaled->length);
 	if (points->emission)
 		p->emission = scaled->emission =
 			scaled_light(points->emission, points->count, scaled->light);

@@ -23,11 +23,12 @@ typedef struct gw_scaled_scene {
 
 /*
  * Chooses the units, and copies what changes with them.
+ *   reach    metres by which something of it moves, 0 when nothing does
  *   scaled   to be freed with gw_scaled_scene_clear, also on failure; refers to what was given
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
-							   gw_scaled_scene *scaled, gw_error *error);
+							   double reach, gw_scaled_scene *scaled, gw_error *error);
 
 /* Brings a result back into the units that were given. Fails with GW_ERROR_DATA where its light is
  * more than a float32 holds. */

@@ -1,5 +1,6 @@
 /* measure.c - what a cloud looks like before it is baked; see gw_measure in glowworm.h. */
 #include "octree/octree.h"
+#include "surfels/cloud_units.h"
 #include "surfels/surfel_steps.h"
 #include "base/nth_element.h"
 
@@ -63,8 +64,9 @@ static void measure_spacing(const gw_surfels *surfels, const float *gap, gw_stat
 	statistics->density = 1 / area;
 }
 
-gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
-					 gw_error *error)
+/* Points whose lengths are multiplied by 2^exponent. */
+static gw_status measure(const gw_points *points, int exponent, uint32_t threads,
+						 gw_statistics *statistics, gw_error *error)
 {
 	whole_cloud whole = { 0 };
 	gw_surfels_options options = { .threads = threads,
@@ -74,16 +76,39 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 								   .choose_by_place = true };
 	gw_surfels surfels;
 	float *gap = NULL;
-	*statistics = (gw_statistics){ .points = points->count };
 	GW_TRY(gw_surfels_make_with_gaps(points, &options, &surfels, &gap, error));
-	statistics->finite = gw_finite_bounds(points, statistics->minimum, statistics->maximum);
 	statistics->duplicates = surfels.duplicates;
 	count_normals(points, statistics);
 	measure_spacing(&surfels, gap, statistics);
+	for (int k = 0; k < 3; k++)
+		statistics->spacing[k] = ldexp(statistics->spacing[k], -exponent);
+	statistics->density = ldexp(statistics->density, 2 * exponent);
 	statistics->depth = gw_octree_auto_depth(&surfels);
 	statistics->memory =
 		FIXED_BYTES + (uint64_t)points->count * POINT_BYTES + whole.surfels * SURFEL_BYTES;
 	free(gap);
 	gw_surfels_clear(&surfels);
 	return GW_OK;
+}
+
+gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
+					 gw_error *error)
+{
+	*statistics = (gw_statistics){ .points = points->count };
+	statistics->finite = gw_finite_bounds(points, statistics->minimum, statistics->maximum);
+	int exponent = gw_length_exponent(gw_cloud_extent(points));
+	if (exponent == 0)
+		return measure(points, 0, threads, statistics, error);
+	gw_points scaled = *points;
+	double *place = gw_scaled_places(points->position, points->count, exponent);
+	if (!place)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
+					   points->count);
+	scaled.position = place;
+	scaled.scanner = NULL; /* given normals are taken as they are */
+	scaled.scanner_count = 0;
+	scaled.scanner_of = NULL;
+	gw_status status = measure(&scaled, exponent, threads, statistics, error);
+	free(place);
+	return status;
 }
