@@ -22,6 +22,10 @@
 /* What looks like degrees: far from the origin and narrow beside that, and many times as high. */
 #define DEGREES_NARROW 0.05
 #define DEGREES_HIGH 300.0
+/* But no higher than mountains are, in metres or feet, and not in the sea off Ghana, where a small
+ * thing in metres would lie that has one point far off. */
+#define DEGREES_HIGHEST 40000.0
+#define DEGREES_AWAY 0.5
 
 static const double metres_of[COORDINATES_UNIT_COUNT] = { 1.0,    1.0,    0.001,   0.01, 1000.0,
 														  0.0254, 0.3048, US_FOOT, 1.0 };
@@ -166,8 +170,9 @@ static bool look_like_degrees(const bounds *b)
 {
 	double width = fmax(b->high[0] - b->low[0], b->high[1] - b->low[1]);
 	double away = hypot(b->low[0], b->low[1]);
+	double height = b->high[2] - b->low[2];
 	return can_be_degrees(b) && width > 0.0 && width < DEGREES_NARROW * away &&
-		   b->high[2] - b->low[2] > DEGREES_HIGH * width;
+		   away > DEGREES_AWAY && height > DEGREES_HIGH * width && height < DEGREES_HIGHEST;
 }
 
 /* A projection to metres around the middle, in which lengths are right to one in a thousand within
