@@ -5,6 +5,7 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "estimate/check_discs.h"
 #include "estimate/check_light.h"
 #include "light/direct_light.h"
 
@@ -14,16 +15,26 @@
 /* Points whose ways to the lamps are looked at. */
 #define LAMP_POINTS 512u
 
+/* Directions in which it is looked where a lamp's light goes. */
+#define LAMP_RAYS 2048u
+
+#define GOLDEN_ANGLE 2.39996323f
+#define FAR_METRES 1e30f
+
 /* Of a record's directions, so many may be gaps; the others say what surrounds them. */
 #define SHARE_MOST 0.9
 
 typedef struct work {
 	const gw_gap_error_task *task;
-	double *mean, *square; /* one a record: what it counts for in the mean over the points */
-	double *plain;         /* likewise, whatever the points reflect */
-	double *sent;          /* irradiance */
-	double radiance;       /* mean of the points */
-	double reflected;      /* mean reflectance */
+	double *mean, *square;    /* one a record: what it counts for in the mean over the points */
+	double *plain;            /* likewise, whatever the points reflect */
+	double *sent;             /* irradiance */
+	double radiance;          /* mean of the points */
+	double reflected;         /* mean reflectance */
+	double of_lamps;          /* part of radiance: lamps' light that was reflected before */
+	double of_direct, of_sky; /* sums of the points' irradiance before any reflection */
+	double contrast;          /* of reflected light: root mean square over mean */
+	double lost;              /* of the light that lamps send: is as likely to be missing */
 } work;
 
 static const double reciprocal_pi = 0.31830988618379067;
@@ -39,8 +50,13 @@ static void weigh_point(work *w, size_t i)
 	const gw_read_back *rows = t->read_back;
 	double rho = gw_luminance(t->surfels->albedo + 3 * i);
 	double light = gw_luminance(t->first + 4 * i) + gw_luminance(t->indirect + 4 * i);
-	if (t->direct)
-		light += gw_luminance(t->direct + 4 * i);
+	double lamps = t->direct ? gw_luminance(t->direct + 4 * i) : 0.0;
+	light += lamps;
+	w->of_direct += lamps;
+	w->of_sky += gw_luminance(t->first + 4 * i);
+	double reflected = reciprocal_pi * rho * gw_luminance(t->indirect + 4 * i);
+	w->of_lamps += reflected;
+	w->contrast += reflected * reflected;
 	w->radiance += reciprocal_pi * rho * light;
 	if (t->surfels->emission)
 		w->radiance += gw_luminance(t->surfels->emission + 3 * i);
@@ -74,6 +90,9 @@ static void weigh(work *w)
 	}
 	w->radiance *= share;
 	w->reflected *= share;
+	w->contrast = w->of_lamps > 0.0 ? sqrt(w->contrast / share) / w->of_lamps : 1.0;
+	if (w->of_direct > 0.0)
+		w->of_lamps *= share * w->of_direct / (w->of_direct + w->of_sky);
 }
 
 /* What a record sees but for gaps, as a mean over all of its directions. */
@@ -106,6 +125,8 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 		double full = rest / (1.0 - share), now = reciprocal_pi * w->sent[r];
 		/* Closed as they are, gaps are known no better than to half of what closes them. */
 		double off = fmax(fabs(full - now), 0.5 * (full - rest));
+		/* Panes are black now. */
+		off += M_SQRT1_2 * full * fmin((double)g->pane, SHARE_MOST);
 		report->share += w->plain[r] * (double)g->share;
 		sky += w->mean[r] * (double)g->all;
 		through += w->mean[r] * gw_luminance(g->sky);
@@ -115,11 +136,12 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 		square += w->square[r] * off * off;
 	}
 	double more = reflections(w) / w->radiance;
+	double missing = w->of_lamps / w->radiance * w->lost / (1.0 - w->lost);
 	double single = fmax(square - mean * mean, 0.0);
 	report->sky = sky > 0.0 ? through / sky : 0.0;
 	report->black = fmax(1.0 + more * black, 0.0);
 	report->bright = fmax(1.0 + more * bright, 0.0);
-	estimate->gaps = hypot(more * mean, sqrt(single) / w->radiance);
+	estimate->gaps = hypot(w->contrast * (more * mean + missing), sqrt(single) / w->radiance);
 }
 
 /* -------------------------------------------------------------------------------------- lamps */
@@ -162,6 +184,67 @@ static double share_of_lamps(const work *w, const gw_light_push *lamp, size_t la
 	return sum > 0.0 ? through / sum : 0.0;
 }
 
+/* What a ray of a lamp says about its light: how much of it should have lit something. Where only
+ * one size of the discs leaves a hole, half of it. */
+static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *way)
+{
+	const gw_check_ray ray = { .origin = way->from,
+							   .direction = way->direction,
+							   .facing = way->direction,
+							   .t_max = FAR_METRES };
+	gw_check_hit hit = gw_check_discs_trace(discs, &ray);
+	if (hit.passed_back_face)
+		return 1.0;
+	if (hit.large != GW_NONE && hit.small != GW_NONE)
+		return 0.0;
+	double leaves = hit.large == GW_NONE && hit.small == GW_NONE ? 1.0 : 0.5;
+	if (gw_scanned_space_is_gap(w->task->space, way))
+		return leaves;
+	return gw_scanned_space_is_pane(w->task->space, way) ? M_SQRT1_2 * leaves : 0.0;
+}
+
+/* Adds what a lamp sends, and what of it is lost where nothing was scanned. */
+static void follow_lamp(const work *w, const gw_check_discs *discs, const gw_light_push *lamp,
+						double *sent, double *lost)
+{
+	const gw_octree *o = w->task->on.octree;
+	const float *low = o->cube_minimum;
+	gw_vec3 at = gw_xyz(&lamp->position.x);
+	gw_way way = { .length = INFINITY };
+	way.from = gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(at, o->leaf_size));
+	for (uint32_t k = 0; k < LAMP_RAYS; k++) {
+		float z = 1.0f - (2.0f * (float)k + 1.0f) / LAMP_RAYS, r = sqrtf(1.0f - z * z), distance;
+		way.direction =
+			(gw_vec3){ r * cosf(GOLDEN_ANGLE * (float)k), r * sinf(GOLDEN_ANGLE * (float)k), z };
+		const gw_check_place place = { gw_plus(at, way.direction), gw_times(way.direction, -1.0f) };
+		gw_vec3 towards;
+		double light = gw_check_lamp_light(lamp, &place, &towards, &distance);
+		*sent += light;
+		*lost += light > 0.0 ? light * loss_of(w, discs, &way) : 0.0;
+	}
+}
+
+/* No point tells of light that went where none is. So it is looked where lamps send theirs. */
+static gw_status follow_lamps(work *w, gw_error *error)
+{
+	const gw_gap_error_task *t = w->task;
+	gw_check_discs discs;
+	double sent = 0.0, lost = 0.0;
+	if (!(w->of_lamps > 0.0) || !t->direct)
+		return GW_OK;
+	GW_TRY(gw_check_discs_open(t->on.passes->gpu, t->on.octree, t->surfels, &discs, error));
+	for (size_t i = 0; i < t->light_count; i++) {
+		if (!gw_light_shines(&t->lights[i]))
+			continue;
+		gw_light_push lamp = gw_light_push_of(&t->lights[i], t->on.octree, t->surfels, t->options);
+		if (lamp.type != GW_PUSH_SUN)
+			follow_lamp(w, &discs, &lamp, &sent, &lost);
+	}
+	gw_check_discs_clear(&discs);
+	w->lost = sent > 0.0 ? fmin(lost / sent, (double)SHARE_MOST) : 0.0;
+	return GW_OK;
+}
+
 static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *error)
 {
 	const gw_gap_error_task *t = w->task;
@@ -187,10 +270,16 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 	double *room = gw_allocate_zeros(count, 4 * sizeof *room);
 	if (!room)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
-	work w = { task, room, room + count, room + 2 * count, room + 3 * count, 0.0, 0.0 };
+	work w = { .task = task,
+			   .mean = room,
+			   .square = room + count,
+			   .plain = room + 2 * count,
+			   .sent = room + 3 * count };
 	gw_status status = gw_records_light(task->on.passes->gpu, task->on.records, w.sent, error);
-	if (status == GW_OK)
+	if (status == GW_OK) {
 		weigh(&w);
+		status = follow_lamps(&w, error);
+	}
 	if (status == GW_OK && w.radiance > 0.0)
 		sum_records(&w, report, estimate);
 	if (status == GW_OK)

@@ -4,7 +4,15 @@
  *
  * A record that sees gaps in a share of its directions is off by the difference between what they
  * send now and what the rest of its directions send on average. That is brought to the points as
- * the records' light is; what is off on average is so in every reflection.
+ * the records' light is; what is off on average is so in every reflection, and most where reflected
+ * light is bright.
+ *
+ * Where beams went out of the scene in the middle of others that found something, and no sky is
+ * there to shine, nobody knows whether that is a window or a surface that sent nothing back. As one
+ * is as likely as the other, the error is sqrt(1/2) of what a surface would bring.
+ *
+ * What a lamp sends to such places is missing in all that is reflected. No point would tell, so
+ * rays go out from the lamps, through the points' discs (check_discs.h).
  */
 #ifndef GAP_ERROR_H
 #define GAP_ERROR_H

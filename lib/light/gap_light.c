@@ -45,8 +45,11 @@ static void look_through(const work *w, size_t record)
 		float radiance[4] = { 0 };
 		gw_sky_radiance(&sky, way.direction, radiance);
 		sum->all += share * gw_luminance_of(gw_xyz(radiance));
-		if (!gw_scanned_space_is_gap(t->space, &way))
+		if (!gw_scanned_space_is_gap(t->space, &way)) {
+			bool dark = !(gw_luminance_of(gw_xyz(radiance)) > 0.0f);
+			sum->pane += dark && gw_scanned_space_is_pane(t->space, &way) ? share : 0.0f;
 			continue;
+		}
 		for (int c = 0; c < 3; c++)
 			sum->sky[c] += share * radiance[c];
 		sum->share += share;

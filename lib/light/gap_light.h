@@ -21,6 +21,8 @@ typedef struct gw_gap_sight {
 	float sky[3]; /* radiance of the sky */
 	float share;  /* of the rays */
 	float all;    /* luminance of all that it sees of the sky, through gaps or not */
+	float pane;   /* share of its rays that leave through panes where the sky is black: a window, or
+					 a surface that sent no beam back */
 } gw_gap_sight;
 
 /* Finds how much of what the records see lies behind gaps.

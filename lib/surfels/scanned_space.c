@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNKNOWN, FREE, OPEN };
+enum { UNKNOWN, FREE, PANE, OPEN };
 
 /* Points that a cell of directions holds on average, and most rows of them. */
 #define CELL_POINTS 4.0
@@ -21,8 +21,15 @@ enum { UNKNOWN, FREE, OPEN };
 /* Of its eight neighbours, so many with points make a cell without one a chance. */
 #define NEIGHBOURS_LEAST 5u
 
-#define NOTHING -1.0f /* a beam that came back from nowhere */
-#define BLIND -2.0f   /* no beam */
+#define NOTHING -1.0f  /* a beam that came back from nowhere */
+#define BLIND -2.0f    /* no beam */
+#define ENCLOSED -3.0f /* likewise, though all around it others came back from somewhere */
+
+/* Share of all directions that an enclosed piece has at most: beyond, it is the sky over a yard. */
+#define ENCLOSED_MOST 0.125
+
+/* Share of the places that is open in a closed scene, at most. */
+#define OPEN_MOST 0.1
 
 /* Steps of a way in a cell. */
 #define STEP 0.5f
@@ -147,6 +154,63 @@ static void close_holes(scanner *s)
 		}
 }
 
+/* Puts a cell on the stack if nothing came back there and it is not there yet. */
+static size_t push_cell(scanner *s, size_t cell, uint32_t *stack, size_t top)
+{
+	if (s->depth[cell] != NOTHING)
+		return top;
+	s->depth[cell] = ENCLOSED;
+	stack[top] = (uint32_t)cell;
+	return top + 1;
+}
+
+/* Marks the piece of NOTHING around a cell as ENCLOSED. The stack keeps all of it, `count` cells.
+ * False when it reaches the highest or lowest directions, or those without a beam, or is large. */
+static bool mark_piece(scanner *s, size_t first, uint32_t *stack, size_t *count)
+{
+	uint32_t columns = 2 * s->rows;
+	double share = 0.0;
+	bool enclosed = true;
+	size_t top = push_cell(s, first, stack, 0);
+	for (size_t i = 0; i < top; i++) {
+		uint32_t row = stack[i] / columns, column = stack[i] % columns;
+		size_t start = (size_t)row * columns;
+		share += sin(M_PI * (row + 0.5) / s->rows);
+		top = push_cell(s, start + (column + 1) % columns, stack, top);
+		top = push_cell(s, start + (column + columns - 1) % columns, stack, top);
+		if (row == 0 || row + 1 == s->rows) {
+			enclosed = false;
+			continue;
+		}
+		top = push_cell(s, start - columns + column, stack, top);
+		top = push_cell(s, start + columns + column, stack, top);
+		enclosed = enclosed && s->depth[start + columns + column] != BLIND;
+	}
+	*count = top;
+	return enclosed && share * M_PI / (4.0 * s->rows * s->rows) <= ENCLOSED_MOST;
+}
+
+/* Finds the pieces of directions from which nothing came back, though all around them it did. */
+static bool find_enclosed(scanner *s)
+{
+	size_t cells = 2 * (size_t)s->rows * s->rows, count;
+	uint32_t *stack = gw_allocate_array(cells, sizeof *stack);
+	if (!stack)
+		return false;
+	for (size_t c = 0; c < cells; c++)
+		s->second[c] = 0.0f; /* whether its piece is known to be none; holes are closed by now */
+	for (size_t c = 0; c < cells; c++) {
+		if (s->depth[c] != NOTHING || s->second[c] > 0.0f || mark_piece(s, c, stack, &count))
+			continue;
+		for (size_t i = 0; i < count; i++) {
+			s->depth[stack[i]] = NOTHING;
+			s->second[stack[i]] = 1.0f;
+		}
+	}
+	free(stack);
+	return true;
+}
+
 /* ------------------------------------------------------------------------------------- scanners */
 
 static int by_points(const void *left, const void *right)
@@ -203,9 +267,12 @@ static bool make_depths(work *w)
 	}
 	for (size_t i = 0; i < w->points->count; i++)
 		add_point(w, i);
-	for (size_t i = 0; i < w->scanners; i++)
+	bool good = true;
+	for (size_t i = 0; i < w->scanners && good; i++) {
 		close_holes(&w->scanner[i]);
-	return true;
+		good = find_enclosed(&w->scanner[i]);
+	}
+	return good;
 }
 
 /* ----------------------------------------------------------------------------------------- cells
@@ -224,7 +291,9 @@ static uint8_t look_at(const work *w, const float place[3])
 		float depth = w->scanner[i].depth[cell_of(&w->scanner[i], way, distance)];
 		if (depth == NOTHING)
 			state = OPEN;
-		else if (distance < depth + 0.5f * w->space->cell)
+		else if (depth == ENCLOSED)
+			state = PANE;
+		else if (state == UNKNOWN && distance < depth + 0.5f * w->space->cell)
 			state = FREE;
 	}
 	return state;
@@ -267,7 +336,7 @@ static void mark_points(const work *w)
 			w->space->state[cell_at(w->space, at)] = FREE;
 }
 
-/* One cell more than the points take on every side. */
+/* Two cells more than the points take on every side: the first of them may count as seen. */
 static bool make_grid(work *w)
 {
 	gw_scanned_space *space = w->space;
@@ -278,12 +347,20 @@ static bool make_grid(work *w)
 	space->cell = longest / (float)GW_SPACE_CELLS;
 	size_t cells = 1;
 	for (int k = 0; k < 3; k++) {
-		space->low[k] = s->minimum[k] - space->cell;
-		space->cells[k] = (uint32_t)((s->maximum[k] - s->minimum[k]) / space->cell) + 3;
+		space->low[k] = s->minimum[k] - 2.0f * space->cell;
+		space->cells[k] = (uint32_t)((s->maximum[k] - s->minimum[k]) / space->cell) + 5;
 		cells *= space->cells[k];
 	}
 	space->state = gw_allocate_zeros(cells, sizeof *space->state);
 	return space->state != NULL;
+}
+
+static void find_closed(gw_scanned_space *space)
+{
+	size_t cells = (size_t)space->cells[0] * space->cells[1] * space->cells[2], open = 0;
+	for (size_t i = 0; i < cells; i++)
+		open += space->state[i] == OPEN;
+	space->closed = (double)open < OPEN_MOST * (double)cells;
 }
 
 gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfels,
@@ -300,6 +377,7 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 	if (made && w.scanners > 0) {
 		gw_parallel_for(threads, space->cells[2], 1, look_at_layers, &w);
 		mark_points(&w);
+		find_closed(space);
 		space->scanners = (uint32_t)w.scanners;
 	}
 	for (size_t i = 0; i < w.scanners; i++)
@@ -322,21 +400,37 @@ void gw_scanned_space_clear(gw_scanned_space *space)
 /* ------------------------------------------------------------------------------------------ ways
  */
 
-bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way)
+/* Ends of a way: what the last of its places is, and the last that is known. */
+typedef struct way_end {
+	uint8_t now, known;
+	bool passed; /* so many unknown places that it is a gap */
+} way_end;
+
+static way_end follow(const gw_scanned_space *space, const gw_way *way)
 {
-	uint8_t last = UNKNOWN, now = UNKNOWN;
+	way_end end = { UNKNOWN, UNKNOWN, false };
 	uint32_t at[3], unknown = 0;
-	if (space->scanners == 0)
-		return false;
-	for (float t = space->cell; t < way->length; t += STEP * space->cell) {
+	for (float t = space->cell; space->scanners > 0 && t < way->length; t += STEP * space->cell) {
 		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
 		if (!find_cell(space, (const float[]){ place.x, place.y, place.z }, at))
 			break;
-		now = space->state[cell_at(space, at)];
-		last = now != UNKNOWN ? now : last;
-		unknown = now == UNKNOWN ? unknown + 1 : 0;
-		if (isfinite(way->length) && unknown >= UNKNOWN_STEPS)
-			return true;
+		end.now = space->state[cell_at(space, at)];
+		end.known = end.now != UNKNOWN ? end.now : end.known;
+		unknown = end.now == UNKNOWN ? unknown + 1 : 0;
+		end.passed = end.passed || unknown >= UNKNOWN_STEPS;
 	}
-	return !isfinite(way->length) && now == UNKNOWN && last == FREE;
+	return end;
+}
+
+bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way)
+{
+	way_end end = follow(space, way);
+	return isfinite(way->length) ? end.passed : end.now == UNKNOWN && end.known == FREE;
+}
+
+bool gw_scanned_space_is_pane(const gw_scanned_space *space, const gw_way *way)
+{
+	way_end end = follow(space, way);
+	bool narrow = space->closed && end.known == FREE && end.now == FREE;
+	return !isfinite(way->length) && (end.known == PANE || narrow);
 }

@@ -6,6 +6,7 @@
  *
  *   free      if a beam crossed it, or a point lies there
  *   open      if a beam of a scanner went there and out of the scene without finding anything
+ *   a pane    likewise, where all around such beams others found something
  *   unknown   otherwise: every scanner has something in front of it
  *
  * For this, each scanner's points are sorted by direction, into cells of equal angles that hold
@@ -16,7 +17,8 @@
  *
  * A ray that leaves the scene passes a gap if the last of the known places on its way was free, and
  * all behind it is unknown: nobody looked there, because something stood in front of it. Through
- * windows somebody looked: there the last known place is open.
+ * windows somebody looked: there the last known place is open, or a pane. But what is black, wet
+ * or mirrors sends no beam back either, so that a pane may be a surface.
  */
 #ifndef SCANNED_SPACE_H
 #define SCANNED_SPACE_H
@@ -37,6 +39,7 @@ typedef struct gw_scanned_space {
 	float cell;        /* metres */
 	uint8_t *state;    /* one a cell */
 	uint32_t scanners; /* that were looked at */
+	bool closed;       /* hardly a place is open: a building from inside */
 } gw_scanned_space;
 
 /*
@@ -58,5 +61,9 @@ typedef struct gw_way {
 /* Whether light along it comes through a gap. Of a way that ends, whether two cells of it in a row
  * or more are unknown. */
 bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way);
+
+/* Whether light along a way that leaves the scene, by no gap, comes through a pane; in a closed
+ * scene, also through what is too narrow for the cells of directions to tell. */
+bool gw_scanned_space_is_pane(const gw_scanned_space *space, const gw_way *way);
 
 #endif
