@@ -278,7 +278,7 @@ gw_patch_groups *gw_patch_groups_make(size_t count, gw_patch_border *borders, si
 		w->sign[i] = 1;
 		w->group[i] = i;
 	}
-	if (made)
+	if (made && w->all_count > 0)
 		memcpy(w->borders, w->all, w->all_count * sizeof *w->all);
 	if (!made || !join_all(w)) {
 		gw_patch_groups_free(w);
