@@ -40,7 +40,7 @@ class Error(c.Structure):  # gw_error
 
 
 class Estimate(c.Structure):  # gw_error_estimate
-    _fields_ = [("points", c.c_uint32), ("relative_rms", c.c_double), ("parts", c.c_double * 8)]
+    _fields_ = [("points", c.c_uint32), ("relative_rms", c.c_double), ("parts", c.c_double * 11)]
 
 
 library = c.CDLL(os.environ.get("GLOWWORM_LIBRARY", "libglowworm.so.0.1"))
