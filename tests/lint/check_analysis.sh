@@ -10,7 +10,8 @@ check_findings() {
 	local file
 	list_sources | grep -E '^(lib|formats|cli|samples)/.*\.(c|cpp)$' | while read -r file; do
 		if [ "${file##*/}" = kernel.cpp ]; then
-			cat "$build"/analysis/kernels/*.txt || echo "$file: was not analysed; run make lint"
+			find "$build/analysis/kernels" -name '*.txt' -exec cat {} + ||
+				echo "$file: was not analysed; run make lint"
 		elif [ ! -f "$build/analysis/$file.txt" ]; then
 			echo "$file: was not analysed; run make lint"
 		else
