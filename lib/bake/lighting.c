@@ -203,7 +203,7 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .threads = s->options.threads };
 	free(lighting->gap);
 	lighting->gap = NULL;
-	if (s->space.scanners == 0)
+	if (!gw_scanned_space_known(&s->space))
 		return GW_OK;
 	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
 	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
