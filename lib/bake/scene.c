@@ -7,8 +7,8 @@
 #include "glowworm_host.h"
 #include "base/memory.h"
 #include "bake/report.h"
+#include "cloud/frame.h"
 #include "surfels/surface_holes.h"
-#include "surfels/surfel_steps.h"
 
 #include <inttypes.h>
 #include <math.h>
