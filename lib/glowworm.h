@@ -293,8 +293,8 @@ typedef struct gw_bake_options {
 								 starts */
 	float time_limit;         /* above 0: refines as long as the next round will end within so many
 								 seconds of the call; the first round is made in any case */
-	gw_gaps gaps;       /* what gathered light finds in gaps; of GW_METHOD_RAYS. Lamps and suns
-						   shine through them whatever this says */
+	gw_gaps gaps;       /* what gathered light finds in gaps; of GW_METHOD_RAYS. Where they are not
+						   open, lamps and suns do not shine through them either */
 	float gap_radiance; /* W/(sr m^2), with GW_GAPS_BLACK: what gaps send instead of nothing;
 						   not together with lamps */
 	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
@@ -411,9 +411,9 @@ typedef struct gw_gap_report {
 	 * middle, metres. With neither scanners nor holes all below is 0. */
 	uint32_t holes;
 	double hole_width, hole_place[3];
-	double share;      /* of the directions that points gather light from, weighted as irradiance */
-	double sky;        /* of the light that the sky brings: comes through gaps, were they open */
-	double lamps;      /* of the light of lamps and suns: passes what no scanner saw */
+	double share; /* of the directions that points gather light from, weighted as irradiance */
+	double sky;   /* of the light that the sky brings: comes through gaps, were they open */
+	double lamps; /* of the light of lamps and suns: passes them, where they are open */
 	/* The mean radiance over what it is, if gaps were black, and if they were as bright as what
 	 * surrounds them. */
 	double black, bright;
@@ -691,7 +691,7 @@ typedef struct gw_frames gw_frames;
 /*
  * Begins. Every mover is a surface of its own: what touches it or passes by alters neither its
  * discs nor the other's. The octree's cube and leaves are the same in all frames.
- *   options  as of gw_bake, without max_error, time_limit, transport, gaps and unknown; an error is
+ *   options  as of gw_bake, without max_error, time_limit and transport; an error is
  *            estimated for the first frame that is baked
  *   frames   on success to be closed with gw_frames_close; NULL on failure
  * Fails as gw_bake; GW_ERROR_DATA when a matrix does more than it may.

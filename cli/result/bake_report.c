@@ -351,42 +351,50 @@ static void note_sides(const gw_report *r)
 			text_percent(r->error.sides_share, percent));
 }
 
+static const char *how_to_close(const settings *s)
+{
+	if (s->bake.method == GW_METHOD_CONES)
+		return "cones leave them open, --method rays --gaps mean closes them";
+	return s->bake.gaps == GW_GAPS_OPEN ? "--gaps closes them" : "--gaps has closed them";
+}
+
 /* Where light comes through holes of the surface, which may be windows. */
-static void note_holes(const gw_report *r)
+static void note_holes(const settings *s, const gw_report *r)
 {
 	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], sky[TEXT_PERCENT], black[TEXT_PERCENT],
 		bright[TEXT_PERCENT];
 	const double *at = r->gaps.hole_place;
 	fprintf(stderr,
-			"glowworm: note: the surface has %" PRIu32 " hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
+			"glowworm: note: the surface has %" PRIu32
+			" hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
 			"%s %% of the directions that light is gathered from, %s %% of the sky's light and "
 			"%s %% of what lamps and suns send pass there; were they black, the light would be "
 			"%s %% of what it is, as bright as what surrounds them, %s %%; nobody knows which of "
-			"them are windows: --scanner says what was looked at, --gaps closes all of them\n",
+			"them are windows: --scanner says what was looked at, %s\n",
 			r->gaps.holes, r->gaps.holes == 1 ? "" : "s", r->gaps.hole_width, at[0], at[1], at[2],
 			text_percent(r->gaps.share, share), text_percent(r->gaps.sky, sky),
 			text_percent(r->gaps.lamps, lamps), text_percent(r->gaps.black, black),
-			text_percent(r->gaps.bright, bright));
+			text_percent(r->gaps.bright, bright), how_to_close(s));
 }
 
 /* Where light comes through what no scanner looked at. */
-static void note_gaps(const gw_report *r)
+static void note_gaps(const settings *s, const gw_report *r)
 {
 	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], black[TEXT_PERCENT], bright[TEXT_PERCENT];
 	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST && r->gaps.sky < GAPS_LEAST)
 		return;
 	if (r->gaps.scanners == 0) {
-		note_holes(r);
+		note_holes(s, r);
 		return;
 	}
 	fprintf(
 		stderr,
 		"glowworm: note: %s %% of the directions that light is gathered from, and %s %% of what "
 		"lamps and suns send, pass gaps that no scanner looked at: were they black, the light "
-		"would be %s %% of what it is, as bright as what surrounds them, %s %%; --gaps closes "
-		"them, --fields unknown says where\n",
+		"would be %s %% of what it is, as bright as what surrounds them, %s %%; %s, --fields "
+		"unknown says where\n",
 		text_percent(r->gaps.share, share), text_percent(r->gaps.lamps, lamps),
-		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright));
+		text_percent(r->gaps.black, black), text_percent(r->gaps.bright, bright), how_to_close(s));
 }
 
 /* What was asked for gaps, where none can be known. */
@@ -410,7 +418,7 @@ void bake_report_notes(const bake_facts *f)
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	note_geometry(r);
 	note_sides(r);
-	note_gaps(r);
+	note_gaps(f->settings, r);
 	note_no_scanner(f->settings, r);
 	if (f->vdb_clamped)
 		fprintf(stderr,

@@ -70,6 +70,8 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
+	if (status == GW_OK)
+		status = gw_scene_find_space(&f->scene, f->points, error);
 	f->made = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;
@@ -83,7 +85,7 @@ static bool shares(const gw_frames *f)
 static bool needs_places(const gw_frames *f)
 {
 	const gw_bake_options *o = &f->scene.options;
-	return f->light.plan.records || o->ambient_occlusion || o->errors;
+	return f->light.plan.records || o->ambient_occlusion || o->errors || o->unknown;
 }
 
 static void drop_geometry(gw_frames *f)
@@ -220,7 +222,7 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	if (o->ambient_occlusion || o->errors)
+	if (o->ambient_occlusion || o->errors || o->unknown)
 		GW_TRY(gw_record_fields_collect(&f->light, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
@@ -241,6 +243,7 @@ static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_er
 	if (!f->made)
 		GW_TRY(make_surfels(f, error));
 	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
+	gw_scene_report_space(&f->scene);
 	gw_lighting_plan(&f->light);
 	GW_TRY(build(f, frame, error));
 	GW_TRY(stage(f, "direct light", 0.35, error));
@@ -367,11 +370,6 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "frames in which something moves cannot begin with a transport nor make "
 					   "one; leave it out");
-	if (options->gaps != GW_GAPS_OPEN || options->unknown)
-		return gw_fail(
-			error, GW_ERROR_USAGE,
-			"what scanners could not look into is not known of frames in which something "
-			"moves: leave gaps and the field unknown out");
 	GW_TRY(gw_motion_check(points, motion, error));
 	gw_frames *f = gw_allocate_zeros(1, sizeof *f);
 	if (f)

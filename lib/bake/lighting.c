@@ -58,6 +58,14 @@ static gw_status darken(gw_lighting *lighting, gw_buffer_kind kind, uint64_t cou
 							error);
 }
 
+/* Whose gaps are closed; NULL when they are open, or none is known. */
+static const gw_scanned_space *closed_space(const gw_scene *scene)
+{
+	return scene->options.gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space)
+			   ? &scene->space
+			   : NULL;
+}
+
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
@@ -66,7 +74,8 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 				  &lighting->surfel_direct, error));
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
 				  &lighting->facet_direct, error));
-	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options };
+	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options,
+								 closed_space(scene) };
 	bool off = lighting->plan.lamps && lighting->whole == NULL &&
 			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
 	if (off)
@@ -207,9 +216,9 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 		return GW_OK;
 	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
 	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
-		status = gw_gap_light_close(&on, lighting->gap,
-									s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
-									!lighting->plan.emitters, error);
+		status =
+			gw_gap_light_close(&on, lighting->gap, s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
+							   !lighting->plan.emitters, &s->records.first, error);
 	return status;
 }
 
@@ -537,6 +546,7 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 										.options = o,
 										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 										.seen = s->space.scanners > 0,
+										.closed = closed_space(s),
 										.hits = &s->check_points };
 		status = gw_estimate_error(&task, &s->report->error, error);
 		if (status == GW_OK && lighting->gap)

@@ -239,20 +239,24 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	r->spacing = (double)s->spacing;
 }
 
-static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *error)
+void gw_scene_report_space(const gw_scene *scene)
 {
 	const gw_scanned_space *space = &scene->space;
 	gw_gap_report *gaps = &scene->report->gaps;
-	GW_TRY(gw_scanned_space_make(points, &scene->surfels, scene->options.threads, &scene->space,
-								 error));
-	if (space->scanners == 0)
-		GW_TRY(gw_surface_holes_find(&scene->surfels, scene->options.threads, &scene->space,
-									 error));
 	gaps->scanners = space->scanners;
 	gaps->holes = space->holes;
 	gaps->hole_width = (double)space->hole_width;
 	for (int k = 0; k < 3; k++)
 		gaps->hole_place[k] = scene->surfels.origin[k] + (double)space->hole_place[k];
+}
+
+gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	GW_TRY(gw_scanned_space_make(points, &scene->surfels, o->threads, &scene->space, error));
+	if (scene->space.scanners == 0)
+		GW_TRY(gw_surface_holes_find(&scene->surfels, o->threads, &scene->space, error));
+	gw_scene_report_space(scene);
 	return GW_OK;
 }
 
@@ -267,7 +271,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 								   .user = scene };
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
-	return find_space(scene, from->points, error);
+	return gw_scene_find_space(scene, from->points, error);
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -460,7 +464,7 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	gw_report_surfels(scene->report, &scene->surfels, points);
 	gw_scene_report_octree(scene);
 	scene->report->records = scene->records.count;
-	GW_TRY(find_space(scene, points, error));
+	GW_TRY(gw_scene_find_space(scene, points, error));
 	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
 	return make_pools(scene, error);
 }

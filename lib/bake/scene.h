@@ -113,6 +113,12 @@ gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
  */
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error);
 
+/* Finds out what scanners saw of the space between the surfels, or where these have holes. */
+gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error);
+
+/* Writes what is known of it into the report; finding does so, too. */
+void gw_scene_report_space(const gw_scene *scene);
+
 /* Writes what was repaired into a report. */
 void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_points *points);
 

@@ -4,6 +4,7 @@
 #include "estimate/error_estimate.h"
 
 #include "light/bounces.h"
+#include "light/gap_light.h"
 #include "estimate/emission_error.h"
 #include "estimate/geometry_error.h"
 #include "base/luminance.h"
@@ -174,6 +175,26 @@ static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint
 	return status;
 }
 
+/* What was gathered, with gaps closed as the bake closes them (gap_light.h). */
+static gw_status close_gaps(const gw_estimate_task *task, const gw_ray_gather *rays, bool first,
+							gw_records *place, gw_error *error)
+{
+	const gw_record_context on = { task->passes, task->octree, place };
+	const gw_bake_options *o = task->options;
+	const gw_gap_task look = { &on, rays, task->closed, task->sky, task->map, task->threads };
+	const float fill[3] = { o->gap_radiance, o->gap_radiance, o->gap_radiance };
+	bool mean = o->gaps == GW_GAPS_MEAN;
+	gw_gap_sight *gap;
+	if (!first && !mean)
+		return GW_OK;
+	GW_TRY(gw_gap_light_find(&look, &gap, error));
+	gw_status status = first ? gw_gap_light_close(&on, gap, mean ? NULL : fill,
+												  !task->surfels->emission, &place->gathered, error)
+							 : gw_gap_light_fill(&on, gap, &place->gathered, error);
+	free(gap);
+	return status;
+}
+
 /* Light straight from some emitters, or from what facets reflect, added to e->half[half]. */
 static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *rays, int half,
 							 const gw_sampled_sources *sources, estimate *e, gw_error *error)
@@ -181,6 +202,8 @@ static gw_status gather_from(const gw_estimate_task *task, const gw_ray_gather *
 	gw_records *place = &e->place;
 	const gw_record_context on = { task->passes, task->octree, place };
 	GW_TRY(gw_ray_gather_sampled(&on, rays, sources, &place->gathered, error));
+	if (task->closed)
+		GW_TRY(close_gaps(task, rays, sources->emitters == task->emitters, place, error));
 	return download_added(task->passes->gpu, &place->gathered, e->half[half], place->count, error);
 }
 
@@ -478,7 +501,8 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 									 .direct = shadows ? task->direct : NULL,
 									 .lights = task->lights,
 									 .light_count = task->light_count,
-									 .options = task->options };
+									 .options = task->options,
+									 .closed = task->closed };
 	if (status == GW_OK)
 		status = gw_geometry_error(&check, &rms, error);
 	if (status == GW_OK)

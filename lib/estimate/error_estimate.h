@@ -25,6 +25,7 @@
 #include "light/gather_rays.h"
 #include "estimate/check_point_hits.h"
 #include "light/read_back.h"
+#include "surfels/scanned_space.h"
 
 typedef struct gw_estimate_task {
 	gw_passes *passes;
@@ -51,9 +52,10 @@ typedef struct gw_estimate_task {
 	const gw_light *lights;       /* light_count: what shines */
 	size_t light_count;
 	const gw_bake_options *options;
-	bool seen;                 /* scanners are known */
-	uint32_t limit;            /* reflections, or GW_BOUNCES_AUTO */
-	gw_check_point_hits *hits; /* what is known of what points see; theirs in the end */
+	bool seen;                      /* scanners are known */
+	const gw_scanned_space *closed; /* NULL, or whose gaps are closed as options say */
+	uint32_t limit;                 /* reflections, or GW_BOUNCES_AUTO */
+	gw_check_point_hits *hits;      /* what is known of what points see; theirs in the end */
 } gw_estimate_task;
 
 /* Rays of each of the two gathers of a point, where a record has so many. */

@@ -33,10 +33,11 @@ typedef struct work {
 	double reflected;         /* mean reflectance */
 	double of_lamps;          /* part of radiance: lamps' light that was reflected before */
 	double of_direct, of_sky; /* sums of the points' irradiance before any reflection */
-	double contrast;          /* of reflected light: root mean square over mean */
-	double lost;              /* of the light that lamps send: is as likely to be missing */
-	bool guessed;             /* gaps are holes, which may as well be windows */
-	bool sky_shines;          /* through some of them, so that they are */
+	double shone;    /* part of radiance: of lamps and suns straight, not reflected again */
+	double contrast; /* of reflected light: root mean square over mean */
+	double lost;     /* of the light that lamps send: is as likely to be missing */
+	bool guessed;    /* gaps are holes, which may as well be windows */
+	bool sky_shines; /* through some of them, so that they are */
 } work;
 
 static const double reciprocal_pi = 0.31830988618379067;
@@ -56,6 +57,7 @@ static void weigh_point(work *w, size_t i)
 	light += lamps;
 	w->of_direct += lamps;
 	w->of_sky += gw_luminance(t->first + 4 * i);
+	w->shone += reciprocal_pi * rho * lamps;
 	double reflected = reciprocal_pi * rho * gw_luminance(t->indirect + 4 * i);
 	w->of_lamps += reflected;
 	w->contrast += reflected * reflected;
@@ -92,6 +94,7 @@ static void weigh(work *w)
 	}
 	w->radiance *= share;
 	w->reflected *= share;
+	w->shone *= share;
 	w->contrast = w->of_lamps > 0.0 ? sqrt(w->contrast / share) / w->of_lamps : 1.0;
 	if (w->of_direct > 0.0)
 		w->of_lamps *= share * w->of_direct / (w->of_direct + w->of_sky);
@@ -255,7 +258,7 @@ static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *e
 {
 	const gw_gap_error_task *t = w->task;
 	size_t lamps = 0;
-	if (!t->direct)
+	if (!t->direct || t->options->gaps != GW_GAPS_OPEN)
 		return GW_OK;
 	gw_light_push *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
@@ -264,6 +267,10 @@ static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *e
 		if (gw_light_shines(&t->lights[i]))
 			lamp[lamps++] = gw_light_push_of(&t->lights[i], t->on.octree, t->surfels, t->options);
 	report->lamps = share_of_lamps(w, lamp, lamps);
+	/* Of black gaps, and of bright ones, no lamp shines through. */
+	double lost = w->radiance > 0.0 ? reflections(w) * report->lamps * w->shone / w->radiance : 0.0;
+	report->black = fmax(report->black - lost, 0.0);
+	report->bright = fmax(report->bright - lost, 0.0);
 	free(lamp);
 	return GW_OK;
 }

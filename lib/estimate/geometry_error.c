@@ -298,6 +298,9 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
 	const gw_check_place lit = { place, { shone_on[0], shone_on[1], shone_on[2] } };
 	double whole = gw_check_lamp_light(lamp, &lit, &towards, &distance);
+	gw_way way = gw_light_way(lamp, o, s, surfel);
+	if (whole > 0.0 && c->task->closed && gw_scanned_space_is_gap(c->task->closed, &way))
+		return;
 	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
 		float range;
 		gw_check_ray ray = { .origin = at,

@@ -21,6 +21,7 @@
 #include "estimate/check_discs.h"
 #include "light/gather_rays.h"
 #include "light/read_back.h"
+#include "surfels/scanned_space.h"
 
 typedef struct gw_geometry_task {
 	gw_gpu *gpu;
@@ -46,6 +47,7 @@ typedef struct gw_geometry_task {
 	const gw_light *lights; /* light_count */
 	size_t light_count;
 	const gw_bake_options *options;
+	const gw_scanned_space *closed; /* NULL, or whose gaps hide lamps */
 } gw_geometry_task;
 
 /*

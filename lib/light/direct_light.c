@@ -5,6 +5,7 @@
 #include "light/direct_light.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "normals/normal_error.h"
 #include "light/transport_layout.h"
 
@@ -18,6 +19,7 @@
 #define PENUMBRA_RAYS 16u
 
 #define UPLOAD_SURFELS 65536u /* at a time */
+#define CLOSED_SURFELS 1024u  /* likewise, for a thread */
 
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
 						   const char *remedy, gw_error *error)
@@ -214,6 +216,64 @@ static gw_status find_visibility(const gw_lit_cloud *cloud, const gw_light_push 
 	return GW_OK;
 }
 
+gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const gw_surfels *surfels,
+					size_t surfel)
+{
+	gw_way way = { .from = gw_xyz(surfels->position + 3 * surfel), .length = INFINITY };
+	if (light->type == GW_PUSH_SUN) {
+		way.direction = gw_times(gw_xyz(&light->direction.x), -1.0f);
+		return way;
+	}
+	gw_vec3 to = gw_plus(gw_xyz(octree->cube_minimum),
+						 gw_times(gw_xyz(&light->position.x), octree->leaf_size));
+	gw_vec3 along = gw_minus(to, way.from);
+	way.length = sqrtf(gw_dot(along, along));
+	way.direction = gw_times(along, way.length > 0.0f ? 1.0f / way.length : 0.0f);
+	return way;
+}
+
+typedef struct closing {
+	const gw_lit_cloud *cloud;
+	const gw_light_push *push;
+	float *visibility;
+} closing;
+
+static void close_ways(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const closing *c = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		if (!(c->visibility[i] > 0.0f))
+			continue;
+		gw_way way = gw_light_way(c->push, c->cloud->octree, c->cloud->surfels, i);
+		if (gw_scanned_space_is_gap(c->cloud->closed, &way))
+			c->visibility[i] = 0.0f;
+	}
+}
+
+/* What comes through gaps is hidden. */
+static gw_status close_gaps(const gw_lit_cloud *cloud, const gw_light_push *push,
+							gw_buffer *visibility, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	size_t count = cloud->surfels->count;
+	if (!cloud->closed || cloud->options->shadows == GW_SHADOWS_NONE)
+		return GW_OK;
+	closing c = { cloud, push, gw_allocate_array(count, sizeof *c.visibility) };
+	if (!c.visibility)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the lamps of %zu surfels",
+					   count);
+	gw_status status =
+		gw_buffer_download(gpu, visibility, 0, c.visibility, count * sizeof *c.visibility, error);
+	if (status == GW_OK) {
+		gw_parallel_for(cloud->options->threads, count, CLOSED_SURFELS, close_ways, &c);
+		status =
+			gw_buffer_upload(gpu, visibility, 0, c.visibility, count * sizeof *c.visibility, error);
+	}
+	free(c.visibility);
+	return status;
+}
+
 static gw_status add_irradiance(const gw_lit_cloud *cloud, const gw_light_push *push,
 								const gw_buffer *normal, const gw_buffer *visibility,
 								gw_buffer *irradiance, gw_error *error)
@@ -257,6 +317,8 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 		gw_light_push push =
 			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
 		status = find_visibility(cloud, &push, normal, &visibility, error);
+		if (status == GW_OK)
+			status = close_gaps(cloud, &push, &visibility, error);
 		if (status == GW_OK)
 			status = add_irradiance(cloud, &push, normal, &visibility, to->surfels, error);
 		if (status == GW_OK && to->turned)

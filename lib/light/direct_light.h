@@ -20,6 +20,10 @@ bool gw_light_shines(const gw_light *light);
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options);
 
+/* The straight way from a surfel to the middle of a light. */
+gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const gw_surfels *surfels,
+					size_t surfel);
+
 /* Where the light of lamps goes. */
 typedef struct gw_direct_irradiance {
 	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */

@@ -137,7 +137,7 @@ static float left_of(const gw_gap_sight *gap, float first, float through, const 
 }
 
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
-							 const float *fill, bool alone, gw_error *error)
+							 const float *fill, bool alone, gw_buffer *to, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	size_t count = on->records->count;
@@ -146,7 +146,7 @@ gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *ga
 	if (!first)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
 	float *normal = first + 4 * count, mean_share = share_of_all(gap, count);
-	gw_status status = gw_buffer_download(gpu, &on->records->first, 0, first, bytes, error);
+	gw_status status = gw_buffer_download(gpu, to, 0, first, bytes, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, &on->records->normal, 0, normal, bytes, error);
 	for (size_t i = 0; i < 4 * count && status == GW_OK; i++) {
@@ -160,7 +160,7 @@ gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *ga
 			first[i] = rest * enlarged(share);
 	}
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &on->records->first, 0, first, bytes, error);
+		status = gw_buffer_upload(gpu, to, 0, first, bytes, error);
 	free(first);
 	return status;
 }

@@ -30,15 +30,15 @@ typedef struct gw_gap_sight {
 gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_error *error);
 
 /*
- * Closes the gaps: what came through them is taken off records->first, and something else put
- * there.
+ * Closes the gaps: what came through them is taken off what records gathered from emitters and sky,
+ * and something else put there.
  *   gap     as found
- *   fill    radiance of what closes them; NULL: as bright as what else the record sees of this light
- *   alone   nothing emits but the sky: then it is a share that is taken off, so that portals, which
- *           were sampled beside the rays, do not matter
+ *   fill    radiance of what closes them; NULL: as bright as what else the record sees of this
+ * light alone   nothing emits but the sky: then it is a share that is taken off, so that portals,
+ * which were sampled beside the rays, do not matter to      vec4 a record: what they gathered
  */
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
-							 const float *fill, bool alone, gw_error *error);
+							 const float *fill, bool alone, gw_buffer *to, gw_error *error);
 
 /* What records gathered from surfaces, as if gaps were as bright as these: by the share of their
  * rays that met some. gathered   vec4 a record */

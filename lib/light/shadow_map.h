@@ -12,6 +12,8 @@
 #ifndef SHADOW_MAP_H
 #define SHADOW_MAP_H
 
+#include "surfels/scanned_space.h"
+
 #include "octree/octree_bindings.h"
 #include "light/transport_layout.h"
 
@@ -24,6 +26,7 @@ typedef struct gw_lit_cloud {
 	const gw_octree *octree;   /* of these surfels */
 	const gw_surfels *surfels; /* which give the local frame and the bounds */
 	const gw_bake_options *options;
+	const gw_scanned_space *closed; /* NULL, or whose gaps hide lamps and suns (direct_light.h) */
 } gw_lit_cloud;
 
 /*

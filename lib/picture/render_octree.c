@@ -175,7 +175,7 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  const gw_light *light, const gw_bake_options *options,
 								  float *share, gw_error *error)
 {
-	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options };
+	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options, NULL };
 	return gw_light_share(&cloud, light, share, error);
 }
 

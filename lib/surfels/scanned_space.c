@@ -4,6 +4,7 @@
 #include "surfels/scanned_space.h"
 
 #include "base/memory.h"
+#include "normals/scanner_sight.h"
 #include "base/parallel.h"
 #include "base/shared_math.h"
 
@@ -58,7 +59,8 @@ typedef struct work {
 	const gw_surfels *surfels;
 	scanner *scanner; /* scanners */
 	size_t scanners;
-	uint32_t *kept; /* points->scanner_count: which of them, or UINT32_MAX */
+	uint32_t *kept;       /* points->scanner_count: which of them, or UINT32_MAX */
+	uint32_t *scanner_of; /* surfels->count: who saw each, of points->scanner */
 	gw_scanned_space *space;
 } work;
 
@@ -87,34 +89,14 @@ static size_t cell_of(const scanner *s, const float way[3], float distance)
 	return (size_t)row * columns + column;
 }
 
-/* Which scanner saw a point: the one that is named, or the nearest. */
-static size_t scanner_of(const gw_points *p, size_t point)
-{
-	size_t nearest = 0;
-	double least = INFINITY;
-	if (p->scanner_of && p->scanner_of[point] < p->scanner_count)
-		return p->scanner_of[point];
-	for (size_t s = 0; s < p->scanner_count; s++) {
-		double squared = 0.0;
-		for (size_t k = 0; k < 3; k++) {
-			double d = p->position[3 * point + k] - p->scanner[3 * s + k];
-			squared += d * d;
-		}
-		if (squared < least) {
-			least = squared;
-			nearest = s;
-		}
-	}
-	return nearest;
-}
-
 static void add_point(const work *w, size_t point)
 {
 	const gw_points *p = w->points;
 	float place[3], way[3];
-	if (w->surfels->surfel_of_point[point] == UINT32_MAX)
+	uint32_t surfel = w->surfels->surfel_of_point[point];
+	if (surfel == UINT32_MAX)
 		return;
-	uint32_t kept = w->kept[scanner_of(p, point)];
+	uint32_t kept = w->kept[w->scanner_of[surfel]];
 	if (kept == UINT32_MAX)
 		return;
 	scanner *s = &w->scanner[kept];
@@ -221,6 +203,58 @@ static bool find_enclosed(scanner *s)
 
 /* ------------------------------------------------------------------------------------- scanners */
 
+/* The scanners that are named; UINT32_MAX for surfels whose point names none. Whether there are
+ * such. */
+static bool take_named(const work *w)
+{
+	bool open = false;
+	const gw_points *p = w->points;
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->scanner_of[i] = UINT32_MAX;
+	for (size_t i = 0; i < p->count && p->scanner_of; i++) {
+		uint32_t surfel = w->surfels->surfel_of_point[i];
+		if (surfel != UINT32_MAX && p->scanner_of[i] < p->scanner_count)
+			w->scanner_of[surfel] = p->scanner_of[i];
+	}
+	for (size_t i = 0; i < w->surfels->count && !open; i++)
+		open = w->scanner_of[i] == UINT32_MAX;
+	return open;
+}
+
+/* Who saw what: the scanners that are named, else the one in sight that sees it most densely. */
+static gw_status assign(work *w, uint32_t threads, gw_error *error)
+{
+	const gw_points *p = w->points;
+	size_t count = w->surfels->count;
+	double *place = gw_allocate_array(p->scanner_count, 3 * sizeof *place);
+	float *plane = gw_allocate_zeros(count, 4 * sizeof *plane);
+	w->scanner_of = gw_allocate_array(count, sizeof *w->scanner_of);
+	gw_neighbours *search = NULL;
+	gw_status status = GW_OK;
+	if (!place || !plane || !w->scanner_of)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for the scanners of %zu surfels",
+						 count);
+	const gw_scanner_places places = { place, p->scanner_count, plane };
+	if (status == GW_OK) {
+		for (size_t i = 0; i < 3 * p->scanner_count; i++)
+			place[i] = p->scanner[i] - w->surfels->origin[i % 3];
+		for (size_t i = 0; i < 3 * count; i++)
+			plane[i / 3 * 4 + i % 3] = w->surfels->normal[i];
+		if (take_named(w) && p->scanner_count > 1)
+			status = gw_neighbours_open(w->surfels, &(gw_surfels_options){ .threads = threads },
+										&search, error);
+	}
+	if (search)
+		status = gw_scanners_assign(search, w->surfels, &places, w->scanner_of, error);
+	for (size_t i = 0; i < count && status == GW_OK; i++)
+		if (w->scanner_of[i] >= p->scanner_count)
+			w->scanner_of[i] = 0;
+	gw_neighbours_close(search);
+	free(plane);
+	free(place);
+	return status;
+}
+
 static int by_points(const void *left, const void *right)
 {
 	const scanner *a = left, *b = right;
@@ -247,7 +281,7 @@ static bool choose_scanners(work *w)
 	}
 	for (size_t i = 0; i < p->count; i++)
 		if (w->surfels->surfel_of_point[i] != UINT32_MAX)
-			all[scanner_of(p, i)].points++;
+			all[w->scanner_of[w->surfels->surfel_of_point[i]]].points++;
 	qsort(all, p->scanner_count, sizeof *all, by_points);
 	while (kept < p->scanner_count && kept < GW_SPACE_SCANNERS &&
 		   all[kept].points >= GW_SPACE_POINTS_LEAST) {
@@ -381,7 +415,8 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 	if (!points->scanner || points->scanner_count == 0 ||
 		!(surfels->maximum[0] > surfels->minimum[0]))
 		return GW_OK;
-	bool made = choose_scanners(&w);
+	gw_status status = assign(&w, threads, error);
+	bool made = status == GW_OK && choose_scanners(&w);
 	if (made && w.scanners > 0)
 		made = make_depths(&w) && gw_scanned_space_grid(surfels, GW_SPACE_CELLS, 0.0f, space);
 	if (made && w.scanners > 0) {
@@ -394,11 +429,14 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 		free(w.scanner[i].depth);
 	free(w.scanner);
 	free(w.kept);
+	free(w.scanner_of);
 	if (made)
 		return GW_OK;
 	gw_scanned_space_clear(space);
-	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %zu scanners saw",
-				   points->scanner_count);
+	return status != GW_OK
+			   ? status
+			   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %zu scanners saw",
+						 points->scanner_count);
 }
 
 void gw_scanned_space_clear(gw_scanned_space *space)

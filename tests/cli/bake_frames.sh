@@ -68,8 +68,6 @@ try "$still" --frames now -o x.ply
 try "$still" --frames all -o x-%s.ply
 try "$still" --frames all -o -
 try "$still" --frames all --vdb x.vdb
-try "$still" --frames all -o x.ply --gaps black
-try "$still" --frames all -o x.ply --fields unknown
 try "$still" --frames all -o same-%d.ply
 try "$still" --independent -o x.ply
 try '"density": 100}], "lights": [{"type": "point", "position": [0,0,2], "intensity": 1,

@@ -243,6 +243,140 @@ static void doubt_about_a_window(void **state)
 	scene_clear(&whole);
 }
 
+/* Two rooms with a wall between them, the first with a pillar. The second's scanner is nearer to
+ * that wall than the first's, which saw it. Whoever does not say who saw what gets the same gaps.
+ */
+static void scanners_see_no_further_than_walls(void **state)
+{
+	(void)state;
+	scene s, other;
+	scan_room(&s, &(room){ true, false }, 0.5f);
+	scan_room(&other, &(room){ false, false }, 0.5f);
+	size_t first = s.count;
+	for (size_t i = 0; i < other.count; i++) {
+		const double *p = other.position + 3 * i;
+		const float *n = other.normal + 3 * i;
+		scene_add(&s, (double[3]){ p[0] + 2.25, p[1], p[2] },
+				  (double[3]){ (double)n[0], (double)n[1], (double)n[2] }, 0.5f);
+	}
+	const double both[6] = { 0.5, 1.0, 1.0, 2.75, 1.0, 1.0 };
+	uint32_t *who = calloc(s.count, sizeof *who);
+	assert_non_null(who);
+	for (size_t i = first; i < s.count; i++)
+		who[i] = 1;
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	points.scanner = both;
+	points.scanner_count = 2;
+	gw_bake_result *found = scene_bake(&points, &sky, 1, &options);
+	points.scanner_of = who;
+	gw_bake_result *named = scene_bake(&points, &sky, 1, &options);
+	double a = found->report.gaps.share, b = named->report.gaps.share;
+	print_message("gaps: %.4f of the directions, %.4f where it is named who saw what\n", a, b);
+	assert_true(b > 0.005 && fabs(a - b) < 0.1 * b);
+	gw_bake_result_destroy(&found);
+	gw_bake_result_destroy(&named);
+	free(who);
+	scene_clear(&other);
+	scene_clear(&s);
+}
+
+/* The sun through a gap shines no more than the sky where gaps are closed. */
+static void sun_through_a_gap(void **state)
+{
+	(void)state;
+	scene s;
+	scan_room(&s, &(room){ true, false }, 0.5f);
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { -1, 0.5, -0.3 },
+						   .irradiance = { 1, 1, 1 } };
+	gw_bake_result *open = bake(&s, &sun, GW_GAPS_OPEN);
+	gw_bake_result *black = bake(&s, &sun, GW_GAPS_BLACK), *mean = bake(&s, &sun, GW_GAPS_MEAN);
+	double before = scene_mean(open->radiance, s.count, 0);
+	double dark = scene_mean(black->radiance, s.count, 0);
+	double bright = scene_mean(mean->radiance, s.count, 0);
+	print_message("sun: %.4f, closed %.5f and %.5f; %.3f through gaps, black %.3f\n", before, dark,
+				  bright, open->report.gaps.lamps, open->report.gaps.black);
+	assert_true(open->report.gaps.lamps > 0.9 && open->report.gaps.black < 0.15);
+	/* As of the sky, what slips between discs elsewhere stays. */
+	assert_true(dark < 0.15 * before && bright < 0.15 * before);
+	gw_bake_result_destroy(&open);
+	gw_bake_result_destroy(&black);
+	gw_bake_result_destroy(&mean);
+	scene_clear(&s);
+}
+
+/* Red radiance of the last of two frames, in which a ball moves through a room. */
+static double bake_last_frame(const gw_points *points, const gw_mover *mover, gw_gaps gaps,
+							  double *unknown)
+{
+	gw_error error = { 0 };
+	gw_frames *frames;
+	gw_bake_result *r;
+	gw_bake_options options = gw_bake_options_default();
+	double matrix[32] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+	memcpy(matrix + 16, matrix, 16 * sizeof *matrix);
+	matrix[16 + 7] = -0.5;
+	const gw_motion motion = {
+		.mover = mover, .mover_count = 1, .frame_count = 2, .matrix = matrix
+	};
+	options.estimate_points = 0;
+	options.gaps = gaps;
+	options.unknown = true;
+	const gw_moving_scene moving = { { points, &sky, 1 }, &motion };
+	assert_ok(gw_frames_open(&moving, &options, &(gw_frames_options){ 0 }, NULL, &frames, &error),
+			  &error);
+	assert_ok(gw_frames_bake(frames, 0, &sky, 1, &r, &error), &error);
+	gw_bake_result_destroy(&r);
+	assert_ok(gw_frames_bake(frames, 1, &sky, 1, &r, &error), &error);
+	assert_int_equal(r->report.gaps.scanners, 1);
+	double mean = scene_mean(r->radiance, points->count, 0);
+	*unknown = 0.0;
+	for (size_t i = 0; i < points->count; i++)
+		*unknown += (double)r->unknown[i] / (double)points->count;
+	gw_bake_result_destroy(&r);
+	gw_frames_close(&frames);
+	return mean;
+}
+
+/* Gaps stay where they are while things move. */
+static void frames_have_gaps(void **state)
+{
+	(void)state;
+	scene s;
+	scan_room(&s, &(room){ true, false }, 0.5f);
+	const gw_mover mover = { .first = s.count, .count = 400 };
+	scene_add_sphere(&s, (double[3]){ 0.9, 1.6, 0.5 }, 0.15, mover.count, 1, 0.5f);
+	gw_points points = scene_points(&s);
+	points.scanner = scanner;
+	points.scanner_count = 1;
+	double unknown;
+	double open = bake_last_frame(&points, &mover, GW_GAPS_OPEN, &unknown);
+	double black = bake_last_frame(&points, &mover, GW_GAPS_BLACK, &unknown);
+	print_message("a frame: open %.4f, closed %.4f; unknown %.4f\n", open, black, unknown);
+	assert_true(unknown > 0.01 && open > 0.0 && black < 0.15 * open);
+	scene_clear(&s);
+}
+
+/* The error that a bake states is that of gaps as it closed them: a lamp inside, a sky outside. */
+static void estimates_know_closed_gaps(void **state)
+{
+	(void)state;
+	scene s;
+	scan_room(&s, &(room){ true, false }, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	points.scanner = scanner;
+	points.scanner_count = 1;
+	options.gaps = GW_GAPS_BLACK;
+	const gw_light lights[] = { sky, scene_point_light(1.0, 0.4, 1.2, 0.3f) };
+	gw_bake_result *r = scene_bake(&points, lights, 2, &options);
+	print_message("closed: gathered %.4f, all but gaps\n", r->report.error.gathered);
+	assert_true(r->report.error.gathered < 0.1);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
 /* ------------------------------------------------------------------- where no scanner is known */
 
 static gw_bake_result *bake_bare(const scene *s, const gw_light *light, gw_gaps gaps)
@@ -354,6 +488,10 @@ int main(void)
 		cmocka_unit_test(sky_through_a_window),
 		cmocka_unit_test(furnace_with_a_gap),
 		cmocka_unit_test(doubt_about_a_window),
+		cmocka_unit_test(scanners_see_no_further_than_walls),
+		cmocka_unit_test(sun_through_a_gap),
+		cmocka_unit_test(frames_have_gaps),
+		cmocka_unit_test(estimates_know_closed_gaps),
 		cmocka_unit_test(a_window_is_a_hole),
 		cmocka_unit_test(what_is_open_has_no_holes),
 		cmocka_unit_test(parts_add_up),
