@@ -47,7 +47,8 @@ static double place_width(const gw_points *p, double low[3])
 	return sqrt(diagonal * M_PI * PLACE_POINTS / (double)p->count);
 }
 
-static size_t list_members(const loaded_scene *scene, const float *level, member *list)
+static size_t list_members(const loaded_scene *scene, const uint8_t *ends, const float *level,
+						   member *list)
 {
 	const gw_points *p = &scene->points.points;
 	double low[3], width = place_width(p, low);
@@ -57,7 +58,7 @@ static size_t list_members(const loaded_scene *scene, const float *level, member
 			const float *v = level + 3 * point;
 			const double *at = p->position + 3 * point;
 			member m = { .input = input, .point = point };
-			bool known = v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
+			bool known = !ends[point] && v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
 			for (int k = 0; k < 3 && known; k++) {
 				double cell = (at[k] - low[k]) / width;
 				known = cell >= 0.0 && cell < 0x1p30;
@@ -119,7 +120,8 @@ static void apply(const loaded_scene *scene, const double *shift, float *level)
 				level[3 * point + k] *= (float)exp(shift[3 * input + k]);
 }
 
-gw_status albedo_seams_level(const loaded_scene *scene, float *level, gw_error *error)
+gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, float *level,
+							 gw_error *error)
 {
 	size_t inputs = scene->input_count, count = scene->cloud.count;
 	if (inputs < 2)
@@ -128,7 +130,7 @@ gw_status albedo_seams_level(const loaded_scene *scene, float *level, gw_error *
 	meeting *meetings = calloc(inputs * inputs, sizeof *meetings);
 	double *mean = calloc(inputs, 4 * sizeof *mean), *shift = calloc(inputs, 3 * sizeof *shift);
 	bool good = list && meetings && mean && shift;
-	size_t used = good ? list_members(scene, level, list) : 0;
+	size_t used = good ? list_members(scene, ends, level, list) : 0;
 	for (size_t first = 0, last; first < used; first = last) {
 		for (last = first + 1;
 			 last < used && memcmp(list[first].at, list[last].at, sizeof list->at) == 0; last++)

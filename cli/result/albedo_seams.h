@@ -11,9 +11,11 @@
  * Multiplies the values of each input but the first by one factor a channel, so that in places with
  * points of two inputs both have the same level, as well as can be (least squares of logarithms).
  * Inputs that overlap with no other keep their level.
+ *   ends    count: points with any bit are left out, as they are clipped (albedo_clipped.h)
  *   level   3 * count, in the order of the scene's points; 0 where nothing is known
  * GW_ERROR_MEMORY.
  */
-gw_status albedo_seams_level(const loaded_scene *scene, float *level, gw_error *error);
+gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, float *level,
+							 gw_error *error);
 
 #endif

@@ -1,7 +1,9 @@
 /* albedo_solve.c - see albedo_solve.h. */
 #include "result/albedo_solve.h"
 #include "points/scan_color.h"
+#include "points/scan_intensity.h"
 #include "program/signals.h"
+#include "result/albedo_clipped.h"
 #include "result/albedo_seams.h"
 
 #include <math.h>
@@ -31,6 +33,9 @@
  */
 #define FLASH_COSINE_LEAST 0.3
 
+/* A black value may be so much: half a step of 8 bits, linear. */
+#define BLACK_VALUE 0.002f
+
 enum { LIT, DIM, DARK };
 
 typedef struct solve {
@@ -43,6 +48,7 @@ typedef struct solve {
 	float *level;  /* 3 * count: irradiance, then pi times the colour over it; owned */
 	float *sorted; /* count, scratch; owned */
 	uint8_t *dark; /* count: LIT, DIM or DARK; owned */
+	uint8_t *ends; /* count: which values are clipped (albedo_clipped.h); owned */
 	albedo_facts *facts;
 	gw_error *error;
 } solve;
@@ -75,7 +81,7 @@ static float quantile(const solve *w, float (*measure)(const float *), const flo
 	size_t used = 0;
 	for (size_t i = 0; i < count_of(w); i++) {
 		float v = measure(values + 3 * i);
-		if (v > 0.0f && isfinite(v) && !(w->dark && w->dark[i]))
+		if (v > 0.0f && isfinite(v) && !(w->dark && w->dark[i]) && !w->ends[i])
 			w->sorted[used++] = v;
 	}
 	qsort(w->sorted, used, sizeof *w->sorted, compare_floats);
@@ -167,8 +173,24 @@ static void divide(solve *w)
 {
 	for (size_t i = 0; i < 3 * count_of(w); i++) {
 		float e = w->level[i];
-		w->level[i] = e > 0.0f && w->dark[i / 3] != DARK ? (float)M_PI * w->photo[i] / e : 0.0f;
+		bool black = w->ends[i / 3] & ALBEDO_BLACK(i % 3);
+		float photo = black ? BLACK_VALUE : w->photo[i];
+		w->level[i] = e > 0.0f && w->dark[i / 3] != DARK ? (float)M_PI * photo / e : 0.0f;
 	}
+}
+
+/* What is clipped has the level of what is around. */
+static gw_status fill_clipped(solve *w)
+{
+	uint8_t *known = calloc(count_of(w), 1);
+	if (!known)
+		return gw_fail(w->error, GW_ERROR_MEMORY, "no memory for %zu points", count_of(w));
+	for (size_t i = 0; i < count_of(w); i++)
+		known[i] = w->dark[i] != DARK;
+	gw_status status =
+		albedo_clipped_fill(&w->scene->points.points, w->ends, known, w->level, w->error);
+	free(known);
+	return status;
 }
 
 static double find_scale(solve *w)
@@ -223,8 +245,10 @@ static gw_status run_rounds(solve *w)
 		if (status != GW_OK)
 			return status;
 		divide(w);
-		status = albedo_seams_level(w->scene, w->level, w->error);
+		status = albedo_seams_level(w->scene, w->ends, w->level, w->error);
 		w->facts->scale = find_scale(w);
+		if (status == GW_OK)
+			status = fill_clipped(w);
 		w->facts->change = take_step(w, round == 0 ? 1.0 : STEP);
 		w->facts->rounds = round + 1;
 		if (round > 0 && w->facts->change < CHANGE_SMALL)
@@ -241,7 +265,8 @@ static gw_status start(solve *w)
 	w->photo = reallocarray(NULL, n, sizeof *w->photo);
 	w->level = reallocarray(NULL, n, sizeof *w->level);
 	w->sorted = reallocarray(NULL, count_of(w), sizeof *w->sorted);
-	if (!w->photo || !w->level || !w->sorted)
+	w->ends = calloc(count_of(w), 1);
+	if (!w->photo || !w->level || !w->sorted || !w->ends)
 		return gw_fail(w->error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
 					   count_of(w));
 	float *albedo = w->scene->points.albedo;
@@ -256,6 +281,7 @@ static void finish(solve *w)
 	free(w->level);
 	free(w->sorted);
 	free(w->dark);
+	free(w->ends);
 }
 
 /* What a first guess of the albedo needs: colours, the brightest of which are bright surfaces. */
@@ -280,6 +306,7 @@ gw_status albedo_solve(loaded_scene *scene, const settings *s, const albedo_setu
 				.error = error };
 	gw_status status = start(&w);
 	if (status == GW_OK) {
+		facts->ends = albedo_clipped_find(w.photo, count_of(&w), w.ends);
 		guess(&w);
 		status = run_rounds(&w);
 	}
@@ -292,10 +319,13 @@ gw_status albedo_of_laser(loaded_scene *scene, const settings *s, albedo_facts *
 {
 	*facts = (albedo_facts){ 0 };
 	solve w = { .scene = scene, .settings = s, .facts = facts, .error = error };
-	const scan_column *column = scan_find_scalar(&scene->cloud, "intensity");
+	float *echo = NULL;
 	gw_status status = start(&w);
+	if (status == GW_OK)
+		status = scan_intensity_make(&scene->cloud, s->bake.threads, &echo, facts->how, error);
 	for (size_t i = 0; status == GW_OK && i < 3 * count_of(&w); i++)
-		w.level[i] = (float)scan_value(column, i / 3);
+		w.level[i] = isfinite(echo[i / 3]) ? fmaxf(echo[i / 3], 0.0f) : 0.0f;
+	free(echo);
 	float bright = status == GW_OK ? quantile(&w, largest, w.level, 1.0 - BRIGHT_SHARE) : 0.0f;
 	if (status == GW_OK && !(bright > 0.0f))
 		status = gw_fail(error, GW_ERROR_DATA,

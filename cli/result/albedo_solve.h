@@ -15,6 +15,8 @@
 typedef struct albedo_facts {
 	size_t dark;    /* points that no light of the set-up reaches: the albedo is that around them */
 	size_t clipped; /* points beyond the bounds */
+	size_t ends;    /* points with values at an end of the photographs' scale, white or black */
+	char how[120];  /* what was done to the laser's intensity, a phrase, or "" */
 	double scale;   /* colour, 0 to 1 and linear, of radiance 1 in the photographs */
 	double change;  /* mean relative change of the albedo in the last round */
 	int rounds;

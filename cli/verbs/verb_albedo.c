@@ -125,8 +125,16 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 			scene, s, &(albedo_setup){ light, s->light_count, capture == SETTINGS_CAPTURE_FLASH },
 			&facts, error);
 	free(light);
+	if (status == GW_OK && !s->quiet && laser && facts.how[0])
+		text_message(stderr, "glowworm: intensity: %s\n", facts.how);
 	if (status != GW_OK || s->quiet || laser)
 		return status;
+	if (facts.ends > 0)
+		text_message(stderr,
+					 "glowworm: note: %zu points are white or black in the photographs, as far as "
+					 "these go: of those values only a bound of the albedo is known, and within it "
+					 "they have that of the points around them\n",
+					 facts.ends);
 	if (facts.dark > 0)
 		text_message(stderr,
 					 "glowworm: note: %zu points that the light of the capture does not reach: "

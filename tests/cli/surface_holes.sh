@@ -24,7 +24,8 @@ bake() { # NAME FILE option...
 	name=$1
 	shift
 	glowworm bake "$@" -o "$name.ply" --albedo constant:0.5 2>&1 |
-		grep 'note: ' | sed 's/[0-9][0-9.]* %/N %/g; s/widest [0-9.]* m at [-0-9.,]*:/widest W at P:/'
+		grep 'note: ' |
+		sed 's/[0-9][0-9.]* %/N %/g; s/widest [0-9.]* m at [-0-9.,]*:/widest W at P:/'
 }
 mean() { # NAME: of the red radiance
 	glowworm convert "$1.ply" sums.csv -f

@@ -1,0 +1,148 @@
+/* albedo_clipped.c - see albedo_clipped.h. */
+#include "result/albedo_clipped.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The last value but one of 8 bits as sRGB is 0.991, the first but none 0.0003. */
+#define WHITE_LEAST 0.9999f
+#define BLACK_MOST 1e-6f
+
+/* Points that a place holds, about, if they were spread over a sphere in the bounds; places are
+ * twice as wide each time that one has none to ask, so often. */
+#define PLACE_POINTS 30.0
+#define WIDENINGS 4
+
+/* A point in its place. */
+typedef struct member {
+	int32_t at[3];
+	size_t point;
+} member;
+
+size_t albedo_clipped_find(const float *photo, size_t count, uint8_t *ends)
+{
+	size_t found = 0;
+	for (size_t i = 0; i < count; i++) {
+		unsigned bits = 0;
+		for (unsigned k = 0; k < 3; k++) {
+			bits |= photo[3 * i + k] >= WHITE_LEAST ? ALBEDO_WHITE(k) : 0u;
+			bits |= photo[3 * i + k] <= BLACK_MOST ? ALBEDO_BLACK(k) : 0u;
+		}
+		ends[i] = (uint8_t)bits;
+		found += bits != 0;
+	}
+	return found;
+}
+
+static int compare(const void *a, const void *b)
+{
+	const member *x = a, *y = b;
+	for (int k = 0; k < 3; k++)
+		if (x->at[k] != y->at[k])
+			return x->at[k] < y->at[k] ? -1 : 1;
+	return (x->point > y->point) - (x->point < y->point);
+}
+
+static double find_bounds(const gw_points *p, double low[3])
+{
+	double high[3] = { -INFINITY, -INFINITY, -INFINITY }, diagonal = 0;
+	for (int k = 0; k < 3; k++)
+		low[k] = INFINITY;
+	for (size_t i = 0; i < 3 * p->count; i++)
+		if (isfinite(p->position[i])) {
+			low[i % 3] = fmin(low[i % 3], p->position[i]);
+			high[i % 3] = fmax(high[i % 3], p->position[i]);
+		}
+	for (int k = 0; k < 3; k++)
+		diagonal += (high[k] - low[k]) * (high[k] - low[k]);
+	return sqrt(diagonal);
+}
+
+static size_t list_members(const gw_points *p, const uint8_t *known, const double low[3],
+						   double width, member *list)
+{
+	size_t used = 0;
+	for (size_t i = 0; i < p->count; i++) {
+		member m = { .point = i };
+		bool good = known[i];
+		for (size_t k = 0; k < 3 && good; k++) {
+			double cell = (p->position[3 * i + k] - low[k]) / width;
+			good = cell >= 0.0 && cell < 0x1p30;
+			m.at[k] = good ? (int32_t)cell : 0;
+		}
+		if (good)
+			list[used++] = m;
+	}
+	qsort(list, used, sizeof *list, compare);
+	return used;
+}
+
+/* By what the level of a point is above that of others, where channels of both are known. */
+static float own_level(const float *level, const float mean[3], unsigned ends)
+{
+	double own = 0.0, others = 0.0;
+	for (unsigned k = 0; k < 3; k++)
+		if (!(ends & (ALBEDO_WHITE(k) | ALBEDO_BLACK(k)))) {
+			own += (double)level[k];
+			others += (double)mean[k];
+		}
+	return own > 0.0 && others > 0.0 ? (float)(own / others) : 1.0f;
+}
+
+static void fill_point(float *level, const float mean[3], unsigned ends)
+{
+	float own = own_level(level, mean, ends);
+	for (unsigned k = 0; k < 3; k++) {
+		if (ends & ALBEDO_WHITE(k))
+			level[k] = fmaxf(level[k], own * mean[k]);
+		else if (ends & ALBEDO_BLACK(k))
+			level[k] = fminf(level[k], own * mean[k]);
+	}
+}
+
+/* One place: the mean of those whose values are known, for those whose are not. */
+static void fill_place(const member *list, size_t count, const uint8_t *ends, float *level,
+					   uint8_t *filled)
+{
+	double sum[3] = { 0 };
+	size_t whole = 0;
+	for (size_t i = 0; i < count; i++) {
+		for (size_t k = 0; k < 3 && !ends[list[i].point]; k++)
+			sum[k] += (double)level[3 * list[i].point + k];
+		whole += !ends[list[i].point];
+	}
+	if (whole == 0)
+		return;
+	const float mean[3] = { (float)(sum[0] / (double)whole), (float)(sum[1] / (double)whole),
+							(float)(sum[2] / (double)whole) };
+	for (size_t i = 0; i < count; i++) {
+		size_t p = list[i].point;
+		if (ends[p] && !filled[p]) {
+			fill_point(level + 3 * p, mean, ends[p]);
+			filled[p] = 1;
+		}
+	}
+}
+
+gw_status albedo_clipped_fill(const gw_points *points, const uint8_t *ends, const uint8_t *known,
+							  float *level, gw_error *error)
+{
+	double low[3], width = find_bounds(points, low);
+	width *= sqrt(M_PI * PLACE_POINTS / (double)points->count);
+	member *list = reallocarray(NULL, points->count, sizeof *list);
+	uint8_t *filled = calloc(points->count, 1);
+	bool good = list && filled;
+	for (int round = 0; round < WIDENINGS && good && width > 0.0; round++, width *= 2.0) {
+		size_t used = list_members(points, known, low, width, list);
+		for (size_t first = 0, last; first < used; first = last) {
+			for (last = first + 1;
+				 last < used && memcmp(list[first].at, list[last].at, sizeof list->at) == 0; last++)
+				continue;
+			fill_place(list + first, last - first, ends, level, filled);
+		}
+	}
+	free(list);
+	free(filled);
+	return good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for values that are clipped");
+}
