@@ -393,10 +393,9 @@ const option options[] = {
 	  .help = "how lights are hidden by surfaces" },
 	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.gaps), .choice = gaps_name,
 	  .group = "Light",
-	  .help =
-		  "what gathered light finds where no scanner looked, because something stood in front "
-		  "of it: the sky, nothing, or as much as from all around. Where no scanner is known, "
-		  "holes of surfaces are gaps" },
+	  .help = "what gathered light finds where no scanner looked, because something stood in front "
+			  "of it: the sky, nothing, or as much as from all around. Where no scanner is known, "
+			  "holes of surfaces are gaps" },
 	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.gap_radiance),
 	  RANGE(0.0, 1e30), .group = "Light",
 	  .help = "radiance that gaps send with --gaps black, instead of none" },

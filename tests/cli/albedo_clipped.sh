@@ -1,6 +1,6 @@
-# Photographs with white spots: in a room whose brightest places are clipped (three of a hundred
-# points), the albedo is right within 10 % at nine of ten points, and there at seven of ten too; with
-# the exposure known and unknown, and in two scans at different exposures.
+# Photographs with white spots: in a room whose brightest places are clipped (two or three of a
+# hundred points), the albedo is right within 10 % at nine of ten points, and of these at seven of
+# ten; with the exposure known and unknown, and in two scans at different exposures.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
 glowworm sample "$SOURCE/samples/cornell.obj" --count 6000 -o - --output-format csv -q |
 	cut -d, -f1-9 >room.csv
@@ -38,8 +38,8 @@ shoot() { # K A B FILE
 delight() { # files, option...
 	files=$1
 	shift
-	glowworm albedo $files --light "$lamp" --input-gamma linear -f -o albedo.csv --seed 5 "$@" 2>&1 |
-		grep 'white or black' | sed 's/[0-9][0-9]* points/N points/'
+	glowworm albedo $files --light "$lamp" --input-gamma linear -f -o albedo.csv --seed 5 \
+		"$@" 2>&1 | grep 'white or black' | sed 's/[0-9][0-9]* points/N points/'
 	awk -v VERBOSE="$VERBOSE" -v LAST=$(($(echo $files | wc -w) + 2)) -f right.awk room.csv $files \
 		albedo.csv
 }
