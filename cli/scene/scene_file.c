@@ -615,8 +615,8 @@ static gw_status take_scanner(reader *r, json_t *value)
 {
 	double place[3];
 	size_t count;
-	gw_status status = take_numbers(r, value, place, 3, false, &count);
-	return status == GW_OK ? settings_add_scanner(r->settings, place, r->error) : status;
+	GW_TRY(take_numbers(r, value, place, 3, false, &count));
+	return settings_add_scanner(r->settings, place, r->error);
 }
 
 static gw_status take_frame_count(const reader *r, json_t *value)

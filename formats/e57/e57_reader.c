@@ -296,19 +296,19 @@ static size_t find_name(const text_names *names, const char *name)
 /* Columns for x, y, z and every field that a scan has. */
 static gw_status name_columns(reader *r)
 {
-	gw_status status = text_names_split(&r->names, "x y z", 5, r->error);
+	GW_TRY(text_names_split(&r->names, "x y z", 5, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
-		for (size_t f = 0; f < s->scan->field_count && s->kept > 0 && status == GW_OK; f++) {
+		for (size_t f = 0; f < s->scan->field_count && s->kept > 0; f++) {
 			const char *name = column_name(s, f);
 			if (!name || find_name(&r->names, name) < r->names.count)
 				continue;
 			if (r->names.count == TEXT_COLUMNS_MAX)
 				return fail_scan(r, i, "has more than 4096 different fields");
-			status = text_names_add(&r->names, name, r->error);
+			GW_TRY(text_names_add(&r->names, name, r->error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status add_columns(reader *r)
@@ -507,13 +507,13 @@ static gw_status add_image(const reader *r, const source *s)
 							 .rows = (uint32_t)(row[1] - row[0]) + 1 };
 	for (size_t k = 0; k < 3 && s->scan->has_pose; k++)
 		image.scanner[k] = s->scan->translation[k];
-	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	GW_TRY(scan_add_image(r->cloud, &image, r->error));
 	const scan_column *const index[2] = { scan_find(r->cloud, "rowIndex"),
 										  scan_find(r->cloud, "columnIndex") };
-	for (size_t i = s->first; status == GW_OK && i < s->first + s->kept; i++)
+	for (size_t i = s->first; i < s->first + s->kept; i++)
 		r->cloud->image_cell[i] = (uint32_t)(scan_value(index[0], i) - row[0]) * image.columns +
 								  (uint32_t)(scan_value(index[1], i) - column[0]);
-	return status;
+	return GW_OK;
 }
 
 static gw_status read_all(reader *r)

@@ -457,10 +457,10 @@ static gw_status take_image(const pcd_header *h, scan *cloud, gw_error *error)
 							 .columns = (uint32_t)h->width,
 							 .rows = (uint32_t)h->height };
 	memcpy(image.scanner, h->viewpoint, sizeof image.scanner);
-	gw_status status = scan_add_image(cloud, &image, error);
-	for (size_t i = 0; status == GW_OK && i < cloud->count; i++)
+	GW_TRY(scan_add_image(cloud, &image, error));
+	for (size_t i = 0; i < cloud->count; i++)
 		cloud->image_cell[i] = (uint32_t)i;
-	return status;
+	return GW_OK;
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)

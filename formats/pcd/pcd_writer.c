@@ -163,10 +163,10 @@ static gw_status write_header(writer *w, gw_error *error)
 {
 	output_file *out = w->out;
 	output_file_print(out, NULL, "# .PCD v0.7 - Point Cloud Data file format\n");
-	gw_status status = write_comments(out, w->cloud, error);
+	GW_TRY(write_comments(out, w->cloud, error));
 	output_file_print(out, NULL, "VERSION 0.7\nFIELDS");
-	for (size_t f = 0; f < w->field_count && status == GW_OK; f++)
-		status = write_name(out, &w->field[f], error);
+	for (size_t f = 0; f < w->field_count; f++)
+		GW_TRY(write_name(out, &w->field[f], error));
 	output_file_print(out, NULL, "\nSIZE");
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " %zu", field_size(&w->field[f]));
@@ -177,10 +177,9 @@ static gw_status write_header(writer *w, gw_error *error)
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " 1");
 	output_file_print(out, NULL, "\nWIDTH %zu\nHEIGHT 1\n", w->cloud->count);
-	if (status == GW_OK)
-		status = write_viewpoint(out, w->cloud, error);
+	GW_TRY(write_viewpoint(out, w->cloud, error));
 	output_file_print(out, NULL, "POINTS %zu\n", w->cloud->count);
-	return status == GW_OK ? output_file_print(out, error, "DATA binary\n") : status;
+	return output_file_print(out, error, "DATA binary\n");
 }
 
 /* ---------------------------------------------------------------------------------- body */

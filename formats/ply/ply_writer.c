@@ -41,15 +41,12 @@ static gw_status write_property(output_file *out, const scan_column *column, gw_
 static gw_status write_header(output_file *out, const scan *cloud, gw_error *error)
 {
 	output_file_print(out, NULL, "ply\nformat binary_little_endian 1.0\n");
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < cloud->comment_count && status == GW_OK; c++)
-		status = write_comment(out, cloud->comment[c], error);
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		GW_TRY(write_comment(out, cloud->comment[c], error));
 	output_file_print(out, NULL, "element vertex %zu\n", cloud->count);
-	for (size_t c = 0; c < cloud->column_count && status == GW_OK; c++)
-		status = write_property(out, &cloud->column[c], error);
-	if (status == GW_OK)
-		status = output_file_print(out, error, "end_header\n");
-	return status;
+	for (size_t c = 0; c < cloud->column_count; c++)
+		GW_TRY(write_property(out, &cloud->column[c], error));
+	return output_file_print(out, error, "end_header\n");
 }
 
 /* Copies a value with its lowest byte first. */

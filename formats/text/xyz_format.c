@@ -103,13 +103,12 @@ static gw_status check_names(const text_rows *rows, const text_names *names, siz
 /* Names as the user says; a first line without a number where x should be is one of names. */
 static gw_status take_given(text_rows *rows, const head *h, text_names *names, gw_error *error)
 {
-	gw_status status = text_names_split(names, rows->in->columns, strlen(rows->in->columns), error);
-	if (status == GW_OK)
-		status = check_names(rows, names, 0, error);
+	GW_TRY(text_names_split(names, rows->in->columns, strlen(rows->in->columns), error));
+	GW_TRY(check_names(rows, names, 0, error));
 	rows->open = true;
-	if (status == GW_OK && !has_number(h->line, h->length, index_of(names, "x")))
-		status = step_over(rows, h, error);
-	return status;
+	if (!has_number(h->line, h->length, index_of(names, "x")))
+		GW_TRY(step_over(rows, h, error));
+	return GW_OK;
 }
 
 /* A comment before the first row that names as many columns as it has. */

@@ -287,8 +287,8 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
 								 const gw_buffer *part, gw_error *error)
 {
-	gw_status status = sample_patches(lighting->scene, patches, part, error);
-	return status == GW_OK ? fill_gaps(lighting, error) : status;
+	GW_TRY(sample_patches(lighting->scene, patches, part, error));
+	return fill_gaps(lighting, error);
 }
 
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.

@@ -145,8 +145,8 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 	size_t count = (c->surfels->count + c->stride - 1) / c->stride;
 	memset(c->finding, 0, count * sizeof *c->finding);
 	*all = (figures){ .surfels = count };
-	gw_status status = gw_neighbours_visit(c->search, look, c, error);
-	for (size_t i = 0; status == GW_OK && i < count; i++) {
+	GW_TRY(gw_neighbours_visit(c->search, look, c, error));
+	for (size_t i = 0; i < count; i++) {
 		const finding *f = &c->finding[i];
 		all->flat += f->flat;
 		all->off += f->off;
@@ -156,7 +156,7 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 		all->behind += (double)f->behind;
 		all->heights += (double)f->heights;
 	}
-	return status;
+	return GW_OK;
 }
 
 static bool is_off(const figures *f)
@@ -195,16 +195,16 @@ static void note_links(void *user, size_t surfel, const gw_neighbour_list *list)
 static gw_status find_pieces(check *c, gw_error *error)
 {
 	size_t count = c->surfels->count;
-	gw_status status = gw_neighbours_visit(c->search, note_links, c, error);
-	for (uint32_t i = 0; status == GW_OK && i < count; i++)
+	GW_TRY(gw_neighbours_visit(c->search, note_links, c, error));
+	for (uint32_t i = 0; i < count; i++)
 		c->parent[i] = i;
-	for (uint32_t i = 0; status == GW_OK && i < count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		for (size_t j = 0; j < LINKS; j++) {
 			uint32_t a = root_of(c->parent, i);
 			uint32_t b = root_of(c->parent, c->link[LINKS * (size_t)i + j]);
 			c->parent[a < b ? b : a] = a < b ? a : b;
 		}
-	return status;
+	return GW_OK;
 }
 
 /* Turns whole pieces back where clearly most of the given normals were turned. */
