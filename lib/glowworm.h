@@ -6,9 +6,9 @@
  * sparse voxel octree on a Vulkan device, and computes the light that every point sends out.
  * It reads and writes no files, prints nothing and never exits the process.
  *
- * The data's way through the library (each step is one file of the same name in lib/):
+ * The data's way through the library; the folders of lib/ follow it:
  *
- *   points -> frame -> surfels -> plan -> octree -> direct light -> records -> bounces -> points
+ *   points -> cloud -> normals -> surfels -> octree -> direct light -> records -> bounces -> points
  *
  * Quantities and letters, the same everywhere in this project:
  *
