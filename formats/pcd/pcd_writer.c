@@ -1,3 +1,4 @@
+#include "files/little_endian.h"
 #include "files/number_text.h"
 #include "pcd/pcd_format.h"
 
@@ -184,28 +185,17 @@ static gw_status write_header(writer *w, gw_error *error)
 
 /* ---------------------------------------------------------------------------------- body */
 
-/* Copies a value with its lowest byte first. */
-static void put_value(uint8_t *to, const uint8_t *from, size_t size)
-{
-	if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
-		memcpy(to, from, size);
-		return;
-	}
-	for (size_t b = 0; b < size; b++)
-		to[b] = from[size - 1 - b];
-}
-
 static void put_field(const writer *w, const field *f, uint8_t *to, size_t first, size_t count)
 {
 	size_t size = field_size(f);
 	for (size_t i = 0; i < count; i++, to += w->stride) {
 		if (f->single) {
 			float value = (float)((const double *)f->column->data)[first + i];
-			put_value(to, (const uint8_t *)&value, sizeof value);
+			store_value(to, (const uint8_t *)&value, sizeof value);
 			continue;
 		}
 		if (f->column) {
-			put_value(to, (const uint8_t *)f->column->data + (first + i) * size, size);
+			store_value(to, (const uint8_t *)f->column->data + (first + i) * size, size);
 			continue;
 		}
 		for (int k = 0; k < 4; k++)

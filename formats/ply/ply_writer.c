@@ -1,3 +1,4 @@
+#include "files/little_endian.h"
 #include "ply/ply_format.h"
 #include "ply/ply_header.h"
 
@@ -49,17 +50,6 @@ static gw_status write_header(output_file *out, const scan *cloud, gw_error *err
 	return output_file_print(out, error, "end_header\n");
 }
 
-/* Copies a value with its lowest byte first. */
-static void put_value(uint8_t *to, const uint8_t *from, size_t size)
-{
-	if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
-		memcpy(to, from, size);
-		return;
-	}
-	for (size_t b = 0; b < size; b++)
-		to[b] = from[size - 1 - b];
-}
-
 static void fill_rows(uint8_t *rows, size_t stride, const scan *cloud, size_t first, size_t count)
 {
 	uint8_t *place = rows;
@@ -67,7 +57,7 @@ static void fill_rows(uint8_t *rows, size_t stride, const scan *cloud, size_t fi
 		size_t size = scan_type_size(cloud->column[c].type);
 		const uint8_t *from = (const uint8_t *)cloud->column[c].data + first * size;
 		for (size_t i = 0; i < count; i++)
-			put_value(place + i * stride, from + i * size, size);
+			store_value(place + i * stride, from + i * size, size);
 		place += size;
 	}
 }

@@ -173,19 +173,11 @@ static gw_status take_comments(const text_rows *rows, const char *names, scan *c
 
 static gw_status read_table(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
 {
-	text_column *column = NULL;
 	rows->width = names->count;
-	gw_status status = text_rows_count(rows, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(text_rows_count(rows, error));
 	cloud->count = rows->count;
 	cloud->left_out = rows->skipped;
-	status = text_columns_add(cloud, names, &column, error);
-	if (status == GW_OK)
-		status = text_rows_read(rows, column, error);
-	if (status == GW_OK)
-		status = text_columns_narrow(cloud, names, column, error);
-	free(column);
+	gw_status status = text_columns_read(rows, names, cloud, error);
 	text_rows_clear(rows);
 	return status;
 }

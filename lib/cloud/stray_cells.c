@@ -2,6 +2,7 @@
 #include "cloud/stray_cells.h"
 
 #include "base/memory.h"
+#include "base/sorted_keys.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -93,15 +94,7 @@ void gw_stray_cells_clear(gw_stray_cells *cells)
 /* The first cell whose key is not below one. */
 static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 {
-	size_t low = 0, high = cells->count;
-	while (low < high) {
-		size_t middle = low + (high - low) / 2;
-		if (cells->key[middle] < key)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
+	return gw_lower_bound(cells->key, cells->count, key);
 }
 
 /* The j-th of the cells around the one of a key, itself for j = 13, all `coarser` levels coarser
