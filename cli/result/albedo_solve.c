@@ -137,9 +137,7 @@ static gw_status bake_light(solve *w)
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
 		take_irradiance(w, r, i, w->level + 3 * i);
 	gw_bake_result_destroy(&r);
-	if (status == GW_OK && signals_pending())
-		return gw_fail(w->error, GW_ERROR_CANCELLED, "stopped");
-	return status;
+	return status == GW_OK ? signals_check(w->error) : status;
 }
 
 /* Marks points without light, once, so that rounds agree which those are. */

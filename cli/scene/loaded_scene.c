@@ -261,16 +261,12 @@ static gw_status finish_part(const settings *s, const settings_input *from, part
 							 loaded_input *facts, gw_error *error)
 {
 	gw_error reason = { 0 };
-	gw_status status = GW_OK;
 	if (from->has_emission)
-		status = set_emission(&p->cloud, from->emission, error);
-	if (status == GW_OK)
-		status = set_gloss(from, &p->cloud, error);
-	if (status == GW_OK) {
-		status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
-		if (status != GW_OK)
-			gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
-	}
+		GW_TRY(set_emission(&p->cloud, from->emission, error));
+	GW_TRY(set_gloss(from, &p->cloud, error));
+	gw_status status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
+	if (status != GW_OK)
+		gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
 	return status;
 }
 
@@ -422,11 +418,6 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
-static gw_status stopped(gw_error *error)
-{
-	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
-}
-
 bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 {
 	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
@@ -489,7 +480,7 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 			GW_TRY(read_cloud(s, from, &parts[i].cloud, facts, error));
 		if (!facts->is_mesh)
 			GW_TRY(find_place(s, scene, i, &parts[i].cloud, error));
-		GW_TRY(stopped(error));
+		GW_TRY(signals_check(error));
 	}
 	return GW_OK;
 }
@@ -534,48 +525,54 @@ static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *par
 			continue;
 		GW_TRY(finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error));
 		place_points(scene, &parts[i].points, parts[i].cloud.count);
-		GW_TRY(stopped(error));
+		GW_TRY(signals_check(error));
 	}
 	return GW_OK;
+}
+
+/* Brings an input behind those before it. */
+static gw_status join_part(const settings *s, loaded_scene *scene, size_t i, double density,
+						   part *p, gw_error *error)
+{
+	loaded_input *facts = &scene->input[i];
+	if (facts->is_mesh) {
+		GW_TRY(sample_mesh(s, i, density, facts, p, error));
+		place_points(scene, &p->points, p->cloud.count);
+	}
+	/* A mesh that does not say which way is up follows the inputs before it. */
+	bool follows = facts->is_mesh && !facts->mesh.up && scene->up;
+	GW_TRY(check_up(s, scene, follows ? scene->up : p->cloud.up, s->input[i].path, error));
+	return join(scene, &p->cloud, &p->points, error);
 }
 
 static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
 {
 	double density;
-	gw_status status = find_density(s, scene, parts, &density, error);
-	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
-		if (scene->input[i].is_mesh)
-			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
-		if (scene->input[i].is_mesh && status == GW_OK)
-			place_points(scene, &parts[i].points, parts[i].cloud.count);
-		/* A mesh that does not say which way is up follows the inputs before it. */
-		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
-		char up = follows ? scene->up : parts[i].cloud.up;
-		if (status == GW_OK)
-			status = check_up(s, scene, up, s->input[i].path, error);
-		if (status == GW_OK)
-			status = join(scene, &parts[i].cloud, &parts[i].points, error);
+	GW_TRY(find_density(s, scene, parts, &density, error));
+	for (size_t i = 0; i < s->input_count; i++) {
+		gw_status status = join_part(s, scene, i, density, &parts[i], error);
 		scan_clear(&parts[i].cloud);
 		scan_points_clear(&parts[i].points);
-		if (status == GW_OK)
-			status = stopped(error);
+		GW_TRY(status);
+		GW_TRY(signals_check(error));
 	}
-	return status;
+	return GW_OK;
+}
+
+static gw_status read_and_join(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	GW_TRY(read_parts(s, scene, parts, error));
+	GW_TRY(finish_clouds(s, scene, parts, error));
+	return join_parts(s, scene, parts, error);
 }
 
 static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	part *parts = calloc(s->input_count, sizeof *parts);
 	scene->input = calloc(s->input_count, sizeof *scene->input);
-	gw_status status = GW_OK;
-	if (!parts || !scene->input)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
-	if (status == GW_OK)
-		status = read_parts(s, scene, parts, error);
-	if (status == GW_OK)
-		status = finish_clouds(s, scene, parts, error);
-	if (status == GW_OK)
-		status = join_parts(s, scene, parts, error);
+	gw_status status = parts && scene->input ? read_and_join(s, scene, parts, error)
+											 : gw_fail(error, GW_ERROR_MEMORY,
+													   "no memory for %zu inputs", s->input_count);
 	for (size_t i = 0; parts && i < s->input_count; i++) {
 		scan_clear(&parts[i].cloud);
 		scan_points_clear(&parts[i].points);
@@ -691,8 +688,7 @@ static bool emits(const loaded_scene *scene)
 static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lights,
 						   gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < s->light_count; i++) {
 		if (!s->light[i].map[0])
 			continue;
 		panorama *grown = growing_table_room(scene->map, scene->map_count, sizeof *grown);
@@ -705,15 +701,13 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
 				"with \"matrix\" of an input in a scene file",
 				s->light[i].map, settings_up_name(scene->up));
-		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
-		if (status != GW_OK)
-			break;
+		GW_TRY(panorama_read(s->light[i].map, &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
 		lights[i].map = map->pixels;
 		lights[i].map_width = map->width;
 		lights[i].map_height = map->height;
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **lights, gw_error *error)

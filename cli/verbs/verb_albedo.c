@@ -162,27 +162,25 @@ static gw_status store_albedo(const settings *s, loaded_scene *scene, gw_error *
 	return scan_add_comment(cloud, text, error);
 }
 
-gw_status verb_albedo(settings *s, gw_error *error)
+static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_error *error)
 {
 	const format *to = NULL;
+	GW_TRY(scene_read_all(s, error));
+	quality_preset_apply(s);
+	GW_TRY(check(s, &to, error));
+	GW_TRY(output_file_create(output, s->output, s->force, error));
+	GW_TRY(read_scan(s, scene, error));
+	GW_TRY(find_albedo(s, scene, error));
+	GW_TRY(store_albedo(s, scene, error));
+	GW_TRY(to->write(*output, &scene->cloud, error));
+	return output_file_commit(output, error);
+}
+
+gw_status verb_albedo(settings *s, gw_error *error)
+{
 	output_file *output = NULL;
 	loaded_scene scene = { 0 };
-	gw_status status = scene_read_all(s, error);
-	quality_preset_apply(s);
-	if (status == GW_OK)
-		status = check(s, &to, error);
-	if (status == GW_OK)
-		status = output_file_create(&output, s->output, s->force, error);
-	if (status == GW_OK)
-		status = read_scan(s, &scene, error);
-	if (status == GW_OK)
-		status = find_albedo(s, &scene, error);
-	if (status == GW_OK)
-		status = store_albedo(s, &scene, error);
-	if (status == GW_OK)
-		status = to->write(output, &scene.cloud, error);
-	if (status == GW_OK)
-		status = output_file_commit(&output, error);
+	gw_status status = run(s, &scene, &output, error);
 	output_file_abandon(&output);
 	loaded_scene_clear(&scene);
 	return status;
