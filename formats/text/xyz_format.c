@@ -136,19 +136,15 @@ static gw_status find_names(text_rows *rows, text_names *names, const char **com
 	rows->separator = text_rows_separator(h.line, h.length);
 	if (rows->in->columns)
 		return take_given(rows, &h, names, error);
-	gw_status status;
 	if (text_rows_numbers(h.line, h.length, rows->separator, value, 64) > 0) {
-		status = take_comment(rows, &h, names, error);
+		GW_TRY(take_comment(rows, &h, names, error));
 		*comment = names->count ? h.comment : NULL;
-		if (status == GW_OK && names->count == 0)
-			status = text_names_guess(names, rows, false, error);
-		return status;
+		return names->count ? GW_OK : text_names_guess(names, rows, false, error);
 	}
-	status = text_names_split(names, h.line, h.length, error);
+	GW_TRY(text_names_split(names, h.line, h.length, error));
 	rows->skip = TEXT_ROWS_SKIP_LONG;
-	if (status == GW_OK)
-		status = check_names(rows, names, h.number, error);
-	return status == GW_OK ? step_over(rows, &h, error) : status;
+	GW_TRY(check_names(rows, names, h.number, error));
+	return step_over(rows, &h, error);
 }
 
 /* Comments before the first line of names or values are the scan's. */
@@ -182,6 +178,14 @@ static gw_status read_table(text_rows *rows, const text_names *names, scan *clou
 	return status;
 }
 
+static gw_status read_named(text_rows *rows, text_names *names, scan *cloud, gw_error *error)
+{
+	const char *comment = NULL;
+	GW_TRY(find_names(rows, names, &comment, error));
+	GW_TRY(take_comments(rows, comment, cloud, error));
+	return read_table(rows, names, cloud, error);
+}
+
 gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 {
 	const char *text = text_rows_begin(in->data, in->length);
@@ -190,12 +194,7 @@ gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 	text_names names = { 0 };
 	*cloud = (scan){ .up = 'z' };
 	rows.newline = text_rows_newline(text, end);
-	const char *comment = NULL;
-	gw_status status = find_names(&rows, &names, &comment, error);
-	if (status == GW_OK)
-		status = take_comments(&rows, comment, cloud, error);
-	if (status == GW_OK)
-		status = read_table(&rows, &names, cloud, error);
+	gw_status status = read_named(&rows, &names, cloud, error);
 	text_names_clear(&names);
 	if (status != GW_OK)
 		scan_clear(cloud);
