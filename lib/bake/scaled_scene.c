@@ -4,8 +4,8 @@
 #include "bake/scaled_scene.h"
 
 #include "base/memory.h"
-#include "surfels/cloud_units.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/cloud_units.h"
+#include "cloud/frame.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "glowworm_host.h"
 #include "base/memory.h"
 #include "bake/report.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/frame.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "light/direct_light.h"
 
 #include "base/memory.h"
-#include "surfels/normal_error.h"
+#include "normals/normal_error.h"
 #include "light/transport_layout.h"
 
 #include <math.h>

@@ -24,7 +24,7 @@
 #define SCANNED_SPACE_H
 
 #include "base/shader_math.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* Cells along the longest side. */
 #define GW_SPACE_CELLS 96u

@@ -1,7 +1,7 @@
 /* What rows and columns of simulated scans tell: normals, ranges without noise, and nothing where
  * they are no picture. */
 #include "simulated_scan.h"
-#include "surfels/range_image.h"
+#include "cloud/range_image.h"
 
 #include <math.h>
 #include <setjmp.h>
