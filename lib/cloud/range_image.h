@@ -84,8 +84,8 @@ bool gw_range_noise_find(gw_range_grid *grid);
  * short. */
 bool gw_range_planes_find(const gw_range_grid *grid, uint32_t threads, gw_range_plane *plane);
 
-/* Replaces each plane by the mean of those in whose windows its point lies, where that has the point
- * on it but for the noise. False when memory is short. */
+/* Replaces each plane by the mean of those in whose windows its point lies, where that has the
+ * point on it but for the noise. False when memory is short. */
 bool gw_range_planes_blend(const gw_range_grid *grid, gw_range_plane *plane);
 
 /* What kind of stray the point of a cell is by its planes: 0, or 1 + a gw_stray_kind. */
