@@ -203,12 +203,13 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .threads = s->options.threads };
 	free(lighting->gap);
 	lighting->gap = NULL;
-	if (s->space.scanners == 0)
+	if (!gw_scanned_space_known(&s->space))
 		return GW_OK;
 	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
 	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
 		status = gw_gap_light_close(&on, lighting->gap,
-									s->options.gaps == GW_GAPS_BLACK ? fill : NULL, error);
+									s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
+									!lighting->plan.emitters, error);
 	return status;
 }
 
