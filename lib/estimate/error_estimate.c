@@ -133,30 +133,32 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 	return status;
 }
 
+static gw_status sum_and_shade(const gw_estimate_task *task, gw_buffer *total, gw_buffer *radiance,
+							   gw_error *error)
+{
+	gw_records *records = task->records;
+	const gw_record_context on = { task->passes, task->octree, records };
+	GW_TRY(gw_light_add(task->passes, &records->first, total, records->count, error));
+	GW_TRY(gw_light_add(task->passes, &records->indirect, total, records->count, error));
+	GW_TRY(gw_buffer_create(
+		task->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance" },
+		radiance, error));
+	return gw_facets_shade(&on, total, task->facet_direct, 1.0f, radiance, error);
+}
+
 /* What the facets send out in the end, their own emission left out. */
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
-	gw_records *records = task->records;
-	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer total = { 0 };
-	gw_status status = gw_buffer_create(
+	GW_TRY(gw_buffer_create(
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)records->count, "record irradiance" },
-		&total, error);
-	const gw_buffer *parts[2] = { &records->first, &records->indirect };
-	for (int i = 0; i < 2 && status == GW_OK; i++)
-		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_TEXEL,
-															VK_FORMAT_R32G32B32A32_SFLOAT,
-															32 * (uint64_t)task->octree->leaf_count,
-															"final facet radiance" },
-								  radiance, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&on, &total, task->facet_direct, 1.0f, radiance, error);
+								  16 * (uint64_t)task->records->count, "record irradiance" },
+		&total, error));
+	gw_status status = sum_and_shade(task, &total, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }

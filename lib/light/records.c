@@ -218,12 +218,11 @@ static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 	gw_gpu *gpu = on->passes->gpu;
 	gw_buffer facet = { 0 };
 	uint64_t bytes = 4 * (uint64_t)on->records->count;
-	gw_status status = gw_buffer_create(
+	GW_TRY(gw_buffer_create(
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "record facet" },
-		&facet, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &facet, 0, on->records->facet, bytes, error);
+		&facet, error));
+	gw_status status = gw_buffer_upload(gpu, &facet, 0, on->records->facet, bytes, error);
 	if (status == GW_OK)
 		status = put_on_facets(on, &facet, error);
 	if (status == GW_OK)
