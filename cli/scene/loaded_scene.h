@@ -19,7 +19,7 @@ typedef struct loaded_input {
 	uint64_t left_out; /* rows of the file without a point */
 	char albedo_source[240];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
-	bool albedo_told;    /* what its colours count to was told by their values */
+	bool albedo_told;    /* only their values tell what colours count to, or which are none */
 	double albedo_mean;  /* of all points and colours, linear */
 	bool lit;            /* glowworm wrote it */
 	bool is_mesh;

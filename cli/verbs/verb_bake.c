@@ -134,8 +134,8 @@ static void note_colors(const settings *s, const loaded_input *input)
 	const char *name = loaded_scene_input_name(input->path);
 	double mean = input->albedo_mean;
 	if (input->albedo_told)
-		text_message(stderr, "glowworm: note: %s: the albedo is from %s, as the values tell\n",
-					 name, input->albedo_source);
+		text_message(stderr, "glowworm: note: %s: the albedo is from %s\n", name,
+					 input->albedo_source);
 	if (input->albedo_missing || input->is_mesh || input->lit || s->points.scale != 1.0f ||
 		s->points.white > 0.0f)
 		return;

@@ -3,6 +3,7 @@
  * before anything is allocated.
  */
 #include "points/column_names.h"
+#include "points/scan_origin.h"
 #include "glowworm_host.h"
 #include "pcd/pcd_format.h"
 #include "pcd/pcd_header.h"
@@ -375,14 +376,27 @@ static gw_status note_rest(const reader *r)
 	return scan_add_comment(r->cloud, text, r->error);
 }
 
-/* The default says nothing; in an organised cloud it is the camera itself. */
-static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
+static bool moves_nothing(const pcd_header *h)
 {
 	static const double usual[7] = { 0, 0, 0, 1, 0, 0, 0 };
-	bool known = h->height > 1 && h->width > 1;
 	for (int k = 0; k < 7; k++)
-		known = known || h->viewpoint[k] != usual[k];
-	return known ? scan_add_scanner(cloud, h->viewpoint, 0, cloud->count, error) : GW_OK;
+		if (h->viewpoint[k] != usual[k])
+			return false;
+	return true;
+}
+
+/* The default says nothing; in an organised cloud it is the camera itself, unless rows and columns
+ * are seen from elsewhere. */
+static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
+{
+	const double *place = h->viewpoint;
+	if (moves_nothing(h)) {
+		if (h->height < 2 || h->width < 2)
+			return GW_OK;
+		if (cloud->image_count > 0 && scan_settle_origin(cloud, 0))
+			place = cloud->image[0].scanner;
+	}
+	return scan_add_scanner(cloud, place, 0, cloud->count, error);
 }
 
 /* Sums for a straight line through points. */
@@ -466,9 +480,9 @@ static gw_status read_all(reader *r)
 {
 	GW_TRY(read_body(r));
 	GW_TRY(note_rest(r));
-	GW_TRY(take_viewpoint(r->header, r->cloud, r->error));
 	GW_TRY(take_frame(r->header, r->cloud, r->error));
-	return take_image(r->header, r->cloud, r->error);
+	GW_TRY(take_image(r->header, r->cloud, r->error));
+	return take_viewpoint(r->header, r->cloud, r->error);
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)

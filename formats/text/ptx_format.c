@@ -4,6 +4,7 @@
  */
 #include "files/growing_table.h"
 #include "files/number_text.h"
+#include "points/scan_origin.h"
 #include "text/text_columns.h"
 #include "text/text_formats.h"
 
@@ -21,6 +22,7 @@ typedef struct grid {
 	double size[2];    /* columns and rows of cells */
 	double matrix[16]; /* row vectors: the last row is the translation */
 	size_t first;      /* point */
+	size_t image;      /* of the cloud, where rows.cell is one */
 } grid;
 
 typedef struct reader {
@@ -249,6 +251,7 @@ static gw_status add_image(reader *r, grid *g)
 	image.rows = (uint32_t)g->size[1];
 	memcpy(image.scanner, &g->matrix[12], sizeof image.scanner);
 	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	g->image = r->cloud->image_count - 1;
 	g->rows.cell = status == GW_OK ? r->cloud->image_cell + g->first : NULL;
 	return status;
 }
@@ -284,7 +287,7 @@ static bool is_among(const grid *g, const scan *cloud)
 	for (size_t k = 0; k < 3; k++) {
 		double low = INFINITY, high = -INFINITY;
 		for (size_t i = g->first; i < g->first + g->rows.count; i++) {
-			double value = ((const double *)cloud->column[k].data)[i];
+			double value = scan_value(&cloud->column[k], i);
 			low = value < low ? value : low;
 			high = value > high ? value : high;
 		}
@@ -295,15 +298,22 @@ static bool is_among(const grid *g, const scan *cloud)
 }
 
 /*
- * The matrix takes the scanner's place, its frame's origin, to the world. Points that never were in
- * a scanner's frame come with a matrix that does nothing and are far from the origin.
+ * The matrix takes the scanner's place, its frame's origin, to the world. Points may never have
+ * been in that frame, and then come with a matrix that does nothing: where they were seen from is
+ * told by their rows and columns, or else not known if the origin is far off.
  */
 static gw_status take_scanners(const reader *r)
 {
 	for (size_t i = 0; i < r->grid_count; i++) {
 		const grid *g = &r->grid[i];
-		if (!is_identity(g->matrix) || is_among(g, r->cloud))
-			GW_TRY(scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error));
+		const double *place = &g->matrix[12];
+		bool known = !is_identity(g->matrix);
+		if (!known && g->rows.cell && scan_settle_origin(r->cloud, g->image)) {
+			place = r->cloud->image[g->image].scanner;
+			known = true;
+		}
+		if (known || is_among(g, r->cloud))
+			GW_TRY(scan_add_scanner(r->cloud, place, g->first, g->rows.count, r->error));
 	}
 	return GW_OK;
 }

@@ -202,13 +202,13 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .threads = s->options.threads };
 	free(lighting->gap);
 	lighting->gap = NULL;
-	if (s->space.scanners == 0)
+	if (!gw_scanned_space_known(&s->space))
 		return GW_OK;
 	GW_TRY(gw_gap_light_find(&task, &lighting->gap, error));
 	if (s->options.gaps == GW_GAPS_OPEN)
 		return GW_OK;
 	return gw_gap_light_close(&on, lighting->gap, s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
-							  error);
+							  !lighting->plan.emitters, error);
 }
 
 /* After records gathered from surfaces. */
