@@ -198,6 +198,7 @@ static gw_status lights_at(const settings *s, const loaded_scene *scene, uint32_
 						   reason.text);
 		loaded_scene_place(&scene->place, scene->up, &light);
 		lights[i] = light.light;
+		loaded_scene_put_map(scene, &light, i, &lights[i]);
 	}
 	return GW_OK;
 }

@@ -658,6 +658,7 @@ void loaded_scene_clear(loaded_scene *scene)
 	for (size_t i = 0; i < scene->map_count; i++)
 		panorama_clear(&scene->map[i]);
 	free(scene->map);
+	free(scene->light);
 	free(scene->input);
 	free(scene->scanner);
 	coordinates_clear(&scene->place);
@@ -684,12 +685,26 @@ static bool emits(const loaded_scene *scene)
 	return false;
 }
 
-/* Reads the maps of environment lights; the scene owns their pixels. */
-static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lights,
+/* The map of a sky that has a model, or a file; the light is scaled to what it is to give. */
+static gw_status read_map(lamp *light, panorama *map, gw_error *error)
+{
+	if (light->model)
+		return light_sky(light, map, error);
+	GW_TRY(panorama_read(light->map, map, error));
+	gw_status status = light_scale_map(light, map, error);
+	if (status != GW_OK)
+		panorama_clear(map);
+	return status;
+}
+
+/* Reads or makes the maps of environment lights; the scene owns their pixels. placed: light_count
+ * resolved lamps, whose lights go into `lights`. */
+static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed, gw_light *lights,
 						   gw_error *error)
 {
 	for (size_t i = 0; i < s->light_count; i++) {
-		if (!s->light[i].map[0])
+		lights[i] = placed[i].light;
+		if (!placed[i].map[0] && !placed[i].model)
 			continue;
 		panorama *grown = growing_table_room(scene->map, scene->map_count, sizeof *grown);
 		if (!grown)
@@ -700,9 +715,11 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 				error, GW_ERROR_USAGE,
 				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
 				"with \"matrix\" of an input in a scene file",
-				s->light[i].map, settings_up_name(scene->up));
-		GW_TRY(panorama_read(s->light[i].map, &grown[scene->map_count], error));
+				placed[i].model ? sky_model_name(placed[i].model) : placed[i].map,
+				settings_up_name(scene->up));
+		GW_TRY(read_map(&placed[i], &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
+		lights[i] = placed[i].light;
 		lights[i].map = map->pixels;
 		lights[i].map_width = map->width;
 		lights[i].map_height = map->height;
@@ -712,18 +729,39 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 
 gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **lights, gw_error *error)
 {
-	*lights = calloc(s->light_count ? s->light_count : 1, sizeof **lights);
-	if (!*lights)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
-	for (size_t i = 0; i < s->light_count; i++) {
-		lamp placed = s->light[i];
-		loaded_scene_place(&scene->place, scene->up, &placed);
-		light_resolve(&s->light[i], scene->up);
-		(*lights)[i] = placed.light;
-	}
+	size_t count = s->light_count ? s->light_count : 1, bytes = count * sizeof **lights;
 	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");
-	return read_maps(scene, s, *lights, error);
+	*lights = calloc(count, sizeof **lights);
+	free(scene->light);
+	scene->light = calloc(count, sizeof **lights);
+	lamp *placed = calloc(count, sizeof *placed);
+	if (!*lights || !placed || !scene->light) {
+		free(placed);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	}
+	for (size_t i = 0; i < s->light_count; i++) {
+		placed[i] = s->light[i];
+		loaded_scene_place(&scene->place, scene->up, &placed[i]);
+		light_resolve(&s->light[i], scene->up);
+	}
+	gw_status status = read_maps(scene, s, placed, *lights, error);
+	if (status == GW_OK)
+		memcpy(scene->light, *lights, bytes);
+	free(placed);
+	return status;
+}
+
+void loaded_scene_put_map(const loaded_scene *scene, const lamp *light, size_t i, gw_light *to)
+{
+	const gw_light *read = &scene->light[i];
+	if (!read->map)
+		return;
+	to->map = read->map;
+	to->map_width = read->map_width;
+	to->map_height = read->map_height;
+	if (light->model || light->measure == LIGHT_KEY_ILLUMINANCE)
+		memcpy(to->radiance, read->radiance, sizeof to->radiance);
 }

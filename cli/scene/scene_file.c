@@ -180,13 +180,14 @@ static gw_status take_light_value(const reader *r, const char *key, json_t *valu
 {
 	lamp trial = *light;
 	unsigned given = 0;
-	if (strcmp(key, "name") == 0)
-		return fail_here(r, "a light's name stays the same");
 	GW_TRY(take_light_key(r, key, value, &trial, &given));
 	int which = 0;
 	while (!(given & 1u << which))
 		which++;
-	size_t count = 0, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	if (!light_key_moves((light_key_id)which))
+		return fail_here(r, "a light's %s stays the same", key);
+	light_value kind = light_keys[which].value;
+	size_t count = 0, most = kind == LIGHT_VALUE_NUMBER ? 1 : kind == LIGHT_VALUE_SKY ? 2 : 3;
 	GW_TRY(take_numbers(r, value, to->value[which], most, true, &count));
 	for (size_t k = count; k < most; k++)
 		to->value[which][k] = to->value[which][0];
@@ -436,6 +437,34 @@ static gw_status take_map(const reader *r, json_t *value, lamp *light)
 	return status;
 }
 
+/* Numbers, or a text of numbers with their unit: "40cd". */
+static gw_status take_light_number(const reader *r, json_t *value, light_key_id id, lamp *light)
+{
+	light_value kind = light_keys[id].value;
+	const char *text = json_string_value(value);
+	gw_error reason = { 0 };
+	double v[3] = { 0 };
+	size_t count;
+	if (kind == LIGHT_VALUE_TIME || kind == LIGHT_VALUE_MODEL) {
+		if (!text)
+			return fail_here(r, "a text is needed");
+		return light_set_text(light, id, text, &reason) == GW_OK
+				   ? GW_OK
+				   : fail_here(r, "%.600s", reason.text);
+	}
+	if (text && kind == LIGHT_VALUE_COLOR)
+		return light_set_numbers(light, id, text, &reason) == GW_OK
+				   ? GW_OK
+				   : fail_here(r, "%.600s", reason.text);
+	bool single = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE;
+	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE;
+	bool one = single || kind == LIGHT_VALUE_COLOR;
+	GW_TRY(take_numbers(r, value, v, single ? 1 : pair ? 2 : 3, one, &count));
+	if (light_set(light, id, v, count, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	return GW_OK;
+}
+
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
 								unsigned *given)
 {
@@ -455,15 +484,7 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 	}
 	if (id == LIGHT_KEY_MAP)
 		return take_map(r, value, light);
-	double v[3] = { 0 };
-	light_value kind = light_keys[id].value;
-	size_t count, most = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE ? 1 : 3;
-	bool one = light_keys[id].value != LIGHT_VALUE_VECTOR;
-	GW_TRY(take_numbers(r, value, v, most, one, &count));
-	gw_error reason = { 0 };
-	if (light_set(light, (light_key_id)id, v, count, &reason) != GW_OK)
-		return fail_here(r, "%.600s", reason.text);
-	return GW_OK;
+	return take_light_number(r, value, (light_key_id)id, light);
 }
 
 static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
@@ -501,7 +522,7 @@ static gw_status take_light_keys(reader *r, json_t *object, motion_path *path, l
 			GW_TRY(take_light_key(r, key, value, light, &given));
 		leave(r);
 	}
-	if (light_check(light, given, true, &reason) != GW_OK)
+	if (light_complete(light, given, true, &reason) != GW_OK)
 		return fail_here(r, "%.600s", reason.text);
 	GW_TRY(finish_motion(r, object, path, NULL, &light->motion));
 	return settings_add_light(r->settings, light, r->error);
@@ -588,9 +609,9 @@ static gw_status take_units(const reader *r, json_t *value)
 {
 	const char *units = json_string_value(value);
 	if (units && strcmp(units, "radiometric") == 0)
-		r->settings->units = 0;
+		r->settings->units = LIGHT_UNITS_RADIOMETRIC;
 	else if (units && strcmp(units, "photometric") == 0)
-		r->settings->units = 1;
+		r->settings->units = LIGHT_UNITS_PHOTOMETRIC;
 	else
 		return fail_here(r, "it must be \"radiometric\" or \"photometric\"");
 	return GW_OK;
@@ -755,5 +776,5 @@ gw_status scene_read_all(settings *s, gw_error *error)
 			return status;
 		i += s->input_count - before;
 	}
-	return GW_OK;
+	return lights_agree(s->light, s->light_count, &s->units, error);
 }

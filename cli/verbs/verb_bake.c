@@ -312,7 +312,7 @@ static gw_status write_grids(bake *b)
 	const vdb_text text[] = {
 		{ "creator", "glowworm " GW_VERSION },
 		{ "command", s->command },
-		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
+		{ "units", s->units == LIGHT_UNITS_PHOTOMETRIC ? "cd/m^2" : "W/(sr m^2)" },
 	};
 	const vdb_points points = { .count = drop_strays(b),
 								.position = b->scene.points.points.position,
