@@ -411,9 +411,9 @@ typedef struct gw_gap_report {
 	 * middle, metres. With neither scanners nor holes all below is 0. */
 	uint32_t holes;
 	double hole_width, hole_place[3];
-	double share;      /* of the directions that points gather light from, weighted as irradiance */
-	double sky;        /* of the light that the sky brings: comes through gaps, were they open */
-	double lamps;      /* of the light of lamps and suns: passes what no scanner saw */
+	double share; /* of the directions that points gather light from, weighted as irradiance */
+	double sky;   /* of the light that the sky brings: comes through gaps, were they open */
+	double lamps; /* of the light of lamps and suns: passes what no scanner saw */
 	/* The mean radiance over what it is, if gaps were black, and if they were as bright as what
 	 * surrounds them. */
 	double black, bright;

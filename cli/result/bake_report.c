@@ -358,7 +358,8 @@ static void note_holes(const gw_report *r)
 		bright[TEXT_PERCENT];
 	const double *at = r->gaps.hole_place;
 	fprintf(stderr,
-			"glowworm: note: the surface has %" PRIu32 " hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
+			"glowworm: note: the surface has %" PRIu32
+			" hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
 			"%s %% of the directions that light is gathered from, %s %% of the sky's light and "
 			"%s %% of what lamps and suns send pass there; were they black, the light would be "
 			"%s %% of what it is, as bright as what surrounds them, %s %%; nobody knows which of "

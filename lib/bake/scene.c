@@ -246,8 +246,8 @@ static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *
 	GW_TRY(gw_scanned_space_make(points, &scene->surfels, scene->options.threads, &scene->space,
 								 error));
 	if (space->scanners == 0)
-		GW_TRY(gw_surface_holes_find(&scene->surfels, scene->options.threads, &scene->space,
-									 error));
+		GW_TRY(
+			gw_surface_holes_find(&scene->surfels, scene->options.threads, &scene->space, error));
 	gaps->scanners = space->scanners;
 	gaps->holes = space->holes;
 	gaps->hole_width = (double)space->hole_width;

@@ -57,8 +57,8 @@ typedef struct gw_scanned_space {
 	float hole_width, hole_place[3];
 } gw_scanned_space;
 
-/* Makes the grid around surfels, so many cells along its longest side or fewer of that width, all of
- * them GW_SPACE_UNKNOWN; false when memory is short. */
+/* Makes the grid around surfels, so many cells along its longest side or fewer of that width, all
+ * of them GW_SPACE_UNKNOWN; false when memory is short. */
 bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
 						   gw_scanned_space *space);
 

@@ -81,7 +81,8 @@ static bool find_cell(const gw_scanned_space *space, gw_vec3 place, size_t *cell
 	return true;
 }
 
-/* -------------------------------------------------------------------------------------- the grid */
+/* -------------------------------------------------------------------------------------- the grid
+ */
 
 /* Marks the cells that a disc touches. */
 static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
@@ -128,7 +129,8 @@ static float look(const gw_scanned_space *space, gw_vec3 from, gw_vec3 way)
 	}
 }
 
-/* -------------------------------------------------------------------------------------- the eyes */
+/* -------------------------------------------------------------------------------------- the eyes
+ */
 
 /* Half way across the free space before a surfel. */
 static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
@@ -143,8 +145,8 @@ static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
 		{ 0, 0 }, { SLANT, 0 }, { -SLANT, 0 }, { 0, SLANT }, { 0, -SLANT }
 	};
 	for (int i = 0; i < EYE_WAYS; i++) {
-		gw_vec3 way = gw_unit(
-			gw_plus(n, gw_plus(gw_times(u, aslant[i][0]), gw_times(v, aslant[i][1]))));
+		gw_vec3 way =
+			gw_unit(gw_plus(n, gw_plus(gw_times(u, aslant[i][0]), gw_times(v, aslant[i][1]))));
 		float free = look(w->space, from, way);
 		*place = gw_plus(from, gw_times(way, 0.5f * free));
 		if (free > 2.0f * EYE_ROOM * cell)
@@ -216,7 +218,8 @@ static bool look_around(const gw_scanned_space *space, eye *e)
 	return open > 0.0f && open < (float)OPEN_MOST;
 }
 
-/* ------------------------------------------------------------------------------------ the pieces */
+/* ------------------------------------------------------------------------------------ the pieces
+ */
 
 /* The directions beside one; across the poles, too. */
 static void list_beside(uint32_t number, uint32_t beside[4])
@@ -296,9 +299,8 @@ static void mark_direction(const work *w, const eye *e, uint32_t number)
 	float depth = 1.0f / e->inverse[number];
 	int n = (int)ceilf(1.5f * depth * GW_PI / (ROWS * space->cell));
 	for (int a = 0; a < n * n; a++) {
-		gw_vec3 way =
-			direction_at((float)(number / COLUMNS) + ((float)(a / n) + 0.5f) / (float)n,
-						 (float)(number % COLUMNS) + ((float)(a % n) + 0.5f) / (float)n);
+		gw_vec3 way = direction_at((float)(number / COLUMNS) + ((float)(a / n) + 0.5f) / (float)n,
+								   (float)(number % COLUMNS) + ((float)(a % n) + 0.5f) / (float)n);
 		if (look(space, e->place, way) >= 0.0f)
 			continue;
 		for (int side = -1; side <= 1; side++) {
@@ -351,7 +353,8 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	}
 }
 
-/* ------------------------------------------------------------------------------------- the holes */
+/* ------------------------------------------------------------------------------------- the holes
+ */
 
 /* Calls for the cells around one, of which there are 26 but for the grid's ends. */
 typedef size_t around_work(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top);

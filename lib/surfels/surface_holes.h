@@ -1,6 +1,6 @@
 /*
- * surface_holes.h - holes in the surface of points, where no scanner is known that would say what is
- * a hole. Internal to lib/.
+ * surface_holes.h - holes in the surface of points, where no scanner is known that would say what
+ * is a hole. Internal to lib/.
  *
  * From places in the free space between surfaces it is looked all around, through a grid of cells
  * that discs touch. Where most directions meet something, and those that do not are a piece with

@@ -61,59 +61,56 @@ typedef struct sorted_points {
 static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
 							 gw_surfels *surfels, gw_error *error)
 {
-	gw_status status = gw_strays_mark_known(p->all, &p->strays, error);
-	if (status == GW_OK)
-		status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
-	if (status == GW_OK)
-		status = gw_frame_make(&p->rest, options, surfels, error);
+	GW_TRY(gw_strays_mark_known(p->all, &p->strays, error));
+	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
 	size_t known = p->strays.count;
-	if (status == GW_OK)
-		status = gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error);
-	if (status != GW_OK || p->strays.count == known)
-		return status;
+	GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
+	if (p->strays.count == known)
+		return GW_OK;
 	gw_surfels_clear(surfels);
 	free(p->position);
 	p->position = NULL;
-	status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
-	return status == GW_OK ? gw_frame_make(&p->rest, options, surfels, error) : status;
+	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+	return gw_frame_make(&p->rest, options, surfels, error);
+}
+
+/* search is opened anew when the points are moved. */
+static gw_status make_discs(const sorted_points *p, const gw_surfels_options *options,
+							gw_neighbours **search, gw_surfels *surfels, float *gap,
+							gw_error *error)
+{
+	bool smoothed = false;
+	uint8_t *filled = NULL;
+	GW_TRY(gw_strays_list(p->all, &p->strays, *search, surfels, error));
+	GW_TRY(gw_given_normals_mend(&p->rest, options, *search, surfels, error));
+	GW_TRY(complete_normals(&p->rest, options, *search, surfels, error));
+	GW_TRY(gw_filled_space_find(*search, surfels, &filled, error));
+	gw_status status = gw_surfels_smooth(*search, filled, surfels, &smoothed, error);
+	if (smoothed) {
+		gw_neighbours_close(*search);
+		*search = NULL;
+		status = gw_neighbours_open(surfels, options, search, error);
+	}
+	if (status == GW_OK)
+		status = gw_discs_make(*search, filled, surfels, options->rough_area, gap, error);
+	free(filled);
+	return status;
 }
 
 static gw_status make_surface(const sorted_points *p, const gw_surfels_options *options,
 							  gw_surfels *surfels, float **gap, gw_error *error)
 {
-	const gw_points *points = &p->rest;
 	gw_neighbours *search = NULL;
-	gw_status status = options->choose ? choose(points, options, surfels, error) : GW_OK;
-	if (status != GW_OK)
-		return status;
+	if (options->choose)
+		GW_TRY(choose(&p->rest, options, surfels, error));
 	if (gap) {
 		*gap = gw_allocate_array(surfels->count, sizeof **gap);
 		if (!*gap)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
-	status = gw_neighbours_open(surfels, options, &search, error);
-	if (status != GW_OK)
-		return status;
-	bool smoothed = false;
-	status = gw_strays_list(p->all, &p->strays, search, surfels, error);
-	if (status == GW_OK)
-		status = gw_given_normals_mend(points, options, search, surfels, error);
-	if (status == GW_OK)
-		status = complete_normals(points, options, search, surfels, error);
-	uint8_t *filled = NULL;
-	if (status == GW_OK)
-		status = gw_filled_space_find(search, surfels, &filled, error);
-	if (status == GW_OK)
-		status = gw_surfels_smooth(search, filled, surfels, &smoothed, error);
-	if (smoothed) {
-		gw_neighbours_close(search);
-		search = NULL;
-		status = gw_neighbours_open(surfels, options, &search, error);
-	}
-	if (status == GW_OK)
-		status =
-			gw_discs_make(search, filled, surfels, options->rough_area, gap ? *gap : NULL, error);
-	free(filled);
+	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
+	gw_status status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
 	return status;
 }
