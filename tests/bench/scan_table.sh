@@ -11,8 +11,8 @@
 # have one (8000).
 #
 # Columns: the case; relRMSE of the radiance against the truth, without what the truth itself is
-# off, and its mean error; the error that the bake states, in percent, and that over relRMSE; percent of the
-# points with a truth whose normal faces the right way; seconds of the bake.
+# off, and its mean error; the error that the bake states, in percent, and that over relRMSE;
+# percent of the points with a truth whose normal faces the right way; seconds of the bake.
 set -u
 export LC_ALL=C
 root=$(cd "$(dirname "$0")/../.." && pwd)
