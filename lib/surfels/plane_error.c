@@ -38,8 +38,8 @@
  * they are more than chance: its own height is in each of them. */
 #define ABOVE_MEDIAN 6.0
 
-/* Squared, in the neighbours' reach: where most heights are less than that, planes keep to one face
- * of a crease. */
+/* Squared, in the neighbours' reach: where most heights are less than that, planes through
+ * neighbours keep to one face of a crease. Those of rows and columns may not. */
 #define HEIGHT_LEAST 1e-6
 
 /* Sums over the neighbours of a surfel, by which a line is fitted to those of all in a region: x is
@@ -133,6 +133,7 @@ typedef struct region_line {
 	double turn;         /* variance of the normals by that noise */
 	double excess;       /* mean of what mean squared heights of surfels are above the noise */
 	double median;       /* of mean squared heights: of most surfels, whatever creases there are */
+	bool crosses;        /* planes may be fitted over creases */
 } region_line;
 
 /* Mean squared height of a surfel's neighbours above what noise makes of it. */
@@ -228,8 +229,15 @@ static float error_of(const line_sums *sums, const region_line *line, bool by_gr
 	double share = line->excess > 0 ? excess_of(sums, line->noise) / line->excess : 1;
 	double bent = SLOPE_FACTOR * line->slope * share + line->turn + other_turn(sums, line);
 	double planes = fmax(of_planes(sums), own_tilt(sums, line->median));
-	planes = line->median > HEIGHT_LEAST ? planes : 0;
+	planes = line->crosses ? planes : 0;
 	return (float)sqrt(by_grid ? planes : fmax(bent, planes));
+}
+
+static bool has_grids(const gw_surfels *s, size_t first, size_t last)
+{
+	while (first < last && s->shading_normal_off[first] != GW_PLANE_BY_GRID)
+		first++;
+	return first < last;
 }
 
 gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *error)
@@ -243,6 +251,7 @@ gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *e
 		size_t last = n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION;
 		region_line line = fit_line(step.sums + first, last - first);
 		line.median = median_height(step.sums + first, last - first);
+		line.crosses = line.median > HEIGHT_LEAST || has_grids(surfels, first, last);
 		for (size_t i = first; i < last; i++)
 			if (surfels->shading_normal_off[i] > 0)
 				surfels->shading_normal_off[i] = error_of(
