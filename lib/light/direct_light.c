@@ -175,7 +175,7 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 			size_t s = first + i;
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
-				gw_normal_turn(own + 3 * s, surfels->shading_normal_off[s], s, chunk + 4 * i);
+				gw_normal_turn(surfels, s, chunk + 4 * i);
 			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =
