@@ -375,11 +375,27 @@ static void note_no_scanner(const settings *s, const gw_report *r)
 				gw_gaps_name(s->bake.gaps));
 }
 
+/* Is a count worth a line? Of what does no harm, only if it is much; the report has all. */
+static bool is_notable(const gw_count *count, size_t points)
+{
+	static const struct {
+		const char *name;
+		double least; /* share of the points */
+	} harmless[] = { { "duplicates_merged", 0.1 },
+					 { "albedo_clamped", 0.01 },
+					 { "normals_untrusted", 0.05 } };
+	double least = 0.0;
+	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
+		if (strcmp(count->name, harmless[i].name) == 0)
+			least = harmless[i].least;
+	return count->points > 0 && (double)count->points >= least * (double)points;
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	for (uint32_t i = 0; i < r->count_count; i++)
-		if (r->count[i].points)
+		if (is_notable(&r->count[i], f->scene->cloud.count))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
