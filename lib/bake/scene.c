@@ -7,6 +7,7 @@
 #include "glowworm_host.h"
 #include "base/memory.h"
 #include "bake/report.h"
+#include "cloud/strays.h"
 #include "cloud/frame.h"
 #include "surfels/surface_holes.h"
 
@@ -179,15 +180,7 @@ static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *po
 	int length = snprintf(meaning, sizeof meaning,
 						  "points are strays, lit as the surface nearest to them, of which they "
 						  "are no part:");
-	memset(r->stray, 0, sizeof r->stray);
-	for (size_t i = 0; i < s->stray_count; i++) {
-		gw_stray_count *count = &r->stray[s->stray[i].kind];
-		size_t point = s->stray[i].point;
-		if (count->points++ > 0 && point > count->example)
-			continue;
-		count->example = point;
-		memcpy(count->position, points->position + 3 * point, sizeof count->position);
-	}
+	gw_strays_count(s, points, r->stray);
 	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
 		const gw_stray_count *count = &r->stray[kind];
 		if (count->points > 0 && length < (int)sizeof meaning)
