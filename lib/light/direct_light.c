@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "normals/normal_error.h"
+#include "light/shut_out.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -236,6 +237,38 @@ gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
+/* Normals at which light comes in; turned is NULL, or those that are off. */
+typedef struct light_normals {
+	const gw_buffer *own, *turned;
+} light_normals;
+
+/* What one light adds. */
+static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
+						   light_normals normals, gw_buffer *visibility,
+						   const gw_direct_irradiance *to, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	gw_buffer reached = { 0 }, reached_turned = { 0 };
+	gw_status status = GW_OK;
+	if (push->shadows)
+		status = gw_shut_out_light(cloud, push, normals.own, &reached, error);
+	if (status == GW_OK && push->shadows && normals.turned)
+		status = gw_shut_out_light(cloud, push, normals.turned, &reached_turned, error);
+	if (reached.handle != VK_NULL_HANDLE)
+		normals.own = &reached;
+	if (reached_turned.handle != VK_NULL_HANDLE)
+		normals.turned = &reached_turned;
+	if (status == GW_OK)
+		status = find_visibility(cloud, push, normals.own, visibility, error);
+	if (status == GW_OK)
+		status = add_irradiance(cloud, push, normals.own, visibility, to->surfels, error);
+	if (status == GW_OK && normals.turned)
+		status = add_irradiance(cloud, push, normals.turned, visibility, to->turned, error);
+	gw_buffer_destroy(gpu, &reached_turned);
+	gw_buffer_destroy(gpu, &reached);
+	return status;
+}
+
 gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
 						  const gw_direct_irradiance *to, gw_error *error)
 {
@@ -251,16 +284,12 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 		status = upload_normals(cloud->passes->gpu, cloud->surfels, false, &own_normal, error);
 	if (status == GW_OK && to->turned)
 		status = upload_normals(cloud->passes->gpu, cloud->surfels, true, &off_normal, error);
+	const light_normals normals = { normal, to->turned ? &off_normal : NULL };
 	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
-		if (!gw_light_shines(&lights[i]))
-			continue;
 		gw_light_push push =
 			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
-		status = find_visibility(cloud, &push, normal, &visibility, error);
-		if (status == GW_OK)
-			status = add_irradiance(cloud, &push, normal, &visibility, to->surfels, error);
-		if (status == GW_OK && to->turned)
-			status = add_irradiance(cloud, &push, &off_normal, &visibility, to->turned, error);
+		if (gw_light_shines(&lights[i]))
+			status = add_light(cloud, &push, normals, &visibility, to, error);
 	}
 	if (status == GW_OK)
 		status = gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
