@@ -6,6 +6,7 @@
 #include "light/direct_light.h"
 #include "glowworm_host.h"
 #include "base/memory.h"
+#include "octree/compartments.h"
 #include "bake/report.h"
 #include "cloud/strays.h"
 #include "cloud/frame.h"
@@ -436,10 +437,16 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 	return weigh_again(scene, density, error);
 }
 
+gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
+{
+	return gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error);
+}
+
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
+	GW_TRY(gw_scene_find_compartments(s, error));
 	if (!s->portals.looked)
 		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
 	if (s->further.count > 0)
