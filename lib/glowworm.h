@@ -6,9 +6,9 @@
  * sparse voxel octree on a Vulkan device, and computes the light that every point sends out.
  * It reads and writes no files, prints nothing and never exits the process.
  *
- * The data's way through the library (each step is one file of the same name in lib/):
+ * The data's way through the library; the folders of lib/ follow it:
  *
- *   points -> frame -> surfels -> plan -> octree -> direct light -> records -> bounces -> points
+ *   points -> cloud -> normals -> surfels -> octree -> direct light -> records -> bounces -> points
  *
  * Quantities and letters, the same everywhere in this project:
  *
@@ -727,8 +727,9 @@ typedef struct gw_statistics {
 											a million points where there are more */
 	double density;                      /* points a square metre of surface, median */
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
-	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */
-	uint64_t memory;                     /* bytes that a bake would need, estimated */
+	gw_stray_count stray[GW_STRAY_KIND_COUNT]; /* points that belong to no surface, by kind */
+	uint32_t depth;                            /* that GW_DEPTH_AUTO would choose */
+	uint64_t memory;                           /* bytes that a bake would need, estimated */
 } gw_statistics;
 
 /* Measures a cloud. threads: of the host, 0 means one a core. */

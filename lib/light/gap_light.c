@@ -75,30 +75,32 @@ static gw_status open_views(work *w, gw_error *error)
 	const gw_records *r = t->on->records;
 	uint64_t bytes = 16 * (uint64_t)r->count;
 	const gw_sky_map *m = t->map;
-	gw_status status = gw_view_open(gpu, &r->position, bytes, &w->position, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &r->normal, bytes, &w->normal, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &t->rays->facet, bytes / 4 * t->rays->rays, &w->hit, error);
-	if (status == GW_OK && m && m->width > 0)
-		status =
-			gw_view_open(gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &w->texel, error);
-	return status;
+	GW_TRY(gw_view_open(gpu, &r->position, bytes, &w->position, error));
+	GW_TRY(gw_view_open(gpu, &r->normal, bytes, &w->normal, error));
+	GW_TRY(gw_view_open(gpu, &t->rays->facet, bytes / 4 * t->rays->rays, &w->hit, error));
+	if (m && m->width > 0)
+		GW_TRY(gw_view_open(gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &w->texel, error));
+	return GW_OK;
+}
+
+static gw_status look_from_records(work *w, gw_error *error)
+{
+	size_t count = w->task->on->records->count;
+	GW_TRY(open_views(w, error));
+	w->gap = gw_allocate_zeros(count, sizeof *w->gap);
+	if (!w->gap)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	gw_parallel_for(w->task->threads, count, CHUNK, look_through_all, w);
+	if (atomic_load(&w->stopped))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
+	return GW_OK;
 }
 
 gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_error *error)
 {
 	work w = { .task = task };
-	size_t count = task->on->records->count;
 	*gap = NULL;
-	gw_status status = open_views(&w, error);
-	if (status == GW_OK && !(w.gap = gw_allocate_zeros(count, sizeof *w.gap)))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
-	if (status == GW_OK) {
-		gw_parallel_for(task->threads, count, CHUNK, look_through_all, &w);
-		if (atomic_load(&w.stopped))
-			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
-	}
+	gw_status status = look_from_records(&w, error);
 	gw_view_close(&w.position);
 	gw_view_close(&w.normal);
 	gw_view_close(&w.hit);

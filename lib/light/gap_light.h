@@ -34,8 +34,10 @@ gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_erro
  * and something else put there.
  *   gap     as found
  *   fill    radiance of what closes them; NULL: as bright as what else the record sees of this
- * light alone   nothing emits but the sky: then it is a share that is taken off, so that portals,
- * which were sampled beside the rays, do not matter to      vec4 a record: what they gathered
+ *           light
+ *   alone   nothing emits but the sky: then it is a share that is taken off, so that portals, which
+ *           were sampled beside the rays, do not matter
+ *   to      vec4 a record: what they gathered
  */
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
 							 const float *fill, bool alone, gw_buffer *to, gw_error *error);
