@@ -7,8 +7,8 @@
  * passes it. But random points leave voids, where no disc reaches, and in a crease each disc is cut
  * by its own guess. So beyond its rim or its cut a disc stops a ray where that goes into rock for
  * certain: behind another surface, past two that meet as a floor and a wall do, or amid others
- * none of which was cut there. Over a convex edge or a free one nothing of that holds. And within its
- * rim a disc alone does not stop a ray where most of its cell's were cut: it sticks out over a hole.
+ * none of which was cut there. Over a convex edge or a free one nothing of that holds. And within
+ * its rim a disc does not stop a ray where most of its cell's were cut: it sticks out over a hole.
  */
 #ifndef OCTREE_DISC_HITS_GLSL
 #define OCTREE_DISC_HITS_GLSL
