@@ -127,7 +127,8 @@ static uint32_t look_along(const sight *s, const float from[3], const float norm
 	return GW_COMPARTMENT_UNKNOWN;
 }
 
-/* The same for surfels, but for what is known; steps are as wide as the cells of their walls. */
+/* The same for surfels, and for the backs of two-sided ones, but for what is known; steps are as
+ * wide as the cells of their walls. */
 static void look_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
@@ -138,7 +139,7 @@ static void look_some(void *user, size_t first, size_t last, uint32_t worker)
 		float step = STEP * (radius < GW_SPARSE_RADIUS ? 1.0f : exp2f(floorf(log2f(radius))));
 		if (s->to[2 * i] == GW_COMPARTMENT_UNKNOWN)
 			s->to[2 * i] = look_along(s, s->position + 4 * i, n, step);
-		if (s->to[2 * i + 1] == GW_COMPARTMENT_UNKNOWN)
+		if (n[3] > 0.5f && s->to[2 * i + 1] == GW_COMPARTMENT_UNKNOWN)
 			s->to[2 * i + 1] = look_along(s, s->position + 4 * i, back, step);
 	}
 }
@@ -224,6 +225,7 @@ static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 		for (int side = 0; side < 2; side++) {
 			uint32_t own = s->known[2 * i + (size_t)side];
 			bool ask = s->asking == THOSE_ALIKE || own == GW_COMPARTMENT_UNKNOWN;
+			ask = ask && (side == 0 || s->normal[4 * i + 3] > 0.5f);
 			s->to[2 * i + (size_t)side] =
 				ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
 		}

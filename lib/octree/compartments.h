@@ -22,7 +22,7 @@
 typedef struct gw_compartments gw_compartments;
 
 /*
- * Finds the compartments, and which of them each surfel's front and back look into; does nothing
+ * Finds the compartments, and which of them surfels look into; does nothing
  * where that is known. Where all look into the same one, nothing is kept but that.
  *   octree    of these surfels; receives them as octree->compartments
  *   threads   0: one a processor
@@ -40,7 +40,8 @@ uint32_t gw_compartment_outside(const gw_octree *octree);
 /* That of a place. There are several. */
 uint32_t gw_compartment_at(const gw_octree *octree, const float g[3]);
 
-/* That which a surfel looks into from its front or from its back. There are several. */
+/* That which a surfel looks into from its front or, if it is two-sided, from its back. There are
+ * several. */
 uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back);
 
 /* That which other places on the surface look into along a normal. There are several.

@@ -7,7 +7,8 @@
  * passes it. But random points leave voids, where no disc reaches, and in a crease each disc is cut
  * by its own guess. So beyond its rim or its cut a disc stops a ray where that goes into rock for
  * certain: behind another surface, past two that meet as a floor and a wall do, or amid others
- * none of which was cut there. Over a convex edge or a free one nothing of that holds.
+ * none of which was cut there. Over a convex edge or a free one nothing of that holds. And within
+ * its rim a disc does not stop a ray where most of its cell's were cut: it sticks out over a hole.
  */
 #ifndef OCTREE_DISC_HITS_GLSL
 #define OCTREE_DISC_HITS_GLSL
@@ -115,8 +116,9 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 				   lie_concave(doubt.place, doubt.normal, passage.place, passage.normal);
 		if (!met && passage.squared < GW_VOID_REACH_SQUARED)
 			met = is_in_rock(leaf, passage,
-							 !passage.cut && (passage.squared <= 1.0f ||
-											  is_amid(slot, cell_centre, passage.at)));
+							 !passage.cut && (passage.squared <= 1.0f
+												  ? is_covered(slot, passage.at)
+												  : is_amid(slot, cell_centre, passage.at)));
 		if (met) {
 			hit.t = passage.t;
 			hit.facet = slot;
