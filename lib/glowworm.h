@@ -727,8 +727,9 @@ typedef struct gw_statistics {
 											a million points where there are more */
 	double density;                      /* points a square metre of surface, median */
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
-	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */
-	uint64_t memory;                     /* bytes that a bake would need, estimated */
+	gw_stray_count stray[GW_STRAY_KIND_COUNT]; /* points that belong to no surface, by kind */
+	uint32_t depth;                            /* that GW_DEPTH_AUTO would choose */
+	uint64_t memory;                           /* bytes that a bake would need, estimated */
 } gw_statistics;
 
 /* Measures a cloud. threads: of the host, 0 means one a core. */

@@ -14,6 +14,8 @@
 #define MEGABYTE 1e6
 #define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
 #define PART_SHARE 0.25  /* and of the whole error */
+#define DARK 0.001       /* of the mean radiance: less is dark, */
+#define DARK_SHARE 0.75  /* and worth a word from this share of the points on */
 #define GAPS_LEAST                                                                                 \
 	0.01 /* share of the light that comes through gaps, from which on they are told */
 #define GUESSED_LEAST                                                                              \
@@ -401,14 +403,51 @@ static void note_no_scanner(const settings *s, const gw_report *r)
 				gw_gaps_name(s->bake.gaps));
 }
 
+/* Is a count worth a line? Of what does no harm, only if it is much; the report has all. */
+static bool is_notable(const gw_count *count, size_t points)
+{
+	static const struct {
+		const char *name;
+		double least; /* share of the points */
+	} harmless[] = { { "duplicates_merged", 0.1 },
+					 { "albedo_clamped", 0.01 },
+					 { "normals_untrusted", 0.05 } };
+	double least = 0.0;
+	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
+		if (strcmp(count->name, harmless[i].name) == 0)
+			least = harmless[i].least;
+	return count->points > 0 && (double)count->points >= least * (double)points;
+}
+
+/* Where light does not get to most of what there is: the usual first picture of a room is black. */
+static void note_dark(const gw_bake_result *result)
+{
+	char percent[TEXT_PERCENT];
+	double sum = 0.0;
+	size_t dark = 0;
+	for (size_t i = 0; i < result->count; i++)
+		sum += preview_luminance(result->radiance + 3 * i);
+	double least = DARK * sum / (double)result->count;
+	for (size_t i = 0; i < result->count; i++)
+		dark += !(preview_luminance(result->radiance + 3 * i) > least);
+	double share = (double)dark / (double)result->count;
+	if (share > DARK_SHARE)
+		fprintf(stderr,
+				"glowworm: note: %s %% of the points get no light, or less than a thousandth of "
+				"the mean; what is closed all round needs a lamp inside, as --light 'point at "
+				"X,Y,Z intensity 20'\n",
+				text_percent(share, percent));
+}
+
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	for (uint32_t i = 0; i < r->count_count; i++)
-		if (r->count[i].points)
+		if (is_notable(&r->count[i], f->result->count))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
+	note_dark(f->result);
 	note_geometry(r);
 	note_sides(r);
 	note_gaps(r);

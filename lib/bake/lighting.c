@@ -67,6 +67,8 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
 				  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options };
+	if (lighting->plan.lamps && scene->options.shadows != GW_SHADOWS_NONE)
+		GW_TRY(gw_scene_find_compartments(scene, error));
 	bool off = lighting->plan.lamps && lighting->whole == NULL &&
 			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
 	if (off)

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "normals/normal_error.h"
+#include "light/shut_out.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -175,7 +176,7 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 			size_t s = first + i;
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
-				gw_normal_turn(own + 3 * s, surfels->shading_normal_off[s], s, chunk + 4 * i);
+				gw_normal_turn(surfels, s, chunk + 4 * i);
 			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =
@@ -232,23 +233,42 @@ gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
+/* Normals at which light comes in; turned is NULL, or those that are off. */
+typedef struct light_normals {
+	const gw_buffer *own, *turned;
+} light_normals;
+
+/* What one light adds. */
+static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
+						   light_normals normals, gw_buffer *visibility,
+						   const gw_direct_irradiance *to, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	gw_buffer reached = { 0 }, reached_turned = { 0 };
+	gw_status status = GW_OK;
+	if (push->shadows)
+		status = gw_shut_out_light(cloud, push, normals.own, &reached, error);
+	if (status == GW_OK && push->shadows && normals.turned)
+		status = gw_shut_out_light(cloud, push, normals.turned, &reached_turned, error);
+	if (reached.handle != VK_NULL_HANDLE)
+		normals.own = &reached;
+	if (reached_turned.handle != VK_NULL_HANDLE)
+		normals.turned = &reached_turned;
+	if (status == GW_OK)
+		status = find_visibility(cloud, push, normals.own, visibility, error);
+	if (status == GW_OK)
+		status = add_irradiance(cloud, push, normals.own, visibility, to->surfels, error);
+	if (status == GW_OK && normals.turned)
+		status = add_irradiance(cloud, push, normals.turned, visibility, to->turned, error);
+	gw_buffer_destroy(gpu, &reached_turned);
+	gw_buffer_destroy(gpu, &reached);
+	return status;
+}
+
 /* Buffers of gw_direct_light. */
 typedef struct lit_buffers {
 	gw_buffer visibility, own_normal, off_normal;
 } lit_buffers;
-
-static gw_status add_light(const gw_lit_cloud *cloud, const gw_light *light,
-						   const gw_direct_irradiance *to, lit_buffers *b, gw_error *error)
-{
-	const gw_buffer *normal =
-		cloud->surfels->shading_normal ? &b->own_normal : &cloud->octree->surfel_normal;
-	gw_light_push push = gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
-	GW_TRY(find_visibility(cloud, &push, normal, &b->visibility, error));
-	GW_TRY(add_irradiance(cloud, &push, normal, &b->visibility, to->surfels, error));
-	if (to->turned)
-		GW_TRY(add_irradiance(cloud, &push, &b->off_normal, &b->visibility, to->turned, error));
-	return GW_OK;
-}
 
 static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
 							const gw_direct_irradiance *to, lit_buffers *b, gw_error *error)
@@ -263,9 +283,15 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		GW_TRY(upload_normals(gpu, cloud->surfels, false, &b->own_normal, error));
 	if (to->turned)
 		GW_TRY(upload_normals(gpu, cloud->surfels, true, &b->off_normal, error));
-	for (size_t i = 0; i < light_count; i++)
+	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
+																   : &cloud->octree->surfel_normal,
+									to->turned ? &b->off_normal : NULL };
+	for (size_t i = 0; i < light_count; i++) {
+		gw_light_push push =
+			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
 		if (gw_light_shines(&lights[i]))
-			GW_TRY(add_light(cloud, &lights[i], to, b, error));
+			GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
+	}
 	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
 }
 

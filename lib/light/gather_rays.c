@@ -4,6 +4,7 @@
 #include "light/gather_rays.h"
 
 #include "base/memory.h"
+#include "light/shut_out.h"
 #include "light/transport_layout.h"
 
 #include <stdlib.h>
@@ -144,7 +145,7 @@ typedef struct gathering {
 	const gw_record_context *on;
 	const gw_ray_gather *gather;
 	const gw_sampled_sources *sources;
-	gw_buffer sampled; /* what samples bring, vec4 a record */
+	gw_buffer sampled; /* what samples bring, vec4 a record; w: 1 where the sky is shut out */
 } gathering;
 
 /* Adds samples of the emitters to what is sampled. */
@@ -299,6 +300,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)on->records->count, "sampled irradiance" },
 		&g.sampled, error);
+	if (status == GW_OK && shines)
+		status = gw_shut_out_sky(on, &g.sampled, error);
 	if (status == GW_OK)
 		status = gather_all(&g, push, irradiance, error);
 	gw_buffer_destroy(on->passes->gpu, &g.sampled);

@@ -31,18 +31,21 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
 }
 
-/* Missing normals, and how far off they are. */
+/* Missing normals, and how far off they are; by_grid: those that are known are of range images. */
 static gw_status complete_normals(const gw_points *points, const gw_surfels_options *options,
-								  gw_neighbours *search, gw_surfels *s, gw_error *error)
+								  gw_neighbours *search, bool by_grid, gw_surfels *s,
+								  gw_error *error)
 {
-	if (s->normals_given == s->count)
+	float of_known = by_grid ? GW_PLANE_BY_GRID : 0.0f;
+	if (s->normals_given == s->count && !by_grid)
 		return GW_OK;
 	s->shading_normal_off = gw_allocate_zeros(s->count, sizeof *s->shading_normal_off);
 	if (!s->shading_normal_off)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu missing normals", s->count);
 	for (size_t i = 0; i < s->count; i++) {
 		const float *n = s->normal + 3 * i;
-		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
+		bool known = n[0] != 0 || n[1] != 0 || n[2] != 0;
+		s->shading_normal_off[i] = known ? of_known : GW_PLANE_BY_PLACE;
 	}
 	GW_TRY(gw_normals_complete(points, options, search, s, error));
 	return gw_plane_error(search, s, error);
@@ -54,6 +57,7 @@ typedef struct sorted_points {
 	gw_stray_marks strays;
 	gw_points rest;   /* those that are no strays */
 	double *position; /* of the rest */
+	bool by_grid;     /* their normals are of range images, as far as they are known */
 } sorted_points;
 
 /* The frame of the points that are no strays. It is made anew when more of them are found in it, so
@@ -84,7 +88,7 @@ static gw_status make_discs(const sorted_points *p, const gw_surfels_options *op
 	uint8_t *filled = NULL;
 	GW_TRY(gw_strays_list(p->all, &p->strays, *search, surfels, error));
 	GW_TRY(gw_given_normals_mend(&p->rest, options, *search, surfels, error));
-	GW_TRY(complete_normals(&p->rest, options, *search, surfels, error));
+	GW_TRY(complete_normals(&p->rest, options, *search, p->by_grid, surfels, error));
 	GW_TRY(gw_filled_space_find(*search, surfels, &filled, error));
 	gw_status status = gw_surfels_smooth(*search, filled, surfels, &smoothed, error);
 	if (smoothed) {
@@ -124,6 +128,7 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 	if (gap)
 		*gap = NULL;
 	gw_status status = gw_range_images_use(points, options, &ranged, error);
+	sorted.by_grid = !points->normal && ranged.normals > 0;
 	if (status == GW_OK)
 		status = sort_points(&ranged.options, &sorted, surfels, error);
 	if (status == GW_OK)
