@@ -100,16 +100,14 @@ static gw_status show(comparison *c)
 {
 	gw_error reason = { 0 };
 	const settings *s = c->settings;
-	gw_status limits = compare_figures_check(&c->figures, s, &reason), status = GW_OK;
+	gw_status limits = compare_figures_check(&c->figures, s, &reason);
 	if (!is_stream(s->json_file))
 		compare_figures_print(&c->figures, is_stream(s->worst) ? stderr : stdout);
 	if (s->worst)
-		status = write_worst(c);
-	if (status == GW_OK && s->json_file)
-		status = write_json(c, limits != GW_OK);
-	if (status == GW_OK && limits != GW_OK)
-		status = gw_fail(c->error, limits, "%s", reason.text);
-	return status;
+		GW_TRY(write_worst(c));
+	if (s->json_file)
+		GW_TRY(write_json(c, limits != GW_OK));
+	return limits == GW_OK ? GW_OK : gw_fail(c->error, limits, "%s", reason.text);
 }
 
 static gw_status run(comparison *c)

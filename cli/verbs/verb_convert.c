@@ -14,16 +14,14 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 					   "convert what into what? Name an input and an output; - is standard input "
 					   "or output");
 	const char *out = s->input[1].path;
-	gw_status status = file_roles_check(VERB_CONVERT, s, NULL, error);
-	if (status == GW_OK)
-		status = output_name_format(out, s->output_format, to, error);
-	bool binary =
-		status == GW_OK && strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
+	GW_TRY(file_roles_check(VERB_CONVERT, s, NULL, error));
+	GW_TRY(output_name_format(out, s->output_format, to, error));
+	bool binary = strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
 	if (binary && strcmp(out, "-") == 0 && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
 					   "name a file");
-	return status;
+	return GW_OK;
 }
 
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)

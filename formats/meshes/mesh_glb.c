@@ -124,36 +124,37 @@ static gw_status find_attribute(const reader *r, json_t *attributes, const char 
 								size_t vertices, glb_values *values, bool *found)
 {
 	size_t accessor;
-	gw_status status = glb_size(&r->document, attributes, name, SIZE_MAX, &accessor);
-	*found = status == GW_OK && accessor != SIZE_MAX;
-	if (!*found)
-		return status;
-	status = glb_find_values(&r->document, accessor, values);
-	if (status == GW_OK && values->width != 3 && !(values->width == 4 && *name == 'C'))
+	*found = false;
+	GW_TRY(glb_size(&r->document, attributes, name, SIZE_MAX, &accessor));
+	if (accessor == SIZE_MAX)
+		return GW_OK;
+	*found = true;
+	GW_TRY(glb_find_values(&r->document, accessor, values));
+	if (values->width != 3 && !(values->width == 4 && *name == 'C'))
 		return glb_fail(&r->document, "accessors[%zu]: %s needs three numbers each", accessor,
 						name);
-	if (status == GW_OK && values->count != vertices && vertices > 0)
+	if (values->count != vertices && vertices > 0)
 		return glb_fail(&r->document, "accessors[%zu]: %s has %zu entries for %zu vertices",
 						accessor, name, values->count, vertices);
-	return status;
+	return GW_OK;
 }
 
 static gw_status find_index(const reader *r, json_t *object, primitive *p)
 {
 	size_t accessor;
-	gw_status status = glb_size(&r->document, object, "indices", SIZE_MAX, &accessor);
-	p->has_index = status == GW_OK && accessor != SIZE_MAX;
+	p->has_index = false;
 	p->corners = p->position.count;
-	if (!p->has_index)
-		return status;
-	status = glb_find_values(&r->document, accessor, &p->index);
+	GW_TRY(glb_size(&r->document, object, "indices", SIZE_MAX, &accessor));
+	if (accessor == SIZE_MAX)
+		return GW_OK;
+	p->has_index = true;
+	GW_TRY(glb_find_values(&r->document, accessor, &p->index));
 	unsigned type = p->index.component;
-	if (status == GW_OK &&
-		(p->index.width != 1 || (type != GLB_UINT8 && type != GLB_UINT16 && type != GLB_UINT32)))
+	if (p->index.width != 1 || (type != GLB_UINT8 && type != GLB_UINT16 && type != GLB_UINT32))
 		return glb_fail(&r->document, "accessors[%zu]: indices have to be whole numbers", accessor);
 	p->index.normalized = false;
 	p->corners = p->index.count;
-	return status;
+	return GW_OK;
 }
 
 static bool is_taken(const reader *r, size_t mode)

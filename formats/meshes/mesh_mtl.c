@@ -93,18 +93,18 @@ static gw_status take_property(reader *r, mesh_word key)
 		return GW_OK;
 	}
 	if (mesh_word_is(key, "Pr")) {
-		gw_status status = take_number(r, "Pr", 1.0, &value);
-		m->roughness = status == GW_OK ? (float)value : m->roughness;
+		GW_TRY(take_number(r, "Pr", 1.0, &value));
+		m->roughness = (float)value;
 		m->has_roughness = true;
-		return status;
+		return GW_OK;
 	}
 	if (mesh_word_is(key, "Ns")) {
 		/* Microfacets of width alpha = sqrt(2 / (Ns + 2)) have a highlight as wide as Phong's
 		 * (Walter 2007); alpha is the square of the roughness. */
-		gw_status status = take_number(r, "Ns", 1e30, &value);
-		if (status == GW_OK && !m->has_roughness)
+		GW_TRY(take_number(r, "Ns", 1e30, &value));
+		if (!m->has_roughness)
 			m->roughness = (float)sqrt(sqrt(2.0 / (value + 2.0)));
-		return status;
+		return GW_OK;
 	}
 	r->textures += key.length > 4 && memcmp(key.text, "map_", 4) == 0;
 	return GW_OK;

@@ -289,8 +289,8 @@ static gw_status check_whole(const parser *p)
 
 static gw_status parse_lines(parser *p)
 {
-	gw_status status = take_first_line(p);
-	while (status == GW_OK) {
+	GW_TRY(take_first_line(p));
+	for (;;) {
 		if (!next_line(p))
 			return gw_fail(p->error, GW_ERROR_DATA,
 						   "%s: no line 'end_header' in the first %zu bytes; the header "
@@ -300,12 +300,11 @@ static gw_status parse_lines(parser *p)
 		if (p->words == 1 && word_is(&p->word[0], "end_header"))
 			break;
 		if (p->words > 0)
-			status = take_line(p);
+			GW_TRY(take_line(p));
 	}
-	if (status == GW_OK)
-		status = check_whole(p);
+	GW_TRY(check_whole(p));
 	p->header->body = p->at;
-	return status;
+	return GW_OK;
 }
 
 gw_status ply_header_parse(ply_header *header, const input_file *in, scan *comments,

@@ -163,16 +163,15 @@ static gw_status join_scanners(scan *joined, const scan *part, size_t first, gw_
 /* The same with its range images. */
 static gw_status join_images(scan *joined, const scan *part, size_t first, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < part->image_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < part->image_count; i++) {
 		gw_range_image image = part->image[i];
 		image.first += first;
-		status = scan_add_image(joined, &image, error);
+		GW_TRY(scan_add_image(joined, &image, error));
 	}
-	if (status == GW_OK && part->image_cell)
+	if (part->image_cell)
 		memcpy(joined->image_cell + first, part->image_cell,
 			   part->count * sizeof *part->image_cell);
-	return status;
+	return GW_OK;
 }
 
 static gw_status join_all(scan *joined, const scan *cloud, const scan *tail, gw_error *error)

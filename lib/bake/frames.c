@@ -167,17 +167,15 @@ static gw_status build(gw_frames *f, size_t frame, gw_error *error)
 		return GW_OK;
 	}
 	drop_geometry(f);
+	f->built = false;
 	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->scene.surfels);
-	gw_status status = GW_OK;
 	if (shares(f) && !f->prepared)
-		status = prepare_still(f, error);
-	if (status == GW_OK)
-		status = stage(f, "octree", 0.2, error);
-	if (status == GW_OK)
-		status = gw_scene_build_octree(&f->scene, error);
-	f->built = status == GW_OK;
+		GW_TRY(prepare_still(f, error));
+	GW_TRY(stage(f, "octree", 0.2, error));
+	GW_TRY(gw_scene_build_octree(&f->scene, error));
+	f->built = true;
 	f->built_frame = frame;
-	return status;
+	return GW_OK;
 }
 
 static gw_status place_records(gw_frames *f, gw_error *error)

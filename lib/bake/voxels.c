@@ -31,24 +31,23 @@ static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint
 /* What the facets reflect of all that was gathered, into a buffer of its own. */
 static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_error *error)
 {
+	gw_gpu *gpu = task->passes->gpu;
 	uint64_t slots = 2 * (uint64_t)task->octree->leaf_count;
 	gw_records *records = task->records;
 	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer reflected = { 0 };
 	const gw_binding add[] = { gw_window(&records->first, 16), gw_window(&records->indirect, 16) };
-	gw_status status = gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
-									 records->count, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(task->passes->gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															16 * slots, "voxel radiance" },
-								  &reflected, error);
-	if (status == GW_OK)
-		status =
-			gw_facets_shade(&on, &records->indirect, task->facet_direct, 0.0f, &reflected, error);
+	GW_TRY(gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
+						 records->count, error));
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+													  16 * slots, "voxel radiance" },
+							&reflected, error));
+	gw_status status =
+		gw_facets_shade(&on, &records->indirect, task->facet_direct, 0.0f, &reflected, error);
 	if (status == GW_OK)
 		status = fetch(task, &reflected, slots, (void **)values, error);
-	gw_buffer_destroy(task->passes->gpu, &reflected);
+	gw_buffer_destroy(gpu, &reflected);
 	return status;
 }
 

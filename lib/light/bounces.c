@@ -230,35 +230,38 @@ static gw_status begin(progress *p, gw_bounces *bounces, gw_error *error)
 	return GW_OK;
 }
 
+/* One bounce, or what a guess makes of the first; `guessed` receives what the guess holds. */
+static gw_status go_on(progress *p, bool first, bool automatic, double *guessed, gw_error *error)
+{
+	const gw_bounces_task *task = p->task;
+	*guessed = 0.0;
+	if (!first || !task->carried || !automatic)
+		return bounce_once(p, first, error);
+	GW_TRY(begin_carried(task, &p->sums, p->largest, guessed, error));
+	return measure(task, &p->sums, &p->energy, &p->largest, error);
+}
+
 static gw_status run(progress *p, gw_bounces *bounces, gw_error *error)
 {
 	const gw_bounces_task *task = p->task;
 	double total = 0.0;
-	gw_status status = begin(p, bounces, error);
+	GW_TRY(begin(p, bounces, error));
 	double q = bounces->contraction;
 	bool automatic = task->limit == GW_BOUNCES_AUTO;
 	uint32_t limit = automatic ? BOUNCE_CEILING : task->limit;
-	for (uint32_t n = 1; status == GW_OK; n++) {
+	for (uint32_t n = 1;; n++) {
 		total += p->energy;
 		bounces->remaining = total > 0.0 ? p->energy * q / (1.0 - q) / total : 0.0;
 		bool enough = automatic && bounces->remaining <= (double)task->tolerance;
 		if (n >= limit || enough || p->energy <= 0.0)
-			break;
+			return GW_OK;
 		if (task->cancelled && task->cancelled(task->user))
 			return gw_fail(error, GW_ERROR_CANCELLED, "the bake was stopped at bounce %u", n + 1);
-		double started = gw_seconds(), guessed = 0.0;
-		if (n == 1 && task->carried && automatic) {
-			status = begin_carried(task, &p->sums, p->largest, &guessed, error);
-			if (status == GW_OK)
-				status = measure(task, &p->sums, &p->energy, &p->largest, error);
-		} else {
-			status = bounce_once(p, n == 1, error);
-		}
+		double started = gw_seconds(), guessed;
+		GW_TRY(go_on(p, n == 1, automatic, &guessed, error));
 		total += guessed;
-		if (status == GW_OK)
-			status = append(bounces, p->energy, gw_seconds() - started, error);
+		GW_TRY(append(bounces, p->energy, gw_seconds() - started, error));
 	}
-	return status;
 }
 
 gw_status gw_bounces_run(const gw_bounces_task *task, gw_bounces *bounces, gw_error *error)

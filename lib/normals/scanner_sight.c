@@ -45,7 +45,7 @@ typedef struct sight {
 	const gw_surfels *surfels;
 	const gw_scanner_places *places;
 	uint32_t *scanner_of;
-	float *reach; /* metres, of every so manieth surfel */
+	float *reach; /* metres, of one surfel in `stride` */
 	size_t stride;
 	double width; /* of a cell, metres */
 	cell *table;
@@ -306,7 +306,7 @@ static void number_way(int i, const double normal[3], way *y)
 						  r * sin(angle) * (double)bitangent[k];
 }
 
-/* From every so manieth surfel, to the front and to the back. */
+/* From some of the surfels, to the front and to the back. */
 static void count_open(const sight *w, double share[2])
 {
 	const gw_surfels *s = w->surfels;
