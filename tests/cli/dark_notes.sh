@@ -1,5 +1,5 @@
-# A room that the sun shines on is black inside, which a note says, with the way out; with a lamp it is
-# not.
+# A room that the sun shines on is black inside, which a note says, with the way out; with a lamp
+# it is not.
 glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
 make_box --scene rooms --points 5000 -o rooms.ply
 glowworm convert rooms.ply all.csv 2>/dev/null
