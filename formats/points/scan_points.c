@@ -102,16 +102,17 @@ static gw_status albedo_of_intensity(const scan *cloud, const scan_points_option
 	if (status == GW_OK && !(full > 0.0f))
 		full = scan_intensity_full(value, cloud->count);
 	free(value);
-	if (status == GW_OK && !(full > 0.0f))
+	GW_TRY(status);
+	if (!(full > 0.0f))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the albedo shall come from the intensity, but that is zero almost "
 					   "everywhere; choose another source");
-	for (size_t i = 0; i < 3 * cloud->count && status == GW_OK; i++)
+	for (size_t i = 0; i < 3 * cloud->count; i++)
 		out->albedo[i] /= full;
 	snprintf(out->albedo_source, sizeof out->albedo_source,
 			 "the intensity, of which the 99th percentile%s, %g, counts as 1%s",
 			 options->intensity_full > 0.0f ? " of all inputs" : "", (double)full, how);
-	return status;
+	return GW_OK;
 }
 
 static gw_status albedo_of_property(const scan *cloud, const char *name, scan_points *out,

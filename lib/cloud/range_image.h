@@ -11,6 +11,7 @@
  * further off that planes do hold, is a mixed pixel: the mean of two ranges, and no surface.
  *
  * Steps:  range_image.c  grids, checks, what comes out
+ *         range_origin.c whether rays begin at the scanner, or else where
  *         range_noise.c  noise of the ranges, by range
  *         range_plane.c  windows and their planes
  *         range_blend.c  one surface from these
@@ -55,7 +56,7 @@ typedef struct gw_range_grid {
 	const gw_points *points;
 	const gw_range_image *image;
 	uint32_t *point;            /* owned; columns * rows: which point a cell has, or GW_NO_POINT */
-	double step;                /* radians between neighbouring cells, the median */
+	double step;                /* radians between neighbouring cells, the median; 0: uneven */
 	float noise[GW_RANGE_BINS]; /* standard deviation of the range, metres */
 } gw_range_grid;
 
@@ -76,6 +77,14 @@ static inline double gw_range_plane_dot(const gw_range_plane *plane, const doubl
 {
 	return (double)plane->a[0] * v[0] + (double)plane->a[1] * v[1] + (double)plane->a[2] * v[2];
 }
+
+/* Sorts an image's points into its cells, unless it is too small or too empty to tell anything:
+ * then point is NULL. False when memory is short. To be closed in any case. */
+bool gw_range_grid_open(const gw_points *points, const gw_range_image *image, gw_range_grid *grid);
+void gw_range_grid_close(gw_range_grid *grid);
+
+/* Do all rays begin at the scanner? */
+bool gw_range_rays_meet(const gw_range_grid *grid);
 
 /* Fills noise. False when memory is short. */
 bool gw_range_noise_find(gw_range_grid *grid);

@@ -529,21 +529,40 @@ static scan make_grid(double x, double y, double z)
 	return cloud;
 }
 
+/* Says that a grid's points are a picture that was seen from the origin. */
+static void add_picture(scan *cloud, bool turned)
+{
+	const scan_column *const index[2] = { scan_find(cloud, turned ? "columnIndex" : "rowIndex"),
+										  scan_find(cloud, turned ? "rowIndex" : "columnIndex") };
+	const gw_range_image image = { .count = cloud->count,
+								   .columns = turned ? 40 : 90,
+								   .rows = turned ? 90 : 40 };
+	assert_int_equal(scan_add_image(cloud, &image, NULL), GW_OK);
+	for (size_t i = 0; i < cloud->count; i++)
+		cloud->image_cell[i] =
+			(uint32_t)scan_value(index[0], i) * image.columns + (uint32_t)scan_value(index[1], i);
+}
+
 static void grids_say_where_their_scanner_stood(void **state)
 {
 	(void)state;
-	const double moved[3] = { 0, 0.3, 50 };
-	for (int i = 0; i < 3; i++) {
-		scan cloud = make_grid(moved[i], 0, moved[i] / 2);
-		scan_grid grid = { scan_find(&cloud, "rowIndex"), scan_find(&cloud, "columnIndex"), 0,
-						   cloud.count };
-		assert_int_equal(scan_grid_faces_origin(&cloud, &grid), i == 0);
-		const scan_grid turned = { grid.column, grid.row, 0, cloud.count };
-		assert_int_equal(scan_grid_faces_origin(&cloud, &turned), i == 0);
-		grid.count = 80; /* a row says nothing */
-		assert_false(scan_grid_faces_origin(&cloud, &grid));
+	const double moved[4] = { 0, 0.3, 50, 512000 };
+	for (int i = 0; i < 8; i++) {
+		double x = moved[i / 2], z = moved[i / 2] / 2;
+		scan cloud = make_grid(x, 0, z);
+		add_picture(&cloud, i % 2);
+		assert_true(scan_settle_origin(&cloud, 0));
+		const double *found = cloud.image[0].scanner;
+		assert_true(hypot(hypot(found[0] - x, found[1]), found[2] - z) < 1e-6 * fmax(1, x));
 		scan_clear(&cloud);
 	}
+	/* Points in an order of their own say nothing. */
+	scan cloud = make_grid(0, 0, 0);
+	add_picture(&cloud, false);
+	for (size_t i = 0; i < cloud.count; i++)
+		cloud.image_cell[i] = (uint32_t)(i * 7919 % cloud.count);
+	assert_false(scan_settle_origin(&cloud, 0));
+	scan_clear(&cloud);
 }
 
 static void scanners_keep_their_points(void **state)
