@@ -49,6 +49,10 @@
 #define LEAST_ANGLE 0.3  /* sine between them */
 #define OF_NEIGHBOUR 1.5 /* how much thicker the plane of a neighbour is */
 
+/* So many points that are far off, on planes together, are a sparse surface; fewer are none. */
+#define ISLAND 12
+#define IN_COMMON 2 /* of stray_step.alone: far off, but on such a plane */
+
 /* More strays than one in so many are none: the cloud is that sparse. */
 #define MOST 5
 
@@ -387,7 +391,78 @@ static void judge_planes(void *user, size_t first, size_t last, uint32_t worker)
 	stray_step *step = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++)
-		step->alone[i] = step->alone[i] && !is_in_plane(step, i);
+		if (step->alone[i] && is_in_plane(step, i))
+			step->alone[i] = IN_COMMON;
+}
+
+/* The first of those that a candidate is together with. */
+static uint32_t find_first(uint32_t *parent, uint32_t i)
+{
+	while (parent[i] != i)
+		i = parent[i] = parent[parent[i]];
+	return i;
+}
+
+/* What is together with the first of an island. */
+typedef struct island {
+	uint32_t members;
+	uint32_t fellows, others; /* in the members' planes: of the island, and of surfaces around */
+} island;
+
+/* Joins a candidate far off to those that it has a plane in common with, and counts the rest of
+ * that plane. */
+static void join_island(const stray_step *step, size_t i, uint32_t *parent, island *own)
+{
+	surrounding around;
+	const double *plane = step->plane + 4 * i;
+	look_around(step, i, &around);
+	for (int j = 0; j < around.count; j++) {
+		uint32_t other = step->candidate_of[around.place[j]];
+		bool fellow = other > 0 && step->alone[other - 1] == IN_COMMON;
+		bool in_plane = plane[3] > 0 && fabs(dot(around.at[j], plane)) <= plane[3];
+		own->fellows += in_plane && fellow;
+		own->others += in_plane && !fellow;
+		if (!fellow)
+			continue;
+		uint32_t a = find_first(parent, (uint32_t)i), b = find_first(parent, other - 1);
+		parent[a < b ? b : a] = a < b ? a : b;
+	}
+	own->members = 1;
+}
+
+static bool is_island(const island *all)
+{
+	return all->members < ISLAND && all->others < all->fellows;
+}
+
+/* A few points on a plane by themselves, as on a crane, a wire, or what is seen through a gap, are
+ * no surface either: that would have more of them, or go on in others. False when memory is short.
+ */
+static bool judge_islands(stray_step *step)
+{
+	size_t n = step->candidate_count;
+	uint32_t *parent = gw_allocate_array(n, sizeof *parent);
+	island *all = gw_allocate_zeros(n, sizeof *all);
+	bool good = parent && all;
+	for (size_t i = 0; good && i < n; i++)
+		parent[i] = (uint32_t)i;
+	for (size_t i = 0; good && i < n; i++)
+		if (step->alone[i] == IN_COMMON)
+			join_island(step, i, parent, all + i);
+	for (size_t i = n; good && i-- > 0;) {
+		size_t first = find_first(parent, (uint32_t)i);
+		if (first == i)
+			continue;
+		all[first].members += all[i].members;
+		all[first].fellows += all[i].fellows;
+		all[first].others += all[i].others;
+	}
+	for (size_t i = 0; good && i < n; i++)
+		if (step->alone[i] == IN_COMMON)
+			step->alone[i] = is_island(&all[find_first(parent, (uint32_t)i)]);
+	free(parent);
+	free(all);
+	return good;
 }
 
 /* Finds those alone among the candidates. */
@@ -400,7 +475,7 @@ static bool judge(stray_step *step, uint32_t threads)
 		return false;
 	gw_parallel_for(threads, n, 256, judge_far_off, step);
 	gw_parallel_for(threads, n, 256, judge_planes, step);
-	return true;
+	return judge_islands(step);
 }
 
 static void mark_points(const stray_step *step, const gw_points *points, uint8_t *stray,

@@ -1737,6 +1737,27 @@ static void strays_are_no_surfels(void **state)
 	clear_cloud(&c);
 }
 
+/* Nine points of a mast on one upright plane, ten times as far from each other as those of the
+ * ground below: no wall. */
+static void a_few_in_a_plane_are_no_wall(void **state)
+{
+	(void)state;
+	static const double mast[9][2] = { { 0.0, 3.0 }, { 0.9, 3.4 }, { 0.2, 4.6 },
+									   { 1.0, 5.1 }, { 0.1, 6.3 }, { 0.8, 6.9 },
+									   { 0.0, 8.0 }, { 1.1, 8.6 }, { 0.3, 9.9 } };
+	cloud c = make_cloud(4009, false);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, 8 * uniform(), 8 * uniform(), 0.02 * uniform());
+	for (size_t i = 0; i < 9; i++)
+		set_point(&c, i, 3.5 + mast[i][0], 4, mast[i][1]);
+	gw_surfels s = make(&c);
+	for (size_t i = 0; i < s.count; i++)
+		assert_true(s.radius[i] < 1);
+	assert_int_equal(s.stray_count, 9);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 static void uneven_density_works(void **state)
 {
 	(void)state;
@@ -1964,6 +1985,7 @@ int main(void)
 		cmocka_unit_test(scale_does_not_matter),
 		cmocka_unit_test(what_fills_space_has_small_discs),
 		cmocka_unit_test(strays_are_no_surfels),
+		cmocka_unit_test(a_few_in_a_plane_are_no_wall),
 		cmocka_unit_test(uneven_density_works),
 		cmocka_unit_test(it_asks_within_each_step),
 		cmocka_unit_test(stopping_and_small_memory_leave_nothing),
