@@ -139,6 +139,8 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_close(json, '}');
 	json_put_open_flat(json, "gaps", '{');
 	json_put_count(json, "scanners", r->gaps.scanners);
+	json_put_count(json, "holes", r->gaps.holes);
+	json_put_real(json, "hole_width", r->gaps.hole_width);
 	json_put_real(json, "share", r->gaps.share);
 	json_put_real(json, "sky", r->gaps.sky);
 	json_put_real(json, "lamps", r->gaps.lamps);
@@ -349,12 +351,34 @@ static void note_sides(const gw_report *r)
 			text_percent(r->error.sides_share, percent));
 }
 
+/* Where light comes through holes of the surface, which may be windows. */
+static void note_holes(const gw_report *r)
+{
+	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], sky[TEXT_PERCENT], black[TEXT_PERCENT],
+		bright[TEXT_PERCENT];
+	const double *at = r->gaps.hole_place;
+	fprintf(stderr,
+			"glowworm: note: the surface has %" PRIu32 " hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
+			"%s %% of the directions that light is gathered from, %s %% of the sky's light and "
+			"%s %% of what lamps and suns send pass there; were they black, the light would be "
+			"%s %% of what it is, as bright as what surrounds them, %s %%; nobody knows which of "
+			"them are windows: --scanner says what was looked at, --gaps closes all of them\n",
+			r->gaps.holes, r->gaps.holes == 1 ? "" : "s", r->gaps.hole_width, at[0], at[1], at[2],
+			text_percent(r->gaps.share, share), text_percent(r->gaps.sky, sky),
+			text_percent(r->gaps.lamps, lamps), text_percent(r->gaps.black, black),
+			text_percent(r->gaps.bright, bright));
+}
+
 /* Where light comes through what no scanner looked at. */
 static void note_gaps(const gw_report *r)
 {
 	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], black[TEXT_PERCENT], bright[TEXT_PERCENT];
-	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST)
+	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST && r->gaps.sky < GAPS_LEAST)
 		return;
+	if (r->gaps.scanners == 0) {
+		note_holes(r);
+		return;
+	}
 	fprintf(
 		stderr,
 		"glowworm: note: %s %% of the directions that light is gathered from, and %s %% of what "
@@ -368,10 +392,11 @@ static void note_gaps(const gw_report *r)
 /* What was asked for gaps, where none can be known. */
 static void note_no_scanner(const settings *s, const gw_report *r)
 {
-	if (s->bake.gaps != GW_GAPS_OPEN && r->gaps.scanners == 0)
+	if (s->bake.gaps != GW_GAPS_OPEN && r->gaps.scanners == 0 && r->gaps.holes == 0)
 		fprintf(stderr,
-				"glowworm: note: --gaps %s closes nothing: no scanner is known that saw a thousand "
-				"points or more; --scanner says where one stood\n",
+				"glowworm: note: --gaps %s closes nothing: the surface has no hole that looks like "
+				"one, and no scanner is known that saw a thousand points or more; --scanner says "
+				"where one stood\n",
 				gw_gaps_name(s->bake.gaps));
 }
 

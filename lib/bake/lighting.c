@@ -203,12 +203,13 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .threads = s->options.threads };
 	free(lighting->gap);
 	lighting->gap = NULL;
-	if (s->space.scanners == 0)
+	if (!gw_scanned_space_known(&s->space))
 		return GW_OK;
 	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
 	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
 		status = gw_gap_light_close(&on, lighting->gap,
-									s->options.gaps == GW_GAPS_BLACK ? fill : NULL, error);
+									s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
+									!lighting->plan.emitters, error);
 	return status;
 }
 
@@ -287,8 +288,8 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
 								 const gw_buffer *part, gw_error *error)
 {
-	gw_status status = sample_patches(lighting->scene, patches, part, error);
-	return status == GW_OK ? fill_gaps(lighting, error) : status;
+	GW_TRY(sample_patches(lighting->scene, patches, part, error));
+	return fill_gaps(lighting, error);
 }
 
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.

@@ -5,7 +5,7 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 typedef struct gw_plan {
 	bool lamps;            /* point, spot or sun lights shine */

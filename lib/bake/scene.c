@@ -7,7 +7,8 @@
 #include "glowworm_host.h"
 #include "base/memory.h"
 #include "bake/report.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/frame.h"
+#include "surfels/surface_holes.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -240,10 +241,19 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 
 static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *error)
 {
-	gw_status status = gw_scanned_space_make(points, &scene->surfels, scene->options.threads,
-											 &scene->space, error);
-	scene->report->gaps.scanners = scene->space.scanners;
-	return status;
+	const gw_scanned_space *space = &scene->space;
+	gw_gap_report *gaps = &scene->report->gaps;
+	GW_TRY(gw_scanned_space_make(points, &scene->surfels, scene->options.threads, &scene->space,
+								 error));
+	if (space->scanners == 0)
+		GW_TRY(gw_surface_holes_find(&scene->surfels, scene->options.threads, &scene->space,
+									 error));
+	gaps->scanners = space->scanners;
+	gaps->holes = space->holes;
+	gaps->hole_width = (double)space->hole_width;
+	for (int k = 0; k < 3; k++)
+		gaps->hole_place[k] = scene->surfels.origin[k] + (double)space->hole_place[k];
+	return GW_OK;
 }
 
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)

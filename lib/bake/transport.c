@@ -5,7 +5,7 @@
 
 #include "light/direct_light.h"
 #include "base/hash.h"
-#include "surfels/disc_tree.h"
+#include "normals/disc_tree.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "bake/transport_blocks.h"

@@ -3,7 +3,7 @@
  */
 #include "bake/transport_blocks.h"
 
-#include "surfels/disc_tree.h"
+#include "normals/disc_tree.h"
 #include "light/transport_layout.h"
 
 #include <assert.h>

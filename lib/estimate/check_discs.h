@@ -12,7 +12,7 @@
 
 #include "base/shader_math.h"
 #include "octree/octree.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 #include <stdbool.h>
 

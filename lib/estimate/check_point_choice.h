@@ -17,7 +17,7 @@
 #define CHECK_POINT_CHOICE_H
 
 #include "light/read_back.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* The mean over all points that count is about sum weight[i] * value(point[i]). */
 typedef struct gw_check_point_choice {

@@ -6,7 +6,7 @@
 #define CHECK_POINT_HITS_H
 
 #include "light/gather_rays.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* Each point gathers twice, by rays of other directions. */
 #define GW_CHECK_POINT_GATHERS 2u

@@ -11,7 +11,7 @@
 #ifndef EMISSION_ERROR_H
 #define EMISSION_ERROR_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* Variance of the area of the cells on one side of a straight line through random points, in units
  * of their spacing: measured on 200 squares each of 600 and 8100 points, 0.20 and 0.25. */

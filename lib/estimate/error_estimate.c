@@ -8,7 +8,7 @@
 #include "estimate/geometry_error.h"
 #include "base/luminance.h"
 #include "base/memory.h"
-#include "surfels/normal_error.h"
+#include "normals/normal_error.h"
 #include "base/parallel.h"
 #include "estimate/check_point_choice.h"
 #include "estimate/shadow_error.h"

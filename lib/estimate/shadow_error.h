@@ -17,7 +17,7 @@
 #ifndef SHADOW_ERROR_H
 #define SHADOW_ERROR_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* Mean distance of an edge from its true place, in spacings of the points: measured on the sides of
  * square openings among random points. */

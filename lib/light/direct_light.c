@@ -5,7 +5,7 @@
 #include "light/direct_light.h"
 
 #include "base/memory.h"
-#include "surfels/normal_error.h"
+#include "normals/normal_error.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -90,29 +90,25 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 	size_t maps = 0;
 	for (size_t i = 0; i < count; i++) {
 		const gw_light *light = &lights[i];
-		gw_status status = GW_OK;
 		switch (light->type) {
 		case GW_LIGHT_POINT:
 		case GW_LIGHT_SPOT:
-			status = check_lamp(i, light, error);
+			GW_TRY(check_lamp(i, light, error));
 			break;
 		case GW_LIGHT_SUN:
 			if (!(light->angle >= 0.0f && light->angle < 90.0f))
 				return bad_light(i, light, "angle", (double)light->angle,
 								 "give degrees from 0 to below 90", error);
-			status = check_direction(i, light, error);
-			if (status == GW_OK)
-				status = check_color(i, light, "irradiance", light->irradiance, error);
+			GW_TRY(check_direction(i, light, error));
+			GW_TRY(check_color(i, light, "irradiance", light->irradiance, error));
 			break;
 		case GW_LIGHT_ENVIRONMENT:
-			status = check_environment(i, light, &maps, error);
+			GW_TRY(check_environment(i, light, &maps, error));
 			break;
 		default:
 			return gw_fail(error, GW_ERROR_USAGE, "light %zu has the unknown type %d", i + 1,
 						   (int)light->type);
 		}
-		if (status != GW_OK)
-			return status;
 	}
 	return GW_OK;
 }

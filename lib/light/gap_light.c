@@ -116,8 +116,28 @@ static float enlarged(float share)
 	return 1.0f / (1.0f - gw_smaller(share, SHARE_MOST));
 }
 
+/* Of the sky's light that all records see, what comes through gaps. */
+static float share_of_all(const gw_gap_sight *gap, size_t count)
+{
+	double all = 0.0, through = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		all += (double)gap[i].all;
+		through += (double)gw_luminance_of(gw_xyz(gap[i].sky));
+	}
+	return all > 0.0 ? (float)(through / all) : 0.0f;
+}
+
+/* What is left of what a record gathered. */
+static float left_of(const gw_gap_sight *gap, float first, float through, const float *mean_share)
+{
+	if (!mean_share)
+		return gw_larger(first - through, 0.0f);
+	float share = gap->all > 0.0f ? gw_luminance_of(gw_xyz(gap->sky)) / gap->all : *mean_share;
+	return first * (1.0f - gw_smaller(share, 1.0f));
+}
+
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
-							 const float *fill, gw_error *error)
+							 const float *fill, bool alone, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	size_t count = on->records->count;
@@ -125,14 +145,15 @@ gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *ga
 	float *first = gw_allocate_array(count, 8 * sizeof *first);
 	if (!first)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
-	float *normal = first + 4 * count;
+	float *normal = first + 4 * count, mean_share = share_of_all(gap, count);
 	gw_status status = gw_buffer_download(gpu, &on->records->first, 0, first, bytes, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, &on->records->normal, 0, normal, bytes, error);
 	for (size_t i = 0; i < 4 * count && status == GW_OK; i++) {
 		float share = gap[i / 4].share, inside = GW_PI * normal[i / 4 * 4 + 3];
-		float rest =
-			i % 4 < 3 ? gw_larger(first[i] - inside * gap[i / 4].sky[i % 4], 0.0f) : first[i];
+		float rest = i % 4 < 3 ? left_of(&gap[i / 4], first[i], inside * gap[i / 4].sky[i % 4],
+										 alone ? &mean_share : NULL)
+							   : first[i];
 		if (fill)
 			first[i] = i % 4 < 3 ? rest + inside * share * fill[i % 4] : rest;
 		else

@@ -1,7 +1,8 @@
 /* measure.c - what a cloud looks like before it is baked; see gw_measure in glowworm.h. */
 #include "octree/octree.h"
-#include "surfels/cloud_units.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/cloud_units.h"
+#include "cloud/frame.h"
+#include "surfels/surfel_making.h"
 #include "base/nth_element.h"
 
 #include <math.h>

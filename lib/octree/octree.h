@@ -20,7 +20,7 @@
 #define OCTREE_H
 
 #include "device/gpu.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* Directory: dense tables of tile pointers down to this level, so that a walk need not start at
  * the root. */

@@ -3,7 +3,7 @@
  */
 #include "octree/octree_steps.h"
 
-#include "surfels/disc_tree.h"
+#include "normals/disc_tree.h"
 #include "base/memory.h"
 #include "light/transport_layout.h"
 

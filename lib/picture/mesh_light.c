@@ -3,7 +3,7 @@
 #include "glowworm_picture.h"
 
 #include "base/memory.h"
-#include "surfels/neighbour_index.h"
+#include "cloud/neighbour_index.h"
 #include "base/parallel.h"
 
 #include <math.h>

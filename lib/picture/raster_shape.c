@@ -1,7 +1,7 @@
 /* raster_shape.c - one disc or triangle as seen by the camera; see raster_steps.h. */
 #include "picture/raster_steps.h"
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 #include <string.h>
 

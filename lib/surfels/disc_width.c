@@ -1,5 +1,5 @@
 /*
- * disc_width.c - how wide a disc may be at most; see surfel_steps.h.
+ * disc_width.c - how wide a disc may be at most.
  *
  * A disc reaches to its neighbours because the surface between them and its surfel has no other
  * points. Some points alone in the middle of a lake, behind a window or beyond the end of a room
@@ -8,9 +8,10 @@
  * than those of the neighbours that it reaches to. Where the cloud becomes denser, some of them lie
  * on the other side, where it is as sparse as at the surfel.
  */
-#include "surfels/surfel_plane.h"
+#include "surfels/surfel_disc.h"
 
 #include "base/memory.h"
+#include "surfels/surfel_plane.h"
 
 #include <float.h>
 #include <math.h>

@@ -8,7 +8,7 @@
 #ifndef FILLED_SPACE_H
 #define FILLED_SPACE_H
 
-#include "surfels/surfel_steps.h"
+#include "cloud/neighbours.h"
 
 /*
  * Finds them. Near creases and in corners neighbours fill space, too, but not those of most

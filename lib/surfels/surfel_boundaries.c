@@ -1,5 +1,5 @@
 /*
- * surfel_boundaries.c - where surfaces end that border on nothing; see surfel_steps.h.
+ * surfel_boundaries.c - where surfaces end that border on nothing.
  *
  * Random points leave voids, but hardly one that a circle of some two spacings' radius fits into.
  * So in the plane of a surfel near a boundary, such a circle is rolled up to it from all around.
@@ -12,9 +12,10 @@
  * A surface that ends at a crease counts as going on behind it as its mirror image does. A boundary
  * is believed only where several surfels see one, and lies where they see it on average.
  */
-#include "surfels/surfel_crease.h"
+#include "surfels/surfel_disc.h"
 
 #include "base/memory.h"
+#include "surfels/surfel_crease.h"
 
 #include <float.h>
 #include <math.h>

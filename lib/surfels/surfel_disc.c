@@ -1,5 +1,5 @@
 /*
- * surfel_disc.c - the piece of surface that each point stands for; see surfel_steps.h.
+ * surfel_disc.c - the piece of surface that each point stands for.
  *
  * Neighbours on the same surface (like normals, near the plane) are projected to the plane of the
  * normal. There the surfel owns its Voronoi cell: cells share the surface out without gap or
@@ -8,12 +8,12 @@
  * disc are cut there, at an empty side once more by what surfel_boundaries.c finds. Where it
  * curves, the disc is bent to follow it, so that it does not stick out.
  */
-#include "surfels/surfel_plane.h"
+#include "surfels/surfel_disc.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 #include "surfels/filled_space.h"
 #include "surfels/surfel_crease.h"
-#include "base/nth_element.h"
 
 #include <float.h>
 #include <math.h>

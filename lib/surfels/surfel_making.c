@@ -1,12 +1,17 @@
 /* surfel_making.c - runs the steps from points to surfels; see surfels.h. */
-#include "surfels/surfel_steps.h"
+#include "surfels/surfel_making.h"
 
 #include "base/memory.h"
+#include "cloud/frame.h"
+#include "cloud/range_image.h"
+#include "cloud/strays.h"
+#include "cloud/surfel_choice.h"
+#include "normals/given_normals.h"
+#include "normals/normals.h"
+#include "normals/plane_error.h"
 #include "surfels/filled_space.h"
-#include "surfels/given_normals.h"
-#include "surfels/plane_error.h"
-#include "surfels/range_image.h"
-#include "surfels/strays.h"
+#include "surfels/surfel_disc.h"
+#include "surfels/surfel_smooth.h"
 
 #include <stdlib.h>
 #include <string.h>

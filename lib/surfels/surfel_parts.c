@@ -4,8 +4,8 @@
 #include "surfels/surfel_parts.h"
 
 #include "base/memory.h"
-#include "surfels/range_image.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/range_image.h"
+#include "cloud/frame.h"
 #include "base/nth_element.h"
 
 #include <assert.h>

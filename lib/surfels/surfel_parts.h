@@ -8,7 +8,7 @@
 #ifndef SURFEL_PARTS_H
 #define SURFEL_PARTS_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 typedef struct gw_surfel_parts {
 	size_t still;     /* so many surfels stand still; those of the movers come after, in order */

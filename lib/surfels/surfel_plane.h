@@ -6,7 +6,7 @@
 #ifndef SURFEL_PLANE_H
 #define SURFEL_PLANE_H
 
-#include "surfels/surfel_steps.h"
+#include "cloud/neighbours.h"
 
 /* Directions in which the neighbours' extent is looked at. */
 #define GW_DIRECTIONS 16

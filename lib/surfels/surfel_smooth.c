@@ -1,5 +1,5 @@
 /*
- * surfel_smooth.c - the surface behind noisy points; see surfel_steps.h.
+ * surfel_smooth.c - the surface behind noisy points.
  *
  * A scanner's noise moves points along the normal, and what rays are to meet is the surface that
  * they scatter around: each normal becomes the mean of the normals around it, and each point moves
@@ -9,9 +9,11 @@
  *
  * What lamps shine on is finer than that surface: shading_normals.c.
  */
-#include "surfels/shading_normals.h"
+#include "surfels/surfel_smooth.h"
+
 #include "base/memory.h"
 #include "base/nth_element.h"
+#include "normals/shading_normals.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /*
- * disc_tree.glsl - rays against the tree of large discs (lib/surfels/disc_tree.h). Uses the
+ * disc_tree.glsl - rays against the tree of large discs (lib/normals/disc_tree.h). Uses the
  * texel buffer disc_tree.
  */
 #ifndef DISC_TREE_GLSL

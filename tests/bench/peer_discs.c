@@ -1,7 +1,7 @@
 #include "peer_discs.h"
 
 #include "base/memory.h"
-#include "surfels/neighbour_index.h"
+#include "cloud/neighbour_index.h"
 #include "base/parallel.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #ifndef PEER_DISCS_H
 #define PEER_DISCS_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 #include <embree3/rtcore.h>
 

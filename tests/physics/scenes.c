@@ -3,7 +3,7 @@
  */
 #include "scenes.h"
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 #include "expected.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@
 #include "picture/render_octree.h"
 #include "expected.h"
 #include "scenes.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -4,7 +4,7 @@
 #ifndef OCTREE_POINTS_H
 #define OCTREE_POINTS_H
 
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 /* A number in [0, 1) that follows from the state. */
 double octree_points_random(uint64_t *state);

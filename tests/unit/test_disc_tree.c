@@ -1,6 +1,6 @@
 /* Rays against a tree of discs: brute force over all discs in double precision, a ball of bent
  * discs that lets nothing out, and the surface that a ray leaves. */
-#include "surfels/disc_tree.h"
+#include "normals/disc_tree.h"
 #include "octree/trace_constants.h"
 #include "light/transport_layout.h"
 

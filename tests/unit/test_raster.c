@@ -2,7 +2,7 @@
  */
 #include "glowworm_picture.h"
 #include "picture/raster_steps.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 
 #include <math.h>
 #include <setjmp.h>

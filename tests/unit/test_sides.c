@@ -1,7 +1,7 @@
 /* Which side of bare points is taken for the front, on scenes of which everybody would say it. */
 #include "expected.h"
 #include "glowworm_picture.h"
-#include "surfels/patch_signs.h"
+#include "normals/patch_signs.h"
 
 #include <math.h>
 #include <setjmp.h>

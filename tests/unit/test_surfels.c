@@ -1,8 +1,9 @@
 /* Surfels: frame, neighbours, normals, and the surface each point stands for. */
 #include "estimate/emission_error.h"
-#include "surfels/normal_error.h"
+#include "normals/normal_error.h"
 #include "estimate/shadow_error.h"
-#include "surfels/surfel_steps.h"
+#include "cloud/frame.h"
+#include "cloud/neighbours.h"
 #include "base/nth_element.h"
 
 #include <math.h>

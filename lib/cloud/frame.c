@@ -1,0 +1,430 @@
+/* frame.c - local coordinates, canonical order and merged duplicates. */
+#include "cloud/frame.h"
+
+#include "cloud/bulk_bounds.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of clouds narrower than this, metres, not even distances fit a float32. */
+#define EXTENT_MIN 1e-30
+
+#define GRID_BITS 21
+#define RADIX_BITS 11
+#define RADIX (1u << RADIX_BITS)
+
+/* A finite point on its way to its place. */
+typedef struct keyed_point {
+	uint64_t key;
+	uint32_t point;
+} keyed_point;
+
+/* What all of this file's functions need to know. */
+typedef struct frame {
+	const gw_points *points;
+	gw_surfels *surfels;
+	double grain;            /* local coordinates are multiples of it, metres; 0: not rounded */
+	double grains_per_metre; /* its inverse, exact: both are powers of two */
+	double cells_per_metre;  /* of the Morton grid */
+	keyed_point *order;      /* finite points, sorted */
+	size_t finite;
+} frame;
+
+/* Sums of the attributes of points that share a position. */
+typedef struct merged {
+	double normal[3], normal_length;
+	float first_normal[3];
+	double albedo[3], emission[3];
+	size_t points, normals;
+} merged;
+
+static bool is_usable(const double position[3])
+{
+	return fabs(position[0]) <= GW_COORDINATE_MAX && fabs(position[1]) <= GW_COORDINATE_MAX &&
+		   fabs(position[2]) <= GW_COORDINATE_MAX; /* false for NaN */
+}
+
+static void local_position(const frame *f, size_t point, float local[3])
+{
+	for (int k = 0; k < 3; k++) {
+		double x = f->points->position[3 * point + (size_t)k] - f->surfels->origin[k];
+		if (f->grain > 0)
+			x = nearbyint(x * f->grains_per_metre) * f->grain;
+		local[k] = (float)x;
+	}
+}
+
+size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maximum[3])
+{
+	size_t finite = 0;
+	for (int k = 0; k < 3; k++) {
+		minimum[k] = INFINITY;
+		maximum[k] = -INFINITY;
+	}
+	for (size_t i = 0; i < points->count; i++) {
+		const double *p = points->position + 3 * i;
+		if (!is_usable(p))
+			continue;
+		finite++;
+		for (int k = 0; k < 3; k++) {
+			minimum[k] = fmin(minimum[k], p[k]);
+			maximum[k] = fmax(maximum[k], p[k]);
+		}
+	}
+	return finite;
+}
+
+/*
+ * The origin is the whole metre below the least corner (a smaller power of two for clouds under a
+ * metre), so that a cloud moved by whole metres has the same local coordinates to the last bit.
+ * Local coordinates are rounded to 2^-40 of the extent: finer differences mean nothing in float32,
+ * but their squares would underflow near the origin and nowhere else.
+ */
+static void choose_frame(frame *f, const double minimum[3], const double maximum[3])
+{
+	double extent = 0, step = 1;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, maximum[k] - minimum[k]);
+	if (extent > 0 && extent < 1)
+		step = ldexp(1, ilogb(extent));
+	for (int k = 0; k < 3; k++)
+		f->surfels->origin[k] = floor(minimum[k] / step) * step;
+	f->grain = extent > 0 ? ldexp(1, ilogb(extent) - 40) : 0;
+	f->grains_per_metre = extent > 0 ? ldexp(1, 40 - ilogb(extent)) : 0;
+	/* Slightly less than 2^21 cells, so that the largest coordinate has a cell. */
+	f->cells_per_metre = extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0;
+}
+
+/* Spreads the low 21 bits of x to every third bit. */
+static uint64_t every_third_bit(uint64_t x)
+{
+	x &= 0x1fffff;
+	x = (x | x << 32) & 0x001f00000000ffff;
+	x = (x | x << 16) & 0x001f0000ff0000ff;
+	x = (x | x << 8) & 0x100f00f00f00f00f;
+	x = (x | x << 4) & 0x10c30c30c30c30c3;
+	return (x | x << 2) & 0x1249249249249249;
+}
+
+static uint64_t morton_key(const frame *f, const float local[3])
+{
+	uint64_t key = 0;
+	for (int k = 0; k < 3; k++) {
+		double cell =
+			floor(((double)local[k] - (double)f->surfels->minimum[k]) * f->cells_per_metre);
+		uint64_t last = (1u << GRID_BITS) - 1;
+		uint64_t c = cell > 0 ? (cell < (double)last ? (uint64_t)cell : last) : 0;
+		key |= every_third_bit(c) << k;
+	}
+	return key;
+}
+
+/* Of the bulk; what lies outside is in the frame, but nothing is made for it. */
+static void find_local_bounds(frame *f, const double minimum[3], const double maximum[3])
+{
+	gw_surfels *s = f->surfels;
+	for (int k = 0; k < 3; k++) {
+		s->minimum[k] = INFINITY;
+		s->maximum[k] = -INFINITY;
+	}
+	for (size_t i = 0; i < f->finite; i++) {
+		float local[3];
+		if (!gw_within(f->points->position + 3 * (size_t)f->order[i].point, minimum, maximum))
+			continue;
+		local_position(f, f->order[i].point, local);
+		for (int k = 0; k < 3; k++) {
+			s->minimum[k] = fminf(s->minimum[k], local[k]);
+			s->maximum[k] = fmaxf(s->maximum[k], local[k]);
+		}
+	}
+}
+
+/* Sorts by key, least significant digit first; digits that are the same everywhere cost one look.
+ */
+static void sort_by_key(keyed_point **items, keyed_point **spare, size_t count)
+{
+	for (unsigned shift = 0; shift < 3 * GRID_BITS; shift += RADIX_BITS) {
+		size_t first[RADIX] = { 0 };
+		for (size_t i = 0; i < count; i++)
+			first[(*items)[i].key >> shift & (RADIX - 1)]++;
+		if (first[(*items)[0].key >> shift & (RADIX - 1)] == count)
+			continue;
+		size_t sum = 0;
+		for (unsigned digit = 0; digit < RADIX; digit++) {
+			size_t in_digit = first[digit];
+			first[digit] = sum;
+			sum += in_digit;
+		}
+		for (size_t i = 0; i < count; i++)
+			(*spare)[first[(*items)[i].key >> shift & (RADIX - 1)]++] = (*items)[i];
+		keyed_point *swap = *items;
+		*items = *spare;
+		*spare = swap;
+	}
+}
+
+static int compare_bytes(const float *values, size_t a, size_t b)
+{
+	return values ? memcmp(values + 3 * a, values + 3 * b, 3 * sizeof(float)) : 0;
+}
+
+/* Orders points of one Morton cell by coordinates, and points of one position by their attributes:
+ * sums over them then have one order, whatever the order of the input. */
+static int compare_points(const void *a, const void *b, void *user)
+{
+	const frame *f = user;
+	size_t i = ((const keyed_point *)a)->point, j = ((const keyed_point *)b)->point;
+	float p[3], q[3];
+	local_position(f, i, p);
+	local_position(f, j, q);
+	for (int k = 0; k < 3; k++)
+		if (p[k] != q[k])
+			return p[k] < q[k] ? -1 : 1;
+	int order = compare_bytes(f->points->normal, i, j);
+	if (!order)
+		order = compare_bytes(f->points->albedo, i, j);
+	return order ? order : compare_bytes(f->points->emission, i, j);
+}
+
+static gw_status sort_points(frame *f, gw_error *error)
+{
+	keyed_point *spare = gw_allocate_array(f->finite, sizeof *spare);
+	if (!spare)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to sort %zu points; %zu bytes are needed",
+					   f->finite, f->finite * sizeof *spare);
+	for (size_t i = 0; i < f->finite; i++) {
+		float local[3];
+		local_position(f, f->order[i].point, local);
+		f->order[i].key = morton_key(f, local);
+	}
+	sort_by_key(&f->order, &spare, f->finite);
+	free(spare);
+	for (size_t first = 0, last; first < f->finite; first = last) {
+		for (last = first + 1; last < f->finite && f->order[last].key == f->order[first].key;)
+			last++;
+		if (last - first > 1)
+			qsort_r(f->order + first, last - first, sizeof *f->order, compare_points, f);
+	}
+	return GW_OK;
+}
+
+double gw_normal_length(const float n[3])
+{
+	double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+	return length > 1e-20 && isfinite(length) ? length : 0;
+}
+
+static void add_normal(const frame *f, size_t point, merged *sum)
+{
+	if (!f->points->normal)
+		return;
+	const float *n = f->points->normal + 3 * point;
+	double length = gw_normal_length(n);
+	if (length <= 0)
+		return;
+	double given = fmin(length, 1);
+	for (int k = 0; k < 3; k++) {
+		double component = n[k] / length * given;
+		if (sum->normals == 0)
+			sum->first_normal[k] = (float)(n[k] / length);
+		sum->normal[k] += component;
+	}
+	sum->normal_length += given;
+	sum->normals++;
+}
+
+/* Albedo outside [0, GW_ALBEDO_MAX] is clamped; NaN, and all of it when there is none, becomes the
+ * default. Each point counts once. */
+static void add_albedo(const frame *f, size_t point, merged *sum)
+{
+	bool clamped = false, defaulted = !f->points->albedo;
+	for (size_t k = 0; k < 3; k++) {
+		float a = f->points->albedo ? f->points->albedo[3 * point + k] : GW_ALBEDO_DEFAULT;
+		if (isnan(a)) {
+			a = GW_ALBEDO_DEFAULT;
+			defaulted = true;
+		} else if (a < 0 || a > GW_ALBEDO_MAX) {
+			a = a < 0 ? 0 : GW_ALBEDO_MAX;
+			clamped = true;
+		}
+		sum->albedo[k] += a;
+	}
+	f->surfels->albedo_clamped += clamped;
+	f->surfels->albedo_defaulted += defaulted;
+}
+
+static void add_emission(const frame *f, size_t point, merged *sum)
+{
+	bool repaired = false;
+	if (!f->points->emission)
+		return;
+	for (size_t k = 0; k < 3; k++) {
+		float e = f->points->emission[3 * point + k];
+		if (isfinite(e) && e >= 0)
+			sum->emission[k] += e;
+		else
+			repaired = true;
+	}
+	f->surfels->emission_repaired += repaired;
+}
+
+/* Merged normals are averaged with their lengths, which makes the mean an NDF (Salm 4.3.1). Where
+ * they cancel, a sheet seen from both sides, the first one stands for both. */
+static void store_normal(gw_surfels *s, size_t surfel, const merged *sum)
+{
+	double m[3], length = 0;
+	float *normal = s->normal + 3 * surfel;
+	s->normal_length[surfel] = 1;
+	if (sum->normals == 0)
+		return;
+	for (int k = 0; k < 3; k++) {
+		m[k] = sum->normal[k] / (double)sum->normals;
+		length += m[k] * m[k];
+	}
+	length = sqrt(length);
+	double given = sum->normal_length / (double)sum->normals;
+	bool cancels = sum->normals > 1 && length < 0.1 * given;
+	for (int k = 0; k < 3; k++)
+		normal[k] = cancels ? sum->first_normal[k] : (float)(m[k] / length);
+	s->normal_length[surfel] = (float)fmin(cancels ? given : length, 1);
+	s->two_sided[surfel] = cancels;
+	s->normals_given++;
+}
+
+static bool store_surfel(const frame *f, size_t surfel, const float local[3], const merged *sum)
+{
+	gw_surfels *s = f->surfels;
+	bool emits = false;
+	memcpy(s->position + 3 * surfel, local, 3 * sizeof *local);
+	store_normal(s, surfel, sum);
+	for (size_t k = 0; k < 3; k++) {
+		float albedo = (float)(sum->albedo[k] / (double)sum->points);
+		s->albedo[3 * surfel + k] = fminf(albedo, GW_ALBEDO_MAX);
+		if (s->emission) {
+			s->emission[3 * surfel + k] = (float)(sum->emission[k] / (double)sum->points);
+			emits |= s->emission[3 * surfel + k] > 0;
+		}
+	}
+	s->duplicates += sum->points - 1;
+	return emits;
+}
+
+static void merge_points(frame *f)
+{
+	gw_surfels *s = f->surfels;
+	bool emits = false;
+	for (size_t first = 0, last; first < f->finite; first = last) {
+		merged sum = { .points = 0 };
+		float local[3], next[3];
+		local_position(f, f->order[first].point, local);
+		for (last = first; last < f->finite; last++) {
+			size_t point = f->order[last].point;
+			local_position(f, point, next);
+			if (memcmp(local, next, sizeof next) != 0)
+				break;
+			sum.points++;
+			add_normal(f, point, &sum);
+			add_albedo(f, point, &sum);
+			add_emission(f, point, &sum);
+			s->surfel_of_point[point] = (uint32_t)s->count;
+		}
+		emits |= store_surfel(f, s->count, local, &sum);
+		s->count++;
+	}
+	if (!emits) {
+		free(s->emission);
+		s->emission = NULL;
+	}
+}
+
+/* Arrays are made for all finite points; merging then uses a part, and the rest is given back. */
+static bool allocate_arrays(gw_surfels *s, size_t point_count, size_t finite, bool emission)
+{
+	s->surfel_of_point = gw_allocate_array(point_count, sizeof *s->surfel_of_point);
+	s->position = gw_allocate_array(finite, 3 * sizeof *s->position);
+	s->normal = gw_allocate_zeros(finite, 3 * sizeof *s->normal);
+	s->normal_length = gw_allocate_array(finite, sizeof *s->normal_length);
+	s->albedo = gw_allocate_array(finite, 3 * sizeof *s->albedo);
+	s->two_sided = gw_allocate_zeros(finite, sizeof *s->two_sided);
+	if (emission)
+		s->emission = gw_allocate_array(finite, 3 * sizeof *s->emission);
+	return s->surfel_of_point && s->position && s->normal && s->normal_length && s->albedo &&
+		   s->two_sided && (!emission || s->emission);
+}
+
+static void shrink(float **array, size_t count, size_t size)
+{
+	float *smaller = *array ? gw_resize_array(*array, count, size) : NULL;
+	if (smaller)
+		*array = smaller;
+}
+
+static void shrink_arrays(gw_surfels *s)
+{
+	shrink(&s->position, s->count, 3 * sizeof(float));
+	shrink(&s->normal, s->count, 3 * sizeof(float));
+	shrink(&s->normal_length, s->count, sizeof(float));
+	shrink(&s->albedo, s->count, 3 * sizeof(float));
+	shrink(&s->emission, s->count, 3 * sizeof(float));
+}
+
+static void list_finite(frame *f)
+{
+	size_t finite = 0;
+	for (size_t i = 0; i < f->points->count; i++) {
+		f->surfels->surfel_of_point[i] = UINT32_MAX;
+		if (is_usable(f->points->position + 3 * i))
+			f->order[finite++].point = (uint32_t)i;
+	}
+}
+
+gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
+						gw_surfels *surfels, gw_error *error)
+{
+	frame f = { .points = points, .surfels = surfels };
+	double minimum[3], maximum[3];
+	if (points->count > 1u << 30)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "the scene has %zu points; at most 2^30 can be baked at once, split it",
+					   points->count);
+	f.finite = gw_finite_bounds(points, minimum, maximum);
+	if (f.finite == 0)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "none of the %zu points has finite coordinates within %g m of 0",
+					   points->count, GW_COORDINATE_MAX);
+	uint64_t needed = 2 * (uint64_t)f.finite * sizeof(keyed_point);
+	if (options->memory && needed > options->memory)
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "sorting %zu points takes %llu bytes, %llu may be used; allow more memory "
+					   "or use fewer points",
+					   f.finite, (unsigned long long)needed, (unsigned long long)options->memory);
+
+	gw_bulk_bounds(points, minimum, maximum);
+	double extent =
+		fmax(fmax(maximum[0] - minimum[0], maximum[1] - minimum[1]), maximum[2] - minimum[2]);
+	if (extent > 0 && extent < EXTENT_MIN)
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"all points lie within %.3g m, which is too little to tell them apart: check "
+			"the unit of their coordinates",
+			extent);
+	choose_frame(&f, minimum, maximum);
+	surfels->point_count = points->count;
+	surfels->non_finite = points->count - f.finite;
+	f.order = gw_allocate_array(f.finite, sizeof *f.order);
+	if (!f.order || !allocate_arrays(surfels, points->count, f.finite, points->emission)) {
+		free(f.order);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f.finite);
+	}
+	list_finite(&f);
+	find_local_bounds(&f, minimum, maximum);
+	gw_status status = sort_points(&f, error);
+	if (status == GW_OK) {
+		merge_points(&f);
+		shrink_arrays(surfels);
+	}
+	free(f.order);
+	return status;
+}

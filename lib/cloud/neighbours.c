@@ -1,0 +1,451 @@
+/* neighbours.c - the nearest neighbours of all surfels, chunk by chunk. */
+#include "cloud/neighbours.h"
+
+#include "base/memory.h"
+#include "cloud/neighbour_index.h"
+#include "cloud/neighbour_scales.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+
+#define CHUNK 1024u                  /* surfels searched by one call */
+#define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
+
+/* Neighbours lie on a line when their squared distances from it are below this share of all squared
+ * distances: for half of the list, which random points on a surface hardly ever are, and for all.
+ */
+#define LINE_SHARE_NEAREST 0.02
+#define LINE_SHARE 0.06
+
+/* Of a list that was widened: how many are the nearest; and the least distance between the others,
+ * relative to the reach of the wide search, with which some ten of them fit. */
+#define NEAREST_KEPT (GW_NEIGHBOURS / 2)
+#define SPREAD 0.37
+
+/* Marks the first index of a stored list that was widened, and the second one where that was done
+ * to the surfel's own scale; indices are below 2^30. */
+#define WIDENED (1u << 31)
+#define NO_NEIGHBOUR (UINT32_MAX & ~WIDENED)
+
+/* Bytes a surfel that the tree takes: scaled positions, FLANN's copy, row pointers, order, nodes.
+ */
+#define INDEX_BYTES 56u
+
+/* One wide search serves the surfels around its centre, up to this share of its reach away. */
+#define WIDE_SHARED 0.25
+
+/* The surfels around one, itself included. */
+typedef struct wide_search {
+	size_t centre;
+	double reach;   /* distance of the furthest */
+	uint32_t count; /* 0: nothing was searched yet */
+	uint32_t index[GW_NEIGHBOURS_WIDE];
+} wide_search;
+
+/* A thread's memory: the results of one chunk's search. */
+typedef struct chunk_result {
+	int found[CHUNK * SEARCHED];
+	float squared[CHUNK * SEARCHED];
+	wide_search wide; /* starts anew with every chunk, so that threads make no difference */
+} chunk_result;
+
+struct gw_neighbours {
+	const gw_surfels *surfels;
+	const gw_surfels_options *options;
+	gw_neighbour_index *index;
+	gw_neighbour_scales *scales;
+	double scale;          /* a power of two */
+	float *scaled;         /* 3 * count, positions times scale: about unit size */
+	uint32_t per_surfel;   /* neighbours of each surfel: min(GW_NEIGHBOURS, count - 1) */
+	uint32_t *stored;      /* NULL or per_surfel * count, lists found by the first visit */
+	bool is_stored;        /* whether the first visit has filled it */
+	chunk_result *scratch; /* one a thread */
+	uint32_t threads;
+	atomic_bool out_of_memory, stopped;
+};
+
+/* One visit. */
+typedef struct visit {
+	gw_neighbours *search;
+	gw_neighbours_visitor *function;
+	void *user;
+} visit;
+
+static double distance_between(const gw_surfels *s, size_t a, size_t b)
+{
+	double d[3];
+	for (size_t k = 0; k < 3; k++)
+		d[k] = (double)s->position[3 * a + k] - (double)s->position[3 * b + k];
+	return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static double maximum_norm_between(const gw_surfels *s, size_t a, size_t b)
+{
+	double largest = 0;
+	for (size_t k = 0; k < 3; k++)
+		largest =
+			fmax(largest, fabs((double)s->position[3 * a + k] - (double)s->position[3 * b + k]));
+	return largest;
+}
+
+/* Positions times a power of two: nothing is rounded, and squares neither overflow nor underflow.
+ */
+static void scale_positions(gw_neighbours *search)
+{
+	const gw_surfels *s = search->surfels;
+	float extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
+	search->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
+	for (size_t i = 0; i < 3 * s->count; i++)
+		search->scaled[i] = (float)((double)s->position[i] * search->scale);
+}
+
+gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
+							 gw_neighbours **search, gw_error *error)
+{
+	size_t count = surfels->count;
+	uint64_t index_bytes = count * (uint64_t)INDEX_BYTES;
+	if (options->memory && index_bytes > options->memory)
+		return gw_fail(error, GW_ERROR_MEMORY,
+					   "the search tree of %zu points takes %llu bytes, %llu may be used; allow "
+					   "more memory or use fewer points",
+					   count, (unsigned long long)index_bytes, (unsigned long long)options->memory);
+	gw_neighbours *s = gw_allocate_zeros(1, sizeof *s);
+	if (!s)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the neighbours");
+	s->surfels = surfels;
+	s->options = options;
+	s->threads = gw_thread_count(options->threads);
+	s->per_surfel = count > GW_NEIGHBOURS ? GW_NEIGHBOURS : (uint32_t)count - 1;
+	s->scratch = gw_allocate_array(s->threads, sizeof *s->scratch);
+	s->scaled = gw_allocate_array(count, 3 * sizeof *s->scaled);
+	uint64_t stored_bytes = count * (uint64_t)(GW_NEIGHBOURS * sizeof *s->stored);
+	if (!options->memory || stored_bytes <= options->memory - index_bytes)
+		s->stored = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *s->stored);
+	if (s->scratch && s->scaled) {
+		scale_positions(s);
+		s->index = gw_neighbour_index_build(s->scaled, count);
+		s->scales = s->index ? gw_neighbour_scales_open(surfels, s->index, s->scale) : NULL;
+	}
+	if (!s->scales) {
+		gw_neighbours_close(s);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the search tree of %zu points",
+					   count);
+	}
+	*search = s;
+	return GW_OK;
+}
+
+void gw_neighbours_close(gw_neighbours *search)
+{
+	if (!search)
+		return;
+	gw_neighbour_index_free(search->index);
+	gw_neighbour_scales_close(search->scales);
+	free(search->scaled);
+	free(search->stored);
+	free(search->scratch);
+	free(search);
+}
+
+/* Inserts a neighbour where (distance, index) belongs. */
+static void insert_neighbour(gw_neighbour_list *list, uint32_t index, float distance)
+{
+	uint32_t at = list->count++;
+	for (; at > 0 && (distance < list->distance[at - 1] ||
+					  (distance == list->distance[at - 1] && index < list->index[at - 1]));
+		 at--) {
+		list->index[at] = list->index[at - 1];
+		list->distance[at] = list->distance[at - 1];
+	}
+	list->index[at] = index;
+	list->distance[at] = distance;
+}
+
+static void fill_list(gw_neighbours *search, size_t surfel, const int *found,
+					  gw_neighbour_list *list)
+{
+	list->count = 0;
+	for (uint32_t j = 0; j <= search->per_surfel && list->count < search->per_surfel; j++) {
+		uint32_t other = (uint32_t)found[j];
+		if (other != surfel)
+			insert_neighbour(list, other, (float)distance_between(search->surfels, surfel, other));
+	}
+	list->complete = list->count;
+}
+
+/* A surfel that may become a neighbour. */
+typedef struct neighbour {
+	uint32_t index;
+	float distance;
+} neighbour;
+
+static void offset_of(const gw_surfels *s, size_t surfel, size_t other, double d[3])
+{
+	for (size_t k = 0; k < 3; k++)
+		d[k] = (double)s->position[3 * other + k] - (double)s->position[3 * surfel + k];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Whether the first `count` neighbours lie on a line through the surfel. */
+static bool lies_on_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						 uint32_t count, double share)
+{
+	double axis[3], d[3], along = 0, total = 0;
+	offset_of(s, surfel, list->index[count - 1], axis);
+	for (uint32_t j = 0; j < count; j++) {
+		offset_of(s, surfel, list->index[j], d);
+		along += dot(d, axis) * dot(d, axis) / dot(axis, axis);
+		total += dot(d, d);
+	}
+	return total - along < share * total;
+}
+
+static bool search_wide(gw_neighbours *search, size_t surfel, wide_search *wide)
+{
+	int found[GW_NEIGHBOURS_WIDE];
+	float squared[GW_NEIGHBOURS_WIDE];
+	size_t count = search->surfels->count;
+	size_t k = count < GW_NEIGHBOURS_WIDE ? count : GW_NEIGHBOURS_WIDE;
+	if (wide->count > 0 &&
+		distance_between(search->surfels, surfel, wide->centre) <= WIDE_SHARED * wide->reach)
+		return true;
+	if (!gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found,
+								   squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return false;
+	}
+	*wide = (wide_search){ .centre = surfel, .count = (uint32_t)k };
+	for (size_t j = 0; j < k; j++) {
+		wide->index[j] = (uint32_t)found[j];
+		wide->reach = fmax(wide->reach, distance_between(search->surfels, surfel, wide->index[j]));
+	}
+	return true;
+}
+
+/* The candidates that are seen at 30 degrees or more from the line on which the nearest lie. */
+static uint32_t leave_line(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+						   const wide_search *wide, neighbour *candidate)
+{
+	double axis[3], d[3];
+	uint32_t count = 0;
+	offset_of(s, surfel, list->index[NEAREST_KEPT - 1], axis);
+	for (uint32_t j = 0; j < wide->count; j++) {
+		uint32_t other = wide->index[j];
+		offset_of(s, surfel, other, d);
+		bool near_line = dot(d, axis) * dot(d, axis) > 0.75 * dot(d, d) * dot(axis, axis);
+		for (uint32_t i = 0; i < NEAREST_KEPT; i++)
+			near_line |= other == list->index[i];
+		if (other != surfel && !near_line)
+			candidate[count++] = (neighbour){ other, (float)sqrt(dot(d, d)) };
+	}
+	return count;
+}
+
+static uint32_t nearest_candidate(const neighbour *candidate, uint32_t count)
+{
+	uint32_t best = 0;
+	for (uint32_t j = 1; j < count; j++)
+		if (candidate[j].distance < candidate[best].distance ||
+			(candidate[j].distance == candidate[best].distance &&
+			 candidate[j].index < candidate[best].index))
+			best = j;
+	return best;
+}
+
+/*
+ * Where the nearest neighbours lie on a line, replaces the second half of a list by the nearest
+ * candidates beside the line that are `apart` or more from each other. What is a line even then,
+ * such as a wire, keeps its list.
+ */
+static void widen_list(gw_neighbours *search, size_t surfel, wide_search *wide,
+					   gw_neighbour_list *list)
+{
+	const gw_surfels *s = search->surfels;
+	neighbour candidate[GW_NEIGHBOURS_WIDE];
+	if (list->count < GW_NEIGHBOURS ||
+		(!lies_on_line(s, surfel, list, NEAREST_KEPT, LINE_SHARE_NEAREST) &&
+		 !lies_on_line(s, surfel, list, list->count, LINE_SHARE)))
+		return;
+	if (!search_wide(search, surfel, wide))
+		return;
+	uint32_t count = leave_line(s, surfel, list, wide, candidate);
+	if (count == 0)
+		return;
+	double apart = SPREAD * wide->reach;
+	list->count = list->complete = NEAREST_KEPT;
+	while (count > 0 && list->count < GW_NEIGHBOURS) {
+		neighbour taken = candidate[nearest_candidate(candidate, count)];
+		list->index[list->count] = taken.index;
+		list->distance[list->count++] = taken.distance;
+		uint32_t left = 0;
+		for (uint32_t j = 0; j < count; j++)
+			if (distance_between(s, candidate[j].index, taken.index) >= apart)
+				candidate[left++] = candidate[j];
+		count = left;
+	}
+}
+
+static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list)
+{
+	uint32_t *stored = search->stored + surfel * search->per_surfel;
+	for (uint32_t j = 0; j < search->per_surfel; j++)
+		stored[j] = j < list->count ? list->index[j] : NO_NEIGHBOUR;
+	if (list->complete < list->count)
+		stored[0] |= WIDENED;
+	if (list->complete == GW_SCALED_NEAREST && list->count > GW_SCALED_NEAREST)
+		stored[1] |= WIDENED;
+}
+
+static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
+{
+	const uint32_t *stored = search->stored + surfel * search->per_surfel;
+	list->count = 0;
+	for (uint32_t j = 0; j < search->per_surfel; j++) {
+		uint32_t other = stored[j] & ~WIDENED;
+		if (other == NO_NEIGHBOUR)
+			break;
+		list->index[j] = other;
+		list->distance[j] = (float)distance_between(search->surfels, surfel, other);
+		list->count++;
+	}
+	bool widened = list->count > 0 && (stored[0] & WIDENED);
+	bool scaled = widened && (stored[1] & WIDENED);
+	list->complete = scaled ? GW_SCALED_NEAREST : widened ? NEAREST_KEPT : list->count;
+}
+
+/* To be called on the thread that called the library. */
+static bool asks_to_stop(gw_neighbours *search)
+{
+	const gw_surfels_options *o = search->options;
+	return atomic_load(&search->stopped) || (o->cancelled && o->cancelled(o->user));
+}
+
+static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const visit *v = user;
+	gw_neighbours *search = v->search;
+	chunk_result *result = search->scratch + worker;
+	if (worker == 0 && asks_to_stop(search))
+		atomic_store(&search->stopped, true);
+	if (atomic_load(&search->stopped) || atomic_load(&search->out_of_memory))
+		return;
+	size_t k = search->per_surfel + 1u;
+	bool searching = !search->stored || !search->is_stored;
+	result->wide.count = 0;
+	if (searching && !gw_neighbour_index_search(search->index, search->scaled + 3 * first,
+												last - first, k, result->found, result->squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return;
+	}
+	for (size_t i = first; i < last; i++) {
+		gw_neighbour_list list;
+		if (searching) {
+			fill_list(search, i, result->found + (i - first) * k, &list);
+			if (!gw_neighbour_scales_widen(search->scales, i, &list))
+				atomic_store(&search->out_of_memory, true);
+			if (list.complete == list.count)
+				widen_list(search, i, &result->wide, &list);
+		} else {
+			restore_list(search, i, &list);
+		}
+		if (searching && search->stored)
+			store_list(search, i, &list);
+		v->function(v->user, i, &list);
+	}
+}
+
+void gw_neighbours_run_short(gw_neighbours *search)
+{
+	atomic_store(&search->out_of_memory, true);
+}
+
+gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
+							  gw_error *error)
+{
+	visit v = { .search = search, .function = function, .user = user };
+	atomic_store(&search->stopped, asks_to_stop(search));
+	gw_parallel_for(search->threads, search->surfels->count, CHUNK, visit_chunk, &v);
+	if (atomic_load(&search->stopped))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while describing the surface");
+	if (atomic_load(&search->out_of_memory))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to search for neighbours");
+	search->is_stored = true;
+	return GW_OK;
+}
+
+/* Searches k neighbours of one surfel; the least distance in the maximum norm goes to *nearest and
+ * the Euclidean distance of the last one to *reach. */
+static bool search_further(gw_neighbours *search, size_t surfel, size_t k, double *nearest,
+						   double *reach)
+{
+	int *found = gw_allocate_array(k, sizeof *found);
+	float *squared = gw_allocate_array(k, sizeof *squared);
+	bool good =
+		found && squared &&
+		gw_neighbour_index_search(search->index, search->scaled + 3 * surfel, 1, k, found, squared);
+	*reach = 0;
+	for (size_t j = 0; good && j < k; j++) {
+		size_t other = (size_t)found[j];
+		if (other == surfel)
+			continue;
+		*nearest = fmin(*nearest, maximum_norm_between(search->surfels, surfel, other));
+		*reach = fmax(*reach, distance_between(search->surfels, surfel, other));
+	}
+	free(found);
+	free(squared);
+	return good;
+}
+
+/*
+ * FLANN's trees do not take the maximum norm |.|m, but |d|m <= |d| <= sqrt(3) |d|m. Let m be the
+ * least maximum-norm distance among the k Euclidean neighbours. A point with |d|m < m has
+ * |d| < sqrt(3) m; so when the k-th nearest is sqrt(3) m or more away, such a point would be one
+ * of the k, and m is exact. Otherwise more neighbours are searched until that holds. A margin of
+ * 1e-5 covers the rounding of FLANN's float32 distances.
+ */
+float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list)
+{
+	const double bound = 1.7320508 * (1 + 1e-5);
+	if (list->count == 0)
+		return INFINITY;
+	double nearest = INFINITY, reach = (double)list->distance[list->complete - 1];
+	for (uint32_t j = 0; j < list->count; j++)
+		nearest = fmin(nearest, maximum_norm_between(search->surfels, surfel, list->index[j]));
+	size_t count = search->surfels->count;
+	for (size_t k = list->complete + 1u; k < count && reach < bound * nearest;) {
+		k = k < count / 2 ? 2 * k : count;
+		if (!search_further(search, surfel, k, &nearest, &reach)) {
+			atomic_store(&search->out_of_memory, true);
+			break;
+		}
+	}
+	return (float)nearest;
+}
+
+void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour_list *list)
+{
+	float query[3];
+	int found[GW_NEIGHBOURS_AT];
+	float squared[GW_NEIGHBOURS_AT];
+	size_t count = search->surfels->count;
+	size_t k = count < GW_NEIGHBOURS_AT ? count : GW_NEIGHBOURS_AT;
+	for (size_t axis = 0; axis < 3; axis++)
+		query[axis] = (float)(place[axis] * search->scale);
+	list->count = list->complete = 0;
+	if (!gw_neighbour_index_search(search->index, query, 1, k, found, squared)) {
+		atomic_store(&search->out_of_memory, true);
+		return;
+	}
+	for (size_t j = 0; j < k; j++)
+		insert_neighbour(list, (uint32_t)found[j],
+						 (float)(sqrt((double)squared[j]) / search->scale));
+	list->complete = list->count;
+}

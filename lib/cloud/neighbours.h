@@ -1,0 +1,68 @@
+/* neighbours.h - the nearest neighbours of surfels. Internal to lib/. */
+#ifndef NEIGHBOURS_H
+#define NEIGHBOURS_H
+
+#include "cloud/surfels.h"
+
+/* Search structure for the nearest neighbours of surfels. */
+typedef struct gw_neighbours gw_neighbours;
+
+/*
+ * The surfels nearest to one, by distance and then by index; itself left out. Where the nearest lie
+ * on a line, because a scanner's lines are much further apart than the points on them, half of the
+ * list is taken from beside the line, from some GW_NEIGHBOURS_WIDE surfels around.
+ */
+#define GW_NEIGHBOURS_WIDE 128u
+typedef struct gw_neighbour_list {
+	uint32_t count; /* at most GW_NEIGHBOURS; all others when there are fewer */
+	uint32_t index[GW_NEIGHBOURS];
+	float distance[GW_NEIGHBOURS]; /* Euclidean, metres, ascending */
+	uint32_t complete;             /* the first so many are the nearest of all surfels */
+} gw_neighbour_list;
+
+/* How far off a surfel the middle of its neighbours is, of their mean distance: 0 where they lie
+ * around it, 1 where they are all in one direction. */
+double gw_neighbours_one_sidedness(const gw_surfels *surfels, size_t surfel,
+								   const gw_neighbour_list *list);
+
+/* The median of the neighbours' distances to each the nearest other one of them, metres. */
+double gw_neighbours_median_gap(const gw_surfels *surfels, const gw_neighbour_list *list);
+
+/* Called once a surfel, from several threads at a time; may write only to that surfel's data. */
+typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour_list *list);
+
+/*
+ * Builds the search structure over surfels->position, which must stay unchanged until it is closed.
+ * Lists are kept for further visits (64 bytes a surfel) when options->memory allows, and searched
+ * again each time when not.
+ *   search    on success to be closed with gw_neighbours_close
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_neighbours_open(const gw_surfels *surfels, const gw_surfels_options *options,
+							 gw_neighbours **search, gw_error *error);
+void gw_neighbours_close(gw_neighbours *search);
+
+/* For a visitor that finds no memory: the visit that calls it then fails. Thread-safe. */
+void gw_neighbours_run_short(gw_neighbours *search);
+
+/* Calls visit for every surfel. Fails with GW_ERROR_CANCELLED or GW_ERROR_MEMORY. */
+gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
+							  gw_error *error);
+
+/*
+ * The exact distance of a surfel to the nearest other one in the maximum norm, metres; infinity
+ * when there is no other. Thread-safe; when memory for a longer search is short, the next visit's
+ * status says so.
+ */
+float gw_neighbours_nearest(gw_neighbours *search, size_t surfel, const gw_neighbour_list *list);
+
+/*
+ * The GW_NEIGHBOURS_AT surfels, or all when there are fewer, that are nearest to a place.
+ *   place   metres, like surfels->position
+ *   list    receives them, with their distances from the place
+ * Thread-safety and lack of memory are as for gw_neighbours_nearest.
+ */
+#define GW_NEIGHBOURS_AT 12u
+void gw_neighbours_at(gw_neighbours *search, const double place[3], gw_neighbour_list *list);
+
+#endif

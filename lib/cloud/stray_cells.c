@@ -1,0 +1,232 @@
+/* stray_cells.c - see stray_cells.h. */
+#include "cloud/stray_cells.h"
+
+#include "base/memory.h"
+#include "base/sorted_keys.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define GRID_BITS 21  /* of the surfels' order, see frame.c */
+#define FINEST 15     /* level of cells that is tried first */
+#define IN_A_CELL 1.5 /* surfels on average, at least */
+#define SAMPLES 33    /* surfels whose median stands for that of all */
+#define TELLING 8     /* surfels that tell a spacing */
+#define LOOKED_AT 512 /* surfels of which most have others in the cells around */
+#define LONELY 8      /* one of so many has not, at most */
+#define AROUND 27     /* cells: one and its neighbours */
+
+/* Takes every third bit. */
+static uint32_t gather_bits(uint64_t key)
+{
+	key &= 0x1249249249249249;
+	key = (key | key >> 2) & 0x10c30c30c30c30c3;
+	key = (key | key >> 4) & 0x100f00f00f00f00f;
+	key = (key | key >> 8) & 0x001f0000ff0000ff;
+	key = (key | key >> 16) & 0x001f00000000ffff;
+	return (uint32_t)((key | key >> 32) & 0x1fffff);
+}
+
+/* Spreads 21 bits to every third one. */
+static uint64_t spread_bits(uint64_t x)
+{
+	x = (x | x << 32) & 0x001f00000000ffff;
+	x = (x | x << 16) & 0x001f0000ff0000ff;
+	x = (x | x << 8) & 0x100f00f00f00f00f;
+	x = (x | x << 4) & 0x10c30c30c30c30c3;
+	return (x | x << 2) & 0x1249249249249249;
+}
+
+static double extent_of(const gw_surfels *s)
+{
+	double extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmax(extent, (double)s->maximum[k] - (double)s->minimum[k]);
+	return extent;
+}
+
+static uint64_t key_of(const gw_surfels *s, size_t surfel, double cells_per_metre)
+{
+	const double last = (1 << GRID_BITS) - 1;
+	uint64_t key = 0;
+	for (size_t k = 0; k < 3; k++) {
+		double off = (double)s->position[3 * surfel + k] - (double)s->minimum[k];
+		double cell = fmin(fmax(floor(off * cells_per_metre), 0), last);
+		key |= spread_bits((uint64_t)cell) << k;
+	}
+	return key;
+}
+
+/* Number of cells of a level. */
+static size_t count_cells(const uint64_t *key, size_t count, int level)
+{
+	int shift = 3 * (GRID_BITS - level);
+	size_t cells = count > 0;
+	for (size_t i = 1; i < count; i++)
+		cells += key[i] >> shift != key[i - 1] >> shift;
+	return cells;
+}
+
+static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
+{
+	int shift = 3 * (GRID_BITS - cells->level);
+	size_t cell = 0;
+	cells->key = gw_allocate_array(cells->count, sizeof *cells->key);
+	cells->first = gw_allocate_array(cells->count + 1, sizeof *cells->first);
+	if (!cells->key || !cells->first)
+		return false;
+	for (size_t i = 0; i < count; i++)
+		if (i == 0 || key[i] >> shift != key[i - 1] >> shift) {
+			cells->key[cell] = key[i] >> shift;
+			cells->first[cell++] = i;
+		}
+	cells->first[cell] = count;
+	return true;
+}
+
+void gw_stray_cells_clear(gw_stray_cells *cells)
+{
+	free(cells->key);
+	free(cells->first);
+	*cells = (gw_stray_cells){ .count = 0 };
+}
+
+/* The first cell whose key is not below one. */
+static size_t find_key(const gw_stray_cells *cells, uint64_t key)
+{
+	return gw_lower_bound(cells->key, cells->count, key);
+}
+
+/* The j-th of the cells around the one of a key, itself for j = 13, all `coarser` levels coarser
+ * than these: its cells; none beyond the bounds. */
+static void find_beside(const gw_stray_cells *cells, uint64_t key, int coarser, int j,
+						size_t range[2])
+{
+	const int64_t last = (INT64_C(1) << (cells->level - coarser)) - 1;
+	const int64_t step[3] = { j % 3 - 1, j / 3 % 3 - 1, j / 9 - 1 };
+	uint64_t other = 0;
+	range[0] = range[1] = 0;
+	for (int k = 0; k < 3; k++) {
+		int64_t at = (int64_t)gather_bits(key >> k) + step[k];
+		if (at < 0 || at > last)
+			return;
+		other |= spread_bits((uint64_t)at) << k;
+	}
+	range[0] = find_key(cells, other << 3 * coarser);
+	range[1] = coarser == 0 ? range[0] + (range[0] < cells->count && cells->key[range[0]] == other)
+							: find_key(cells, (other + 1) << 3 * coarser);
+}
+
+/* The cells in those around a cell; returns how many surfels they hold. */
+static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
+						  size_t range[AROUND][2])
+{
+	size_t surfels = 0;
+	for (int j = 0; j < AROUND; j++) {
+		find_beside(cells, cells->key[cell] >> 3 * coarser, coarser, j, range[j]);
+		surfels += cells->first[range[j][1]] - cells->first[range[j][0]];
+	}
+	return surfels;
+}
+
+bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t few)
+{
+	size_t range[2], surfels = cells->first[cell + 1] - cells->first[cell];
+	/* Opposite cells in turn, so that what a surface has is soon counted. */
+	for (int j = 0; j < AROUND - 1 && surfels <= few; j++) {
+		find_beside(cells, cells->key[cell], 0, j % 2 ? AROUND - 1 - j / 2 : j / 2, range);
+		surfels += cells->first[range[1]] - cells->first[range[0]];
+	}
+	return surfels <= few;
+}
+
+/* The cell of a surfel. */
+static size_t cell_of(const gw_stray_cells *cells, size_t surfel)
+{
+	size_t low = 0, high = cells->count - 1;
+	while (low < high) {
+		size_t middle = low + (high - low + 1) / 2;
+		if (cells->first[middle] <= surfel)
+			low = middle;
+		else
+			high = middle - 1;
+	}
+	return low;
+}
+
+/* Are few surfels without others in the cells around? */
+static bool is_coarse_enough(const gw_stray_cells *cells, size_t surfels, size_t few)
+{
+	size_t lonely = 0, looked = surfels < LOOKED_AT ? surfels : LOOKED_AT;
+	for (size_t i = 0; i < looked; i++) {
+		size_t surfel = (size_t)((double)i / (double)looked * (double)surfels);
+		lonely += gw_stray_cells_few_around(cells, cell_of(cells, surfel), few);
+	}
+	return lonely <= looked / LONELY;
+}
+
+bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
+{
+	double extent = extent_of(s);
+	double per_metre = extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0;
+	uint64_t *key = gw_allocate_array(s->count, sizeof *key);
+	bool good = key != NULL, found = false;
+	*cells = (gw_stray_cells){ .level = FINEST + 1 };
+	for (size_t i = 0; key && i < s->count; i++)
+		key[i] = key_of(s, i, per_metre);
+	while (good && !found) {
+		free(cells->key);
+		free(cells->first);
+		cells->key = NULL;
+		cells->first = NULL;
+		cells->level--;
+		cells->count = count_cells(key, s->count, cells->level);
+		if ((double)s->count < IN_A_CELL * (double)cells->count && cells->level > 0)
+			continue;
+		cells->width = ldexp(extent, -cells->level);
+		good = fill_cells(cells, key, s->count);
+		found = good && (cells->level == 0 || is_coarse_enough(cells, s->count, few));
+	}
+	free(key);
+	return good;
+}
+
+/* The spacing that the number of surfels means, on a surface, in the least cell around one that has
+ * enough to tell. */
+static double spacing_at(const gw_stray_cells *cells, size_t surfel)
+{
+	size_t cell = cell_of(cells, surfel), first = cell, end = cell + 1;
+	int coarser = 0;
+	while (cells->first[end] - cells->first[first] < TELLING && coarser < cells->level) {
+		uint64_t key = cells->key[cell] >> 3 * ++coarser;
+		first = find_key(cells, key << 3 * coarser);
+		end = find_key(cells, (key + 1) << 3 * coarser);
+	}
+	double number = (double)(cells->first[end] - cells->first[first]);
+	return ldexp(cells->width, coarser) / sqrt(number);
+}
+
+double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double reach)
+{
+	double spacing[SAMPLES]; /* sorted */
+	size_t range[AROUND][2], passed = 0;
+	int coarser = 0, taken = 0;
+	while (coarser < cells->level && ldexp(cells->width, coarser) < reach)
+		coarser++;
+	size_t surfels = find_around(cells, cell, coarser, range);
+	for (int j = 0; j < AROUND; j++) {
+		size_t first = cells->first[range[j][0]], end = cells->first[range[j][1]];
+		for (; taken < SAMPLES; taken++) {
+			size_t sample = (size_t)((taken + 0.5) / SAMPLES * (double)surfels);
+			if (sample >= passed + end - first)
+				break;
+			double own = spacing_at(cells, first + sample - passed);
+			int at = taken;
+			for (; at > 0 && own < spacing[at - 1]; at--)
+				spacing[at] = spacing[at - 1];
+			spacing[at] = own;
+		}
+		passed += end - first;
+	}
+	return taken > 0 ? spacing[taken / 2] : 0;
+}

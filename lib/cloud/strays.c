@@ -1,0 +1,488 @@
+/*
+ * strays.c - see strays.h.
+ *
+ * Only what lies in cells with few points around them can be alone, so that most of a cloud costs a
+ * look at its cells. The nearest neighbours of the others are searched among all such and one
+ * surfel of each other cell: dense surfaces count no more than sparse ones there.
+ */
+#include "cloud/strays.h"
+
+#include "base/memory.h"
+#include "cloud/bulk_bounds.h"
+#include "cloud/frame.h"
+#include "cloud/neighbour_index.h"
+#include "cloud/stray_cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CLOUD_LEAST 64 /* surfels: of fewer nobody knows what is usual */
+#define FEW_AROUND 6   /* surfels in a cell and those around it, itself among them */
+#define FEW_IN_CELL 3  /* of cells with more, one stands for all */
+#define SEARCHED 17    /* itself among them */
+#define REACHED 6      /* to this neighbour a surfel is alone */
+
+/* How much further off that is than on a surface whose points are as far apart as is usual around.
+ * Random points on one are 1.38 spacings from it, of a million hardly one is twice that. */
+#define ALONE 3.0
+#define USUAL 1.38
+
+/* How far around is looked for what is usual, in distances of that neighbour. */
+#define LOOK 4.0
+
+/* A plane through the surfel: half its thickness, of how far the neighbours are from their middle;
+ * how many neighbours lie in it; and their least extent to the sides, of that along the line that
+ * they lie on most. Of 16 points that fill space at random five and more do so in one case of five,
+ * six in one of fifty. */
+#define SLAB 0.057
+#define IN_PLANE 7
+#define MANY_IN_PLANE 12 /* of 16: more than chance, wherever they are */
+#define BESIDE_LINE 0.08
+#define CONE                                                                                       \
+	0.95 /* they lie in so narrow a cone, by the share of their offsets' length that               \
+			is in common, that the surfel is on no surface with them */
+#define GAPS                                                                                       \
+	3.0                  /* the second nearest is at most so many times further off than those in  \
+							the plane are from each other */
+#define PAIRS_OF 9       /* nearest neighbours that planes are put through, two at a time */
+#define LEAST_ANGLE 0.3  /* sine between them */
+#define OF_NEIGHBOUR 1.5 /* how much thicker the plane of a neighbour is */
+
+/* More strays than one in so many are none: the cloud is that sparse. */
+#define MOST 5
+
+/* Values that stand for no data, beside all from NO_DATA_FROM on. */
+static const double no_data[] = { -9999, 9999, -99999, 99999, -32768, 32767, -32767, 65535 };
+#define NO_DATA_FROM 1e9
+
+typedef struct stray_step {
+	const gw_surfels *surfels;
+	gw_stray_cells cells;
+	uint32_t *thin; /* thin_count surfels: those in sparse cells, one of each other */
+	size_t thin_count;
+	uint32_t *candidate; /* candidate_count surfels; places in thin are the same order */
+	size_t *cell;        /* candidate_count, theirs */
+	size_t candidate_count;
+	float *scaled; /* 3 * thin_count */
+	double scale;  /* a power of two */
+	gw_neighbour_index *index;
+	int *found; /* SEARCHED * candidate_count, places in thin */
+	float *squared;
+	uint32_t *candidate_of; /* thin_count, 1 + place in candidate, 0: none */
+	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
+	uint8_t *alone;         /* candidate_count */
+} stray_step;
+
+/* ----------------------------------------------------------------------------------- by number */
+
+static gw_stray_kind kind_of(const double place[3], gw_stray_kind other)
+{
+	if (place[0] == 0 && place[1] == 0 && place[2] == 0)
+		return GW_STRAY_ZERO;
+	for (int k = 0; k < 3; k++) {
+		if (fabs(place[k]) >= NO_DATA_FROM)
+			return GW_STRAY_NO_DATA;
+		for (size_t i = 0; i < sizeof no_data / sizeof *no_data; i++)
+			if (place[k] == no_data[i])
+				return GW_STRAY_NO_DATA;
+	}
+	return other;
+}
+
+static void set_mark(gw_stray_marks *marks, size_t point, gw_stray_kind kind)
+{
+	marks->count += marks->mark[point] == 0;
+	marks->mark[point] = (uint8_t)(1 + kind);
+}
+
+static void mark_far(const gw_points *points, gw_stray_marks *marks)
+{
+	double least[3], most[3], minimum[3], maximum[3];
+	gw_points rest = *points;
+	size_t finite = gw_finite_bounds(points, least, most);
+	memcpy(minimum, least, sizeof least);
+	memcpy(maximum, most, sizeof most);
+	if (finite == 0 || gw_bulk_bounds(&rest, minimum, maximum) == 0)
+		return;
+	for (size_t i = 0; i < points->count; i++) {
+		const double *place = points->position + 3 * i;
+		if (gw_within(place, least, most) && !gw_within(place, minimum, maximum))
+			set_mark(marks, i, kind_of(place, GW_STRAY_FAR));
+	}
+}
+
+gw_status gw_strays_mark_known(const gw_points *points, gw_stray_marks *marks, gw_error *error)
+{
+	double minimum[3], maximum[3];
+	*marks = (gw_stray_marks){ .mark = gw_allocate_zeros(points->count, 1) };
+	if (!marks->mark)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to mark %zu points", points->count);
+	if (points->keep_strays)
+		return GW_OK;
+	size_t finite = gw_finite_bounds(points, minimum, maximum);
+	for (size_t i = 0; points->stray && finite > 0 && i < points->count; i++)
+		if (points->stray[i] > 0 && points->stray[i] <= GW_STRAY_KIND_COUNT &&
+			gw_within(points->position + 3 * i, minimum, maximum))
+			set_mark(marks, i, (gw_stray_kind)(points->stray[i] - 1));
+	double *position;
+	gw_points rest;
+	gw_status status = gw_strays_hide(points, marks, &position, &rest, error);
+	if (status == GW_OK && gw_finite_bounds(&rest, minimum, maximum) == 0) {
+		memset(marks->mark, 0, points->count);
+		marks->count = 0;
+	} else if (status == GW_OK) {
+		mark_far(&rest, marks);
+	}
+	free(position);
+	return status;
+}
+
+gw_status gw_strays_hide(const gw_points *points, const gw_stray_marks *marks, double **position,
+						 gw_points *rest, gw_error *error)
+{
+	*rest = *points;
+	*position = NULL;
+	if (marks->count == 0)
+		return GW_OK;
+	double *places = *position = gw_allocate_array(points->count, 3 * sizeof **position);
+	if (!places)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
+					   points->count);
+	memcpy(places, points->position, 3 * points->count * sizeof *places);
+	for (size_t i = 0; i < 3 * points->count; i++)
+		if (marks->mark[i / 3])
+			places[i] = NAN;
+	rest->position = places;
+	return GW_OK;
+}
+
+/* ----------------------------------------------------------------------------------- by place */
+
+/* Sorts out the cells. */
+static bool take_candidates(stray_step *step)
+{
+	const gw_stray_cells *c = &step->cells;
+	step->thin = gw_allocate_array(step->surfels->count, sizeof *step->thin);
+	step->candidate = gw_allocate_array(step->surfels->count, sizeof *step->candidate);
+	step->cell = gw_allocate_array(step->surfels->count, sizeof *step->cell);
+	step->candidate_of = gw_allocate_zeros(step->surfels->count, sizeof *step->candidate_of);
+	if (!step->thin || !step->candidate || !step->cell || !step->candidate_of)
+		return false;
+	for (size_t cell = 0; cell < c->count; cell++) {
+		size_t first = c->first[cell], end = c->first[cell + 1];
+		bool few = gw_stray_cells_few_around(c, cell, FEW_AROUND);
+		bool all = few || end - first <= FEW_IN_CELL;
+		for (size_t i = first; i < (all ? end : first + 1); i++) {
+			if (few) {
+				step->cell[step->candidate_count] = cell;
+				step->candidate[step->candidate_count++] = (uint32_t)i;
+				step->candidate_of[step->thin_count] = (uint32_t)step->candidate_count;
+			}
+			step->thin[step->thin_count++] = (uint32_t)i;
+		}
+	}
+	return true;
+}
+
+/* Positions times a power of two, as in neighbours.c. */
+static bool search(stray_step *step)
+{
+	const gw_surfels *s = step->surfels;
+	float extent = 0;
+	for (int k = 0; k < 3; k++)
+		extent = fmaxf(extent, s->maximum[k] - s->minimum[k]);
+	step->scale = extent > 0 ? ldexp(1, -ilogb((double)extent)) : 1;
+	size_t n = step->candidate_count;
+	float *query = gw_allocate_array(n, 3 * sizeof *query);
+	step->scaled = gw_allocate_array(step->thin_count, 3 * sizeof *step->scaled);
+	step->found = gw_allocate_array(n, SEARCHED * sizeof *step->found);
+	step->squared = gw_allocate_array(n, SEARCHED * sizeof *step->squared);
+	bool good = query && step->scaled && step->found && step->squared;
+	for (size_t i = 0; good && i < 3 * step->thin_count; i++)
+		step->scaled[i] =
+			(float)((double)s->position[3 * (size_t)step->thin[i / 3] + i % 3] * step->scale);
+	for (size_t i = 0; good && i < 3 * n; i++)
+		query[i] =
+			(float)((double)s->position[3 * (size_t)step->candidate[i / 3] + i % 3] * step->scale);
+	step->index = good ? gw_neighbour_index_build(step->scaled, step->thin_count) : NULL;
+	good = step->index &&
+		   gw_neighbour_index_search(step->index, query, n, SEARCHED, step->found, step->squared);
+	free(query);
+	return good;
+}
+
+/* The neighbours of a candidate relative to it, metres. */
+typedef struct surrounding {
+	double at[SEARCHED][3];
+	uint32_t place[SEARCHED]; /* in thin */
+	int count;
+	double slab; /* half the thickness of a plane here */
+	bool aside;  /* they are all in one direction */
+} surrounding;
+
+static double dot(const double a[3], const double b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void measure(surrounding *around)
+{
+	double sum[3] = { 0 }, squares = 0, lengths = 0, n = around->count;
+	for (int j = 0; j < around->count; j++) {
+		double square = dot(around->at[j], around->at[j]);
+		squares += square;
+		lengths += sqrt(square);
+		for (int k = 0; k < 3; k++)
+			sum[k] += around->at[j][k];
+	}
+	around->slab = SLAB * sqrt(fmax(squares / n - dot(sum, sum) / (n * n), 0));
+	around->aside = sqrt(dot(sum, sum)) > CONE * lengths;
+}
+
+static void look_around(const stray_step *step, size_t candidate, surrounding *around)
+{
+	const float *position = step->surfels->position;
+	const float *own = position + 3 * (size_t)step->candidate[candidate];
+	around->count = 0;
+	for (int j = 0; j < SEARCHED && around->count < SEARCHED - 1; j++) {
+		uint32_t place = (uint32_t)step->found[SEARCHED * candidate + (size_t)j];
+		uint32_t surfel = step->thin[place];
+		if (surfel == step->candidate[candidate])
+			continue;
+		for (size_t k = 0; k < 3; k++)
+			around->at[around->count][k] =
+				(double)position[3 * (size_t)surfel + k] - (double)own[k];
+		around->place[around->count++] = place;
+	}
+	measure(around);
+}
+
+/* The unit normal of the plane through two neighbours and the surfel; false where all three lie
+ * about on a line. */
+static bool normal_through(const double a[3], const double b[3], double n[3])
+{
+	for (int k = 0; k < 3; k++)
+		n[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+	double length = sqrt(dot(n, n));
+	if (!(length > LEAST_ANGLE * sqrt(dot(a, a) * dot(b, b))))
+		return false;
+	for (int k = 0; k < 3; k++)
+		n[k] /= length;
+	return true;
+}
+
+/* Is the surfel one of its neighbours in a plane, as far from them as they are from each other? */
+static bool is_among(const double (*at)[2], int count)
+{
+	double gap[SEARCHED], nearest = INFINITY, second = INFINITY; /* sorted */
+	for (int i = 0; i < count; i++) {
+		double own = hypot(at[i][0], at[i][1]), least = INFINITY;
+		for (int j = 0; j < count; j++)
+			if (j != i)
+				least = fmin(least, hypot(at[i][0] - at[j][0], at[i][1] - at[j][1]));
+		int place = i;
+		for (; place > 0 && least < gap[place - 1]; place--)
+			gap[place] = gap[place - 1];
+		gap[place] = least;
+		second = fmin(second, fmax(own, nearest));
+		nearest = fmin(nearest, own);
+	}
+	return second <= GAPS * gap[count / 2];
+}
+
+/* How many neighbours lie in a plane; 0 where the surfel is beside them all, or beside a line that
+ * they are on. */
+static int count_in_plane(const surrounding *around, const double n[3])
+{
+	double mean[2] = { 0 }, square[3] = { 0 }, flat[SEARCHED][2], u[3], v[3];
+	int axis = fabs(n[0]) < 0.6 ? 0 : 1, count = 0;
+	for (int k = 0; k < 3; k++)
+		u[k] = (k == axis) - n[axis] * n[k];
+	double length = sqrt(dot(u, u));
+	for (int k = 0; k < 3; k++)
+		u[k] /= length;
+	for (int k = 0; k < 3; k++)
+		v[k] = n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3];
+	for (int j = 0; j < around->count; j++) {
+		if (!(fabs(dot(around->at[j], n)) <= around->slab))
+			continue;
+		double x = dot(around->at[j], u), y = dot(around->at[j], v);
+		mean[0] += x;
+		mean[1] += y;
+		square[0] += x * x;
+		square[1] += x * y;
+		square[2] += y * y;
+		flat[count][0] = x;
+		flat[count++][1] = y;
+	}
+	if (count < IN_PLANE || (count < MANY_IN_PLANE && !is_among(flat, count)))
+		return 0;
+	double xx = square[0] - mean[0] * mean[0] / count, yy = square[2] - mean[1] * mean[1] / count,
+		   xy = square[1] - mean[0] * mean[1] / count;
+	double half = 0.5 * (xx + yy), root = hypot(0.5 * (xx - yy), xy);
+	double least = half - root, most = half + root;
+	double off = hypot(mean[0], mean[1]) / count; /* of their middle */
+	return least < BESIDE_LINE * BESIDE_LINE * most && off > around->slab &&
+				   off * off > 4 * least / count
+			   ? 0
+			   : count;
+}
+
+/* Does a candidate lie in a plane with many of its neighbours? */
+static void find_plane(stray_step *step, size_t candidate)
+{
+	surrounding around;
+	double *plane = step->plane + 4 * candidate, n[3];
+	look_around(step, candidate, &around);
+	int best = around.aside ? MANY_IN_PLANE - 1 : IN_PLANE - 1;
+	for (int a = 1; a < around.count && a < PAIRS_OF; a++)
+		for (int b = 0; b < a; b++) {
+			if (!normal_through(around.at[a], around.at[b], n))
+				continue;
+			int count = count_in_plane(&around, n);
+			if (count <= best)
+				continue;
+			best = count;
+			memcpy(plane, n, sizeof n);
+			plane[3] = around.slab;
+		}
+}
+
+/* Or in that of a neighbour that does? In corners that are sampled sparsely. */
+static bool is_in_plane(const stray_step *step, size_t candidate)
+{
+	surrounding around;
+	if (step->plane[4 * candidate + 3] > 0)
+		return true;
+	look_around(step, candidate, &around);
+	for (int j = 0; j < around.count; j++) {
+		uint32_t other = step->candidate_of[around.place[j]];
+		const double *plane = other > 0 ? step->plane + 4 * (size_t)(other - 1) : NULL;
+		if (plane && plane[3] > 0 && fabs(dot(around.at[j], plane)) <= OF_NEIGHBOUR * plane[3])
+			return true;
+	}
+	return false;
+}
+
+static bool is_far_off(const stray_step *step, size_t candidate)
+{
+	double reach = sqrt((double)step->squared[SEARCHED * candidate + REACHED]) / step->scale;
+	double usual = gw_stray_cells_spacing(&step->cells, step->cell[candidate], LOOK * reach);
+	return reach > ALONE * USUAL * usual;
+}
+
+static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		step->alone[i] = is_far_off(step, i);
+		find_plane(step, i);
+	}
+}
+
+static void judge_planes(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		step->alone[i] = step->alone[i] && !is_in_plane(step, i);
+}
+
+/* Finds those alone among the candidates. */
+static bool judge(stray_step *step, uint32_t threads)
+{
+	size_t n = step->candidate_count;
+	step->plane = gw_allocate_zeros(n, 4 * sizeof *step->plane);
+	step->alone = gw_allocate_zeros(n, sizeof *step->alone);
+	if (!step->plane || !step->alone || !search(step))
+		return false;
+	gw_parallel_for(threads, n, 256, judge_far_off, step);
+	gw_parallel_for(threads, n, 256, judge_planes, step);
+	return true;
+}
+
+static void mark_points(const stray_step *step, const gw_points *points, uint8_t *stray,
+						gw_stray_marks *marks)
+{
+	const gw_surfels *s = step->surfels;
+	size_t strays = 0;
+	for (size_t i = 0; i < step->candidate_count; i++) {
+		stray[step->candidate[i]] = step->alone[i];
+		strays += step->alone[i];
+	}
+	if (strays == 0 || strays > s->count / MOST)
+		return;
+	for (size_t i = 0; i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX && stray[s->surfel_of_point[i]])
+			set_mark(marks, i, kind_of(points->position + 3 * i, GW_STRAY_ALONE));
+}
+
+gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options *options,
+							   const gw_surfels *surfels, gw_stray_marks *marks, gw_error *error)
+{
+	stray_step step = { .surfels = surfels };
+	if (points->keep_strays || surfels->count < CLOUD_LEAST)
+		return GW_OK;
+	uint8_t *stray = gw_allocate_zeros(surfels->count, 1);
+	bool good =
+		stray && gw_stray_cells_make(surfels, FEW_AROUND, &step.cells) && take_candidates(&step);
+	if (good && step.candidate_count > 0 && step.thin_count > SEARCHED) {
+		good = judge(&step, options->threads);
+		if (good)
+			mark_points(&step, points, stray, marks);
+	}
+	gw_neighbour_index_free(step.index);
+	void *owned[] = { step.thin,  step.candidate, step.cell,         step.scaled, step.found,
+					  step.plane, step.squared,   step.candidate_of, step.alone,  stray };
+	for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
+		free(owned[i]);
+	gw_stray_cells_clear(&step.cells);
+	return good ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory to look for strays among %zu points",
+						  surfels->count);
+}
+
+/* ------------------------------------------------------------------------------------ the list */
+
+static gw_stray describe(const gw_points *points, size_t i, gw_stray_kind kind)
+{
+	gw_stray stray = { .point = (uint32_t)i, .surfel = UINT32_MAX, .kind = (uint32_t)kind };
+	for (size_t k = 0; k < 3; k++) {
+		float a = points->albedo ? points->albedo[3 * i + k] : GW_ALBEDO_DEFAULT;
+		float e = points->emission ? points->emission[3 * i + k] : 0;
+		stray.albedo[k] = isnan(a) ? GW_ALBEDO_DEFAULT : fminf(fmaxf(a, 0), GW_ALBEDO_MAX);
+		stray.emission[k] = isfinite(e) && e > 0 ? e : 0;
+	}
+	return stray;
+}
+
+gw_status gw_strays_list(const gw_points *points, const gw_stray_marks *marks,
+						 gw_neighbours *search, gw_surfels *surfels, gw_error *error)
+{
+	gw_neighbour_list list;
+	if (marks->count == 0)
+		return GW_OK;
+	surfels->stray = gw_allocate_zeros(marks->count, sizeof *surfels->stray);
+	if (!surfels->stray)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu strays", marks->count);
+	surfels->non_finite -= marks->count;
+	for (size_t i = 0; i < points->count; i++) {
+		double place[3];
+		if (marks->mark[i] == 0)
+			continue;
+		gw_stray *stray = surfels->stray + surfels->stray_count++;
+		*stray = describe(points, i, (gw_stray_kind)(marks->mark[i] - 1));
+		for (int k = 0; k < 3; k++) {
+			double low = surfels->minimum[k], high = surfels->maximum[k];
+			double local = points->position[3 * i + (size_t)k] - surfels->origin[k];
+			/* From so far off all is about as near that is at this side of the cloud. */
+			place[k] = fmin(fmax(local, low - (high - low)), high + (high - low));
+		}
+		gw_neighbours_at(search, place, &list);
+		if (list.count > 0)
+			stray->surfel = list.index[0];
+	}
+	return GW_OK;
+}

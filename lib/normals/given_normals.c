@@ -1,0 +1,395 @@
+/* given_normals.c - see given_normals.h. */
+#include "normals/given_normals.h"
+
+#include "base/memory.h"
+#include "base/nth_element.h"
+#include "normals/normal_orientation.h"
+#include "normals/plane_normal.h"
+#include "normals/scanner_sight.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Surfels that are looked at, and the fewest findings that mean anything. */
+#define SAMPLES 30000u
+#define FINDINGS_LEAST 50u
+
+/* Spread off a plane below which 16 neighbours are one: noise of a tenth of their reach. */
+#define FLAT 0.01f
+
+/* A normal further from the plane's than 45 degrees is wrong; of clean scans some are, at rims. */
+#define OFF_COSINE 0.7f
+#define OFF_MOST 0.1
+
+/* Neighbours on one plane: their normals but for the sign, and heights over their distance. */
+#define SAME_PLANE 0.8f
+#define SAME_HEIGHT 0.2f
+#define CONFLICT_MOST 0.03
+
+/* Neighbours beyond a crease, both clearly off the other's plane, and how many may disagree: where
+ * a scanner saw one thing before another, some do. */
+#define CREASE_COSINE 0.6f
+#define CREASE_HEIGHT 0.35f
+#define CREASE_MOST 0.35
+
+/* Least share of surfels on planes for creases to say anything. */
+#define PLANES_LEAST 0.3
+
+/* Turning has to leave less than one in so many contradictions; else the surface is too ragged for
+ * anybody to know. */
+#define BETTER_BY 5
+
+/* A piece keeps the side of its given normals when at least so many of them had it. */
+#define MAJORITY 0.6
+
+/* Inside out: share of the ways to the front that may lead out, and of those to the back that
+ * must. Coarse cells let a few through that should not be. */
+#define OUT_FRONT_MOST 0.005
+#define OUT_BACK_LEAST 0.3
+
+/* Median length of normals below which they are no means of others: those would spread over more
+ * than a hemisphere. */
+#define LENGTH_LEAST 0.3f
+
+/* Links from each surfel by which pieces are found. */
+#define LINKS 4u
+
+/* What was found at one surfel. */
+typedef struct finding {
+	bool flat, off, conflict;
+	uint8_t creases, against;
+	float behind, heights; /* of opposing neighbours: sum of heights, and of their sizes */
+} finding;
+
+typedef struct figures {
+	uint64_t flat, off, surfels, conflicts, creases, against;
+	double behind, heights;
+} figures;
+
+typedef struct check {
+	gw_neighbours *search;
+	const gw_surfels *surfels;
+	finding *finding;
+	size_t stride;
+	uint32_t *link; /* LINKS * count */
+	uint32_t *parent;
+} check;
+
+static float dot(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool is_given(const float n[3])
+{
+	return n[0] != 0 || n[1] != 0 || n[2] != 0;
+}
+
+/* -------------------------------------------------------------------------------- one surfel */
+
+static void look_at_plane(check *c, const float *n, const float *way, uint32_t count, finding *f)
+{
+	float plane[3], curvature;
+	gw_plane found = gw_plane_normal(way, count, plane, &curvature);
+	if (found == GW_PLANE_NO_MEMORY)
+		gw_neighbours_run_short(c->search);
+	f->flat = found == GW_PLANE_FOUND && curvature < FLAT && count > GW_NEIGHBOURS / 2;
+	f->off = f->flat && fabsf(dot(n, plane)) < OFF_COSINE;
+}
+
+/*
+ * Across a crease, a consistent pair either sees each other (concave) or lies behind each other
+ * (convex).
+ */
+static void look_at_pair(const float *n, const float *m, const float *way, float distance,
+						 finding *f, float votes[2])
+{
+	float cosine = dot(n, m), own = dot(n, way) / distance, other = -dot(m, way) / distance;
+	if (fabsf(cosine) > SAME_PLANE && fabsf(own) < SAME_HEIGHT && fabsf(other) < SAME_HEIGHT) {
+		votes[cosine < 0] += 1;
+		f->behind += cosine < 0 ? own : 0;
+		f->heights += cosine < 0 ? fabsf(own) : 0;
+	}
+	if (fabsf(cosine) < CREASE_COSINE && fabsf(own) > CREASE_HEIGHT &&
+		fabsf(other) > CREASE_HEIGHT) {
+		f->creases++;
+		f->against += (own > 0) != (other > 0);
+	}
+}
+
+static void look(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	check *c = user;
+	const gw_surfels *s = c->surfels;
+	const float *n = s->normal + 3 * surfel;
+	float way[3 * (GW_NEIGHBOURS + 1)] = { 0 }, votes[2] = { 0 };
+	if (surfel % c->stride != 0 || !is_given(n) || list->count < 3)
+		return;
+	finding *f = &c->finding[surfel / c->stride];
+	float reach = list->distance[list->count - 1];
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		float *to = way + 3 * (j + 1);
+		for (size_t k = 0; k < 3; k++)
+			to[k] = (s->position[3 * other + k] - s->position[3 * surfel + k]) / reach;
+		if (is_given(s->normal + 3 * other))
+			look_at_pair(n, s->normal + 3 * other, to, list->distance[j] / reach, f, votes);
+	}
+	look_at_plane(c, n, way, list->count + 1, f);
+	f->conflict = votes[1] >= 2 && votes[1] >= 0.25f * (votes[0] + votes[1]);
+}
+
+static gw_status measure(check *c, figures *all, gw_error *error)
+{
+	size_t count = (c->surfels->count + c->stride - 1) / c->stride;
+	memset(c->finding, 0, count * sizeof *c->finding);
+	*all = (figures){ .surfels = count };
+	GW_TRY(gw_neighbours_visit(c->search, look, c, error));
+	for (size_t i = 0; i < count; i++) {
+		const finding *f = &c->finding[i];
+		all->flat += f->flat;
+		all->off += f->off;
+		all->conflicts += f->conflict;
+		all->creases += f->creases;
+		all->against += f->against;
+		all->behind += (double)f->behind;
+		all->heights += (double)f->heights;
+	}
+	return GW_OK;
+}
+
+static bool is_off(const figures *f)
+{
+	return f->off >= FINDINGS_LEAST && (double)f->off > OFF_MOST * (double)f->flat;
+}
+
+/* Opposing neighbours that lie behind are the other side of a sheet. */
+static bool is_mixed(const figures *f)
+{
+	bool sheets = f->behind < -0.5 * f->heights;
+	bool conflicts = f->conflicts >= FINDINGS_LEAST && !sheets &&
+					 (double)f->conflicts > CONFLICT_MOST * (double)f->surfels;
+	bool creases = f->against >= FINDINGS_LEAST &&
+				   (double)f->flat > PLANES_LEAST * (double)f->surfels &&
+				   (double)f->against > CREASE_MOST * (double)f->creases;
+	return conflicts || creases;
+}
+
+/* --------------------------------------------------------------------------------- the pieces */
+
+static uint32_t root_of(uint32_t *parent, uint32_t i)
+{
+	while (parent[i] != i)
+		i = parent[i] = parent[parent[i]];
+	return i;
+}
+
+static void note_links(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	check *c = user;
+	for (uint32_t j = 0; j < LINKS; j++)
+		c->link[LINKS * surfel + j] = j < list->count ? list->index[j] : (uint32_t)surfel;
+}
+
+static gw_status find_pieces(check *c, gw_error *error)
+{
+	size_t count = c->surfels->count;
+	GW_TRY(gw_neighbours_visit(c->search, note_links, c, error));
+	for (uint32_t i = 0; i < count; i++)
+		c->parent[i] = i;
+	for (uint32_t i = 0; i < count; i++)
+		for (size_t j = 0; j < LINKS; j++) {
+			uint32_t a = root_of(c->parent, i);
+			uint32_t b = root_of(c->parent, c->link[LINKS * (size_t)i + j]);
+			c->parent[a < b ? b : a] = a < b ? a : b;
+		}
+	return GW_OK;
+}
+
+/* Turns whole pieces back where clearly most of the given normals were turned. */
+static gw_status keep_majority(check *c, gw_surfels *s, const float *before, gw_error *error)
+{
+	uint32_t(*turned)[2] = gw_allocate_zeros(s->count, sizeof *turned);
+	if (!turned)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for pieces of %zu surfels", s->count);
+	for (uint32_t i = 0; i < s->count; i++) {
+		const float *n = before + 3 * (size_t)i;
+		if (is_given(n))
+			turned[root_of(c->parent, i)][dot(n, s->normal + 3 * (size_t)i) < 0]++;
+	}
+	for (uint32_t i = 0; i < s->count; i++) {
+		const uint32_t *t = turned[root_of(c->parent, i)];
+		bool back = (double)t[1] > MAJORITY * ((double)t[0] + (double)t[1]);
+		for (size_t k = 0; back && k < 3; k++)
+			s->normal[3 * (size_t)i + k] = -s->normal[3 * (size_t)i + k];
+	}
+	free(turned);
+	return GW_OK;
+}
+
+static bool is_better(const figures *after, const figures *before)
+{
+	return BETTER_BY * (after->conflicts + after->against) < before->conflicts + before->against;
+}
+
+/* Counts those that were turned, or takes all back when that did not help. */
+static void settle(gw_surfels *s, const float *before, bool better)
+{
+	for (size_t i = 0; i < s->count; i++)
+		s->normals_turned +=
+			better && is_given(before + 3 * i) && dot(before + 3 * i, s->normal + 3 * i) < 0;
+	if (!better)
+		memcpy(s->normal, before, 3 * s->count * sizeof *before);
+}
+
+static gw_status mend_signs(check *c, const gw_surfels_options *options, gw_surfels *s,
+							const figures *found, gw_error *error)
+{
+	float *before = gw_allocate_array(s->count, 3 * sizeof *before);
+	uint8_t *open = gw_allocate_array(s->count, 1), *doubtful = gw_allocate_array(s->count, 1);
+	c->link = gw_allocate_array(s->count, LINKS * sizeof *c->link);
+	c->parent = gw_allocate_array(s->count, sizeof *c->parent);
+	gw_status status = GW_OK;
+	if (!before || !open || !doubtful || !c->link || !c->parent)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", s->count);
+	figures after;
+	if (status == GW_OK) {
+		memcpy(before, s->normal, 3 * s->count * sizeof *before);
+		memset(open, 1, s->count);
+		status = gw_orient_normals(options, c->search, s, open, doubtful, error);
+	}
+	if (status == GW_OK)
+		status = find_pieces(c, error);
+	if (status == GW_OK)
+		status = keep_majority(c, s, before, error);
+	if (status == GW_OK)
+		status = measure(c, &after, error);
+	if (status == GW_OK)
+		settle(s, before, is_better(&after, found));
+	free(before);
+	free(open);
+	free(doubtful);
+	free(c->link);
+	free(c->parent);
+	return status;
+}
+
+/* --------------------------------------------------------------------------------- inside out */
+
+static bool is_within(const gw_surfels *s, const double place[3])
+{
+	bool within = true;
+	for (size_t k = 0; k < 3; k++) {
+		double p = place[k] - s->origin[k];
+		within = within && p > (double)s->minimum[k] && p < (double)s->maximum[k];
+	}
+	return within;
+}
+
+/* Whether light or a scanner may be among the points. */
+static bool has_inside(const gw_surfels *s, const gw_points *points,
+					   const gw_surfels_options *options)
+{
+	bool inside = s->emission != NULL;
+	for (size_t i = 0; i < points->scanner_count && !inside; i++)
+		inside = is_within(s, points->scanner + 3 * i);
+	for (size_t i = 0; i < options->light_count && !inside; i++) {
+		const gw_light *l = &options->lights[i];
+		inside =
+			(l->type == GW_LIGHT_POINT || l->type == GW_LIGHT_SPOT) && is_within(s, l->position);
+	}
+	return inside;
+}
+
+/* Volume below the surface as seen from its fronts, over that of a ball so wide: below 0 where
+ * most of the fronts face the middle. */
+static bool faces_middle(const gw_surfels *s)
+{
+	double sum = 0, sizes = 0;
+	for (size_t i = 0; i < s->count; i++)
+		for (size_t k = 0; k < 3; k++) {
+			double middle = 0.5 * ((double)s->minimum[k] + (double)s->maximum[k]);
+			double part = ((double)s->position[3 * i + k] - middle) * (double)s->normal[3 * i + k];
+			sum += part;
+			sizes += fabs(part);
+		}
+	return sum < -0.5 * sizes;
+}
+
+static gw_status mend_inside_out(check *c, gw_surfels *s, gw_error *error)
+{
+	double share[2];
+	float *plane = gw_allocate_array(s->count, 4 * sizeof *plane);
+	if (!plane)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to look out of %zu points", s->count);
+	for (size_t i = 0; i < s->count; i++)
+		memcpy(plane + 4 * i, s->normal + 3 * i, 3 * sizeof *plane);
+	gw_status status =
+		gw_sight_open_share(c->search, s, &(gw_scanner_places){ .plane = plane }, share, error);
+	free(plane);
+	if (status != GW_OK || share[0] > OUT_FRONT_MOST || share[1] < OUT_BACK_LEAST)
+		return status;
+	for (size_t i = 0; i < 3 * s->count; i++)
+		s->normal[i] = -s->normal[i];
+	s->normals_turned = s->normals_given;
+	return GW_OK;
+}
+
+/* ---------------------------------------------------------------------------------- all of it */
+
+static void forget_normals(gw_surfels *s)
+{
+	memset(s->normal, 0, 3 * s->count * sizeof *s->normal);
+	memset(s->two_sided, 0, s->count);
+	for (size_t i = 0; i < s->count; i++)
+		s->normal_length[i] = 1;
+	s->normals_given = 0;
+}
+
+static void mend_lengths(gw_surfels *s)
+{
+	if (gw_nth_element(s->normal_length, s->count, s->count / 2) >= LENGTH_LEAST)
+		return;
+	for (size_t i = 0; i < s->count; i++) {
+		s->normals_lengthened += s->normal_length[i] < LENGTH_LEAST;
+		s->normal_length[i] = 1;
+	}
+}
+
+static gw_status check_and_mend(check *c, const gw_points *points,
+								const gw_surfels_options *options, gw_surfels *s, gw_error *error)
+{
+	figures found;
+	gw_status status = measure(c, &found, error);
+	if (status != GW_OK)
+		return status;
+	bool mixed = is_mixed(&found);
+	if (is_off(&found) || (mixed && points->scanner_count > 0)) {
+		s->normals_doubted = s->normals_given;
+		forget_normals(s);
+		return GW_OK;
+	}
+	if (mixed)
+		return mend_signs(c, options, s, &found, error);
+	return options->light_count > 0 && faces_middle(s) && !has_inside(s, points, options)
+			   ? mend_inside_out(c, s, error)
+			   : GW_OK;
+}
+
+gw_status gw_given_normals_mend(const gw_points *points, const gw_surfels_options *options,
+								gw_neighbours *search, gw_surfels *s, gw_error *error)
+{
+	if (options->normals == GW_NORMALS_ESTIMATE)
+		forget_normals(s);
+	if (options->normals != GW_NORMALS_AUTO || s->normals_given < FINDINGS_LEAST)
+		return GW_OK;
+	check c = { .search = search, .surfels = s, .stride = 1 + s->count / SAMPLES };
+	mend_lengths(s);
+	c.finding = gw_allocate_array(1 + s->count / c.stride, sizeof *c.finding);
+	if (!c.finding)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to check %zu normals", s->count);
+	gw_status status = check_and_mend(&c, points, options, s, error);
+	free(c.finding);
+	return status;
+}

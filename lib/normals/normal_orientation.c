@@ -1,0 +1,443 @@
+/* normal_orientation.c - see normal_orientation.h. */
+#include "normals/normal_orientation.h"
+
+#include "base/memory.h"
+#include "base/nth_element.h"
+#include "normals/patch_signs.h"
+#include "normals/side_light.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Agreement of two normals as it is stored, and from which on a pair is smooth surface. Pairs are
+ * taken in steps, the surest first. */
+#define AGREED 127
+#define SMOOTH 102
+#define SMOOTH_STEP 8
+
+/* A patch has at most so many surfels, and there are some so many patches. */
+#define PATCH_LEAST 48
+#define PATCHES 2000
+
+/* A surfel's light from one side alone weighs as much as so many pairs of surfels that agree. */
+#define LIGHT_WEIGHT 1.0
+/* And a normal that was given. */
+#define GIVEN_WEIGHT 8.0
+
+/* A patch is sure of its front to some degree where this many times the light of the back falls on
+ * it, and wholly from so many times on. */
+#define SURE_LEAST 4.0
+#define SURE 30.0
+
+/* A side counts as the front where this many times the light of the other falls on it. */
+#define CLEAR 2.0
+
+/* A point far from all others stands for no more than this many times what most do. */
+#define AREA_MOST 16.0f
+
+/* Pairs of points across borders that are held at first. */
+#define BORDERS 65536
+
+/* What is known of patches that hang together, with the signs that they have. */
+typedef struct patch_group {
+	gw_side_light light;
+	double factor[2]; /* of its sides: gw_side_factor */
+	double given;     /* normals that were given, for the sign less those against it */
+	bool doubtful;
+} patch_group;
+
+typedef struct orientation_work {
+	const gw_surfels_options *options;
+	gw_surfels *surfels;
+	uint32_t *near;    /* GW_NEIGHBOURS * count; the surfel itself where there is none */
+	int8_t *agreement; /* GW_NEIGHBOURS * count, in 1 / AGREED */
+	float *area;       /* count, m^2, rough */
+	uint32_t *parent;  /* count: of the trees of patches */
+	uint32_t *size;    /* count: of a root's tree */
+	uint8_t *opposite; /* count: sign against that of the parent, then of the patch */
+	uint32_t *patch;   /* count: number of a surfel's patch */
+	gw_patch_border *borders;
+	size_t border_count, border_room;
+	size_t patch_count;
+	gw_side_light *light; /* the following: patch_count */
+	double *given;        /* normals that were given, for the patch's sign less those against it */
+	double *own;          /* what a patch says by itself */
+	int8_t *sign, *other; /* chosen, and another choice */
+	double *ratio;        /* of the group of that number, in the other choice */
+	uint32_t *group;
+	patch_group *groups;
+} orientation_work;
+
+/* ------------------------------------------------------------------------------------ agreement */
+
+/*
+ * Whether two normals show the same side, in [-1, 1]: one of them reflected as the surface turns
+ * from one place to the other, against the other. Surface that lies across the normals rather than
+ * along says nothing: it may be another sheet, or noise.
+ */
+static float agree(const float *p, const float *n, const float *q, const float *m)
+{
+	float d[3], length = 0, a = 0, b = 0, cosine = 0;
+	for (int k = 0; k < 3; k++) {
+		d[k] = q[k] - p[k];
+		length += d[k] * d[k];
+		a += n[k] * d[k];
+		b += m[k] * d[k];
+		cosine += n[k] * m[k];
+	}
+	if (!(length > 0))
+		return 0;
+	float across = fmaxf(a * a, b * b) / length;
+	return (cosine - 2 * a * b / length) * fmaxf(1 - across, 0);
+}
+
+static void find_pairs(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	orientation_work *w = user;
+	const float *position = w->surfels->position, *normal = w->surfels->normal;
+	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++) {
+		size_t other = j < list->count ? list->index[j] : surfel, at = GW_NEIGHBOURS * surfel + j;
+		float both = agree(position + 3 * surfel, normal + 3 * surfel, position + 3 * other,
+						   normal + 3 * other);
+		w->near[at] = (uint32_t)other;
+		w->agreement[at] = (int8_t)lrintf(AGREED * fminf(fmaxf(both, -1), 1));
+	}
+	/* The circle to the last neighbour holds them all, if they lie on one surface. */
+	float reach = list->count ? list->distance[list->count - 1] : 0;
+	w->area[surfel] = 3.14159265f * reach * reach / (float)(list->count + 1);
+}
+
+/* -------------------------------------------------------------------------------------- patches */
+
+/* The root of a surfel's tree; its sign against the root's goes to *opposite. Paths get short. */
+static uint32_t find_root(orientation_work *w, uint32_t surfel, uint8_t *opposite)
+{
+	uint32_t root = surfel;
+	uint8_t sign = 0;
+	for (; w->parent[root] != root; root = w->parent[root])
+		sign ^= w->opposite[root];
+	*opposite = sign;
+	while (w->parent[surfel] != root && surfel != root) {
+		uint32_t next = w->parent[surfel];
+		uint8_t own = w->opposite[surfel];
+		w->parent[surfel] = root;
+		w->opposite[surfel] = sign;
+		sign ^= own;
+		surfel = next;
+	}
+	return root;
+}
+
+/* Joins the trees of two surfels, whose signs are opposite or not, if that is not too large. */
+static void join(orientation_work *w, uint32_t a, uint32_t b, bool opposite)
+{
+	size_t most = w->surfels->count / PATCHES;
+	uint8_t of_a, of_b;
+	uint32_t root_a = find_root(w, a, &of_a), root_b = find_root(w, b, &of_b);
+	if (root_a == root_b ||
+		w->size[root_a] + w->size[root_b] > (most > PATCH_LEAST ? most : PATCH_LEAST))
+		return;
+	uint32_t low = root_a < root_b ? root_a : root_b, high = root_a < root_b ? root_b : root_a;
+	w->parent[high] = low;
+	w->size[low] += w->size[high];
+	w->opposite[high] = of_a ^ of_b ^ (uint8_t)opposite;
+}
+
+static void join_smooth(orientation_work *w)
+{
+	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
+	for (int least = AGREED - SMOOTH_STEP; least >= SMOOTH; least -= SMOOTH_STEP)
+		for (size_t i = 0; i < pairs; i++)
+			if (abs(w->agreement[i]) >= least && abs(w->agreement[i]) < least + SMOOTH_STEP + 1)
+				join(w, (uint32_t)(i / GW_NEIGHBOURS), w->near[i], w->agreement[i] < 0);
+}
+
+static void number_patches(orientation_work *w)
+{
+	size_t count = w->surfels->count;
+	uint8_t opposite;
+	for (uint32_t i = 0; i < count; i++)
+		if (find_root(w, i, &opposite) == i)
+			w->patch[i] = (uint32_t)w->patch_count++;
+	for (uint32_t i = 0; i < count; i++) {
+		w->patch[i] = w->patch[find_root(w, i, &opposite)];
+		w->opposite[i] = opposite;
+	}
+}
+
+/* -------------------------------------------------------------------------------------- borders */
+
+/* Room for one more: what is there is summed, and where that helps little there is more room. */
+static bool make_room(orientation_work *w)
+{
+	if (w->border_count < w->border_room)
+		return true;
+	w->border_count = gw_patch_borders_merge(w->borders, w->border_count);
+	if (w->border_count < w->border_room / 2)
+		return true;
+	size_t room = w->border_room ? 2 * w->border_room : BORDERS;
+	gw_patch_border *more = gw_resize_array(w->borders, room, sizeof *more);
+	if (!more)
+		return false;
+	w->borders = more;
+	w->border_room = room;
+	return true;
+}
+
+static gw_status collect_borders(orientation_work *w, gw_error *error)
+{
+	size_t pairs = GW_NEIGHBOURS * w->surfels->count;
+	for (size_t i = 0; i < pairs; i++) {
+		size_t surfel = i / GW_NEIGHBOURS, other = w->near[i];
+		uint32_t a = w->patch[surfel], b = w->patch[other];
+		double says = w->opposite[surfel] ^ w->opposite[other] ? -w->agreement[i] : w->agreement[i];
+		if (a == b || says == 0)
+			continue;
+		if (!make_room(w))
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu patches",
+						   w->patch_count);
+		w->borders[w->border_count++] =
+			(gw_patch_border){ a < b ? a : b, a < b ? b : a, says, fabs(says) };
+	}
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------------- evidence */
+
+static void limit_areas(orientation_work *w)
+{
+	size_t count = w->surfels->count;
+	float most = AREA_MOST * gw_nth_element(w->area, count, count / 2);
+	for (size_t i = 0; i < count; i++)
+		w->area[i] = fminf(w->area[i], most);
+}
+
+static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_error *error)
+{
+	gw_pieces pieces = {
+		.piece_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
+	};
+	limit_areas(w);
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
+	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, error);
+}
+
+static bool allocate_patches(orientation_work *w)
+{
+	size_t count = w->patch_count;
+	w->light = gw_allocate_zeros(count, sizeof *w->light);
+	w->given = gw_allocate_zeros(count, sizeof *w->given);
+	w->own = gw_allocate_zeros(count, sizeof *w->own);
+	w->sign = gw_allocate_array(count, sizeof *w->sign);
+	w->other = gw_allocate_array(count, sizeof *w->other);
+	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
+	w->group = gw_allocate_array(count, sizeof *w->group);
+	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
+	return w->light && w->given && w->own && w->sign && w->other && w->ratio && w->group &&
+		   w->groups;
+}
+
+/* ------------------------------------------------------------------------------------- decision */
+
+static void add_view(const gw_side_view *more, gw_side_view *sum)
+{
+	sum->light += more->light;
+	sum->first += more->first;
+	sum->area += more->area;
+	sum->met += more->met;
+	sum->path += more->path;
+	sum->down += more->down;
+	sum->down_met += more->down_met;
+}
+
+/* The light of a patch, with its group's factors, on its front or back by its sign. */
+static double patch_light(const orientation_work *w, size_t patch, int side)
+{
+	int own = w->sign[patch] > 0 ? side : 1 - side;
+	return w->light[patch].side[own].light * w->groups[w->group[patch]].factor[side];
+}
+
+/* By how much the front of a group is the brighter side. */
+static double light_ratio(const patch_group *g)
+{
+	const gw_side_view *side = g->light.side;
+	double back = side[1].light * g->factor[1];
+	return side[0].light * g->factor[0] / fmax(back, 1e-30);
+}
+
+/* What is known of all groups, with the signs as they are. Without rooms their factors are 1. */
+static void sum_groups(orientation_work *w, bool rooms)
+{
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->groups[i] = (patch_group){ .factor = { 1, 1 } };
+	for (size_t i = 0; i < w->patch_count; i++) {
+		patch_group *g = w->groups + w->group[i];
+		for (int side = 0; side < 2; side++)
+			add_view(w->light[i].side + (w->sign[i] > 0 ? side : 1 - side), g->light.side + side);
+		g->given += w->given[i] * w->sign[i];
+	}
+	for (size_t i = 0; i < w->patch_count; i++) {
+		patch_group *g = w->groups + i;
+		for (int side = 0; rooms && side < 2; side++)
+			g->factor[side] = gw_side_factor(g->light.side + side);
+		g->doubtful = g->given == 0 && !(light_ratio(g) > CLEAR);
+	}
+}
+
+/* Turns whole groups whose back is the brighter side, or that normals were given for. */
+static void turn_whole(orientation_work *w, bool rooms)
+{
+	sum_groups(w, rooms);
+	for (size_t i = 0; i < w->patch_count; i++) {
+		const patch_group *g = w->groups + w->group[i];
+		bool turn = g->given != 0 ? g->given < 0 : light_ratio(g) < 1;
+		w->sign[i] = turn ? (int8_t)-w->sign[i] : w->sign[i];
+	}
+	sum_groups(w, rooms);
+}
+
+/* How sure a patch is of its front by itself, -1 to 1. */
+static double find_certainty(const orientation_work *w, size_t patch)
+{
+	double front = patch_light(w, patch, 0), back = patch_light(w, patch, 1);
+	double ratio = log(fmax(front, back) / fmin(front, back));
+	if (!(ratio > log(SURE_LEAST)))
+		return 0;
+	double sure = fmin((ratio - log(SURE_LEAST)) / log(SURE / SURE_LEAST), 1);
+	return (front > back) == (w->sign[patch] > 0) ? sure : -sure;
+}
+
+static void find_own(orientation_work *w)
+{
+	for (size_t i = 0; i < w->surfels->count; i++)
+		w->own[w->patch[i]] += AGREED * LIGHT_WEIGHT;
+	for (size_t i = 0; i < w->patch_count; i++) {
+		w->own[i] *= find_certainty(w, i);
+		w->own[i] += GIVEN_WEIGHT * AGREED * w->given[i];
+	}
+}
+
+/* Turns whole groups and parts of them in turn. */
+static void turn_parts(orientation_work *w, gw_patch_groups *groups, bool rooms)
+{
+	turn_whole(w, rooms);
+	find_own(w);
+	gw_patch_groups_turn(groups, w->own, w->sign);
+	turn_whole(w, true);
+}
+
+/*
+ * Which side is a room's can be told where the signs of a group agree, which needs its light where
+ * borders tell little. So that is tried with rooms from the beginning, and with light alone at
+ * first; of each group that is taken by which one side is the brighter more clearly.
+ */
+static void turn_best(orientation_work *w, gw_patch_groups *groups)
+{
+	size_t count = w->patch_count;
+	memcpy(w->other, w->sign, count * sizeof *w->other);
+	turn_parts(w, groups, false);
+	turn_parts(w, groups, true);
+	for (size_t i = 0; i < count; i++) {
+		int8_t swap = w->other[i];
+		w->other[i] = w->sign[i];
+		w->sign[i] = swap;
+		w->ratio[i] = light_ratio(w->groups + i);
+	}
+	turn_parts(w, groups, true);
+	for (size_t i = 0; i < count; i++)
+		if (w->ratio[w->group[i]] > light_ratio(w->groups + w->group[i]))
+			w->sign[i] = w->other[i];
+	sum_groups(w, true);
+}
+
+static gw_status choose_signs(orientation_work *w, const uint8_t *estimated, gw_error *error)
+{
+	if (!allocate_patches(w))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	GW_TRY(find_light(w, estimated, error));
+	gw_patch_groups *groups =
+		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
+	if (!groups)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	turn_best(w, groups);
+	gw_patch_groups_free(groups);
+	return GW_OK;
+}
+
+static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
+{
+	gw_surfels *s = w->surfels;
+	for (size_t i = 0; i < s->count; i++) {
+		uint32_t patch = w->patch[i];
+		doubtful[i] = estimated[i] && w->groups[w->group[patch]].doubtful;
+		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
+			s->normal[3 * i + k] = -s->normal[3 * i + k];
+	}
+}
+
+/* ----------------------------------------------------------------------------------- all of it */
+
+static gw_status allocate(orientation_work *w, gw_error *error)
+{
+	size_t count = w->surfels->count;
+	w->near = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *w->near);
+	w->agreement = gw_allocate_array(count, GW_NEIGHBOURS * sizeof *w->agreement);
+	w->area = gw_allocate_array(count, sizeof *w->area);
+	w->parent = gw_allocate_array(count, sizeof *w->parent);
+	w->size = gw_allocate_array(count, sizeof *w->size);
+	w->opposite = gw_allocate_zeros(count, sizeof *w->opposite);
+	w->patch = gw_allocate_array(count, sizeof *w->patch);
+	if (!w->near || !w->agreement || !w->area || !w->parent || !w->size || !w->opposite ||
+		!w->patch)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
+	for (uint32_t i = 0; i < count; i++) {
+		w->parent[i] = i;
+		w->size[i] = 1;
+	}
+	return GW_OK;
+}
+
+static void release(orientation_work *w)
+{
+	free(w->near);
+	free(w->agreement);
+	free(w->area);
+	free(w->parent);
+	free(w->size);
+	free(w->opposite);
+	free(w->patch);
+	free(w->borders);
+	free(w->light);
+	free(w->given);
+	free(w->own);
+	free(w->sign);
+	free(w->other);
+	free(w->ratio);
+	free(w->group);
+	free(w->groups);
+}
+
+static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_t *estimated,
+						gw_error *error)
+{
+	GW_TRY(allocate(w, error));
+	GW_TRY(gw_neighbours_visit(search, find_pairs, w, error));
+	join_smooth(w);
+	number_patches(w);
+	GW_TRY(collect_borders(w, error));
+	return choose_signs(w, estimated, error);
+}
+
+gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
+							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
+							gw_error *error)
+{
+	orientation_work w = { .options = options, .surfels = surfels };
+	gw_status status = orient(&w, search, estimated, error);
+	if (status == GW_OK)
+		turn_normals(&w, estimated, doubtful);
+	release(&w);
+	return status;
+}

@@ -1,0 +1,39 @@
+/*
+ * normal_orientation.h - which of its two sides a surface shows, where normals were estimated and
+ * nobody knows where the scanner stood. Internal to lib/.
+ *
+ * A normal from a fitted plane has no sign. Signs are carried from neighbour to neighbour along
+ * smooth surface to patches of some dozens of surfels, and across the patches' borders by the sum
+ * of the pairs that meet there (patch_signs.h). Of what hangs together one sign is open then, and
+ * that is the one with which
+ *
+ *   normals given   most agree, if there are any
+ *   light           more falls on the front than on the back (side_light.h), rooms before others
+ *
+ * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
+ * turned against it where their light says so and their borders say less.
+ *
+ * Source: Hoppe et al., Surface Reconstruction from Unorganized Points, SIGGRAPH 1992, section 3.3
+ * (signs carried along a tree of neighbours); the sign across a crease by reflection is that of
+ * Koenig and Gumhold, Consistent Propagation of Normal Orientations in Point Clouds, VMV 2009.
+ */
+#ifndef NORMAL_ORIENTATION_H
+#define NORMAL_ORIENTATION_H
+
+#include "cloud/neighbours.h"
+
+/*
+ * Turns estimated normals to the front of their surface.
+ *   options    whose lights are asked; those without power count as absent
+ *   search     over the surfels
+ *   surfels    normals of all, unit length; emission where there is some
+ *   estimated  surfels->count: 1 where the normal may be turned, 0 where it was given
+ *   doubtful   surfels->count, receives 1 where about as much light falls on both sides, else 0
+ * The result depends on the surfels' order in the arrays, which is canonical, and not on threads.
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
+ */
+gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,
+							gw_surfels *surfels, const uint8_t *estimated, uint8_t *doubtful,
+							gw_error *error);
+
+#endif

@@ -1,0 +1,385 @@
+/* normals.c - normals for points that come without; see normal_orientation.h. */
+#include "normals/normals.h"
+
+#include "base/memory.h"
+#include "normals/normal_orientation.h"
+#include "normals/plane_normal.h"
+#include "normals/scanner_sight.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* |cos| between a normal and the way it is oriented to: at most UNTRUSTED is a guess; above SURE
+ * no vote of the neighbours changes it. */
+#define UNTRUSTED_COSINE 0.1f
+#define SURE_COSINE 0.3f
+
+/* Share of the smallest eigenvalue above which neighbours form no plane. Gaussian noise of half a
+ * spacing gives 0.09, three walls that meet in a corner 0.2. */
+#define CURVATURE_MAX 0.15f
+
+/* Eigenvalues in the plane: below this ratio the neighbours lie on a line. */
+#define LINE_RATIO 1e-4
+
+#define VOTES 2
+
+/* A surface seen edge-on is trusted where so much of the vote agrees, of at least so much weight:
+ * noise of the normals that could turn it would have turned some of the neighbours. */
+#define AGREEMENT_SURE 0.9f
+#define AGREEMENT_LEAST 8.0f
+
+/* A neighbour's plane is taken when it leaves less than this of what the own plane leaves: noise
+ * alone, whose squares over 14 degrees of freedom vary by 0.38, rarely does. */
+#define BETTER_PLANE 0.15f
+#define PLANE_ROUNDS 2
+
+/* What is known of one estimated normal. */
+enum {
+	GIVEN = 0, /* nothing was estimated */
+	ESTIMATED = 1,
+	UNSURE = 2,    /* orientation may be changed by a vote */
+	UNTRUSTED = 4, /* lit from both sides */
+	NEGATIVE = 8,  /* the vote's result: points the other way */
+	EDGE_ON = 16,  /* untrusted unless the neighbours agree */
+};
+
+typedef struct normal_step {
+	gw_surfels *surfels;
+	gw_neighbours *search;
+	double *scanner; /* 3 * scanner_count, local */
+	size_t scanner_count;
+	uint32_t *scanner_of; /* count, the one that saw each surfel, or NULL: there is but one */
+	uint8_t *state;       /* count, bits as above */
+	uint8_t *next;        /* count, state after the vote */
+	float *plane;         /* 4 * count: normal, and what of its neighbours' spread it leaves */
+	float *better;        /* 4 * count, planes after a round of choosing */
+} normal_step;
+
+/* Points that became one surfel may have been seen by several scanners: the first one counts. */
+static bool assign_scanners(normal_step *step, const gw_points *points)
+{
+	const gw_surfels *s = step->surfels;
+	if (points->scanner_count < 2)
+		return true;
+	step->scanner_of = gw_allocate_array(s->count, sizeof *step->scanner_of);
+	if (!step->scanner_of)
+		return false;
+	memset(step->scanner_of, 0xff, s->count * sizeof *step->scanner_of);
+	for (size_t i = 0; points->scanner_of && i < s->point_count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		if (surfel != UINT32_MAX && points->scanner_of[i] < step->scanner_of[surfel])
+			step->scanner_of[surfel] = points->scanner_of[i];
+	}
+	return true;
+}
+
+/* Targets keep their numbers, so that one bad position makes all of them unknown. */
+static bool has_scanners(const gw_points *points)
+{
+	for (size_t k = 0; k < 3 * points->scanner_count; k++)
+		if (!isfinite(points->scanner[k]))
+			return false;
+	return points->scanner_count > 0;
+}
+
+static bool find_scanners(normal_step *step, const gw_points *points)
+{
+	if (!has_scanners(points))
+		return true;
+	step->scanner = gw_allocate_array(points->scanner_count, 3 * sizeof *step->scanner);
+	if (!step->scanner)
+		return false;
+	step->scanner_count = points->scanner_count;
+	for (size_t k = 0; k < 3 * points->scanner_count; k++)
+		step->scanner[k] = points->scanner[k] - step->surfels->origin[k % 3];
+	return assign_scanners(step, points);
+}
+
+/* Unit vector to the scanner that saw a surfel; upwards when there is none. */
+static void way_to_scanner(const normal_step *step, size_t surfel, double way[3])
+{
+	const float *p = step->surfels->position + 3 * surfel;
+	double best = INFINITY, up[3] = { 0, 0, 1 };
+	memcpy(way, up, sizeof up);
+	size_t own = step->scanner_of ? step->scanner_of[surfel] : step->scanner_count;
+	bool known = own < step->scanner_count;
+	for (size_t i = known ? own : 0; i < (known ? own + 1 : step->scanner_count); i++) {
+		double d[3], squared = 0;
+		for (size_t k = 0; k < 3; k++) {
+			d[k] = step->scanner[3 * i + k] - (double)p[k];
+			squared += d[k] * d[k];
+		}
+		if (squared < best) {
+			best = squared;
+			memcpy(way, d, sizeof d);
+		}
+	}
+	double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
+	if (!(length > 0) || !isfinite(length)) {
+		way[0] = way[1] = 0;
+		way[2] = length = 1;
+	}
+	for (int k = 0; k < 3; k++)
+		way[k] /= length;
+}
+
+/* The neighbours around a surfel, itself first, in units of the furthest one's distance. */
+static size_t gather_points(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
+							float point[3 * (GW_NEIGHBOURS + 1)])
+{
+	double reach = list->count ? (double)list->distance[list->count - 1] : 1;
+	memset(point, 0, 3 * sizeof *point);
+	for (uint32_t j = 0; j < list->count; j++)
+		for (size_t k = 0; k < 3; k++) {
+			double d = (double)s->position[3 * (size_t)list->index[j] + k] -
+					   (double)s->position[3 * surfel + k];
+			point[3 * (j + 1) + k] = (float)(d / reach);
+		}
+	return list->count + 1u;
+}
+
+/* Whether points spread in two directions across a normal, rather than along a line. */
+static bool spans_plane(const float *point, size_t count, const float normal[3])
+{
+	float t[3], b[3];
+	double u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+	gw_tangent_frame(normal, t, b);
+	for (size_t i = 0; i < count; i++) {
+		const float *p = point + 3 * i;
+		double x = (double)(p[0] * t[0] + p[1] * t[1] + p[2] * t[2]);
+		double y = (double)(p[0] * b[0] + p[1] * b[1] + p[2] * b[2]);
+		u += x;
+		v += y;
+		uu += x * x;
+		uv += x * y;
+		vv += y * y;
+	}
+	double n = (double)count;
+	double a = uu - u * u / n, c = vv - v * v / n, mixed = uv - u * v / n;
+	double half = 0.5 * (a + c), root = sqrt(0.25 * (a - c) * (a - c) + mixed * mixed);
+	return half - root > LINE_RATIO * (half + root);
+}
+
+/* Where there is no plane: the way to the scanner, made perpendicular to the line on which the
+ * neighbours lie, if they lie on one. */
+static void fallback_normal(const float *point, size_t count, const double way[3], float normal[3])
+{
+	double axis[3] = { 0, 0, 0 }, length = 0, n[3], n_length = 0, along = 0;
+	if (count > 1) { /* the furthest neighbour is last and at distance 1 */
+		for (size_t k = 0; k < 3; k++) {
+			axis[k] = (double)point[3 * (count - 1) + k];
+			length += axis[k] * axis[k];
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		along += length > 0 ? way[k] * axis[k] / length : 0;
+	for (int k = 0; k < 3; k++) {
+		n[k] = way[k] - along * axis[k];
+		n_length += n[k] * n[k];
+	}
+	if (n_length < 1e-6) { /* the line points there: any perpendicular */
+		float along_axis[3] = { (float)way[0], (float)way[1], (float)way[2] }, bitangent[3];
+		gw_tangent_frame(along_axis, normal, bitangent);
+		return;
+	}
+	for (int k = 0; k < 3; k++)
+		normal[k] = (float)(n[k] / sqrt(n_length));
+}
+
+static void estimate_normal(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	normal_step *step = user;
+	const float *normal = step->surfels->normal + 3 * surfel;
+	float point[3 * (GW_NEIGHBOURS + 1)], *plane = step->plane + 4 * surfel;
+	double way[3];
+	memcpy(plane, normal, 3 * sizeof *plane);
+	plane[3] = INFINITY;
+	if (normal[0] != 0 || normal[1] != 0 || normal[2] != 0)
+		return;
+	size_t count = gather_points(step->surfels, surfel, list, point);
+	step->state[surfel] = ESTIMATED;
+	gw_plane found = gw_plane_normal(point, count, plane, plane + 3);
+	if (found == GW_PLANE_NO_MEMORY)
+		gw_neighbours_run_short(step->search);
+	if (found == GW_PLANE_FOUND && spans_plane(point, count, plane))
+		return;
+	way_to_scanner(step, surfel, way);
+	fallback_normal(point, count, way, plane);
+	plane[3] = INFINITY;
+	step->state[surfel] |= UNTRUSTED;
+}
+
+/*
+ * Near a crease the neighbours lie on both of its faces, and the plane through them on neither.
+ * Such a surfel takes the plane of a neighbour that knows one face alone, if it lies on that one,
+ * too: its own height above it counts like the spread of the neighbour's points, both squared and
+ * in units of the reach.
+ */
+static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	normal_step *step = user;
+	const float *p = step->surfels->position + 3 * surfel, *own = step->plane + 4 * surfel;
+	float *better = step->better + 4 * surfel;
+	memcpy(better, own, 4 * sizeof *better);
+	if (!(step->state[surfel] & ESTIMATED) || step->state[surfel] & UNTRUSTED)
+		return;
+	float reach = list->distance[list->count - 1], least = BETTER_PLANE * own[3];
+	for (uint32_t j = 0; j < list->count; j++) {
+		const float *q = step->surfels->position + 3 * (size_t)list->index[j];
+		const float *plane = step->plane + 4 * (size_t)list->index[j];
+		float height = 0;
+		for (size_t k = 0; k < 3; k++)
+			height += plane[k] * (p[k] - q[k]) / reach;
+		if (plane[3] + height * height < least) {
+			least = plane[3] + height * height;
+			memcpy(better, plane, 3 * sizeof *better);
+			better[3] = least;
+		}
+	}
+}
+
+/* A neighbour of a neighbour may know the face where no neighbour does. */
+static gw_status choose_planes(normal_step *step, gw_error *error)
+{
+	for (int round = 0; round < PLANE_ROUNDS; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, choose_plane, step, error));
+		float *swap = step->plane;
+		step->plane = step->better;
+		step->better = swap;
+	}
+	return GW_OK;
+}
+
+/* Takes the planes' normals, to the scanner where there is one. */
+static void set_normals(normal_step *step)
+{
+	for (size_t i = 0; i < step->surfels->count; i++) {
+		const float *plane = step->plane + 4 * i;
+		double way[3], cosine = 0;
+		if (!(step->state[i] & ESTIMATED))
+			continue;
+		way_to_scanner(step, i, way);
+		for (int k = 0; k < 3; k++)
+			cosine += way[k] * (double)plane[k];
+		for (size_t k = 0; k < 3; k++)
+			step->surfels->normal[3 * i + k] = cosine < 0 ? -plane[k] : plane[k];
+		if (step->scanner_count && fabs(cosine) < (double)SURE_COSINE)
+			step->state[i] |= UNSURE;
+		if (step->scanner_count && fabs(cosine) <= (double)UNTRUSTED_COSINE)
+			step->state[i] |= EDGE_ON;
+		if (plane[3] > CURVATURE_MAX)
+			step->state[i] |= UNTRUSTED;
+	}
+}
+
+/* Neighbours on the same surface vote on the sign of an unsure normal; sure ones count four times.
+ * All votes of a round see the state before it, so that their order does not matter. */
+static void vote(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	normal_step *step = user;
+	const gw_surfels *s = step->surfels;
+	const float *n = s->normal + 3 * surfel;
+	uint8_t state = step->state[surfel];
+	float balance = 0, weights = 0;
+	step->next[surfel] = state;
+	if (!(state & UNSURE))
+		return;
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		const float *m = s->normal + 3 * other;
+		float cosine = n[0] * m[0] + n[1] * m[1] + n[2] * m[2], height = 0;
+		for (size_t k = 0; k < 3; k++)
+			height += n[k] * (s->position[3 * other + k] - s->position[3 * surfel + k]);
+		if (fabsf(cosine) < 0.8f || fabsf(height) > 0.4f * list->distance[list->count - 1])
+			continue;
+		bool agrees = (cosine > 0) == ((step->state[other] & NEGATIVE) == (state & NEGATIVE));
+		float weight = (step->state[other] & UNSURE ? 1.0f : 4.0f) * fabsf(cosine);
+		balance += agrees ? weight : -weight;
+		weights += weight;
+	}
+	if (balance < 0)
+		step->next[surfel] ^= NEGATIVE;
+	if (weights >= AGREEMENT_LEAST && fabsf(balance) >= AGREEMENT_SURE * weights)
+		step->next[surfel] &= (uint8_t)~EDGE_ON;
+}
+
+static gw_status run_votes(normal_step *step, gw_error *error)
+{
+	for (int round = 0; round < VOTES; round++) {
+		GW_TRY(gw_neighbours_visit(step->search, vote, step, error));
+		uint8_t *swap = step->state;
+		step->state = step->next;
+		step->next = swap;
+	}
+	return GW_OK;
+}
+
+static void apply_states(normal_step *step)
+{
+	gw_surfels *s = step->surfels;
+	for (size_t i = 0; i < s->count; i++) {
+		uint8_t state = step->state[i];
+		state |= state & EDGE_ON ? UNTRUSTED : 0;
+		for (size_t k = 0; k < 3 && (state & NEGATIVE); k++)
+			s->normal[3 * i + k] = -s->normal[3 * i + k];
+		s->normals_estimated += (state & ESTIMATED) != 0;
+		s->normals_untrusted += (state & UNTRUSTED) != 0;
+		if (state & UNTRUSTED)
+			s->two_sided[i] = 1;
+	}
+}
+
+/* Without a scanner: the front of every piece of surface as a whole. */
+static gw_status choose_sides(normal_step *step, const gw_surfels_options *options, gw_error *error)
+{
+	size_t count = step->surfels->count;
+	uint8_t *doubtful = gw_allocate_array(count, sizeof *doubtful);
+	for (size_t i = 0; doubtful && i < count; i++)
+		step->next[i] = (step->state[i] & ESTIMATED) != 0;
+	gw_status status =
+		doubtful
+			? gw_orient_normals(options, step->search, step->surfels, step->next, doubtful, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
+	for (size_t i = 0; status == GW_OK && i < count; i++)
+		step->state[i] |= doubtful[i] ? UNTRUSTED : 0;
+	free(doubtful);
+	return status;
+}
+
+gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
+							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
+{
+	normal_step step = { .surfels = surfels, .search = search };
+	if (surfels->normals_given == surfels->count)
+		return GW_OK;
+	step.state = gw_allocate_zeros(surfels->count, sizeof *step.state);
+	step.next = gw_allocate_zeros(surfels->count, sizeof *step.next);
+	gw_status status = GW_OK;
+	step.plane = gw_allocate_array(surfels->count, 4 * sizeof *step.plane);
+	step.better = gw_allocate_array(surfels->count, 4 * sizeof *step.better);
+	if (!step.state || !step.next || !step.plane || !step.better || !find_scanners(&step, points))
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, estimate_normal, &step, error);
+	if (status == GW_OK)
+		status = choose_planes(&step, error);
+	if (status == GW_OK && step.scanner_of)
+		status = gw_scanners_assign(
+			search, surfels, &(gw_scanner_places){ step.scanner, step.scanner_count, step.plane },
+			step.scanner_of, error);
+	if (status == GW_OK)
+		set_normals(&step);
+	if (status == GW_OK)
+		status = step.scanner_count ? run_votes(&step, error) : choose_sides(&step, options, error);
+	if (status == GW_OK)
+		apply_states(&step);
+	free(step.state);
+	free(step.next);
+	free(step.plane);
+	free(step.better);
+	free(step.scanner);
+	free(step.scanner_of);
+	return status;
+}

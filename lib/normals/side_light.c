@@ -1,0 +1,431 @@
+/* side_light.c - see side_light.h. */
+#include "normals/side_light.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "glowworm_host.h"
+#include "octree/trace_constants.h"
+#include "normals/disc_tree.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Discs that stand for all surface, places that light is looked for at, and rays from each side. */
+#define DISCS 32768
+#define PLACES 4096
+#define RAYS 24u
+#define PART 1024u /* places between two looks whether to stop */
+/* Pieces of fewer surfels have no place. */
+#define PIECE_LEAST 8
+
+/* A disc's radius by the width of what it stands for: of random points 1 in 300,000 rays gets
+ * through a sheet, exp(-pi 2^2). */
+#define DISC_WIDTH 2.0f
+/* But at most this share of the scene: a point far from all others is no wall. */
+#define DISC_MOST 0.05
+
+/* Reflections between places, each of this share of the light. */
+#define REFLECTIONS 6
+#define ALBEDO 0.5
+
+/*
+ * A space in which a scanner could stand: distances across it are above ROOM_PATH metres, and there
+ * is a floor. The light that falls into it counts ROOM_FACTOR times, by the 16th power of the
+ * share of directions that end at surface: daylight in rooms is about 2 % of that outside, and some
+ * 0.2 % gets into a thing through what of it was not scanned. What is reflected does not count so:
+ * where surfaces meet, discs stick out on the other side, and show there what light they have on
+ * this one.
+ */
+#define ROOM_PATH 0.5
+#define ROOM_FACTOR 300.0
+/* A ray goes down where it falls by this share of its length. */
+#define DOWN 0.3f
+
+/* Light that comes from where nothing was scanned, of the mean of what lamps, sun and sky bring. */
+#define AMBIENT 0.2
+
+/* Rays and light from lower above a place's plane than this sine are left out: planes are not known
+ * that well. */
+#define LOWEST 0.25f
+
+/* Where a ray ends that meets no disc. */
+#define TO_SKY (GW_NONE - 1)
+#define TO_DARK GW_NONE
+
+/* A disc, and what is known of the surface that it stands for. */
+typedef struct blocker {
+	uint32_t place; /* that has the light of this surface, or GW_NONE */
+	float radiance; /* that it emits, luminance */
+} blocker;
+
+/* A place on a piece, whose normal is the piece's. */
+typedef struct place {
+	uint32_t piece;
+	float area; /* that it stands for, m^2 */
+	gw_disc disc;
+	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
+	double first[2];  /* before any reflection */
+	double total[2];
+	double path[2]; /* sum of the logarithms of the rays' lengths, to what they meet */
+	uint32_t met[2], down[2], down_met[2]; /* rays */
+	uint32_t end[2][RAYS];                 /* 2 * disc + side, TO_SKY or TO_DARK */
+} place;
+
+typedef struct side_work {
+	const gw_surfels_options *options;
+	const gw_surfels *surfels;
+	const gw_pieces *pieces;
+	double area;     /* of all surface, m^2 */
+	float reach;     /* longer than the scene, metres */
+	double sky;      /* radiance, luminance */
+	double ambient;  /* likewise, from everywhere */
+	gw_disc *disc;   /* facet: its number among the blockers */
+	blocker *blocks; /* disc_count */
+	size_t disc_count;
+	place *places;
+	size_t place_count;
+	size_t first; /* place of the part that is being worked at */
+	gw_disc_tree tree;
+} side_work;
+
+/* ------------------------------------------------------------------------------------ choosing */
+
+static float signed_component(const side_work *w, size_t surfel, size_t k)
+{
+	float n = w->surfels->normal[3 * surfel + k];
+	return w->pieces->opposite[surfel] ? -n : n;
+}
+
+static gw_disc make_disc(const side_work *w, size_t surfel, double least_area)
+{
+	const float *p = w->surfels->position + 3 * surfel;
+	float area = fmaxf(w->pieces->area[surfel], (float)least_area);
+	return (gw_disc){ .place = { p[0], p[1], p[2] },
+					  .normal = { signed_component(w, surfel, 0), signed_component(w, surfel, 1),
+								  signed_component(w, surfel, 2) },
+					  .radius = fminf(DISC_WIDTH * sqrtf(area), (float)DISC_MOST * w->reach) };
+}
+
+/* How much surface has been passed since something was chosen, per piece and in all. */
+typedef struct passed {
+	double area, emitted;
+	double *of_piece;     /* area */
+	uint32_t *last_place; /* of a piece, or GW_NONE */
+	uint32_t *size;       /* of a piece, surfels */
+} passed;
+
+/* A place for every so much area of a piece, and one at least. */
+static void choose_place(side_work *w, passed *so_far, size_t surfel, double every)
+{
+	uint32_t piece = w->pieces->piece_of[surfel];
+	double *area = so_far->of_piece + piece;
+	bool first = so_far->last_place[piece] == GW_NONE;
+	*area += (double)w->pieces->area[surfel];
+	if (so_far->size[piece] < PIECE_LEAST)
+		return;
+	if (first || *area >= every) {
+		so_far->last_place[piece] = (uint32_t)w->place_count;
+		if (w->places)
+			w->places[w->place_count] =
+				(place){ .piece = piece, .disc = make_disc(w, surfel, 0.0) };
+		w->place_count++;
+		*area = 0.0;
+	}
+	if (w->places)
+		w->places[so_far->last_place[piece]].area += w->pieces->area[surfel];
+}
+
+static void choose_disc(side_work *w, passed *so_far, size_t surfel, double every)
+{
+	const gw_surfels *s = w->surfels;
+	double area = (double)w->pieces->area[surfel];
+	so_far->area += area;
+	so_far->emitted += s->emission ? area * gw_luminance(s->emission + 3 * surfel) : 0.0;
+	if (s->count > DISCS && so_far->area < every)
+		return;
+	if (w->disc) {
+		w->disc[w->disc_count] = make_disc(w, surfel, s->count > DISCS ? every : 0.0);
+		w->disc[w->disc_count].facet = (uint32_t)w->disc_count;
+		w->blocks[w->disc_count] = (blocker){
+			.place = so_far->last_place[w->pieces->piece_of[surfel]],
+			.radiance = so_far->area > 0.0 ? (float)(so_far->emitted / so_far->area) : 0.0f,
+		};
+	}
+	w->disc_count++;
+	so_far->area = so_far->emitted = 0.0;
+}
+
+/* Goes over all surfels; counts only where there is no room yet. */
+static void choose(side_work *w, passed *so_far)
+{
+	size_t count = w->surfels->count;
+	w->disc_count = w->place_count = 0;
+	so_far->area = so_far->emitted = 0.0;
+	for (size_t i = 0; i < w->pieces->count; i++) {
+		so_far->of_piece[i] = 0.0;
+		so_far->last_place[i] = GW_NONE;
+	}
+	for (size_t i = 0; i < count; i++) {
+		choose_place(w, so_far, i, w->area / PLACES);
+		choose_disc(w, so_far, i, w->area / DISCS);
+	}
+}
+
+static bool make_room(side_work *w)
+{
+	w->disc = gw_allocate_array(w->disc_count, sizeof *w->disc);
+	w->blocks = gw_allocate_array(w->disc_count, sizeof *w->blocks);
+	w->places = gw_allocate_array(w->place_count, sizeof *w->places);
+	return w->disc && w->blocks && w->places;
+}
+
+static gw_status choose_all(side_work *w, gw_error *error)
+{
+	size_t pieces = w->pieces->count;
+	passed so_far = { .of_piece = gw_allocate_array(pieces, sizeof *so_far.of_piece),
+					  .last_place = gw_allocate_array(pieces, sizeof *so_far.last_place),
+					  .size = gw_allocate_zeros(pieces, sizeof *so_far.size) };
+	bool made = so_far.of_piece && so_far.last_place && so_far.size;
+	if (made) {
+		for (size_t i = 0; i < w->surfels->count; i++) {
+			w->area += (double)w->pieces->area[i];
+			so_far.size[w->pieces->piece_of[i]]++;
+		}
+		choose(w, &so_far);
+		made = make_room(w);
+		if (made)
+			choose(w, &so_far);
+	}
+	free(so_far.of_piece);
+	free(so_far.last_place);
+	free(so_far.size);
+	return made ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY,
+						  "no memory for the sides of %zu pieces of surface", pieces);
+}
+
+/* --------------------------------------------------------------------------------------- lights */
+
+/* Whether nothing lies between a place, on one of its sides, and what is so far away. */
+static bool is_free(const side_work *w, const place *p, gw_vec3 direction, float length)
+{
+	gw_disc_start from = { p->disc.place, direction };
+	return gw_disc_tree_cross(&w->tree, &from, &p->disc, &length) == GW_NONE;
+}
+
+static void add_direct(const side_work *w, place *p, gw_vec3 direction, float length, double value)
+{
+	float cosine = gw_dot(p->disc.normal, direction);
+	if (value > 0.0 && fabsf(cosine) > LOWEST && is_free(w, p, direction, length))
+		p->direct[cosine < 0.0f] += value * fabs((double)cosine);
+}
+
+static void add_lamp(const side_work *w, place *p, const gw_light *l)
+{
+	const double *o = w->surfels->origin;
+	gw_vec3 to = { (float)(l->position[0] - o[0]), (float)(l->position[1] - o[1]),
+				   (float)(l->position[2] - o[2]) };
+	to = gw_minus(to, p->disc.place);
+	float length = sqrtf(gw_dot(to, to));
+	gw_vec3 axis = { (float)l->direction[0], (float)l->direction[1], (float)l->direction[2] };
+	gw_vec3 way = gw_times(to, 1.0f / length);
+	if (!(length > 0.0f))
+		return;
+	if (l->type == GW_LIGHT_SPOT && -gw_dot(gw_unit(axis), way) < cosf(l->outer_angle * 0.01745f))
+		return;
+	double nearest = fmax((double)length, (double)p->disc.radius);
+	add_direct(w, p, way, length, gw_luminance(l->intensity) / (nearest * nearest));
+}
+
+static void add_lights(const side_work *w, place *p)
+{
+	for (size_t i = 0; i < w->options->light_count; i++) {
+		const gw_light *l = w->options->lights + i;
+		if (l->type == GW_LIGHT_POINT || l->type == GW_LIGHT_SPOT) {
+			add_lamp(w, p, l);
+		} else if (l->type == GW_LIGHT_SUN) {
+			gw_vec3 way = { (float)-l->direction[0], (float)-l->direction[1],
+							(float)-l->direction[2] };
+			add_direct(w, p, gw_unit(way), w->reach, gw_luminance(l->irradiance));
+		}
+	}
+}
+
+/* ----------------------------------------------------------------------------------------- rays */
+
+/* Directions spread evenly by the cosine, turned from place to place by the golden angle. */
+static gw_vec3 ray_direction(const gw_disc *disc, uint32_t ray, size_t number, bool back)
+{
+	const float normal[3] = { disc->normal.x, disc->normal.y, disc->normal.z };
+	float t[3], b[3];
+	gw_tangent_frame(normal, t, b);
+	float squared = ((float)ray + 0.5f) / (float)RAYS * (1.0f - LOWEST * LOWEST);
+	float radius = sqrtf(squared);
+	float turn = 2.39996323f * (float)((ray + 7 * number) % 100003);
+	float x = radius * cosf(turn), y = radius * sinf(turn), z = sqrtf(1.0f - squared);
+	z = back ? -z : z;
+	return (gw_vec3){ x * t[0] + y * b[0] + z * normal[0], x * t[1] + y * b[1] + z * normal[1],
+					  x * t[2] + y * b[2] + z * normal[2] };
+}
+
+static void shoot(const side_work *w, place *p, size_t number, bool back)
+{
+	for (uint32_t ray = 0; ray < RAYS; ray++) {
+		gw_disc_start from = { p->disc.place, ray_direction(&p->disc, ray, number, back) };
+		float length = w->reach;
+		uint32_t disc = gw_disc_tree_cross(&w->tree, &from, &p->disc, &length);
+		p->down[back] += from.direction.z < -DOWN;
+		p->down_met[back] += from.direction.z < -DOWN && disc != GW_NONE;
+		if (disc == GW_NONE) {
+			p->end[back][ray] = from.direction.z > 0.0f ? TO_SKY : TO_DARK;
+			continue;
+		}
+		bool from_behind = gw_dot(w->disc[disc].normal, from.direction) > 0.0f;
+		p->end[back][ray] = 2 * disc + from_behind;
+		p->path[back] += log((double)length);
+		p->met[back]++;
+	}
+}
+
+static void look_around(void *user, size_t first, size_t last, uint32_t worker)
+{
+	side_work *w = user;
+	(void)worker;
+	for (size_t i = w->first + first; i < w->first + last; i++) {
+		add_lights(w, w->places + i);
+		shoot(w, w->places + i, i, false);
+		shoot(w, w->places + i, i, true);
+	}
+}
+
+/* In parts, between which somebody may stop it. */
+static gw_status look_around_all(side_work *w, gw_error *error)
+{
+	const gw_surfels_options *o = w->options;
+	for (w->first = 0; w->first < w->place_count; w->first += PART) {
+		if (o->cancelled && o->cancelled(o->user))
+			return gw_fail(error, GW_ERROR_CANCELLED, "stopped while looking for front sides");
+		size_t left = w->place_count - w->first;
+		gw_parallel_for(o->threads, left < PART ? left : PART, 32, look_around, w);
+	}
+	return GW_OK;
+}
+
+/* ---------------------------------------------------------------------------------- reflections */
+
+/* pi times the radiance at the end of a ray, by what is known so far; `below` of what comes from
+ * below the horizon. */
+static double light_from(const side_work *w, uint32_t end, double below)
+{
+	if (end == TO_DARK || end == TO_SKY)
+		return M_PI * (end == TO_SKY ? w->sky + w->ambient : below);
+	const blocker *b = w->blocks + end / 2;
+	double light = M_PI * (double)b->radiance;
+	return b->place == GW_NONE ? light : light + ALBEDO * w->places[b->place].total[end % 2];
+}
+
+static void gather(const side_work *w, place *p, double below, double to[2])
+{
+	for (int side = 0; side < 2; side++) {
+		double sum = 0.0;
+		for (uint32_t ray = 0; ray < RAYS; ray++)
+			sum += light_from(w, p->end[side][ray], below);
+		to[side] = p->direct[side] + sum / RAYS;
+	}
+}
+
+/* Each place sees the newest light of those before it, which only speeds things up. */
+static void reflect(side_work *w)
+{
+	double light = 0.0, area = 0.0;
+	for (size_t i = 0; i < w->place_count; i++) {
+		place *p = w->places + i;
+		gather(w, p, 0.0, p->first);
+		light += (double)p->area * fmax(p->first[0], p->first[1]);
+		area += (double)p->area;
+	}
+	w->ambient = area > 0.0 ? AMBIENT * light / (M_PI * area) : 0.0;
+	for (size_t i = 0; i < w->place_count; i++)
+		gather(w, w->places + i, 0.0, w->places[i].first);
+	for (int round = 0; round <= REFLECTIONS; round++)
+		for (size_t i = 0; i < w->place_count; i++)
+			gather(w, w->places + i, w->ambient, w->places[i].total);
+}
+
+/* --------------------------------------------------------------------------------------- pieces */
+
+static void add_place(const place *p, int side, gw_side_view *sum)
+{
+	double area = (double)p->area;
+	sum->area += area;
+	sum->light += area * p->total[side];
+	sum->first += area * p->first[side];
+	sum->met += area * p->met[side] / RAYS;
+	sum->path += area * p->path[side] / RAYS;
+	sum->down += area * p->down[side] / RAYS;
+	sum->down_met += area * p->down_met[side] / RAYS;
+}
+
+double gw_side_factor(const gw_side_view *side)
+{
+	if (!(side->met > 0.0) || !(side->light > 0.0))
+		return 1.0;
+	double closed = side->met / side->area;
+	if (side->down > 0.0)
+		closed = fmin(closed, side->down_met / side->down);
+	double path = pow(exp(side->path / side->met) / ROOM_PATH, 4.0);
+	double factor = ROOM_FACTOR * pow(closed, 16.0) * path / (1.0 + path);
+	return 1.0 + factor * side->first / side->light;
+}
+
+/* ------------------------------------------------------------------------------------ all of it */
+
+static void find_sky(side_work *w)
+{
+	bool lit = w->surfels->emission != NULL;
+	for (size_t i = 0; i < w->options->light_count; i++) {
+		const gw_light *l = w->options->lights + i;
+		lit |= gw_luminance(l->type == GW_LIGHT_SUN ? l->irradiance : l->intensity) > 0.0;
+		if (l->type == GW_LIGHT_ENVIRONMENT)
+			w->sky += gw_luminance(l->radiance);
+	}
+	w->sky = w->sky > 0.0 || lit ? w->sky : 1.0;
+}
+
+static void find_reach(side_work *w)
+{
+	double squared = 0.0;
+	for (int k = 0; k < 3; k++) {
+		double width = (double)w->surfels->maximum[k] - (double)w->surfels->minimum[k];
+		squared += width * width;
+	}
+	w->reach = (float)(1.01 * sqrt(squared));
+}
+
+static gw_status find_light(side_work *w, gw_side_light *light, gw_error *error)
+{
+	find_sky(w);
+	find_reach(w);
+	GW_TRY(choose_all(w, error));
+	GW_TRY(gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error));
+	GW_TRY(look_around_all(w, error));
+	reflect(w);
+	for (size_t i = 0; i < w->pieces->count; i++)
+		light[i] = (gw_side_light){ 0 };
+	for (size_t i = 0; i < w->place_count; i++)
+		for (int side = 0; side < 2; side++)
+			add_place(w->places + i, side, light[w->places[i].piece].side + side);
+	return GW_OK;
+}
+
+gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
+							 const gw_pieces *pieces, gw_side_light *light, gw_error *error)
+{
+	side_work w = { .options = options, .surfels = surfels, .pieces = pieces };
+	gw_status status = find_light(&w, light, error);
+	gw_disc_tree_clear(&w.tree);
+	free(w.disc);
+	free(w.blocks);
+	free(w.places);
+	return status;
+}

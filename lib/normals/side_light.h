@@ -1,0 +1,65 @@
+/*
+ * side_light.h - how much light falls on either side of pieces of surface, where nobody knows yet
+ * which side is their front. Internal to lib/.
+ *
+ * Of a piece of surface only one side was scanned, as a rule, and only one is looked at: the outer
+ * one of a thing, the inner one of a room. Light tells which: the back of a scanned surface looks
+ * into what is solid, where no light gets. So light is let in from the lamps, the sun, the sky and
+ * what emits, roughly, on both sides of everything: rays from some thousand places on the pieces
+ * against some ten thousand discs, and a few reflections between the places.
+ *
+ * One case is left in which light says the wrong thing: a room with windows is brighter on the
+ * outside. There, what looks into a space that is closed nearly all around and large enough for a
+ * scanner to stand in has its light multiplied. The sky shines from above the horizon alone here,
+ * since ground goes on beyond what was scanned; and a little light comes from wherever nothing was
+ * scanned, since what is open can be seen even where the lamps of this bake do not reach.
+ *
+ * Source: sides told apart by what rays from them see, as for the faces of meshes by Takayama et
+ * al., A Simple Method for Correcting Facet Orientations in Polygon Meshes Based on Ray Casting,
+ * JCGT 3(4), 2014.
+ */
+#ifndef SIDE_LIGHT_H
+#define SIDE_LIGHT_H
+
+#include "cloud/surfels.h"
+
+/* Surface in pieces: of each, the normals have one sign that is open. */
+typedef struct gw_pieces {
+	const uint32_t *piece_of; /* a surfel's piece */
+	const uint8_t *opposite; /* a surfel's: 1 where its normal is against the others of its piece */
+	const float *area;       /* a surfel's, m^2, rough */
+	size_t count;            /* of pieces */
+} gw_pieces;
+
+/* What rays from one side of a surface found, as sums over places, each times its area. */
+typedef struct gw_side_view {
+	double light;          /* irradiance, luminance, in a unit that is the same for all */
+	double first;          /* of that, what was not reflected before */
+	double area;           /* m^2 */
+	double met;            /* share of the rays that met surface */
+	double path;           /* logarithm of how far away, metres, of these */
+	double down, down_met; /* share of the rays that go down, and that meet surface there */
+} gw_side_view;
+
+/* The side that a piece's normals point to, then the other one; 0 where nothing is known. */
+typedef struct gw_side_light {
+	gw_side_view side[2];
+} gw_side_light;
+
+/* By what the light on one side of a surface, of as much as hangs together, is to be multiplied
+ * because it may be a room's: 1 or more. */
+double gw_side_factor(const gw_side_view *side);
+
+/*
+ * Finds the light on both sides of every piece.
+ *   options   its lights, threads and what asks whether to stop. Without any light, and where
+ *             nothing emits, the sky shines
+ *   surfels   position, normal and emission of all
+ *   pieces    with arrays of surfels->count elements
+ *   light     pieces->count; receives the result
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
+ */
+gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
+							 const gw_pieces *pieces, gw_side_light *light, gw_error *error);
+
+#endif
