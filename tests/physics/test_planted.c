@@ -2,6 +2,7 @@
  * they make the light, and to say nothing where there are none. */
 #include "base/luminance.h"
 #include "bake/lighting.h"
+#include "random_numbers.h"
 #include "scenes.h"
 #include "expected.h"
 
@@ -316,6 +317,25 @@ static void nothing_is_added_where_all_is_right(void **state)
 	scene_clear(&s);
 }
 
+/* Right under a scanner points lie close together, and their noise is more than they are apart.
+ * Discs of them stand above each other, but all are one floor, as lit as it is beside them. */
+static void clumps_are_no_shadows(void **state)
+{
+	(void)state;
+	const gw_light lamp = scene_point_light(1.01, 1.02, 0.4, 2.0f);
+	const double up[3] = { 0, 0, 1 };
+	uint64_t seed = 5;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 30, 0.6f);
+	for (int i = 0; i < 4000; i++) {
+		double at[3] = { 1.0 + 0.02 * random_number(&seed), 1.0 + 0.02 * random_number(&seed),
+						 0.001 * random_normal(&seed) };
+		scene_add(&s, at, up, 0.6f);
+	}
+	assert_little_added("clump under a lamp", &s, &lamp);
+	scene_clear(&s);
+}
+
 /* The lamp of a closed sphere: E_ind = rho Phi / (4 pi R^2 (1 - rho)) = 2. There the octree's share
  * of the error is half of it, and stated it may be as much as what is true and a quarter. */
 static void no_more_than_is_true(void **state)
@@ -349,6 +369,7 @@ int main(void)
 		cmocka_unit_test(leaves_too_wide),
 		cmocka_unit_test(sides_that_are_wrong),
 		cmocka_unit_test(nothing_is_added_where_all_is_right),
+		cmocka_unit_test(clumps_are_no_shadows),
 		cmocka_unit_test(no_more_than_is_true),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
