@@ -274,6 +274,42 @@ static void test_sheet_is_doubtful(void **state)
 	free(c);
 }
 
+/* Two balls, a scanner in each. The normals of one face away from its scanner and are turned, but
+ * not if they are to be taken as given; where a part alone faces away, they stay. */
+static void test_given_away_from_scanner(void **state)
+{
+	(void)state;
+	const double middle[6] = { 0, 0, 0, 9, 0, 0 };
+	cloud *c = new_cloud();
+	add_ball(c, 4000, middle, 2, -1);
+	add_ball(c, 4000, middle + 3, 2, 1);
+	static uint32_t scanner_of[8000];
+	for (uint32_t i = 0; i < 8000; i++)
+		scanner_of[i] = i / 4000;
+	for (int kind = 0; kind < 3; kind++) {
+		const double beside[6] = { 0, 0, 0, 0, 0, 0 };
+		const gw_points points = { .count = c->count,
+								   .position = c->position,
+								   .normal = c->normal,
+								   .scanner = kind == 2 ? beside : middle,
+								   .scanner_count = 2,
+								   .scanner_of = scanner_of };
+		const gw_surfels_options options = { .normals =
+												 kind == 1 ? GW_NORMALS_GIVEN : GW_NORMALS_AUTO };
+		gw_surfels s;
+		gw_error error;
+		assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+		assert_int_equal(s.normals_turned, kind == 0 ? 4000 : 0);
+		const float *n = s.normal + 3 * (size_t)s.surfel_of_point[5000];
+		float along = 0;
+		for (int k = 0; k < 3; k++)
+			along += n[k] * c->normal[3 * 5000 + k];
+		assert_true(kind == 0 ? along < 0 : along > 0);
+		gw_surfels_clear(&s);
+	}
+	free(c);
+}
+
 /* Two strips of patches, each joined well, and the strips by one patch's border alone: what the
  * second strip says about itself turns it against the first, and what a single patch says does not
  * turn that. */
@@ -324,11 +360,17 @@ static void test_patches_join(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_closed_thing), cmocka_unit_test(test_lit_from_within),
-		cmocka_unit_test(test_room),         cmocka_unit_test(test_thing_on_floor),
-		cmocka_unit_test(test_ground),       cmocka_unit_test(test_sheet_is_doubtful),
-		cmocka_unit_test(test_up),           cmocka_unit_test(test_open_room),
-		cmocka_unit_test(test_patches_turn), cmocka_unit_test(test_patches_join),
+		cmocka_unit_test(test_closed_thing),
+		cmocka_unit_test(test_lit_from_within),
+		cmocka_unit_test(test_room),
+		cmocka_unit_test(test_thing_on_floor),
+		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_sheet_is_doubtful),
+		cmocka_unit_test(test_up),
+		cmocka_unit_test(test_open_room),
+		cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_patches_turn),
+		cmocka_unit_test(test_patches_join),
 	};
 	return cmocka_run_group_tests_name("sides", tests, NULL, NULL);
 }
