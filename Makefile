@@ -195,9 +195,10 @@ $(TEST_PROGRAMS) $(BENCH_PROGRAMS) $(TOOL_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(
 		$(BUILD)/libprogram.a $(BUILD)/libglowworm.a
 	$(CXX) $(LDFLAGS) -Wl,--disable-new-dtags,-rpath,'$$ORIGIN/../..' -o $@ $(filter %.o,$^) $(filter %.a,$^) -lcmocka -lembree3 $(LDLIBS)
 
-# It writes grids as the samples do, which use nothing of ours.
-$(BUILD)/tests/bench/make_scan.o: INCLUDE += -Isamples
-$(BUILD)/tests/bench/make_scan: $(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
+# They write grids as the samples do, which use nothing of ours.
+GRID_WRITERS := $(addprefix $(BUILD)/tests/,bench/make_scan unit/test_grids)
+$(addsuffix .o,$(GRID_WRITERS)): INCLUDE += -Isamples
+$(GRID_WRITERS): $(addprefix $(BUILD)/samples/,sample_points.o sample_ptx.o sample_e57.o)
 
 # Peers of our readers, which nothing else needs.
 $(BUILD)/tests/bench/bench_formats: $(call objects,$(PCL_LOADERS))

@@ -121,6 +121,18 @@ gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *opt
 						  gw_surfels *surfels, gw_error *error);
 void gw_surfels_clear(gw_surfels *surfels);
 
+/*
+ * Finds where the scanner of a range image stood: the place that the image says, if its rows and
+ * columns are seen at even angles from there, or else the place from which they are. Noise, mixed
+ * pixels and strays are along the rays, and so do no harm; but where a picture shows nothing
+ * except one flat wall, no place is better than any other.
+ *   points    with image_cell
+ *   scanner   receives it on success, and may be the image's own
+ * Returns false when there is none, and when memory is short.
+ */
+bool gw_range_image_find_scanner(const gw_points *points, const gw_range_image *image,
+								 double scanner[3]);
+
 /* -------------------------------------------------------------------------------------- cameras */
 
 /*

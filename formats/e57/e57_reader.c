@@ -296,19 +296,19 @@ static size_t find_name(const text_names *names, const char *name)
 /* Columns for x, y, z and every field that a scan has. */
 static gw_status name_columns(reader *r)
 {
-	gw_status status = text_names_split(&r->names, "x y z", 5, r->error);
+	GW_TRY(text_names_split(&r->names, "x y z", 5, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
-		for (size_t f = 0; f < s->scan->field_count && s->kept > 0 && status == GW_OK; f++) {
+		for (size_t f = 0; f < s->scan->field_count && s->kept > 0; f++) {
 			const char *name = column_name(s, f);
 			if (!name || find_name(&r->names, name) < r->names.count)
 				continue;
 			if (r->names.count == TEXT_COLUMNS_MAX)
 				return fail_scan(r, i, "has more than 4096 different fields");
-			status = text_names_add(&r->names, name, r->error);
+			GW_TRY(text_names_add(&r->names, name, r->error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status add_columns(reader *r)
@@ -457,25 +457,6 @@ static void leave_out(reader *r)
 	r->cloud->count = first;
 }
 
-/* Without a pose, points may be in the scanner's frame or in a common one: their grid tells. */
-static bool faces_origin(const reader *r, const source *s)
-{
-	const scan_grid grid = { scan_find(r->cloud, "rowIndex"), scan_find(r->cloud, "columnIndex"),
-							 s->first, s->kept };
-	return grid.row && grid.column && scan_grid_faces_origin(r->cloud, &grid);
-}
-
-/* A scanner stands at the origin of its scan's frame. */
-static gw_status take_scanners(const reader *r)
-{
-	for (size_t i = 0; i < r->description.scan_count; i++) {
-		const source *s = &r->source[i];
-		if (s->kept > 0 && (s->scan->has_pose || s->kind == SPHERICAL || faces_origin(r, s)))
-			GW_TRY(scan_add_scanner(r->cloud, s->scan->translation, s->first, s->kept, r->error));
-	}
-	return GW_OK;
-}
-
 /* The least and the largest value of a scan's field, which has to have whole ones. */
 static bool find_limits(const reader *r, const source *s, const char *name, double limit[2])
 {
@@ -492,28 +473,50 @@ static bool find_limits(const reader *r, const source *s, const char *name, doub
 	return column && limit[1] - limit[0] < 1e9;
 }
 
-/* Rows and columns make a scan a picture, which is seen from the origin of its frame. Whether that
- * is so where there is no pose is seen by the angles between neighbours. */
-static gw_status add_image(const reader *r, const source *s)
+/* Rows and columns make a scan a picture, which is seen from the origin of its frame. */
+static gw_status add_image(const reader *r, const source *s, bool *added)
 {
 	double row[2], column[2];
-	if (s->kept == 0 || !find_limits(r, s, "rowIndex", row) ||
-		!find_limits(r, s, "columnIndex", column) ||
+	*added = false;
+	if (!find_limits(r, s, "rowIndex", row) || !find_limits(r, s, "columnIndex", column) ||
 		(row[1] - row[0] + 1.0) * (column[1] - column[0] + 1.0) >= (double)UINT32_MAX)
 		return GW_OK;
 	gw_range_image image = { .first = s->first,
 							 .count = s->kept,
 							 .columns = (uint32_t)(column[1] - column[0]) + 1,
 							 .rows = (uint32_t)(row[1] - row[0]) + 1 };
-	for (size_t k = 0; k < 3 && s->scan->has_pose; k++)
-		image.scanner[k] = s->scan->translation[k];
-	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	memcpy(image.scanner, s->scan->translation, sizeof image.scanner);
+	GW_TRY(scan_add_image(r->cloud, &image, r->error));
 	const scan_column *const index[2] = { scan_find(r->cloud, "rowIndex"),
 										  scan_find(r->cloud, "columnIndex") };
-	for (size_t i = s->first; status == GW_OK && i < s->first + s->kept; i++)
+	for (size_t i = s->first; i < s->first + s->kept; i++)
 		r->cloud->image_cell[i] = (uint32_t)(scan_value(index[0], i) - row[0]) * image.columns +
 								  (uint32_t)(scan_value(index[1], i) - column[0]);
-	return status;
+	*added = true;
+	return GW_OK;
+}
+
+/*
+ * A scanner stands at the origin of its scan's frame. But without a pose, and with one that moves
+ * nothing, points may be in that frame or in a common one: their rows and columns tell.
+ */
+static gw_status take_scanner(const reader *r, const source *s)
+{
+	const double *place = s->scan->translation;
+	bool known = s->kind == SPHERICAL, added, moves_nothing = true;
+	for (size_t k = 0; k < 3; k++)
+		moves_nothing = moves_nothing && place[k] == 0.0;
+	if (s->kept == 0)
+		return GW_OK;
+	GW_TRY(add_image(r, s, &added));
+	size_t last = r->cloud->image_count - 1;
+	if (!known && added && moves_nothing && scan_settle_origin(r->cloud, last)) {
+		place = r->cloud->image[last].scanner;
+		known = true;
+	}
+	if (!known && !s->scan->has_pose)
+		return GW_OK;
+	return scan_add_scanner(r->cloud, place, s->first, s->kept, r->error);
 }
 
 static gw_status read_all(reader *r)
@@ -536,9 +539,8 @@ static gw_status read_all(reader *r)
 	}
 	leave_out(r);
 	GW_TRY(text_columns_narrow(r->cloud, &r->names, r->column, r->error));
-	GW_TRY(take_scanners(r));
 	for (size_t i = 0; i < r->description.scan_count; i++)
-		GW_TRY(add_image(r, &r->source[i]));
+		GW_TRY(take_scanner(r, &r->source[i]));
 	return GW_OK;
 }
 

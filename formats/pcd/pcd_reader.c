@@ -3,6 +3,7 @@
  * before anything is allocated.
  */
 #include "points/column_names.h"
+#include "points/scan_origin.h"
 #include "glowworm_host.h"
 #include "pcd/pcd_format.h"
 #include "pcd/pcd_header.h"
@@ -245,16 +246,15 @@ static gw_status read_rows(reader *r, text_rows *rows)
 					   "%s: %zu rows follow the header, which counts %llu points; the file is cut "
 					   "short or its header is wrong",
 					   r->in->name, rows->count, (unsigned long long)r->header->points);
-	gw_status status = add_columns(r);
+	GW_TRY(add_columns(r));
 	text_column *column = calloc(rows->width, sizeof *column);
-	if (status == GW_OK && !column)
-		status = gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
-	for (size_t i = 0; i < rows->width && status == GW_OK; i++)
+	if (!column)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
+	for (size_t i = 0; i < rows->width; i++)
 		column[i] = (text_column){ .name = r->item[i].name,
 								   .type = r->item[i].type,
 								   .data = r->item[i].data };
-	if (status == GW_OK)
-		status = text_rows_read(rows, column, r->error);
+	gw_status status = text_rows_read(rows, column, r->error);
 	free(column);
 	return status;
 }
@@ -376,14 +376,27 @@ static gw_status note_rest(const reader *r)
 	return scan_add_comment(r->cloud, text, r->error);
 }
 
-/* The default says nothing; in an organised cloud it is the camera itself. */
-static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
+static bool moves_nothing(const pcd_header *h)
 {
 	static const double usual[7] = { 0, 0, 0, 1, 0, 0, 0 };
-	bool known = h->height > 1 && h->width > 1;
 	for (int k = 0; k < 7; k++)
-		known = known || h->viewpoint[k] != usual[k];
-	return known ? scan_add_scanner(cloud, h->viewpoint, 0, cloud->count, error) : GW_OK;
+		if (h->viewpoint[k] != usual[k])
+			return false;
+	return true;
+}
+
+/* The default says nothing; in an organised cloud it is the camera itself, unless rows and columns
+ * are seen from elsewhere. */
+static gw_status take_viewpoint(const pcd_header *h, scan *cloud, gw_error *error)
+{
+	const double *place = h->viewpoint;
+	if (moves_nothing(h)) {
+		if (h->height < 2 || h->width < 2)
+			return GW_OK;
+		if (cloud->image_count > 0 && scan_settle_origin(cloud, 0))
+			place = cloud->image[0].scanner;
+	}
+	return scan_add_scanner(cloud, place, 0, cloud->count, error);
 }
 
 /* Sums for a straight line through points. */
@@ -457,10 +470,19 @@ static gw_status take_image(const pcd_header *h, scan *cloud, gw_error *error)
 							 .columns = (uint32_t)h->width,
 							 .rows = (uint32_t)h->height };
 	memcpy(image.scanner, h->viewpoint, sizeof image.scanner);
-	gw_status status = scan_add_image(cloud, &image, error);
-	for (size_t i = 0; status == GW_OK && i < cloud->count; i++)
+	GW_TRY(scan_add_image(cloud, &image, error));
+	for (size_t i = 0; i < cloud->count; i++)
 		cloud->image_cell[i] = (uint32_t)i;
-	return status;
+	return GW_OK;
+}
+
+static gw_status read_all(reader *r)
+{
+	GW_TRY(read_body(r));
+	GW_TRY(note_rest(r));
+	GW_TRY(take_frame(r->header, r->cloud, r->error));
+	GW_TRY(take_image(r->header, r->cloud, r->error));
+	return take_viewpoint(r->header, r->cloud, r->error);
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
@@ -475,15 +497,7 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 					 .end = in->data + in->length,
 					 .cloud = cloud,
 					 .error = error };
-		status = read_body(&r);
-		if (status == GW_OK)
-			status = note_rest(&r);
-		if (status == GW_OK)
-			status = take_viewpoint(&header, cloud, error);
-		if (status == GW_OK)
-			status = take_frame(&header, cloud, error);
-		if (status == GW_OK)
-			status = take_image(&header, cloud, error);
+		status = read_all(&r);
 		pcd_header_clear(&header);
 	}
 	if (status != GW_OK)

@@ -4,6 +4,7 @@
  */
 #include "files/growing_table.h"
 #include "files/number_text.h"
+#include "points/scan_origin.h"
 #include "text/text_columns.h"
 #include "text/text_formats.h"
 
@@ -21,6 +22,7 @@ typedef struct grid {
 	double size[2];    /* columns and rows of cells */
 	double matrix[16]; /* row vectors: the last row is the translation */
 	size_t first;      /* point */
+	size_t image;      /* of the cloud, where rows.cell is one */
 } grid;
 
 typedef struct reader {
@@ -249,6 +251,7 @@ static gw_status add_image(reader *r, grid *g)
 	image.rows = (uint32_t)g->size[1];
 	memcpy(image.scanner, &g->matrix[12], sizeof image.scanner);
 	gw_status status = scan_add_image(r->cloud, &image, r->error);
+	g->image = r->cloud->image_count - 1;
 	g->rows.cell = status == GW_OK ? r->cloud->image_cell + g->first : NULL;
 	return status;
 }
@@ -265,20 +268,17 @@ static void number_cells(const reader *r, const grid *g)
 
 static gw_status read_points(reader *r, const text_names *names, text_column *all)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < r->grid_count; i++) {
 		text_column own[7];
 		grid *g = &r->grid[i];
 		aim(names, all, g, own);
-		status = add_image(r, g);
-		if (status == GW_OK)
-			status = text_rows_read(&g->rows, own, r->error);
+		GW_TRY(add_image(r, g));
+		GW_TRY(text_rows_read(&g->rows, own, r->error));
 		number_cells(r, g);
 		keep_forms(names, all, g, own);
-		if (status == GW_OK)
-			move_points(g, all[0].data, all[1].data, all[2].data);
+		move_points(g, all[0].data, all[1].data, all[2].data);
 	}
-	return status == GW_OK ? text_columns_narrow(r->cloud, names, all, r->error) : status;
+	return text_columns_narrow(r->cloud, names, all, r->error);
 }
 
 /* Whether the origin lies within the bounds of a grid's points, made larger by their size. */
@@ -287,7 +287,7 @@ static bool is_among(const grid *g, const scan *cloud)
 	for (size_t k = 0; k < 3; k++) {
 		double low = INFINITY, high = -INFINITY;
 		for (size_t i = g->first; i < g->first + g->rows.count; i++) {
-			double value = ((const double *)cloud->column[k].data)[i];
+			double value = scan_value(&cloud->column[k], i);
 			low = value < low ? value : low;
 			high = value > high ? value : high;
 		}
@@ -298,17 +298,33 @@ static bool is_among(const grid *g, const scan *cloud)
 }
 
 /*
- * The matrix takes the scanner's place, its frame's origin, to the world. Points that never were in
- * a scanner's frame come with a matrix that does nothing and are far from the origin.
+ * The matrix takes the scanner's place, its frame's origin, to the world. Points may never have
+ * been in that frame, and then come with a matrix that does nothing: where they were seen from is
+ * told by their rows and columns, or else not known if the origin is far off.
  */
 static gw_status take_scanners(const reader *r)
 {
 	for (size_t i = 0; i < r->grid_count; i++) {
 		const grid *g = &r->grid[i];
-		if (!is_identity(g->matrix) || is_among(g, r->cloud))
-			GW_TRY(scan_add_scanner(r->cloud, &g->matrix[12], g->first, g->rows.count, r->error));
+		const double *place = &g->matrix[12];
+		bool known = !is_identity(g->matrix);
+		if (!known && g->rows.cell && scan_settle_origin(r->cloud, g->image)) {
+			place = r->cloud->image[g->image].scanner;
+			known = true;
+		}
+		if (known || is_among(g, r->cloud))
+			GW_TRY(scan_add_scanner(r->cloud, place, g->first, g->rows.count, r->error));
 	}
 	return GW_OK;
+}
+
+static gw_status read_all(reader *r, text_names *names, text_column **column)
+{
+	GW_TRY(take_grids(r));
+	GW_TRY(name_columns(r, names));
+	GW_TRY(text_columns_add(r->cloud, names, column, r->error));
+	GW_TRY(read_points(r, names, *column));
+	return take_scanners(r);
 }
 
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
@@ -325,15 +341,7 @@ gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 	text_names names = { 0 };
 	text_column *column = NULL;
 	*cloud = (scan){ .up = 'z' };
-	gw_status status = take_grids(&r);
-	if (status == GW_OK)
-		status = name_columns(&r, &names);
-	if (status == GW_OK)
-		status = text_columns_add(cloud, &names, &column, error);
-	if (status == GW_OK)
-		status = read_points(&r, &names, column);
-	if (status == GW_OK)
-		status = take_scanners(&r);
+	gw_status status = read_all(&r, &names, &column);
 	for (size_t i = 0; i < r.grid_count; i++)
 		text_rows_clear(&r.grid[i].rows);
 	free(r.grid);

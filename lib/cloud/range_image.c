@@ -73,11 +73,9 @@ static double angle_between(const gw_range_grid *grid, size_t cell, size_t other
 	return atan2(length_of(across), v[0] * w[0] + v[1] * w[1] + v[2] * w[2]);
 }
 
-/*
- * Finds the angle between neighbours. False when three cells in a row are not at even angles: then
- * rays do not begin at the scanner, or rows and columns are no picture.
- */
-static bool find_step(gw_range_grid *grid)
+/* The angle between neighbours; 0 when three cells in a row are not at even angles: then rows and
+ * columns are no picture, or were not seen from anywhere near. */
+static double find_step(const gw_range_grid *grid)
 {
 	size_t columns = grid->image->columns, rows = grid->image->rows, cells = columns * rows;
 	float angle[PAIRS];
@@ -94,9 +92,8 @@ static bool find_step(gw_range_grid *grid)
 		angle[count++] = (float)one;
 	}
 	if (count < POINTS_LEAST / 4 || (double)even < REGULAR * (double)count)
-		return false;
-	grid->step = (double)gw_nth_element(angle, count, count / 2);
-	return grid->step > 0.0;
+		return 0.0;
+	return (double)gw_nth_element(angle, count, count / 2);
 }
 
 static bool is_usable(const gw_points *points, const gw_range_image *image)
@@ -109,6 +106,25 @@ static bool is_usable(const gw_points *points, const gw_range_image *image)
 		   image->count <= points->count - image->first && image->count >= POINTS_LEAST &&
 		   image->columns > 4 && image->rows > 4 && cells < UINT32_MAX &&
 		   cells <= (uint64_t)CELLS_MOST * image->count;
+}
+
+bool gw_range_grid_open(const gw_points *points, const gw_range_image *image, gw_range_grid *grid)
+{
+	*grid = (gw_range_grid){ .points = points, .image = image };
+	if (!is_usable(points, image))
+		return true;
+	grid->point = gw_allocate_array((size_t)image->columns * image->rows, sizeof *grid->point);
+	if (!grid->point)
+		return false;
+	fill_cells(grid);
+	grid->step = find_step(grid);
+	return true;
+}
+
+void gw_range_grid_close(gw_range_grid *grid)
+{
+	free(grid->point);
+	grid->point = NULL;
 }
 
 /* -------------------------------------------------------------------------------- outcome */
@@ -149,7 +165,7 @@ static void take_plane(const gw_range_grid *grid, const gw_range_plane *plane, s
 		direction[k] = way[k] / range;
 	double share = fmin(fmax((spread - NOISE_LEAST) / (NOISE_MUCH - NOISE_LEAST), 0.0), 1.0);
 	double smooth = 1.0 / gw_range_plane_dot(plane, direction);
-	if (!(share > 0.0 && fabs(smooth - range) < 4.0 * noise))
+	if (!(share > 0.0 && fabs(smooth - range) < 6.0 * noise))
 		return;
 	for (size_t k = 0; k < 3; k++)
 		out->position[3 * point + k] =
@@ -160,7 +176,8 @@ static bool use_grid(gw_range_grid *grid, uint32_t threads, gw_ranged_points *ou
 {
 	const gw_range_image *image = grid->image;
 	gw_range_plane *plane = gw_allocate_zeros(image->count, sizeof *plane);
-	bool good = plane && gw_range_noise_find(grid) && gw_range_planes_find(grid, threads, plane);
+	bool good = plane && gw_range_noise_find(grid) && gw_range_planes_find(grid, threads, plane) &&
+				gw_range_planes_blend(grid, plane);
 	for (size_t i = image->first; good && i < image->first + image->count; i++) {
 		size_t cell = grid->points->image_cell[i];
 		if (cell >= (size_t)image->columns * image->rows || grid->point[cell] != i)
@@ -179,15 +196,11 @@ static bool use_grid(gw_range_grid *grid, uint32_t threads, gw_ranged_points *ou
 static bool use_image(const gw_points *points, const gw_range_image *image, uint32_t threads,
 					  gw_ranged_points *out)
 {
-	gw_range_grid grid = { .points = points, .image = image };
-	if (!is_usable(points, image))
-		return true;
-	grid.point = gw_allocate_array((size_t)image->columns * image->rows, sizeof *grid.point);
-	if (!grid.point)
-		return false;
-	fill_cells(&grid);
-	bool good = !find_step(&grid) || use_grid(&grid, threads, out);
-	free(grid.point);
+	gw_range_grid grid;
+	bool good = gw_range_grid_open(points, image, &grid);
+	if (grid.step > 0.0 && gw_range_rays_meet(&grid))
+		good = use_grid(&grid, threads, out);
+	gw_range_grid_close(&grid);
 	return good;
 }
 

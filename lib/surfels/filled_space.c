@@ -124,6 +124,10 @@ gw_status gw_filled_space_find(gw_neighbours *search, const gw_surfels *surfels,
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, judge, &step, error);
 	free(step.thickness);
+	if (status != GW_OK) {
+		free(*filled);
+		*filled = NULL;
+	}
 	return status;
 }
 

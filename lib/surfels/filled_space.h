@@ -15,7 +15,7 @@
  * neighbours; noise of half a spacing is thinner.
  *   search    of the surfels, where points say that they are
  *   surfels   with normals
- *   filled   receives one a surfel, 1: it is such a point; for free()
+ *   filled    on success receives one a surfel, 1: it is such a point; for free()
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_filled_space_find(gw_neighbours *search, const gw_surfels *surfels, uint8_t **filled,

@@ -1,7 +1,7 @@
 /* Where an airborne sensor was, from scan angles and times: two flight lines over hills and a roof,
  * and clouds that only look as if. */
 #include "las/las_flight.h"
-#include "surfels/surfels.h"
+#include "cloud/surfels.h"
 #include "expected.h"
 
 #include <math.h>
