@@ -125,6 +125,8 @@ typedef struct gw_points {
 							 known that they belong to no surface */
 	bool keep_strays;     /* all are taken for points of surfaces, these too, and none is looked
 							 for */
+	char up;              /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
+							 point down; 0: z. Tells sides of surface where nothing else does */
 } gw_points;
 
 /* Points that belong to no surface are strays. They get the light of the surface nearest to them,

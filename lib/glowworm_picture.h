@@ -37,6 +37,7 @@ typedef struct gw_stray {
 
 typedef struct gw_surfels {
 	size_t count;     /* distinct finite positions */
+	char up;          /* as gw_points has it */
 	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
 						 under a metre), chosen from the bounds */
 	float minimum[3], maximum[3]; /* bounds in the local frame, without what is far off all the rest

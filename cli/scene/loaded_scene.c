@@ -640,6 +640,7 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .emission = p->emission,
 							 .stray = p->stray,
 							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
+							 .up = scene->up,
 							 .scanner = scene->scanner ? scene->scanner : scene->cloud.scanner,
 							 .scanner_count = scene->cloud.scanner_count,
 							 .scanner_of = scene->cloud.scanner_of,

@@ -85,6 +85,7 @@ size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maxim
 static void choose_frame(frame *f, const double minimum[3], const double maximum[3])
 {
 	double extent = 0, step = 1;
+	f->surfels->up = f->points->up;
 	for (int k = 0; k < 3; k++)
 		extent = fmax(extent, maximum[k] - minimum[k]);
 	if (extent > 0 && extent < 1)

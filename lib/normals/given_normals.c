@@ -48,6 +48,9 @@
 #define OUT_FRONT_MOST 0.005
 #define OUT_BACK_LEAST 0.3
 
+/* Share of a scanner's points that face away from it, from which on they are turned. */
+#define AWAY_LEAST 0.8
+
 /* Median length of normals below which they are no means of others: those would spread over more
  * than a hemisphere. */
 #define LENGTH_LEAST 0.3f
@@ -342,6 +345,64 @@ static gw_status mend_inside_out(check *c, gw_surfels *s, gw_error *error)
 	return GW_OK;
 }
 
+/* ----------------------------------------------------------------- away from their scanners */
+
+/* Of the points that one scanner saw. */
+typedef struct seen_points {
+	size_t all, away;
+} seen_points;
+
+/* The scanner that saw a point whose surfel has one side; scanner_count where that is not known. */
+static size_t scanner_of(const gw_points *points, const gw_surfels *s, size_t point)
+{
+	uint32_t surfel = s->surfel_of_point[point];
+	if (surfel == UINT32_MAX || s->two_sided[surfel] || !is_given(s->normal + 3 * (size_t)surfel))
+		return points->scanner_count;
+	size_t of = points->scanner_of           ? points->scanner_of[point]
+				: points->scanner_count == 1 ? 0
+											 : points->scanner_count;
+	return of < points->scanner_count ? of : points->scanner_count;
+}
+
+static bool faces_away(const gw_points *points, const gw_surfels *s, size_t point)
+{
+	const double *at = points->scanner + 3 * scanner_of(points, s, point);
+	const float *n = s->normal + 3 * (size_t)s->surfel_of_point[point];
+	double along = 0;
+	for (size_t k = 0; k < 3; k++)
+		along += (double)n[k] * (at[k] - points->position[3 * point + k]);
+	return along < 0;
+}
+
+/* No scanner sees a back: of those whose points nearly all face away, these are turned. Where fewer
+ * do, it may be the scanner's place that is wrong. */
+static gw_status mend_facing_away(const gw_points *points, gw_surfels *s, gw_error *error)
+{
+	if (points->scanner_count == 0)
+		return GW_OK;
+	seen_points *seen = gw_allocate_zeros(points->scanner_count, sizeof *seen);
+	if (!seen)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu scanners", points->scanner_count);
+	for (size_t i = 0; i < s->point_count; i++) {
+		size_t of = scanner_of(points, s, i);
+		if (of < points->scanner_count) {
+			seen[of].all++;
+			seen[of].away += faces_away(points, s, i);
+		}
+	}
+	for (size_t i = 0; i < s->point_count; i++) {
+		size_t of = scanner_of(points, s, i), surfel = s->surfel_of_point[i];
+		if (of == points->scanner_count || seen[of].away < FINDINGS_LEAST ||
+			(double)seen[of].away < AWAY_LEAST * (double)seen[of].all || !faces_away(points, s, i))
+			continue;
+		for (size_t k = 0; k < 3; k++)
+			s->normal[3 * surfel + k] = -s->normal[3 * surfel + k];
+		s->normals_turned++;
+	}
+	free(seen);
+	return GW_OK;
+}
+
 /* ---------------------------------------------------------------------------------- all of it */
 
 static void forget_normals(gw_surfels *s)
@@ -378,6 +439,7 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 	}
 	if (mixed)
 		return mend_signs(c, options, s, &found, error);
+	GW_TRY(mend_facing_away(points, s, error));
 	return options->light_count > 0 && faces_middle(s) && !has_inside(s, points, options)
 			   ? mend_inside_out(c, s, error)
 			   : GW_OK;

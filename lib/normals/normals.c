@@ -2,6 +2,7 @@
 #include "normals/normals.h"
 
 #include "base/memory.h"
+#include "base/up_axis.h"
 #include "normals/normal_orientation.h"
 #include "normals/plane_normal.h"
 #include "normals/scanner_sight.h"
@@ -100,7 +101,8 @@ static bool find_scanners(normal_step *step, const gw_points *points)
 static void way_to_scanner(const normal_step *step, size_t surfel, double way[3])
 {
 	const float *p = step->surfels->position + 3 * surfel;
-	double best = INFINITY, up[3] = { 0, 0, 1 };
+	double best = INFINITY, up[3];
+	gw_up_axis(step->surfels->up, up);
 	memcpy(way, up, sizeof up);
 	size_t own = step->scanner_of ? step->scanner_of[surfel] : step->scanner_count;
 	bool known = own < step->scanner_count;
@@ -117,8 +119,8 @@ static void way_to_scanner(const normal_step *step, size_t surfel, double way[3]
 	}
 	double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
 	if (!(length > 0) || !isfinite(length)) {
-		way[0] = way[1] = 0;
-		way[2] = length = 1;
+		memcpy(way, up, sizeof up);
+		length = 1;
 	}
 	for (int k = 0; k < 3; k++)
 		way[k] /= length;

@@ -3,6 +3,7 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "base/up_axis.h"
 #include "glowworm_host.h"
 #include "octree/trace_constants.h"
 #include "normals/disc_tree.h"
@@ -77,6 +78,7 @@ typedef struct side_work {
 	const gw_pieces *pieces;
 	double area;     /* of all surface, m^2 */
 	float reach;     /* longer than the scene, metres */
+	gw_vec3 up;      /* unit */
 	double sky;      /* radiance, luminance */
 	double ambient;  /* likewise, from everywhere */
 	gw_disc *disc;   /* facet: its number among the blockers */
@@ -274,10 +276,11 @@ static void shoot(const side_work *w, place *p, size_t number, bool back)
 		gw_disc_start from = { p->disc.place, ray_direction(&p->disc, ray, number, back) };
 		float length = w->reach;
 		uint32_t disc = gw_disc_tree_cross(&w->tree, &from, &p->disc, &length);
-		p->down[back] += from.direction.z < -DOWN;
-		p->down_met[back] += from.direction.z < -DOWN && disc != GW_NONE;
+		float rise = gw_dot(from.direction, w->up);
+		p->down[back] += rise < -DOWN;
+		p->down_met[back] += rise < -DOWN && disc != GW_NONE;
 		if (disc == GW_NONE) {
-			p->end[back][ray] = from.direction.z > 0.0f ? TO_SKY : TO_DARK;
+			p->end[back][ray] = rise > 0.0f ? TO_SKY : TO_DARK;
 			continue;
 		}
 		bool from_behind = gw_dot(w->disc[disc].normal, from.direction) > 0.0f;
@@ -392,8 +395,11 @@ static void find_sky(side_work *w)
 	w->sky = w->sky > 0.0 || lit ? w->sky : 1.0;
 }
 
-static void find_reach(side_work *w)
+static void find_frame(side_work *w)
 {
+	double up[3];
+	gw_up_axis(w->surfels->up, up);
+	w->up = (gw_vec3){ (float)up[0], (float)up[1], (float)up[2] };
 	double squared = 0.0;
 	for (int k = 0; k < 3; k++) {
 		double width = (double)w->surfels->maximum[k] - (double)w->surfels->minimum[k];
@@ -405,7 +411,7 @@ static void find_reach(side_work *w)
 static gw_status find_light(side_work *w, gw_side_light *light, gw_error *error)
 {
 	find_sky(w);
-	find_reach(w);
+	find_frame(w);
 	GW_TRY(choose_all(w, error));
 	GW_TRY(gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error));
 	GW_TRY(look_around_all(w, error));

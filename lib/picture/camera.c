@@ -1,6 +1,8 @@
 /* camera.c - setting up and turning a pinhole camera; see glowworm_picture.h. */
 #include "glowworm_picture.h"
 
+#include "base/up_axis.h"
+
 #include <math.h>
 
 /* Least sine of the angle between view direction and up. */
@@ -71,9 +73,7 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 
 void gw_camera_up(char up, double axis[3])
 {
-	bool down = up >= 'X' && up <= 'Z';
-	for (int k = 0; k < 3; k++)
-		axis[k] = up - (down ? 'X' : 'x') == k ? (down ? -1.0 : 1.0) : 0.0;
+	gw_up_axis(up, axis);
 }
 
 void gw_camera_stand(char axis, double right[3], double back[3], double up[3])

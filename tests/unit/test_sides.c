@@ -7,6 +7,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -17,6 +18,7 @@ typedef struct cloud {
 	double position[3 * MOST];
 	float normal[3 * MOST];
 	size_t count;
+	char up; /* as gw_points has it */
 } cloud;
 
 static double next_random(uint64_t *state)
@@ -93,7 +95,7 @@ static gw_light lamp_at(double x, double y, double z)
 /* The share of points that face as they should, and how many are lit from both sides. */
 static double right_share(const cloud *c, const gw_light *light, uint64_t *untrusted)
 {
-	const gw_points points = { .count = c->count, .position = c->position };
+	const gw_points points = { .count = c->count, .position = c->position, .up = c->up };
 	const gw_surfels_options options = { .lights = light, .light_count = light ? 1 : 0 };
 	gw_surfels s;
 	gw_error error;
@@ -202,6 +204,61 @@ static void test_ground(void **state)
 	free(c);
 }
 
+/* Ground across any axis that is said to point up. */
+static void test_up(void **state)
+{
+	(void)state;
+	static const char axes[] = "xyzXYZ";
+	for (size_t i = 0; i < sizeof axes - 1; i++) {
+		const double low[3] = { 0 };
+		double high[3] = { 9, 9, 9 };
+		uint64_t untrusted;
+		cloud *c = new_cloud();
+		high[i % 3] = 0;
+		add_face(c, 5000, low, high, (int)(i % 3), i < 3 ? 1 : -1, false);
+		c->up = axes[i];
+		assert_true(right_share(c, &sky, &untrusted) > 0.995);
+		assert_int_equal(untrusted, 0);
+		free(c);
+	}
+}
+
+/* The faces of a box, but for one, so many points a square metre; facing 1: outwards. */
+static void add_box(cloud *c, double density, const double box[2][3], int without, double facing)
+{
+	for (int face = 0; face < 6; face++) {
+		int axis = face / 2, end = face % 2;
+		double from[3], to[3], area = 1;
+		for (int k = 0; k < 3; k++) {
+			from[k] = box[axis == k && end][k];
+			to[k] = box[axis != k || end][k];
+			area *= axis == k ? 1 : box[1][k] - box[0][k];
+		}
+		if (face != without)
+			add_face(c, (size_t)(density * area), from, to, axis, end ? facing : -facing, false);
+	}
+}
+
+/* A room without a front wall, and blocks in it. From outside the roof and the walls are brighter,
+ * from inside the floor: they are not torn apart. */
+static void test_open_room(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 3, 3, 2.7 } };
+	const double high[2][3] = { { 0.9, 1.6, 0 }, { 1.6, 2.3, 1.4 } };
+	const double low[2][3] = { { 1.9, 0.7, 0 }, { 2.5, 1.3, 0.7 } };
+	static const double density[4] = { 300, 330, 360, 410 };
+	for (int i = 0; i < 4; i++) {
+		cloud *c = new_cloud();
+		add_box(c, density[i], room, 2, -1);
+		add_box(c, density[i], high, 4, 1);
+		add_box(c, density[i], low, 4, 1);
+		assert_right(c, &sky, "a room without a front wall under the sky");
+		assert_right(c, &sun, "a room without a front wall in the sun");
+		free(c);
+	}
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -214,6 +271,42 @@ static void test_sheet_is_doubtful(void **state)
 	assert_int_equal(untrusted, 5000);
 	(void)right_share(c, &sun, &untrusted);
 	assert_true(untrusted < 50);
+	free(c);
+}
+
+/* Two balls, a scanner in each. The normals of one face away from its scanner and are turned, but
+ * not if they are to be taken as given; where a part alone faces away, they stay. */
+static void test_given_away_from_scanner(void **state)
+{
+	(void)state;
+	const double middle[6] = { 0, 0, 0, 9, 0, 0 };
+	cloud *c = new_cloud();
+	add_ball(c, 4000, middle, 2, -1);
+	add_ball(c, 4000, middle + 3, 2, 1);
+	static uint32_t scanner_of[8000];
+	for (uint32_t i = 0; i < 8000; i++)
+		scanner_of[i] = i / 4000;
+	for (int kind = 0; kind < 3; kind++) {
+		const double beside[6] = { 0, 0, 0, 0, 0, 0 };
+		const gw_points points = { .count = c->count,
+								   .position = c->position,
+								   .normal = c->normal,
+								   .scanner = kind == 2 ? beside : middle,
+								   .scanner_count = 2,
+								   .scanner_of = scanner_of };
+		const gw_surfels_options options = { .normals =
+												 kind == 1 ? GW_NORMALS_GIVEN : GW_NORMALS_AUTO };
+		gw_surfels s;
+		gw_error error;
+		assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
+		assert_int_equal(s.normals_turned, kind == 0 ? 4000 : 0);
+		const float *n = s.normal + 3 * (size_t)s.surfel_of_point[5000];
+		float along = 0;
+		for (int k = 0; k < 3; k++)
+			along += n[k] * c->normal[3 * 5000 + k];
+		assert_true(kind == 0 ? along < 0 : along > 0);
+		gw_surfels_clear(&s);
+	}
 	free(c);
 }
 
@@ -267,10 +360,17 @@ static void test_patches_join(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_closed_thing), cmocka_unit_test(test_lit_from_within),
-		cmocka_unit_test(test_room),         cmocka_unit_test(test_thing_on_floor),
-		cmocka_unit_test(test_ground),       cmocka_unit_test(test_sheet_is_doubtful),
-		cmocka_unit_test(test_patches_turn), cmocka_unit_test(test_patches_join),
+		cmocka_unit_test(test_closed_thing),
+		cmocka_unit_test(test_lit_from_within),
+		cmocka_unit_test(test_room),
+		cmocka_unit_test(test_thing_on_floor),
+		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_sheet_is_doubtful),
+		cmocka_unit_test(test_up),
+		cmocka_unit_test(test_open_room),
+		cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_patches_turn),
+		cmocka_unit_test(test_patches_join),
 	};
 	return cmocka_run_group_tests_name("sides", tests, NULL, NULL);
 }
