@@ -31,11 +31,13 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
 }
 
-/* Missing normals, and how far off they are. */
+/* Missing normals, and how far off they are; those of range images, which are of planes through
+ * neighbours as well, if `ranged`. */
 static gw_status complete_normals(const gw_points *points, const gw_surfels_options *options,
-								  gw_neighbours *search, gw_surfels *s, gw_error *error)
+								  bool ranged, gw_neighbours *search, gw_surfels *s,
+								  gw_error *error)
 {
-	if (s->normals_given == s->count)
+	if (s->normals_given == s->count && !ranged)
 		return GW_OK;
 	s->shading_normal_off = gw_allocate_zeros(s->count, sizeof *s->shading_normal_off);
 	if (!s->shading_normal_off)
@@ -44,7 +46,10 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		const float *n = s->normal + 3 * i;
 		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
 	}
-	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	if (s->normals_given < s->count)
+		GW_TRY(gw_normals_complete(points, options, search, s, error));
+	for (size_t i = 0; i < s->count && ranged; i++)
+		s->shading_normal_off[i] = 1.0f;
 	return gw_plane_error(search, s, error);
 }
 
@@ -52,6 +57,7 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 typedef struct sorted_points {
 	const gw_points *all;
 	gw_stray_marks strays;
+	bool ranged;      /* all normals that there are came from range images */
 	gw_points rest;   /* those that are no strays */
 	double *position; /* of the rest */
 } sorted_points;
@@ -99,12 +105,12 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 	if (status == GW_OK)
 		status = gw_given_normals_mend(points, options, search, surfels, error);
 	if (status == GW_OK)
-		status = complete_normals(points, options, search, surfels, error);
-	uint8_t *filled = NULL;
+		status = complete_normals(points, options, p->ranged, search, surfels, error);
+	gw_lone_points lone = { 0 };
 	if (status == GW_OK)
-		status = gw_filled_space_find(search, surfels, &filled, error);
+		status = gw_filled_space_find(points, search, surfels, &lone, error);
 	if (status == GW_OK)
-		status = gw_surfels_smooth(search, filled, surfels, &smoothed, error);
+		status = gw_surfels_smooth(search, lone.filled, surfels, &smoothed, error);
 	if (smoothed) {
 		gw_neighbours_close(search);
 		search = NULL;
@@ -112,8 +118,8 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 	}
 	if (status == GW_OK)
 		status =
-			gw_discs_make(search, filled, surfels, options->rough_area, gap ? *gap : NULL, error);
-	free(filled);
+			gw_discs_make(search, &lone, surfels, options->rough_area, gap ? *gap : NULL, error);
+	gw_lone_points_clear(&lone);
 	gw_neighbours_close(search);
 	return status;
 }
@@ -127,6 +133,7 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 	if (gap)
 		*gap = NULL;
 	gw_status status = gw_range_images_use(points, options, &ranged, error);
+	sorted.ranged = status == GW_OK && !points->normal && ranged.normals > 0;
 	if (status == GW_OK)
 		status = sort_points(&ranged.options, &sorted, surfels, error);
 	if (status == GW_OK)
