@@ -6,9 +6,9 @@
  * sparse voxel octree on a Vulkan device, and computes the light that every point sends out.
  * It reads and writes no files, prints nothing and never exits the process.
  *
- * The data's way through the library (each step is one file of the same name in lib/):
+ * The data's way through the library; the folders of lib/ follow it:
  *
- *   points -> frame -> surfels -> plan -> octree -> direct light -> records -> bounces -> points
+ *   points -> cloud -> normals -> surfels -> octree -> direct light -> records -> bounces -> points
  *
  * Quantities and letters, the same everywhere in this project:
  *
@@ -234,7 +234,8 @@ typedef enum gw_validation {
 } gw_validation;
 
 /* What light comes through gaps: through what no scanner ever looked at, because something stood in
- * front of it. Where it did look, as through windows, is no gap. Known only where scanners are. */
+ * front of it. Where it did look, as through windows, is no gap. Where no scanner is known, gaps
+ * are holes of surfaces that are closed around them, windows among them. */
 typedef enum gw_gaps {
 	GW_GAPS_OPEN,  /* that of the sky, as through everything that is not there */
 	GW_GAPS_BLACK, /* none */
@@ -408,10 +409,14 @@ typedef struct gw_error_estimate {
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */
 typedef struct gw_gap_report {
-	uint32_t scanners; /* whose view is known; 0: nothing is known of gaps, and all below is 0 */
-	double share;      /* of the directions that points gather light from, weighted as irradiance */
-	double sky;        /* of the light that the sky brings: comes through gaps, were they open */
-	double lamps;      /* of the light of lamps and suns: passes what no scanner saw */
+	uint32_t scanners; /* whose view is known */
+	/* Where none is: holes that the surface has, and of the widest of them its extent and its
+	 * middle, metres. With neither scanners nor holes all below is 0. */
+	uint32_t holes;
+	double hole_width, hole_place[3];
+	double share; /* of the directions that points gather light from, weighted as irradiance */
+	double sky;   /* of the light that the sky brings: comes through gaps, were they open */
+	double lamps; /* of the light of lamps and suns: passes what no scanner saw */
 	/* The mean radiance over what it is, if gaps were black, and if they were as bright as what
 	 * surrounds them. */
 	double black, bright;
@@ -725,8 +730,9 @@ typedef struct gw_statistics {
 											a million points where there are more */
 	double density;                      /* points a square metre of surface, median */
 	uint64_t normals_given, normals_bad; /* usable ones; zero or non-finite ones */
-	uint32_t depth;                      /* that GW_DEPTH_AUTO would choose */
-	uint64_t memory;                     /* bytes that a bake would need, estimated */
+	gw_stray_count stray[GW_STRAY_KIND_COUNT]; /* points that belong to no surface, by kind */
+	uint32_t depth;                            /* that GW_DEPTH_AUTO would choose */
+	uint64_t memory;                           /* bytes that a bake would need, estimated */
 } gw_statistics;
 
 /* Measures a cloud. threads: of the host, 0 means one a core. */

@@ -40,7 +40,11 @@ class Error(c.Structure):  # gw_error
 
 
 class Estimate(c.Structure):  # gw_error_estimate
-    _fields_ = [("points", c.c_uint32), ("relative_rms", c.c_double), ("parts", c.c_double * 11)]
+    _fields_ = [("points", c.c_uint32), ("relative_rms", c.c_double), ("gathered", c.c_double),
+                ("spread", c.c_double), ("bias", c.c_double), ("noise", c.c_double),
+                ("shadows", c.c_double), ("normals", c.c_double), ("emission", c.c_double),
+                ("geometry", c.c_double), ("gaps", c.c_double), ("sides", c.c_double),
+                ("sides_share", c.c_double)]
 
 
 library = c.CDLL(os.environ.get("GLOWWORM_LIBRARY", "libglowworm.so.0.1"))

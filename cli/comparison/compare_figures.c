@@ -64,20 +64,26 @@ static gw_status check_finite(const scan_column *const column[3], const size_t *
 		file, bad, count, column[0]->name, first);
 }
 
+static gw_status compare_rows(const matched_scans *m, const scan_column *const found[3],
+							  const scan_column *const truth[3], values *v,
+							  compare_component *component, gw_error *error)
+{
+	GW_TRY(check_finite(found, m->in_found, m->count, m->found_name, error));
+	GW_TRY(check_finite(truth, m->in_truth, m->count, m->truth_name, error));
+	GW_TRY(allocate(v, m->count, error));
+	for (int row = 0; row < COMPARE_ROWS; row++) {
+		fill_values(m, found, truth, (compare_row)row, v);
+		GW_TRY(gw_compare(v->found, v->truth, m->count, &component->row[row], error));
+	}
+	return GW_OK;
+}
+
 static gw_status compare_columns(const matched_scans *m, const scan_column *const found[3],
 								 const scan_column *const truth[3], compare_component *component,
 								 gw_error *error)
 {
 	values v = { 0 };
-	gw_status status = check_finite(found, m->in_found, m->count, m->found_name, error);
-	if (status == GW_OK)
-		status = check_finite(truth, m->in_truth, m->count, m->truth_name, error);
-	if (status == GW_OK)
-		status = allocate(&v, m->count, error);
-	for (int row = 0; row < COMPARE_ROWS && status == GW_OK; row++) {
-		fill_values(m, found, truth, (compare_row)row, &v);
-		status = gw_compare(v.found, v.truth, m->count, &component->row[row], error);
-	}
+	gw_status status = compare_rows(m, found, truth, &v, component, error);
 	free(v.found);
 	free(v.truth);
 	return status;

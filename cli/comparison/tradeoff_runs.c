@@ -103,8 +103,7 @@ static gw_status wait_for(pid_t child, const char *name, struct rusage *usage, g
 		if (errno != EINTR)
 			return gw_fail(error, GW_ERROR_INTERNAL, "the process of '%s' is lost: %s", name,
 						   strerror(errno));
-	if (signals_pending())
-		return gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+	GW_TRY(signals_check(error));
 	if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL)
 		return gw_fail(error, GW_ERROR_MEMORY, "'%s' was killed, likely for want of memory", name);
 	if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)

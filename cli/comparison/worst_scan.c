@@ -48,6 +48,18 @@ static gw_status add_own(const compare_figures *f, scan *worst, const size_t *pa
 	return GW_OK;
 }
 
+/* pair: room for worst->count numbers. */
+static gw_status fill_worst(const compare_figures *f, size_t *pair, scan *worst, gw_error *error)
+{
+	const matched_scans *m = f->match;
+	GW_TRY(gw_compare_worst(f->error, m->count, worst->count, pair, error));
+	GW_TRY(scan_add_comment(worst, "glowworm compare: the points with the largest errors", error));
+	for (size_t c = 0; c < m->found->column_count; c++)
+		if (!is_own(m->found->column[c].name))
+			GW_TRY(pick_column(worst, &m->found->column[c], m->in_found, pair, error));
+	return add_own(f, worst, pair, error);
+}
+
 gw_status worst_scan_make(const compare_figures *f, size_t wanted, scan *worst, gw_error *error)
 {
 	const matched_scans *m = f->match;
@@ -56,15 +68,7 @@ gw_status worst_scan_make(const compare_figures *f, size_t wanted, scan *worst, 
 	size_t *pair = reallocarray(NULL, count, sizeof *pair);
 	if (!pair)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %zu worst points", count);
-	gw_status status = gw_compare_worst(f->error, m->count, count, pair, error);
-	if (status == GW_OK)
-		status =
-			scan_add_comment(worst, "glowworm compare: the points with the largest errors", error);
-	for (size_t c = 0; c < m->found->column_count && status == GW_OK; c++)
-		if (!is_own(m->found->column[c].name))
-			status = pick_column(worst, &m->found->column[c], m->in_found, pair, error);
-	if (status == GW_OK)
-		status = add_own(f, worst, pair, error);
+	gw_status status = fill_worst(f, pair, worst, error);
 	free(pair);
 	if (status != GW_OK)
 		scan_clear(worst);

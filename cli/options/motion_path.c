@@ -155,7 +155,8 @@ gw_status motion_path_lamp(const motion_path *path, uint32_t frame, lamp *light,
 		light_value kind = light_keys[which].value;
 		if (!value_in_frame(path, which, frame, value))
 			continue;
-		for (int k = 0; k < 3 && kind != LIGHT_VALUE_VECTOR; k++)
+		bool positive = kind == LIGHT_VALUE_COLOR || kind == LIGHT_VALUE_NUMBER;
+		for (int k = 0; k < 3 && positive; k++)
 			value[k] = fmax(value[k], 0.0);
 		GW_TRY(light_set(light, (light_key_id)which, value, kind == LIGHT_VALUE_NUMBER ? 1 : 3,
 						 error));

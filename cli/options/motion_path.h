@@ -4,7 +4,7 @@
 #ifndef MOTION_PATH_H
 #define MOTION_PATH_H
 
-#include "options/light_text.h"
+#include "lamps/light_text.h"
 
 /* What keyframes of an input hold; those of a lamp hold its keys, light_key_id. */
 typedef enum motion_value {

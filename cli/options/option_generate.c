@@ -70,7 +70,18 @@ static void write_manual_lights(FILE *out)
 		"A light is its type and pairs of key and value, separated by blanks; numbers that belong\n"
 		"together have commas and no blanks between them. A colour is R,G,B or one number, which\n"
 		"is white. The scene file's name of a key, where it is another one, stands in brackets\n"
-		"and is understood too.\n",
+		"and is understood too.\n"
+		".PP\nUnits may stand behind numbers: 40cd, 3W/sr, 400lm, 60W, 10000lx, 3W/m^2, 5cd/m^2.\n"
+		"Without units they are what you take them for. Photometric and radiometric ones are "
+		"never\n"
+		"converted, because the luminous efficacy depends on the spectrum (683 lm/W at 540 THz\n"
+		"alone), and cannot stand in one scene. Candela in give cd/m^2 out, lux are irradiance.\n"
+		".PP\nThe sun stands by azimuth and elevation, or by place and time, to 0.01 degrees. "
+		"Skies:\n"
+		"overcast, intermediate and clear are the CIE standard overcast sky and types 7 and 12 of\n"
+		"the CIE standard general sky (ISO 15469); physical is the clear sky of Preetham, Shirley\n"
+		"and Smits (1999) with its colours, in cd/m^2; gradient goes from radiance overhead to\n"
+		"horizon. None of them holds the sun itself, which is a light of its own.\n",
 		out);
 	for (int t = 0; t < GW_LIGHT_TYPE_COUNT; t++) {
 		fprintf(out, ".SS %s%s\n", gw_light_type_name((gw_light_type)t),

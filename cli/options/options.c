@@ -649,18 +649,17 @@ static gw_status take_long(parser *p, const char *word)
 /* -fq, -oFILE or -o FILE */
 static gw_status take_letters(parser *p, const char *word)
 {
-	gw_status status = GW_OK;
-	for (const char *c = word + 1; *c && status == GW_OK; c++) {
+	for (const char *c = word + 1; *c; c++) {
 		const option *o = options;
 		while (o->name && !(o->letter == *c && o->verbs & 1u << p->verb))
 			o++;
 		if (!o->name)
 			return fail_unknown(p, word, strlen(word));
-		status = take(p, o, o->type != OPTION_FLAG && c[1] ? c + 1 : NULL);
+		GW_TRY(take(p, o, o->type != OPTION_FLAG && c[1] ? c + 1 : NULL));
 		if (o->type != OPTION_FLAG)
 			break;
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_input(const parser *p, char *word)

@@ -175,7 +175,7 @@ typedef struct settings {
 	uint32_t frame_count; /* 0: the scene says nothing of frames */
 	const char *frames;   /* which of them to bake, as given; NULL: none */
 	bool rebuild, independent;
-	int units;                       /* 0 radiometric, 1 photometric */
+	light_units units;               /* of the scene file, or of its lights */
 	int length;                      /* a coordinates_unit: what coordinates are in */
 	int up, colors, gamma, progress; /* values of enums and choices */
 	int strays;                      /* settings_strays */

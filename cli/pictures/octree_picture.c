@@ -1,8 +1,8 @@
 #include "pictures/octree_picture.h"
 #include "glowworm_host.h"
 #include "pictures/gloss_filter.h"
+#include "pictures/scene_octree.h"
 #include "scene/glossy_points.h"
-#include "scene/octree_note.h"
 #include "panoramas/panorama.h"
 #include "program/signals.h"
 #include "panoramas/panorama_reader.h"
@@ -79,29 +79,6 @@ static gw_status find_sky(const settings *s, float sky[3], gw_error *error)
 	return GW_OK;
 }
 
-static gw_status build(octree_picture *p, const settings *s, const render_scene *scene,
-					   gw_error *error)
-{
-	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
-	float *radiance = reallocarray(NULL, count, 3 * sizeof *radiance);
-	if (!radiance)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", count);
-	for (size_t i = 0; i < 3 * count; i++)
-		radiance[i] =
-			scene->channel[i / 3 * stride + (size_t)scene->offset[RENDER_RADIANCE] + i % 3];
-	const gw_render_octree_options options = { .device = s->bake.device,
-											   .passes = s->bake.passes,
-											   .validate = s->bake.validate,
-											   .memory = s->bake.memory,
-											   .depth = s->bake.depth,
-											   .leaf_spacing = s->bake.leaf_spacing,
-											   .bricks = p->voxels || p->reflection.cone };
-	gw_status status =
-		gw_render_octree_create(&scene->surfels, radiance, &options, &p->octree, error);
-	free(radiance);
-	return status;
-}
-
 gw_status octree_picture_open(const settings *s, const render_scene *scene, octree_picture *p,
 							  gw_error *error)
 {
@@ -116,17 +93,14 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 	if (!p->glossy && !p->voxels)
 		return GW_OK;
 	double start = gw_seconds();
-	gw_status status = p->glossy ? find_sky(s, p->reflection.sky, error) : GW_OK;
-	if (status == GW_OK)
-		status = build(p, s, scene, error);
+	if (p->glossy)
+		GW_TRY(find_sky(s, p->reflection.sky, error));
+	gw_status status =
+		scene_octree_create(s, scene, p->voxels || p->reflection.cone, &p->octree, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");
 	p->build_seconds = gw_seconds() - start;
-	if (status == GW_OK && !s->quiet) {
-		gw_octree_width width = gw_render_octree_width(p->octree);
-		octree_note_print(width.leaf_size, width.wanted_leaf_size, width.why_coarser);
-	}
 	return status;
 }
 

@@ -1,7 +1,7 @@
 #include "pictures/octree_view.h"
 #include "glowworm_picture.h"
+#include "pictures/scene_octree.h"
 #include "program/nearest_name.h"
-#include "scene/octree_note.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -220,17 +220,6 @@ static gw_status make_shadow(settings *s, render_scene *scene, const octree_view
 
 /* ------------------------------------------------------------------------------------ open */
 
-/* Radiance of the surfels, or zeros of an unlit cloud; freed by the caller. */
-static float *radiance_of(const render_scene *scene)
-{
-	size_t stride = scene->raster.channel_count;
-	float *radiance = calloc(scene->surfels.count, 3 * sizeof *radiance);
-	int offset = scene->offset[RENDER_RADIANCE];
-	for (size_t i = 0; radiance && offset >= 0 && i < 3 * scene->surfels.count; i++)
-		radiance[i] = scene->channel[i / 3 * stride + (size_t)offset + i % 3];
-	return radiance;
-}
-
 static gw_status make(settings *s, render_scene *scene, octree_view *v, gw_render_octree *octree,
 					  gw_error *error)
 {
@@ -254,26 +243,10 @@ gw_status octree_view_open(settings *s, render_scene *scene, octree_view *v, gw_
 {
 	if (!octree_view_needs_octree(v->view))
 		return GW_OK;
-	const gw_render_octree_options options = { .device = s->bake.device,
-											   .passes = s->bake.passes,
-											   .validate = s->bake.validate,
-											   .memory = s->bake.memory,
-											   .depth = s->bake.depth,
-											   .leaf_spacing = s->bake.leaf_spacing,
-											   .bricks = v->view == SETTINGS_VIEW_OPACITY ||
-														 v->view == SETTINGS_VIEW_VOXELS };
 	gw_render_octree *octree = NULL;
-	float *radiance = radiance_of(scene);
-	gw_status status =
-		radiance ? gw_render_octree_create(&scene->surfels, radiance, &options, &octree, error)
-				 : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light");
-	free(radiance);
-	if (status == GW_OK && !s->quiet) {
-		gw_octree_width width = gw_render_octree_width(octree);
-		octree_note_print(width.leaf_size, width.wanted_leaf_size, width.why_coarser);
-	}
-	if (status == GW_OK)
-		status = make(s, scene, v, octree, error);
+	bool bricks = v->view == SETTINGS_VIEW_OPACITY || v->view == SETTINGS_VIEW_VOXELS;
+	GW_TRY(scene_octree_create(s, scene, bricks, &octree, error));
+	gw_status status = make(s, scene, v, octree, error);
 	gw_render_octree_destroy(&octree);
 	return status;
 }

@@ -82,8 +82,7 @@ static gw_status wait_for(pid_t child, double seconds, child_end *end, gw_error 
 		nanosleep(&pause, NULL);
 	}
 	end->seconds = now() - start;
-	if (signals_pending())
-		return gw_fail(error, GW_ERROR_CANCELLED, "stopped");
+	GW_TRY(signals_check(error));
 	if (ended < 0)
 		return gw_fail(error, GW_ERROR_INTERNAL, "a process is lost: %s", strerror(errno));
 	end->code = WIFEXITED(status) ? WEXITSTATUS(status) : 0;

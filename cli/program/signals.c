@@ -78,3 +78,8 @@ int signals_pending(void)
 {
 	return pending;
 }
+
+gw_status signals_check(gw_error *error)
+{
+	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+}

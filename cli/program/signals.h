@@ -9,10 +9,15 @@
 #ifndef SIGNALS_H
 #define SIGNALS_H
 
+#include "glowworm.h"
+
 /* Installs the handlers, and opens /dev/null where one of the three standard streams is closed. */
 void signals_install(void);
 
 /* The signal that asked to stop, or 0. */
 int signals_pending(void);
+
+/* GW_ERROR_CANCELLED when one did. */
+gw_status signals_check(gw_error *error);
 
 #endif

@@ -137,9 +137,7 @@ static gw_status bake_light(solve *w)
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
 		take_irradiance(w, r, i, w->level + 3 * i);
 	gw_bake_result_destroy(&r);
-	if (status == GW_OK && signals_pending())
-		return gw_fail(w->error, GW_ERROR_CANCELLED, "stopped");
-	return status;
+	return status == GW_OK ? signals_check(w->error) : status;
 }
 
 /* Marks points without light, once, so that rounds agree which those are. */
@@ -215,22 +213,19 @@ static double take_step(solve *w, double step)
 
 static gw_status run_rounds(solve *w)
 {
-	gw_status status = GW_OK;
-	for (int round = 0; round < ROUNDS && status == GW_OK; round++) {
-		status = bake_light(w);
-		if (status == GW_OK && round == 0)
-			status = find_dark(w);
-		if (status != GW_OK)
-			return status;
+	for (int round = 0; round < ROUNDS; round++) {
+		GW_TRY(bake_light(w));
+		if (round == 0)
+			GW_TRY(find_dark(w));
 		divide(w);
-		status = albedo_seams_level(w->scene, w->level, w->error);
+		GW_TRY(albedo_seams_level(w->scene, w->level, w->error));
 		w->facts->scale = find_scale(w);
 		w->facts->change = take_step(w, round == 0 ? 1.0 : STEP);
 		w->facts->rounds = round + 1;
 		if (round > 0 && w->facts->change < CHANGE_SMALL)
 			break;
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- all of it */

@@ -14,6 +14,8 @@
 #define MEGABYTE 1e6
 #define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
 #define PART_SHARE 0.25  /* and of the whole error */
+#define DARK 0.001       /* of the mean radiance: less is dark, */
+#define DARK_SHARE 0.75  /* and worth a word from this share of the points on */
 #define GAPS_LEAST                                                                                 \
 	0.01 /* share of the light that comes through gaps, from which on they are told */
 #define GUESSED_LEAST                                                                              \
@@ -139,6 +141,8 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_close(json, '}');
 	json_put_open_flat(json, "gaps", '{');
 	json_put_count(json, "scanners", r->gaps.scanners);
+	json_put_count(json, "holes", r->gaps.holes);
+	json_put_real(json, "hole_width", r->gaps.hole_width);
 	json_put_real(json, "share", r->gaps.share);
 	json_put_real(json, "sky", r->gaps.sky);
 	json_put_real(json, "lamps", r->gaps.lamps);
@@ -349,12 +353,35 @@ static void note_sides(const gw_report *r)
 			text_percent(r->error.sides_share, percent));
 }
 
+/* Where light comes through holes of the surface, which may be windows. */
+static void note_holes(const gw_report *r)
+{
+	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], sky[TEXT_PERCENT], black[TEXT_PERCENT],
+		bright[TEXT_PERCENT];
+	const double *at = r->gaps.hole_place;
+	fprintf(stderr,
+			"glowworm: note: the surface has %" PRIu32
+			" hole%s, the widest %.3g m at %.6g,%.6g,%.6g: "
+			"%s %% of the directions that light is gathered from, %s %% of the sky's light and "
+			"%s %% of what lamps and suns send pass there; were they black, the light would be "
+			"%s %% of what it is, as bright as what surrounds them, %s %%; nobody knows which of "
+			"them are windows: --scanner says what was looked at, --gaps closes all of them\n",
+			r->gaps.holes, r->gaps.holes == 1 ? "" : "s", r->gaps.hole_width, at[0], at[1], at[2],
+			text_percent(r->gaps.share, share), text_percent(r->gaps.sky, sky),
+			text_percent(r->gaps.lamps, lamps), text_percent(r->gaps.black, black),
+			text_percent(r->gaps.bright, bright));
+}
+
 /* Where light comes through what no scanner looked at. */
 static void note_gaps(const gw_report *r)
 {
 	char share[TEXT_PERCENT], lamps[TEXT_PERCENT], black[TEXT_PERCENT], bright[TEXT_PERCENT];
-	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST)
+	if (r->gaps.share < GAPS_LEAST && r->gaps.lamps < GAPS_LEAST && r->gaps.sky < GAPS_LEAST)
 		return;
+	if (r->gaps.scanners == 0) {
+		note_holes(r);
+		return;
+	}
 	fprintf(
 		stderr,
 		"glowworm: note: %s %% of the directions that light is gathered from, and %s %% of what "
@@ -368,21 +395,59 @@ static void note_gaps(const gw_report *r)
 /* What was asked for gaps, where none can be known. */
 static void note_no_scanner(const settings *s, const gw_report *r)
 {
-	if (s->bake.gaps != GW_GAPS_OPEN && r->gaps.scanners == 0)
+	if (s->bake.gaps != GW_GAPS_OPEN && r->gaps.scanners == 0 && r->gaps.holes == 0)
 		fprintf(stderr,
-				"glowworm: note: --gaps %s closes nothing: no scanner is known that saw a thousand "
-				"points or more; --scanner says where one stood\n",
+				"glowworm: note: --gaps %s closes nothing: the surface has no hole that looks like "
+				"one, and no scanner is known that saw a thousand points or more; --scanner says "
+				"where one stood\n",
 				gw_gaps_name(s->bake.gaps));
+}
+
+/* Is a count worth a line? Of what does no harm, only if it is much; the report has all. */
+static bool is_notable(const gw_count *count, size_t points)
+{
+	static const struct {
+		const char *name;
+		double least; /* share of the points */
+	} harmless[] = { { "duplicates_merged", 0.1 },
+					 { "albedo_clamped", 0.01 },
+					 { "normals_untrusted", 0.05 } };
+	double least = 0.0;
+	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
+		if (strcmp(count->name, harmless[i].name) == 0)
+			least = harmless[i].least;
+	return count->points > 0 && (double)count->points >= least * (double)points;
+}
+
+/* Where light does not get to most of what there is: the usual first picture of a room is black. */
+static void note_dark(const gw_bake_result *result)
+{
+	char percent[TEXT_PERCENT];
+	double sum = 0.0;
+	size_t dark = 0;
+	for (size_t i = 0; i < result->count; i++)
+		sum += preview_luminance(result->radiance + 3 * i);
+	double least = DARK * sum / (double)result->count;
+	for (size_t i = 0; i < result->count; i++)
+		dark += !(preview_luminance(result->radiance + 3 * i) > least);
+	double share = (double)dark / (double)result->count;
+	if (share > DARK_SHARE)
+		fprintf(stderr,
+				"glowworm: note: %s %% of the points get no light, or less than a thousandth of "
+				"the mean; what is closed all round needs a lamp inside, as --light 'point at "
+				"X,Y,Z intensity 20'\n",
+				text_percent(share, percent));
 }
 
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	for (uint32_t i = 0; i < r->count_count; i++)
-		if (r->count[i].points)
+		if (is_notable(&r->count[i], f->result->count))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
+	note_dark(f->result);
 	note_geometry(r);
 	note_sides(r);
 	note_gaps(r);

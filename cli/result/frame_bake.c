@@ -187,10 +187,10 @@ static gw_status make_movers(const settings *s, const loaded_scene *scene, mover
 static gw_status lights_at(const settings *s, const loaded_scene *scene, uint32_t frame,
 						   gw_light *lights, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < s->light_count; i++) {
 		lamp light = s->light[i];
 		gw_error reason = { 0 };
+		gw_status status = GW_OK;
 		if (light.motion > 0)
 			status = motion_path_lamp(&s->path[light.motion - 1], frame, &light, &reason);
 		if (status != GW_OK)
@@ -198,8 +198,19 @@ static gw_status lights_at(const settings *s, const loaded_scene *scene, uint32_
 						   reason.text);
 		loaded_scene_place(&scene->place, scene->up, &light);
 		lights[i] = light.light;
+		loaded_scene_put_map(scene, &light, i, &lights[i]);
 	}
-	return status;
+	return GW_OK;
+}
+
+/* The same in an array for free(). */
+static gw_status make_lights(const settings *s, const loaded_scene *scene, uint32_t frame,
+							 gw_light **lights, gw_error *error)
+{
+	*lights = calloc(s->light_count + 1, sizeof **lights);
+	if (!*lights)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	return lights_at(s, scene, frame, *lights, error);
 }
 
 /* Three columns of the points of a mover, times a matrix. */
@@ -247,13 +258,10 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 	movers m;
 	gw_frames *frames = NULL;
 	const gw_frames_options how = { .rebuild = true };
-	gw_light *lights = calloc(s->light_count + 1, sizeof *lights);
 	*result = NULL;
-	if (!lights)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
-	gw_status status = make_movers(s, scene, &m, error);
-	if (status == GW_OK)
-		status = lights_at(s, scene, 0, lights, error);
+	GW_TRY(make_movers(s, scene, &m, error));
+	gw_light *lights = NULL;
+	gw_status status = make_lights(s, scene, 0, &lights, error);
 	if (status == GW_OK)
 		status = gw_frames_open(
 			&(gw_moving_scene){ { &scene->points.points, lights, s->light_count }, &m.motion },
@@ -345,19 +353,21 @@ static gw_status make_lit(frame_run *r, const gw_bake_result *result, scan *lit)
 	return status;
 }
 
+static gw_status write_output(frame_run *r, const scan *lit, const char *name, output_file **output)
+{
+	GW_TRY(output_file_create(output, name, r->settings->force, r->error));
+	GW_TRY(r->format->write(*output, lit, r->error));
+	GW_TRY(signals_check(r->error));
+	return output_file_commit(output, r->error);
+}
+
 static gw_status write_frame(frame_run *r, const gw_bake_result *result, const char *name)
 {
 	scan lit = { 0 };
 	output_file *output = NULL;
 	gw_status status = make_lit(r, result, &lit);
-	if (status == GW_OK && name)
-		status = output_file_create(&output, name, r->settings->force, r->error);
-	if (status == GW_OK && output)
-		status = r->format->write(output, &lit, r->error);
-	if (status == GW_OK && signals_pending())
-		status = gw_fail(r->error, GW_ERROR_CANCELLED, "stopped");
-	if (status == GW_OK && output)
-		status = output_file_commit(&output, r->error);
+	if (status == GW_OK)
+		status = name ? write_output(r, &lit, name, &output) : signals_check(r->error);
 	output_file_abandon(&output);
 	scan_clear(&lit);
 	return status;
@@ -487,33 +497,38 @@ static gw_status write_report(const frame_run *r, output_file *out)
 	return status;
 }
 
-static gw_status run(frame_run *r)
+/* first: the lights of frame 0. Normals are oriented as in that, whichever frames are asked for. */
+static gw_status bake_frames(frame_run *r, const gw_light *first)
 {
 	const settings *s = r->settings;
 	const gw_frames_options how = { .rebuild = s->rebuild, .independent = s->independent };
 	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, r };
-	r->at = r->first;
-	gw_status status = make_movers(s, r->scene, &r->movers, r->error);
-	r->lights = calloc(s->light_count + 1, sizeof *r->lights);
-	r->done = calloc(r->last - r->first + 1, sizeof *r->done);
-	gw_light *first = calloc(s->light_count + 1, sizeof *first);
-	if (status == GW_OK && (!r->lights || !r->done || !first))
-		status = gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the frames");
-	/* Normals are oriented as in frame 0, whichever frames are asked for. */
-	if (status == GW_OK)
-		status = lights_at(s, r->scene, 0, first, r->error);
 	gw_bake_options options = s->bake;
 	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	r->lights = calloc(s->light_count + 1, sizeof *r->lights);
+	r->done = calloc(r->last - r->first + 1, sizeof *r->done);
+	if (!r->lights || !r->done)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the frames");
+	GW_TRY(gw_frames_open(&(gw_moving_scene){ { &r->scene->points.points, first, s->light_count },
+											  &r->movers.motion },
+						  &options, &how, &callbacks, &r->frames, r->error));
+	for (r->at = r->first; r->at <= r->last; r->at++)
+		GW_TRY(bake_frame(r));
+	return GW_OK;
+}
+
+static gw_status run(frame_run *r)
+{
+	gw_light *first = NULL;
+	r->at = r->first;
+	gw_status status = make_movers(r->settings, r->scene, &r->movers, r->error);
 	if (status == GW_OK)
-		status =
-			gw_frames_open(&(gw_moving_scene){ { &r->scene->points.points, first, s->light_count },
-											   &r->movers.motion },
-						   &options, &how, &callbacks, &r->frames, r->error);
-	for (; status == GW_OK && r->at <= r->last; r->at++)
-		status = bake_frame(r);
+		status = make_lights(r->settings, r->scene, 0, &first, r->error);
+	if (status == GW_OK)
+		status = bake_frames(r, first);
 	gw_frames_close(&r->frames);
 	free(first);
 	return status;

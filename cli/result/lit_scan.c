@@ -294,7 +294,8 @@ static gw_status make_comments(maker *m)
 	GW_TRY(comment_command(m));
 	snprintf(text, sizeof text,
 			 "glowworm units: linear RGB, Rec.709; radiance in %s, irradiance in %s",
-			 m->settings->units ? "cd/m^2" : "W/(sr m^2)", m->settings->units ? "lx" : "W/m^2");
+			 m->settings->units == LIGHT_UNITS_PHOTOMETRIC ? "cd/m^2" : "W/(sr m^2)",
+			 m->settings->units == LIGHT_UNITS_PHOTOMETRIC ? "lx" : "W/m^2");
 	GW_TRY(comment(m, text));
 	snprintf(text, sizeof text,
 			 "glowworm preview: sRGB(PBR Neutral(radiance * 0.18 / (0.125 * 2^EV))), EV %s",

@@ -261,16 +261,12 @@ static gw_status finish_part(const settings *s, const settings_input *from, part
 							 loaded_input *facts, gw_error *error)
 {
 	gw_error reason = { 0 };
-	gw_status status = GW_OK;
 	if (from->has_emission)
-		status = set_emission(&p->cloud, from->emission, error);
-	if (status == GW_OK)
-		status = set_gloss(from, &p->cloud, error);
-	if (status == GW_OK) {
-		status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
-		if (status != GW_OK)
-			gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
-	}
+		GW_TRY(set_emission(&p->cloud, from->emission, error));
+	GW_TRY(set_gloss(from, &p->cloud, error));
+	gw_status status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
+	if (status != GW_OK)
+		gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
 	return status;
 }
 
@@ -422,11 +418,6 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
-static gw_status stopped(gw_error *error)
-{
-	return signals_pending() ? gw_fail(error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
-}
-
 bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 {
 	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
@@ -489,7 +480,7 @@ static gw_status read_parts(const settings *s, loaded_scene *scene, part *parts,
 			GW_TRY(read_cloud(s, from, &parts[i].cloud, facts, error));
 		if (!facts->is_mesh)
 			GW_TRY(find_place(s, scene, i, &parts[i].cloud, error));
-		GW_TRY(stopped(error));
+		GW_TRY(signals_check(error));
 	}
 	return GW_OK;
 }
@@ -534,48 +525,54 @@ static gw_status finish_clouds(const settings *s, loaded_scene *scene, part *par
 			continue;
 		GW_TRY(finish_part(&scaled, &s->input[i], &parts[i], &scene->input[i], error));
 		place_points(scene, &parts[i].points, parts[i].cloud.count);
-		GW_TRY(stopped(error));
+		GW_TRY(signals_check(error));
 	}
 	return GW_OK;
+}
+
+/* Brings an input behind those before it. */
+static gw_status join_part(const settings *s, loaded_scene *scene, size_t i, double density,
+						   part *p, gw_error *error)
+{
+	loaded_input *facts = &scene->input[i];
+	if (facts->is_mesh) {
+		GW_TRY(sample_mesh(s, i, density, facts, p, error));
+		place_points(scene, &p->points, p->cloud.count);
+	}
+	/* A mesh that does not say which way is up follows the inputs before it. */
+	bool follows = facts->is_mesh && !facts->mesh.up && scene->up;
+	GW_TRY(check_up(s, scene, follows ? scene->up : p->cloud.up, s->input[i].path, error));
+	return join(scene, &p->cloud, &p->points, error);
 }
 
 static gw_status join_parts(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
 {
 	double density;
-	gw_status status = find_density(s, scene, parts, &density, error);
-	for (size_t i = 0; i < s->input_count && status == GW_OK; i++) {
-		if (scene->input[i].is_mesh)
-			status = sample_mesh(s, i, density, &scene->input[i], &parts[i], error);
-		if (scene->input[i].is_mesh && status == GW_OK)
-			place_points(scene, &parts[i].points, parts[i].cloud.count);
-		/* A mesh that does not say which way is up follows the inputs before it. */
-		bool follows = scene->input[i].is_mesh && !scene->input[i].mesh.up && scene->up;
-		char up = follows ? scene->up : parts[i].cloud.up;
-		if (status == GW_OK)
-			status = check_up(s, scene, up, s->input[i].path, error);
-		if (status == GW_OK)
-			status = join(scene, &parts[i].cloud, &parts[i].points, error);
+	GW_TRY(find_density(s, scene, parts, &density, error));
+	for (size_t i = 0; i < s->input_count; i++) {
+		gw_status status = join_part(s, scene, i, density, &parts[i], error);
 		scan_clear(&parts[i].cloud);
 		scan_points_clear(&parts[i].points);
-		if (status == GW_OK)
-			status = stopped(error);
+		GW_TRY(status);
+		GW_TRY(signals_check(error));
 	}
-	return status;
+	return GW_OK;
+}
+
+static gw_status read_and_join(const settings *s, loaded_scene *scene, part *parts, gw_error *error)
+{
+	GW_TRY(read_parts(s, scene, parts, error));
+	GW_TRY(finish_clouds(s, scene, parts, error));
+	return join_parts(s, scene, parts, error);
 }
 
 static gw_status read_all(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	part *parts = calloc(s->input_count, sizeof *parts);
 	scene->input = calloc(s->input_count, sizeof *scene->input);
-	gw_status status = GW_OK;
-	if (!parts || !scene->input)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu inputs", s->input_count);
-	if (status == GW_OK)
-		status = read_parts(s, scene, parts, error);
-	if (status == GW_OK)
-		status = finish_clouds(s, scene, parts, error);
-	if (status == GW_OK)
-		status = join_parts(s, scene, parts, error);
+	gw_status status = parts && scene->input ? read_and_join(s, scene, parts, error)
+											 : gw_fail(error, GW_ERROR_MEMORY,
+													   "no memory for %zu inputs", s->input_count);
 	for (size_t i = 0; parts && i < s->input_count; i++) {
 		scan_clear(&parts[i].cloud);
 		scan_points_clear(&parts[i].points);
@@ -661,6 +658,7 @@ void loaded_scene_clear(loaded_scene *scene)
 	for (size_t i = 0; i < scene->map_count; i++)
 		panorama_clear(&scene->map[i]);
 	free(scene->map);
+	free(scene->light);
 	free(scene->input);
 	free(scene->scanner);
 	coordinates_clear(&scene->place);
@@ -687,13 +685,26 @@ static bool emits(const loaded_scene *scene)
 	return false;
 }
 
-/* Reads the maps of environment lights; the scene owns their pixels. */
-static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lights,
+/* The map of a sky that has a model, or a file; the light is scaled to what it is to give. */
+static gw_status read_map(lamp *light, panorama *map, gw_error *error)
+{
+	if (light->model)
+		return light_sky(light, map, error);
+	GW_TRY(panorama_read(light->map, map, error));
+	gw_status status = light_scale_map(light, map, error);
+	if (status != GW_OK)
+		panorama_clear(map);
+	return status;
+}
+
+/* Reads or makes the maps of environment lights; the scene owns their pixels. placed: light_count
+ * resolved lamps, whose lights go into `lights`. */
+static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed, gw_light *lights,
 						   gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < s->light_count && status == GW_OK; i++) {
-		if (!s->light[i].map[0])
+	for (size_t i = 0; i < s->light_count; i++) {
+		lights[i] = placed[i].light;
+		if (!placed[i].map[0] && !placed[i].model)
 			continue;
 		panorama *grown = growing_table_room(scene->map, scene->map_count, sizeof *grown);
 		if (!grown)
@@ -704,32 +715,53 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, gw_light *lig
 				error, GW_ERROR_USAGE,
 				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
 				"with \"matrix\" of an input in a scene file",
-				s->light[i].map, settings_up_name(scene->up));
-		status = panorama_read(s->light[i].map, &grown[scene->map_count], error);
-		if (status != GW_OK)
-			break;
+				placed[i].model ? sky_model_name(placed[i].model) : placed[i].map,
+				settings_up_name(scene->up));
+		GW_TRY(read_map(&placed[i], &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
+		lights[i] = placed[i].light;
 		lights[i].map = map->pixels;
 		lights[i].map_width = map->width;
 		lights[i].map_height = map->height;
 	}
-	return status;
+	return GW_OK;
 }
 
 gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **lights, gw_error *error)
 {
-	*lights = calloc(s->light_count ? s->light_count : 1, sizeof **lights);
-	if (!*lights)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
-	for (size_t i = 0; i < s->light_count; i++) {
-		lamp placed = s->light[i];
-		loaded_scene_place(&scene->place, scene->up, &placed);
-		light_resolve(&s->light[i], scene->up);
-		(*lights)[i] = placed.light;
-	}
+	size_t count = s->light_count ? s->light_count : 1, bytes = count * sizeof **lights;
 	if (s->light_count == 0 && s->bake.bounces != 0 && !emits(scene))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");
-	return read_maps(scene, s, *lights, error);
+	*lights = calloc(count, sizeof **lights);
+	free(scene->light);
+	scene->light = calloc(count, sizeof **lights);
+	lamp *placed = calloc(count, sizeof *placed);
+	if (!*lights || !placed || !scene->light) {
+		free(placed);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", s->light_count);
+	}
+	for (size_t i = 0; i < s->light_count; i++) {
+		placed[i] = s->light[i];
+		loaded_scene_place(&scene->place, scene->up, &placed[i]);
+		light_resolve(&s->light[i], scene->up);
+	}
+	gw_status status = read_maps(scene, s, placed, *lights, error);
+	if (status == GW_OK)
+		memcpy(scene->light, *lights, bytes);
+	free(placed);
+	return status;
+}
+
+void loaded_scene_put_map(const loaded_scene *scene, const lamp *light, size_t i, gw_light *to)
+{
+	const gw_light *read = &scene->light[i];
+	if (!read->map)
+		return;
+	to->map = read->map;
+	to->map_width = read->map_width;
+	to->map_height = read->map_height;
+	if (light->model || light->measure == LIGHT_KEY_ILLUMINANCE)
+		memcpy(to->radiance, read->radiance, sizeof to->radiance);
 }

@@ -7,7 +7,7 @@
 
 #include "meshes/mesh.h"
 #include "panoramas/panorama.h"
-#include "options/light_text.h"
+#include "lamps/light_text.h"
 #include "options/settings.h"
 #include "units/coordinates.h"
 
@@ -19,7 +19,7 @@ typedef struct loaded_input {
 	uint64_t left_out; /* rows of the file without a point */
 	char albedo_source[240];
 	bool albedo_missing; /* nothing says what the albedo is, so a constant stands in */
-	bool albedo_told;    /* what its colours count to was told by their values */
+	bool albedo_told;    /* only their values tell what colours count to, or which are none */
 	double albedo_mean;  /* of all points and colours, linear */
 	bool lit;            /* glowworm wrote it */
 	bool is_mesh;
@@ -34,6 +34,7 @@ typedef struct loaded_scene {
 	size_t input_count;
 	panorama *map; /* owned; map_count: of environment lights, from loaded_scene_lights */
 	size_t map_count;
+	gw_light *light;   /* owned; settings.light_count: those that loaded_scene_lights found */
 	char up;           /* as gw_camera_up has it */
 	coordinates place; /* owned; from the cloud's coordinates to those of `points`, metres */
 	double *scanner;   /* owned; the cloud's scanners in metres, or NULL when those are the same */
@@ -68,6 +69,10 @@ void loaded_scene_place(const coordinates *place, char up, lamp *light);
  * light. */
 gw_status loaded_scene_lights(loaded_scene *scene, settings *settings, gw_light **lights,
 							  gw_error *error);
+
+/* Gives light i of a frame, a resolved lamp, the map that loaded_scene_lights read for it, and the
+ * scale that this was found to need. */
+void loaded_scene_put_map(const loaded_scene *scene, const lamp *light, size_t i, gw_light *to);
 
 /* The name for messages: the path, or "standard input". */
 const char *loaded_scene_input_name(const char *path);

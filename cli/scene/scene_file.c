@@ -67,6 +67,7 @@ static void enter_index(reader *r, size_t index)
 	r->step[r->depth++] = (json_step){ .index = index };
 }
 
+/* Only where all went well: what fails ends the reading. */
 static void leave(reader *r)
 {
 	r->depth--;
@@ -179,13 +180,14 @@ static gw_status take_light_value(const reader *r, const char *key, json_t *valu
 {
 	lamp trial = *light;
 	unsigned given = 0;
-	if (strcmp(key, "name") == 0)
-		return fail_here(r, "a light's name stays the same");
 	GW_TRY(take_light_key(r, key, value, &trial, &given));
 	int which = 0;
 	while (!(given & 1u << which))
 		which++;
-	size_t count = 0, most = light_keys[which].value == LIGHT_VALUE_NUMBER ? 1 : 3;
+	if (!light_key_moves((light_key_id)which))
+		return fail_here(r, "a light's %s stays the same", key);
+	light_value kind = light_keys[which].value;
+	size_t count = 0, most = kind == LIGHT_VALUE_NUMBER ? 1 : kind == LIGHT_VALUE_SKY ? 2 : 3;
 	GW_TRY(take_numbers(r, value, to->value[which], most, true, &count));
 	for (size_t k = count; k < most; k++)
 		to->value[which][k] = to->value[which][0];
@@ -197,7 +199,6 @@ static gw_status take_light_value(const reader *r, const char *key, json_t *valu
 static gw_status take_keyframe(reader *r, json_t *object, const lamp *light, motion_path *path)
 {
 	motion_key *to = &path->key[path->key_count];
-	gw_status status = GW_OK;
 	const char *key;
 	json_t *value;
 	if (!json_is_object(object) || !json_object_get(object, "frame"))
@@ -205,55 +206,53 @@ static gw_status take_keyframe(reader *r, json_t *object, const lamp *light, mot
 	json_object_foreach(object, key, value)
 	{
 		enter_key(r, key);
-		if (status == GW_OK && strcmp(key, "frame") == 0)
-			status = take_frame(r, value, &to->frame);
-		else if (status == GW_OK && light)
-			status = take_light_value(r, key, value, light, to);
-		else if (status == GW_OK)
-			status = take_input_value(r, key, value, to);
+		if (strcmp(key, "frame") == 0)
+			GW_TRY(take_frame(r, value, &to->frame));
+		else if (light)
+			GW_TRY(take_light_value(r, key, value, light, to));
+		else
+			GW_TRY(take_input_value(r, key, value, to));
 		leave(r);
 	}
-	if (status == GW_OK && !to->given)
-		status = fail_here(r, "this keyframe says nothing but its frame");
-	if (status == GW_OK && path->key_count > 0 && to->frame <= to[-1].frame)
-		status = fail_here(r, "keyframes must be in ascending order, each in a frame of its own");
+	if (!to->given)
+		return fail_here(r, "this keyframe says nothing but its frame");
+	if (path->key_count > 0 && to->frame <= to[-1].frame)
+		return fail_here(r, "keyframes must be in ascending order, each in a frame of its own");
 	path->key_count++;
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_path_keys(reader *r, json_t *list, const lamp *light, motion_path *path)
 {
 	size_t count = json_array_size(list);
-	gw_status status = GW_OK;
 	if (!json_is_array(list) || count == 0)
 		return fail_here(r, "an array of keyframes is needed, at least one");
 	path->key = calloc(count, sizeof *path->key);
 	if (!path->key)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu keyframes", count);
-	for (size_t i = 0; i < count && status == GW_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		enter_index(r, i);
-		status = take_keyframe(r, json_array_get(list, i), light, path);
+		GW_TRY(take_keyframe(r, json_array_get(list, i), light, path));
 		leave(r);
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_matrices(reader *r, json_t *list, motion_path *path)
 {
 	size_t count = json_array_size(list);
-	gw_status status = GW_OK;
 	if (!json_is_array(list) || count == 0)
 		return fail_here(r, "an array of matrices is needed, one for each frame");
 	path->matrix = reallocarray(NULL, count, 16 * sizeof *path->matrix);
 	if (!path->matrix)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu matrices", count);
-	for (size_t i = 0; i < count && status == GW_OK; i++) {
+	for (size_t i = 0; i < count; i++) {
 		enter_index(r, i);
-		status = take_matrix(r, json_array_get(list, i), path->matrix + 16 * i);
+		GW_TRY(take_matrix(r, json_array_get(list, i), path->matrix + 16 * i));
 		leave(r);
 	}
 	path->matrix_count = count;
-	return status;
+	return GW_OK;
 }
 
 /* The keys that tell how an input or a light moves; *known is false for any other. */
@@ -379,35 +378,37 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 	return fail_key(r, name, sizeof name / sizeof *name);
 }
 
+static gw_status take_input_keys(reader *r, json_t *object, motion_path *path,
+								 settings_input *input)
+{
+	bool known;
+	const char *key;
+	json_t *value;
+	json_object_foreach(object, key, value)
+	{
+		enter_key(r, key);
+		GW_TRY(take_motion_key(r, key, value, NULL, path, &known));
+		if (!known)
+			GW_TRY(take_input_key(r, key, value, input));
+		leave(r);
+	}
+	if (!input->path)
+		return fail_here(r, "an input needs 'file'");
+	input->vertices = json_is_false(json_object_get(object, "mesh"));
+	bool is_mesh = input->mesh || (mesh_is_name(input->path) && !input->vertices);
+	if (input->density > 0.0f && !is_mesh)
+		return fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
+	GW_TRY(finish_motion(r, object, path, input, &input->motion));
+	return settings_add_input(r->settings, input, r->error);
+}
+
 static gw_status take_input(reader *r, json_t *object)
 {
 	settings_input input = { 0 };
 	motion_path path = { 0 };
-	bool known;
-	gw_status status = GW_OK;
-	const char *key;
-	json_t *value;
 	if (!json_is_object(object))
 		return fail_here(r, "an input is an object with \"file\"");
-	json_object_foreach(object, key, value)
-	{
-		enter_key(r, key);
-		if (status == GW_OK)
-			status = take_motion_key(r, key, value, NULL, &path, &known);
-		if (status == GW_OK && !known)
-			status = take_input_key(r, key, value, &input);
-		leave(r);
-	}
-	if (status == GW_OK && !input.path)
-		status = fail_here(r, "an input needs 'file'");
-	input.vertices = json_is_false(json_object_get(object, "mesh"));
-	bool is_mesh = input.path && (input.mesh || (mesh_is_name(input.path) && !input.vertices));
-	if (status == GW_OK && input.density > 0.0f && !is_mesh)
-		status = fail_here(r, "'density' is for meshes; add \"mesh\": true to sample the faces");
-	if (status == GW_OK)
-		status = finish_motion(r, object, &path, &input, &input.motion);
-	if (status == GW_OK)
-		status = settings_add_input(r->settings, &input, r->error);
+	gw_status status = take_input_keys(r, object, &path, &input);
 	motion_path_clear(&path);
 	free(input.path);
 	return status;
@@ -436,6 +437,34 @@ static gw_status take_map(const reader *r, json_t *value, lamp *light)
 	return status;
 }
 
+/* Numbers, or a text of numbers with their unit: "40cd". */
+static gw_status take_light_number(const reader *r, json_t *value, light_key_id id, lamp *light)
+{
+	light_value kind = light_keys[id].value;
+	const char *text = json_string_value(value);
+	gw_error reason = { 0 };
+	double v[3] = { 0 };
+	size_t count;
+	if (kind == LIGHT_VALUE_TIME || kind == LIGHT_VALUE_MODEL) {
+		if (!text)
+			return fail_here(r, "a text is needed");
+		return light_set_text(light, id, text, &reason) == GW_OK
+				   ? GW_OK
+				   : fail_here(r, "%.600s", reason.text);
+	}
+	if (text && kind == LIGHT_VALUE_COLOR)
+		return light_set_numbers(light, id, text, &reason) == GW_OK
+				   ? GW_OK
+				   : fail_here(r, "%.600s", reason.text);
+	bool single = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE;
+	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE;
+	bool one = single || kind == LIGHT_VALUE_COLOR;
+	GW_TRY(take_numbers(r, value, v, single ? 1 : pair ? 2 : 3, one, &count));
+	if (light_set(light, id, v, count, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	return GW_OK;
+}
+
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
 								unsigned *given)
 {
@@ -455,15 +484,7 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 	}
 	if (id == LIGHT_KEY_MAP)
 		return take_map(r, value, light);
-	double v[3] = { 0 };
-	light_value kind = light_keys[id].value;
-	size_t count, most = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE ? 1 : 3;
-	bool one = light_keys[id].value != LIGHT_VALUE_VECTOR;
-	GW_TRY(take_numbers(r, value, v, most, one, &count));
-	gw_error reason = { 0 };
-	if (light_set(light, (light_key_id)id, v, count, &reason) != GW_OK)
-		return fail_here(r, "%.600s", reason.text);
-	return GW_OK;
+	return take_light_number(r, value, (light_key_id)id, light);
 }
 
 static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
@@ -486,36 +507,36 @@ static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
 	return status;
 }
 
-static gw_status take_light(reader *r, json_t *object)
+static gw_status take_light_keys(reader *r, json_t *object, motion_path *path, lamp *light)
 {
-	gw_light_type type;
-	if (!json_is_object(object))
-		return fail_here(r, "a light is an object with \"type\"");
-	gw_status status = find_light_type(r, object, &type);
-	if (status != GW_OK)
-		return status;
-	lamp light = light_default(type);
-	motion_path path = { 0 };
 	unsigned given = 0;
 	bool known;
+	gw_error reason = { 0 };
 	const char *key;
 	json_t *value;
 	json_object_foreach(object, key, value)
 	{
 		enter_key(r, key);
-		if (status == GW_OK)
-			status = take_motion_key(r, key, value, &light, &path, &known);
-		if (status == GW_OK && !known && strcmp(key, "type") != 0)
-			status = take_light_key(r, key, value, &light, &given);
+		GW_TRY(take_motion_key(r, key, value, light, path, &known));
+		if (!known && strcmp(key, "type") != 0)
+			GW_TRY(take_light_key(r, key, value, light, &given));
 		leave(r);
 	}
-	gw_error reason = { 0 };
-	if (status == GW_OK && light_check(&light, given, true, &reason) != GW_OK)
-		status = fail_here(r, "%.600s", reason.text);
-	if (status == GW_OK)
-		status = finish_motion(r, object, &path, NULL, &light.motion);
-	if (status == GW_OK)
-		status = settings_add_light(r->settings, &light, r->error);
+	if (light_complete(light, given, true, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	GW_TRY(finish_motion(r, object, path, NULL, &light->motion));
+	return settings_add_light(r->settings, light, r->error);
+}
+
+static gw_status take_light(reader *r, json_t *object)
+{
+	gw_light_type type;
+	if (!json_is_object(object))
+		return fail_here(r, "a light is an object with \"type\"");
+	GW_TRY(find_light_type(r, object, &type));
+	lamp light = light_default(type);
+	motion_path path = { 0 };
+	gw_status status = take_light_keys(r, object, &path, &light);
 	motion_path_clear(&path);
 	return status;
 }
@@ -569,7 +590,6 @@ static gw_status take_bake_key(const reader *r, const char *key, json_t *value)
 
 static gw_status take_bake(reader *r, json_t *object)
 {
-	gw_status status = GW_OK;
 	const char *key;
 	json_t *value;
 	if (!json_is_object(object))
@@ -577,11 +597,10 @@ static gw_status take_bake(reader *r, json_t *object)
 	json_object_foreach(object, key, value)
 	{
 		enter_key(r, key);
-		if (status == GW_OK)
-			status = take_bake_key(r, key, value);
+		GW_TRY(take_bake_key(r, key, value));
 		leave(r);
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- the scene */
@@ -590,9 +609,9 @@ static gw_status take_units(const reader *r, json_t *value)
 {
 	const char *units = json_string_value(value);
 	if (units && strcmp(units, "radiometric") == 0)
-		r->settings->units = 0;
+		r->settings->units = LIGHT_UNITS_RADIOMETRIC;
 	else if (units && strcmp(units, "photometric") == 0)
-		r->settings->units = 1;
+		r->settings->units = LIGHT_UNITS_PHOTOMETRIC;
 	else
 		return fail_here(r, "it must be \"radiometric\" or \"photometric\"");
 	return GW_OK;
@@ -600,23 +619,22 @@ static gw_status take_units(const reader *r, json_t *value)
 
 static gw_status take_list(reader *r, json_t *list, gw_status (*take)(reader *, json_t *))
 {
-	gw_status status = GW_OK;
 	if (!json_is_array(list))
 		return fail_here(r, "an array is needed");
-	for (size_t i = 0; i < json_array_size(list) && status == GW_OK; i++) {
+	for (size_t i = 0; i < json_array_size(list); i++) {
 		enter_index(r, i);
-		status = take(r, json_array_get(list, i));
+		GW_TRY(take(r, json_array_get(list, i)));
 		leave(r);
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_scanner(reader *r, json_t *value)
 {
 	double place[3];
 	size_t count;
-	gw_status status = take_numbers(r, value, place, 3, false, &count);
-	return status == GW_OK ? settings_add_scanner(r->settings, place, r->error) : status;
+	GW_TRY(take_numbers(r, value, place, 3, false, &count));
+	return settings_add_scanner(r->settings, place, r->error);
 }
 
 static gw_status take_frame_count(const reader *r, json_t *value)
@@ -670,7 +688,6 @@ static gw_status take_member(reader *r, const char *key, json_t *value)
 
 static gw_status take_scene(reader *r, json_t *root)
 {
-	gw_status status = GW_OK;
 	const char *key;
 	json_t *value;
 	if (!json_is_object(root))
@@ -680,11 +697,10 @@ static gw_status take_scene(reader *r, json_t *root)
 	json_object_foreach(root, key, value)
 	{
 		enter_key(r, key);
-		if (status == GW_OK)
-			status = take_member(r, key, value);
+		GW_TRY(take_member(r, key, value));
 		leave(r);
 	}
-	return status;
+	return check_frames(r);
 }
 
 static gw_status parse(reader *r)
@@ -700,8 +716,6 @@ static gw_status parse(reader *r)
 		return gw_fail(r->error, GW_ERROR_DATA, "%s, line %d, column %d: %s", r->path, problem.line,
 					   problem.column, problem.text);
 	gw_status status = take_scene(r, root);
-	if (status == GW_OK)
-		status = check_frames(r);
 	json_decref(root);
 	return status;
 }
@@ -725,21 +739,17 @@ static gw_status move_last(void *table, size_t size, size_t total, size_t count,
 gw_status scene_read(const char *path, size_t index, settings *s, gw_error *error)
 {
 	input_file in;
-	gw_status status = input_file_open(&in, path, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(input_file_open(&in, path, error));
 	size_t inputs = s->input_count, lights = s->light_count;
 	reader r = { .path = path, .in = &in, .settings = s, .error = error };
-	status = input_file_check(&in, parse(&r), error);
+	gw_status status = input_file_check(&in, parse(&r), error);
 	input_file_close(&in);
-	if (status == GW_OK)
-		status = move_last(s->input, sizeof *s->input, s->input_count, s->input_count - inputs,
-						   index + 1, error);
-	if (status == GW_OK && s->light_count > 0)
-		status = move_last(s->light, sizeof *s->light, s->light_count, s->light_count - lights, 0,
-						   error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
+	GW_TRY(move_last(s->input, sizeof *s->input, s->input_count, s->input_count - inputs, index + 1,
+					 error));
+	if (s->light_count > 0)
+		GW_TRY(move_last(s->light, sizeof *s->light, s->light_count, s->light_count - lights, 0,
+						 error));
 	free(s->input[index].path);
 	memmove(&s->input[index], &s->input[index + 1],
 			(s->input_count - index - 1) * sizeof *s->input);
@@ -766,5 +776,5 @@ gw_status scene_read_all(settings *s, gw_error *error)
 			return status;
 		i += s->input_count - before;
 	}
-	return GW_OK;
+	return lights_agree(s->light, s->light_count, &s->units, error);
 }

@@ -6,7 +6,53 @@
 #include "scene/scene_file.h"
 
 #include <assert.h>
+#include <stdio.h>
 #include <string.h>
+
+/* A colour as three numbers; with its unit behind them, in a text, where one was said. */
+static void write_color(json_writer *json, light_key_id id, light_units units, const float color[3])
+{
+	const char *unit = light_unit_name(light_key_quantity(id), units), *name = light_keys[id].name;
+	char text[3 * NUMBER_TEXT + 16], number[3][NUMBER_TEXT];
+	if (!*unit) {
+		json_put_singles(json, name, color, 3);
+		return;
+	}
+	for (int k = 0; k < 3; k++)
+		number_print_float(number[k], color[k]);
+	snprintf(text, sizeof text, "%s,%s,%s%s", number[0], number[1], number[2], unit);
+	json_put_text(json, name, text);
+}
+
+/* What only a sky with a model has. */
+static void write_sky_key(json_writer *json, const lamp *light, light_key_id id)
+{
+	const double sun[2] = { light->azimuth + light->north, light->elevation };
+	const char *name = light_keys[id].name;
+	if (id == LIGHT_KEY_MODEL)
+		json_put_text(json, name, sky_model_name(light->model));
+	else if (id == LIGHT_KEY_SKY && sky_model_has_sun(light->model))
+		json_put_reals(json, name, sun, 2);
+	else if (id == LIGHT_KEY_TURBIDITY && light->model == SKY_MODEL_PHYSICAL)
+		json_put_real(json, name, light->turbidity);
+	else if (id == LIGHT_KEY_HORIZON && light->model == SKY_MODEL_GRADIENT)
+		write_color(json, id, light->units, light->horizon);
+}
+
+/* As what a sky's brightness is written: it is worked out, but for that of a model or a map that is
+ * to give an illuminance. */
+static void write_sky_amount(json_writer *json, const lamp *light, light_key_id id)
+{
+	bool itself = light->model || light->map[0];
+	light_key_id as = itself && light->measure == LIGHT_KEY_ILLUMINANCE   ? LIGHT_KEY_ILLUMINANCE
+					  : light->model && light->measure == LIGHT_KEY_COUNT ? LIGHT_KEY_COUNT
+																		  : LIGHT_KEY_RADIANCE;
+	if (id != as)
+		return;
+	float color[3];
+	light_color(light, color);
+	write_color(json, id, light->units, id == LIGHT_KEY_RADIANCE ? light->light.radiance : color);
+}
 
 static void write_key(json_writer *json, const lamp *light, light_key_id id)
 {
@@ -20,13 +66,22 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 		json_put_reals(json, name, l->direction, 3);
 		break;
 	case LIGHT_KEY_INTENSITY:
-		json_put_singles(json, name, l->intensity, 3);
+		write_color(json, id, light->units, l->intensity);
 		break;
 	case LIGHT_KEY_IRRADIANCE:
-		json_put_singles(json, name, l->irradiance, 3);
+		write_color(json, id, light->units, l->irradiance);
 		break;
 	case LIGHT_KEY_RADIANCE:
-		json_put_singles(json, name, l->radiance, 3);
+	case LIGHT_KEY_ILLUMINANCE:
+		if (l->type == GW_LIGHT_ENVIRONMENT)
+			write_sky_amount(json, light, id);
+		break;
+	case LIGHT_KEY_MODEL:
+	case LIGHT_KEY_TURBIDITY:
+	case LIGHT_KEY_HORIZON:
+	case LIGHT_KEY_SKY:
+		if (light->model)
+			write_sky_key(json, light, id);
 		break;
 	case LIGHT_KEY_MAP:
 		if (light->map[0])
@@ -52,8 +107,13 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 		if (l->name[0])
 			json_put_text(json, name, l->name);
 		break;
-	case LIGHT_KEY_TARGET:
-	case LIGHT_KEY_SKY:
+	case LIGHT_KEY_TARGET: /* what these say, others have: directions and colours */
+	case LIGHT_KEY_PLACE:
+	case LIGHT_KEY_TIME:
+	case LIGHT_KEY_NORTH:
+	case LIGHT_KEY_LUMENS:
+	case LIGHT_KEY_WATTS:
+	case LIGHT_KEY_KELVIN:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
@@ -66,10 +126,11 @@ static void write_value(json_writer *json, const motion_key *key, int which, boo
 	assert(of_light || which < MOTION_VALUES);
 	bool one = of_light ? light_keys[which].value == LIGHT_VALUE_NUMBER : which == MOTION_SCALE;
 	const char *own = of_light ? light_keys[which].name : name[which];
+	bool pair = of_light && light_keys[which].value == LIGHT_VALUE_SKY;
 	if (one)
 		json_put_real(json, own, key->value[which][0]);
 	else
-		json_put_reals(json, own, key->value[which], 3);
+		json_put_reals(json, own, key->value[which], pair ? 2 : 3);
 }
 
 static void write_path(json_writer *json, const motion_path *path, bool of_light)
@@ -132,7 +193,8 @@ static void write_option(json_writer *json, const option *o, const settings *s)
 
 void scene_write_members(json_writer *json, const settings *s)
 {
-	json_put_text(json, "units", s->units ? "photometric" : "radiometric");
+	json_put_text(json, "units",
+				  s->units == LIGHT_UNITS_PHOTOMETRIC ? "photometric" : "radiometric");
 	if (s->frame_count > 0)
 		json_put_count(json, "frames", s->frame_count);
 	write_lights(json, s);

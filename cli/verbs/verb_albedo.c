@@ -24,21 +24,21 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
 					   "name a file with -o");
-	gw_status status = file_roles_check(VERB_ALBEDO, s, NULL, error);
-	return status == GW_OK ? output_name_format(s->output, s->output_format, to, error) : status;
+	GW_TRY(file_roles_check(VERB_ALBEDO, s, NULL, error));
+	return output_name_format(s->output, s->output_format, to, error);
 }
 
 /* What is photographed must not be lit already: its colours are a preview then. */
 static gw_status read_scan(settings *s, loaded_scene *scene, gw_error *error)
 {
 	s->points.albedo = SCAN_ALBEDO_COLOR;
-	gw_status status = loaded_scene_read(s, scene, error);
-	for (size_t i = 0; status == GW_OK && i < scene->input_count; i++)
+	GW_TRY(loaded_scene_read(s, scene, error));
+	for (size_t i = 0; i < scene->input_count; i++)
 		if (scene->input[i].lit)
-			status = gw_fail(error, GW_ERROR_USAGE,
-							 "%s was lit by glowworm and holds its albedo; photographs have none",
-							 loaded_scene_input_name(scene->input[i].path));
-	return status;
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "%s was lit by glowworm and holds its albedo; photographs have none",
+						   loaded_scene_input_name(scene->input[i].path));
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------- the set-up */
@@ -56,7 +56,6 @@ static settings_capture find_capture(const settings *s, const loaded_scene *scen
 static gw_status add_flashes(settings *s, const loaded_scene *scene, gw_error *error)
 {
 	const scan *cloud = &scene->cloud;
-	gw_status status = GW_OK;
 	if (cloud->scanner_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nobody says where the flash was; give --scanner X,Y,Z");
@@ -64,15 +63,15 @@ static gw_status add_flashes(settings *s, const loaded_scene *scene, gw_error *e
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "the scanner stood at %zu places; that is no flash on a tripod",
 					   cloud->scanner_count);
-	for (size_t i = 0; i < cloud->scanner_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < cloud->scanner_count; i++) {
 		lamp flash = light_default(GW_LIGHT_POINT);
 		for (size_t k = 0; k < 3; k++) {
 			flash.light.position[k] = cloud->scanner[3 * i + k];
 			flash.light.intensity[k] = 1.0f;
 		}
-		status = settings_add_light(s, &flash, error);
+		GW_TRY(settings_add_light(s, &flash, error));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status add_sky(settings *s, gw_error *error)
@@ -147,43 +146,41 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 static gw_status store_albedo(const settings *s, loaded_scene *scene, gw_error *error)
 {
 	scan *cloud = &scene->cloud;
-	gw_status status = GW_OK;
-	for (size_t k = 0; k < 3 && status == GW_OK; k++) {
+	for (size_t k = 0; k < 3; k++) {
 		scan_remove_column(cloud, scan_albedo_names[k]);
 		scan_remove_column(cloud, scan_color_names[k]);
 		scan_column *column = scan_add_column(cloud, scan_color_names[k], SCAN_UINT8, error);
-		status = column ? GW_OK : GW_ERROR_MEMORY;
-		for (size_t i = 0; column && i < cloud->count; i++)
+		if (!column)
+			return GW_ERROR_MEMORY;
+		for (size_t i = 0; i < cloud->count; i++)
 			((uint8_t *)column->data)[i] =
 				(uint8_t)(255.0 * scan_srgb_encode((double)scene->points.albedo[3 * i + k]) + 0.5);
 	}
 	char text[1024];
 	snprintf(text, sizeof text, "colours are the albedo, by glowworm " GW_VERSION ": %.900s",
 			 s->command);
-	return status == GW_OK ? scan_add_comment(cloud, text, error) : status;
+	return scan_add_comment(cloud, text, error);
+}
+
+static gw_status run(settings *s, loaded_scene *scene, output_file **output, gw_error *error)
+{
+	const format *to = NULL;
+	GW_TRY(scene_read_all(s, error));
+	quality_preset_apply(s);
+	GW_TRY(check(s, &to, error));
+	GW_TRY(output_file_create(output, s->output, s->force, error));
+	GW_TRY(read_scan(s, scene, error));
+	GW_TRY(find_albedo(s, scene, error));
+	GW_TRY(store_albedo(s, scene, error));
+	GW_TRY(to->write(*output, &scene->cloud, error));
+	return output_file_commit(output, error);
 }
 
 gw_status verb_albedo(settings *s, gw_error *error)
 {
-	const format *to = NULL;
 	output_file *output = NULL;
 	loaded_scene scene = { 0 };
-	gw_status status = scene_read_all(s, error);
-	quality_preset_apply(s);
-	if (status == GW_OK)
-		status = check(s, &to, error);
-	if (status == GW_OK)
-		status = output_file_create(&output, s->output, s->force, error);
-	if (status == GW_OK)
-		status = read_scan(s, &scene, error);
-	if (status == GW_OK)
-		status = find_albedo(s, &scene, error);
-	if (status == GW_OK)
-		status = store_albedo(s, &scene, error);
-	if (status == GW_OK)
-		status = to->write(output, &scene.cloud, error);
-	if (status == GW_OK)
-		status = output_file_commit(&output, error);
+	gw_status status = run(s, &scene, &output, error);
 	output_file_abandon(&output);
 	loaded_scene_clear(&scene);
 	return status;

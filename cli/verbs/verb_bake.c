@@ -134,8 +134,8 @@ static void note_colors(const settings *s, const loaded_input *input)
 	const char *name = loaded_scene_input_name(input->path);
 	double mean = input->albedo_mean;
 	if (input->albedo_told)
-		text_message(stderr, "glowworm: note: %s: the albedo is from %s, as the values tell\n",
-					 name, input->albedo_source);
+		text_message(stderr, "glowworm: note: %s: the albedo is from %s\n", name,
+					 input->albedo_source);
 	if (input->albedo_missing || input->is_mesh || input->lit || s->points.scale != 1.0f ||
 		s->points.white > 0.0f)
 		return;
@@ -312,7 +312,7 @@ static gw_status write_grids(bake *b)
 	const vdb_text text[] = {
 		{ "creator", "glowworm " GW_VERSION },
 		{ "command", s->command },
-		{ "units", s->units ? "cd/m^2" : "W/(sr m^2)" },
+		{ "units", s->units == LIGHT_UNITS_PHOTOMETRIC ? "cd/m^2" : "W/(sr m^2)" },
 	};
 	const vdb_points points = { .count = drop_strays(b),
 								.position = b->scene.points.points.position,
@@ -335,36 +335,40 @@ static gw_status write_grids(bake *b)
 	return status;
 }
 
-static gw_status stopped(const bake *b)
+/* The outputs that appear under their names when all of them are written. */
+static gw_status write_outputs(bake *b, gw_status *grids)
 {
-	return signals_pending() ? gw_fail(b->error, GW_ERROR_CANCELLED, "stopped") : GW_OK;
+	GW_TRY(lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error));
+	if (b->output)
+		GW_TRY(b->format->write(b->output, &b->lit, b->error));
+	if (b->settings->vdb)
+		*grids = write_grids(b);
+	if (*grids == GW_ERROR_CANCELLED)
+		return GW_ERROR_CANCELLED;
+	GW_TRY(signals_check(b->error));
+	if (b->output)
+		GW_TRY(output_file_commit(&b->output, b->error));
+	return b->transport ? output_file_commit(&b->transport, b->error) : GW_OK;
+}
+
+static gw_status write_report(bake *b)
+{
+	if (!b->report)
+		return GW_OK;
+	GW_TRY(bake_report_write(&b->facts, b->report, b->error));
+	return output_file_commit(&b->report, b->error);
 }
 
 /* What takes hours to bake is not lost with the grids: the other outputs are written. */
 static gw_status write_results(bake *b)
 {
 	double start = now();
-	progress_show(&b->progress, "write", 1.0);
-	gw_status status =
-		lit_scan_make(&b->scene, b->result, b->settings, &b->lit, &b->facts.exposure, b->error);
-	if (status == GW_OK && b->output)
-		status = b->format->write(b->output, &b->lit, b->error);
 	gw_status grids = GW_OK;
-	if (status == GW_OK && b->settings->vdb)
-		grids = write_grids(b);
-	if (status == GW_OK && grids == GW_ERROR_CANCELLED)
-		status = grids;
-	if (status == GW_OK)
-		status = stopped(b);
-	if (status == GW_OK && b->output)
-		status = output_file_commit(&b->output, b->error);
-	if (status == GW_OK && b->transport)
-		status = output_file_commit(&b->transport, b->error);
+	progress_show(&b->progress, "write", 1.0);
+	gw_status status = write_outputs(b, &grids);
 	b->facts.write_seconds = now() - start;
-	if (status == GW_OK && b->report)
-		status = bake_report_write(&b->facts, b->report, b->error);
-	if (status == GW_OK && b->report)
-		status = output_file_commit(&b->report, b->error);
+	if (status == GW_OK)
+		status = write_report(b);
 	progress_end(&b->progress);
 	return status == GW_OK ? grids : status;
 }

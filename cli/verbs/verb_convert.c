@@ -26,25 +26,24 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	return status;
 }
 
-gw_status verb_convert(const settings *s, gw_error *error)
+static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
+	const format_options options = { s->format, s->columns, s->bake.threads };
+	GW_TRY(check(s, &to, error));
+	GW_TRY(output_file_create(out, s->input[1].path, s->force, error));
+	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
+	GW_TRY(signals_check(error));
+	GW_TRY(to->write(*out, cloud, error));
+	GW_TRY(signals_check(error));
+	return output_file_commit(out, error);
+}
+
+gw_status verb_convert(const settings *s, gw_error *error)
+{
 	output_file *out = NULL;
 	scan cloud = { 0 };
-	gw_status status = check(s, &to, error);
-	if (status == GW_OK)
-		status = output_file_create(&out, s->input[1].path, s->force, error);
-	format_options options = { s->format, s->columns, s->bake.threads };
-	if (status == GW_OK)
-		status = format_read_with(s->input[0].path, &options, &cloud, NULL, error);
-	if (status == GW_OK && signals_pending())
-		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
-	if (status == GW_OK)
-		status = to->write(out, &cloud, error);
-	if (status == GW_OK && signals_pending())
-		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
-	if (status == GW_OK)
-		status = output_file_commit(&out, error);
+	gw_status status = convert(s, &cloud, &out, error);
 	output_file_abandon(&out);
 	scan_clear(&cloud);
 	return status;

@@ -91,6 +91,22 @@ static void write_fields(json_writer *json, const facts *f)
 	json_put_close(json, ']');
 }
 
+static void write_strays(json_writer *json, const facts *f)
+{
+	json_put_open(json, "strays", '[');
+	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
+		const gw_stray_count *stray = &f->statistics.stray[kind];
+		if (stray->points == 0)
+			continue;
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "kind", gw_stray_kind_name((gw_stray_kind)kind));
+		json_put_count(json, "points", stray->points);
+		json_put_reals(json, "position", stray->position, 3);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
 static void print_json(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
@@ -102,6 +118,7 @@ static void print_json(const facts *f)
 	json_put_count(&json, "finite", s->finite);
 	json_put_count(&json, "duplicates", s->duplicates);
 	json_put_count(&json, "left_out", f->cloud->left_out);
+	write_strays(&json, f);
 	json_put_text(&json, "up", settings_up_name(f->cloud->up));
 	json_put_text(&json, "units", f->place->name);
 	json_put_reals(&json, "minimum", s->minimum, 3);
@@ -144,6 +161,22 @@ static void print_columns(const facts *f)
 	}
 }
 
+/* Points of no surface, of each kind with one of them. */
+static void print_strays(const gw_stray_count *stray)
+{
+	const char *before = "  strays    ";
+	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
+		const double *at = stray[kind].position;
+		if (stray[kind].points == 0)
+			continue;
+		printf("%s %" PRIu64 " %s, as at %.9g %.9g %.9g", before, stray[kind].points,
+			   gw_stray_kind_name((gw_stray_kind)kind), at[0], at[1], at[2]);
+		before = ";";
+	}
+	if (*before == ';')
+		printf("; bakes make no surface of them\n");
+}
+
 static void print_text(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
@@ -152,6 +185,7 @@ static void print_text(const facts *f)
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
+	print_strays(s->stray);
 	if (f->cloud->left_out)
 		printf("  left out   %" PRIu64 " rows without a point\n", f->cloud->left_out);
 	for (size_t i = 0; i < f->cloud->scanner_count; i++) {

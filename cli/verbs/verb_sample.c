@@ -86,25 +86,24 @@ static gw_status sample(const settings *s, mesh *m, scan *cloud, gw_error *error
 	return GW_OK;
 }
 
-gw_status verb_sample(const settings *s, gw_error *error)
+static gw_status run(const settings *s, mesh *m, scan *cloud, output_file **output, gw_error *error)
 {
 	const format *to = NULL;
+	GW_TRY(check(s, &to, error));
+	GW_TRY(output_file_create(output, s->output, s->force, error));
+	GW_TRY(sample(s, m, cloud, error));
+	GW_TRY(signals_check(error));
+	GW_TRY(to->write(*output, cloud, error));
+	GW_TRY(signals_check(error));
+	return output_file_commit(output, error);
+}
+
+gw_status verb_sample(const settings *s, gw_error *error)
+{
 	output_file *output = NULL;
 	mesh m = { 0 };
 	scan cloud = { 0 };
-	gw_status status = check(s, &to, error);
-	if (status == GW_OK)
-		status = output_file_create(&output, s->output, s->force, error);
-	if (status == GW_OK)
-		status = sample(s, &m, &cloud, error);
-	if (status == GW_OK && signals_pending())
-		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
-	if (status == GW_OK)
-		status = to->write(output, &cloud, error);
-	if (status == GW_OK && signals_pending())
-		status = gw_fail(error, GW_ERROR_CANCELLED, "stopped");
-	if (status == GW_OK)
-		status = output_file_commit(&output, error);
+	gw_status status = run(s, &m, &cloud, &output, error);
 	output_file_abandon(&output);
 	mesh_clear(&m);
 	scan_clear(&cloud);

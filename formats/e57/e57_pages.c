@@ -105,22 +105,25 @@ static gw_status copy_all(e57_pages *pages, const input_file *in, gw_error *erro
 	return GW_OK;
 }
 
+static gw_status read_pages(e57_pages *pages, const input_file *in, gw_error *error)
+{
+	GW_TRY(check_header(in, error));
+	GW_TRY(copy_all(pages, in, error));
+	uint64_t xml = e57_load(in->data + 24, 8), length = e57_load(in->data + 32, 8);
+	if (!e57_pages_locate(pages, xml, &pages->xml) || length > pages->length - pages->xml)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "%s: the description should stand at byte %llu, %llu bytes long, which is "
+					   "beyond the end; the header is damaged",
+					   in->name, (unsigned long long)xml, (unsigned long long)length);
+	pages->xml_length = (size_t)length;
+	return GW_OK;
+}
+
 gw_status e57_pages_read(e57_pages *pages, const input_file *in, gw_error *error)
 {
 	*pages = (e57_pages){ 0 };
 	pthread_once(&table_once, make_table);
-	gw_status status = check_header(in, error);
-	if (status == GW_OK)
-		status = copy_all(pages, in, error);
-	uint64_t xml_length = status == GW_OK ? e57_load(in->data + 32, 8) : 0;
-	if (status == GW_OK && (!e57_pages_locate(pages, e57_load(in->data + 24, 8), &pages->xml) ||
-							xml_length > pages->length - pages->xml))
-		status = gw_fail(error, GW_ERROR_DATA,
-						 "%s: the description should stand at byte %llu, %llu bytes long, which is "
-						 "beyond the end; the header is damaged",
-						 in->name, (unsigned long long)e57_load(in->data + 24, 8),
-						 (unsigned long long)xml_length);
-	pages->xml_length = (size_t)xml_length;
+	gw_status status = read_pages(pages, in, error);
 	if (status != GW_OK)
 		e57_pages_clear(pages);
 	return status;

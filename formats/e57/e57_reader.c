@@ -296,19 +296,19 @@ static size_t find_name(const text_names *names, const char *name)
 /* Columns for x, y, z and every field that a scan has. */
 static gw_status name_columns(reader *r)
 {
-	gw_status status = text_names_split(&r->names, "x y z", 5, r->error);
+	GW_TRY(text_names_split(&r->names, "x y z", 5, r->error));
 	for (size_t i = 0; i < r->description.scan_count; i++) {
 		const source *s = &r->source[i];
-		for (size_t f = 0; f < s->scan->field_count && s->kept > 0 && status == GW_OK; f++) {
+		for (size_t f = 0; f < s->scan->field_count && s->kept > 0; f++) {
 			const char *name = column_name(s, f);
 			if (!name || find_name(&r->names, name) < r->names.count)
 				continue;
 			if (r->names.count == TEXT_COLUMNS_MAX)
 				return fail_scan(r, i, "has more than 4096 different fields");
-			status = text_names_add(&r->names, name, r->error);
+			GW_TRY(text_names_add(&r->names, name, r->error));
 		}
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status add_columns(reader *r)

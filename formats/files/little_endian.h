@@ -55,4 +55,15 @@ static inline void store_double(uint8_t *to, double value)
 	store_64(to, bits);
 }
 
+/* A number of this machine as it lies in memory, whatever its type. */
+static inline void store_value(uint8_t *to, const uint8_t *from, size_t size)
+{
+	if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
+		memcpy(to, from, size);
+		return;
+	}
+	for (size_t b = 0; b < size; b++)
+		to[b] = from[size - 1 - b];
+}
+
 #endif

@@ -502,20 +502,15 @@ vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
 				 vdb_digest *digest, gw_error *error)
 {
-	gw_status status = check(v, error);
-	if (status == GW_OK)
-		status = check_memory(v, m.memory, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check(v, error));
+	GW_TRY(check_memory(v, m.memory, error));
 
 	openvdb::initialize();
 	builder build(v, m);
 	std::unique_ptr<placed_points> points;
 	if (m.points) {
 		points = std::make_unique<placed_points>(*m.points, build.origin);
-		status = check_points(*points, *build.transform, m.memory, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(check_points(*points, *build.transform, m.memory, error));
 	}
 	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
 								  build.vectors(grid_names[1], v.radiance),

@@ -95,6 +95,20 @@ static void put_cell(const gw_voxels *v, const place *places, size_t count, gw_v
 	put_mean(v, places, count, v->normal, m->normal + 3 * cell);
 }
 
+static gw_status merge(const gw_voxels *v, place *places, gw_voxels *m, gw_error *error)
+{
+	GW_TRY(sort_places(v, m->size, places, error));
+	m->count = count_cells(places, v->count);
+	GW_TRY(allocate(m, error));
+	for (size_t i = 0, cell = 0; i < v->count; cell++) {
+		size_t first = i;
+		while (i < v->count && places[i].cell == places[first].cell)
+			i++;
+		put_cell(v, places + first, i - first, m, cell);
+	}
+	return GW_OK;
+}
+
 gw_status voxel_merge(const gw_voxels *v, double size, gw_voxels *m, gw_error *error)
 {
 	*m = (gw_voxels){ .size = size };
@@ -108,16 +122,7 @@ gw_status voxel_merge(const gw_voxels *v, double size, gw_voxels *m, gw_error *e
 	place *places = calloc(v->count + 1, sizeof *places);
 	if (!places)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to merge %zu voxels", v->count);
-	gw_status status = sort_places(v, size, places, error);
-	m->count = status == GW_OK ? count_cells(places, v->count) : 0;
-	if (status == GW_OK)
-		status = allocate(m, error);
-	for (size_t i = 0, cell = 0; i < v->count && status == GW_OK; cell++) {
-		size_t first = i;
-		while (i < v->count && places[i].cell == places[first].cell)
-			i++;
-		put_cell(v, places + first, i - first, m, cell);
-	}
+	gw_status status = merge(v, places, m, error);
 	free(places);
 	if (status != GW_OK)
 		*m = (gw_voxels){ 0 };

@@ -289,29 +289,28 @@ static gw_status add_bytes(las_layout *layout, const uint8_t *from, size_t count
 gw_status las_layout_add_extra(las_layout *layout, const las_header *header, scan *notes,
 							   gw_error *error)
 {
-	gw_status status = GW_OK;
 	layout->bytes = las_format_bytes(header->format);
 	size_t described = header->extra.length / LAS_EXTRA_BYTES;
-	for (size_t d = 0; d < described && status == GW_OK; d++) {
+	for (size_t d = 0; d < described; d++) {
 		const uint8_t *from = header->extra.data + d * LAS_EXTRA_BYTES;
 		unsigned type = from[2];
 		size_t values = type ? (type - 1) / 10 + 1 : from[3];
 		las_kind kind = type ? (las_kind)((type - 1) % 10 + 1) : LAS_UINT8;
 		size_t left = header->record - layout->bytes;
 		if (type > 30 || values * las_kind_size(kind) > left) {
-			status = las_note(notes, error,
-							  "the description of extra value %zu does not fit the %zu bytes that "
-							  "are left of each point",
-							  d + 1, left);
+			GW_TRY(las_note(notes, error,
+							"the description of extra value %zu does not fit the %zu bytes that "
+							"are left of each point",
+							d + 1, left));
 			break;
 		}
 		if (type == 0)
-			status = add_bytes(layout, from, values, notes, error);
-		for (size_t v = 0; type && v < values && status == GW_OK; v++)
-			status = add_value(layout, from, kind, v, values, error);
+			GW_TRY(add_bytes(layout, from, values, notes, error));
+		for (size_t v = 0; type && v < values; v++)
+			GW_TRY(add_value(layout, from, kind, v, values, error));
 	}
 	size_t rest = header->record - layout->bytes;
-	if (status == GW_OK && rest > 0)
-		status = add_bytes(layout, NULL, rest, notes, error);
-	return status;
+	if (rest > 0)
+		GW_TRY(add_bytes(layout, NULL, rest, notes, error));
+	return GW_OK;
 }

@@ -1,5 +1,6 @@
 #include "las/las_format.h"
 #include "las/las_fields.h"
+#include "las/las_flight.h"
 #include "las/las_notes.h"
 #include "las/laz_reader.h"
 #include "files/little_endian.h"
@@ -300,7 +301,8 @@ static gw_status read_all(reader *r)
 		r->header.format < FIRST_HIGH_NOISE ? LOW_NOISE : LOW_NOISE | HIGH_NOISE;
 	GW_TRY(r->header.compressed ? read_compressed(r) : read_plain(r));
 	GW_TRY(check_bounds(r));
-	return settle_columns(r);
+	GW_TRY(settle_columns(r));
+	return las_flight_find(r->cloud, r->error);
 }
 
 gw_status las_read(input_file *in, scan *cloud, gw_error *error)

@@ -305,14 +305,12 @@ static gw_status put_primitive(reader *r, const primitive *p)
 static gw_status each_primitive(reader *r, const glb_placed *placed, bool put)
 {
 	json_t *list = json_object_get(placed->mesh, "primitives");
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < json_array_size(list) && status == GW_OK; i++) {
+	for (size_t i = 0; i < json_array_size(list); i++) {
 		primitive p;
-		status = find_primitive(r, json_array_get(list, i), &p);
-		if (status == GW_OK)
-			status = put ? put_primitive(r, &p) : count_primitive(r, &p);
+		GW_TRY(find_primitive(r, json_array_get(list, i), &p));
+		GW_TRY(put ? put_primitive(r, &p) : count_primitive(r, &p));
 	}
-	return status;
+	return GW_OK;
 }
 
 static gw_status take_memory(reader *r)

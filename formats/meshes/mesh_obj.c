@@ -299,21 +299,24 @@ gw_status mesh_obj_read(const input_file *in, const char *path, mesh *m, gw_erro
  */
 
 /* Normals belong to corners of faces. Without faces they go with the vertices, one each. */
+static gw_status read_vertices(reader *r, scan *cloud)
+{
+	GW_TRY(first_pass(r));
+	if (r->mesh->position_count == 0)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s holds no vertices; this is no OBJ file, or empty", r->in->name);
+	GW_TRY(check_colors(r));
+	if (r->faces)
+		r->mesh->normal_count = 0;
+	return mesh_vertices_put(r->mesh, r->faces, cloud, r->error);
+}
+
 gw_status obj_read(input_file *in, scan *cloud, gw_error *error)
 {
 	mesh m = { 0 };
 	reader r = { .in = in, .path = "-", .mesh = &m, .error = error, .points = true };
 	*cloud = (scan){ .up = 'z' };
-	gw_status status = first_pass(&r);
-	if (status == GW_OK && m.position_count == 0)
-		status = gw_fail(error, GW_ERROR_DATA,
-						 "%s holds no vertices; this is no OBJ file, or empty", in->name);
-	if (status == GW_OK)
-		status = check_colors(&r);
-	if (r.faces)
-		m.normal_count = 0;
-	if (status == GW_OK)
-		status = mesh_vertices_put(&m, r.faces, cloud, error);
+	gw_status status = read_vertices(&r, cloud);
 	mesh_clear(&m);
 	if (status != GW_OK)
 		scan_clear(cloud);

@@ -193,17 +193,22 @@ const format off_format = {
 /* ------------------------------------------------------------------------------------------ mesh
  */
 
+static gw_status read_faces(reader *r)
+{
+	GW_TRY(take_head(r));
+	GW_TRY(take_vertices(r));
+	for (size_t f = 0; f < r->faces; f++)
+		GW_TRY(next_line(r) ? take_face(r) : fail_line(r, "the faces end too early"));
+	if (r->mesh->triangle_count == 0)
+		return gw_fail(r->error, GW_ERROR_DATA, "%s holds no faces of three corners", r->in->name);
+	return GW_OK;
+}
+
 gw_status mesh_off_read(const input_file *in, mesh *m, gw_error *error)
 {
 	*m = (mesh){ .format = &off_format };
 	reader r = { .in = in, .mesh = m, .text = mesh_text_start(in), .error = error };
-	gw_status status = take_head(&r);
-	if (status == GW_OK)
-		status = take_vertices(&r);
-	for (size_t f = 0; f < r.faces && status == GW_OK; f++)
-		status = next_line(&r) ? take_face(&r) : fail_line(&r, "the faces end too early");
-	if (status == GW_OK && m->triangle_count == 0)
-		status = gw_fail(error, GW_ERROR_DATA, "%s holds no faces of three corners", in->name);
+	gw_status status = read_faces(&r);
 	m->bare = !m->color;
 	mesh_polygon_clear(&r.polygon);
 	if (status != GW_OK)

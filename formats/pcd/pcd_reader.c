@@ -246,16 +246,15 @@ static gw_status read_rows(reader *r, text_rows *rows)
 					   "%s: %zu rows follow the header, which counts %llu points; the file is cut "
 					   "short or its header is wrong",
 					   r->in->name, rows->count, (unsigned long long)r->header->points);
-	gw_status status = add_columns(r);
+	GW_TRY(add_columns(r));
 	text_column *column = calloc(rows->width, sizeof *column);
-	if (status == GW_OK && !column)
-		status = gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
-	for (size_t i = 0; i < rows->width && status == GW_OK; i++)
+	if (!column)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);
+	for (size_t i = 0; i < rows->width; i++)
 		column[i] = (text_column){ .name = r->item[i].name,
 								   .type = r->item[i].type,
 								   .data = r->item[i].data };
-	if (status == GW_OK)
-		status = text_rows_read(rows, column, r->error);
+	gw_status status = text_rows_read(rows, column, r->error);
 	free(column);
 	return status;
 }
@@ -471,10 +470,19 @@ static gw_status take_image(const pcd_header *h, scan *cloud, gw_error *error)
 							 .columns = (uint32_t)h->width,
 							 .rows = (uint32_t)h->height };
 	memcpy(image.scanner, h->viewpoint, sizeof image.scanner);
-	gw_status status = scan_add_image(cloud, &image, error);
-	for (size_t i = 0; status == GW_OK && i < cloud->count; i++)
+	GW_TRY(scan_add_image(cloud, &image, error));
+	for (size_t i = 0; i < cloud->count; i++)
 		cloud->image_cell[i] = (uint32_t)i;
-	return status;
+	return GW_OK;
+}
+
+static gw_status read_all(reader *r)
+{
+	GW_TRY(read_body(r));
+	GW_TRY(note_rest(r));
+	GW_TRY(take_frame(r->header, r->cloud, r->error));
+	GW_TRY(take_image(r->header, r->cloud, r->error));
+	return take_viewpoint(r->header, r->cloud, r->error);
 }
 
 gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
@@ -489,15 +497,7 @@ gw_status pcd_read(input_file *in, scan *cloud, gw_error *error)
 					 .end = in->data + in->length,
 					 .cloud = cloud,
 					 .error = error };
-		status = read_body(&r);
-		if (status == GW_OK)
-			status = note_rest(&r);
-		if (status == GW_OK)
-			status = take_frame(&header, cloud, error);
-		if (status == GW_OK)
-			status = take_image(&header, cloud, error);
-		if (status == GW_OK)
-			status = take_viewpoint(&header, cloud, error);
+		status = read_all(&r);
 		pcd_header_clear(&header);
 	}
 	if (status != GW_OK)

@@ -1,3 +1,4 @@
+#include "files/little_endian.h"
 #include "files/number_text.h"
 #include "pcd/pcd_format.h"
 
@@ -163,10 +164,10 @@ static gw_status write_header(writer *w, gw_error *error)
 {
 	output_file *out = w->out;
 	output_file_print(out, NULL, "# .PCD v0.7 - Point Cloud Data file format\n");
-	gw_status status = write_comments(out, w->cloud, error);
+	GW_TRY(write_comments(out, w->cloud, error));
 	output_file_print(out, NULL, "VERSION 0.7\nFIELDS");
-	for (size_t f = 0; f < w->field_count && status == GW_OK; f++)
-		status = write_name(out, &w->field[f], error);
+	for (size_t f = 0; f < w->field_count; f++)
+		GW_TRY(write_name(out, &w->field[f], error));
 	output_file_print(out, NULL, "\nSIZE");
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " %zu", field_size(&w->field[f]));
@@ -177,24 +178,12 @@ static gw_status write_header(writer *w, gw_error *error)
 	for (size_t f = 0; f < w->field_count; f++)
 		output_file_print(out, NULL, " 1");
 	output_file_print(out, NULL, "\nWIDTH %zu\nHEIGHT 1\n", w->cloud->count);
-	if (status == GW_OK)
-		status = write_viewpoint(out, w->cloud, error);
+	GW_TRY(write_viewpoint(out, w->cloud, error));
 	output_file_print(out, NULL, "POINTS %zu\n", w->cloud->count);
-	return status == GW_OK ? output_file_print(out, error, "DATA binary\n") : status;
+	return output_file_print(out, error, "DATA binary\n");
 }
 
 /* ---------------------------------------------------------------------------------- body */
-
-/* Copies a value with its lowest byte first. */
-static void put_value(uint8_t *to, const uint8_t *from, size_t size)
-{
-	if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
-		memcpy(to, from, size);
-		return;
-	}
-	for (size_t b = 0; b < size; b++)
-		to[b] = from[size - 1 - b];
-}
 
 static void put_field(const writer *w, const field *f, uint8_t *to, size_t first, size_t count)
 {
@@ -202,11 +191,11 @@ static void put_field(const writer *w, const field *f, uint8_t *to, size_t first
 	for (size_t i = 0; i < count; i++, to += w->stride) {
 		if (f->single) {
 			float value = (float)((const double *)f->column->data)[first + i];
-			put_value(to, (const uint8_t *)&value, sizeof value);
+			store_value(to, (const uint8_t *)&value, sizeof value);
 			continue;
 		}
 		if (f->column) {
-			put_value(to, (const uint8_t *)f->column->data + (first + i) * size, size);
+			store_value(to, (const uint8_t *)f->column->data + (first + i) * size, size);
 			continue;
 		}
 		for (int k = 0; k < 4; k++)

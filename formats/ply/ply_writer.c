@@ -1,3 +1,4 @@
+#include "files/little_endian.h"
 #include "ply/ply_format.h"
 #include "ply/ply_header.h"
 
@@ -41,26 +42,12 @@ static gw_status write_property(output_file *out, const scan_column *column, gw_
 static gw_status write_header(output_file *out, const scan *cloud, gw_error *error)
 {
 	output_file_print(out, NULL, "ply\nformat binary_little_endian 1.0\n");
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < cloud->comment_count && status == GW_OK; c++)
-		status = write_comment(out, cloud->comment[c], error);
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		GW_TRY(write_comment(out, cloud->comment[c], error));
 	output_file_print(out, NULL, "element vertex %zu\n", cloud->count);
-	for (size_t c = 0; c < cloud->column_count && status == GW_OK; c++)
-		status = write_property(out, &cloud->column[c], error);
-	if (status == GW_OK)
-		status = output_file_print(out, error, "end_header\n");
-	return status;
-}
-
-/* Copies a value with its lowest byte first. */
-static void put_value(uint8_t *to, const uint8_t *from, size_t size)
-{
-	if (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__) {
-		memcpy(to, from, size);
-		return;
-	}
-	for (size_t b = 0; b < size; b++)
-		to[b] = from[size - 1 - b];
+	for (size_t c = 0; c < cloud->column_count; c++)
+		GW_TRY(write_property(out, &cloud->column[c], error));
+	return output_file_print(out, error, "end_header\n");
 }
 
 static void fill_rows(uint8_t *rows, size_t stride, const scan *cloud, size_t first, size_t count)
@@ -70,7 +57,7 @@ static void fill_rows(uint8_t *rows, size_t stride, const scan *cloud, size_t fi
 		size_t size = scan_type_size(cloud->column[c].type);
 		const uint8_t *from = (const uint8_t *)cloud->column[c].data + first * size;
 		for (size_t i = 0; i < count; i++)
-			put_value(place + i * stride, from + i * size, size);
+			store_value(place + i * stride, from + i * size, size);
 		place += size;
 	}
 }

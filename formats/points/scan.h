@@ -144,7 +144,7 @@ typedef struct scan_points_options {
 typedef struct scan_points {
 	gw_points points;        /* what gw_bake takes; its pointers lead into this struct's memory */
 	char albedo_source[240]; /* a phrase: which albedo was used and why */
-	bool albedo_told;        /* what its colours count to was told by their values */
+	bool albedo_told;        /* only their values tell what colours count to, or which are none */
 	double *position;
 	float *normal;
 	float *albedo;

@@ -174,6 +174,30 @@ double scan_color_value(const scan_color *color, int k, size_t i)
 	return unwrapped(color->column[k], i) / color->range;
 }
 
+#define BLANK_LEAST 100   /* one in so many points, at least, that are blank */
+#define BLANK_TIMES 4     /* as many of them as of points that are nearly black */
+#define NEARLY_BLACK 0.04 /* of full, encoded */
+
+bool scan_color_is_black(const scan_color *color, size_t i)
+{
+	return scan_value(color->column[0], i) == 0.0 && scan_value(color->column[1], i) == 0.0 &&
+		   scan_value(color->column[2], i) == 0.0;
+}
+
+size_t scan_color_count_blank(const scan_color *color, size_t count)
+{
+	size_t blank = 0, dark = 0;
+	for (size_t i = 0; i < count; i++) {
+		bool black = scan_color_is_black(color, i);
+		blank += black;
+		dark += !black && scan_color_value(color, 0, i) < NEARLY_BLACK &&
+				scan_color_value(color, 1, i) < NEARLY_BLACK &&
+				scan_color_value(color, 2, i) < NEARLY_BLACK;
+	}
+	return blank >= BLANK_LEAST && blank > count / BLANK_LEAST && blank > BLANK_TIMES * dark ? blank
+																							 : 0;
+}
+
 double scan_srgb_decode(double encoded)
 {
 	return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);

@@ -44,6 +44,16 @@ gw_status scan_color_unpack(scan *scan, gw_error *error);
 /* Channel k of point i, 0..1 and still encoded as it was; bad values come out as they are. */
 double scan_color_value(const scan_color *color, int k, size_t i);
 
+/*
+ * How many points have no colour where others have one: a camera did not see them, or nobody gave
+ * them a label. They are exactly black, as hardly any pixel of a photograph is. 0 unless there are
+ * a hundred, more than one in a hundred, and many more than nearly black ones.
+ */
+size_t scan_color_count_blank(const scan_color *color, size_t count);
+
+/* Is a point exactly black? */
+bool scan_color_is_black(const scan_color *color, size_t i);
+
 /* sRGB transfer function (IEC 61966-2-1) and its inverse, for 0..1; below 0 they go on straight. */
 double scan_srgb_decode(double encoded);
 double scan_srgb_encode(double linear);

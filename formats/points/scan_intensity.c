@@ -183,6 +183,20 @@ static void correct(const beams *b, float *value, char how[120])
 				 -range, angle);
 }
 
+static gw_status see_beams(beams *b, const scan_column *const place[3], uint32_t threads,
+						   float *value, char how[120], gw_error *error)
+{
+	size_t count = b->cloud->count;
+	if (!b->position || !b->normal || !b->range || !b->cosine)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu intensities", count);
+	for (size_t i = 0; i < 3 * count; i++)
+		b->position[i] = scan_value(place[i % 3], i / 3);
+	GW_TRY(find_normals(b, threads, error));
+	measure_beams(b);
+	correct(b, value, how);
+	return GW_OK;
+}
+
 gw_status scan_intensity_make(const scan *cloud, uint32_t threads, float **value, char how[120],
 							  gw_error *error)
 {
@@ -204,17 +218,7 @@ gw_status scan_intensity_make(const scan *cloud, uint32_t threads, float **value
 	beams b = { cloud, reallocarray(NULL, count, 3 * sizeof *b.position),
 				calloc(count, 3 * sizeof *b.normal), reallocarray(NULL, count, sizeof *b.range),
 				reallocarray(NULL, count, sizeof *b.cosine) };
-	gw_status status = GW_OK;
-	if (!b.position || !b.normal || !b.range || !b.cosine)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu intensities", count);
-	for (size_t i = 0; i < 3 * count && status == GW_OK; i++)
-		b.position[i] = scan_value(place[i % 3], i / 3);
-	if (status == GW_OK)
-		status = find_normals(&b, threads, error);
-	if (status == GW_OK) {
-		measure_beams(&b);
-		correct(&b, *value, how);
-	}
+	gw_status status = see_beams(&b, place, threads, *value, how, error);
 	free(b.position);
 	free(b.normal);
 	free(b.range);

@@ -175,6 +175,15 @@ static gw_status join_images(scan *joined, const scan *part, size_t first, gw_er
 	return status;
 }
 
+static gw_status join_all(scan *joined, const scan *cloud, const scan *tail, gw_error *error)
+{
+	GW_TRY(join_columns(joined, cloud, tail, error));
+	GW_TRY(join_scanners(joined, cloud, 0, error));
+	GW_TRY(join_scanners(joined, tail, cloud->count, error));
+	GW_TRY(join_images(joined, cloud, 0, error));
+	return join_images(joined, tail, cloud->count, error);
+}
+
 gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 {
 	scan joined = { .up = cloud->column_count ? cloud->up : tail->up };
@@ -182,15 +191,7 @@ gw_status scan_append(scan *cloud, const scan *tail, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "%zu and %zu points are too many for one scene",
 					   cloud->count, tail->count);
 	joined.left_out = cloud->left_out + tail->left_out;
-	gw_status status = join_columns(&joined, cloud, tail, error);
-	if (status == GW_OK)
-		status = join_scanners(&joined, cloud, 0, error);
-	if (status == GW_OK)
-		status = join_scanners(&joined, tail, cloud->count, error);
-	if (status == GW_OK)
-		status = join_images(&joined, cloud, 0, error);
-	if (status == GW_OK)
-		status = join_images(&joined, tail, cloud->count, error);
+	gw_status status = join_all(&joined, cloud, tail, error);
 	if (status != GW_OK) {
 		scan_clear(&joined);
 		return status;

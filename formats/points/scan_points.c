@@ -102,16 +102,17 @@ static gw_status albedo_of_intensity(const scan *cloud, const scan_points_option
 	if (status == GW_OK && !(full > 0.0f))
 		full = scan_intensity_full(value, cloud->count);
 	free(value);
-	if (status == GW_OK && !(full > 0.0f))
+	GW_TRY(status);
+	if (!(full > 0.0f))
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the albedo shall come from the intensity, but that is zero almost "
 					   "everywhere; choose another source");
-	for (size_t i = 0; i < 3 * cloud->count && status == GW_OK; i++)
+	for (size_t i = 0; i < 3 * cloud->count; i++)
 		out->albedo[i] /= full;
 	snprintf(out->albedo_source, sizeof out->albedo_source,
 			 "the intensity, of which the 99th percentile%s, %g, counts as 1%s",
 			 options->intensity_full > 0.0f ? " of all inputs" : "", (double)full, how);
-	return status;
+	return GW_OK;
 }
 
 static gw_status albedo_of_property(const scan *cloud, const char *name, scan_points *out,
@@ -137,6 +138,22 @@ static void albedo_constant(scan_points *out, size_t count, float value, const c
 			 reason);
 }
 
+/* Points without colour among others get what is usual. */
+static void fill_blank(const scan_color *color, size_t count, scan_points *out)
+{
+	size_t blank = scan_color_count_blank(color, count);
+	size_t length = strlen(out->albedo_source);
+	if (blank == 0)
+		return;
+	for (size_t i = 0; i < count; i++)
+		for (size_t k = 0; k < 3 && scan_color_is_black(color, i); k++)
+			out->albedo[3 * i + k] = GW_ALBEDO_DEFAULT;
+	snprintf(out->albedo_source + length, sizeof out->albedo_source - length,
+			 "; %zu points that are exactly black have none and get %g, but for --albedo rgb",
+			 blank, (double)GW_ALBEDO_DEFAULT);
+	out->albedo_told = true;
+}
+
 /* albedo_* before colours; colours that are all black are a scanner without a camera. */
 static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *options,
 								  scan_points *out, gw_error *error)
@@ -155,10 +172,14 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 							: "because the points have no colours");
 		return GW_OK;
 	}
-	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full",
-			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range);
+	snprintf(out->albedo_source, sizeof out->albedo_source, "%s, %s, where %g is full%s",
+			 own ? "albedo_r albedo_g albedo_b" : "red green blue", encoding, color.range,
+			 color.told ? ", as the values tell" : "");
 	out->albedo_told = color.told;
-	return albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error);
+	GW_TRY(albedo_of_color(&color, cloud->count, options->linear_colors, out->albedo, error));
+	if (!own && !forced)
+		fill_blank(&color, cloud->count, out);
+	return GW_OK;
 }
 
 static gw_status make_albedo(const scan *cloud, const scan_points_options *options,

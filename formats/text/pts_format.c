@@ -50,19 +50,11 @@ static gw_status check_counts(const text_rows *rows, gw_error *error)
 
 static gw_status read_rows(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
 {
-	text_column *column = NULL;
-	gw_status status = text_rows_count(rows, error);
-	if (status != GW_OK)
-		return status;
-	status = check_counts(rows, error);
+	GW_TRY(text_rows_count(rows, error));
+	gw_status status = check_counts(rows, error);
 	cloud->count = rows->count;
 	if (status == GW_OK)
-		status = text_columns_add(cloud, names, &column, error);
-	if (status == GW_OK)
-		status = text_rows_read(rows, column, error);
-	if (status == GW_OK)
-		status = text_columns_narrow(cloud, names, column, error);
-	free(column);
+		status = text_columns_read(rows, names, cloud, error);
 	text_rows_clear(rows);
 	return status;
 }

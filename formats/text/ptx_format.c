@@ -268,20 +268,17 @@ static void number_cells(const reader *r, const grid *g)
 
 static gw_status read_points(reader *r, const text_names *names, text_column *all)
 {
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < r->grid_count && status == GW_OK; i++) {
+	for (size_t i = 0; i < r->grid_count; i++) {
 		text_column own[7];
 		grid *g = &r->grid[i];
 		aim(names, all, g, own);
-		status = add_image(r, g);
-		if (status == GW_OK)
-			status = text_rows_read(&g->rows, own, r->error);
+		GW_TRY(add_image(r, g));
+		GW_TRY(text_rows_read(&g->rows, own, r->error));
 		number_cells(r, g);
 		keep_forms(names, all, g, own);
-		if (status == GW_OK)
-			move_points(g, all[0].data, all[1].data, all[2].data);
+		move_points(g, all[0].data, all[1].data, all[2].data);
 	}
-	return status == GW_OK ? text_columns_narrow(r->cloud, names, all, r->error) : status;
+	return text_columns_narrow(r->cloud, names, all, r->error);
 }
 
 /* Whether the origin lies within the bounds of a grid's points, made larger by their size. */
@@ -321,6 +318,15 @@ static gw_status take_scanners(const reader *r)
 	return GW_OK;
 }
 
+static gw_status read_all(reader *r, text_names *names, text_column **column)
+{
+	GW_TRY(take_grids(r));
+	GW_TRY(name_columns(r, names));
+	GW_TRY(text_columns_add(r->cloud, names, column, r->error));
+	GW_TRY(read_points(r, names, *column));
+	return take_scanners(r);
+}
+
 gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 {
 	const char *text = text_rows_begin(in->data, in->length);
@@ -335,15 +341,7 @@ gw_status ptx_read(input_file *in, scan *cloud, gw_error *error)
 	text_names names = { 0 };
 	text_column *column = NULL;
 	*cloud = (scan){ .up = 'z' };
-	gw_status status = take_grids(&r);
-	if (status == GW_OK)
-		status = name_columns(&r, &names);
-	if (status == GW_OK)
-		status = text_columns_add(cloud, &names, &column, error);
-	if (status == GW_OK)
-		status = read_points(&r, &names, column);
-	if (status == GW_OK)
-		status = take_scanners(&r);
+	gw_status status = read_all(&r, &names, &column);
 	for (size_t i = 0; i < r.grid_count; i++)
 		text_rows_clear(&r.grid[i].rows);
 	free(r.grid);

@@ -311,3 +311,14 @@ gw_status text_columns_narrow(scan *cloud, const text_names *names, text_column 
 	}
 	return GW_OK;
 }
+
+gw_status text_columns_read(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
+{
+	text_column *column;
+	GW_TRY(text_columns_add(cloud, names, &column, error));
+	gw_status status = text_rows_read(rows, column, error);
+	if (status == GW_OK)
+		status = text_columns_narrow(cloud, names, column, error);
+	free(column);
+	return status;
+}

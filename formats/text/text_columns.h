@@ -47,6 +47,10 @@ void text_names_clear(text_names *names);
 gw_status text_columns_add(scan *cloud, const text_names *names, text_column **column,
 						   gw_error *error);
 
+/* Adds them and reads the rows, which have been counted, into them; then narrows them.
+ *   cloud    its count is set */
+gw_status text_columns_read(text_rows *rows, const text_names *names, scan *cloud, gw_error *error);
+
 /* After reading: turns the scan's columns into the smallest types that hold all their values as
  * they were written. x, y and z stay doubles. */
 gw_status text_columns_narrow(scan *cloud, const text_names *names, text_column *column,

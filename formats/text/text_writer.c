@@ -118,17 +118,16 @@ static bool is_plain(const scan *cloud)
 
 gw_status xyz_write(output_file *out, const scan *cloud, gw_error *error)
 {
-	gw_status status = GW_OK;
-	for (size_t c = 0; c < cloud->comment_count && status == GW_OK; c++) {
+	for (size_t c = 0; c < cloud->comment_count; c++) {
 		output_file_print(out, NULL, "# ");
-		status = write_word(out, cloud->comment[c], "", ' ', error);
+		GW_TRY(write_word(out, cloud->comment[c], "", ' ', error));
 		output_file_print(out, NULL, "\n");
 	}
-	if (status == GW_OK && !is_plain(cloud)) {
+	if (!is_plain(cloud)) {
 		output_file_print(out, NULL, "# ");
-		status = write_names(out, cloud, " ", " \",;", error);
+		GW_TRY(write_names(out, cloud, " ", " \",;", error));
 	}
-	return status == GW_OK ? write_table(out, cloud, " ", error) : status;
+	return write_table(out, cloud, " ", error);
 }
 
 gw_status csv_write(output_file *out, const scan *cloud, gw_error *error)

@@ -103,13 +103,12 @@ static gw_status check_names(const text_rows *rows, const text_names *names, siz
 /* Names as the user says; a first line without a number where x should be is one of names. */
 static gw_status take_given(text_rows *rows, const head *h, text_names *names, gw_error *error)
 {
-	gw_status status = text_names_split(names, rows->in->columns, strlen(rows->in->columns), error);
-	if (status == GW_OK)
-		status = check_names(rows, names, 0, error);
+	GW_TRY(text_names_split(names, rows->in->columns, strlen(rows->in->columns), error));
+	GW_TRY(check_names(rows, names, 0, error));
 	rows->open = true;
-	if (status == GW_OK && !has_number(h->line, h->length, index_of(names, "x")))
-		status = step_over(rows, h, error);
-	return status;
+	if (!has_number(h->line, h->length, index_of(names, "x")))
+		GW_TRY(step_over(rows, h, error));
+	return GW_OK;
 }
 
 /* A comment before the first row that names as many columns as it has. */
@@ -137,19 +136,15 @@ static gw_status find_names(text_rows *rows, text_names *names, const char **com
 	rows->separator = text_rows_separator(h.line, h.length);
 	if (rows->in->columns)
 		return take_given(rows, &h, names, error);
-	gw_status status;
 	if (text_rows_numbers(h.line, h.length, rows->separator, value, 64) > 0) {
-		status = take_comment(rows, &h, names, error);
+		GW_TRY(take_comment(rows, &h, names, error));
 		*comment = names->count ? h.comment : NULL;
-		if (status == GW_OK && names->count == 0)
-			status = text_names_guess(names, rows, false, error);
-		return status;
+		return names->count ? GW_OK : text_names_guess(names, rows, false, error);
 	}
-	status = text_names_split(names, h.line, h.length, error);
+	GW_TRY(text_names_split(names, h.line, h.length, error));
 	rows->skip = TEXT_ROWS_SKIP_LONG;
-	if (status == GW_OK)
-		status = check_names(rows, names, h.number, error);
-	return status == GW_OK ? step_over(rows, &h, error) : status;
+	GW_TRY(check_names(rows, names, h.number, error));
+	return step_over(rows, &h, error);
 }
 
 /* Comments before the first line of names or values are the scan's. */
@@ -174,21 +169,21 @@ static gw_status take_comments(const text_rows *rows, const char *names, scan *c
 
 static gw_status read_table(text_rows *rows, const text_names *names, scan *cloud, gw_error *error)
 {
-	text_column *column = NULL;
 	rows->width = names->count;
-	gw_status status = text_rows_count(rows, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(text_rows_count(rows, error));
 	cloud->count = rows->count;
 	cloud->left_out = rows->skipped;
-	status = text_columns_add(cloud, names, &column, error);
-	if (status == GW_OK)
-		status = text_rows_read(rows, column, error);
-	if (status == GW_OK)
-		status = text_columns_narrow(cloud, names, column, error);
-	free(column);
+	gw_status status = text_columns_read(rows, names, cloud, error);
 	text_rows_clear(rows);
 	return status;
+}
+
+static gw_status read_named(text_rows *rows, text_names *names, scan *cloud, gw_error *error)
+{
+	const char *comment = NULL;
+	GW_TRY(find_names(rows, names, &comment, error));
+	GW_TRY(take_comments(rows, comment, cloud, error));
+	return read_table(rows, names, cloud, error);
 }
 
 gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
@@ -199,12 +194,7 @@ gw_status xyz_read(input_file *in, scan *cloud, gw_error *error)
 	text_names names = { 0 };
 	*cloud = (scan){ .up = 'z' };
 	rows.newline = text_rows_newline(text, end);
-	const char *comment = NULL;
-	gw_status status = find_names(&rows, &names, &comment, error);
-	if (status == GW_OK)
-		status = take_comments(&rows, comment, cloud, error);
-	if (status == GW_OK)
-		status = read_table(&rows, &names, cloud, error);
+	gw_status status = read_named(&rows, &names, cloud, error);
 	text_names_clear(&names);
 	if (status != GW_OK)
 		scan_clear(cloud);

@@ -239,17 +239,15 @@ _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 {
 	double done = 0.0;
-	gw_status status = GW_OK;
-	for (size_t i = 0; i < last && status == GW_OK; i++) {
+	for (size_t i = 0; i < last; i++) {
 		if (i >= first && steps[i].wanted(b)) {
-			status = b->refining ? stage(b, steps[i].name, fmax(done, 0.9), 0.0, error)
-								 : stage(b, steps[i].name, done, steps[i].share, error);
-			if (status == GW_OK)
-				status = steps[i].run(b, error);
+			GW_TRY(b->refining ? stage(b, steps[i].name, fmax(done, 0.9), 0.0, error)
+							   : stage(b, steps[i].name, done, steps[i].share, error));
+			GW_TRY(steps[i].run(b, error));
 		}
 		done += steps[i].share;
 	}
-	return status;
+	return GW_OK;
 }
 
 /* ------------------------------------------------------------------------------------ rounds */

@@ -256,13 +256,11 @@ static gw_status bring_back(gw_lighting *lighting, gw_error *error)
 gw_status gw_lighting_radiance(gw_lighting *lighting, float *radiance, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
-	gw_status status = check_lit(lighting, error);
+	GW_TRY(check_lit(lighting, error));
 	begin_call(scene);
-	if (status == GW_OK)
-		status = gw_result_radiance(lighting, radiance, error);
-	return status == GW_OK ? gw_scaled_scene_undo_radiance(&scene->units, radiance,
-														   scene->surfels.point_count, error)
-						   : status;
+	GW_TRY(gw_result_radiance(lighting, radiance, error));
+	return gw_scaled_scene_undo_radiance(&scene->units, radiance, scene->surfels.point_count,
+										 error);
 }
 
 /* A report of its own for a result, with its array. */

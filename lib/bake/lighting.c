@@ -67,6 +67,8 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
 				  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options };
+	if (lighting->plan.lamps && scene->options.shadows != GW_SHADOWS_NONE)
+		GW_TRY(gw_scene_find_compartments(scene, error));
 	bool off = lighting->plan.lamps && lighting->whole == NULL &&
 			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
 	if (off)
@@ -123,9 +125,8 @@ static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 		s->sampled.handle != VK_NULL_HANDLE)
 		status = gw_ray_gather_sample_further(&further, &s->further_rays, &sources, error);
 	gw_scene_forget_further(s);
-	return status == GW_OK
-			   ? gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error)
-			   : status;
+	GW_TRY(status);
+	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
 }
 
 static float largest_emission(const gw_surfels *surfels)
@@ -157,17 +158,17 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 										 .map_samples = s->options.light_samples,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed };
-	gw_status status = gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
+	GW_TRY(gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error));
 	const float *sky = plan->sky_radiance;
 	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
-	if (status != GW_OK || (!in_voxels && !seen))
-		return status;
+	if (!in_voxels && !seen)
+		return GW_OK;
 	const gw_facet_radiance radiance = { in_voxels ? &s->octree.facet_emission
 												   : &lighting->facet_radiance,
 										 in_voxels ? largest_emission(&s->surfels) : 1.0f };
-	status = gw_cone_gather_bounce(&on, &s->cones, radiance, plan->sky_radiance,
-								   &s->records.gathered, error);
-	return status == GW_OK ? add_gathered(s, error) : status;
+	GW_TRY(gw_cone_gather_bounce(&on, &s->cones, radiance, plan->sky_radiance, &s->records.gathered,
+								 error));
+	return add_gathered(s, error);
 }
 
 /* The map serves all rounds. */
@@ -203,13 +204,13 @@ static gw_status see_gaps(gw_lighting *lighting, gw_error *error)
 							   .threads = s->options.threads };
 	free(lighting->gap);
 	lighting->gap = NULL;
-	if (s->space.scanners == 0)
+	if (!gw_scanned_space_known(&s->space))
 		return GW_OK;
-	gw_status status = gw_gap_light_find(&task, &lighting->gap, error);
-	if (status == GW_OK && s->options.gaps != GW_GAPS_OPEN)
-		status = gw_gap_light_close(&on, lighting->gap,
-									s->options.gaps == GW_GAPS_BLACK ? fill : NULL, error);
-	return status;
+	GW_TRY(gw_gap_light_find(&task, &lighting->gap, error));
+	if (s->options.gaps == GW_GAPS_OPEN)
+		return GW_OK;
+	return gw_gap_light_close(&on, lighting->gap, s->options.gaps == GW_GAPS_BLACK ? fill : NULL,
+							  !lighting->plan.emitters, error);
 }
 
 /* After records gathered from surfaces. */
@@ -226,19 +227,17 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
-	gw_status status = darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance",
-							  &lighting->facet_radiance, error);
+	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance", &lighting->facet_radiance,
+				  error));
 	gw_emitters_destroy(s->gpu, &lighting->emitters);
 	lighting->emitters.radiance = &s->octree.facet_emission;
-	if (status == GW_OK && lighting->plan.emitters)
-		status = gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
-								  &lighting->emitters, error);
-	if (status == GW_OK)
-		status = make_map(lighting, error);
-	if (status == GW_OK)
-		status = s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
-													 : first_by_cones(lighting, error);
-	return status == GW_OK ? see_gaps(lighting, error) : status;
+	if (lighting->plan.emitters)
+		GW_TRY(gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
+								&lighting->emitters, error));
+	GW_TRY(make_map(lighting, error));
+	GW_TRY(s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
+											   : first_by_cones(lighting, error));
+	return see_gaps(lighting, error);
 }
 
 /* ----------------------------------------------------------------------------------- bounces */
@@ -248,9 +247,8 @@ static gw_status gather_by_rays(void *self, const gw_buffer *facet_radiance, flo
 {
 	gw_scene *s = ((gw_lighting *)self)->scene;
 	(void)largest;
-	gw_status status =
-		gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error);
-	return status == GW_OK ? fill_gaps(self, error) : status;
+	GW_TRY(gw_ray_gather_bounce(&s->passes, &s->rays, facet_radiance, &s->records, error));
+	return fill_gaps(self, error);
 }
 
 /* Parts are sampled by the radiance of the whole, so it is copied. */
@@ -287,8 +285,8 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 static gw_status sample_and_fill(gw_lighting *lighting, const gw_emitters *patches,
 								 const gw_buffer *part, gw_error *error)
 {
-	gw_status status = sample_patches(lighting->scene, patches, part, error);
-	return status == GW_OK ? fill_gaps(lighting, error) : status;
+	GW_TRY(sample_patches(lighting->scene, patches, part, error));
+	return fill_gaps(lighting, error);
 }
 
 /* What lamps and emitters light is sampled like an emitter: rays would miss small bright patches.
@@ -333,19 +331,17 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	gw_scene *s = lighting->scene;
 	gw_buffer surfels = { 0 };
 	uint64_t bytes = 16 * (uint64_t)s->surfels.count;
-	gw_status status =
+	GW_TRY(gw_buffer_create(s->gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+													  32 * (uint64_t)s->octree.leaf_count,
+													  "carried light of facets" },
+							facets, error));
+	GW_TRY(
 		gw_buffer_create(s->gpu,
 						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 												   bytes, "carried irradiance" },
-						 &surfels, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(s->gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															32 * (uint64_t)s->octree.leaf_count,
-															"carried light of facets" },
-								  facets, error);
+						 &surfels, error));
+	gw_status status = gw_buffer_upload(s->gpu, &surfels, 0, lighting->carried, bytes, error);
 	if (status == GW_OK)
 		status = gw_average_facets(&s->passes, &s->octree, &surfels, facets, error);
 	gw_buffer_destroy(s->gpu, &surfels);

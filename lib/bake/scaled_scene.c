@@ -192,8 +192,11 @@ static void undo_report(const gw_scaled_scene *scaled, gw_report *r)
 	r->leaf_size = ldexp(r->leaf_size, -scaled->length);
 	r->wanted_leaf_size = ldexp(r->wanted_leaf_size, -scaled->length);
 	r->spacing = ldexp(r->spacing, -scaled->length);
-	for (int k = 0; k < 3; k++)
+	r->gaps.hole_width = ldexp(r->gaps.hole_width, -scaled->length);
+	for (int k = 0; k < 3; k++) {
 		r->origin[k] = ldexp(r->origin[k], -scaled->length);
+		r->gaps.hole_place[k] = ldexp(r->gaps.hole_place[k], -scaled->length);
+	}
 	for (uint32_t i = 0; i < r->bounce_count; i++)
 		r->bounce[i].energy = ldexp(r->bounce[i].energy, -scaled->light - 2 * scaled->length);
 }

@@ -6,8 +6,11 @@
 #include "light/direct_light.h"
 #include "glowworm_host.h"
 #include "base/memory.h"
+#include "octree/compartments.h"
 #include "bake/report.h"
+#include "cloud/strays.h"
 #include "cloud/frame.h"
+#include "surfels/surface_holes.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -178,15 +181,7 @@ static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *po
 	int length = snprintf(meaning, sizeof meaning,
 						  "points are strays, lit as the surface nearest to them, of which they "
 						  "are no part:");
-	memset(r->stray, 0, sizeof r->stray);
-	for (size_t i = 0; i < s->stray_count; i++) {
-		gw_stray_count *count = &r->stray[s->stray[i].kind];
-		size_t point = s->stray[i].point;
-		if (count->points++ > 0 && point > count->example)
-			continue;
-		count->example = point;
-		memcpy(count->position, points->position + 3 * point, sizeof count->position);
-	}
+	gw_strays_count(s, points, r->stray);
 	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
 		const gw_stray_count *count = &r->stray[kind];
 		if (count->points > 0 && length < (int)sizeof meaning)
@@ -240,10 +235,19 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 
 static gw_status find_space(gw_scene *scene, const gw_points *points, gw_error *error)
 {
-	gw_status status = gw_scanned_space_make(points, &scene->surfels, scene->options.threads,
-											 &scene->space, error);
-	scene->report->gaps.scanners = scene->space.scanners;
-	return status;
+	const gw_scanned_space *space = &scene->space;
+	gw_gap_report *gaps = &scene->report->gaps;
+	GW_TRY(gw_scanned_space_make(points, &scene->surfels, scene->options.threads, &scene->space,
+								 error));
+	if (space->scanners == 0)
+		GW_TRY(
+			gw_surface_holes_find(&scene->surfels, scene->options.threads, &scene->space, error));
+	gaps->scanners = space->scanners;
+	gaps->holes = space->holes;
+	gaps->hole_width = (double)space->hole_width;
+	for (int k = 0; k < 3; k++)
+		gaps->hole_place[k] = scene->surfels.origin[k] + (double)space->hole_place[k];
+	return GW_OK;
 }
 
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
@@ -433,10 +437,16 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 	return weigh_again(scene, density, error);
 }
 
+gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
+{
+	return gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error);
+}
+
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
+	GW_TRY(gw_scene_find_compartments(s, error));
 	if (!s->portals.looked)
 		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
 	if (s->further.count > 0)

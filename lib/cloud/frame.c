@@ -97,28 +97,16 @@ static void choose_frame(frame *f, const double minimum[3], const double maximum
 	f->cells_per_metre = extent > 0 ? (double)((1 << GRID_BITS) - 1) / extent : 0;
 }
 
-/* Spreads the low 21 bits of x to every third bit. */
-static uint64_t every_third_bit(uint64_t x)
-{
-	x &= 0x1fffff;
-	x = (x | x << 32) & 0x001f00000000ffff;
-	x = (x | x << 16) & 0x001f0000ff0000ff;
-	x = (x | x << 8) & 0x100f00f00f00f00f;
-	x = (x | x << 4) & 0x10c30c30c30c30c3;
-	return (x | x << 2) & 0x1249249249249249;
-}
-
 static uint64_t morton_key(const frame *f, const float local[3])
 {
-	uint64_t key = 0;
+	const uint32_t last = (1u << GRID_BITS) - 1;
+	uint32_t c[3];
 	for (int k = 0; k < 3; k++) {
 		double cell =
 			floor(((double)local[k] - (double)f->surfels->minimum[k]) * f->cells_per_metre);
-		uint64_t last = (1u << GRID_BITS) - 1;
-		uint64_t c = cell > 0 ? (cell < (double)last ? (uint64_t)cell : last) : 0;
-		key |= every_third_bit(c) << k;
+		c[k] = cell > 0 ? (cell < (double)last ? (uint32_t)cell : last) : 0;
 	}
-	return key;
+	return gw_morton_encode(c[0], c[1], c[2]);
 }
 
 /* Of the bulk; what lies outside is in the frame, but nothing is made for it. */

@@ -165,7 +165,7 @@ static void take_plane(const gw_range_grid *grid, const gw_range_plane *plane, s
 		direction[k] = way[k] / range;
 	double share = fmin(fmax((spread - NOISE_LEAST) / (NOISE_MUCH - NOISE_LEAST), 0.0), 1.0);
 	double smooth = 1.0 / gw_range_plane_dot(plane, direction);
-	if (!(share > 0.0 && fabs(smooth - range) < 4.0 * noise))
+	if (!(share > 0.0 && fabs(smooth - range) < 6.0 * noise))
 		return;
 	for (size_t k = 0; k < 3; k++)
 		out->position[3 * point + k] =
@@ -176,7 +176,8 @@ static bool use_grid(gw_range_grid *grid, uint32_t threads, gw_ranged_points *ou
 {
 	const gw_range_image *image = grid->image;
 	gw_range_plane *plane = gw_allocate_zeros(image->count, sizeof *plane);
-	bool good = plane && gw_range_noise_find(grid) && gw_range_planes_find(grid, threads, plane);
+	bool good = plane && gw_range_noise_find(grid) && gw_range_planes_find(grid, threads, plane) &&
+				gw_range_planes_blend(grid, plane);
 	for (size_t i = image->first; good && i < image->first + image->count; i++) {
 		size_t cell = grid->points->image_cell[i];
 		if (cell >= (size_t)image->columns * image->rows || grid->point[cell] != i)

@@ -14,6 +14,7 @@
  *         range_origin.c whether rays begin at the scanner, or else where
  *         range_noise.c  noise of the ranges, by range
  *         range_plane.c  windows and their planes
+ *         range_blend.c  one surface from these
  *         range_mixed.c  what is no surface
  *         range_thin.c   what is thin, and how much it covers
  */
@@ -64,7 +65,8 @@ typedef struct gw_range_grid {
 /* The plane that a point is on: those v, from the scanner, of which a . v is 1. */
 typedef struct gw_range_plane {
 	float a[3];
-	uint16_t half; /* cells from the middle of the window to its sides; 0: no plane */
+	uint8_t half;    /* cells from the middle of the window to its sides; 0: no plane */
+	int8_t aside[2]; /* rows and columns, in halves, from the point to that middle: -1, 0 or 1 */
 } gw_range_plane;
 
 /* From the scanner to the point of a cell; false when it has none, or lies at the scanner. */
@@ -96,6 +98,10 @@ bool gw_range_planes_find(const gw_range_grid *grid, uint32_t threads, gw_range_
 /* What the point of a cell covers by itself, seen from the scanner, m^2, if it is a thing hardly
  * wider than a cell; else 0. */
 float gw_range_own_area(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell);
+
+/* Replaces each plane by the mean of those in whose windows its point lies, where that has the
+ * point on it but for the noise. False when memory is short. */
+bool gw_range_planes_blend(const gw_range_grid *grid, gw_range_plane *plane);
 
 /* What kind of stray the point of a cell is by its planes: 0, or 1 + a gw_stray_kind. */
 uint8_t gw_range_stray(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell);

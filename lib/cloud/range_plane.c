@@ -26,7 +26,7 @@
 #define OWN 3.0   /* of noise that the point itself may be off its plane */
 #define FLAT 0.02 /* of the spacing: what counts as noise in any case */
 
-static const uint16_t halves[] = { 12, 8, 5, 3, 2, 1 };
+static const uint8_t halves[] = { 12, 8, 5, 3, 2, 1 };
 
 typedef struct plane_job {
 	const gw_range_grid *grid;
@@ -160,15 +160,22 @@ static double try_window(const tile *t, const cell_view *v, const ptrdiff_t at[2
 	return fabs(dot(a, v->axis[0]) - v->inverse) / v->noise;
 }
 
+static void take_window(const double a[3], uint8_t half, int place, gw_range_plane *plane)
+{
+	*plane = (gw_range_plane){ { (float)a[0], (float)a[1], (float)a[2] },
+							   half,
+							   { (int8_t)(place / 3 - 1), (int8_t)(place % 3 - 1) } };
+}
+
 /* Of a size, the window around the cell, or else the best of those beside it. */
-static bool try_size(const tile *t, const cell_view *v, const ptrdiff_t at[2], ptrdiff_t half,
-					 bool beside, double best[3])
+static bool try_size(const tile *t, const cell_view *v, const ptrdiff_t at[2], uint8_t half,
+					 bool beside, gw_range_plane *best)
 {
 	double a[3], off = OWN;
 	if (!beside) {
 		if (!(try_window(t, v, at, half, a) <= OWN))
 			return false;
-		memcpy(best, a, sizeof a);
+		take_window(a, half, 4, best);
 		return true;
 	}
 	for (int i = 0; i < 9; i++) {
@@ -176,7 +183,7 @@ static bool try_size(const tile *t, const cell_view *v, const ptrdiff_t at[2], p
 		double own = i == 4 ? INFINITY : try_window(t, v, there, half, a);
 		if (own < off) {
 			off = own;
-			memcpy(best, a, sizeof a);
+			take_window(a, half, i, best);
 		}
 	}
 	return off < OWN;
@@ -185,21 +192,14 @@ static bool try_size(const tile *t, const cell_view *v, const ptrdiff_t at[2], p
 /* The largest window around a cell, or one beside it that is more than twice as large. */
 static gw_range_plane find_plane(const tile *t, const cell_view *v, const ptrdiff_t at[2])
 {
-	double a[3], shifted[3];
-	uint16_t half = 0, beside = 0;
-	for (size_t i = 0; i < sizeof halves / sizeof *halves && half == 0; i++) {
-		if (try_size(t, v, at, halves[i], false, a))
-			half = halves[i];
-		else if (beside == 0 && try_size(t, v, at, halves[i], true, shifted))
-			beside = halves[i];
-		if (beside > 2 * halves[i])
+	gw_range_plane around = { .half = 0 }, beside = { .half = 0 };
+	for (size_t i = 0; i < sizeof halves / sizeof *halves && around.half == 0; i++) {
+		if (!try_size(t, v, at, halves[i], false, &around) && beside.half == 0)
+			try_size(t, v, at, halves[i], true, &beside);
+		if (beside.half > 2 * halves[i])
 			break;
 	}
-	bool taken = 2 * half < beside;
-	gw_range_plane plane = { .half = taken ? beside : half };
-	for (size_t k = 0; k < 3 && plane.half > 0; k++)
-		plane.a[k] = (float)(taken ? shifted[k] : a[k]);
-	return plane;
+	return 2 * around.half < beside.half ? beside : around;
 }
 
 static void plane_of_cell(const plane_job *job, const tile *t, size_t row, size_t column)

@@ -2,6 +2,7 @@
 #include "cloud/stray_cells.h"
 
 #include "base/memory.h"
+#include "base/sorted_keys.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -15,27 +16,6 @@
 #define LONELY 8      /* one of so many has not, at most */
 #define AROUND 27     /* cells: one and its neighbours */
 
-/* Takes every third bit. */
-static uint32_t gather_bits(uint64_t key)
-{
-	key &= 0x1249249249249249;
-	key = (key | key >> 2) & 0x10c30c30c30c30c3;
-	key = (key | key >> 4) & 0x100f00f00f00f00f;
-	key = (key | key >> 8) & 0x001f0000ff0000ff;
-	key = (key | key >> 16) & 0x001f00000000ffff;
-	return (uint32_t)((key | key >> 32) & 0x1fffff);
-}
-
-/* Spreads 21 bits to every third one. */
-static uint64_t spread_bits(uint64_t x)
-{
-	x = (x | x << 32) & 0x001f00000000ffff;
-	x = (x | x << 16) & 0x001f0000ff0000ff;
-	x = (x | x << 8) & 0x100f00f00f00f00f;
-	x = (x | x << 4) & 0x10c30c30c30c30c3;
-	return (x | x << 2) & 0x1249249249249249;
-}
-
 static double extent_of(const gw_surfels *s)
 {
 	double extent = 0;
@@ -47,13 +27,12 @@ static double extent_of(const gw_surfels *s)
 static uint64_t key_of(const gw_surfels *s, size_t surfel, double cells_per_metre)
 {
 	const double last = (1 << GRID_BITS) - 1;
-	uint64_t key = 0;
+	uint32_t cell[3];
 	for (size_t k = 0; k < 3; k++) {
 		double off = (double)s->position[3 * surfel + k] - (double)s->minimum[k];
-		double cell = fmin(fmax(floor(off * cells_per_metre), 0), last);
-		key |= spread_bits((uint64_t)cell) << k;
+		cell[k] = (uint32_t)fmin(fmax(floor(off * cells_per_metre), 0), last);
 	}
-	return key;
+	return gw_morton_encode(cell[0], cell[1], cell[2]);
 }
 
 /* Number of cells of a level. */
@@ -93,15 +72,7 @@ void gw_stray_cells_clear(gw_stray_cells *cells)
 /* The first cell whose key is not below one. */
 static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 {
-	size_t low = 0, high = cells->count;
-	while (low < high) {
-		size_t middle = low + (high - low) / 2;
-		if (cells->key[middle] < key)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
+	return gw_lower_bound(cells->key, cells->count, key);
 }
 
 /* The j-th of the cells around the one of a key, itself for j = 13, all `coarser` levels coarser
@@ -111,14 +82,15 @@ static void find_beside(const gw_stray_cells *cells, uint64_t key, int coarser, 
 {
 	const int64_t last = (INT64_C(1) << (cells->level - coarser)) - 1;
 	const int64_t step[3] = { j % 3 - 1, j / 3 % 3 - 1, j / 9 - 1 };
-	uint64_t other = 0;
+	uint32_t at[3];
 	range[0] = range[1] = 0;
+	gw_morton_decode(key, at);
 	for (int k = 0; k < 3; k++) {
-		int64_t at = (int64_t)gather_bits(key >> k) + step[k];
-		if (at < 0 || at > last)
+		if (at[k] + step[k] < 0 || at[k] + step[k] > last)
 			return;
-		other |= spread_bits((uint64_t)at) << k;
+		at[k] = (uint32_t)(at[k] + step[k]);
 	}
+	uint64_t other = gw_morton_encode(at[0], at[1], at[2]);
 	range[0] = find_key(cells, other << 3 * coarser);
 	range[1] = coarser == 0 ? range[0] + (range[0] < cells->count && cells->key[range[0]] == other)
 							: find_key(cells, (other + 1) << 3 * coarser);

@@ -486,3 +486,17 @@ gw_status gw_strays_list(const gw_points *points, const gw_stray_marks *marks,
 	}
 	return GW_OK;
 }
+
+void gw_strays_count(const gw_surfels *surfels, const gw_points *points,
+					 gw_stray_count count[GW_STRAY_KIND_COUNT])
+{
+	memset(count, 0, GW_STRAY_KIND_COUNT * sizeof *count);
+	for (size_t i = 0; i < surfels->stray_count; i++) {
+		gw_stray_count *kind = &count[surfels->stray[i].kind];
+		size_t point = surfels->stray[i].point;
+		if (kind->points++ > 0 && point > kind->example)
+			continue;
+		kind->example = point;
+		memcpy(kind->position, points->position + 3 * point, sizeof kind->position);
+	}
+}

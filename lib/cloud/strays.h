@@ -53,4 +53,12 @@ gw_status gw_strays_hide(const gw_points *points, const gw_stray_marks *marks, d
 gw_status gw_strays_list(const gw_points *points, const gw_stray_marks *marks,
 						 gw_neighbours *search, gw_surfels *surfels, gw_error *error);
 
+/*
+ * Counts the strays that are listed, by kind.
+ *   points  from which the surfels were made
+ *   count   receives one of each gw_stray_kind, with an example
+ */
+void gw_strays_count(const gw_surfels *surfels, const gw_points *points,
+					 gw_stray_count count[GW_STRAY_KIND_COUNT]);
+
 #endif

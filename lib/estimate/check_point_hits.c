@@ -189,31 +189,33 @@ static gw_status trace_some(const gw_check_point_task *task, some_points *some, 
 
 /* ---------------------------------------------------------------------------------- emitters */
 
-/* What emitters bring to these points along rays whose hits are known. */
-static gw_status light_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
-							gw_check_point_hits *hits, gw_error *error)
+static gw_status light_by(const gw_check_point_task *task, some_points *some, uint32_t gather,
+						  gw_ray_gather *rays, gw_check_point_hits *hits, gw_error *error)
 {
 	const float black[3] = { 0 };
 	const gw_sampled_sources sources = { .emitters = task->emitters,
 										 .samples = hits->rays,
 										 .use_hits = true,
 										 .sky = black,
-										 .seed = gw_check_point_seed(task->seed, gather) };
+										 .seed = rays->seed };
 	const gw_record_context on = context_of(task, some);
-	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count;
+	GW_TRY(put_rows(task, some, (char *)hits->facet + first * row, row, &rays->facet, error));
+	GW_TRY(put_rows(task, some, (char *)hits->distance + first * row, row, &rays->distance, error));
+	GW_TRY(gw_ray_gather_sampled(&on, rays, &sources, &some->place.gathered, error));
+	return fetch_rows(task, some, &some->place.gathered, 16, (char *)(hits->emitted + 4 * first),
+					  error);
+}
+
+/* What emitters bring to these points along rays whose hits are known. */
+static gw_status light_some(const gw_check_point_task *task, some_points *some, uint32_t gather,
+							gw_check_point_hits *hits, gw_error *error)
+{
+	gw_ray_gather rays = { 0 };
 	gw_status status = gw_ray_gather_create(task->passes->gpu, &some->place, hits->rays,
-											sources.seed, &rays, error);
+											gw_check_point_seed(task->seed, gather), &rays, error);
 	if (status == GW_OK)
-		status = put_rows(task, some, (char *)hits->facet + first * row, row, &rays.facet, error);
-	if (status == GW_OK)
-		status =
-			put_rows(task, some, (char *)hits->distance + first * row, row, &rays.distance, error);
-	if (status == GW_OK)
-		status = gw_ray_gather_sampled(&on, &rays, &sources, &some->place.gathered, error);
-	if (status == GW_OK)
-		status = fetch_rows(task, some, &some->place.gathered, 16,
-							(char *)(hits->emitted + 4 * first), error);
+		status = light_by(task, some, gather, &rays, hits, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
 	return status;
 }
@@ -275,30 +277,36 @@ void gw_check_point_view_destroy(gw_gpu *gpu, gw_check_point_view *view)
 	gw_buffer_destroy(gpu, &view->emitted);
 }
 
+static gw_status fill_view(const gw_check_point_task *task, const gw_check_point_hits *hits,
+						   uint32_t gather, gw_check_point_view *view, gw_error *error)
+{
+	gw_gpu *gpu = task->passes->gpu;
+	size_t first = gather * (size_t)hits->count, row = hits->rays;
+	uint64_t bytes = 4 * (uint64_t)hits->count * hits->rays;
+	GW_TRY(gw_buffer_upload(gpu, &view->rays.facet, 0, hits->facet + first * row, bytes, error));
+	GW_TRY(
+		gw_buffer_upload(gpu, &view->rays.distance, 0, hits->distance + first * row, bytes, error));
+	if (!hits->emitted)
+		return GW_OK;
+	bytes = 16 * (uint64_t)hits->count;
+	GW_TRY(
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "irradiance from emitters" },
+						 &view->emitted, error));
+	return gw_buffer_upload(gpu, &view->emitted, 0, hits->emitted + 4 * first, bytes, error);
+}
+
 gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
 									 const gw_check_point_hits *hits, const gw_records *place,
 									 uint32_t gather, gw_check_point_view *view, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
-	size_t first = gather * (size_t)hits->count, count = (size_t)hits->count * hits->rays;
 	*view = (gw_check_point_view){ 0 };
 	gw_status status = gw_ray_gather_create(
 		gpu, place, hits->rays, gw_check_point_seed(task->seed, gather), &view->rays, error);
 	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &view->rays.facet, 0, hits->facet + first * hits->rays,
-								  4 * count, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &view->rays.distance, 0, hits->distance + first * hits->rays,
-								  4 * count, error);
-	if (status == GW_OK && hits->emitted)
-		status = gw_buffer_create(
-			gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-									  16 * (uint64_t)hits->count, "irradiance from emitters" },
-			&view->emitted, error);
-	if (status == GW_OK && hits->emitted)
-		status = gw_buffer_upload(gpu, &view->emitted, 0, hits->emitted + 4 * first,
-								  16 * (uint64_t)hits->count, error);
+		status = fill_view(task, hits, gather, view, error);
 	if (status != GW_OK)
 		gw_check_point_view_destroy(gpu, view);
 	return status;

@@ -133,30 +133,32 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 	return status;
 }
 
+static gw_status sum_and_shade(const gw_estimate_task *task, gw_buffer *total, gw_buffer *radiance,
+							   gw_error *error)
+{
+	gw_records *records = task->records;
+	const gw_record_context on = { task->passes, task->octree, records };
+	GW_TRY(gw_light_add(task->passes, &records->first, total, records->count, error));
+	GW_TRY(gw_light_add(task->passes, &records->indirect, total, records->count, error));
+	GW_TRY(gw_buffer_create(
+		task->passes->gpu,
+		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+								  32 * (uint64_t)task->octree->leaf_count, "final facet radiance" },
+		radiance, error));
+	return gw_facets_shade(&on, total, task->facet_direct, 1.0f, radiance, error);
+}
+
 /* What the facets send out in the end, their own emission left out. */
 static gw_status shade_all(const gw_estimate_task *task, gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = task->passes->gpu;
-	gw_records *records = task->records;
-	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer total = { 0 };
-	gw_status status = gw_buffer_create(
+	GW_TRY(gw_buffer_create(
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)records->count, "record irradiance" },
-		&total, error);
-	const gw_buffer *parts[2] = { &records->first, &records->indirect };
-	for (int i = 0; i < 2 && status == GW_OK; i++)
-		status = gw_light_add(task->passes, parts[i], &total, records->count, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_TEXEL,
-															VK_FORMAT_R32G32B32A32_SFLOAT,
-															32 * (uint64_t)task->octree->leaf_count,
-															"final facet radiance" },
-								  radiance, error);
-	if (status == GW_OK)
-		status = gw_facets_shade(&on, &total, task->facet_direct, 1.0f, radiance, error);
+								  16 * (uint64_t)task->records->count, "record irradiance" },
+		&total, error));
+	gw_status status = sum_and_shade(task, &total, radiance, error);
 	gw_buffer_destroy(gpu, &total);
 	return status;
 }
@@ -489,35 +491,44 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 	return status;
 }
 
-/* What the points find, and what that says of the bake. */
-static gw_status solve_again(const gw_estimate_task *task, estimate *e, double mean,
-							 gw_error_estimate *result, gw_error *error)
+/* What the light that arrives at the points again comes from. */
+typedef struct again {
+	gw_buffer radiance; /* of facets */
+	gw_emitters reflectors;
+} again;
+
+static gw_status solve_with(const gw_estimate_task *task, again *a, estimate *e, double mean,
+							gw_error_estimate *result, gw_error *error)
 {
-	gw_gpu *gpu = task->passes->gpu;
-	gw_buffer radiance = { 0 };
-	gw_emitters reflectors = { 0 };
 	const gw_check_point_task check_points = { .passes = task->passes,
 											   .octree = task->octree,
 											   .surfels = task->surfels,
 											   .emitters = task->emitters,
 											   .rays = gw_estimate_rays(task->rays),
 											   .seed = task->seed };
-	gw_status status = draw(task, e->counts, &e->choice, error);
-	if (status != GW_OK || e->choice.count == 0)
-		return status;
-	status = look(task, &check_points, e, error);
-	if (status == GW_OK && task->bounces)
-		status = shade_all(task, &radiance, error);
-	if (status == GW_OK && task->bounces)
-		status = gw_emitters_make(gpu, task->octree, &radiance, false, &reflectors, error);
-	for (int half = 0; half < 2 && status == GW_OK; half++)
-		status = gather_half(task, &check_points, half, &reflectors, e, error);
-	if (status == GW_OK)
-		status = check_geometry(task, e, &radiance, mean, result, error);
-	if (status == GW_OK)
-		status = compare(task, e, mean, result, error);
-	gw_emitters_destroy(gpu, &reflectors);
-	gw_buffer_destroy(gpu, &radiance);
+	GW_TRY(look(task, &check_points, e, error));
+	if (task->bounces) {
+		GW_TRY(shade_all(task, &a->radiance, error));
+		GW_TRY(gw_emitters_make(task->passes->gpu, task->octree, &a->radiance, false,
+								&a->reflectors, error));
+	}
+	for (int half = 0; half < 2; half++)
+		GW_TRY(gather_half(task, &check_points, half, &a->reflectors, e, error));
+	GW_TRY(check_geometry(task, e, &a->radiance, mean, result, error));
+	return compare(task, e, mean, result, error);
+}
+
+/* What the points find, and what that says of the bake. */
+static gw_status solve_again(const gw_estimate_task *task, estimate *e, double mean,
+							 gw_error_estimate *result, gw_error *error)
+{
+	again a = { .radiance = { 0 } };
+	GW_TRY(draw(task, e->counts, &e->choice, error));
+	if (e->choice.count == 0)
+		return GW_OK;
+	gw_status status = solve_with(task, &a, e, mean, result, error);
+	gw_emitters_destroy(task->passes->gpu, &a.reflectors);
+	gw_buffer_destroy(task->passes->gpu, &a.radiance);
 	return status;
 }
 

@@ -35,6 +35,8 @@ typedef struct work {
 	double of_direct, of_sky; /* sums of the points' irradiance before any reflection */
 	double contrast;          /* of reflected light: root mean square over mean */
 	double lost;              /* of the light that lamps send: is as likely to be missing */
+	bool guessed;             /* gaps are holes, which may as well be windows */
+	bool sky_shines;          /* through some of them, so that they are */
 } work;
 
 static const double reciprocal_pi = 0.31830988618379067;
@@ -125,6 +127,8 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 		double full = rest / (1.0 - share), now = reciprocal_pi * w->sent[r];
 		/* Closed as they are, gaps are known no better than to half of what closes them. */
 		double off = fmax(fabs(full - now), 0.5 * (full - rest));
+		if (w->guessed && w->task->options->gaps == GW_GAPS_OPEN)
+			off = w->sky_shines ? 0.0 : M_SQRT1_2 * (full - rest);
 		/* Panes are black now. */
 		off += M_SQRT1_2 * full * fmin((double)g->pane, SHARE_MOST);
 		report->share += w->plain[r] * (double)g->share;
@@ -198,8 +202,10 @@ static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *
 	if (hit.large != GW_NONE && hit.small != GW_NONE)
 		return 0.0;
 	double leaves = hit.large == GW_NONE && hit.small == GW_NONE ? 1.0 : 0.5;
+	if (w->guessed && w->sky_shines)
+		return 0.0;
 	if (gw_scanned_space_is_gap(w->task->space, way))
-		return leaves;
+		return w->guessed ? M_SQRT1_2 * leaves : leaves;
 	return gw_scanned_space_is_pane(w->task->space, way) ? M_SQRT1_2 * leaves : 0.0;
 }
 
@@ -266,7 +272,8 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 					   gw_error_estimate *estimate, gw_error *error)
 {
 	size_t count = task->on.records->count;
-	*report = (gw_gap_report){ .scanners = report->scanners, .black = 1.0, .bright = 1.0 };
+	report->black = report->bright = 1.0;
+	report->share = report->sky = report->lamps = 0.0;
 	double *room = gw_allocate_zeros(count, 4 * sizeof *room);
 	if (!room)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
@@ -274,7 +281,10 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 			   .mean = room,
 			   .square = room + count,
 			   .plain = room + 2 * count,
-			   .sent = room + 3 * count };
+			   .sent = room + 3 * count,
+			   .guessed = task->space->scanners == 0 };
+	for (size_t r = 0; r < count; r++)
+		w.sky_shines = w.sky_shines || task->gap[r].all > 0.0f;
 	gw_status status = gw_records_light(task->on.passes->gpu, task->on.records, w.sent, error);
 	if (status == GW_OK) {
 		weigh(&w);

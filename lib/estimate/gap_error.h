@@ -11,6 +11,8 @@
  * there to shine, nobody knows whether that is a window or a surface that sent nothing back. As one
  * is as likely as the other, the error is sqrt(1/2) of what a surface would bring.
  *
+ * The same holds for gaps where no scanner is known, which are holes of the surface.
+ *
  * What a lamp sends to such places is missing in all that is reflected. No point would tell, so
  * rays go out from the lamps, through the points' discs (check_discs.h).
  */

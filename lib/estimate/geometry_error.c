@@ -27,7 +27,8 @@
 #define LAMP_POINTS_LEAST 50u
 
 /* So near, discs that face alike are of the surface that a ray leaves: radii, and of records, which
- * have none, spacings. */
+ * have none, spacings. It is a cell of the octree at least: where points lie much closer, as right
+ * under a scanner, their noise stacks discs that are smaller than it. */
 #define OWN_RADII 2.0f
 #define OWN_SPACINGS 3.2f
 
@@ -303,7 +304,7 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 		gw_check_ray ray = { .origin = at,
 							 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
 							 .facing = { n[0], n[1], n[2] },
-							 .own = OWN_RADII * s->radius[surfel],
+							 .own = fmaxf(OWN_RADII * s->radius[surfel], o->leaf_size),
 							 .both_sides = true };
 		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
 		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);

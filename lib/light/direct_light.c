@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "normals/normal_error.h"
+#include "light/shut_out.h"
 #include "light/transport_layout.h"
 
 #include <math.h>
@@ -90,29 +91,25 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 	size_t maps = 0;
 	for (size_t i = 0; i < count; i++) {
 		const gw_light *light = &lights[i];
-		gw_status status = GW_OK;
 		switch (light->type) {
 		case GW_LIGHT_POINT:
 		case GW_LIGHT_SPOT:
-			status = check_lamp(i, light, error);
+			GW_TRY(check_lamp(i, light, error));
 			break;
 		case GW_LIGHT_SUN:
 			if (!(light->angle >= 0.0f && light->angle < 90.0f))
 				return bad_light(i, light, "angle", (double)light->angle,
 								 "give degrees from 0 to below 90", error);
-			status = check_direction(i, light, error);
-			if (status == GW_OK)
-				status = check_color(i, light, "irradiance", light->irradiance, error);
+			GW_TRY(check_direction(i, light, error));
+			GW_TRY(check_color(i, light, "irradiance", light->irradiance, error));
 			break;
 		case GW_LIGHT_ENVIRONMENT:
-			status = check_environment(i, light, &maps, error);
+			GW_TRY(check_environment(i, light, &maps, error));
 			break;
 		default:
 			return gw_fail(error, GW_ERROR_USAGE, "light %zu has the unknown type %d", i + 1,
 						   (int)light->type);
 		}
-		if (status != GW_OK)
-			return status;
 	}
 	return GW_OK;
 }
@@ -179,7 +176,7 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 			size_t s = first + i;
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
-				gw_normal_turn(own + 3 * s, surfels->shading_normal_off[s], s, chunk + 4 * i);
+				gw_normal_turn(surfels, s, chunk + 4 * i);
 			chunk[4 * i + 3] = surfels->two_sided[s] ? 1.0f : 0.0f;
 		}
 		status =
@@ -236,38 +233,94 @@ gw_status gw_average_facets(gw_passes *passes, const gw_octree *octree, const gw
 						 2 * (uint64_t)octree->leaf_count, error);
 }
 
+/* Normals at which light comes in; turned is NULL, or those that are off. */
+typedef struct light_normals {
+	const gw_buffer *own, *turned;
+} light_normals;
+
+/* What one light adds. */
+static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
+						   light_normals normals, gw_buffer *visibility,
+						   const gw_direct_irradiance *to, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	gw_buffer reached = { 0 }, reached_turned = { 0 };
+	gw_status status = GW_OK;
+	if (push->shadows)
+		status = gw_shut_out_light(cloud, push, normals.own, &reached, error);
+	if (status == GW_OK && push->shadows && normals.turned)
+		status = gw_shut_out_light(cloud, push, normals.turned, &reached_turned, error);
+	if (reached.handle != VK_NULL_HANDLE)
+		normals.own = &reached;
+	if (reached_turned.handle != VK_NULL_HANDLE)
+		normals.turned = &reached_turned;
+	if (status == GW_OK)
+		status = find_visibility(cloud, push, normals.own, visibility, error);
+	if (status == GW_OK)
+		status = add_irradiance(cloud, push, normals.own, visibility, to->surfels, error);
+	if (status == GW_OK && normals.turned)
+		status = add_irradiance(cloud, push, normals.turned, visibility, to->turned, error);
+	gw_buffer_destroy(gpu, &reached_turned);
+	gw_buffer_destroy(gpu, &reached);
+	return status;
+}
+
+/* Buffers of gw_direct_light. */
+typedef struct lit_buffers {
+	gw_buffer visibility, own_normal, off_normal;
+} lit_buffers;
+
+static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
+							const gw_direct_irradiance *to, lit_buffers *b, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	uint64_t bytes = 4 * (uint64_t)cloud->surfels->count;
+	GW_TRY(gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
+		&b->visibility, error));
+	if (cloud->surfels->shading_normal)
+		GW_TRY(upload_normals(gpu, cloud->surfels, false, &b->own_normal, error));
+	if (to->turned)
+		GW_TRY(upload_normals(gpu, cloud->surfels, true, &b->off_normal, error));
+	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
+																   : &cloud->octree->surfel_normal,
+									to->turned ? &b->off_normal : NULL };
+	for (size_t i = 0; i < light_count; i++) {
+		gw_light_push push =
+			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
+		if (gw_light_shines(&lights[i]))
+			GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
+	}
+	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
+}
+
 gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
 						  const gw_direct_irradiance *to, gw_error *error)
 {
-	gw_buffer visibility = { 0 }, own_normal = { 0 }, off_normal = { 0 };
-	const gw_buffer *normal =
-		cloud->surfels->shading_normal ? &own_normal : &cloud->octree->surfel_normal;
-	uint64_t count = cloud->surfels->count;
-	gw_status status = gw_buffer_create(
-		cloud->passes->gpu,
-		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * count, "visibility" },
-		&visibility, error);
-	if (status == GW_OK && cloud->surfels->shading_normal)
-		status = upload_normals(cloud->passes->gpu, cloud->surfels, false, &own_normal, error);
-	if (status == GW_OK && to->turned)
-		status = upload_normals(cloud->passes->gpu, cloud->surfels, true, &off_normal, error);
-	for (size_t i = 0; i < light_count && status == GW_OK; i++) {
-		if (!gw_light_shines(&lights[i]))
-			continue;
-		gw_light_push push =
-			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
-		status = find_visibility(cloud, &push, normal, &visibility, error);
-		if (status == GW_OK)
-			status = add_irradiance(cloud, &push, normal, &visibility, to->surfels, error);
-		if (status == GW_OK && to->turned)
-			status = add_irradiance(cloud, &push, &off_normal, &visibility, to->turned, error);
-	}
-	if (status == GW_OK)
-		status = gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
-	gw_buffer_destroy(cloud->passes->gpu, &off_normal);
-	gw_buffer_destroy(cloud->passes->gpu, &own_normal);
-	gw_buffer_destroy(cloud->passes->gpu, &visibility);
+	lit_buffers b = { 0 };
+	gw_status status = add_lights(cloud, lights, light_count, to, &b, error);
+	gw_buffer_destroy(cloud->passes->gpu, &b.off_normal);
+	gw_buffer_destroy(cloud->passes->gpu, &b.own_normal);
+	gw_buffer_destroy(cloud->passes->gpu, &b.visibility);
 	return status;
+}
+
+static gw_status find_share(const gw_lit_cloud *cloud, const gw_light_push *push,
+							gw_buffer *visibility, float *share, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	uint64_t bytes = 4 * (uint64_t)cloud->surfels->count;
+	const float one = 1.0f;
+	uint32_t seen;
+	memcpy(&seen, &one, sizeof seen);
+	GW_TRY(gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
+		visibility, error));
+	GW_TRY(gw_buffer_fill(gpu, visibility, seen, error));
+	GW_TRY(find_visibility(cloud, push, &cloud->octree->surfel_normal, visibility, error));
+	return gw_buffer_download(gpu, visibility, 0, share, bytes, error);
 }
 
 gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,
@@ -276,22 +329,10 @@ gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float
 	gw_buffer visibility = { 0 };
 	const gw_light_push push =
 		gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
-	uint64_t bytes = 4 * (uint64_t)cloud->surfels->count;
-	gw_status status = gw_buffer_create(
-		cloud->passes->gpu,
-		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
-		&visibility, error);
-	const float one = 1.0f;
-	uint32_t seen;
-	memcpy(&seen, &one, sizeof seen);
-	if (status == GW_OK)
-		status = gw_buffer_fill(cloud->passes->gpu, &visibility, seen, error);
-	if (status == GW_OK)
-		status = find_visibility(cloud, &push, &cloud->octree->surfel_normal, &visibility, error);
-	if (status == GW_OK)
-		status = gw_buffer_download(cloud->passes->gpu, &visibility, 0, share, bytes, error);
-	for (size_t i = 0; i < cloud->surfels->count && status == GW_OK; i++)
-		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
+	gw_status status = find_share(cloud, &push, &visibility, share, error);
 	gw_buffer_destroy(cloud->passes->gpu, &visibility);
-	return status;
+	GW_TRY(status);
+	for (size_t i = 0; i < cloud->surfels->count; i++)
+		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;
+	return GW_OK;
 }

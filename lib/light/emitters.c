@@ -17,45 +17,64 @@ typedef struct emitter_row {
 	uint32_t zero;
 } emitter_row;
 
+/* What a table of emitters is made from, emitters->count each. */
+typedef struct table_room {
+	emitter_row *rows;
+	double *share;
+	gw_alias_row *alias;
+} table_room;
+
+/* Facets that emit, and their power. */
+static uint32_t list_emitters(const float *radiance, const float *centre, size_t slots,
+							  const table_room *room, double *total)
+{
+	uint32_t n = 0;
+	*total = 0.0;
+	for (size_t i = 0; i < slots; i++) {
+		double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
+		if (!(power > 0.0))
+			continue;
+		room->rows[n].facet = (uint32_t)i;
+		room->share[n++] = power;
+		*total += power;
+	}
+	return n;
+}
+
+static gw_status make_table(gw_gpu *gpu, const table_room *room, uint32_t n, gw_emitters *emitters,
+							gw_error *error)
+{
+	uint64_t bytes = sizeof *room->rows * (uint64_t)emitters->count;
+	GW_TRY(gw_alias_table_fill(room->alias, room->share, n, error));
+	for (uint32_t i = 0; i < n; i++) {
+		room->rows[i].alias = room->alias[i].alias;
+		room->rows[i].probability = room->alias[i].probability;
+	}
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
+													  bytes, "emitter table" },
+							&emitters->table, error));
+	return gw_buffer_upload(gpu, &emitters->table, 0, room->rows, bytes, error);
+}
+
 static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *centre, size_t slots,
 							  gw_emitters *emitters, gw_error *error)
 {
-	emitter_row *rows = gw_allocate_zeros(emitters->count, sizeof *rows);
-	double *share = gw_allocate_array(emitters->count, sizeof *share);
-	gw_alias_row *alias = gw_allocate_array(emitters->count, sizeof *alias);
+	const table_room room = { gw_allocate_zeros(emitters->count, sizeof *room.rows),
+							  gw_allocate_array(emitters->count, sizeof *room.share),
+							  gw_allocate_array(emitters->count, sizeof *room.alias) };
 	gw_status status = GW_OK;
-	if (!rows || !share || !alias)
+	if (!room.rows || !room.share || !room.alias) {
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u emitters", emitters->count);
-	if (status == GW_OK) {
-		uint32_t n = 0;
-		double total = 0.0;
-		for (size_t i = 0; i < slots; i++) {
-			double power = gw_luminance(&radiance[4 * i]) * (double)centre[4 * i + 3];
-			if (!(power > 0.0))
-				continue;
-			rows[n].facet = (uint32_t)i;
-			share[n++] = power;
-			total += power;
-		}
+	} else {
+		double total;
+		uint32_t n = list_emitters(radiance, centre, slots, &room, &total);
 		emitters->power = (float)total;
-		status = gw_alias_table_fill(alias, share, n, error);
-		for (uint32_t i = 0; i < n && status == GW_OK; i++) {
-			rows[i].alias = alias[i].alias;
-			rows[i].probability = alias[i].probability;
-		}
+		status = make_table(gpu, &room, n, emitters, error);
 	}
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			gpu,
-			&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_UINT,
-									  sizeof *rows * (uint64_t)emitters->count, "emitter table" },
-			&emitters->table, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &emitters->table, 0, rows,
-								  sizeof *rows * (uint64_t)emitters->count, error);
-	free(rows);
-	free(share);
-	free(alias);
+	free(room.rows);
+	free(room.share);
+	free(room.alias);
 	return status;
 }
 

@@ -75,30 +75,32 @@ static gw_status open_views(work *w, gw_error *error)
 	const gw_records *r = t->on->records;
 	uint64_t bytes = 16 * (uint64_t)r->count;
 	const gw_sky_map *m = t->map;
-	gw_status status = gw_view_open(gpu, &r->position, bytes, &w->position, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &r->normal, bytes, &w->normal, error);
-	if (status == GW_OK)
-		status = gw_view_open(gpu, &t->rays->facet, bytes / 4 * t->rays->rays, &w->hit, error);
-	if (status == GW_OK && m && m->width > 0)
-		status =
-			gw_view_open(gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &w->texel, error);
-	return status;
+	GW_TRY(gw_view_open(gpu, &r->position, bytes, &w->position, error));
+	GW_TRY(gw_view_open(gpu, &r->normal, bytes, &w->normal, error));
+	GW_TRY(gw_view_open(gpu, &t->rays->facet, bytes / 4 * t->rays->rays, &w->hit, error));
+	if (m && m->width > 0)
+		GW_TRY(gw_view_open(gpu, &m->texel, 16 * (uint64_t)m->width * m->height, &w->texel, error));
+	return GW_OK;
+}
+
+static gw_status look_from_records(work *w, gw_error *error)
+{
+	size_t count = w->task->on->records->count;
+	GW_TRY(open_views(w, error));
+	w->gap = gw_allocate_zeros(count, sizeof *w->gap);
+	if (!w->gap)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+	gw_parallel_for(w->task->threads, count, CHUNK, look_through_all, w);
+	if (atomic_load(&w->stopped))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
+	return GW_OK;
 }
 
 gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_error *error)
 {
 	work w = { .task = task };
-	size_t count = task->on->records->count;
 	*gap = NULL;
-	gw_status status = open_views(&w, error);
-	if (status == GW_OK && !(w.gap = gw_allocate_zeros(count, sizeof *w.gap)))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
-	if (status == GW_OK) {
-		gw_parallel_for(task->threads, count, CHUNK, look_through_all, &w);
-		if (atomic_load(&w.stopped))
-			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
-	}
+	gw_status status = look_from_records(&w, error);
 	gw_view_close(&w.position);
 	gw_view_close(&w.normal);
 	gw_view_close(&w.hit);
@@ -116,8 +118,28 @@ static float enlarged(float share)
 	return 1.0f / (1.0f - gw_smaller(share, SHARE_MOST));
 }
 
+/* Of the sky's light that all records see, what comes through gaps. */
+static float share_of_all(const gw_gap_sight *gap, size_t count)
+{
+	double all = 0.0, through = 0.0;
+	for (size_t i = 0; i < count; i++) {
+		all += (double)gap[i].all;
+		through += (double)gw_luminance_of(gw_xyz(gap[i].sky));
+	}
+	return all > 0.0 ? (float)(through / all) : 0.0f;
+}
+
+/* What is left of what a record gathered. */
+static float left_of(const gw_gap_sight *gap, float first, float through, const float *mean_share)
+{
+	if (!mean_share)
+		return gw_larger(first - through, 0.0f);
+	float share = gap->all > 0.0f ? gw_luminance_of(gw_xyz(gap->sky)) / gap->all : *mean_share;
+	return first * (1.0f - gw_smaller(share, 1.0f));
+}
+
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
-							 const float *fill, gw_error *error)
+							 const float *fill, bool alone, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	size_t count = on->records->count;
@@ -125,14 +147,15 @@ gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *ga
 	float *first = gw_allocate_array(count, 8 * sizeof *first);
 	if (!first)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
-	float *normal = first + 4 * count;
+	float *normal = first + 4 * count, mean_share = share_of_all(gap, count);
 	gw_status status = gw_buffer_download(gpu, &on->records->first, 0, first, bytes, error);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, &on->records->normal, 0, normal, bytes, error);
 	for (size_t i = 0; i < 4 * count && status == GW_OK; i++) {
 		float share = gap[i / 4].share, inside = GW_PI * normal[i / 4 * 4 + 3];
-		float rest =
-			i % 4 < 3 ? gw_larger(first[i] - inside * gap[i / 4].sky[i % 4], 0.0f) : first[i];
+		float rest = i % 4 < 3 ? left_of(&gap[i / 4], first[i], inside * gap[i / 4].sky[i % 4],
+										 alone ? &mean_share : NULL)
+							   : first[i];
 		if (fill)
 			first[i] = i % 4 < 3 ? rest + inside * share * fill[i % 4] : rest;
 		else

@@ -31,11 +31,14 @@ gw_status gw_gap_light_find(const gw_gap_task *task, gw_gap_sight **gap, gw_erro
 
 /*
  * Closes the gaps: what came through them is taken off records->first, and something else put
- * there. gap    as found fill   radiance of what closes them; NULL: as bright as what else the
- * record sees of this light
+ * there.
+ *   gap     as found
+ *   fill    radiance of what closes them; NULL: as bright as what else the record sees of this
+ * light alone   nothing emits but the sky: then it is a share that is taken off, so that portals,
+ * which were sampled beside the rays, do not matter
  */
 gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *gap,
-							 const float *fill, gw_error *error);
+							 const float *fill, bool alone, gw_error *error);
 
 /* What records gathered from surfaces, as if gaps were as bright as these: by the share of their
  * rays that met some. gathered   vec4 a record */

@@ -37,22 +37,25 @@ static gw_status lay_out(gw_gpu *gpu, uint64_t bricks, uint32_t row[2], uint32_t
 	return GW_OK;
 }
 
+static gw_status make_pools(gw_gpu *gpu, const gw_octree *octree, gw_cone_gather *gather,
+							gw_error *error)
+{
+	uint32_t extent[3];
+	GW_TRY(lay_out(gpu, octree->leaf_tile_count, gather->leaf_bricks, &gather->leaf_face_depth,
+				   extent, error));
+	GW_TRY(gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, extent, "leaf pool",
+						   &gather->leaf_pool, error));
+	GW_TRY(lay_out(gpu, octree->tile_count, gather->mip_bricks, &gather->mip_face_depth, extent,
+				   error));
+	return gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, extent, "mipmap pool",
+						   &gather->mip_pool, error);
+}
+
 gw_status gw_cone_gather_create(gw_gpu *gpu, const gw_octree *octree, uint32_t cones, uint32_t seed,
 								gw_cone_gather *gather, gw_error *error)
 {
 	*gather = (gw_cone_gather){ .cones = cones, .seed = seed };
-	uint32_t extent[3];
-	gw_status status = lay_out(gpu, octree->leaf_tile_count, gather->leaf_bricks,
-							   &gather->leaf_face_depth, extent, error);
-	if (status == GW_OK)
-		status = gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, extent, "leaf pool",
-								 &gather->leaf_pool, error);
-	if (status == GW_OK)
-		status = lay_out(gpu, octree->tile_count, gather->mip_bricks, &gather->mip_face_depth,
-						 extent, error);
-	if (status == GW_OK)
-		status = gw_image_create(gpu, VK_FORMAT_R16G16B16A16_SFLOAT, extent, "mipmap pool",
-								 &gather->mip_pool, error);
+	gw_status status = make_pools(gpu, octree, gather, error);
 	if (status != GW_OK)
 		gw_cone_gather_destroy(gpu, gather);
 	return status;

@@ -4,6 +4,7 @@
 #include "light/gather_rays.h"
 
 #include "base/memory.h"
+#include "light/shut_out.h"
 #include "light/transport_layout.h"
 
 #include <stdlib.h>
@@ -60,6 +61,19 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 	gw_buffer_destroy(gpu, &gather->through);
 }
 
+/* What two buffers hold, one behind the other; values has room for it. */
+static gw_status join(gw_gpu *gpu, VkFormat format, gw_buffer *const part[2], char *values,
+					  gw_buffer *joined, gw_error *error)
+{
+	uint64_t first = part[0]->bytes, bytes = first + part[1]->bytes;
+	GW_TRY(gw_buffer_download(gpu, part[0], 0, values, first, error));
+	GW_TRY(gw_buffer_download(gpu, part[1], 0, values + first, part[1]->bytes, error));
+	GW_TRY(gw_buffer_create(
+		gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, part[0]->name }, joined,
+		error));
+	return gw_buffer_upload(gpu, joined, 0, values, bytes, error);
+}
+
 /* Puts what another buffer holds behind *buffer. */
 static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer *buffer,
 						gw_error *error)
@@ -70,15 +84,8 @@ static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer
 	if (!values)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu bytes of %s",
 					   (unsigned long long)bytes, buffer->name);
-	gw_status status = gw_buffer_download(gpu, buffer, 0, values, buffer->bytes, error);
-	if (status == GW_OK)
-		status = gw_buffer_download(gpu, more, 0, values + buffer->bytes, more->bytes, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(
-			gpu, &(gw_buffer_description){ GW_BUFFER_TEXEL, format, bytes, buffer->name }, &joined,
-			error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &joined, 0, values, bytes, error);
+	gw_buffer *const part[2] = { buffer, more };
+	gw_status status = join(gpu, format, part, values, &joined, error);
 	free(values);
 	if (status != GW_OK) {
 		gw_buffer_destroy(gpu, &joined);
@@ -138,7 +145,7 @@ typedef struct gathering {
 	const gw_record_context *on;
 	const gw_ray_gather *gather;
 	const gw_sampled_sources *sources;
-	gw_buffer sampled; /* what samples bring, vec4 a record */
+	gw_buffer sampled; /* what samples bring, vec4 a record; w: 1 where the sky is shut out */
 } gathering;
 
 /* Adds samples of the emitters to what is sampled. */
@@ -293,6 +300,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)on->records->count, "sampled irradiance" },
 		&g.sampled, error);
+	if (status == GW_OK && shines)
+		status = gw_shut_out_sky(on, &g.sampled, error);
 	if (status == GW_OK)
 		status = gather_all(&g, push, irradiance, error);
 	gw_buffer_destroy(on->passes->gpu, &g.sampled);

@@ -101,22 +101,28 @@ static uint32_t find_record(const gw_kept_hits *kept, const float place[6])
 	return GW_NONE;
 }
 
+static gw_status take(gw_gpu *gpu, const gw_octree *octree, const gw_records *records,
+					  gw_kept_hits *kept, gw_error *error)
+{
+	GW_TRY(fetch_places(gpu, records, &kept->place, error));
+	GW_TRY(fetch_leaves(gpu, octree, &kept->leaf_key, error));
+	if (!list_records(kept))
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+	return GW_OK;
+}
+
 gw_status gw_kept_hits_take(gw_gpu *gpu, const gw_octree *octree, const gw_records *records,
 							gw_ray_gather *rays, gw_kept_hits *kept, gw_error *error)
 {
 	*kept = (gw_kept_hits){ .record_count = records->count, .leaf_count = octree->leaf_count };
-	gw_status status = fetch_places(gpu, records, &kept->place, error);
-	if (status == GW_OK)
-		status = fetch_leaves(gpu, octree, &kept->leaf_key, error);
-	if (status == GW_OK && !list_records(kept))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
-	if (status == GW_OK) {
-		kept->rays = *rays;
-		*rays = (gw_ray_gather){ 0 };
-	} else {
+	gw_status status = take(gpu, octree, records, kept, error);
+	if (status != GW_OK) {
 		gw_kept_hits_destroy(gpu, kept);
+		return status;
 	}
-	return status;
+	kept->rays = *rays;
+	*rays = (gw_ray_gather){ 0 };
+	return GW_OK;
 }
 
 void gw_kept_hits_destroy(gw_gpu *gpu, gw_kept_hits *kept)
@@ -240,21 +246,12 @@ static gw_status make_tables(const gw_record_context *on, const gw_kept_hits *ke
 							&tables->list, error);
 }
 
-gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *kept,
+static gw_status trace_again(const gw_record_context *on, const gw_kept_hits *kept,
 							 gw_changed_boxes boxes, gw_ray_gather *gather, uint64_t *traced,
 							 gw_error *error)
 {
-	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
 	keep_tables tables = { 0 };
-	/* Lists that are too long to be bound as a whole. */
-	if (4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
-		*traced = rays;
-		return gw_ray_gather_trace(on, kept->rays.rays, kept->rays.seed, gather, error);
-	}
-	gw_status status = gw_ray_gather_create(on->passes->gpu, on->records, kept->rays.rays,
-											kept->rays.seed, gather, error);
-	if (status == GW_OK)
-		status = make_tables(on, kept, boxes, &tables, error);
+	gw_status status = make_tables(on, kept, boxes, &tables, error);
 	if (status == GW_OK)
 		status = keep(on, kept, &tables, gather, error);
 	if (status == GW_OK)
@@ -263,6 +260,22 @@ gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *ke
 	gw_buffer_destroy(on->passes->gpu, &tables.leaf_now);
 	gw_buffer_destroy(on->passes->gpu, &tables.box);
 	gw_buffer_destroy(on->passes->gpu, &tables.list);
+	return status;
+}
+
+gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *kept,
+							 gw_changed_boxes boxes, gw_ray_gather *gather, uint64_t *traced,
+							 gw_error *error)
+{
+	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
+	/* Lists that are too long to be bound as a whole. */
+	if (4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
+		*traced = rays;
+		return gw_ray_gather_trace(on, kept->rays.rays, kept->rays.seed, gather, error);
+	}
+	GW_TRY(gw_ray_gather_create(on->passes->gpu, on->records, kept->rays.rays, kept->rays.seed,
+								gather, error));
+	gw_status status = trace_again(on, kept, boxes, gather, traced, error);
 	if (status != GW_OK)
 		gw_ray_gather_destroy(on->passes->gpu, gather);
 	return status;

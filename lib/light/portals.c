@@ -131,31 +131,33 @@ static gw_status list_rays(finder *f, const uint32_t *facet, float *share, gw_er
 	return GW_OK;
 }
 
+static gw_status find_directions(const finder *f, const ray_list *list, gw_buffer *ray,
+								 gw_buffer *direction, gw_error *error)
+{
+	gw_gpu *gpu = f->passes->gpu;
+	uint64_t count = list->count;
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
+													  4 * count, "rays looked at" },
+							ray, error));
+	GW_TRY(gw_buffer_upload(gpu, ray, 0, list->ray, 4 * count, error));
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
+													  16 * count, "their directions" },
+							direction, error));
+	const gw_binding bindings[] = { gw_whole(ray), gw_whole(&f->records->position),
+									gw_whole(&f->records->normal), gw_window(direction, 16) };
+	const gw_record_push push = { .rays = f->gather->rays, .seed = f->gather->seed };
+	return gw_passes_run(f->passes, GW_PASS_RECORD_DIRECTIONS, bindings, &push, list->count, error);
+}
+
 /* Directions of a list's rays, from the device, and where their records stand. */
 static gw_status fetch_lines(const finder *f, ray_list *list, gw_error *error)
 {
 	gw_gpu *gpu = f->passes->gpu;
 	gw_buffer ray = { 0 }, direction = { 0 };
 	gw_view directions = { 0 }, places = { 0 };
-	gw_status status =
-		gw_buffer_create(gpu,
-						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32_UINT,
-												   4 * (uint64_t)list->count, "rays looked at" },
-						 &ray, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &ray, 0, list->ray, 4 * (uint64_t)list->count, error);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															16 * (uint64_t)list->count,
-															"their directions" },
-								  &direction, error);
-	const gw_binding bindings[] = { gw_whole(&ray), gw_whole(&f->records->position),
-									gw_whole(&f->records->normal), gw_window(&direction, 16) };
-	const gw_record_push push = { .rays = f->gather->rays, .seed = f->gather->seed };
-	if (status == GW_OK)
-		status = gw_passes_run(f->passes, GW_PASS_RECORD_DIRECTIONS, bindings, &push, list->count,
-							   error);
+	gw_status status = find_directions(f, list, &ray, &direction, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &direction, 16 * (uint64_t)list->count, &directions, error);
 	if (status == GW_OK)

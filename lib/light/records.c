@@ -117,55 +117,75 @@ static bool sort_by_block(const uint32_t *block, uint32_t count, uint32_t block_
 	return true;
 }
 
-static gw_status list_by_block(const gw_record_context *on, const gw_buffer *facet, gw_error *error)
+/* Arrays of list_by_block. */
+typedef struct block_lists {
+	uint32_t *block;  /* of each record */
+	uint32_t *sorted; /* records, block by block */
+	uint32_t *first;  /* of each block, and the end of the last */
+} block_lists;
+
+static gw_status find_blocks(const gw_record_context *on, const gw_buffer *facet,
+							 gw_buffer *block_of, uint32_t *block, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
+	uint64_t bytes = 4 * (uint64_t)on->records->count;
+	GW_TRY(gw_buffer_create(
+		gpu,
+		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "record block" },
+		block_of, error));
+	const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
+									gw_whole(&on->octree->node),
+									gw_window(&on->records->position, 16),
+									gw_window(block_of, 4),
+									gw_window(facet, 4),
+									gw_whole(&on->octree->leaf_cell) };
+	gw_lookup_push push = { .block_level = on->records->block_level,
+							.tile_first = on->records->block_tile_first };
+	GW_TRY(gw_passes_run(on->passes, GW_PASS_RECORD_BLOCK, bindings, &push, on->records->count,
+						 error));
+	return gw_buffer_download(gpu, block_of, 0, block, bytes, error);
+}
+
+static gw_status fill_lists(const gw_record_context *on, const gw_buffer *facet,
+							gw_buffer *block_of, const block_lists *lists, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	gw_records *r = on->records;
+	if (!lists->block || !lists->sorted || !lists->first)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", r->count);
+	GW_TRY(find_blocks(on, facet, block_of, lists->block, error));
+	if (!sort_by_block(lists->block, r->count, r->block_count, lists->first, lists->sorted))
+		return gw_fail(error, GW_ERROR_INTERNAL,
+					   "the device found no place in the octree for some of %u records; update "
+					   "its driver or choose another device",
+					   r->count);
+	GW_TRY(gw_buffer_upload(gpu, &r->block_first, 0, lists->first,
+							4 * ((uint64_t)r->block_count + 1), error));
+	return gw_buffer_upload(gpu, &r->block_record, 0, lists->sorted, 4 * (uint64_t)r->count, error);
+}
+
+static gw_status list_by_block(const gw_record_context *on, const gw_buffer *facet, gw_error *error)
+{
 	gw_buffer block_of = { 0 };
-	uint32_t *block = gw_allocate_array(on->records->count, sizeof *block);
-	uint32_t *sorted = gw_allocate_array(on->records->count, sizeof *sorted);
-	uint32_t *first = gw_allocate_array((size_t)on->records->block_count + 1, sizeof *first);
-	gw_status status = GW_OK;
-	if (!block || !sorted || !first)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records",
-						 on->records->count);
-	if (status == GW_OK)
-		status = gw_buffer_create(gpu,
-								  &(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
-															4 * (uint64_t)on->records->count,
-															"record block" },
-								  &block_of, error);
-	if (status == GW_OK) {
-		const gw_binding bindings[] = { gw_whole(&on->octree->level_directory),
-										gw_whole(&on->octree->node),
-										gw_window(&on->records->position, 16),
-										gw_window(&block_of, 4),
-										gw_window(facet, 4),
-										gw_whole(&on->octree->leaf_cell) };
-		gw_lookup_push push = { .block_level = on->records->block_level,
-								.tile_first = on->records->block_tile_first };
-		status = gw_passes_run(on->passes, GW_PASS_RECORD_BLOCK, bindings, &push,
-							   on->records->count, error);
-	}
-	if (status == GW_OK)
-		status =
-			gw_buffer_download(gpu, &block_of, 0, block, 4 * (uint64_t)on->records->count, error);
-	if (status == GW_OK &&
-		!sort_by_block(block, on->records->count, on->records->block_count, first, sorted))
-		status = gw_fail(error, GW_ERROR_INTERNAL,
-						 "the device found no place in the octree for some of %u records; update "
-						 "its driver or choose another device",
-						 on->records->count);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &on->records->block_first, 0, first,
-								  4 * ((uint64_t)on->records->block_count + 1), error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &on->records->block_record, 0, sorted,
-								  4 * (uint64_t)on->records->count, error);
-	gw_buffer_destroy(gpu, &block_of);
-	free(block);
-	free(sorted);
-	free(first);
+	const block_lists lists = { gw_allocate_array(on->records->count, sizeof *lists.block),
+								gw_allocate_array(on->records->count, sizeof *lists.sorted),
+								gw_allocate_array((size_t)on->records->block_count + 1,
+												  sizeof *lists.first) };
+	gw_status status = fill_lists(on, facet, &block_of, &lists, error);
+	gw_buffer_destroy(on->passes->gpu, &block_of);
+	free(lists.block);
+	free(lists.sorted);
+	free(lists.first);
 	return status;
+}
+
+/* Centres and planes of both facets of each leaf. */
+static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, float *centre, float *plane,
+							  gw_error *error)
+{
+	uint64_t bytes = 32 * (uint64_t)octree->leaf_count;
+	GW_TRY(gw_buffer_download(gpu, &octree->facet_centre, 0, centre, bytes, error));
+	return gw_buffer_download(gpu, &octree->facet_plane, 0, plane, bytes, error);
 }
 
 /* Throws darts; the chosen facets become records->facet and records->count. */
@@ -175,17 +195,15 @@ static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_ta
 	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
 	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
 	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
-	gw_status status = GW_OK;
-	if (!centre || !plane)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
-	if (status == GW_OK)
-		status = gw_buffer_download(gpu, &octree->facet_centre, 0, centre, 16 * slots, error);
-	if (status == GW_OK)
-		status = gw_buffer_download(gpu, &octree->facet_plane, 0, plane, 16 * slots, error);
+	gw_status status =
+		centre && plane ? GW_OK
+						: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
 	task.centre = centre;
 	task.plane = plane;
 	task.slots = slots;
 	task.radius = records->radius;
+	if (status == GW_OK)
+		status = fetch_facets(gpu, octree, centre, plane, error);
 	if (status == GW_OK)
 		status = gw_place_records(&task, &records->facet, &count, error);
 	records->count = (uint32_t)count;
@@ -200,12 +218,11 @@ static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 	gw_gpu *gpu = on->passes->gpu;
 	gw_buffer facet = { 0 };
 	uint64_t bytes = 4 * (uint64_t)on->records->count;
-	gw_status status = gw_buffer_create(
+	GW_TRY(gw_buffer_create(
 		gpu,
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "record facet" },
-		&facet, error);
-	if (status == GW_OK)
-		status = gw_buffer_upload(gpu, &facet, 0, on->records->facet, bytes, error);
+		&facet, error));
+	gw_status status = gw_buffer_upload(gpu, &facet, 0, on->records->facet, bytes, error);
 	if (status == GW_OK)
 		status = put_on_facets(on, &facet, error);
 	if (status == GW_OK)

@@ -111,6 +111,31 @@ static gw_status upload(gw_gpu *gpu, gw_sky_map *map, const float *texel, const 
 	return gw_buffer_upload(gpu, &map->alias, 0, alias, 8 * count, error);
 }
 
+/* What a map is made from. */
+typedef struct map_room {
+	float *row, *texel; /* of the light's map, and of this */
+	double *sum, *weight;
+	gw_alias_row *alias;
+} map_room;
+
+/* A map of nothing but black becomes empty. */
+static gw_status fill_map(gw_gpu *gpu, const gw_light *light, const map_room *room, gw_sky_map *map,
+						  gw_error *error)
+{
+	uint32_t count = map->width * map->height;
+	if (!room->row || !room->sum || !room->texel || !room->weight || !room->alias)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a map of %u texels", count);
+	shrink(light, map, room->row, room->sum, room->texel);
+	double total = weigh(map, room->texel, room->weight);
+	map->total = (float)total;
+	if (!(total > 0.0)) {
+		map->width = 0;
+		return GW_OK;
+	}
+	GW_TRY(gw_alias_table_fill(room->alias, room->weight, count, error));
+	return upload(gpu, map, room->texel, room->alias, error);
+}
+
 gw_status gw_sky_map_make(gw_gpu *gpu, const gw_light *light, gw_sky_map *map, gw_error *error)
 {
 	*map = (gw_sky_map){ .width = light->map_width < GW_SKY_WIDTH ? light->map_width : GW_SKY_WIDTH,
@@ -119,31 +144,19 @@ gw_status gw_sky_map_make(gw_gpu *gpu, const gw_light *light, gw_sky_map *map, g
 						 .turn = (float)fmod((double)light->rotation / 360.0, 1.0),
 						 .y_up = light->map_y_up };
 	uint32_t count = map->width * map->height;
-	float *row = gw_allocate_array(light->map_width, 3 * sizeof *row);
-	double *sum = gw_allocate_array(map->width, 3 * sizeof *sum);
-	float *texel = gw_allocate_array(count, 4 * sizeof *texel);
-	double *weight = gw_allocate_array(count, sizeof *weight);
-	gw_alias_row *alias = gw_allocate_array(count, sizeof *alias);
-	gw_status status = GW_OK;
-	if (!row || !sum || !texel || !weight || !alias)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for a map of %u texels", count);
-	double total = 0.0;
-	if (status == GW_OK) {
-		shrink(light, map, row, sum, texel);
-		total = weigh(map, texel, weight);
-		map->total = (float)total;
-	}
-	if (status == GW_OK && total > 0.0)
-		status = gw_alias_table_fill(alias, weight, count, error);
-	if (status == GW_OK && total > 0.0)
-		status = upload(gpu, map, texel, alias, error);
-	if (status != GW_OK || !(total > 0.0))
+	const map_room room = { .row = gw_allocate_array(light->map_width, 3 * sizeof *room.row),
+							.texel = gw_allocate_array(count, 4 * sizeof *room.texel),
+							.sum = gw_allocate_array(map->width, 3 * sizeof *room.sum),
+							.weight = gw_allocate_array(count, sizeof *room.weight),
+							.alias = gw_allocate_array(count, sizeof *room.alias) };
+	gw_status status = fill_map(gpu, light, &room, map, error);
+	if (status != GW_OK)
 		map->width = 0;
-	free(row);
-	free(sum);
-	free(texel);
-	free(weight);
-	free(alias);
+	free(room.row);
+	free(room.texel);
+	free(room.sum);
+	free(room.weight);
+	free(room.alias);
 	return status;
 }
 

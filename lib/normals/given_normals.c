@@ -145,8 +145,8 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 	size_t count = (c->surfels->count + c->stride - 1) / c->stride;
 	memset(c->finding, 0, count * sizeof *c->finding);
 	*all = (figures){ .surfels = count };
-	gw_status status = gw_neighbours_visit(c->search, look, c, error);
-	for (size_t i = 0; status == GW_OK && i < count; i++) {
+	GW_TRY(gw_neighbours_visit(c->search, look, c, error));
+	for (size_t i = 0; i < count; i++) {
 		const finding *f = &c->finding[i];
 		all->flat += f->flat;
 		all->off += f->off;
@@ -156,7 +156,7 @@ static gw_status measure(check *c, figures *all, gw_error *error)
 		all->behind += (double)f->behind;
 		all->heights += (double)f->heights;
 	}
-	return status;
+	return GW_OK;
 }
 
 static bool is_off(const figures *f)
@@ -195,16 +195,16 @@ static void note_links(void *user, size_t surfel, const gw_neighbour_list *list)
 static gw_status find_pieces(check *c, gw_error *error)
 {
 	size_t count = c->surfels->count;
-	gw_status status = gw_neighbours_visit(c->search, note_links, c, error);
-	for (uint32_t i = 0; status == GW_OK && i < count; i++)
+	GW_TRY(gw_neighbours_visit(c->search, note_links, c, error));
+	for (uint32_t i = 0; i < count; i++)
 		c->parent[i] = i;
-	for (uint32_t i = 0; status == GW_OK && i < count; i++)
+	for (uint32_t i = 0; i < count; i++)
 		for (size_t j = 0; j < LINKS; j++) {
 			uint32_t a = root_of(c->parent, i);
 			uint32_t b = root_of(c->parent, c->link[LINKS * (size_t)i + j]);
 			c->parent[a < b ? b : a] = a < b ? a : b;
 		}
-	return status;
+	return GW_OK;
 }
 
 /* Turns whole pieces back where clearly most of the given normals were turned. */
@@ -243,33 +243,39 @@ static void settle(gw_surfels *s, const float *before, bool better)
 		memcpy(s->normal, before, 3 * s->count * sizeof *before);
 }
 
+/* Room of mend_signs. */
+typedef struct mending {
+	float *before;            /* 3 a surfel, the normals as they were given */
+	uint8_t *open, *doubtful; /* one a surfel, as gw_orient_normals has them */
+} mending;
+
+static gw_status mend_in(check *c, const gw_surfels_options *options, const mending *m,
+						 gw_surfels *s, const figures *found, gw_error *error)
+{
+	figures after;
+	if (!m->before || !m->open || !m->doubtful || !c->link || !c->parent)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", s->count);
+	memcpy(m->before, s->normal, 3 * s->count * sizeof *m->before);
+	memset(m->open, 1, s->count);
+	GW_TRY(gw_orient_normals(options, c->search, s, m->open, m->doubtful, error));
+	GW_TRY(find_pieces(c, error));
+	GW_TRY(keep_majority(c, s, m->before, error));
+	GW_TRY(measure(c, &after, error));
+	settle(s, m->before, is_better(&after, found));
+	return GW_OK;
+}
+
 static gw_status mend_signs(check *c, const gw_surfels_options *options, gw_surfels *s,
 							const figures *found, gw_error *error)
 {
-	float *before = gw_allocate_array(s->count, 3 * sizeof *before);
-	uint8_t *open = gw_allocate_array(s->count, 1), *doubtful = gw_allocate_array(s->count, 1);
+	const mending m = { gw_allocate_array(s->count, 3 * sizeof *m.before),
+						gw_allocate_array(s->count, 1), gw_allocate_array(s->count, 1) };
 	c->link = gw_allocate_array(s->count, LINKS * sizeof *c->link);
 	c->parent = gw_allocate_array(s->count, sizeof *c->parent);
-	gw_status status = GW_OK;
-	if (!before || !open || !doubtful || !c->link || !c->parent)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to turn %zu normals", s->count);
-	figures after;
-	if (status == GW_OK) {
-		memcpy(before, s->normal, 3 * s->count * sizeof *before);
-		memset(open, 1, s->count);
-		status = gw_orient_normals(options, c->search, s, open, doubtful, error);
-	}
-	if (status == GW_OK)
-		status = find_pieces(c, error);
-	if (status == GW_OK)
-		status = keep_majority(c, s, before, error);
-	if (status == GW_OK)
-		status = measure(c, &after, error);
-	if (status == GW_OK)
-		settle(s, before, is_better(&after, found));
-	free(before);
-	free(open);
-	free(doubtful);
+	gw_status status = mend_in(c, options, &m, s, found, error);
+	free(m.before);
+	free(m.open);
+	free(m.doubtful);
 	free(c->link);
 	free(c->parent);
 	return status;

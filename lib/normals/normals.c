@@ -347,34 +347,38 @@ static gw_status choose_sides(normal_step *step, const gw_surfels_options *optio
 	return status;
 }
 
+static gw_status complete(normal_step *step, const gw_points *points,
+						  const gw_surfels_options *options, gw_error *error)
+{
+	const gw_surfels *surfels = step->surfels;
+	if (!step->state || !step->next || !step->plane || !step->better ||
+		!find_scanners(step, points))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
+	GW_TRY(gw_neighbours_visit(step->search, estimate_normal, step, error));
+	GW_TRY(choose_planes(step, error));
+	if (step->scanner_of)
+		GW_TRY(gw_scanners_assign(
+			step->search, surfels,
+			&(gw_scanner_places){ step->scanner, step->scanner_count, step->plane },
+			step->scanner_of, error));
+	set_normals(step);
+	GW_TRY(step->scanner_count ? run_votes(step, error) : choose_sides(step, options, error));
+	apply_states(step);
+	return GW_OK;
+}
+
 gw_status gw_normals_complete(const gw_points *points, const gw_surfels_options *options,
 							  gw_neighbours *search, gw_surfels *surfels, gw_error *error)
 {
+	size_t count = surfels->count;
 	normal_step step = { .surfels = surfels, .search = search };
-	if (surfels->normals_given == surfels->count)
+	if (surfels->normals_given == count)
 		return GW_OK;
-	step.state = gw_allocate_zeros(surfels->count, sizeof *step.state);
-	step.next = gw_allocate_zeros(surfels->count, sizeof *step.next);
-	gw_status status = GW_OK;
-	step.plane = gw_allocate_array(surfels->count, 4 * sizeof *step.plane);
-	step.better = gw_allocate_array(surfels->count, 4 * sizeof *step.better);
-	if (!step.state || !step.next || !step.plane || !step.better || !find_scanners(&step, points))
-		status =
-			gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
-	if (status == GW_OK)
-		status = gw_neighbours_visit(search, estimate_normal, &step, error);
-	if (status == GW_OK)
-		status = choose_planes(&step, error);
-	if (status == GW_OK && step.scanner_of)
-		status = gw_scanners_assign(
-			search, surfels, &(gw_scanner_places){ step.scanner, step.scanner_count, step.plane },
-			step.scanner_of, error);
-	if (status == GW_OK)
-		set_normals(&step);
-	if (status == GW_OK)
-		status = step.scanner_count ? run_votes(&step, error) : choose_sides(&step, options, error);
-	if (status == GW_OK)
-		apply_states(&step);
+	step.state = gw_allocate_zeros(count, sizeof *step.state);
+	step.next = gw_allocate_zeros(count, sizeof *step.next);
+	step.plane = gw_allocate_array(count, 4 * sizeof *step.plane);
+	step.better = gw_allocate_array(count, 4 * sizeof *step.better);
+	gw_status status = complete(&step, points, options, error);
 	free(step.state);
 	free(step.next);
 	free(step.plane);

@@ -4,6 +4,7 @@
 #include "normals/plane_error.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,12 +24,33 @@
 #define NOISE_CUBED 43000.0
 #define NOISE_TURN 160.0
 
+/*
+ * A surfel that lies in the plane of a neighbour is of its surface, so its normal should be the
+ * neighbour's, but for what the surface bends between them: normals of a circle differ by twice the
+ * slope of the way from one plane to the other place. What normals differ beyond that is counted as
+ * error, the more the smaller the slope is beside IN_PLANE. Its own normal is one of those that are
+ * compared. Where a plane is fitted over a crease this tells of up to 90 degrees, at places where
+ * no line through heights of many surfels shows them.
+ */
+#define IN_PLANE 0.05
+
+/* Mean squared heights of one surfel's neighbours are this many times the median in a region, where
+ * they are more than chance: its own height is in each of them. */
+#define ABOVE_MEDIAN 6.0
+
+/* Squared, in the neighbours' reach: where most heights are less than that, planes through
+ * neighbours keep to one face of a crease. Those of rows and columns may not. */
+#define HEIGHT_LEAST 1e-6
+
 /* Sums over the neighbours of a surfel, by which a line is fitted to those of all in a region: x is
  * the squared distance, y the squared height. */
 typedef struct line_sums {
-	float count, x, y, xx, xy;
+	float count, x, y, xx, xy, yy;
 	float others, height, turn; /* of neighbours on another face: sums of the surfel's height over
 								   it and of the squared difference of the normals */
+	/* Weights of neighbours in whose plane the surfel lies, and sums over them, of the squared
+	 * difference of the normals that is error and of the square of that. */
+	float in_plane, differs, differs_squared;
 } line_sums;
 
 typedef struct plane_step {
@@ -51,6 +73,28 @@ static void add_other(const gw_surfels *s, size_t surfel, size_t other, double r
 	sums->turn += (float)(2 - 2 * cosine);
 }
 
+static void add_in_plane(const gw_surfels *s, size_t surfel, size_t other, line_sums *sums)
+{
+	const float *p = s->position + 3 * surfel, *q = s->position + 3 * other;
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	bool unsigned_normals = s->two_sided[surfel] || s->two_sided[other];
+	double height = 0, squared = 0, cosine = 0;
+	for (size_t k = 0; k < 3; k++) {
+		double d = (double)p[k] - (double)q[k];
+		height += (double)m[k] * d;
+		squared += d * d;
+		cosine += (double)n[k] * (double)m[k];
+	}
+	if (!(squared > 0))
+		return;
+	double slope = height * height / squared, weight = exp(-0.5 * slope / (IN_PLANE * IN_PLANE));
+	cosine = unsigned_normals ? fabs(cosine) : cosine;
+	sums->in_plane += (float)weight;
+	double differs = fmax(2 - 2 * cosine, 0) - 4 * slope;
+	sums->differs += (float)(weight * differs);
+	sums->differs_squared += (float)(weight * differs * differs);
+}
+
 /* Heights are taken along the mean of both normals: they are 0 on circles, and the sign of the
  * neighbour's is made to fit. */
 static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -61,10 +105,11 @@ static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *
 	const float *p = s->position + 3 * surfel, *n = s->normal + 3 * surfel;
 	double reach = list->count ? (double)list->distance[list->count - 1] : 0;
 	*sums = (line_sums){ 0 };
-	for (uint32_t j = 0; j < list->count && reach > 0 && s->shading_normal_off[surfel] > 0; j++) {
+	for (uint32_t j = 0; j < list->count && reach > 0; j++) {
 		size_t other = list->index[j];
 		const float *q = s->position + 3 * other, *m = s->normal + 3 * other;
 		double sign, height = 0, near = (double)list->distance[j] / reach;
+		add_in_plane(s, surfel, other, sums);
 		if (isnan(gw_normal_difference(s, surfel, other, &sign))) {
 			add_other(s, surfel, other, reach, sums);
 			continue;
@@ -77,6 +122,7 @@ static void measure_heights(void *user, size_t surfel, const gw_neighbour_list *
 		sums->y += y;
 		sums->xx += x * x;
 		sums->xy += x * y;
+		sums->yy += y * y;
 	}
 }
 
@@ -86,6 +132,8 @@ typedef struct region_line {
 	double slope, noise; /* of the squared heights, by shape and at no distance */
 	double turn;         /* variance of the normals by that noise */
 	double excess;       /* mean of what mean squared heights of surfels are above the noise */
+	double median;       /* of mean squared heights: of most surfels, whatever creases there are */
+	bool crosses;        /* planes may be fitted over creases */
 } region_line;
 
 /* Mean squared height of a surfel's neighbours above what noise makes of it. */
@@ -124,6 +172,40 @@ static region_line fit_line(const line_sums *sums, size_t count)
 	return line;
 }
 
+static double median_height(const line_sums *sums, size_t count)
+{
+	float height[GW_NOISE_REGION];
+	size_t used = 0;
+	for (size_t i = 0; i < count; i++)
+		if (sums[i].count > 0)
+			height[used++] = sums[i].y / sums[i].count;
+	return used > 0 ? (double)gw_nth_element(height, used, used / 2) : 0;
+}
+
+/* Where a surfel and a neighbour disagree, either may be wrong: who is wrong disagrees with most of
+ * its neighbours, who is right with few. Twice the share that do, at most 1, from a sum over all
+ * and one of squares. */
+static double fault(double count, double sum, double squares)
+{
+	return squares > 0 ? fmin(2 * sum * sum / (count * squares), 1) : 0;
+}
+
+/* What a surfel's own heights say of its normal, where they are far above noise: over a plane with
+ * a normal that is off by a, mean squared heights along the mean of the right and the wrong normal
+ * are a^2 / 8 of the squared distance. */
+static double own_tilt(const line_sums *sums, double median)
+{
+	double above = (double)sums->y - ABOVE_MEDIAN * median * (double)sums->count;
+	double own = fault((double)sums->count, (double)sums->y, (double)sums->yy);
+	return above > 0 && sums->x > 0 ? own * 8 * above / (double)sums->x : 0;
+}
+
+static double of_planes(const line_sums *sums)
+{
+	double weight = 1 + (double)sums->in_plane, differs = fmax((double)sums->differs, 0);
+	return fault(weight, differs, (double)sums->differs_squared) * differs / weight;
+}
+
 /*
  * What a surfel's normal is off because it may be the other face's of a crease: it can lie on that
  * face when it is no higher above than noise makes it. Halves of the variance between two heights
@@ -139,11 +221,23 @@ static double other_turn(const line_sums *sums, const region_line *line)
 	return wrong * (double)sums->turn / count;
 }
 
-/* The slope is shared out by where the heights are: beside creases. */
-static float error_of(const line_sums *sums, const region_line *line)
+/* The slope is shared out by where the heights are: beside creases. Its own heights and
+ * the planes of neighbours tell of the same, where they tell more. A plane that was found by rows
+ * and columns has other noise than one through these neighbours. */
+static float error_of(const line_sums *sums, const region_line *line, bool by_grid)
 {
 	double share = line->excess > 0 ? excess_of(sums, line->noise) / line->excess : 1;
-	return (float)sqrt(SLOPE_FACTOR * line->slope * share + line->turn + other_turn(sums, line));
+	double bent = SLOPE_FACTOR * line->slope * share + line->turn + other_turn(sums, line);
+	double planes = fmax(of_planes(sums), own_tilt(sums, line->median));
+	planes = line->crosses ? planes : 0;
+	return (float)sqrt(by_grid ? planes : fmax(bent, planes));
+}
+
+static bool has_grids(const gw_surfels *s, size_t first, size_t last)
+{
+	while (first < last && s->shading_normal_off[first] != GW_PLANE_BY_GRID)
+		first++;
+	return first < last;
 }
 
 gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *error)
@@ -156,9 +250,12 @@ gw_status gw_plane_error(gw_neighbours *search, gw_surfels *surfels, gw_error *e
 	for (size_t first = 0; first < n && status == GW_OK; first += GW_NOISE_REGION) {
 		size_t last = n - first < GW_NOISE_REGION ? n : first + GW_NOISE_REGION;
 		region_line line = fit_line(step.sums + first, last - first);
+		line.median = median_height(step.sums + first, last - first);
+		line.crosses = line.median > HEIGHT_LEAST || has_grids(surfels, first, last);
 		for (size_t i = first; i < last; i++)
 			if (surfels->shading_normal_off[i] > 0)
-				surfels->shading_normal_off[i] = error_of(&step.sums[i], &line);
+				surfels->shading_normal_off[i] = error_of(
+					&step.sums[i], &line, surfels->shading_normal_off[i] == GW_PLANE_BY_GRID);
 	}
 	free(step.sums);
 	return status;

@@ -2,6 +2,7 @@
 #include "octree/octree.h"
 #include "cloud/cloud_units.h"
 #include "cloud/frame.h"
+#include "cloud/strays.h"
 #include "surfels/surfel_making.h"
 #include "base/nth_element.h"
 
@@ -65,9 +66,9 @@ static void measure_spacing(const gw_surfels *surfels, const float *gap, gw_stat
 	statistics->density = 1 / area;
 }
 
-/* Points whose lengths are multiplied by 2^exponent. */
-static gw_status measure(const gw_points *points, int exponent, uint32_t threads,
-						 gw_statistics *statistics, gw_error *error)
+/* Points whose lengths are those given, multiplied by 2^exponent. */
+static gw_status measure(const gw_points *points, const gw_points *given, int exponent,
+						 uint32_t threads, gw_statistics *statistics, gw_error *error)
 {
 	whole_cloud whole = { 0 };
 	gw_surfels_options options = { .threads = threads,
@@ -79,6 +80,7 @@ static gw_status measure(const gw_points *points, int exponent, uint32_t threads
 	float *gap = NULL;
 	GW_TRY(gw_surfels_make_with_gaps(points, &options, &surfels, &gap, error));
 	statistics->duplicates = surfels.duplicates;
+	gw_strays_count(&surfels, given, statistics->stray);
 	count_normals(points, statistics);
 	measure_spacing(&surfels, gap, statistics);
 	for (int k = 0; k < 3; k++)
@@ -99,7 +101,7 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 	statistics->finite = gw_finite_bounds(points, statistics->minimum, statistics->maximum);
 	int exponent = gw_length_exponent(gw_cloud_extent(points));
 	if (exponent == 0)
-		return measure(points, 0, threads, statistics, error);
+		return measure(points, points, 0, threads, statistics, error);
 	gw_points scaled = *points;
 	double *place = gw_scaled_places(points->position, points->count, exponent);
 	if (!place)
@@ -109,7 +111,7 @@ gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *s
 	scaled.scanner = NULL; /* given normals are taken as they are */
 	scaled.scanner_count = 0;
 	scaled.scanner_of = NULL;
-	gw_status status = measure(&scaled, exponent, threads, statistics, error);
+	gw_status status = measure(&scaled, points, exponent, threads, statistics, error);
 	free(place);
 	return status;
 }

@@ -128,6 +128,9 @@ typedef struct gw_octree {
 	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, facets are slots. One texel, 0,
 	 * when there are none */
 	gw_buffer disc_tree;
+
+	/* Its empty space: NULL until somebody asks (compartments.h). */
+	struct gw_compartments *compartments;
 } gw_octree;
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */

@@ -1,6 +1,7 @@
 /*
  * octree_build.c - builds the octree from surfels; the steps are in octree_steps.h.
  */
+#include "octree/compartments.h"
 #include "octree/octree_steps.h"
 
 #include "base/memory.h"
@@ -314,5 +315,6 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 	};
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
+	gw_compartments_destroy(&octree->compartments);
 	memset(octree, 0, sizeof *octree);
 }

@@ -25,28 +25,33 @@ static bool is_large(const gw_octree_work *work, size_t surfel)
 	return (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
-/* Enters the facets that stand for surfels: those of their first disc fragments. */
-static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *error)
+static gw_status enter_facets(gw_octree_work *work, uint32_t *first, uint32_t *surfel,
+							  uint32_t *facet, gw_error *error)
 {
-	const gw_octree *octree = work->octree;
+	gw_octree *octree = work->octree;
 	size_t leaves = octree->leaf_count, fragments = octree->fragment_count;
-	uint32_t *first = gw_allocate_array(leaves + 1, sizeof *first);
-	uint32_t *surfel = gw_allocate_array(fragments, sizeof *surfel);
-	gw_status status = GW_OK;
 	if (!first || !surfel)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu fragments", fragments);
-	if (status == GW_OK)
-		status = gw_buffer_download(work->gpu, (gw_buffer *)&octree->leaf_fragment, 0, first,
-									4 * (uint64_t)(leaves + 1), error);
-	if (status == GW_OK)
-		status = gw_buffer_download(work->gpu, (gw_buffer *)&octree->fragment_surfel, 0, surfel,
-									4 * (uint64_t)fragments, error);
-	for (size_t leaf = 0; leaf < leaves && status == GW_OK; leaf++)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu fragments", fragments);
+	GW_TRY(gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first,
+							  4 * (uint64_t)(leaves + 1), error));
+	GW_TRY(gw_buffer_download(work->gpu, &octree->fragment_surfel, 0, surfel,
+							  4 * (uint64_t)fragments, error));
+	for (size_t leaf = 0; leaf < leaves; leaf++)
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			uint32_t *own = facet + (surfel[f] & GW_FRAGMENT_SURFEL);
 			if ((surfel[f] & GW_FRAGMENT_ROI) == 0 && *own == GW_NONE)
 				*own = (uint32_t)(2 * leaf) + ((surfel[f] & GW_FRAGMENT_FACET) != 0);
 		}
+	return GW_OK;
+}
+
+/* Enters the facets that stand for surfels: those of their first disc fragments. */
+static gw_status find_facets(gw_octree_work *work, uint32_t *facet, gw_error *error)
+{
+	const gw_octree *octree = work->octree;
+	uint32_t *first = gw_allocate_array((size_t)octree->leaf_count + 1, sizeof *first);
+	uint32_t *surfel = gw_allocate_array(octree->fragment_count, sizeof *surfel);
+	gw_status status = enter_facets(work, first, surfel, facet, error);
 	free(first);
 	free(surfel);
 	return status;
@@ -70,21 +75,23 @@ static size_t list_large(const gw_octree_work *work, const uint32_t *facet, gw_d
 	return count;
 }
 
+static gw_status fill_tree(gw_octree_work *work, uint32_t *facet, gw_disc *disc, gw_disc_tree *tree,
+						   gw_error *error)
+{
+	if (!facet || !disc)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u large discs",
+					   work->octree->tree_discs);
+	for (size_t i = 0; i < work->surfels->count; i++)
+		facet[i] = GW_NONE;
+	GW_TRY(find_facets(work, facet, error));
+	return gw_disc_tree_build(disc, list_large(work, facet, disc), tree, error);
+}
+
 static gw_status make_tree(gw_octree_work *work, gw_disc_tree *tree, gw_error *error)
 {
-	size_t surfels = work->surfels->count;
-	uint32_t *facet = gw_allocate_array(surfels, sizeof *facet);
+	uint32_t *facet = gw_allocate_array(work->surfels->count, sizeof *facet);
 	gw_disc *disc = gw_allocate_array(work->octree->tree_discs, sizeof *disc);
-	gw_status status = GW_OK;
-	if (!facet || !disc)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u large discs",
-						 work->octree->tree_discs);
-	for (size_t i = 0; i < surfels && status == GW_OK; i++)
-		facet[i] = GW_NONE;
-	if (status == GW_OK)
-		status = find_facets(work, facet, error);
-	if (status == GW_OK)
-		status = gw_disc_tree_build(disc, list_large(work, facet, disc), tree, error);
+	gw_status status = fill_tree(work, facet, disc, tree, error);
 	free(facet);
 	free(disc);
 	return status;

@@ -4,6 +4,7 @@
 #include "picture/render_octree.h"
 
 #include "base/memory.h"
+#include "base/sorted_keys.h"
 #include "device/passes.h"
 
 #include <stdlib.h>
@@ -122,14 +123,7 @@ void gw_cells_clear(gw_cells *cells)
 
 size_t gw_cells_find(const gw_cells *cells, uint64_t key)
 {
-	size_t first = 0, last = cells->count;
-	while (first < last) {
-		size_t middle = first + (last - first) / 2;
-		if (cells->key[middle] < key)
-			first = middle + 1;
-		else
-			last = middle;
-	}
+	size_t first = gw_lower_bound(cells->key, cells->count, key);
 	return first < cells->count && cells->key[first] == key ? first : SIZE_MAX;
 }
 

@@ -167,36 +167,34 @@ static void draw_tiles(void *user, size_t first, size_t last, uint32_t worker)
 	}
 }
 
+static gw_status draw(drawing *d, gw_raster_bins *bins, uint32_t threads, gw_gbuffer *gbuffer,
+					  gw_error *error)
+{
+	const gw_raster_view *view = d->view;
+	GW_TRY(check_memory(view, error));
+	GW_TRY(gw_raster_bins_make(view, bins, error));
+	GW_TRY(make_gbuffer(view, gbuffer, error));
+	d->scratch = make_scratch(view, bins->longest, threads);
+	d->cover = gw_allocate_array((size_t)gbuffer->width * gbuffer->height, sizeof *d->cover);
+	if (!d->scratch || !d->cover)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to draw with %u threads", threads);
+	gw_parallel_for(threads, (size_t)view->tiles_x * view->tiles_y, 1, draw_tiles, d);
+	if (atomic_load(&d->cancelled))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while drawing");
+	gbuffer->drawn = bins->drawn;
+	return gw_raster_holes_close(view, d->cover, gbuffer, error);
+}
+
 gw_status gw_raster_draw(const gw_raster_scene *scene, const gw_camera *camera,
 						 const gw_raster_options *options, gw_gbuffer *gbuffer, gw_error *error)
 {
 	*gbuffer = (gw_gbuffer){ .width = 0 };
-	gw_status status = check(scene, options, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(check(scene, options, error));
 	gw_raster_view view = make_view(scene, camera, options);
 	gw_raster_bins bins = { .drawn = 0 };
 	uint32_t threads = gw_thread_count(options->threads);
 	drawing d = { .view = &view, .bins = &bins, .gbuffer = gbuffer };
-	status = check_memory(&view, error);
-	if (status == GW_OK)
-		status = gw_raster_bins_make(&view, &bins, error);
-	if (status == GW_OK)
-		status = make_gbuffer(&view, gbuffer, error);
-	if (status == GW_OK) {
-		d.scratch = make_scratch(&view, bins.longest, threads);
-		d.cover = gw_allocate_array((size_t)options->width * options->height, sizeof *d.cover);
-		if (!d.scratch || !d.cover)
-			status = gw_fail(error, GW_ERROR_MEMORY, "no memory to draw with %u threads", threads);
-	}
-	if (status == GW_OK) {
-		gw_parallel_for(threads, (size_t)view.tiles_x * view.tiles_y, 1, draw_tiles, &d);
-		if (atomic_load(&d.cancelled))
-			status = gw_fail(error, GW_ERROR_CANCELLED, "stopped while drawing");
-		gbuffer->drawn = bins.drawn;
-	}
-	if (status == GW_OK)
-		status = gw_raster_holes_close(&view, d.cover, gbuffer, error);
+	gw_status status = draw(&d, &bins, threads, gbuffer, error);
 	free(d.cover);
 	free_scratch(d.scratch, threads);
 	gw_raster_bins_clear(&bins);

@@ -46,21 +46,26 @@ static char find_flat(const view_space *v)
 	return lies && v->up[flat] == 0.0 ? (char)('x' + flat) : 0;
 }
 
+static gw_status find_in(const view_space *space, const gw_viewpoint_wish *wish,
+						 gw_viewpoint *viewpoint, gw_error *error)
+{
+	bool inside = wish->kind == GW_VIEWPOINT_INSIDE;
+	viewpoint->flat = find_flat(space);
+	if (wish->kind == GW_VIEWPOINT_AUTO)
+		GW_TRY(gw_viewpoint_is_inside(space, &inside, error));
+	if (inside)
+		gw_viewpoint_within(space, viewpoint);
+	return viewpoint->inside ? GW_OK : gw_viewpoint_without(space, viewpoint, error);
+}
+
 gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *wish,
 							gw_viewpoint *viewpoint, gw_error *error)
 {
 	*viewpoint = (gw_viewpoint){ .inside = false };
 	view_space space;
-	bool inside = wish->kind == GW_VIEWPOINT_INSIDE;
 	gw_status status = gw_view_space_make(surfels, wish, &space, error);
 	if (status == GW_OK)
-		viewpoint->flat = find_flat(&space);
-	if (status == GW_OK && wish->kind == GW_VIEWPOINT_AUTO)
-		status = gw_viewpoint_is_inside(&space, &inside, error);
-	if (status == GW_OK && inside)
-		gw_viewpoint_within(&space, viewpoint);
-	if (status == GW_OK && !viewpoint->inside)
-		status = gw_viewpoint_without(&space, viewpoint, error);
+		status = find_in(&space, wish, viewpoint, error);
 	gw_view_space_clear(&space);
 	return status;
 }

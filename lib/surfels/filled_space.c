@@ -199,6 +199,8 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 	free(step.thickness);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);
+	if (status != GW_OK)
+		gw_lone_points_clear(lone);
 	return status;
 }
 

@@ -24,7 +24,7 @@ typedef struct gw_lone_points {
  *             that is left to each when all scanners that saw the thing are taken together
  *   search    of the surfels, where points say that they are
  *   surfels   with normals
- *   lone      receives them, to be cleared with gw_lone_points_clear
+ *   lone      on success receives them, to be cleared with gw_lone_points_clear
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
 gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,

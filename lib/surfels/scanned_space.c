@@ -11,7 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { UNKNOWN, FREE, PANE, OPEN };
+enum {
+	UNKNOWN = GW_SPACE_UNKNOWN,
+	FREE = GW_SPACE_FREE,
+	PANE = GW_SPACE_PANE,
+	OPEN = GW_SPACE_OPEN
+};
 
 /* Points that a cell of directions holds on average, and most rows of them. */
 #define CELL_POINTS 4.0
@@ -36,6 +41,9 @@ enum { UNKNOWN, FREE, PANE, OPEN };
 
 /* Cells of a way that ends are unknown: so many steps in a row. */
 #define UNKNOWN_STEPS 4u
+
+/* Cells beside a surface that may be taken for a hole's. */
+#define HOLE_MARGIN 3.0f
 
 typedef struct scanner {
 	float place[3]; /* in the surfels' frame */
@@ -275,6 +283,39 @@ static bool make_depths(work *w)
 	return good;
 }
 
+/* ------------------------------------------------------------------------------------------ grid
+ */
+
+/* Two cells more than the points take on every side: the first of them may count as seen. */
+bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
+						   gw_scanned_space *space)
+{
+	float longest = 0.0f;
+	for (int k = 0; k < 3; k++)
+		longest = fmaxf(longest, surfels->maximum[k] - surfels->minimum[k]);
+	space->cell = fmaxf(longest / most, width);
+	size_t cells = 1;
+	for (int k = 0; k < 3; k++) {
+		float side = surfels->maximum[k] - surfels->minimum[k];
+		space->low[k] = surfels->minimum[k] - 2.0f * space->cell;
+		space->cells[k] = (uint32_t)(side / space->cell) + 5;
+		cells *= space->cells[k];
+	}
+	space->state = gw_allocate_zeros(cells, sizeof *space->state);
+	return space->state != NULL;
+}
+
+bool gw_scanned_space_cell(const gw_scanned_space *space, const float place[3], uint32_t at[3])
+{
+	for (int k = 0; k < 3; k++) {
+		float cell = (place[k] - space->low[k]) / space->cell;
+		if (!(cell >= 0.0f && cell < (float)space->cells[k]))
+			return false;
+		at[k] = (uint32_t)cell;
+	}
+	return true;
+}
+
 /* ----------------------------------------------------------------------------------------- cells
  */
 
@@ -315,44 +356,13 @@ static void look_at_layers(void *user, size_t first, size_t last, uint32_t worke
 			}
 }
 
-/* Where the grid has a place; false outside of it. */
-static bool find_cell(const gw_scanned_space *space, const float place[3], uint32_t at[3])
-{
-	for (int k = 0; k < 3; k++) {
-		float cell = (place[k] - space->low[k]) / space->cell;
-		if (!(cell >= 0.0f && cell < (float)space->cells[k]))
-			return false;
-		at[k] = (uint32_t)cell;
-	}
-	return true;
-}
-
 static void mark_points(const work *w)
 {
 	uint32_t at[3];
 	for (size_t i = 0; i < w->surfels->count; i++)
-		if (find_cell(w->space, w->surfels->position + 3 * i, at) &&
+		if (gw_scanned_space_cell(w->space, w->surfels->position + 3 * i, at) &&
 			w->space->state[cell_at(w->space, at)] == UNKNOWN)
 			w->space->state[cell_at(w->space, at)] = FREE;
-}
-
-/* Two cells more than the points take on every side: the first of them may count as seen. */
-static bool make_grid(work *w)
-{
-	gw_scanned_space *space = w->space;
-	const gw_surfels *s = w->surfels;
-	float longest = 0.0f;
-	for (int k = 0; k < 3; k++)
-		longest = fmaxf(longest, s->maximum[k] - s->minimum[k]);
-	space->cell = longest / (float)GW_SPACE_CELLS;
-	size_t cells = 1;
-	for (int k = 0; k < 3; k++) {
-		space->low[k] = s->minimum[k] - 2.0f * space->cell;
-		space->cells[k] = (uint32_t)((s->maximum[k] - s->minimum[k]) / space->cell) + 5;
-		cells *= space->cells[k];
-	}
-	space->state = gw_allocate_zeros(cells, sizeof *space->state);
-	return space->state != NULL;
 }
 
 static void find_closed(gw_scanned_space *space)
@@ -373,7 +383,7 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 		return GW_OK;
 	bool made = choose_scanners(&w);
 	if (made && w.scanners > 0)
-		made = make_depths(&w) && make_grid(&w);
+		made = make_depths(&w) && gw_scanned_space_grid(surfels, GW_SPACE_CELLS, 0.0f, space);
 	if (made && w.scanners > 0) {
 		gw_parallel_for(threads, space->cells[2], 1, look_at_layers, &w);
 		mark_points(&w);
@@ -412,7 +422,7 @@ static way_end follow(const gw_scanned_space *space, const gw_way *way)
 	uint32_t at[3], unknown = 0;
 	for (float t = space->cell; space->scanners > 0 && t < way->length; t += STEP * space->cell) {
 		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
-		if (!find_cell(space, (const float[]){ place.x, place.y, place.z }, at))
+		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
 			break;
 		end.now = space->state[cell_at(space, at)];
 		end.known = end.now != UNKNOWN ? end.now : end.known;
@@ -422,8 +432,28 @@ static way_end follow(const gw_scanned_space *space, const gw_way *way)
 	return end;
 }
 
+/* Whether a way passes a hole. One that leaves the scene may pass its rim, and one that ends is
+ * looked at but for its ends, which may lie beside a hole. */
+static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
+{
+	bool leaves = !isfinite(way->length);
+	float margin = (leaves ? 1.0f : HOLE_MARGIN) * space->cell;
+	uint32_t at[3];
+	for (float t = margin; leaves || t < way->length - margin; t += STEP * space->cell) {
+		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
+		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
+			break;
+		uint8_t state = space->state[cell_at(space, at)];
+		if (state == GW_SPACE_HOLE || (leaves && state == GW_SPACE_RIM))
+			return true;
+	}
+	return false;
+}
+
 bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way)
 {
+	if (space->scanners == 0)
+		return space->holes > 0 && passes_hole(space, way);
 	way_end end = follow(space, way);
 	return isfinite(way->length) ? end.passed : end.now == UNKNOWN && end.known == FREE;
 }

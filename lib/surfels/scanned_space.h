@@ -33,14 +33,43 @@
 #define GW_SPACE_SCANNERS 64u
 #define GW_SPACE_POINTS_LEAST 1000u
 
+/* What is known of a cell. The last three where no scanner is known (surface_holes.h). */
+enum {
+	GW_SPACE_UNKNOWN,
+	GW_SPACE_FREE,
+	GW_SPACE_PANE,
+	GW_SPACE_OPEN,
+	GW_SPACE_SURFACE,
+	GW_SPACE_HOLE,
+	GW_SPACE_RIM /* a surface's cell beside a hole */
+};
+
 typedef struct gw_scanned_space {
 	uint32_t cells[3]; /* 0: nothing is known */
 	float low[3];      /* corner of the grid, metres in the surfels' frame */
 	float cell;        /* metres */
-	uint8_t *state;    /* one a cell */
+	uint8_t *state;    /* one a cell, as above */
 	uint32_t scanners; /* that were looked at */
 	bool closed;       /* hardly a place is open: a building from inside */
+	/* Where no scanner is known: how many holes the surface has, and of the widest of them its
+	 * extent and its middle, metres in the surfels' frame. */
+	uint32_t holes;
+	float hole_width, hole_place[3];
 } gw_scanned_space;
+
+/* Makes the grid around surfels, so many cells along its longest side or fewer of that width, all
+ * of them GW_SPACE_UNKNOWN; false when memory is short. */
+bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
+						   gw_scanned_space *space);
+
+/* Where the grid has a place; false outside of it. */
+bool gw_scanned_space_cell(const gw_scanned_space *space, const float place[3], uint32_t at[3]);
+
+/* Whether anything is known of what lies between surfaces. */
+static inline bool gw_scanned_space_known(const gw_scanned_space *space)
+{
+	return space->scanners > 0 || space->holes > 0;
+}
 
 /*
  * Finds out what the scanners of points saw.
@@ -59,7 +88,7 @@ typedef struct gw_way {
 } gw_way;
 
 /* Whether light along it comes through a gap. Of a way that ends, whether two cells of it in a row
- * or more are unknown. */
+ * or more are unknown. Where no scanner is known: whether it passes a hole of the surface. */
 bool gw_scanned_space_is_gap(const gw_scanned_space *space, const gw_way *way);
 
 /* Whether light along a way that leaves the scene, by no gap, comes through a pane; in a closed

@@ -341,6 +341,18 @@ static gw_status finish(disc_step *step, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status make_discs(disc_step *step, gw_error *error)
+{
+	gw_surfels *s = step->surfels;
+	if (!s->nearest || !s->radius || !s->area || !s->clip || !s->bend || !s->creased || !s->noise ||
+		!step->isolated || !step->amid || !step->boundary)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
+	GW_TRY(gw_neighbours_visit(step->search, make_disc, step, error));
+	GW_TRY(gw_disc_widths_bound(step->search, s, step->rough_area, error));
+	GW_TRY(gw_boundaries_settle(step->search, s, step->rough_area, step->boundary, error));
+	return finish(step, error);
+}
+
 gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_surfels *surfels,
 						bool rough_area, float *gap, gw_error *error)
 {
@@ -360,19 +372,7 @@ gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_su
 	step.isolated = gw_allocate_zeros(n, sizeof *step.isolated);
 	step.amid = gw_allocate_zeros(n, sizeof *step.amid);
 	step.boundary = gw_allocate_zeros(n, sizeof *step.boundary);
-	gw_status status = GW_OK;
-	if (!surfels->nearest || !surfels->radius || !surfels->area || !surfels->clip ||
-		!surfels->bend || !surfels->creased || !surfels->noise || !step.isolated || !step.amid ||
-		!step.boundary)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", n);
-	if (status == GW_OK)
-		status = gw_neighbours_visit(search, make_disc, &step, error);
-	if (status == GW_OK)
-		status = gw_disc_widths_bound(search, surfels, rough_area, error);
-	if (status == GW_OK)
-		status = gw_boundaries_settle(search, surfels, rough_area, step.boundary, error);
-	if (status == GW_OK)
-		status = finish(&step, error);
+	gw_status status = make_discs(&step, error);
 	free(step.isolated);
 	free(step.amid);
 	free(step.boundary);

@@ -31,25 +31,24 @@ static gw_status choose(const gw_points *points, const gw_surfels_options *optio
 	return status == GW_OK ? gw_surfels_choose(options, surfels, error) : status;
 }
 
-/* Missing normals, and how far off they are; those of range images, which are of planes through
- * neighbours as well, if `ranged`. */
+/* Missing normals, and how far off they are; by_grid: those that are known are of range images. */
 static gw_status complete_normals(const gw_points *points, const gw_surfels_options *options,
-								  bool ranged, gw_neighbours *search, gw_surfels *s,
+								  gw_neighbours *search, bool by_grid, gw_surfels *s,
 								  gw_error *error)
 {
-	if (s->normals_given == s->count && !ranged)
+	float of_known = by_grid ? GW_PLANE_BY_GRID : 0.0f;
+	if (s->normals_given == s->count && !by_grid)
 		return GW_OK;
 	s->shading_normal_off = gw_allocate_zeros(s->count, sizeof *s->shading_normal_off);
 	if (!s->shading_normal_off)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu missing normals", s->count);
 	for (size_t i = 0; i < s->count; i++) {
 		const float *n = s->normal + 3 * i;
-		s->shading_normal_off[i] = n[0] != 0 || n[1] != 0 || n[2] != 0 ? 0.0f : 1.0f;
+		bool known = n[0] != 0 || n[1] != 0 || n[2] != 0;
+		s->shading_normal_off[i] = known ? of_known : GW_PLANE_BY_PLACE;
 	}
 	if (s->normals_given < s->count)
 		GW_TRY(gw_normals_complete(points, options, search, s, error));
-	for (size_t i = 0; i < s->count && ranged; i++)
-		s->shading_normal_off[i] = 1.0f;
 	return gw_plane_error(search, s, error);
 }
 
@@ -57,9 +56,9 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 typedef struct sorted_points {
 	const gw_points *all;
 	gw_stray_marks strays;
-	bool ranged;      /* all normals that there are came from range images */
 	gw_points rest;   /* those that are no strays */
 	double *position; /* of the rest */
+	bool by_grid;     /* their normals are of range images, as far as they are known */
 } sorted_points;
 
 /* The frame of the points that are no strays. It is made anew when more of them are found in it, so
@@ -67,59 +66,56 @@ typedef struct sorted_points {
 static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
 							 gw_surfels *surfels, gw_error *error)
 {
-	gw_status status = gw_strays_mark_known(p->all, &p->strays, error);
-	if (status == GW_OK)
-		status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
-	if (status == GW_OK)
-		status = gw_frame_make(&p->rest, options, surfels, error);
+	GW_TRY(gw_strays_mark_known(p->all, &p->strays, error));
+	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
 	size_t known = p->strays.count;
-	if (status == GW_OK)
-		status = gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error);
-	if (status != GW_OK || p->strays.count == known)
-		return status;
+	GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
+	if (p->strays.count == known)
+		return GW_OK;
 	gw_surfels_clear(surfels);
 	free(p->position);
 	p->position = NULL;
-	status = gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error);
-	return status == GW_OK ? gw_frame_make(&p->rest, options, surfels, error) : status;
+	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+	return gw_frame_make(&p->rest, options, surfels, error);
+}
+
+/* search is opened anew when the points are moved. */
+static gw_status make_discs(const sorted_points *p, const gw_surfels_options *options,
+							gw_neighbours **search, gw_surfels *surfels, float *gap,
+							gw_error *error)
+{
+	bool smoothed = false;
+	gw_lone_points lone;
+	GW_TRY(gw_strays_list(p->all, &p->strays, *search, surfels, error));
+	GW_TRY(gw_given_normals_mend(&p->rest, options, *search, surfels, error));
+	GW_TRY(complete_normals(&p->rest, options, *search, p->by_grid, surfels, error));
+	GW_TRY(gw_filled_space_find(&p->rest, *search, surfels, &lone, error));
+	gw_status status = gw_surfels_smooth(*search, lone.filled, surfels, &smoothed, error);
+	if (smoothed) {
+		gw_neighbours_close(*search);
+		*search = NULL;
+		status = gw_neighbours_open(surfels, options, search, error);
+	}
+	if (status == GW_OK)
+		status = gw_discs_make(*search, &lone, surfels, options->rough_area, gap, error);
+	gw_lone_points_clear(&lone);
+	return status;
 }
 
 static gw_status make_surface(const sorted_points *p, const gw_surfels_options *options,
 							  gw_surfels *surfels, float **gap, gw_error *error)
 {
-	const gw_points *points = &p->rest;
 	gw_neighbours *search = NULL;
-	gw_status status = options->choose ? choose(points, options, surfels, error) : GW_OK;
-	if (status != GW_OK)
-		return status;
+	if (options->choose)
+		GW_TRY(choose(&p->rest, options, surfels, error));
 	if (gap) {
 		*gap = gw_allocate_array(surfels->count, sizeof **gap);
 		if (!*gap)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
-	status = gw_neighbours_open(surfels, options, &search, error);
-	if (status != GW_OK)
-		return status;
-	bool smoothed = false;
-	status = gw_strays_list(p->all, &p->strays, search, surfels, error);
-	if (status == GW_OK)
-		status = gw_given_normals_mend(points, options, search, surfels, error);
-	if (status == GW_OK)
-		status = complete_normals(points, options, p->ranged, search, surfels, error);
-	gw_lone_points lone = { 0 };
-	if (status == GW_OK)
-		status = gw_filled_space_find(points, search, surfels, &lone, error);
-	if (status == GW_OK)
-		status = gw_surfels_smooth(search, lone.filled, surfels, &smoothed, error);
-	if (smoothed) {
-		gw_neighbours_close(search);
-		search = NULL;
-		status = gw_neighbours_open(surfels, options, &search, error);
-	}
-	if (status == GW_OK)
-		status =
-			gw_discs_make(search, &lone, surfels, options->rough_area, gap ? *gap : NULL, error);
-	gw_lone_points_clear(&lone);
+	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
+	gw_status status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
 	return status;
 }
@@ -133,7 +129,7 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 	if (gap)
 		*gap = NULL;
 	gw_status status = gw_range_images_use(points, options, &ranged, error);
-	sorted.ranged = status == GW_OK && !points->normal && ranged.normals > 0;
+	sorted.by_grid = !points->normal && ranged.normals > 0;
 	if (status == GW_OK)
 		status = sort_points(&ranged.options, &sorted, surfels, error);
 	if (status == GW_OK)

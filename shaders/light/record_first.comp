@@ -46,10 +46,13 @@ vec3 seen_sky(vec3 g, vec3 normal, uint k)
 	return radiance * (by_rays / max(by_rays + by_samples, 1e-30f));
 }
 
-/* What ray k brings, whose hit is the h-th of all. */
-vec3 light_of_ray(vec3 g, vec3 normal, uint k, int h)
+/* What ray k brings, whose hit is the h-th of all; where the sky is shut out, what left the scene
+ * has slipped through. */
+vec3 light_of_ray(vec3 g, vec3 normal, bool shut, uint k, int h)
 {
 	uint facet = texelFetch(hit_facet, h).x;
+	if (facet == GW_NONE && shut)
+		return vec3(0.0f);
 	if (facet == GW_NONE)
 		return push.sky_hits != 0u ? push.sky.xyz + seen_sky(g, normal, k) : push.sky.xyz;
 	if (push.use_hits == 0u || !(luminance(texelFetch(facet_emission, int(facet)).xyz) > 0.0f))
@@ -82,8 +85,9 @@ void main()
 		return;
 	int first = int((push.first + i) * push.rays);
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
+	bool shut = record_sampled[i].w > 0.5f;
 	for (uint k = 0u; k < push.rays; k++)
-		sum += light_of_ray(g, normal, k, first + int(k));
+		sum += light_of_ray(g, normal, shut, k, first + int(k));
 	if (push.looked == 0u)
 		look_around(i, first);
 	sum = sum * (GW_PI / float(push.rays)) + record_sampled[i].xyz;

@@ -3,7 +3,7 @@
  * scans, and the light that a path tracer finds where the beams met the surface.
  *
  *   build/tests/bench/make_scan KIND -o PREFIX [option]...
- *   build/tests/bench/make_scan --sides LIT.ply PREFIX.truth.ply
+ *   build/tests/bench/make_scan --errors LIT.ply PREFIX.truth.ply
  *
  * The cloud is PREFIX.ply, .ptx or .e57, or PREFIX-1.pcd and so on, one for each station;
  * PREFIX.scene.json has its lamps, PREFIX.stations.txt a line X Y Z for each station, and
@@ -12,8 +12,10 @@
  * truth. Points are matched by a column `index`, or, in PTX and E57, which have no room for one,
  * by position.
  *
- * The second form prints the share of these points, in percent, whose normal in a lit cloud faces
- * as the true one does.
+ * The second form prints three numbers, in percent: the RMS error of these points' radiance in a
+ * lit cloud, over the truth's mean, of all and without the worst hundredth; and the share whose
+ * normal faces as the true one does. What the truth itself is off, which its column scalar_stderr
+ * tells without bias, is taken off the squares of the errors.
  */
 #include "comparison/matched_scans.h"
 #include "files/file_status.h"
@@ -22,6 +24,7 @@
 #include "sample_scans.h"
 #include "simulated_scan.h"
 #include "table/format_table.h"
+
 #include "truth_files.h"
 
 #include <getopt.h>
@@ -48,7 +51,7 @@ typedef struct maker {
 
 static const char usage[] =
 	"Usage: make_scan KIND -o PREFIX [option]...\n"
-	"       make_scan --sides LIT.ply PREFIX.truth.ply\n"
+	"       make_scan --errors LIT.ply PREFIX.truth.ply\n"
 	"KIND is cornell, rooms, corridor, hole, ruin, cave, ball, carton, torus, terrain, fence or\n"
 	"tree.\n"
 	"  -o, --output PREFIX     write PREFIX.ply, PREFIX.scene.json, PREFIX.truth.ply and so on\n"
@@ -570,31 +573,65 @@ static gw_status run(maker *m)
 	return write_truth(m);
 }
 
-/* ---------------------------------------------------------------------------------- sides */
+/* -------------------------------------------------------------------------------- against truth */
 
-static gw_status print_sides(const matched_scans *pair, gw_error *error)
+/* A lit scan beside its truth, column by column; values of matched points. */
+typedef struct light_pair {
+	const matched_scans *match;
+	const scan_column *normal[6], *radiance[6], *noise;
+	gw_error *error;
+} light_pair;
+
+static gw_status find_columns(light_pair *p)
 {
 	static const char *const name[6] = { "nx", "ny", "nz", "true_nx", "true_ny", "true_nz" };
-	const scan_column *column[6];
-	size_t right = 0;
+	static const char *const light[3] = { "scalar_radiance_r", "scalar_radiance_g",
+										  "scalar_radiance_b" };
+	const matched_scans *m = p->match;
+	bool whole = true;
 	for (size_t k = 0; k < 6; k++) {
-		column[k] = scan_find(k < 3 ? pair->found : pair->truth, name[k]);
-		if (!column[k])
-			return gw_fail(error, GW_ERROR_DATA, "%s has no column %s",
-						   k < 3 ? pair->found_name : pair->truth_name, name[k]);
+		const scan *of = k < 3 ? m->found : m->truth;
+		p->normal[k] = scan_find(of, name[k]);
+		p->radiance[k] = scan_find(of, light[k % 3]);
+		whole = whole && p->normal[k] && p->radiance[k];
 	}
-	for (size_t i = 0; i < pair->count; i++) {
-		double cosine = 0.0;
+	p->noise = scan_find(m->truth, "scalar_stderr");
+	return whole && p->noise ? GW_OK
+							 : gw_fail(p->error, GW_ERROR_DATA,
+									   "%s is not lit, or %s is no truth of this program",
+									   m->found_name, m->truth_name);
+}
+
+static double luminance_of(const scan_column *const column[3], size_t i)
+{
+	return 0.2126 * scan_value(column[0], i) + 0.7152 * scan_value(column[1], i) +
+		   0.0722 * scan_value(column[2], i);
+}
+
+static gw_status print_errors(light_pair *p)
+{
+	const matched_scans *m = p->match;
+	double mean = 0.0, bias = 0.0, square = 0.0, right = 0.0;
+	GW_TRY(find_columns(p));
+	for (size_t i = 0; i < m->count; i++) {
+		double cosine = 0.0, truth = luminance_of(p->radiance + 3, m->in_truth[i]);
+		double off = luminance_of(p->radiance, m->in_found[i]) - truth;
+		double noise = scan_value(p->noise, m->in_truth[i]);
 		for (size_t k = 0; k < 3; k++)
-			cosine += scan_value(column[k], pair->in_found[i]) *
-					  scan_value(column[k + 3], pair->in_truth[i]);
+			cosine += scan_value(p->normal[k], m->in_found[i]) *
+					  scan_value(p->normal[k + 3], m->in_truth[i]);
 		right += cosine > 0.0;
+		mean += truth;
+		bias += off;
+		square += off * off - noise * noise;
 	}
-	printf("%.2f\n", 100.0 * (double)right / (double)pair->count);
+	double n = (double)m->count;
+	printf("%.2f %.2f %.2f\n", 100.0 * sqrt(fmax(square * n, 0.0)) / mean, 100.0 * bias / mean,
+		   100.0 * right / n);
 	return GW_OK;
 }
 
-static gw_status compare_sides(const char *lit, const char *truth, gw_error *error)
+static gw_status compare_errors(const char *lit, const char *truth, gw_error *error)
 {
 	scan found = { 0 }, wanted = { 0 };
 	gw_status status = format_read(lit, NULL, &found, error);
@@ -605,8 +642,9 @@ static gw_status compare_sides(const char *lit, const char *truth, gw_error *err
 	};
 	if (status == GW_OK)
 		status = matched_scans_make(&pair, error);
+	light_pair lights = { .match = &pair, .error = error };
 	if (status == GW_OK)
-		status = print_sides(&pair, error);
+		status = print_errors(&lights);
 	matched_scans_clear(&pair);
 	scan_clear(&found);
 	scan_clear(&wanted);
@@ -619,8 +657,8 @@ int main(int count, char **argument)
 		.format = "ply", .setup = { .count = 50000, .seed = 1 }, .truth_count = 2000, .paths = 256
 	};
 	gw_status status;
-	if (count == 4 && strcmp(argument[1], "--sides") == 0) {
-		status = compare_sides(argument[2], argument[3], &m.error);
+	if (count == 4 && strcmp(argument[1], "--errors") == 0) {
+		status = compare_errors(argument[2], argument[3], &m.error);
 	} else if (!read_arguments(&m, count, argument)) {
 		fputs(usage, stderr);
 		return EXIT_CODE_USAGE;

@@ -7,11 +7,12 @@
 # behind -- goes to `glowworm bake`; STATIONS in it stands for the file of the scanners' places.
 #
 # Environment: GLOWWORM (build/glowworm), MAKE_SCAN (build/tests/bench/make_scan), SCANS, where
-# scans are made and kept for the next time (build/scans), POINTS (40000).
+# scans are made and kept for the next time (build/scans), POINTS (40000), TRUTH, how many of them
+# have one (8000).
 #
-# Columns: the case; relRMSE and best-99 of the radiance against the truth, and the error that the
-# bake states, in percent; percent of the points with a truth whose normal faces the right way;
-# seconds of the bake.
+# Columns: the case; relRMSE of the radiance against the truth, without what the truth itself is
+# off, and its mean error; the error that the bake states, in percent, and that over relRMSE;
+# percent of the points with a truth whose normal faces the right way; seconds of the bake.
 set -u
 export LC_ALL=C
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -19,6 +20,7 @@ glowworm=${GLOWWORM:-$root/build/glowworm}
 make_scan=${MAKE_SCAN:-$root/build/tests/bench/make_scan}
 scans=${SCANS:-$root/build/scans}
 points=${POINTS:-40000}
+truth=${TRUTH:-8000}
 faults='--noise 3 --registration 3 --strays 0.0005 --beam 5 --divergence 0.5 --holes 3'
 
 # name, what make_scan is asked for
@@ -86,26 +88,27 @@ fail() { # name, what failed
 }
 
 run_case() { # name, arguments of make_scan
-	local name=$1 prefix=$scans/$1 compared stated right seconds
+	local name=$1 prefix=$scans/$1 compared stated seconds
 	shift
 	if [ ! -f "$prefix.truth.ply" ]; then
-		"$make_scan" "$@" -n "$points" -o "$prefix" >"$prefix.log" 2>&1 || fail "$name" make_scan
+		"$make_scan" "$@" -n "$points" -t "$truth" -o "$prefix" >"$prefix.log" 2>&1 ||
+			fail "$name" make_scan
 	fi
 	seconds=$EPOCHREALTIME
 	"$glowworm" bake "$prefix.scene.json" --force -o "$prefix.lit.ply" \
 		"${options[@]//STATIONS/$prefix.stations.txt}" >"$prefix.log" 2>&1 ||
 		{ fail "$name" bake && return; }
 	seconds=$(awk "BEGIN { print $EPOCHREALTIME - $seconds }")
-	compared=$("$glowworm" compare "$prefix.lit.ply" "$prefix.truth.ply" |
-		awk '$1 == "radiance" { print $3, $4 }')
+	compared=$("$make_scan" --errors "$prefix.lit.ply" "$prefix.truth.ply") ||
+		{ fail "$name" compare && return; }
 	stated=$(sed -n 's/.*estimated error: \([0-9.]*\) %.*/\1/p' "$prefix.log" | head -n 1)
-	right=$("$make_scan" --sides "$prefix.lit.ply" "$prefix.truth.ply")
-	# shellcheck disable=SC2086
-	printf '%-20s %8s %8s %8s %8s %8.1f\n' "$name" $compared "${stated:--}" "$right" "$seconds"
+	echo "$name $compared ${stated:-0} $seconds" | awk '{
+		printf("%-20s %8s %8s %8s %8.2f %8s %8.1f\n", $1, $2, $3, $5, $2 > 0 ? $5 / $2 : 0, $4, $6)
+	}'
 }
 
 mkdir -p "$scans" || exit 73
-printf '%-20s %8s %8s %8s %8s %8s\n' case relRMSE best-99 stated sides seconds
+printf '%-20s %8s %8s %8s %8s %8s %8s\n' case relRMSE bias stated ratio sides seconds
 echo "$cases" | while read -r name arguments; do
 	[ -n "$name" ] && is_wanted "$name" || continue
 	# shellcheck disable=SC2086

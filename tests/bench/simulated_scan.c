@@ -1,6 +1,7 @@
 /* simulated_scan.c - see simulated_scan.h */
 #include "simulated_scan.h"
 #include "glowworm_host.h"
+#include "random_numbers.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,21 +30,6 @@ typedef struct job {
 } job;
 
 /* ------------------------------------------------------------------------- random numbers */
-
-/* SplitMix64 (Steele et al. 2014). */
-static double random_number(uint64_t *state)
-{
-	uint64_t z = *state += 0x9e3779b97f4a7c15u;
-	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-	z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-	return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static double random_normal(uint64_t *state)
-{
-	double radius = sqrt(-2.0 * log(1.0 - random_number(state)));
-	return radius * cos(2.0 * PI * random_number(state));
-}
 
 static void random_direction(uint64_t *state, double out[3])
 {

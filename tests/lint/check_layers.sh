@@ -9,7 +9,7 @@
 declare -A rooms=(
 	[lib]="base device cloud normals surfels octree light estimate picture bake"
 	[formats]="files points ply text pcd e57 las units meshes panoramas grids pictures table"
-	[cli]="program options scene result pictures comparison verbs"
+	[cli]="program lamps options scene result pictures comparison verbs"
 	[shaders]="base device octree light picture"
 )
 

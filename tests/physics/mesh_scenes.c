@@ -1,6 +1,7 @@
 #include "mesh_builder.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "random_numbers.h"
 
 #include <assert.h>
 #include <math.h>
@@ -468,22 +469,6 @@ void mesh_scene_clear(mesh_scene *scene)
 }
 
 /* ------------------------------------------------------------------------------- sampling */
-
-static double random_number(uint64_t *state)
-{
-	/* SplitMix64 (Steele et al. 2014). */
-	uint64_t z = *state += 0x9e3779b97f4a7c15u;
-	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-	z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-	return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-/* Standard normal, by Box and Muller. */
-static double random_normal(uint64_t *state)
-{
-	double radius = sqrt(-2.0 * log(1.0 - random_number(state)));
-	return radius * cos(2.0 * PI * random_number(state));
-}
 
 static bool is_inside(const mesh_solid *solid, const double p[3])
 {

@@ -243,6 +243,86 @@ static void doubt_about_a_window(void **state)
 	scene_clear(&whole);
 }
 
+/* ------------------------------------------------------------------- where no scanner is known */
+
+static gw_bake_result *bake_bare(const scene *s, const gw_light *light, gw_gaps gaps)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = gw_bake_options_default();
+	options.gaps = gaps;
+	options.unknown = true;
+	options.estimate_points = gaps == GW_GAPS_OPEN ? options.estimate_points : 0;
+	return scene_bake(&points, light, 1, &options);
+}
+
+/* A room with a window has one hole, where the window is, and all light of the sky comes there. */
+static void a_window_is_a_hole(void **state)
+{
+	(void)state;
+	scene s;
+	scan_room(&s, &(room){ false, true }, 0.5f);
+	gw_bake_result *open = bake_bare(&s, &sky, GW_GAPS_OPEN);
+	gw_bake_result *closed = bake_bare(&s, &sky, GW_GAPS_BLACK);
+	const gw_gap_report *g = &open->report.gaps;
+	double before = scene_mean(open->radiance, s.count, 0);
+	double after = scene_mean(closed->radiance, s.count, 0);
+	const double window[3] = { 0.85, 2.0, 1.05 };
+	double off = 0.0;
+	for (int k = 0; k < 3; k++)
+		off = hypot(off, g->hole_place[k] - window[k]);
+	print_message("%u holes, the widest %.3f m, %.3f m off; %.3f of the sky; radiance %.4f, closed "
+				  "%.4f\n",
+				  g->holes, g->hole_width, off, g->sky, before, after);
+	assert_int_equal(g->holes, 1);
+	/* The window's diagonal is 0.99 m. Cells are two spacings wide, 6 cm here; one at each end. */
+	assert_true(fabs(g->hole_width - 0.99) < 0.25 && off < 0.12);
+	assert_true(g->sky > 0.95 && g->black < 0.1 && after < 0.1 * before);
+	/* The sky is there, so that it is a window; what is dark may as well be a wall. */
+	assert_true(open->report.error.gaps == 0.0);
+	gw_bake_result_destroy(&open);
+	gw_bake_result_destroy(&closed);
+	const gw_light lamp = scene_point_light(1.0, 1.0, 1.2, 1.0f);
+	open = bake_bare(&s, &lamp, GW_GAPS_OPEN);
+	assert_true(open->report.error.gaps > 0.01);
+	/* A lamp in the room sends nothing to its points from outside. */
+	assert_true(open->report.gaps.lamps < 0.005);
+	gw_bake_result_destroy(&open);
+	scene_clear(&s);
+}
+
+static uint32_t holes_of(scene *s)
+{
+	gw_bake_result *r = bake_bare(s, &sky, GW_GAPS_BLACK);
+	uint32_t holes = r->report.gaps.holes;
+	gw_bake_result_destroy(&r);
+	scene_clear(s);
+	return holes;
+}
+
+/* A closed room, a hall without a front, hills, and a ball seen from outside. */
+static void what_is_open_has_no_holes(void **state)
+{
+	(void)state;
+	scene s;
+	scan_room(&s, &(room){ false, false }, 0.5f);
+	assert_int_equal(holes_of(&s), 0);
+	scene_make_hall(&s);
+	assert_int_equal(holes_of(&s), 0);
+	s = (scene){ 0 };
+	for (int i = 0; i < 10000; i++) {
+		double x = i % 100 + scene_random(&s), y = i / 100 + scene_random(&s);
+		double way[3] = { 0.6 * cos(x / 9.0), 0.5 * sin(y / 8.0), 1.0 };
+		double length = sqrt(way[0] * way[0] + way[1] * way[1] + 1.0);
+		for (int k = 0; k < 3; k++)
+			way[k] /= length;
+		scene_add(&s, (double[3]){ x, y, -5.4 * sin(x / 9.0) + 4.0 * cos(y / 8.0) }, way, 0.5f);
+	}
+	assert_int_equal(holes_of(&s), 0);
+	s = (scene){ 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 1 }, 1.0, 5000, 1, 0.5f);
+	assert_int_equal(holes_of(&s), 0);
+}
+
 /* The parts of lamps add up however gaps are closed. */
 static void parts_add_up(void **state)
 {
@@ -274,6 +354,8 @@ int main(void)
 		cmocka_unit_test(sky_through_a_window),
 		cmocka_unit_test(furnace_with_a_gap),
 		cmocka_unit_test(doubt_about_a_window),
+		cmocka_unit_test(a_window_is_a_hole),
+		cmocka_unit_test(what_is_open_has_no_holes),
 		cmocka_unit_test(parts_add_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

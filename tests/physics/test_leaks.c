@@ -1,9 +1,9 @@
 /*
- * test_leaks.c - the sun outside of closed rock: no point within sees it.
+ * test_leaks.c - suns, lamps and a sky outside of closed rock: no point within sees them.
  *
  * Spheres and boxes of points at random places, seen from within. Whatever light arrives is a leak,
- * so what is expected is zero, without a tolerance; but for boxes that lie askew, in whose creases
- * random points leave cells without any of the wall.
+ * so what is expected is zero, without a tolerance. And windows stay open: what is shut out by
+ * mistake is darker than any leak is bright.
  */
 #include "scenes.h"
 
@@ -42,30 +42,50 @@ static void add_random_sphere(scene *s, size_t count, double noise)
 	}
 }
 
-/* A unit cube, each side of points at random places, turned about x and then about z by angles. */
-static void add_random_box(scene *s, size_t count, double about_x, double about_z)
+/* A box of points. */
+typedef struct box {
+	size_t count;
+	double about_x, about_z; /* it is turned by these angles, about x first */
+	double noise;            /* along the normals, spacings */
+	double width;            /* 1, but for the outside of a wall around another */
+	double window;           /* width of a square without points in the middle of its top */
+	double dense;            /* so many times as dense where x is above 0 */
+	int facing;              /* 1: normals inward */
+} box;
+
+/* A cube around the origin, each side of points at random places. */
+static void add_random_box(scene *s, box b)
 {
+	double about_x = b.about_x, about_z = b.about_z;
+	double spacing = sqrt(6.0 / (double)b.count);
 	const double turn[3][3] = {
 		{ cos(about_z), -sin(about_z) * cos(about_x), sin(about_z) * sin(about_x) },
 		{ sin(about_z), cos(about_z) * cos(about_x), -cos(about_z) * sin(about_x) },
 		{ 0.0, sin(about_x), cos(about_x) },
 	};
-	for (size_t i = 0; i < count; i++) {
+	for (size_t i = 0; i < b.count; i++) {
 		size_t axis = i % 3;
 		double side = i % 6 < 3 ? -1.0 : 1.0, flat[3], place[3], normal[3];
 		for (int k = 0; k < 3; k++)
 			flat[k] = scene_random(s) - 0.5;
-		flat[axis] = 0.5 * side;
+		double off = b.noise > 0.0 ? b.noise * spacing * scene_normal(s) : 0.0;
+		bool sparse = b.dense > 1.0 && flat[0] < 0.0;
+		if (sparse && scene_random(s) * b.dense > 1.0)
+			continue;
+		if (axis == 2 && side > 0.0 && fmax(fabs(flat[0]), fabs(flat[1])) < 0.5 * b.window)
+			continue;
+		flat[axis] = 0.5 * side + off;
 		for (int k = 0; k < 3; k++) {
-			normal[k] = -side * turn[k][axis];
-			place[k] = turn[k][0] * flat[0] + turn[k][1] * flat[1] + turn[k][2] * flat[2];
+			normal[k] = -side * b.facing * turn[k][axis];
+			place[k] =
+				b.width * (turn[k][0] * flat[0] + turn[k][1] * flat[1] + turn[k][2] * flat[2]);
 		}
 		scene_add(s, place, normal, 0.5f);
 	}
 }
 
-/* Points that a sun from some height, degrees, reaches, of six around. */
-static size_t count_lit(const scene *s, double height, uint32_t depth)
+/* Points that get light from a sun at some height, degrees, of six around. */
+static size_t count_sunlit(const scene *s, double height, uint32_t depth)
 {
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
@@ -87,11 +107,27 @@ static size_t count_lit(const scene *s, double height, uint32_t depth)
 	return lit;
 }
 
+/* Of the first `count` points those that get light from a sky, a lamp at (2, 1, 3), or bounces. */
+static size_t count_lit(const scene *s, size_t count)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	const gw_light light[2] = { { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } },
+								scene_point_light(2.0, 1.0, 3.0, 10.0f) };
+	gw_bake_result *result = scene_bake(&points, light, 2, &options);
+	size_t lit = 0;
+	for (size_t i = 0; i < count; i++)
+		lit += result->direct_irradiance[3 * i] > 0.0f || result->indirect_irradiance[3 * i] > 0.0f;
+	gw_bake_result_destroy(&result);
+	return lit;
+}
+
 static void expect_dark(size_t count, double noise, double height, uint32_t depth)
 {
 	scene s = { 0 };
 	add_random_sphere(&s, count, noise);
-	size_t lit = count_lit(&s, height, depth);
+	size_t lit = count_sunlit(&s, height, depth);
 	print_message("%zu points, noise %.2f, sun at %.0f degrees, depth %u: %zu lit\n", count, noise,
 				  height, depth, lit);
 	scene_clear(&s);
@@ -110,37 +146,96 @@ static void closed_spheres_stay_dark(void **state)
 static void at_other_depths(void **state)
 {
 	(void)state;
-	expect_dark(3000, 0.0, 40.0, 4);
-	expect_dark(3000, 0.0, 40.0, 6);
+	for (uint32_t depth = 4; depth <= 10; depth += 2)
+		expect_dark(3000, 0.25, 40.0, depth);
 }
 
-static size_t count_lit_in_box(size_t count, double about_x, double about_z, double height)
+static void expect_dark_box(box b, double height)
 {
 	scene s = { 0 };
-	add_random_box(&s, count, about_x, about_z);
-	size_t lit = count_lit(&s, height, GW_DEPTH_AUTO);
-	print_message("%zu points, box turned by %.1f and %.1f, sun at %.0f degrees: %zu lit\n", count,
-				  about_x, about_z, height, lit);
+	add_random_box(&s, b);
+	size_t lit = count_sunlit(&s, height, GW_DEPTH_AUTO);
+	print_message("%zu points, box turned by %.1f and %.1f, noise %.2f, sun at %.0f degrees: "
+				  "%zu lit\n",
+				  s.count, b.about_x, b.about_z, b.noise, height, lit);
 	scene_clear(&s);
-	return lit;
+	assert_int_equal(lit, 0);
 }
 
 /* Rays pass where two walls meet, and where a corner has no point near. */
 static void closed_boxes_stay_dark(void **state)
 {
 	(void)state;
-	for (int height = 10; height < 90; height += 25)
-		assert_int_equal(count_lit_in_box(10000, 0.0, 0.0, height), 0);
+	box b = { .count = 10000, .width = 1.0, .facing = 1 };
+	for (int height = 10; height < 90; height += 25) {
+		b.about_x = b.about_z = 0.0;
+		expect_dark_box(b, height);
+		b.about_x = 0.8;
+		b.about_z = 0.5;
+		expect_dark_box(b, height);
+		b.about_x = 0.02 * height;
+		b.noise = 0.25 * (height % 3);
+		expect_dark_box(b, height);
+	}
 }
 
-/* Of 240,000 pairs of points and suns. */
-static void boxes_askew_are_nearly_dark(void **state)
+/* Where one half of the walls is many times sparser than the other one. */
+static void unevenly_sampled_ones_as_well(void **state)
 {
 	(void)state;
-	size_t lit = 0;
-	for (int height = 10; height < 90; height += 25)
-		lit += count_lit_in_box(10000, 0.8, 0.5, height);
-	assert_true(lit <= 20);
+	box b = { .count = 30000, .width = 1.0, .facing = 1, .about_x = 0.3, .about_z = 0.9 };
+	for (b.dense = 3.0; b.dense < 10.0; b.dense *= 3.0)
+		expect_dark_box(b, 35.0);
+}
+
+static void sky_and_lamps_stay_outside(void **state)
+{
+	(void)state;
+	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	for (int i = 0; i < 3; i++, b.noise += 0.25) {
+		scene s = { 0 };
+		add_random_box(&s, b);
+		size_t lit = count_lit(&s, s.count);
+		print_message("noise %.2f: %zu lit\n", b.noise, lit);
+		scene_clear(&s);
+		assert_int_equal(lit, 0);
+	}
+}
+
+/* Inside and outside of a wall around a box, a few spacings apart. */
+static void walls_with_two_sides_shut_out(void **state)
+{
+	(void)state;
+	for (double spacings = 2.0; spacings < 9.0; spacings *= 2.0) {
+		box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+		scene s = { 0 };
+		add_random_box(&s, b);
+		size_t inside = s.count;
+		b.width = 1.0 + 2.0 * spacings * sqrt(6.0 / (double)b.count);
+		b.count = (size_t)((double)b.count * b.width * b.width);
+		b.facing = -1;
+		add_random_box(&s, b);
+		size_t lit = count_lit(&s, inside);
+		print_message("wall of %.2f spacings: %zu lit\n", spacings, lit);
+		scene_clear(&s);
+		assert_int_equal(lit, 0);
+	}
+}
+
+/* Windows of some spacings: sky through them lights all of the room. */
+static void windows_stay_open(void **state)
+{
+	(void)state;
+	for (double spacings = 7.0; spacings < 15.0; spacings *= 2.0) {
+		box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
+		b.window = spacings * sqrt(6.0 / (double)b.count);
+		scene s = { 0 };
+		add_random_box(&s, b);
+		size_t lit = count_lit(&s, s.count);
+		print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
+		assert_true(lit > s.count * 99 / 100);
+		scene_clear(&s);
+	}
 }
 
 int main(void)
@@ -149,7 +244,10 @@ int main(void)
 		cmocka_unit_test(closed_spheres_stay_dark),
 		cmocka_unit_test(at_other_depths),
 		cmocka_unit_test(closed_boxes_stay_dark),
-		cmocka_unit_test(boxes_askew_are_nearly_dark),
+		cmocka_unit_test(unevenly_sampled_ones_as_well),
+		cmocka_unit_test(sky_and_lamps_stay_outside),
+		cmocka_unit_test(walls_with_two_sides_shut_out),
+		cmocka_unit_test(windows_stay_open),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

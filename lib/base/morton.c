@@ -1,7 +1,5 @@
-/*
- * morton.c - Morton keys on the CPU; see octree.h.
- */
-#include "octree/octree.h"
+/* morton.c - Morton keys on the CPU; see glowworm_picture.h. */
+#include "glowworm_picture.h"
 
 static const uint64_t mask[] = {
 	0x1fffff,           0x1f00000000ffff,   0x1f0000ff0000ff,

@@ -1,0 +1,585 @@
+/* light_keys.c - the keys of lights, and what they mean together; see light_text.h. */
+#include "lamps/light_text.h"
+
+#include "glowworm_picture.h"
+#include "program/words.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+#define DEGREE (PI / 180.0)
+
+#define POINT (1u << GW_LIGHT_POINT)
+#define SPOT (1u << GW_LIGHT_SPOT)
+#define SUN (1u << GW_LIGHT_SUN)
+#define SKY (1u << GW_LIGHT_ENVIRONMENT)
+
+#define BIT(key) (1u << LIGHT_KEY_##key)
+
+const light_key light_keys[LIGHT_KEY_COUNT] = {
+	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT, POINT | SPOT,
+							 "X,Y,Z: where it is, in the input's coordinates" },
+	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, SPOT, 0, "X,Y,Z: a point on its axis" },
+	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR, SPOT | SUN, 0,
+							  "X,Y,Z: the way the light travels" },
+	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
+						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
+	[LIGHT_KEY_PLACE] = { NULL, "place", LIGHT_VALUE_PLACE, SUN | SKY, 0,
+						  "LATITUDE,LONGITUDE, degrees north and east, of the sun" },
+	[LIGHT_KEY_TIME] = { NULL, "time", LIGHT_VALUE_TIME, SUN | SKY, 0,
+						 "as 2026-06-21T14:30+02:00, or with Z for UTC; with place" },
+	[LIGHT_KEY_NORTH] = { NULL, "north", LIGHT_VALUE_ANGLE, SUN | SKY, 0,
+						  "degrees clockwise from +y in which north lies; 0" },
+	[LIGHT_KEY_INTENSITY] = { NULL, "intensity", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
+							  "W/sr or cd, in the inner cone; or else" },
+	[LIGHT_KEY_LUMENS] = { NULL, "lumens", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
+						   "lm, luminous flux over all directions; or else" },
+	[LIGHT_KEY_WATTS] = { NULL, "watts", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
+						  "W of light, radiant flux over all directions" },
+	[LIGHT_KEY_IRRADIANCE] = { NULL, "irradiance", LIGHT_VALUE_COLOR, SUN, 0,
+							   "W/m^2 or lx on a plane that faces it" },
+	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY, 0,
+							 "W/(sr m^2) or cd/m^2: even, a model's overhead, or by map" },
+	[LIGHT_KEY_ILLUMINANCE] = { NULL, "illuminance", LIGHT_VALUE_COLOR, SUN | SKY, 0,
+								"lx: facing the sun; of a sky, on level ground" },
+	[LIGHT_KEY_KELVIN] = { NULL, "kelvin", LIGHT_VALUE_NUMBER, POINT | SPOT | SUN | SKY, 0,
+						   "colour temperature, 1000 to 40000; luminance stays" },
+	[LIGHT_KEY_MODEL] = { NULL, "model", LIGHT_VALUE_MODEL, SKY, 0,
+						  "overcast, intermediate, clear, physical or gradient" },
+	[LIGHT_KEY_TURBIDITY] = { NULL, "turbidity", LIGHT_VALUE_NUMBER, SKY, 0,
+							  "of a physical sky: 2, very clear, to 10, hazy; 3" },
+	[LIGHT_KEY_HORIZON] = { NULL, "horizon", LIGHT_VALUE_COLOR, SKY, 0,
+							"radiance of a gradient at the horizon" },
+	[LIGHT_KEY_MAP] = { NULL, "map", LIGHT_VALUE_PATH, SKY, 0,
+						"EXR or HDR file, longitude by latitude; its centre is toward +y" },
+	[LIGHT_KEY_ROTATION] = { NULL, "rotation", LIGHT_VALUE_ANGLE, SKY, 0,
+							 "degrees the map is turned clockwise, seen from above; 0" },
+	[LIGHT_KEY_INNER] = { "inner", "inner_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
+						  "degrees from the axis up to which it is at its full; 0" },
+	[LIGHT_KEY_OUTER] = { "outer", "outer_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
+						  "degrees from the axis at which it ends; 45" },
+	[LIGHT_KEY_RADIUS] = { NULL, "radius", LIGHT_VALUE_NUMBER, POINT | SPOT, 0,
+						   "metres; makes soft shadows; 0" },
+	[LIGHT_KEY_ANGLE] = { NULL, "angle", LIGHT_VALUE_NUMBER, SUN, 0,
+						  "degrees, its diameter in the sky; 0.53" },
+	[LIGHT_KEY_NAME] = { NULL, "name", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY, 0,
+						 "one word, for the report" },
+};
+
+lamp light_default(gw_light_type type)
+{
+	float sky = type == GW_LIGHT_ENVIRONMENT ? 1.0f : 0.0f;
+	return (lamp){ .light = { .type = type,
+							  .outer_angle = type == GW_LIGHT_SPOT ? 45.0f : 0.0f,
+							  .angle = type == GW_LIGHT_SUN ? 0.53f : 0.0f,
+							  .radiance = { sky, sky, sky } },
+				   .measure = LIGHT_KEY_COUNT,
+				   .turbidity = 3.0 };
+}
+
+bool light_key_moves(light_key_id key)
+{
+	light_value value = light_keys[key].value;
+	return value != LIGHT_VALUE_NAME && value != LIGHT_VALUE_PATH && value != LIGHT_VALUE_TIME &&
+		   value != LIGHT_VALUE_PLACE && value != LIGHT_VALUE_MODEL;
+}
+
+/* ---------------------------------------------------------------------------- one key */
+
+light_quantity light_key_quantity(light_key_id key)
+{
+	switch (key) {
+	case LIGHT_KEY_INTENSITY:
+		return LIGHT_QUANTITY_INTENSITY;
+	case LIGHT_KEY_LUMENS:
+	case LIGHT_KEY_WATTS:
+		return LIGHT_QUANTITY_FLUX;
+	case LIGHT_KEY_IRRADIANCE:
+	case LIGHT_KEY_ILLUMINANCE:
+		return LIGHT_QUANTITY_IRRADIANCE;
+	case LIGHT_KEY_RADIANCE:
+	case LIGHT_KEY_HORIZON:
+		return LIGHT_QUANTITY_RADIANCE;
+	default:
+		return LIGHT_QUANTITY_COUNT;
+	}
+}
+
+static void set_vector(double vector[3], const double *values)
+{
+	memcpy(vector, values, 3 * sizeof *vector);
+}
+
+/* How much light: kept as it was said, and worked out when the light is resolved. */
+static gw_status set_amount(lamp *light, light_key_id key, const double *values, size_t count,
+							gw_error *error)
+{
+	if (light->measure != LIGHT_KEY_COUNT && light->measure != key)
+		return gw_fail(error, GW_ERROR_USAGE, "'%s' has said how much light already",
+					   light_keys[light->measure].name);
+	light->measure = key;
+	light->white = count == 1;
+	for (size_t k = 0; k < 3; k++)
+		light->amount[k] = values[count == 3 ? k : 0];
+	return GW_OK;
+}
+
+/* Photometric or not, from a unit or from the key itself; all numbers of a light agree. */
+static gw_status take_units(lamp *light, light_key_id key, light_units said, gw_error *error)
+{
+	bool photometric = key == LIGHT_KEY_LUMENS || key == LIGHT_KEY_ILLUMINANCE;
+	light_units own = photometric              ? LIGHT_UNITS_PHOTOMETRIC
+					  : key == LIGHT_KEY_WATTS ? LIGHT_UNITS_RADIOMETRIC
+											   : said;
+	light_quantity quantity = light_key_quantity(key);
+	if (said != LIGHT_UNITS_UNSAID && said != own)
+		return gw_fail(error, GW_ERROR_USAGE, "it is in %s, not in %s",
+					   light_unit_name(quantity, own), light_unit_name(quantity, said));
+	if (own != LIGHT_UNITS_UNSAID && light->units != LIGHT_UNITS_UNSAID && own != light->units)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "watts and lumens do not go together; how they convert depends on the "
+					   "spectrum");
+	if (own != LIGHT_UNITS_UNSAID)
+		light->units = own;
+	return GW_OK;
+}
+
+static gw_status check_range(light_key_id key, const double *values, gw_error *error)
+{
+	if (light_keys[key].value == LIGHT_VALUE_SKY && fabs(values[1]) > 90.0)
+		return gw_fail(error, GW_ERROR_USAGE, "the elevation must be from -90 to 90 degrees");
+	if (key == LIGHT_KEY_PLACE && (fabs(values[0]) > 90.0 || fabs(values[1]) > 180.0))
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"the latitude must be from -90 to 90, the longitude from -180 to 180 degrees");
+	if (key == LIGHT_KEY_KELVIN && !(values[0] >= KELVIN_LEAST && values[0] <= KELVIN_MOST))
+		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", KELVIN_LEAST,
+					   KELVIN_MOST);
+	if (key == LIGHT_KEY_TURBIDITY &&
+		!(values[0] >= SKY_TURBIDITY_LEAST && values[0] <= SKY_TURBIDITY_MOST))
+		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", SKY_TURBIDITY_LEAST,
+					   SKY_TURBIDITY_MOST);
+	if (key == LIGHT_KEY_DIRECTION && values[0] == 0.0 && values[1] == 0.0 && values[2] == 0.0)
+		return gw_fail(error, GW_ERROR_USAGE, "0,0,0 is no direction");
+	return GW_OK;
+}
+
+static gw_status check_numbers(light_key_id key, const double *values, size_t count,
+							   gw_error *error)
+{
+	light_value value = light_keys[key].value;
+	bool positive = value == LIGHT_VALUE_COLOR || value == LIGHT_VALUE_NUMBER;
+	for (size_t k = 0; k < count; k++) {
+		if (!isfinite(values[k]) || !isfinite((float)values[k]))
+			return gw_fail(error, GW_ERROR_USAGE, "a number of finite size is needed");
+		if (positive && values[k] < 0.0)
+			return gw_fail(error, GW_ERROR_USAGE, "it must be 0 or more");
+	}
+	return check_range(key, values, error);
+}
+
+gw_status light_set(lamp *light, light_key_id key, const double *values, size_t count,
+					gw_error *error)
+{
+	gw_light *l = &light->light;
+	GW_TRY(check_numbers(key, values, count, error));
+	GW_TRY(take_units(light, key, LIGHT_UNITS_UNSAID, error));
+	switch (key) {
+	case LIGHT_KEY_POSITION:
+		set_vector(l->position, values);
+		break;
+	case LIGHT_KEY_TARGET:
+		light->aimed = true;
+		set_vector(light->target, values);
+		break;
+	case LIGHT_KEY_DIRECTION:
+		set_vector(l->direction, values);
+		break;
+	case LIGHT_KEY_SKY:
+		light->from_sky = true;
+		light->azimuth = values[0];
+		light->elevation = values[1];
+		break;
+	case LIGHT_KEY_PLACE:
+		light->moment.latitude = values[0];
+		light->moment.longitude = values[1];
+		break;
+	case LIGHT_KEY_NORTH:
+		light->north = values[0];
+		break;
+	case LIGHT_KEY_INTENSITY:
+	case LIGHT_KEY_LUMENS:
+	case LIGHT_KEY_WATTS:
+	case LIGHT_KEY_IRRADIANCE:
+	case LIGHT_KEY_RADIANCE:
+	case LIGHT_KEY_ILLUMINANCE:
+		return set_amount(light, key, values, count, error);
+	case LIGHT_KEY_KELVIN:
+		light->kelvin = values[0];
+		break;
+	case LIGHT_KEY_TURBIDITY:
+		light->turbidity = values[0];
+		break;
+	case LIGHT_KEY_HORIZON:
+		for (size_t k = 0; k < 3; k++)
+			light->horizon[k] = (float)values[count == 3 ? k : 0];
+		break;
+	case LIGHT_KEY_INNER:
+		l->inner_angle = (float)values[0];
+		break;
+	case LIGHT_KEY_OUTER:
+		l->outer_angle = (float)values[0];
+		break;
+	case LIGHT_KEY_RADIUS:
+		l->radius = (float)values[0];
+		break;
+	case LIGHT_KEY_ANGLE:
+		l->angle = (float)values[0];
+		break;
+	case LIGHT_KEY_ROTATION:
+		l->rotation = (float)values[0];
+		break;
+	case LIGHT_KEY_TIME:
+	case LIGHT_KEY_MODEL:
+	case LIGHT_KEY_MAP:
+	case LIGHT_KEY_NAME:
+	case LIGHT_KEY_COUNT:
+		break;
+	}
+	return GW_OK;
+}
+
+/* What a value looks like, and 1 << n for each number of numbers that it may have. */
+typedef struct value_shape {
+	const char *expected;
+	unsigned counts;
+} value_shape;
+
+static const value_shape shape[] = {
+	[LIGHT_VALUE_VECTOR] = { "three numbers X,Y,Z", 1u << 3 },
+	[LIGHT_VALUE_COLOR] = { "a colour R,G,B or one number", 1u << 3 | 1u << 1 },
+	[LIGHT_VALUE_SKY] = { "two numbers AZIMUTH,ELEVATION", 1u << 2 },
+	[LIGHT_VALUE_PLACE] = { "two numbers LATITUDE,LONGITUDE", 1u << 2 },
+	[LIGHT_VALUE_NUMBER] = { "one number", 1u << 1 },
+	[LIGHT_VALUE_ANGLE] = { "one number", 1u << 1 },
+	[LIGHT_VALUE_NAME] = { "a name", 0 },
+	[LIGHT_VALUE_PATH] = { "a file", 0 },
+	[LIGHT_VALUE_TIME] = { "a time such as 2026-06-21T14:30+02:00", 0 },
+	[LIGHT_VALUE_MODEL] = { "the name of a sky", 0 },
+};
+
+const char *light_value_expected(light_value value)
+{
+	return shape[value].expected;
+}
+
+gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error)
+{
+	char word[WORD_MAX];
+	double values[3] = { 0 };
+	light_quantity quantity = light_key_quantity(key);
+	light_units units = LIGHT_UNITS_UNSAID;
+	light_value kind = light_keys[key].value;
+	snprintf(word, sizeof word, "%s", text);
+	if (quantity != LIGHT_QUANTITY_COUNT)
+		GW_TRY(light_unit_cut(word, quantity, &units, error));
+	size_t count = words_numbers(word, values);
+	if (!(shape[kind].counts & 1u << count) || count == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "it wants %s without blanks", shape[kind].expected);
+	GW_TRY(light_set(light, key, values, count, error));
+	return take_units(light, key, units, error);
+}
+
+static gw_status set_model(lamp *light, const char *text, gw_error *error)
+{
+	for (int model = SKY_MODEL_NONE + 1; sky_model_name(model); model++)
+		if (strcmp(text, sky_model_name(model)) == 0) {
+			light->model = (sky_model)model;
+			return GW_OK;
+		}
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "there is no sky '%.40s'; there are overcast, intermediate, clear, physical and "
+				   "gradient",
+				   text);
+}
+
+gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
+{
+	char *to = key == LIGHT_KEY_MAP ? light->map : light->light.name;
+	size_t room = key == LIGHT_KEY_MAP ? sizeof light->map : sizeof light->light.name;
+	if (!*text)
+		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
+	if (key == LIGHT_KEY_TIME)
+		return sun_time_read(text, &light->moment.seconds, error);
+	if (key == LIGHT_KEY_MODEL)
+		return set_model(light, text, error);
+	if (strlen(text) >= room)
+		return gw_fail(error, GW_ERROR_USAGE, "it is too long; %zu bytes are the most", room - 1);
+	memcpy(to, text, strlen(text) + 1);
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------- the whole light */
+
+static gw_status check_direction(const lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	unsigned any = given & (BIT(DIRECTION) | BIT(TARGET) | BIT(SKY) | BIT(PLACE));
+	const char *type = gw_light_type_name(light->light.type);
+	bool sun = light->light.type == GW_LIGHT_SUN;
+	const char *name = scene ? "direction" : "toward", *other = sun ? "'from'" : "'to'";
+	if (!any && (sun || !scene))
+		return gw_fail(error, GW_ERROR_USAGE, "a %s needs '%s' or %s%s", type, name, other,
+					   sun ? ", or 'place' and 'time'" : "");
+	if (!any)
+		return gw_fail(error, GW_ERROR_USAGE, "a %s needs '%s'", type, name);
+	if (any & (any - 1))
+		return gw_fail(error, GW_ERROR_USAGE, "a %s takes one of '%s'%s %s%s, not both", type, name,
+					   given & BIT(PLACE) ? "," : " and", other,
+					   given & BIT(PLACE) ? " and 'place'" : "");
+	if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "a spot cannot shine to the place where it is");
+	return GW_OK;
+}
+
+/* One key says how much light there is. */
+static gw_status check_amount(const lamp *light, unsigned given, gw_error *error)
+{
+	gw_light_type type = light->light.type;
+	const char *name = gw_light_type_name(type);
+	if (light->measure == LIGHT_KEY_COUNT && (type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
+		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
+					   name);
+	if (light->measure == LIGHT_KEY_COUNT && type == GW_LIGHT_SUN)
+		return gw_fail(error, GW_ERROR_USAGE, "a sun light needs 'irradiance' or 'illuminance'");
+	bool itself = given & BIT(MAP) || light->model == SKY_MODEL_PHYSICAL;
+	if (light->measure == LIGHT_KEY_COUNT && !itself)
+		return gw_fail(error, GW_ERROR_USAGE, "an environment light needs 'radiance'%s",
+					   light->model ? " or 'illuminance'" : ", 'illuminance', 'model' or 'map'");
+	if (light->kelvin > 0.0 && light->measure != LIGHT_KEY_COUNT && !light->white)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a colour and 'kelvin' do not go together; give one number");
+	return GW_OK;
+}
+
+static gw_status check_sky(const lamp *light, unsigned given, gw_error *error)
+{
+	if (given & BIT(MAP) && light->model)
+		return gw_fail(error, GW_ERROR_USAGE, "a sky has a 'map' or a 'model', not both");
+	if (given & BIT(ROTATION) && !(given & BIT(MAP)))
+		return gw_fail(error, GW_ERROR_USAGE, "only a 'map' can have a 'rotation'");
+	if (given & BIT(TURBIDITY) && light->model != SKY_MODEL_PHYSICAL)
+		return gw_fail(error, GW_ERROR_USAGE, "only a physical sky has a 'turbidity'");
+	if (!(given & BIT(HORIZON)) != (light->model != SKY_MODEL_GRADIENT))
+		return gw_fail(error, GW_ERROR_USAGE, "%s",
+					   light->model == SKY_MODEL_GRADIENT ? "a gradient needs 'horizon'"
+														  : "only a gradient has a 'horizon'");
+	if (light->model == SKY_MODEL_GRADIENT && light->measure == LIGHT_KEY_ILLUMINANCE)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a gradient needs 'radiance', which is that overhead, not 'illuminance'");
+	if (light->model == SKY_MODEL_PHYSICAL && light->measure == LIGHT_KEY_RADIANCE)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a physical sky has its own radiance; 'illuminance' scales it");
+	bool sun = given & (BIT(SKY) | BIT(PLACE));
+	if (sky_model_has_sun(light->model) && !sun)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "this sky needs the sun: 'from', or 'place' and 'time'");
+	if (!sky_model_has_sun(light->model) && sun)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "where the sun is matters to a clear, intermediate or physical sky alone");
+	if ((given & (BIT(SKY) | BIT(PLACE))) == (BIT(SKY) | BIT(PLACE)))
+		return gw_fail(error, GW_ERROR_USAGE, "a sky takes 'from' or 'place', not both");
+	return GW_OK;
+}
+
+/* Places the sun by place and time. */
+static gw_status place_sun(lamp *light, unsigned given, gw_error *error)
+{
+	if (!(given & BIT(PLACE)) != !(given & BIT(TIME)))
+		return gw_fail(error, GW_ERROR_USAGE, "'place' and 'time' go together; one is missing");
+	if (given & BIT(NORTH) && !(given & (BIT(SKY) | BIT(PLACE))))
+		return gw_fail(error, GW_ERROR_USAGE, "'north' says from where 'from' and 'place' count");
+	if (given & BIT(PLACE)) {
+		sun_position(&light->moment, &light->azimuth, &light->elevation);
+		light->from_sky = true;
+	}
+	if (light->from_sky && light->elevation <= 0.0 &&
+		(given & BIT(PLACE) || light->light.type == GW_LIGHT_ENVIRONMENT))
+		return gw_fail(error, GW_ERROR_USAGE, "the sun is %.1f degrees below the horizon%s",
+					   -light->elevation, given & BIT(PLACE) ? " there and then" : "");
+	return GW_OK;
+}
+
+/* What the physical sky has is luminance. */
+static gw_status settle_units(lamp *light, gw_error *error)
+{
+	if (light->model != SKY_MODEL_PHYSICAL)
+		return GW_OK;
+	if (light->units == LIGHT_UNITS_RADIOMETRIC)
+		return gw_fail(error, GW_ERROR_USAGE, "a physical sky is in cd/m^2");
+	light->units = LIGHT_UNITS_PHOTOMETRIC;
+	return GW_OK;
+}
+
+static gw_status check_angles(const gw_light *l, gw_error *error)
+{
+	if (l->type == GW_LIGHT_SPOT && l->outer_angle > 180.0f)
+		return gw_fail(error, GW_ERROR_USAGE, "the outer angle is %g degrees; 180 is all around",
+					   (double)l->outer_angle);
+	if (l->type == GW_LIGHT_SPOT && l->inner_angle > l->outer_angle)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the inner angle of %g degrees is larger than the outer one of %g",
+					   (double)l->inner_angle, (double)l->outer_angle);
+	if (l->type == GW_LIGHT_SUN && l->angle > 180.0f)
+		return gw_fail(error, GW_ERROR_USAGE, "a sun %g degrees wide is no sun; use an environment",
+					   (double)l->angle);
+	return GW_OK;
+}
+
+gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	gw_light_type type = light->light.type;
+	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
+		if (light_keys[k].needed & 1u << type && !(given & 1u << k))
+			return gw_fail(error, GW_ERROR_USAGE, "a %s light needs '%s'", gw_light_type_name(type),
+						   scene || !light_keys[k].word ? light_keys[k].name : light_keys[k].word);
+	GW_TRY(check_amount(light, given, error));
+	GW_TRY(check_angles(&light->light, error));
+	if (type == GW_LIGHT_ENVIRONMENT)
+		GW_TRY(check_sky(light, given, error));
+	if (type == GW_LIGHT_SPOT || type == GW_LIGHT_SUN)
+		GW_TRY(check_direction(light, given, scene, error));
+	GW_TRY(place_sun(light, given, error));
+	return settle_units(light, error);
+}
+
+gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_error *error)
+{
+	static const char *const name[] = { "", "watts", "lumens, candela or lux" };
+	size_t first = count;
+	for (size_t i = 0; i < count; i++) {
+		light_units own = lights[i].units;
+		if (own == LIGHT_UNITS_UNSAID)
+			continue;
+		if (*scene != LIGHT_UNITS_UNSAID && own != *scene && first == count)
+			return gw_fail(error, GW_ERROR_USAGE, "light %zu is in %s, but the scene is to be %s",
+						   i + 1, name[own],
+						   own == LIGHT_UNITS_PHOTOMETRIC ? "radiometric" : "photometric");
+		if (first < count && own != lights[first].units)
+			return gw_fail(
+				error, GW_ERROR_USAGE,
+				"light %zu is in %s, light %zu in %s; those of a scene have to be of one "
+				"kind, because how one converts to the other depends on the spectrum",
+				first + 1, name[lights[first].units], i + 1, name[own]);
+		first = i;
+		*scene = own;
+	}
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------- resolved */
+
+/* Solid angle of a light of even intensity with the same flux, sr: that of a spot is its inner cone
+ * and, as smoothstep in the cosine is one half on average, half of what lies around it. */
+static double solid_angle(const gw_light *l)
+{
+	if (l->type != GW_LIGHT_SPOT)
+		return 4.0 * PI;
+	double inner = cos((double)l->inner_angle * DEGREE),
+		   outer = cos((double)l->outer_angle * DEGREE);
+	return 2.0 * PI * (1.0 - 0.5 * (inner + outer));
+}
+
+/* The light's own colour: of a temperature, or white. */
+static void find_tint(const lamp *light, double tint[3])
+{
+	tint[0] = tint[1] = tint[2] = 1.0;
+	if (light->kelvin > 0.0)
+		kelvin_color(light->kelvin, tint);
+}
+
+static void put_color(const lamp *light, double share, float color[3])
+{
+	double tint[3];
+	find_tint(light, tint);
+	for (int k = 0; k < 3; k++)
+		color[k] = (float)(light->amount[k] * tint[k] * share);
+}
+
+static void resolve_amount(lamp *light)
+{
+	gw_light *l = &light->light;
+	light_key_id measure = light->measure;
+	if (measure == LIGHT_KEY_COUNT)
+		return;
+	if (measure == LIGHT_KEY_INTENSITY)
+		put_color(light, 1.0, l->intensity);
+	else if (measure == LIGHT_KEY_LUMENS || measure == LIGHT_KEY_WATTS)
+		put_color(light, 1.0 / solid_angle(l), l->intensity);
+	else if (l->type == GW_LIGHT_SUN)
+		put_color(light, 1.0, l->irradiance);
+	else if (measure == LIGHT_KEY_RADIANCE)
+		put_color(light, 1.0, l->radiance);
+	else if (measure == LIGHT_KEY_ILLUMINANCE) /* of an even sky; of a map see light_scale_map */
+		put_color(light, 1.0 / PI, l->radiance);
+}
+
+void light_color(const lamp *light, float color[3])
+{
+	put_color(light, 1.0, color);
+}
+
+void light_resolve(lamp *light, char up)
+{
+	gw_light *l = &light->light;
+	l->map_y_up = up == 'y';
+	resolve_amount(light);
+	if (light->aimed)
+		for (int k = 0; k < 3; k++)
+			l->direction[k] = light->target[k] - l->position[k];
+	if (!light->from_sky)
+		return;
+	double a = (light->azimuth + light->north) * DEGREE, e = light->elevation * DEGREE;
+	double east = sin(a) * cos(e), north = cos(a) * cos(e), height = sin(e);
+	double axis[3][3];
+	gw_camera_stand(up, axis[0], axis[1], axis[2]);
+	/* From 0, so that no -0 comes out. */
+	for (int k = 0; k < 3; k++)
+		l->direction[k] = 0.0 - (east * axis[0][k] + north * axis[1][k] + height * axis[2][k]);
+}
+
+gw_status light_scale_map(lamp *light, const panorama *map, gw_error *error)
+{
+	if (light->measure != LIGHT_KEY_ILLUMINANCE)
+		return GW_OK;
+	double level = sky_map_illuminance(map);
+	if (!(level > 0.0 && isfinite(level)))
+		return gw_fail(
+			error, GW_ERROR_DATA,
+			"the map is black above its horizon, or has no finite brightness, and cannot "
+			"give an illuminance; give 'radiance'");
+	put_color(light, 1.0 / level, light->light.radiance);
+	return GW_OK;
+}
+
+gw_status light_sky(lamp *light, panorama *map, gw_error *error)
+{
+	double tint[3];
+	sky_description sky = { .model = light->model,
+							.azimuth = light->azimuth + light->north,
+							.elevation = light->elevation,
+							.turbidity = light->turbidity };
+	find_tint(light, tint);
+	memcpy(sky.horizon, light->horizon, sizeof sky.horizon);
+	memcpy(sky.zenith, light->light.radiance, sizeof sky.zenith);
+	GW_TRY(sky_model_map(&sky, map, error));
+	light->light.rotation = 0.0f;
+	if (light->model == SKY_MODEL_GRADIENT)
+		for (int k = 0; k < 3; k++)
+			light->light.radiance[k] = 1.0f;
+	else if (light->measure == LIGHT_KEY_COUNT)
+		for (int k = 0; k < 3; k++)
+			light->light.radiance[k] = (float)tint[k];
+	return light_scale_map(light, map, error);
+}

@@ -1,0 +1,158 @@
+/*
+ * light_text.h - lights as the user writes them: what words there are, and lights from text.
+ *
+ * A light is its type and pairs of key and value. The same keys are the scene file's, so both take
+ * their names, and which light has which, from one table here.
+ */
+#ifndef LIGHT_TEXT_H
+#define LIGHT_TEXT_H
+
+#include "lamps/light_unit.h"
+#include "lamps/sky_model.h"
+#include "lamps/sun_position.h"
+
+#define LIGHT_MAP_PATH 1024
+
+/* What stands behind a key. */
+typedef enum light_value {
+	LIGHT_VALUE_VECTOR, /* three numbers */
+	LIGHT_VALUE_COLOR,  /* one number, or three; 0 or more */
+	LIGHT_VALUE_SKY,    /* azimuth and elevation */
+	LIGHT_VALUE_PLACE,  /* latitude and longitude */
+	LIGHT_VALUE_NUMBER, /* 0 or more */
+	LIGHT_VALUE_ANGLE,  /* of either sign */
+	LIGHT_VALUE_NAME,
+	LIGHT_VALUE_PATH,
+	LIGHT_VALUE_TIME,
+	LIGHT_VALUE_MODEL, /* the name of a sky_model */
+} light_value;
+
+typedef enum light_key_id {
+	LIGHT_KEY_POSITION,
+	LIGHT_KEY_TARGET,
+	LIGHT_KEY_DIRECTION,
+	LIGHT_KEY_SKY,
+	LIGHT_KEY_PLACE,
+	LIGHT_KEY_TIME,
+	LIGHT_KEY_NORTH,
+	LIGHT_KEY_INTENSITY,
+	LIGHT_KEY_LUMENS,
+	LIGHT_KEY_WATTS,
+	LIGHT_KEY_IRRADIANCE,
+	LIGHT_KEY_RADIANCE,
+	LIGHT_KEY_ILLUMINANCE,
+	LIGHT_KEY_KELVIN,
+	LIGHT_KEY_MODEL,
+	LIGHT_KEY_TURBIDITY,
+	LIGHT_KEY_HORIZON,
+	LIGHT_KEY_MAP,
+	LIGHT_KEY_ROTATION,
+	LIGHT_KEY_INNER,
+	LIGHT_KEY_OUTER,
+	LIGHT_KEY_RADIUS,
+	LIGHT_KEY_ANGLE,
+	LIGHT_KEY_NAME,
+	LIGHT_KEY_COUNT
+} light_key_id;
+
+/* A light, with what can only be worked out when all its keys are known, and which way is up. */
+typedef struct lamp {
+	gw_light light;
+	light_key_id measure; /* the key that says how much light; LIGHT_KEY_COUNT: none did */
+	double amount[3];     /* what it says, linear RGB */
+	bool white;           /* it was one number */
+	light_units units;
+	double kelvin; /* colour temperature; 0: none */
+
+	bool from_sky;    /* its direction comes from azimuth and elevation */
+	double azimuth;   /* degrees clockwise from north, of the sun */
+	double elevation; /* degrees above the horizon */
+	double north;     /* degrees clockwise from +y in which north lies */
+	sun_moment moment;
+	bool aimed; /* its direction leads from its position to the target */
+	double target[3];
+
+	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
+	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */
+	sky_model model;          /* in place of a map */
+	double turbidity;
+	float horizon[3];
+} lamp;
+
+typedef struct light_key {
+	const char *word; /* on the command line; NULL: only the scene file's name */
+	const char *name; /* in the scene file; NULL: only on the command line */
+	light_value value;
+	unsigned types;  /* 1 << gw_light_type for each that has it */
+	unsigned needed; /* those that cannot do without it */
+	const char *help;
+} light_key;
+
+extern const light_key light_keys[LIGHT_KEY_COUNT];
+
+/* The type called `word` ("sky" is an environment); GW_LIGHT_TYPE_COUNT when there is none. */
+gw_light_type light_type_by_name(const char *word);
+
+/* Writes the names of the types, for messages. */
+void light_list_types(char *text, size_t size);
+
+/* A light of that type with the values that its keys have when they are not given: outer angle 45
+ * degrees, a sun of 0.53 degrees, an environment of radiance 1 (if it has a map), turbidity 3. */
+lamp light_default(gw_light_type type);
+
+/* What the unit of a key's number can be; LIGHT_QUANTITY_COUNT: it has none. */
+light_quantity light_key_quantity(light_key_id key);
+
+/* What a value looks like, for messages: "three numbers X,Y,Z". */
+const char *light_value_expected(light_value value);
+
+/* Whether keyframes may hold the key: numbers that do not depend on others. */
+bool light_key_moves(light_key_id key);
+
+/*
+ * Sets one key. values: 1 to 3 numbers as the key wants; a COLOR of one number is white.
+ * GW_ERROR_USAGE with a phrase ("must be 0 or more") when they are out of range.
+ */
+gw_status light_set(lamp *light, light_key_id key, const double *values, size_t count,
+					gw_error *error);
+
+/* The same for a NAME, a PATH, a TIME or a MODEL. */
+gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error);
+
+/* The same for numbers with commas between them, a unit behind them: "40cd", "1,0.8,0.5". */
+gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error);
+
+/*
+ * When all keys are set: works out where the sun is. given: 1 << light_key_id for each that was
+ * set; scene: whose names the message uses. GW_ERROR_USAGE when a needed key is missing or two do
+ * not go together.
+ */
+gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error);
+
+/* GW_ERROR_USAGE when some lights have photometric units, others radiometric ones, or others than
+ * the scene, whose units become theirs. */
+gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_error *error);
+
+/* Reads the text of one --light. Failures name the word and where it stands. */
+gw_status light_from_text(const char *text, lamp *light, gw_error *error);
+
+/*
+ * Works out direction and colour of the light: gw_light of a lamp whose keys are all set. It may be
+ * called again when one of them changes.
+ *   up  as gw_camera_up has it; +y, from which azimuths count, is the back of gw_camera_stand: with
+ *       y up it is -z
+ */
+void light_resolve(lamp *light, char up);
+
+/* What a light's key says is how much it gives, in the light's colour, linear RGB. */
+void light_color(const lamp *light, float color[3]);
+
+/* The map of a light that has a model, and what it is multiplied by, gw_light.radiance; call after
+ * light_resolve. map: on success the caller's. GW_ERROR_MEMORY. */
+gw_status light_sky(lamp *light, panorama *map, gw_error *error);
+
+/* The same for a map that was read from a file; GW_ERROR_DATA when it is to give an illuminance and
+ * is black above the horizon. */
+gw_status light_scale_map(lamp *light, const panorama *map, gw_error *error);
+
+#endif

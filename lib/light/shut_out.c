@@ -1,0 +1,122 @@
+/*
+ * shut_out.c - see shut_out.h.
+ */
+#include "light/shut_out.h"
+
+#include "base/memory.h"
+#include "octree/compartments.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Is a light on the side that the normal turns its back to? */
+static bool shines_on_back(const gw_light_push *light, const float *place, const float *normal)
+{
+	const float sun[3] = { -light->direction.x, -light->direction.y, -light->direction.z };
+	const float lamp[3] = { light->position.x - place[0], light->position.y - place[1],
+							light->position.z - place[2] };
+	const float *to = light->type == GW_PUSH_SUN ? sun : lamp;
+	return to[0] * normal[0] + to[1] * normal[1] + to[2] * normal[2] < 0.0f;
+}
+
+static uint32_t compartment_of(const gw_octree *octree, const gw_light_push *light)
+{
+	const float place[3] = { light->position.x, light->position.y, light->position.z };
+	return light->type == GW_PUSH_SUN ? gw_compartment_outside(octree)
+									  : gw_compartment_at(octree, place);
+}
+
+/* Leaves out normals of surfels that look into another compartment than the light's. Those that the
+ * light does not shine on anyway may keep theirs. */
+static size_t leave_out(const gw_lit_cloud *cloud, const gw_light_push *light, const float *place,
+						float *normal)
+{
+	uint32_t from = compartment_of(cloud->octree, light);
+	size_t left_out = 0;
+	for (size_t i = 0; i < cloud->surfels->count && from != GW_COMPARTMENT_UNKNOWN; i++) {
+		bool back = shines_on_back(light, place + 4 * i, normal + 4 * i);
+		uint32_t to = gw_compartment_of_surfel(cloud->octree, i, back);
+		if (to == GW_COMPARTMENT_UNKNOWN || to == from)
+			continue;
+		memset(normal + 4 * i, 0, 3 * sizeof *normal);
+		left_out++;
+	}
+	return left_out;
+}
+
+static gw_status leave_out_normals(const gw_lit_cloud *cloud, const gw_light_push *light,
+								   float *normal, gw_buffer *shut, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	uint64_t bytes = 16 * (uint64_t)cloud->surfels->count;
+	gw_view place = { 0 };
+	GW_TRY(gw_view_open(gpu, &cloud->octree->surfel_position, bytes, &place, error));
+	size_t left_out = leave_out(cloud, light, place.bytes, normal);
+	gw_view_close(&place);
+	if (left_out == 0)
+		return GW_OK;
+	GW_TRY(
+		gw_buffer_create(gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "normals that a light reaches" },
+						 shut, error));
+	gw_status status = gw_buffer_upload(gpu, shut, 0, normal, bytes, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(gpu, shut);
+	return status;
+}
+
+gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *light,
+							const gw_buffer *normal, gw_buffer *shut, gw_error *error)
+{
+	if (!gw_compartments_several(cloud->octree))
+		return GW_OK;
+	float *own = gw_allocate_array(cloud->surfels->count, 4 * sizeof *own);
+	if (own == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
+					   cloud->surfels->count);
+	gw_status status = gw_buffer_download(cloud->passes->gpu, normal, 0, own,
+										  16 * (uint64_t)cloud->surfels->count, error);
+	if (status == GW_OK)
+		status = leave_out_normals(cloud, light, own, shut, error);
+	free(own);
+	return status;
+}
+
+static gw_status mark(const gw_record_context *on, const float *place, const float *normal,
+					  uint32_t *label, gw_buffer *marks, gw_error *error)
+{
+	uint32_t count = on->records->count, outside = gw_compartment_outside(on->octree);
+	GW_TRY(
+		gw_compartments_of_places(on->passes->gpu, on->octree, place, normal, count, label, error));
+	float *mark = gw_allocate_zeros(count, 4 * sizeof *mark);
+	if (mark == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for marks of %u records", count);
+	for (size_t i = 0; i < count; i++)
+		mark[4 * i + 3] = label[i] != outside && label[i] != GW_COMPARTMENT_UNKNOWN ? 1.0f : 0.0f;
+	gw_status status =
+		gw_buffer_upload(on->passes->gpu, marks, 0, mark, 16 * (uint64_t)count, error);
+	free(mark);
+	return status;
+}
+
+gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	uint64_t bytes = 16 * (uint64_t)on->records->count;
+	gw_view place = { 0 }, normal = { 0 };
+	if (!gw_compartments_several(on->octree))
+		return GW_OK;
+	uint32_t *label = gw_allocate_array(on->records->count, sizeof *label);
+	if (label == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", on->records->count);
+	gw_status status = gw_view_open(gpu, &on->records->position, bytes, &place, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &on->records->normal, bytes, &normal, error);
+	if (status == GW_OK)
+		status = mark(on, place.bytes, normal.bytes, label, marks, error);
+	gw_view_close(&normal);
+	gw_view_close(&place);
+	free(label);
+	return status;
+}

@@ -1,0 +1,28 @@
+/*
+ * shut_out.h - what no light can reach, because rock lies all around it: by the compartments of
+ * empty space (octree/compartments.h). Rays find the way through it at times.
+ *
+ * Both do nothing where the octree has one compartment, or was not asked.
+ */
+#ifndef SHUT_OUT_H
+#define SHUT_OUT_H
+
+#include "light/records.h"
+#include "light/shadow_map.h"
+
+/*
+ * Normals of surfels, as passes of lamps take them, but none for those that a light is shut out
+ * from: then it shines on them at no angle.
+ *   normal   4 floats a surfel
+ *   shut     an empty buffer; stays so where there is nothing to leave out; the caller's on success
+ */
+gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *light,
+							const gw_buffer *normal, gw_buffer *shut, gw_error *error);
+
+/*
+ * Marks records that the sky is shut out from.
+ *   marks   4 floats a record: the last receives 1 for such
+ */
+gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error);
+
+#endif

@@ -1,0 +1,159 @@
+/*
+ * compartment_discs.c - walls of surface that is sparser than leaves are wide; see compartments.h.
+ *
+ * There voids are many leaves across, and discs that are too large for leaves have no cells at all.
+ * So each such disc makes walls of cells about as wide as itself, and a little beyond its rim.
+ * Where finer surface has divided these, smaller ones; empty space is divided as far as it takes.
+ */
+#include "octree/compartments_steps.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Radii by which a disc reaches beyond its rim and its cuts. */
+#define BEYOND 0.15f
+
+typedef struct disc {
+	const float *place, *normal; /* leaf cells */
+	float radius;
+	float tangent[3], bitangent[3];
+	float cut[2][3]; /* direction and distance, leaf cells */
+	uint32_t level;  /* of its cells */
+} disc;
+
+typedef struct walls {
+	gw_compartments *c;
+	size_t room; /* tiles for which there is memory */
+	bool failed;
+} walls;
+
+static float dot(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static disc disc_of(const float *place, const float *normal, const float *size, const float *clip,
+					uint32_t depth)
+{
+	disc d = { .place = place,
+			   .normal = normal,
+			   .radius = size[0],
+			   .cut = { { size[2], size[3], clip[0] }, { clip[1], clip[2], clip[3] } } };
+	int up = (int)floorf(log2f(fminf(d.radius, 1e6f)));
+	d.level = (uint32_t)up < depth ? depth - (uint32_t)up : 1;
+	gw_tangent_frame(normal, d.tangent, d.bitangent);
+	return d;
+}
+
+/* Does a disc pass a cube, given its middle and half its width? */
+static bool passes(const disc *d, const float middle[3], float half)
+{
+	const float off[3] = { middle[0] - d->place[0], middle[1] - d->place[1],
+						   middle[2] - d->place[2] };
+	const float *n = d->normal;
+	float diagonal = 1.7320508f * half, beyond = BEYOND * d->radius + diagonal;
+	float reach = d->radius + beyond;
+	if (dot(off, off) > reach * reach ||
+		fabsf(dot(off, n)) > half * (fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2])))
+		return false;
+	float u = dot(off, d->tangent), v = dot(off, d->bitangent);
+	for (int i = 0; i < 2; i++)
+		if (d->cut[i][0] * u + d->cut[i][1] * v - d->cut[i][2] > beyond)
+			return false;
+	return true;
+}
+
+/* A tile without anything below a node. */
+static bool divide(walls *w, uint32_t node)
+{
+	gw_compartments *c = w->c;
+	size_t tiles = c->first / 8;
+	if (tiles == w->room) {
+		size_t room = w->room + w->room / 2 + 64;
+		uint32_t *child =
+			room < UINT32_MAX / 16 ? gw_resize_array(c->child, 8 * room, sizeof *child) : NULL;
+		w->failed = child == NULL;
+		if (w->failed)
+			return false;
+		c->child = child;
+		w->room = room;
+	}
+	memset(c->child + c->first, 0, 8 * sizeof *c->child);
+	c->first += 8;
+	c->child[node] = (uint32_t)tiles + 1;
+	return true;
+}
+
+static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
+					   const float corner[3]);
+
+/* A node that a disc passes: a wall where it is no wider than the disc's cells, else some of what
+ * is below it. */
+static void wall_at(walls *w, const disc *d, uint32_t level, uint32_t node, const float corner[3])
+{
+	uint32_t to = w->c->child[node];
+	if (to == GW_WALL)
+		return;
+	if (to == 0 && level >= d->level) {
+		w->c->child[node] = GW_WALL;
+		return;
+	}
+	if (to == 0 && !divide(w, node))
+		return;
+	wall_below(w, d, level, w->c->child[node] - 1, corner);
+}
+
+/* The children of a node of a level, whose corner is given. */
+static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
+					   const float corner[3])
+{
+	float width = (float)(1u << (w->c->depth - level - 1));
+	for (uint32_t octant = 0; octant < 8 && !w->failed; octant++) {
+		float low[3], middle[3];
+		for (int k = 0; k < 3; k++) {
+			low[k] = corner[k] + (octant >> k & 1u ? width : 0.0f);
+			middle[k] = low[k] + 0.5f * width;
+		}
+		if (!passes(d, middle, 0.5f * width))
+			continue;
+		if (level + 1 < w->c->depth)
+			wall_at(w, d, level + 1, 8 * tile + octant, low);
+		else
+			w->c->leaves[tile] |= (uint8_t)(1u << octant);
+	}
+}
+
+static void wall_all(walls *w, const gw_view *view, size_t surfels)
+{
+	const float *place = view[0].bytes, *normal = view[1].bytes, *size = view[2].bytes,
+				*clip = view[3].bytes;
+	const float origin[3] = { 0.0f, 0.0f, 0.0f };
+	for (size_t i = 0; i < surfels && !w->failed; i++) {
+		if (size[4 * i] < GW_SPARSE_RADIUS)
+			continue;
+		disc d = disc_of(place + 4 * i, normal + 4 * i, size + 4 * i, clip + 4 * i, w->c->depth);
+		wall_below(w, &d, 0, 0, origin);
+	}
+}
+
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+									 gw_compartments *c, gw_error *error)
+{
+	const gw_buffer *const buffer[4] = { &octree->surfel_position, &octree->surfel_normal,
+										 &octree->surfel_disc, &octree->surfel_clip };
+	gw_view view[4] = { 0 };
+	gw_status status = GW_OK;
+	for (int i = 0; i < 4 && status == GW_OK; i++)
+		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels, &view[i], error);
+	walls w = { c, c->first / 8, false };
+	if (status == GW_OK)
+		wall_all(&w, view, surfels);
+	for (int i = 0; i < 4; i++)
+		gw_view_close(&view[i]);
+	return w.failed
+			   ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels", surfels)
+			   : status;
+}

@@ -1,0 +1,367 @@
+/*
+ * compartment_sides.c - which compartments surfels look into; see compartments.h.
+ *
+ * First each surfel by itself: a step along its normal, out of the cells of its own surface, that
+ * goes behind no other surface on the way. In creases such steps find nothing, and noise puts
+ * single surfels behind their own wall; so then all surfels decide together with those beside them
+ * that face about the same way. What is still not known learns it from what lies in front of it.
+ */
+#include "octree/compartments_steps.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Leaf cells: how far the step goes at most, and how finely. Surface is up to three cells thick
+ * where it lies askew. */
+#define STEP_MOST 3.0f
+#define STEP 0.5f
+#define STEPS 6
+
+/* Surfels that have to look into a compartment before it counts as one: noise leaves bubbles amid
+ * surface, that few look into. */
+#define LOOKING_LEAST 64u
+
+/* Cosine between normals of surfels that decide together. */
+#define ALIKE 0.5f
+
+/* Leaf cells: how far noise may put one of two surfels behind the other that it sees. */
+#define BEHIND_MOST 0.25f
+
+/* How often surfels ask others; in all but the first only those that are not known yet. */
+#define ROUNDS 5
+
+#define CHUNK 4096u
+#define LABELS 6u /* of which one is chosen */
+
+/* Whom places ask: surfels of their cell that face like them; and for those that are not known
+ * then, of the cells around as well those that they see, or all, if these are of one opinion. */
+enum asking { THOSE_ALIKE, THOSE_IN_SIGHT, ALL_NEAR };
+
+typedef struct sight {
+	gw_compartments *c;
+	const float *position, *normal, *size; /* 4 a surfel */
+	const float *plane;                    /* 4 a facet */
+	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
+	const uint32_t *known; /* 2 a surfel */
+	uint32_t *to;          /* likewise */
+	enum asking asking;
+} sight;
+
+typedef struct views {
+	gw_view position, normal, size, plane, leaf_tile, leaf_fragment, fragment_surfel;
+} views;
+
+static float dot(const float a[3], const float b[3])
+{
+	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The leaf of a cell, or none. */
+static uint32_t leaf_of(const sight *s, const int32_t cell[3])
+{
+	for (int k = 0; k < 3; k++)
+		if (cell[k] < 0 || cell[k] >= 1 << s->c->depth)
+			return GW_WALL;
+	uint32_t tile = gw_compartment_leaf_tile(s->c, cell);
+	uint32_t octant = (uint32_t)((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2);
+	uint32_t there = tile == 0 ? 0 : s->leaf_tile[2 * (tile - 1) + 1];
+	if ((there >> octant & 1u) == 0)
+		return GW_WALL;
+	uint32_t before = there & ((1u << octant) - 1u);
+	return s->leaf_tile[2 * (tile - 1)] + (uint32_t)__builtin_popcount(before);
+}
+
+static void cell_of(const float place[3], int32_t cell[3])
+{
+	for (int k = 0; k < 3; k++)
+		cell[k] = (int32_t)floorf(place[k]);
+}
+
+/* Does a place lie behind surface in a cell, other than that which faces along a normal? */
+static bool is_behind(const sight *s, const int32_t cell[3], const float normal[3],
+					  const float place[3])
+{
+	uint32_t leaf = leaf_of(s, cell);
+	if (leaf == GW_WALL)
+		return false;
+	for (uint32_t slot = 2 * leaf; slot < 2 * leaf + 2; slot++) {
+		const float *plane = s->plane + 4 * (size_t)slot;
+		float off[3];
+		for (int k = 0; k < 3; k++)
+			off[k] = place[k] - (float)cell[k] - 0.5f;
+		if (dot(plane, plane) > 0.5f && dot(plane, normal) < 0.7f && dot(plane, off) < plane[3])
+			return true;
+	}
+	return false;
+}
+
+static void step_along(const float from[3], const float way[3], float t, float to[3])
+{
+	for (int k = 0; k < 3; k++)
+		to[k] = from[k] + t * way[k];
+}
+
+/* The first empty cell along a normal. */
+static uint32_t look_along(const sight *s, const float from[3], const float normal[3], float step)
+{
+	for (int i = 0; i <= STEPS; i++) {
+		float place[3], passed[3];
+		int32_t cell[3];
+		step_along(from, normal, step * (float)i, place);
+		cell_of(place, cell);
+		uint32_t label = gw_compartment_of_cell(s->c, cell);
+		if (label == GW_COMPARTMENT_UNKNOWN)
+			continue;
+		for (int j = 0; j < i; j++) {
+			step_along(from, normal, step * (float)j, passed);
+			cell_of(passed, cell);
+			if (is_behind(s, cell, normal, place))
+				return GW_COMPARTMENT_UNKNOWN;
+		}
+		return label;
+	}
+	return GW_COMPARTMENT_UNKNOWN;
+}
+
+/* The same for surfels, but for what is known; steps are as wide as the cells of their walls. */
+static void look_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sight *s = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		const float *n = s->normal + 4 * i, back[3] = { -n[0], -n[1], -n[2] };
+		float radius = s->size[4 * i];
+		float step = STEP * (radius < GW_SPARSE_RADIUS ? 1.0f : exp2f(floorf(log2f(radius))));
+		if (s->to[2 * i] == GW_COMPARTMENT_UNKNOWN)
+			s->to[2 * i] = look_along(s, s->position + 4 * i, n, step);
+		if (s->to[2 * i + 1] == GW_COMPARTMENT_UNKNOWN)
+			s->to[2 * i + 1] = look_along(s, s->position + 4 * i, back, step);
+	}
+}
+
+/* Votes for compartments. */
+typedef struct votes {
+	uint32_t label[LABELS], count[LABELS], used;
+} votes;
+
+static void vote(votes *v, uint32_t label)
+{
+	uint32_t i = 0;
+	if (label == GW_COMPARTMENT_UNKNOWN)
+		return;
+	while (i < v->used && v->label[i] != label)
+		i++;
+	if (i == LABELS)
+		return;
+	if (i == v->used)
+		v->label[v->used++] = label;
+	v->count[i]++;
+}
+
+static uint32_t winner(const votes *v)
+{
+	uint32_t best = GW_COMPARTMENT_UNKNOWN, most = 0;
+	for (uint32_t i = 0; i < v->used; i++) {
+		if (v->count[i] > most || (v->count[i] == most && v->label[i] < best)) {
+			best = v->label[i];
+			most = v->count[i];
+		}
+	}
+	return best;
+}
+
+/* Do two places on surface see each other's front, or belong to the same sheet? */
+static bool see_each_other(const float p[3], const float n[3], const float q[3], const float m[3])
+{
+	const float way[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
+	return dot(n, m) > -ALIKE && dot(way, n) > -BEHIND_MOST && dot(way, m) < BEHIND_MOST;
+}
+
+/* Adds what the surfels of a cell say of a place. */
+static void ask_cell(const sight *s, const int32_t cell[3], const float place[3],
+					 const float normal[3], int side, votes *v)
+{
+	uint32_t leaf = leaf_of(s, cell);
+	if (leaf == GW_WALL)
+		return;
+	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
+		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
+		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
+		bool asked = s->asking == THOSE_ALIKE ? dot(normal, m) > ALIKE
+					 : s->asking == THOSE_IN_SIGHT
+						 ? side == 0 && see_each_other(place, normal, q, m)
+						 : side == 0;
+		if (asked)
+			vote(v, s->known[2 * (size_t)j + (size_t)side]);
+	}
+}
+
+/* What the surfels in the cell of a place say of it, or in the cells around that as well. */
+static uint32_t ask_around(const sight *s, const float place[3], const float normal[3], int side)
+{
+	votes v = { { 0 }, { 0 }, 0 };
+	int32_t cell[3];
+	cell_of(place, cell);
+	if (s->asking == THOSE_ALIKE)
+		ask_cell(s, cell, place, normal, side, &v);
+	for (int32_t i = 0; i < 27 && s->asking != THOSE_ALIKE; i++) {
+		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
+								  cell[2] + i / 9 - 1 };
+		ask_cell(s, near, place, normal, side, &v);
+	}
+	return s->asking == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
+}
+
+static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sight *s = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		for (int side = 0; side < 2; side++) {
+			uint32_t own = s->known[2 * i + (size_t)side];
+			bool ask = s->asking == THOSE_ALIKE || own == GW_COMPARTMENT_UNKNOWN;
+			s->to[2 * i + (size_t)side] =
+				ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
+		}
+	}
+}
+
+/* Forgets bubbles: compartments that few look into, but for what lies around the scene. */
+static void forget_bubbles(gw_compartments *c, const uint32_t *looking, uint32_t *sides,
+						   size_t surfels)
+{
+	uint32_t outside = c->label[c->cells];
+	for (size_t i = 0; i < 2 * surfels; i++)
+		if (sides[i] != GW_COMPARTMENT_UNKNOWN && sides[i] != outside &&
+			looking[sides[i]] < LOOKING_LEAST)
+			sides[i] = GW_COMPARTMENT_UNKNOWN;
+	for (uint32_t i = 0; i < c->cells; i++)
+		if (c->label[i] != outside && looking[c->label[i]] > 0 &&
+			looking[c->label[i]] < LOOKING_LEAST)
+			c->label[i] = GW_COMPARTMENT_UNKNOWN;
+}
+
+/* How many compartments enough fronts look into, with what lies around the scene. */
+static gw_status count_those_that_matter(gw_compartments *c, uint32_t *sides, size_t surfels,
+										 uint32_t *several, gw_error *error)
+{
+	uint32_t *looking = gw_allocate_zeros((size_t)c->cells + 1, sizeof *looking);
+	*several = 1;
+	if (looking == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u compartments", c->cells);
+	for (size_t i = 0; i < surfels; i++)
+		if (sides[2 * i] != GW_COMPARTMENT_UNKNOWN && sides[2 * i] != c->label[c->cells])
+			*several += ++looking[sides[2 * i]] == LOOKING_LEAST;
+	if (*several > 1)
+		forget_bubbles(c, looking, sides, surfels);
+	free(looking);
+	return GW_OK;
+}
+
+/* All of it with what the octree holds at hand. `sides` and `other` take turns. */
+static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other,
+					  uint32_t *several, gw_error *error)
+{
+	memset(sides, 0xff, 2 * surfels * sizeof *sides);
+	s->to = sides;
+	gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+	GW_TRY(count_those_that_matter(s->c, sides, surfels, several, error));
+	if (*several > 1) /* Through the bubbles. */
+		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+	for (int round = 0; round<ROUNDS && * several> 1; round++) {
+		s->known = sides;
+		s->to = other;
+		s->asking = round == 0 ? THOSE_ALIKE : round < ROUNDS - 1 ? THOSE_IN_SIGHT : ALL_NEAR;
+		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
+		memcpy(sides, other, 2 * surfels * sizeof *sides);
+	}
+	return GW_OK;
+}
+
+static gw_status open_views(gw_gpu *gpu, const gw_octree *o, views *v, gw_error *error)
+{
+	const struct {
+		const gw_buffer *buffer;
+		uint64_t bytes;
+		gw_view *view;
+	} rows[] = {
+		{ &o->surfel_position, o->surfel_position.bytes, &v->position },
+		{ &o->surfel_normal, o->surfel_normal.bytes, &v->normal },
+		{ &o->surfel_disc, o->surfel_disc.bytes, &v->size },
+		{ &o->facet_plane, 32 * (uint64_t)o->leaf_count, &v->plane },
+		{ &o->leaf_tile, 8 * (uint64_t)o->leaf_tile_count, &v->leaf_tile },
+		{ &o->leaf_fragment, 4 * ((uint64_t)o->leaf_count + 1), &v->leaf_fragment },
+		{ &o->fragment_surfel, 4 * (uint64_t)o->fragment_count, &v->fragment_surfel },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		GW_TRY(gw_view_open(gpu, rows[i].buffer, rows[i].bytes, rows[i].view, error));
+	return GW_OK;
+}
+
+static void close_views(views *v)
+{
+	gw_view *const all[] = { &v->position,  &v->normal,        &v->size,           &v->plane,
+							 &v->leaf_tile, &v->leaf_fragment, &v->fragment_surfel };
+	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+		gw_view_close(all[i]);
+}
+
+static sight sight_of(gw_compartments *c, const views *v)
+{
+	return (sight){ .c = c,
+					.position = v->position.bytes,
+					.normal = v->normal.bytes,
+					.size = v->size.bytes,
+					.plane = v->plane.bytes,
+					.leaf_tile = v->leaf_tile.bytes,
+					.leaf_fragment = v->leaf_fragment.bytes,
+					.fragment_surfel = v->fragment_surfel.bytes };
+}
+
+gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+									 uint32_t threads, gw_compartments *c, gw_error *error)
+{
+	views v = { 0 };
+	uint32_t several = 0, *other = gw_allocate_array(surfels, 2 * sizeof *other);
+	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
+	gw_status status = other && c->sides
+						   ? open_views(gpu, octree, &v, error)
+						   : gw_fail(error, GW_ERROR_MEMORY,
+									 "no host memory for the sides of %zu surfels", surfels);
+	if (status == GW_OK) {
+		sight s = sight_of(c, &v);
+		status = find(&s, surfels, threads, c->sides, other, &several, error);
+	}
+	close_views(&v);
+	free(other);
+	if (status != GW_OK || several < 2) {
+		free(c->sides);
+		c->sides = NULL;
+	}
+	return status;
+}
+
+gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const float *place,
+									const float *normal, size_t count, uint32_t *label,
+									gw_error *error)
+{
+	views v = { 0 };
+	gw_status status = open_views(gpu, octree, &v, error);
+	if (status == GW_OK) {
+		sight s = sight_of(octree->compartments, &v);
+		s.known = octree->compartments->sides;
+		for (size_t i = 0; i < count; i++) {
+			label[i] = GW_COMPARTMENT_UNKNOWN;
+			for (int a = 0; a < 3 && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
+				s.asking = (enum asking)a;
+				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
+			}
+		}
+	}
+	close_views(&v);
+	return status;
+}

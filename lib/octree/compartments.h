@@ -1,0 +1,54 @@
+/*
+ * compartments.h - the empty space of an octree in compartments that surface keeps apart: a cave
+ * and the sky above it, the rooms of a house whose doors are shut.
+ *
+ * Rays are held against planes and discs, and between those of random points some slip through. No
+ * test of a single ray tells a gap between discs from a window; but all empty cells that touch each
+ * other by their faces do. What starts in one compartment and ends in another one has gone through
+ * rock, whatever the ray said. A hole wider than about two cells joins what lies on both sides of
+ * it, so that windows stay open, and a scan with holes all over is one compartment.
+ *
+ * Everything here is found on the host from whole numbers, or from each surfel by itself, so that
+ * it is the same on every device and for any number of threads.
+ */
+#ifndef COMPARTMENTS_H
+#define COMPARTMENTS_H
+
+#include "octree/octree.h"
+
+/* A compartment that is not known: of a place in a wall, or amid surface. */
+#define GW_COMPARTMENT_UNKNOWN 0xffffffffu
+
+typedef struct gw_compartments gw_compartments;
+
+/*
+ * Finds the compartments, and which of them each surfel's front and back look into; does nothing
+ * where that is known. Where all look into the same one, nothing is kept but that.
+ *   octree    of these surfels; receives them as octree->compartments
+ *   threads   0: one a processor
+ */
+gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+							   gw_octree *octree, gw_error *error);
+void gw_compartments_destroy(gw_compartments **compartments); /* sets it to NULL; accepts NULL */
+
+/* Is there more than one, so that it is worth asking? An octree that was not asked has one. */
+bool gw_compartments_several(const gw_octree *octree);
+
+/* The compartment of all that lies around the scene: the sky's and the sun's. There are several. */
+uint32_t gw_compartment_outside(const gw_octree *octree);
+
+/* That of a place. There are several. */
+uint32_t gw_compartment_at(const gw_octree *octree, const float g[3]);
+
+/* That which a surfel looks into from its front or from its back. There are several. */
+uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back);
+
+/* That which other places on the surface look into along a normal. There are several.
+ *   place     4 * count, grid coordinates
+ *   normal    4 * count, unit
+ *   label     count, receives them */
+gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const float *place,
+									const float *normal, size_t count, uint32_t *label,
+									gw_error *error);
+
+#endif

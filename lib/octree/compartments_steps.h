@@ -1,0 +1,46 @@
+/*
+ * compartments_steps.h - what the steps that find compartments share.
+ */
+#ifndef COMPARTMENTS_STEPS_H
+#define COMPARTMENTS_STEPS_H
+
+#include "octree/compartments.h"
+
+/* Of a cell that surface passes through, in place of a tile. */
+#define GW_WALL 0xffffffffu
+
+/* Cells are the nodes of all tiles, in their order, then the leaves of all leaf tiles. */
+struct gw_compartments {
+	uint32_t depth;
+	uint32_t cells;  /* of tiles and leaf tiles; the space around the octree is cell number that */
+	uint32_t first;  /* of these: the first leaf */
+	uint32_t *child; /* first: pointer (plus one) to the tile of a node's children, 0 where it holds
+						nothing */
+	uint8_t *leaves; /* a leaf tile: which of its leaves there are */
+	uint32_t *label; /* cells + 1: a cell of the compartment, the same for all of it */
+	uint32_t *sides; /* 2 * surfels: what the front looks into, and the back; NULL where there are
+						not several compartments */
+};
+
+/* Which compartment a cell of leaves lies in; GW_COMPARTMENT_UNKNOWN for those of surface. */
+uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t cell[3]);
+
+/* The leaf tile of a cell plus one, or 0. */
+uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3]);
+
+/* Leaf cells: discs of this radius and more are of sparse surface. */
+#define GW_SPARSE_RADIUS 2.0f
+
+/* Makes walls of the discs of sparse surface; c->first grows. */
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+									 gw_compartments *c, gw_error *error);
+
+/* Makes walls of the voids in surface. */
+gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
+									  gw_error *error);
+
+/* Fills in c->sides, or leaves it empty. */
+gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+									 uint32_t threads, gw_compartments *c, gw_error *error);
+
+#endif

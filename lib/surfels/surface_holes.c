@@ -1,0 +1,490 @@
+/*
+ * surface_holes.c - see surface_holes.h.
+ */
+#include "surfels/surface_holes.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/shared_math.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Places from which it is looked, and rows of directions from straight up to straight down. */
+#define EYES 128u
+#define ROWS 40u
+#define COLUMNS (2u * ROWS)
+#define DIRECTIONS (ROWS * COLUMNS)
+
+/* Ways from a surfel that may lead across free space: along its normal, and aslant. */
+#define EYE_WAYS 5
+#define SLANT 0.7f
+
+/* Cells between an eye and what it has before and behind it. */
+#define EYE_ROOM 3.0f
+
+/* Share of all directions that finds nothing: beyond, an eye is in the open. A hole has half of
+ * that at most. */
+#define OPEN_MOST 0.3
+
+/* Extent of a rim over the extent of what is seen, at most, and how much nearer one side of it may
+ * be. */
+#define RIM_MOST 0.5f
+#define SLOPE_MOST 3.0f
+
+/* Of a rim: its directions, and its cells in extent, at least. */
+#define RIM_LEAST 4u
+#define RIM_CELLS 2.5f
+
+#define SWEEPS 64    /* of the membrane */
+#define HOLE_CELLS 4 /* at least */
+#define DISC_STEPS 48.0f
+
+/* Cells along the longest side at most, and the least width of one, in spacings of the points. */
+#define GRID_CELLS 192.0f
+#define CELL_SPACINGS 2.0f
+
+/* A cell where some eye has put a membrane, until it is known to be of a hole. */
+#define SEEN 255u
+
+typedef struct eye {
+	gw_vec3 place;
+	float width;                /* extent of what it sees, metres */
+	float depth[DIRECTIONS];    /* metres to what is met; below 0: nothing */
+	float inverse[DIRECTIONS];  /* of the depth, of the membrane too */
+	uint8_t piece[DIRECTIONS];  /* 1: of some piece already, or its rim */
+	uint32_t stack[DIRECTIONS]; /* directions of the piece */
+} eye;
+
+typedef struct work {
+	const gw_surfels *surfels;
+	gw_scanned_space *space;
+	gw_vec3 *place;        /* EYES */
+	_Atomic uint8_t *seen; /* cells: 1 where an eye has put a membrane */
+	size_t cells;
+} work;
+
+static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
+{
+	return ((size_t)at[2] * space->cells[1] + at[1]) * space->cells[0] + at[0];
+}
+
+static bool find_cell(const gw_scanned_space *space, gw_vec3 place, size_t *cell)
+{
+	const float p[3] = { place.x, place.y, place.z };
+	uint32_t at[3];
+	if (!gw_scanned_space_cell(space, p, at))
+		return false;
+	*cell = cell_at(space, at);
+	return true;
+}
+
+/* -------------------------------------------------------------------------------------- the grid
+ */
+
+/* Marks the cells that a disc touches. */
+static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
+{
+	float tangent[3], bitangent[3];
+	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
+	gw_vec3 p = gw_xyz(s->position + 3 * i), u = gw_xyz(tangent), v = gw_xyz(bitangent);
+	float steps = fminf(ceilf(2.0f * s->radius[i] / space->cell), DISC_STEPS);
+	int n = (int)fmaxf(steps, 1.0f);
+	for (int a = -n; a <= n; a++)
+		for (int b = -n; b <= n; b++) {
+			float x = (float)a / (float)n, y = (float)b / (float)n;
+			size_t cell;
+			if (x * x + y * y > 1.0f)
+				continue;
+			gw_vec3 way = gw_plus(gw_times(u, x * s->radius[i]), gw_times(v, y * s->radius[i]));
+			if (find_cell(space, gw_plus(p, way), &cell))
+				space->state[cell] = GW_SPACE_SURFACE;
+		}
+}
+
+/* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. */
+static float look(const gw_scanned_space *space, gw_vec3 from, gw_vec3 way)
+{
+	const float p[3] = { from.x, from.y, from.z }, d[3] = { way.x, way.y, way.z };
+	uint32_t at[3];
+	float next[3], step[3], t = 0.0f;
+	if (!gw_scanned_space_cell(space, p, at))
+		return -1.0f;
+	for (int k = 0; k < 3; k++) {
+		float in = (p[k] - space->low[k]) / space->cell - (float)at[k];
+		step[k] = space->cell / fmaxf(fabsf(d[k]), 1e-9f);
+		next[k] = (d[k] > 0.0f ? 1.0f - in : in) * step[k];
+	}
+	for (;;) {
+		int k = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+		t = next[k];
+		next[k] += step[k];
+		at[k] += d[k] > 0.0f ? 1u : UINT32_MAX;
+		if (at[k] >= space->cells[k])
+			return -1.0f;
+		if (space->state[cell_at(space, at)] == GW_SPACE_SURFACE)
+			return t;
+	}
+}
+
+/* -------------------------------------------------------------------------------------- the eyes
+ */
+
+/* Half way across the free space before a surfel. */
+static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
+{
+	const gw_surfels *s = w->surfels;
+	float cell = w->space->cell, tangent[3], bitangent[3];
+	gw_vec3 p = gw_xyz(s->position + 3 * surfel), n = gw_xyz(s->normal + 3 * surfel);
+	gw_tangent_frame(s->normal + 3 * surfel, tangent, bitangent);
+	gw_vec3 u = gw_xyz(tangent), v = gw_xyz(bitangent);
+	gw_vec3 from = gw_plus(p, gw_times(n, 2.0f * cell));
+	const float aslant[EYE_WAYS][2] = {
+		{ 0, 0 }, { SLANT, 0 }, { -SLANT, 0 }, { 0, SLANT }, { 0, -SLANT }
+	};
+	for (int i = 0; i < EYE_WAYS; i++) {
+		gw_vec3 way =
+			gw_unit(gw_plus(n, gw_plus(gw_times(u, aslant[i][0]), gw_times(v, aslant[i][1]))));
+		float free = look(w->space, from, way);
+		*place = gw_plus(from, gw_times(way, 0.5f * free));
+		if (free > 2.0f * EYE_ROOM * cell)
+			return true;
+	}
+	return false;
+}
+
+static size_t place_eyes(work *w)
+{
+	size_t count = w->surfels->count, placed = 0;
+	for (size_t i = 0; i < EYES; i++)
+		placed += place_eye(w, (2 * i + 1) * count / (2 * EYES), &w->place[placed]);
+	return placed;
+}
+
+static gw_vec3 direction_at(float row, float column)
+{
+	float polar = GW_PI * row / ROWS, around = 2.0f * GW_PI * column / COLUMNS;
+	return (gw_vec3){ sinf(polar) * cosf(around), sinf(polar) * sinf(around), cosf(polar) };
+}
+
+static gw_vec3 direction_of(uint32_t number)
+{
+	return direction_at((float)(number / COLUMNS) + 0.5f, (float)(number % COLUMNS) + 0.5f);
+}
+
+static float share_of(uint32_t number)
+{
+	float row = (float)(number / COLUMNS) + 0.5f;
+	return sinf(GW_PI * row / ROWS) * GW_PI / (4.0f * ROWS * ROWS);
+}
+
+typedef struct extent {
+	gw_vec3 low, high;
+} extent;
+
+static const extent nowhere = { { INFINITY, INFINITY, INFINITY },
+								{ -INFINITY, -INFINITY, -INFINITY } };
+
+static void extend(extent *e, gw_vec3 p)
+{
+	e->low = (gw_vec3){ fminf(e->low.x, p.x), fminf(e->low.y, p.y), fminf(e->low.z, p.z) };
+	e->high = (gw_vec3){ fmaxf(e->high.x, p.x), fmaxf(e->high.y, p.y), fmaxf(e->high.z, p.z) };
+}
+
+static float width_of(const extent *e)
+{
+	gw_vec3 d = gw_minus(e->high, e->low);
+	return sqrtf(gw_dot(d, d));
+}
+
+/* Looks around; false where an eye is in the open, or sees no hole at all. */
+static bool look_around(const gw_scanned_space *space, eye *e)
+{
+	extent all = nowhere;
+	float open = 0.0f;
+	for (uint32_t i = 0; i < DIRECTIONS; i++) {
+		gw_vec3 way = direction_of(i);
+		e->depth[i] = look(space, e->place, way);
+		e->inverse[i] = e->depth[i] > 0.0f ? 1.0f / e->depth[i] : 0.0f;
+		e->piece[i] = 0;
+		if (e->depth[i] < 0.0f)
+			open += share_of(i);
+		else
+			extend(&all, gw_plus(e->place, gw_times(way, e->depth[i])));
+	}
+	e->width = width_of(&all);
+	return open > 0.0f && open < (float)OPEN_MOST;
+}
+
+/* ------------------------------------------------------------------------------------ the pieces
+ */
+
+/* The directions beside one; across the poles, too. */
+static void list_beside(uint32_t number, uint32_t beside[4])
+{
+	uint32_t row = number / COLUMNS, column = number % COLUMNS;
+	uint32_t across = (column + ROWS) % COLUMNS;
+	beside[0] = row * COLUMNS + (column + 1) % COLUMNS;
+	beside[1] = row * COLUMNS + (column + COLUMNS - 1) % COLUMNS;
+	beside[2] = row > 0 ? number - COLUMNS : across;
+	beside[3] = row + 1 < ROWS ? number + COLUMNS : row * COLUMNS + across;
+}
+
+/* What is known of a piece of directions that find nothing. */
+typedef struct piece {
+	uint32_t count, rim;
+	float share, nearest, furthest, inverse;
+	extent rim_extent;
+} piece;
+
+static void add_rim(const eye *e, uint32_t number, piece *p)
+{
+	float depth = e->depth[number];
+	p->rim++;
+	p->nearest = fminf(p->nearest, depth);
+	p->furthest = fmaxf(p->furthest, depth);
+	p->inverse += e->inverse[number];
+	extend(&p->rim_extent, gw_plus(e->place, gw_times(direction_of(number), depth)));
+}
+
+/* The piece that a direction belongs to, on the eye's stack. */
+static piece find_piece(eye *e, uint32_t first)
+{
+	piece p = { .nearest = INFINITY, .rim_extent = nowhere };
+	e->stack[p.count++] = first;
+	e->piece[first] = 1;
+	for (uint32_t i = 0; i < p.count; i++) {
+		uint32_t beside[4];
+		list_beside(e->stack[i], beside);
+		p.share += share_of(e->stack[i]);
+		for (int k = 0; k < 4; k++) {
+			if (e->depth[beside[k]] >= 0.0f) {
+				add_rim(e, beside[k], &p);
+			} else if (!e->piece[beside[k]]) {
+				e->piece[beside[k]] = 1;
+				e->stack[p.count++] = beside[k];
+			}
+		}
+	}
+	return p;
+}
+
+static bool is_hole(const work *w, const eye *e, const piece *p)
+{
+	float width = width_of(&p->rim_extent);
+	return p->rim >= RIM_LEAST && p->share < 0.5f * (float)OPEN_MOST &&
+		   width < RIM_MOST * e->width && width > RIM_CELLS * w->space->cell &&
+		   p->furthest < SLOPE_MOST * p->nearest;
+}
+
+static void stretch_membrane(eye *e, const piece *p)
+{
+	for (uint32_t i = 0; i < p->count; i++)
+		e->inverse[e->stack[i]] = p->inverse / (float)p->rim;
+	for (int sweep = 0; sweep < SWEEPS; sweep++)
+		for (uint32_t i = 0; i < p->count; i++) {
+			uint32_t beside[4];
+			list_beside(e->stack[i], beside);
+			e->inverse[e->stack[i]] = 0.25f * (e->inverse[beside[0]] + e->inverse[beside[1]] +
+											   e->inverse[beside[2]] + e->inverse[beside[3]]);
+		}
+}
+
+/* Marks the membrane within a direction, two cells thick, where nothing is met in fact. */
+static void mark_direction(const work *w, const eye *e, uint32_t number)
+{
+	const gw_scanned_space *space = w->space;
+	float depth = 1.0f / e->inverse[number];
+	int n = (int)ceilf(1.5f * depth * GW_PI / (ROWS * space->cell));
+	for (int a = 0; a < n * n; a++) {
+		gw_vec3 way = direction_at((float)(number / COLUMNS) + ((float)(a / n) + 0.5f) / (float)n,
+								   (float)(number % COLUMNS) + ((float)(a % n) + 0.5f) / (float)n);
+		if (look(space, e->place, way) >= 0.0f)
+			continue;
+		for (int side = -1; side <= 1; side++) {
+			size_t cell;
+			float t = depth + 0.5f * (float)side * space->cell;
+			if (find_cell(space, gw_plus(e->place, gw_times(way, t)), &cell) &&
+				space->state[cell] != GW_SPACE_SURFACE)
+				atomic_store(&w->seen[cell], 1);
+		}
+	}
+}
+
+/* What the middle of a rim's direction meets, others in it may not. */
+static void mark_with_rim(const work *w, eye *e, uint32_t number)
+{
+	uint32_t beside[4];
+	mark_direction(w, e, number);
+	list_beside(number, beside);
+	for (int k = 0; k < 4; k++)
+		if (e->depth[beside[k]] >= 0.0f && !e->piece[beside[k]]) {
+			e->piece[beside[k]] = 1;
+			mark_direction(w, e, beside[k]);
+		}
+}
+
+static void look_from(const work *w, eye *e)
+{
+	if (!look_around(w->space, e))
+		return;
+	for (uint32_t i = 0; i < DIRECTIONS; i++) {
+		if (e->depth[i] >= 0.0f || e->piece[i])
+			continue;
+		piece p = find_piece(e, i);
+		if (!is_hole(w, e, &p))
+			continue;
+		stretch_membrane(e, &p);
+		for (uint32_t k = 0; k < p.count; k++)
+			mark_with_rim(w, e, e->stack[k]);
+	}
+}
+
+static void look_from_all(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const work *w = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		eye e;
+		e.place = w->place[i];
+		look_from(w, &e);
+	}
+}
+
+/* ------------------------------------------------------------------------------------- the holes
+ */
+
+/* Calls for the cells around one, of which there are 26 but for the grid's ends. */
+typedef size_t around_work(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top);
+
+static size_t go_around(gw_scanned_space *space, size_t cell, around_work *call, uint32_t *stack,
+						size_t top)
+{
+	uint32_t x = (uint32_t)(cell % space->cells[0]);
+	uint32_t y = (uint32_t)(cell / space->cells[0] % space->cells[1]);
+	uint32_t z = (uint32_t)(cell / space->cells[0] / space->cells[1]);
+	for (uint32_t k = 0; k < 27; k++) {
+		const uint32_t at[3] = { x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1 };
+		if (k != 13 && at[0] < space->cells[0] && at[1] < space->cells[1] &&
+			at[2] < space->cells[2])
+			top = call(space, cell_at(space, at), stack, top);
+	}
+	return top;
+}
+
+static size_t push_hole(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top)
+{
+	if (space->state[cell] != SEEN)
+		return top;
+	space->state[cell] = GW_SPACE_HOLE;
+	stack[top] = (uint32_t)cell;
+	return top + 1;
+}
+
+static size_t make_rim(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top)
+{
+	(void)stack;
+	if (space->state[cell] == GW_SPACE_SURFACE)
+		space->state[cell] = GW_SPACE_RIM;
+	return top;
+}
+
+static gw_vec3 middle_of(const gw_scanned_space *space, size_t cell)
+{
+	size_t x = cell % space->cells[0], y = cell / space->cells[0] % space->cells[1];
+	size_t z = cell / space->cells[0] / space->cells[1];
+	const gw_vec3 at = { (float)x + 0.5f, (float)y + 0.5f, (float)z + 0.5f };
+	return gw_plus(gw_xyz(space->low), gw_times(at, space->cell));
+}
+
+/* Cells of a hole, of which some may be known to be none. */
+typedef struct hole {
+	const uint32_t *cell;
+	size_t cells;
+	gw_vec3 middle;
+	float width;
+} hole;
+
+static hole measure(const gw_scanned_space *space, const uint32_t *cell, size_t cells)
+{
+	hole h = { .cell = cell, .cells = cells };
+	extent e = nowhere;
+	for (size_t i = 0; i < cells; i++) {
+		gw_vec3 p = middle_of(space, cell[i]);
+		extend(&e, p);
+		h.middle = gw_plus(h.middle, gw_times(p, 1.0f / (float)cells));
+	}
+	h.width = width_of(&e);
+	return h;
+}
+
+/* Counts a hole; one of too few cells is none. */
+static void count_hole(gw_scanned_space *space, const hole *h)
+{
+	if (h->cells < HOLE_CELLS || h->width < RIM_CELLS * space->cell) {
+		for (size_t i = 0; i < h->cells; i++)
+			space->state[h->cell[i]] = GW_SPACE_FREE;
+		return;
+	}
+	for (size_t i = 0; i < h->cells; i++)
+		go_around(space, h->cell[i], make_rim, NULL, 0);
+	space->holes++;
+	if (h->width <= space->hole_width)
+		return;
+	space->hole_width = h->width;
+	memcpy(space->hole_place, &h->middle, sizeof space->hole_place);
+}
+
+/* Puts the holes' cells on a stack, one hole after the other. */
+static bool count_holes(const work *w)
+{
+	gw_scanned_space *space = w->space;
+	size_t seen = 0;
+	for (size_t c = 0; c < w->cells; c++)
+		if (space->state[c] != GW_SPACE_SURFACE) {
+			bool own = atomic_load(&w->seen[c]) != 0;
+			space->state[c] = own ? SEEN : GW_SPACE_FREE;
+			seen += own;
+		}
+	uint32_t *stack = gw_allocate_array(seen + 1, sizeof *stack);
+	for (size_t c = 0; c < w->cells && stack; c++) {
+		size_t top = push_hole(space, c, stack, 0);
+		for (size_t i = 0; i < top; i++)
+			top = go_around(space, stack[i], push_hole, stack, top);
+		if (top == 0)
+			continue;
+		hole h = measure(space, stack, top);
+		count_hole(space, &h);
+	}
+	free(stack);
+	return stack != NULL;
+}
+
+gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
+								gw_scanned_space *space, gw_error *error)
+{
+	work w = { .surfels = surfels, .space = space };
+	*space = (gw_scanned_space){ .scanners = 0 };
+	if (!(surfels->maximum[0] > surfels->minimum[0]))
+		return GW_OK;
+	bool made = gw_scanned_space_grid(surfels, GRID_CELLS, CELL_SPACINGS * surfels->spacing, space);
+	w.cells = (size_t)space->cells[0] * space->cells[1] * space->cells[2];
+	w.seen = made ? gw_allocate_zeros(w.cells, sizeof *w.seen) : NULL;
+	w.place = gw_allocate_array(EYES, sizeof *w.place);
+	made = made && w.seen && w.place;
+	if (made) {
+		for (size_t i = 0; i < surfels->count; i++)
+			mark_disc(space, surfels, i);
+		gw_parallel_for(threads, place_eyes(&w), 1, look_from_all, &w);
+		made = count_holes(&w);
+	}
+	free(w.place);
+	free(w.seen);
+	if (!made || !gw_scanned_space_known(space))
+		gw_scanned_space_clear(space);
+	return made ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no host memory for the holes of %zu surfels",
+						  surfels->count);
+}
