@@ -140,6 +140,7 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	if (points->emission)
 		p->emission = scaled->emission =
 			scaled_light(points->emission, points->count, scaled->light);
+	p->own_area = NULL; /* in units that float32 may not hold */
 	if (!scaled->lights || !p->position || (points->scanner && !p->scanner) ||
 		(points->emission && !p->emission))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",

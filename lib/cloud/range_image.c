@@ -185,6 +185,8 @@ static bool use_grid(gw_range_grid *grid, uint32_t threads, gw_ranged_points *ou
 		uint8_t stray = out->stray ? gw_range_stray(grid, plane, cell) : 0;
 		if (stray != 0) {
 			out->stray[i] = out->stray[i] != 0 ? out->stray[i] : stray;
+		} else if (!has_normal(&out->points, i) && gw_range_own_area(grid, plane, cell) > 0.0f) {
+			out->own_area[i] = gw_range_own_area(grid, plane, cell);
 		} else if (plane[i - image->first].half > 0) {
 			take_plane(grid, &plane[i - image->first], i, out);
 		}
@@ -209,7 +211,8 @@ static bool allocate(const gw_points *points, gw_ranged_points *out)
 	size_t n = points->count;
 	out->position = gw_allocate_array(n, 3 * sizeof *out->position);
 	out->normal = gw_allocate_zeros(n, 3 * sizeof *out->normal);
-	if (!out->position || !out->normal)
+	out->own_area = gw_allocate_zeros(n, sizeof *out->own_area);
+	if (!out->position || !out->normal || !out->own_area)
 		return false;
 	if (!points->keep_strays) {
 		out->stray = gw_allocate_zeros(n, 1);
@@ -244,6 +247,7 @@ gw_status gw_range_images_use(const gw_points *points, const gw_surfels_options 
 	}
 	out->points.position = out->position;
 	out->points.normal = out->normal;
+	out->points.own_area = out->own_area;
 	out->points.stray = out->stray;
 	out->points.image_count = 0;
 	return GW_OK;
@@ -253,6 +257,7 @@ void gw_ranged_points_clear(gw_ranged_points *out)
 {
 	free(out->position);
 	free(out->normal);
+	free(out->own_area);
 	free(out->stray);
 	*out = (gw_ranged_points){ .points = { .count = 0 } };
 }

@@ -16,6 +16,7 @@
  *         range_plane.c  windows and their planes
  *         range_blend.c  one surface from these
  *         range_mixed.c  what is no surface
+ *         range_thin.c   what is thin, and how much it covers
  */
 #ifndef RANGE_IMAGE_H
 #define RANGE_IMAGE_H
@@ -30,6 +31,7 @@ typedef struct gw_ranged_points {
 	double *position;           /* NULL or owned: with less noise */
 	float *normal;              /* NULL or owned: those that were missing */
 	size_t normals;             /* how many of those */
+	float *own_area;            /* NULL or owned: that of things as thin as a cell */
 	uint8_t *stray;             /* NULL or owned: those that came, and those found */
 } gw_ranged_points;
 
@@ -92,6 +94,10 @@ bool gw_range_noise_find(gw_range_grid *grid);
 /* Fills a plane for each of image->count points, those from image->first on. False when memory is
  * short. */
 bool gw_range_planes_find(const gw_range_grid *grid, uint32_t threads, gw_range_plane *plane);
+
+/* What the point of a cell covers by itself, seen from the scanner, m^2, if it is a thing hardly
+ * wider than a cell; else 0. */
+float gw_range_own_area(const gw_range_grid *grid, const gw_range_plane *plane, size_t cell);
 
 /* Replaces each plane by the mean of those in whose windows its point lies, where that has the
  * point on it but for the noise. False when memory is short. */

@@ -22,6 +22,10 @@
 #define RADIUS 0.5f
 #define RANK 3
 
+/* A disc of random direction shows half of its area, a thing as much from everywhere; but the
+ * discs of most face the scanner or lie as their thing does. */
+#define TURNED 1.5
+
 typedef struct filled_step {
 	const gw_surfels *surfels;
 	float *thickness; /* count */
@@ -109,12 +113,81 @@ static void judge(void *user, size_t surfel, const gw_neighbour_list *list)
 						   !lies_in_plane(step->surfels, surfel, list);
 }
 
-gw_status gw_filled_space_find(gw_neighbours *search, const gw_surfels *surfels, uint8_t **filled,
-							   gw_error *error)
+/* What each surfel is by itself, if it is a thing. */
+typedef struct thing_step {
+	const float *own;        /* count, m^2, seen from the scanner; 0: none */
+	const uint32_t *scanner; /* count */
+	float *area;             /* count, receives the disc's */
+} thing_step;
+
+/*
+ * Each scanner that sees a thing has it covered by its own points. So where several do, each point
+ * stands for less: densities of points, one over what each covers, add up.
+ */
+static void share_thing(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const thing_step *step = user;
+	uint32_t seen[GW_NEIGHBOURS + 1], count = 1;
+	step->area[surfel] = 0.0f;
+	if (!(step->own[surfel] > 0.0f))
+		return;
+	double density = 1.0 / (double)step->own[surfel];
+	seen[0] = step->scanner[surfel];
+	for (uint32_t j = 0; j < list->count; j++) {
+		size_t other = list->index[j];
+		uint32_t k = 0;
+		while (k < count && seen[k] != step->scanner[other])
+			k++;
+		if (k < count || !(step->own[other] > 0.0f))
+			continue;
+		seen[count++] = step->scanner[other];
+		density += 1.0 / (double)step->own[other];
+	}
+	step->area[surfel] = (float)(TURNED / density);
+}
+
+/* Fills lone->area, and marks its surfels. */
+static gw_status find_things(const gw_points *points, gw_neighbours *search,
+							 const gw_surfels *surfels, gw_lone_points *lone, gw_error *error)
+{
+	size_t n = surfels->count;
+	float *own = gw_allocate_zeros(n, sizeof *own);
+	uint32_t *scanner = gw_allocate_zeros(n, sizeof *scanner);
+	gw_status status = GW_OK;
+	lone->area = gw_allocate_array(n, sizeof *lone->area);
+	if (!own || !scanner || !lone->area)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the thin things of %zu points", n);
+	for (size_t i = 0; i < surfels->point_count && status == GW_OK; i++) {
+		uint32_t surfel = surfels->surfel_of_point[i];
+		if (surfel == UINT32_MAX || !(points->own_area[i] > own[surfel]))
+			continue;
+		own[surfel] = points->own_area[i];
+		scanner[surfel] = points->scanner_of ? points->scanner_of[i] : 0;
+	}
+	thing_step step = { own, scanner, lone->area };
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, share_thing, &step, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++)
+		lone->filled[i] |= lone->area[i] > 0.0f;
+	free(own);
+	free(scanner);
+	return status;
+}
+
+void gw_lone_points_clear(gw_lone_points *lone)
+{
+	free(lone->filled);
+	free(lone->area);
+	*lone = (gw_lone_points){ 0 };
+}
+
+gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
+							   const gw_surfels *surfels, gw_lone_points *lone, gw_error *error)
 {
 	filled_step step = { .surfels = surfels };
+	*lone = (gw_lone_points){ 0 };
 	step.thickness = gw_allocate_array(surfels->count, sizeof *step.thickness);
-	step.filled = *filled = gw_allocate_zeros(surfels->count, 1);
+	step.filled = lone->filled = gw_allocate_zeros(surfels->count, 1);
 	gw_status status = GW_OK;
 	if (!step.thickness || !step.filled)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the extent of %zu points",
@@ -124,10 +197,10 @@ gw_status gw_filled_space_find(gw_neighbours *search, const gw_surfels *surfels,
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, judge, &step, error);
 	free(step.thickness);
-	if (status != GW_OK) {
-		free(*filled);
-		*filled = NULL;
-	}
+	if (status == GW_OK && points->own_area)
+		status = find_things(points, search, surfels, lone, error);
+	if (status != GW_OK)
+		gw_lone_points_clear(lone);
 	return status;
 }
 

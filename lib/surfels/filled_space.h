@@ -10,16 +10,26 @@
 
 #include "cloud/neighbours.h"
 
+/* Points that stand by themselves. */
+typedef struct gw_lone_points {
+	uint8_t *filled; /* count, owned, 1: it is such a point */
+	float *area;     /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
+						leave */
+} gw_lone_points;
+
 /*
  * Finds them. Near creases and in corners neighbours fill space, too, but not those of most
  * neighbours; noise of half a spacing is thinner.
+ *   points    those of the surfels; with own_area, these stand by themselves, too, with the area
+ *             that is left to each when all scanners that saw the thing are taken together
  *   search    of the surfels, where points say that they are
  *   surfels   with normals
- *   filled    on success receives one a surfel, 1: it is such a point; for free()
+ *   lone      on success receives them, to be cleared with gw_lone_points_clear
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_filled_space_find(gw_neighbours *search, const gw_surfels *surfels, uint8_t **filled,
-							   gw_error *error);
+gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
+							   const gw_surfels *surfels, gw_lone_points *lone, gw_error *error);
+void gw_lone_points_clear(gw_lone_points *lone);
 
 /* The disc of such a point: metres from it to where what is around begins, about. Evenly filled
  * space is seen through for some three times the distance between points. */

@@ -45,11 +45,11 @@ static const double open_extent[GW_NEIGHBOURS + 1] = {
 typedef struct disc_step {
 	gw_neighbours *search;
 	gw_surfels *surfels;
-	const uint8_t *filled; /* count, 1: a point that fills space */
-	float *gap;            /* NULL or count */
-	uint8_t *isolated;     /* count, 1 where there is too little surface to measure */
-	uint8_t *amid;         /* count, 1 where that is so though others are all around */
-	uint8_t *boundary;     /* count, a bit for each clip that borders on nothing */
+	const gw_lone_points *lone;
+	float *gap;        /* NULL or count */
+	uint8_t *isolated; /* count, 1 where there is too little surface to measure */
+	uint8_t *amid;     /* count, 1 where that is so though others are all around */
+	uint8_t *boundary; /* count, a bit for each clip that borders on nothing */
 	bool measure_noise, rough_area;
 } disc_step;
 
@@ -277,12 +277,16 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	uint32_t kept = gw_plane_surface(s, surfel, list, flat, &noise);
 	if (step->measure_noise)
 		s->noise[surfel] = (float)noise;
+	if (step->lone->area && step->lone->area[surfel] > 0) {
+		store_alone(step, surfel, sqrtf(step->lone->area[surfel] / (float)M_PI));
+		return;
+	}
 	if (kept < 3 || !(flat[0].distance > 0)) {
 		store_isolated(step, surfel, near.count > 0 ? list : all);
 		step->amid[surfel] = near.count == GW_NEIGHBOURS;
 		return;
 	}
-	if (step->filled[surfel]) {
+	if (step->lone->filled[surfel]) {
 		store_alone(step, surfel, gw_filled_space_radius(list));
 		return;
 	}
@@ -327,7 +331,7 @@ static gw_status finish(disc_step *step, gw_error *error)
 			if (!given || !step->amid[i])
 				s->two_sided[i] = 1;
 		}
-		if (step->filled[i] && s->normals_given < s->count)
+		if (step->lone->filled[i] && s->normals_given < s->count)
 			s->two_sided[i] = 1;
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
@@ -349,11 +353,11 @@ static gw_status make_discs(disc_step *step, gw_error *error)
 	return finish(step, error);
 }
 
-gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_surfels *surfels,
 						bool rough_area, float *gap, gw_error *error)
 {
 	disc_step step = {
-		.search = search, .surfels = surfels, .filled = filled, .gap = gap, .rough_area = rough_area
+		.search = search, .surfels = surfels, .lone = lone, .gap = gap, .rough_area = rough_area
 	};
 	size_t n = surfels->count;
 	surfels->nearest = gw_allocate_array(n, sizeof(float));

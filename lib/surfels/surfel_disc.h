@@ -3,15 +3,16 @@
 #define SURFEL_DISC_H
 
 #include "cloud/neighbours.h"
+#include "surfels/filled_space.h"
 
 /*
  * Fills nearest, radius, area, clip, bend, creased, spacing and given_area, noise unless it is
  * there, and sets two_sided of surfels that have fewer than three neighbours on their surface.
- *   filled      count, as gw_filled_space_find finds it
+ *   lone        as gw_filled_space_find finds them
  *   rough_area  as in gw_surfels_options
  *   gap         NULL or count floats that receive the Euclidean distance to the nearest other one
  */
-gw_status gw_discs_make(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
+gw_status gw_discs_make(gw_neighbours *search, const gw_lone_points *lone, gw_surfels *surfels,
 						bool rough_area, float *gap, gw_error *error);
 
 /* The disc reaches to this neighbour on the surface. */

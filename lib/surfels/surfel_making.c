@@ -47,7 +47,8 @@ static gw_status complete_normals(const gw_points *points, const gw_surfels_opti
 		bool known = n[0] != 0 || n[1] != 0 || n[2] != 0;
 		s->shading_normal_off[i] = known ? of_known : GW_PLANE_BY_PLACE;
 	}
-	GW_TRY(gw_normals_complete(points, options, search, s, error));
+	if (s->normals_given < s->count)
+		GW_TRY(gw_normals_complete(points, options, search, s, error));
 	return gw_plane_error(search, s, error);
 }
 
@@ -85,20 +86,20 @@ static gw_status make_discs(const sorted_points *p, const gw_surfels_options *op
 							gw_error *error)
 {
 	bool smoothed = false;
-	uint8_t *filled = NULL;
+	gw_lone_points lone;
 	GW_TRY(gw_strays_list(p->all, &p->strays, *search, surfels, error));
 	GW_TRY(gw_given_normals_mend(&p->rest, options, *search, surfels, error));
 	GW_TRY(complete_normals(&p->rest, options, *search, p->by_grid, surfels, error));
-	GW_TRY(gw_filled_space_find(*search, surfels, &filled, error));
-	gw_status status = gw_surfels_smooth(*search, filled, surfels, &smoothed, error);
+	GW_TRY(gw_filled_space_find(&p->rest, *search, surfels, &lone, error));
+	gw_status status = gw_surfels_smooth(*search, lone.filled, surfels, &smoothed, error);
 	if (smoothed) {
 		gw_neighbours_close(*search);
 		*search = NULL;
 		status = gw_neighbours_open(surfels, options, search, error);
 	}
 	if (status == GW_OK)
-		status = gw_discs_make(*search, filled, surfels, options->rough_area, gap, error);
-	free(filled);
+		status = gw_discs_make(*search, &lone, surfels, options->rough_area, gap, error);
+	gw_lone_points_clear(&lone);
 	return status;
 }
 

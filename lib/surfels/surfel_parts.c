@@ -98,12 +98,12 @@ gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_e
 /* Some of the points, copied or lent. */
 typedef struct some_points {
 	gw_points points;
-	void *owned[6];
+	void *owned[7];
 } some_points;
 
 static void clear_some(some_points *some)
 {
-	for (size_t i = 0; i < 6; i++)
+	for (size_t i = 0; i < 7; i++)
 		free(some->owned[i]);
 }
 
@@ -137,13 +137,15 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 		copy_still(points->albedo, vector, n, motion, still, &some->owned[2]) &&
 		copy_still(points->emission, vector, n, motion, still, &some->owned[3]) &&
 		copy_still(points->scanner_of, sizeof(uint32_t), n, motion, still, &some->owned[4]) &&
-		copy_still(points->stray, 1, n, motion, still, &some->owned[5]);
+		copy_still(points->stray, 1, n, motion, still, &some->owned[5]) &&
+		copy_still(points->own_area, sizeof(float), n, motion, still, &some->owned[6]);
 	some->points.position = some->owned[0];
 	some->points.normal = some->owned[1];
 	some->points.albedo = some->owned[2];
 	some->points.emission = some->owned[3];
 	some->points.scanner_of = some->owned[4];
 	some->points.stray = some->owned[5];
+	some->points.own_area = some->owned[6];
 	if (good)
 		return GW_OK;
 	clear_some(some);
@@ -161,6 +163,7 @@ static some_points take_mover(const gw_points *points, const gw_mover *mover)
 	some.points.emission = points->emission ? points->emission + 3 * first : NULL;
 	some.points.scanner_of = points->scanner_of ? points->scanner_of + first : NULL;
 	some.points.stray = points->stray ? points->stray + first : NULL;
+	some.points.own_area = points->own_area ? points->own_area + first : NULL;
 	return some;
 }
 

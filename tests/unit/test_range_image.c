@@ -259,6 +259,75 @@ static void mixed_pixels_are_found(void **state)
 	clear(&s);
 }
 
+/* Wires of 5 mm, seen by beams that are some 30 mm apart: each that meets one stands for its cell
+ * and no more, and few points on walls, posts and floor do: those on edges and where they are
+ * hardly wider than cells. */
+static void wires_cover_what_they_cover(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 40000, .seed = 2 };
+	scanned s = scan_scene(MESH_FENCE, &setup);
+	double covered = 0.0;
+	size_t wires = 0, thin = 0, others = 0;
+	s.points.image = s.image;
+	gw_ranged_points ranged = use(&s.points, 0);
+	for (size_t i = 0; i < s.points.count; i++) {
+		const double *p = s.surface + 3 * i;
+		bool wire = p[2] > 0.04 && fabs(p[1] - 0.035) < 0.004 &&
+					fabs(fmod(fabs(p[0]) + 0.6, 1.2) - 0.6) > 0.05;
+		wires += wire && ranged.stray[i] == 0;
+		covered += wire ? (double)ranged.own_area[i] : 0.0;
+		thin += wire && ranged.own_area[i] > 0.0f;
+		others += !wire && ranged.own_area[i] > 0.0f;
+	}
+	print_message("%zu of %zu points on wires are thin, and %zu others; wires cover %.3f m^2\n",
+				  thin, wires, others, covered / (double)s.points.image_count);
+	assert_true(thin > wires * 4 / 5);
+	/* Of 55 m of wires of 5 mm each scanner sees half or more, as wide as they are. */
+	double wide = covered / (double)s.points.image_count / 0.005;
+	assert_true(wide > 0.25 * 55.0 && wide < 55.0);
+	assert_true(others < s.points.count / 40);
+	gw_ranged_points_clear(&ranged);
+	clear(&s);
+}
+
+/* As surfels, points on wires are discs hardly wider than a cell, some 40 mm, where wires
+ * are 100 mm apart; and normals that come from the picture are known to be a little off. */
+static void wires_are_small_discs(void **state)
+{
+	(void)state;
+	const scan_setup setup = { .count = 40000, .seed = 2, .faults = { .range_noise = 0.002 } };
+	scanned s = scan_scene(MESH_FENCE, &setup);
+	const gw_surfels_options options = { .threads = 2, .memory = 1u << 28 };
+	gw_surfels surfels;
+	gw_error error = { 0 };
+	size_t wires = 0, small = 0;
+	double off = 0.0;
+	s.points.image = s.image;
+	if (gw_surfels_make(&s.points, &options, &surfels, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	assert_non_null(surfels.shading_normal_off);
+	for (size_t i = 0; i < s.points.count; i++) {
+		const double *p = s.surface + 3 * i;
+		uint32_t surfel = surfels.surfel_of_point[i];
+		if (surfel == UINT32_MAX)
+			continue;
+		off += (double)surfels.shading_normal_off[surfel];
+		if (p[2] < 0.04 || fabs(p[1] - 0.035) > 0.004 ||
+			fabs(fmod(fabs(p[0]) + 0.6, 1.2) - 0.6) < 0.05)
+			continue;
+		wires++;
+		small += surfels.radius[surfel] < 0.04f;
+	}
+	off /= (double)s.points.count;
+	print_message("%zu of %zu wires' discs are small; normals are off by %.2f degrees\n", small,
+				  wires, off * 57.3);
+	assert_true(small > wires * 4 / 5);
+	assert_true(off > 0.002 && off < 0.2);
+	gw_surfels_clear(&surfels);
+	clear(&s);
+}
+
 /* Rows and columns that are no picture, or of which the scanner stood elsewhere, tell nothing. */
 static void no_pictures_tell_nothing(void **state)
 {
@@ -331,9 +400,10 @@ static void errors_of_normals_are_told(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(noise_is_smoothed),          cmocka_unit_test(clean_points_stay),
-		cmocka_unit_test(steps_are_no_stairs),        cmocka_unit_test(windows_leave_no_steps),
-		cmocka_unit_test(mixed_pixels_are_found),     cmocka_unit_test(no_pictures_tell_nothing),
+		cmocka_unit_test(noise_is_smoothed),           cmocka_unit_test(clean_points_stay),
+		cmocka_unit_test(steps_are_no_stairs),         cmocka_unit_test(windows_leave_no_steps),
+		cmocka_unit_test(mixed_pixels_are_found),      cmocka_unit_test(no_pictures_tell_nothing),
+		cmocka_unit_test(wires_cover_what_they_cover), cmocka_unit_test(wires_are_small_discs),
 		cmocka_unit_test(errors_of_normals_are_told),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
