@@ -74,7 +74,7 @@ static void find_voids(tiles *t)
 	for (uint32_t i = 0; i < t->count; i++)
 		for (uint32_t octant = 0; octant < 8; octant++) {
 			uint32_t axes = 0;
-			for (uint32_t axis = 0; axis < 3 && (t->holds[i] >> octant & 1u) == 0; axis++)
+			for (uint32_t axis = 0; axis < 3 && ((uint32_t)t->holds[i] >> octant & 1u) == 0; axis++)
 				axes += lies_between(t, i, octant, axis);
 			t->closes[i] |= (uint8_t)((axes > 1) << octant);
 		}
@@ -110,7 +110,7 @@ static gw_status close_nodes(const gw_octree *octree, const uint32_t *neighbour,
 		find_beside(&t, neighbour + 8 * (size_t)first, first);
 		find_voids(&t);
 		for (uint32_t i = 0; i < 8 * t.count; i++)
-			if (t.closes[i / 8] >> i % 8 & 1u)
+			if ((uint32_t)t.closes[i / 8] >> i % 8 & 1u)
 				c->child[8 * first + i] = GW_WALL;
 	}
 	clear(&t);

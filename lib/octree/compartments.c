@@ -40,7 +40,8 @@ static cell child_of(const gw_compartments *c, uint32_t level, cell of, uint32_t
 	uint32_t number = 8 * (of.tile - 1) + octant;
 	if (level + 1 < c->depth)
 		return (cell){ number, c->child[number] };
-	return (cell){ c->first + number, (c->leaves[of.tile - 1] >> octant & 1u) ? GW_WALL : 0 };
+	return (cell){ c->first + number,
+				   ((uint32_t)c->leaves[of.tile - 1] >> octant & 1u) ? GW_WALL : 0 };
 }
 
 /* Two cells that touch, the second one further along an axis; level: of the smaller one. */
