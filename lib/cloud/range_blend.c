@@ -8,7 +8,7 @@
  * step of a guided filter (He et al. 2013), with windows of many sizes. They are added up as in a
  * table of sums: each at its four corners, a few rows at a time.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include "base/memory.h"
 

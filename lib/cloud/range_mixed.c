@@ -4,7 +4,7 @@
  * What no plane holds is rough, or small, or no surface. A mixed pixel is the mean of what is
  * nearer and what is further off, and so lies between both.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include <math.h>
 

@@ -5,7 +5,7 @@
  * difference of the inverse range is noise, but where an edge is near. So a low quantile is taken,
  * for each range by itself, since noise grows with it. Steps are seen by values that repeat.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include "base/memory.h"
 

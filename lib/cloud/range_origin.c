@@ -11,7 +11,7 @@
  * What was found, or came with the file, is right if from there all columns and rows are circles on
  * the sphere of directions. Elsewhere they have a kink wherever the surface has one.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include "base/memory.h"
 

@@ -6,7 +6,7 @@
  * corners of sums over all that is above and to the left, which are made for one tile of the image
  * at a time.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"

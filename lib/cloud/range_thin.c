@@ -6,7 +6,7 @@
  * But each beam stands for its cell: so many beams as meet the thing, so many cells of directions
  * does it cover.
  */
-#include "cloud/range_image.h"
+#include "cloud/range_steps.h"
 
 #include <math.h>
 #include <stdlib.h>

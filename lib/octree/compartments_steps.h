@@ -9,6 +9,12 @@
 /* Of a cell that surface passes through, in place of a tile. */
 #define GW_WALL 0xffffffffu
 
+/* A cell of any size. */
+typedef struct gw_compartment_cell {
+	uint32_t number;
+	uint32_t tile; /* of its children, plus one; 0: it is empty; or GW_WALL */
+} gw_compartment_cell;
+
 /* Cells are the nodes of all tiles, in their order, then the leaves of all leaf tiles. */
 struct gw_compartments {
 	uint32_t depth;
@@ -21,6 +27,13 @@ struct gw_compartments {
 	uint32_t *sides; /* 2 * surfels: what the front looks into, and the back; NULL where there are
 						not several compartments */
 };
+
+/* A child of a cell of a level. */
+gw_compartment_cell gw_compartment_child(const gw_compartments *c, uint32_t level,
+										 gw_compartment_cell of, uint32_t octant);
+
+/* Frees what is not needed where there is but one compartment. */
+void gw_compartments_drop_cells(gw_compartments *c);
 
 /* Which compartment a cell of leaves lies in; GW_COMPARTMENT_UNKNOWN for those of surface. */
 uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t cell[3]);

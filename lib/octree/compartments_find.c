@@ -1,0 +1,183 @@
+/*
+ * compartments_find.c - empty cells of all sizes that touch by a face are united while the octree
+ * is walked from its root: of two cells beside each other their children that touch, and so on,
+ * until both are empty or one of them is a wall. So nothing is searched for.
+ */
+#include "octree/compartments_steps.h"
+
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static uint32_t find(uint32_t *label, uint32_t i)
+{
+	while (label[i] != i) {
+		label[i] = label[label[i]];
+		i = label[i];
+	}
+	return i;
+}
+
+static void unite(uint32_t *label, uint32_t i, uint32_t j)
+{
+	i = find(label, i);
+	j = find(label, j);
+	if (i < j)
+		label[j] = i;
+	else
+		label[i] = j;
+}
+
+/* Two cells that touch, the second one further along an axis; level: of the smaller one. */
+static void join_faces(gw_compartments *c, uint32_t level, gw_compartment_cell low,
+					   gw_compartment_cell high, uint32_t axis)
+{
+	if (low.tile == GW_WALL || high.tile == GW_WALL)
+		return;
+	if (low.tile == 0 && high.tile == 0) {
+		unite(c->label, low.number, high.number);
+		return;
+	}
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		if (octant >> axis & 1u)
+			continue;
+		join_faces(c, level + 1,
+				   low.tile ? gw_compartment_child(c, level, low, octant | 1u << axis) : low,
+				   high.tile ? gw_compartment_child(c, level, high, octant) : high, axis);
+	}
+}
+
+/* All faces within a cell. */
+static void join_within(gw_compartments *c, uint32_t level, gw_compartment_cell of)
+{
+	gw_compartment_cell child[8];
+	for (uint32_t octant = 0; octant < 8; octant++)
+		child[octant] = gw_compartment_child(c, level, of, octant);
+	for (uint32_t octant = 0; octant < 8; octant++) {
+		if (child[octant].tile != 0 && child[octant].tile != GW_WALL)
+			join_within(c, level + 1, child[octant]);
+		for (uint32_t axis = 0; axis < 3; axis++)
+			if ((octant >> axis & 1u) == 0)
+				join_faces(c, level + 1, child[octant], child[octant | 1u << axis], axis);
+	}
+}
+
+/* Empty cells at a side of the cube touch what lies around it. */
+static void join_outside(gw_compartments *c, uint32_t level, gw_compartment_cell of, uint32_t axis,
+						 uint32_t side)
+{
+	if (of.tile == GW_WALL)
+		return;
+	if (of.tile == 0) {
+		unite(c->label, of.number, c->cells);
+		return;
+	}
+	for (uint32_t octant = 0; octant < 8; octant++)
+		if ((octant >> axis & 1u) == side)
+			join_outside(c, level + 1, gw_compartment_child(c, level, of, octant), axis, side);
+}
+
+static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error *error)
+{
+	const gw_compartment_cell root = { GW_COMPARTMENT_UNKNOWN, 1 };
+	uint64_t cells = c->first + 8 * (uint64_t)octree->leaf_tile_count;
+	if (cells < GW_COMPARTMENT_UNKNOWN)
+		c->label = gw_allocate_array(cells + 1, sizeof *c->label);
+	if (c->label == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu cells",
+					   (unsigned long long)cells);
+	c->cells = (uint32_t)cells;
+	for (uint32_t i = 0; i <= c->cells; i++)
+		c->label[i] = i;
+	join_within(c, 0, root);
+	for (uint32_t axis = 0; axis < 3; axis++)
+		for (uint32_t side = 0; side < 2; side++)
+			join_outside(c, 0, root, axis, side);
+	for (uint32_t i = 0; i <= c->cells; i++)
+		c->label[i] = find(c->label, i);
+	return GW_OK;
+}
+
+/* Of nodes only those that hold something have children here: others are there to be filtered
+ * across. Tiles come level by level, the root first. */
+static void take_tree(const gw_octree *octree, const uint32_t *node, const uint32_t *leaf_tile,
+					  gw_compartments *c)
+{
+	for (uint32_t t = 0; t < octree->leaf_tile_count; t++)
+		c->leaves[t] = (uint8_t)leaf_tile[2 * t + 1];
+	for (uint32_t level = octree->depth - 1; level > 0; level--) {
+		for (uint32_t t = octree->tile_first[level]; t < octree->tile_first[level + 1]; t++) {
+			for (uint32_t i = 8 * t; i < 8 * t + 8; i++) {
+				uint32_t to = node[i];
+				bool holds = false;
+				if (to != 0 && level == octree->depth - 1)
+					holds = c->leaves[to - 1] != 0;
+				for (uint32_t k = 0; to != 0 && level < octree->depth - 1 && k < 8; k++)
+					holds |= c->child[8 * (to - 1) + k] != 0;
+				c->child[i] = holds ? to : 0;
+			}
+		}
+	}
+}
+
+static gw_status fetch_tree(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
+							gw_error *error)
+{
+	gw_view node = { 0 }, leaf_tile = { 0 };
+	gw_status status =
+		gw_view_open(gpu, &octree->node, 32 * (uint64_t)octree->tile_count, &node, error);
+	if (status == GW_OK)
+		status = gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
+							  &leaf_tile, error);
+	if (status == GW_OK)
+		take_tree(octree, node.bytes, leaf_tile.bytes, c);
+	gw_view_close(&leaf_tile);
+	gw_view_close(&node);
+	return status;
+}
+
+static gw_status make(const gw_octree *octree, gw_compartments **made, gw_error *error)
+{
+	uint64_t cells = 8 * ((uint64_t)octree->tile_count + octree->leaf_tile_count);
+	gw_compartments *c = *made = gw_allocate_zeros(1, sizeof *c);
+	if (c != NULL && cells < GW_COMPARTMENT_UNKNOWN) {
+		c->depth = octree->depth;
+		c->first = 8 * octree->tile_count;
+		c->child = gw_allocate_array(c->first, sizeof *c->child);
+		c->leaves = gw_allocate_array(octree->leaf_tile_count, 1);
+		if (c->child && c->leaves)
+			return GW_OK;
+	}
+	gw_compartments_destroy(made);
+	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the compartments of %llu cells",
+				   (unsigned long long)cells);
+}
+
+gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+							   gw_octree *octree, gw_error *error)
+{
+	gw_compartments *c = NULL;
+	if (octree->compartments != NULL)
+		return GW_OK;
+	if (octree->depth < 2) /* The root's children are leaves, in which nothing is kept apart. */
+		return GW_OK;
+	GW_TRY(make(octree, &c, error));
+	gw_status status = fetch_tree(gpu, octree, c, error);
+	if (status == GW_OK)
+		status = gw_compartments_close_voids(gpu, octree, c, error);
+	if (status == GW_OK)
+		status = gw_compartments_wall_discs(gpu, octree, surfels->count, c, error);
+	if (status == GW_OK)
+		status = join_all(octree, c, error);
+	if (status == GW_OK)
+		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
+	if (status != GW_OK) {
+		gw_compartments_destroy(&c);
+		return status;
+	}
+	if (c->sides == NULL)
+		gw_compartments_drop_cells(c);
+	octree->compartments = c;
+	return GW_OK;
+}
