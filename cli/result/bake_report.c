@@ -441,8 +441,8 @@ static void note_dark(const gw_bake_result *result)
 	if (share > DARK_SHARE)
 		fprintf(stderr,
 				"glowworm: note: %s %% of the points get no light, or less than a thousandth of "
-				"the mean; what is closed all round needs a lamp inside, as --light 'point at "
-				"X,Y,Z intensity 20'\n",
+				"the mean; where none gets in, a lamp inside helps, as --light 'point at X,Y,Z "
+				"intensity 20'\n",
 				text_percent(share, percent));
 }
 
@@ -454,7 +454,8 @@ void bake_report_notes(const bake_facts *f)
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
 					r->count[i].meaning);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
-	note_dark(f->result);
+	if (f->settings->bake.bounces != 0)
+		note_dark(f->result);
 	note_geometry(r);
 	note_sides(r);
 	note_gaps(f->settings, r);

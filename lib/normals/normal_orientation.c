@@ -59,11 +59,13 @@ typedef struct orientation_work {
 	uint32_t *patch;   /* count: number of a surfel's patch */
 	gw_patch_border *borders;
 	size_t border_count, border_room;
+	bool alike; /* what borders at creases say is made more like what others say */
 	size_t patch_count;
 	gw_side_light *light; /* the following: patch_count */
 	double *given;        /* normals that were given, for the patch's sign less those against it */
 	double *own;          /* what a patch says by itself */
 	int8_t *sign, *other; /* chosen, and another choice */
+	int8_t *alike_sign;   /* those if creases say as much as smooth surface */
 	double *ratio;        /* of the group of that number, in the other choice */
 	uint32_t *group;
 	patch_group *groups;
@@ -187,10 +189,10 @@ static bool make_room(orientation_work *w)
 
 /* What a pair across a border says, a whole number. Pairs at a crease agree less than those on
  * smooth surface, however sure they are: roots make what they say more alike, so that light does
- * not tear things apart at their edges. */
+ * less to tear things apart at their edges. */
 static double border_says(const orientation_work *w, size_t surfel, size_t other, int agreement)
 {
-	double says = round(sqrt((double)(AGREED * abs(agreement))));
+	double says = w->alike ? round(sqrt((double)(AGREED * abs(agreement)))) : abs(agreement);
 	return (w->opposite[surfel] != w->opposite[other]) != (agreement < 0) ? -says : says;
 }
 
@@ -241,11 +243,12 @@ static bool allocate_patches(orientation_work *w)
 	w->own = gw_allocate_zeros(count, sizeof *w->own);
 	w->sign = gw_allocate_array(count, sizeof *w->sign);
 	w->other = gw_allocate_array(count, sizeof *w->other);
+	w->alike_sign = gw_allocate_array(count, sizeof *w->alike_sign);
 	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
 	w->group = gw_allocate_array(count, sizeof *w->group);
 	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
-	return w->light && w->given && w->own && w->sign && w->other && w->ratio && w->group &&
-		   w->groups;
+	return w->light && w->given && w->own && w->sign && w->other && w->alike_sign && w->ratio &&
+		   w->group && w->groups;
 }
 
 /* ------------------------------------------------------------------------------------- decision */
@@ -361,11 +364,13 @@ static void turn_best(orientation_work *w, gw_patch_groups *groups)
 	sum_groups(w, true);
 }
 
-static gw_status choose_signs(orientation_work *w, const uint8_t *estimated, gw_error *error)
+/* Signs by what patches and borders say; alike: creases say as much as smooth surface. */
+static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 {
-	if (!allocate_patches(w))
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
-	GW_TRY(find_light(w, estimated, error));
+	w->alike = alike;
+	w->border_count = 0;
+	memset(w->own, 0, w->patch_count * sizeof *w->own);
+	GW_TRY(collect_borders(w, error));
 	gw_patch_groups *groups =
 		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
 	if (!groups)
@@ -375,12 +380,25 @@ static gw_status choose_signs(orientation_work *w, const uint8_t *estimated, gw_
 	return GW_OK;
 }
 
+/* What depends on how much creases say is doubtful: there the two ways of it disagree. */
+static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
+{
+	if (!allocate_patches(w))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	GW_TRY(find_light(w, estimated, error));
+	GW_TRY(choose_signs(w, true, error));
+	memcpy(w->alike_sign, w->sign, w->patch_count * sizeof *w->sign);
+	return choose_signs(w, false, error);
+}
+
 static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
 {
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		doubtful[i] = estimated[i] && w->groups[w->group[patch]].doubtful;
+		bool unclear =
+			w->groups[w->group[patch]].doubtful || w->alike_sign[patch] != w->sign[patch];
+		doubtful[i] = estimated[i] && unclear;
 		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 	}
@@ -423,6 +441,7 @@ static void release(orientation_work *w)
 	free(w->own);
 	free(w->sign);
 	free(w->other);
+	free(w->alike_sign);
 	free(w->ratio);
 	free(w->group);
 	free(w->groups);
@@ -435,8 +454,7 @@ static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_
 	GW_TRY(gw_neighbours_visit(search, find_pairs, w, error));
 	join_smooth(w);
 	number_patches(w);
-	GW_TRY(collect_borders(w, error));
-	return choose_signs(w, estimated, error);
+	return orient_patches(w, estimated, error);
 }
 
 gw_status gw_orient_normals(const gw_surfels_options *options, gw_neighbours *search,

@@ -31,7 +31,7 @@ glowworm info lit.ply | awk '$1 == "scalar_radiance_r" {
 sed 's/"albedo": 0.25/"albedo": 0.25, "density": 100/' scene.json >own.json
 glowworm bake own.json -f -o lit.ply --report report.json
 points | sed -n 3p
-glowworm bake scene.json --density 50 -f -o lit.ply --report report.json
+glowworm bake scene.json --density 50 -q -f -o lit.ply --report report.json
 points | sed -n 3p
 # Faces of a PLY file count when the scene says so.
 cat >mesh.ply <<'END'

@@ -73,7 +73,7 @@ static void plant(gw_scene *s, const fault *f)
 		const uint32_t *cell = leaf + 4 * i;
 		uint32_t octant = (cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2;
 		if (is_lost(f, hole[0], place, s->surfels.count, cell))
-			tile[2 * (size_t)cell[3] + 1] &= ~(0x01010100u << octant);
+			tile[2 * (size_t)cell[3] + 1] &= ~(0x01010101u << octant);
 	}
 	assert_ok(gw_buffer_upload(s->gpu, &o->leaf_tile, 0, tile, tile_bytes, &error), &error);
 	free(tile);
