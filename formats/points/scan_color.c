@@ -184,18 +184,26 @@ bool scan_color_is_black(const scan_color *color, size_t i)
 		   scan_value(color->column[2], i) == 0.0;
 }
 
+static bool is_grey(const scan_color *color, size_t i)
+{
+	double red = scan_value(color->column[0], i), green = scan_value(color->column[1], i);
+	return red == green && green == scan_value(color->column[2], i);
+}
+
 size_t scan_color_count_blank(const scan_color *color, size_t count)
 {
-	size_t blank = 0, dark = 0;
+	size_t blank = 0, dark = 0, grey = 0;
 	for (size_t i = 0; i < count; i++) {
 		bool black = scan_color_is_black(color, i);
 		blank += black;
+		grey += !black && is_grey(color, i);
 		dark += !black && scan_color_value(color, 0, i) < NEARLY_BLACK &&
 				scan_color_value(color, 1, i) < NEARLY_BLACK &&
 				scan_color_value(color, 2, i) < NEARLY_BLACK;
 	}
-	return blank >= BLANK_LEAST && blank > count / BLANK_LEAST && blank > BLANK_TIMES * dark ? blank
-																							 : 0;
+	bool colored = 2 * grey < count - blank;
+	bool many = blank >= BLANK_LEAST && blank > count / BLANK_LEAST && blank > BLANK_TIMES * dark;
+	return colored && many ? blank : 0;
 }
 
 double scan_srgb_decode(double encoded)

@@ -47,7 +47,8 @@ double scan_color_value(const scan_color *color, int k, size_t i);
 /*
  * How many points have no colour where others have one: a camera did not see them, or nobody gave
  * them a label. They are exactly black, as hardly any pixel of a photograph is. 0 unless there are
- * a hundred, more than one in a hundred, and many more than nearly black ones.
+ * a hundred, more than one in a hundred, and many more than nearly black ones; and unless most of
+ * the others are coloured, not grey: among grey and white walls a black one is black.
  */
 size_t scan_color_count_blank(const scan_color *color, size_t count);
 

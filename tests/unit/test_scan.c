@@ -383,6 +383,12 @@ static void points_that_no_camera_saw_get_the_default(void **state)
 	add(&cloud, "y", SCAN_FLOAT64, place);
 	add(&cloud, "z", SCAN_FLOAT64, place);
 	add_triple(&cloud, scan_color_names, SCAN_UINT8, color);
+	/* Among grey ones they are a black wall. */
+	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
+	assert_true(points.points.albedo[0] == 0.0f);
+	scan_points_clear(&points);
+	for (int i = 300; i < 900; i++)
+		((uint8_t *)cloud.column[5].data)[i]++;
 	assert_int_equal(scan_points_make(&cloud, &options, &points, NULL), GW_OK);
 	assert_true(points.points.albedo[0] == GW_ALBEDO_DEFAULT);
 	assert_true(points.points.albedo[3 * 300] < 0.2f);
