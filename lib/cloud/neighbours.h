@@ -35,6 +35,7 @@ typedef void gw_neighbours_visitor(void *user, size_t surfel, const gw_neighbour
  * Builds the search structure over surfels->position, which must stay unchanged until it is closed.
  * Lists are kept for further visits (64 bytes a surfel) when options->memory allows, and searched
  * again each time when not.
+ *   options   are asked until it is closed
  *   search    on success to be closed with gw_neighbours_close
  * Fails with GW_ERROR_MEMORY.
  */

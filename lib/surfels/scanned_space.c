@@ -235,14 +235,14 @@ static gw_status assign(work *w, uint32_t threads, gw_error *error)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for the scanners of %zu surfels",
 						 count);
 	const gw_scanner_places places = { place, p->scanner_count, plane };
+	const gw_surfels_options options = { .threads = threads }; /* as long as the search */
 	if (status == GW_OK) {
 		for (size_t i = 0; i < 3 * p->scanner_count; i++)
 			place[i] = p->scanner[i] - w->surfels->origin[i % 3];
 		for (size_t i = 0; i < 3 * count; i++)
 			plane[i / 3 * 4 + i % 3] = w->surfels->normal[i];
 		if (take_named(w) && p->scanner_count > 1)
-			status = gw_neighbours_open(w->surfels, &(gw_surfels_options){ .threads = threads },
-										&search, error);
+			status = gw_neighbours_open(w->surfels, &options, &search, error);
 	}
 	if (search)
 		status = gw_scanners_assign(search, w->surfels, &places, w->scanner_of, error);
