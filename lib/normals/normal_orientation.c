@@ -65,7 +65,7 @@ typedef struct orientation_work {
 	double *given;        /* normals that were given, for the patch's sign less those against it */
 	double *own;          /* what a patch says by itself */
 	int8_t *sign, *other; /* chosen, and another choice */
-	int8_t *alike_sign;   /* those if creases say as much as smooth surface */
+	int8_t *by_angle;     /* those if creases say the less the sharper they are */
 	double *ratio;        /* of the group of that number, in the other choice */
 	uint32_t *group;
 	patch_group *groups;
@@ -243,11 +243,11 @@ static bool allocate_patches(orientation_work *w)
 	w->own = gw_allocate_zeros(count, sizeof *w->own);
 	w->sign = gw_allocate_array(count, sizeof *w->sign);
 	w->other = gw_allocate_array(count, sizeof *w->other);
-	w->alike_sign = gw_allocate_array(count, sizeof *w->alike_sign);
+	w->by_angle = gw_allocate_array(count, sizeof *w->by_angle);
 	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
 	w->group = gw_allocate_array(count, sizeof *w->group);
 	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
-	return w->light && w->given && w->own && w->sign && w->other && w->alike_sign && w->ratio &&
+	return w->light && w->given && w->own && w->sign && w->other && w->by_angle && w->ratio &&
 		   w->group && w->groups;
 }
 
@@ -386,9 +386,9 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	if (!allocate_patches(w))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	GW_TRY(find_light(w, estimated, error));
-	GW_TRY(choose_signs(w, true, error));
-	memcpy(w->alike_sign, w->sign, w->patch_count * sizeof *w->sign);
-	return choose_signs(w, false, error);
+	GW_TRY(choose_signs(w, false, error));
+	memcpy(w->by_angle, w->sign, w->patch_count * sizeof *w->sign);
+	return choose_signs(w, true, error);
 }
 
 static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
@@ -396,8 +396,7 @@ static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t 
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		bool unclear =
-			w->groups[w->group[patch]].doubtful || w->alike_sign[patch] != w->sign[patch];
+		bool unclear = w->groups[w->group[patch]].doubtful || w->by_angle[patch] != w->sign[patch];
 		doubtful[i] = estimated[i] && unclear;
 		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
@@ -441,7 +440,7 @@ static void release(orientation_work *w)
 	free(w->own);
 	free(w->sign);
 	free(w->other);
-	free(w->alike_sign);
+	free(w->by_angle);
 	free(w->ratio);
 	free(w->group);
 	free(w->groups);
