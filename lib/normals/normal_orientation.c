@@ -20,6 +20,8 @@
 #define PATCH_LEAST 48
 #define PATCHES 2000
 
+/* Of the rays from a side that is in the open so many meet surface at most. */
+#define OPEN_SIDE 0.9
 /* A surfel's light from one side alone weighs as much as so many pairs of surfels that agree. */
 #define LIGHT_WEIGHT 0.5
 /* And a normal that was given. */
@@ -66,6 +68,7 @@ typedef struct orientation_work {
 	double *own;          /* what a patch says by itself */
 	int8_t *sign, *other; /* chosen, and another choice */
 	int8_t *by_angle;     /* those if creases say the less the sharper they are */
+	bool *disputed;       /* they are not the same */
 	double *ratio;        /* of the group of that number, in the other choice */
 	uint32_t *group;
 	patch_group *groups;
@@ -244,11 +247,12 @@ static bool allocate_patches(orientation_work *w)
 	w->sign = gw_allocate_array(count, sizeof *w->sign);
 	w->other = gw_allocate_array(count, sizeof *w->other);
 	w->by_angle = gw_allocate_array(count, sizeof *w->by_angle);
+	w->disputed = gw_allocate_zeros(count, sizeof *w->disputed);
 	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
 	w->group = gw_allocate_array(count, sizeof *w->group);
 	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
-	return w->light && w->given && w->own && w->sign && w->other && w->by_angle && w->ratio &&
-		   w->group && w->groups;
+	return w->light && w->given && w->own && w->sign && w->other && w->by_angle && w->disputed &&
+		   w->ratio && w->group && w->groups;
 }
 
 /* ------------------------------------------------------------------------------------- decision */
@@ -380,6 +384,30 @@ static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 	return GW_OK;
 }
 
+/*
+ * Of what the two ways of choosing dispute. Within rooms light is on both sides of thin walls, and
+ * borders are better to go by. In the open light is: there the front is the side that it falls on,
+ * and that sees less surface.
+ */
+static void settle_disputed(orientation_work *w)
+{
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->groups[i] = (patch_group){ .factor = { 1, 1 } };
+	for (size_t i = 0; i < w->patch_count; i++) {
+		w->disputed[i] = w->by_angle[i] != w->sign[i];
+		patch_group *g = w->groups + w->group[i];
+		for (int side = 0; w->disputed[i] && side < 2; side++)
+			add_view(w->light[i].side + (w->sign[i] > 0 ? side : 1 - side), g->light.side + side);
+	}
+	for (size_t i = 0; i < w->patch_count; i++) {
+		const gw_side_view *side = w->groups[w->group[i]].light.side;
+		bool open = side[1].met < OPEN_SIDE * side[1].area && side[1].met < side[0].met;
+		if (w->disputed[i] && open && side[1].light > side[0].light)
+			w->sign[i] = w->by_angle[i];
+	}
+	sum_groups(w, true);
+}
+
 /* What depends on how much creases say is doubtful: there the two ways of it disagree. */
 static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
 {
@@ -388,7 +416,9 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	GW_TRY(find_light(w, estimated, error));
 	GW_TRY(choose_signs(w, false, error));
 	memcpy(w->by_angle, w->sign, w->patch_count * sizeof *w->sign);
-	return choose_signs(w, true, error);
+	GW_TRY(choose_signs(w, true, error));
+	settle_disputed(w);
+	return GW_OK;
 }
 
 static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
@@ -396,7 +426,7 @@ static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t 
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		bool unclear = w->groups[w->group[patch]].doubtful || w->by_angle[patch] != w->sign[patch];
+		bool unclear = w->groups[w->group[patch]].doubtful || w->disputed[patch];
 		doubtful[i] = estimated[i] && unclear;
 		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
@@ -441,6 +471,7 @@ static void release(orientation_work *w)
 	free(w->sign);
 	free(w->other);
 	free(w->by_angle);
+	free(w->disputed);
 	free(w->ratio);
 	free(w->group);
 	free(w->groups);
