@@ -27,7 +27,7 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
 						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
 	[LIGHT_KEY_PLACE] = { NULL, "place", LIGHT_VALUE_PLACE, SUN | SKY, 0,
-						  "LATITUDE,LONGITUDE, degrees north and east, of the sun" },
+						  "LATITUDE,LONGITUDE of the scan; with time: where the sun is" },
 	[LIGHT_KEY_TIME] = { NULL, "time", LIGHT_VALUE_TIME, SUN | SKY, 0,
 						 "as 2026-06-21T14:30+02:00, or with Z for UTC; with place" },
 	[LIGHT_KEY_NORTH] = { NULL, "north", LIGHT_VALUE_ANGLE, SUN | SKY, 0,
