@@ -1,6 +1,8 @@
 /* albedo_clipped.c - see albedo_clipped.h. */
 #include "result/albedo_clipped.h"
 
+#include "result/albedo_places.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,9 +11,7 @@
 #define WHITE_LEAST 0.9999f
 #define BLACK_MOST 1e-6f
 
-/* Points that a place holds, about, if they were spread over a sphere in the bounds; places are
- * twice as wide each time that one has none to ask, so often. */
-#define PLACE_POINTS 30.0
+/* Places are twice as wide each time that one has none to ask, so often. */
 #define WIDENINGS 4
 
 /* A point in its place. */
@@ -42,21 +42,6 @@ static int compare(const void *a, const void *b)
 		if (x->at[k] != y->at[k])
 			return x->at[k] < y->at[k] ? -1 : 1;
 	return (x->point > y->point) - (x->point < y->point);
-}
-
-static double find_bounds(const gw_points *p, double low[3])
-{
-	double high[3] = { -INFINITY, -INFINITY, -INFINITY }, diagonal = 0;
-	for (int k = 0; k < 3; k++)
-		low[k] = INFINITY;
-	for (size_t i = 0; i < 3 * p->count; i++)
-		if (isfinite(p->position[i])) {
-			low[i % 3] = fmin(low[i % 3], p->position[i]);
-			high[i % 3] = fmax(high[i % 3], p->position[i]);
-		}
-	for (int k = 0; k < 3; k++)
-		diagonal += (high[k] - low[k]) * (high[k] - low[k]);
-	return sqrt(diagonal);
 }
 
 static size_t list_members(const gw_points *p, const uint8_t *known, const double low[3],
@@ -128,8 +113,7 @@ static void fill_place(const member *list, size_t count, const uint8_t *ends, fl
 gw_status albedo_clipped_fill(const gw_points *points, const uint8_t *ends, const uint8_t *known,
 							  float *level, gw_error *error)
 {
-	double low[3], width = find_bounds(points, low);
-	width *= sqrt(M_PI * PLACE_POINTS / (double)points->count);
+	double low[3], width = albedo_place_width(points, low);
 	member *list = reallocarray(NULL, points->count, sizeof *list);
 	uint8_t *filled = calloc(points->count, 1);
 	bool good = list && filled;

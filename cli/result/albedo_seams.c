@@ -1,12 +1,12 @@
 /* albedo_seams.c - see albedo_seams.h. */
 #include "result/albedo_seams.h"
 
+#include "result/albedo_places.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Points that a place of overlap holds, about, if they were spread over a sphere in the bounds. */
-#define PLACE_POINTS 30.0
 #define SWEEPS 200
 
 /* A point in its place. */
@@ -32,26 +32,11 @@ static int compare(const void *a, const void *b)
 	return (x->point > y->point) - (x->point < y->point);
 }
 
-static double place_width(const gw_points *p, double low[3])
-{
-	double high[3] = { -INFINITY, -INFINITY, -INFINITY }, diagonal = 0;
-	for (int k = 0; k < 3; k++)
-		low[k] = INFINITY;
-	for (size_t i = 0; i < 3 * p->count; i++)
-		if (isfinite(p->position[i])) {
-			low[i % 3] = fmin(low[i % 3], p->position[i]);
-			high[i % 3] = fmax(high[i % 3], p->position[i]);
-		}
-	for (int k = 0; k < 3; k++)
-		diagonal += (high[k] - low[k]) * (high[k] - low[k]);
-	return sqrt(diagonal * M_PI * PLACE_POINTS / (double)p->count);
-}
-
 static size_t list_members(const loaded_scene *scene, const uint8_t *ends, const float *level,
 						   member *list)
 {
 	const gw_points *p = &scene->points.points;
-	double low[3], width = place_width(p, low);
+	double low[3], width = albedo_place_width(p, low);
 	size_t used = 0, point = 0;
 	for (uint32_t input = 0; input < scene->input_count; input++)
 		for (size_t end = point + scene->input[input].points; point < end; point++) {
