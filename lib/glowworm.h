@@ -112,6 +112,9 @@ typedef struct gw_points {
 							   (Salm 4.3.1); zero or non-finite ones are estimated */
 	const float *albedo;    /* 3 * count or NULL, linear RGB; clamped to [0, GW_ALBEDO_MAX] */
 	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
+	const float *opacity;   /* count or NULL: 1; 0..1, share of a point's piece of surface that is
+							   covered: the rest of it lets light through, and sends out none. What
+							   L and E say is of the covered part. Points of 0 are left out */
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of;  /* count or NULL: which scanner saw each point; for numbers that no
@@ -527,7 +530,7 @@ typedef struct gw_voxels {
 } gw_voxels;
 
 /* What a bake found; per-point arrays are in the order of gw_points. Points that were left out
- * (non-finite) hold zeros. */
+ * (non-finite or invisible) hold zeros. */
 typedef struct gw_bake_result {
 	size_t count;
 	float *radiance;            /* 3 * count, L */

@@ -51,10 +51,11 @@ typedef struct gw_surfels {
 						count, radians, RMS angle by which the normals that lamps shine on are
 						expected to be off */
 	float *normal_length;      /* count, length of the given normal in (0, 1]: spread of the NDF */
-	float *albedo;    /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
-	float *emission;  /* 3 * count, >= 0; NULL when nothing emits */
-	float *nearest;   /* count, maximum-norm distance to the nearest other surfel, metres
-						 (Salm 4.3.4); infinity for a cloud of one */
+	float *albedo;       /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
+	float *emission;     /* 3 * count, >= 0; NULL when nothing emits */
+	float *transparency; /* count, 1 - opacity, below 1; NULL when all are opaque */
+	float *nearest;      /* count, maximum-norm distance to the nearest other surfel, metres
+							(Salm 4.3.4); infinity for a cloud of one */
 	float *radius;    /* count, metres, of the disc: distance to the 8th neighbour on the surface,
 						 or half that to the furthest where scan lines are far apart */
 	float *area;      /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */

@@ -15,7 +15,8 @@ POINTS, SIDE, FRAMES = 60000, 3.0, 8
 
 class Points(c.Structure):  # gw_points
     _fields_ = [("count", c.c_size_t), ("position", c.c_void_p), ("normal", c.c_void_p),
-                ("albedo", c.c_void_p), ("emission", c.c_void_p), ("scanner", c.c_void_p),
+                ("albedo", c.c_void_p), ("emission", c.c_void_p), ("opacity", c.c_void_p),
+                ("scanner", c.c_void_p),
                 ("scanner_count", c.c_size_t), ("scanner_of", c.c_void_p),
                 ("image", c.c_void_p), ("image_count", c.c_size_t), ("image_cell", c.c_void_p),
                 ("own_area", c.c_void_p), ("stray", c.c_void_p), ("keep_strays", c.c_bool),

@@ -8,6 +8,7 @@ settings settings_default(void)
 {
 	settings s = { .bake = gw_bake_options_default(),
 				   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+				   .opacity = -1.0f,
 				   .quality = GW_QUALITY_NORMAL,
 				   .count = 1000000,
 				   .exposure = NAN,

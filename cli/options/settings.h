@@ -30,6 +30,8 @@ typedef struct settings_input {
 	float emission[3];
 	bool has_albedo;
 	float albedo[3]; /* linear */
+	bool has_opacity;
+	float opacity; /* 0..1 */
 	bool has_specular, has_roughness;
 	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
 	bool mesh;                 /* points are sampled on its faces */
@@ -185,6 +187,7 @@ typedef struct settings {
 	int capture;                     /* a settings_capture */
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int quality;                     /* a gw_quality */
+	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
 	const char *transport, *save_transport;

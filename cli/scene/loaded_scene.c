@@ -1,6 +1,7 @@
 #include "scene/loaded_scene.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
@@ -152,6 +153,17 @@ static gw_status set_gloss(const settings_input *from, scan *cloud, gw_error *er
 	return GW_OK;
 }
 
+/* Columns of the input stay where they say the same. */
+static gw_status set_opacity(const settings *s, const settings_input *from, scan *cloud,
+							 gw_error *error)
+{
+	float opacity = from->has_opacity ? from->opacity : s->opacity;
+	bool known = opacity >= 0.0f;
+	return known && (opacity < 1.0f || scan_opacity_find(cloud))
+			   ? set_number(cloud, "opacity", opacity, error)
+			   : GW_OK;
+}
+
 static uint8_t to_byte(double value)
 {
 	return value > 0.0 ? (uint8_t)(fmin(value, 1.0) * 255.0 + 0.5) : 0;
@@ -264,6 +276,7 @@ static gw_status finish_part(const settings *s, const settings_input *from, part
 	if (from->has_emission)
 		GW_TRY(set_emission(&p->cloud, from->emission, error));
 	GW_TRY(set_gloss(from, &p->cloud, error));
+	GW_TRY(set_opacity(s, from, &p->cloud, error));
 	gw_status status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
 	if (status != GW_OK)
 		gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
@@ -336,7 +349,7 @@ static gw_status sample_mesh(const settings *s, size_t i, double density, loaded
 
 /* ------------------------------------------------------------------------------- joining */
 
-/* Appends n values to count ones; a missing array counts as zeros. */
+/* Appends n values to count ones; 0 stands for what is missing. */
 static gw_status append_floats(float **to, size_t count, const float *from, size_t n,
 							   gw_error *error)
 {
@@ -388,7 +401,23 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
 	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
+	bool clear = to->opacity || from->opacity, whole = !to->opacity;
+	n = from->points.count;
+	GW_TRY(append_floats(&to->opacity, count, from->opacity, n, error));
+	for (size_t i = 0; clear && whole && i < count; i++)
+		to->opacity[i] = 1.0f;
+	for (size_t i = 0; clear && !from->opacity && i < n; i++)
+		to->opacity[count + i] = 1.0f;
 	return append_strays(to, count, from, error);
+}
+
+/* Where one of two clouds has a column of opacity, points of the other are opaque in it. */
+static gw_status level_opacity(const scan *has, scan *lacks, gw_error *error)
+{
+	const scan_column *column = scan_opacity_find(has);
+	if (!column || scan_find(lacks, column->name))
+		return GW_OK;
+	return set_number(lacks, column->name, (float)scan_opacity_full(column, has->count), error);
 }
 
 static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
@@ -401,6 +430,8 @@ static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_
 		return GW_OK;
 	}
 	GW_TRY(append_points(&scene->points, scene->cloud.count, points, error));
+	GW_TRY(level_opacity(&scene->cloud, cloud, error));
+	GW_TRY(level_opacity(cloud, &scene->cloud, error));
 	return scan_append(&scene->cloud, cloud, error);
 }
 
@@ -638,6 +669,7 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
+							 .opacity = p->opacity,
 							 .stray = p->stray,
 							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .up = scene->up,

@@ -348,9 +348,10 @@ static gw_status take_share(const reader *r, json_t *value, bool *given, float *
 
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file", "matrix",   "emission", "albedo",
-										"mesh", "density",  "specular", "roughness",
-										"path", "matrices", "pivot",    "interpolation" };
+	static const char *const name[] = { "file",         "matrix", "emission", "albedo",
+										"opacity",      "mesh",   "density",  "specular",
+										"roughness",    "path",   "matrices", "pivot",
+										"interpolation" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -373,6 +374,8 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 		return take_density(r, value, &input->density);
 	if (strcmp(key, "specular") == 0)
 		return take_share(r, value, &input->has_specular, &input->specular);
+	if (strcmp(key, "opacity") == 0)
+		return take_share(r, value, &input->has_opacity, &input->opacity);
 	if (strcmp(key, "roughness") == 0)
 		return take_share(r, value, &input->has_roughness, &input->roughness);
 	return fail_key(r, name, sizeof name / sizeof *name);

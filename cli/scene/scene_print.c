@@ -230,6 +230,8 @@ void scene_write(FILE *out, const settings *s)
 			json_put_singles(&json, "emission", input->emission, 3);
 		if (input->has_albedo)
 			json_put_singles(&json, "albedo", input->albedo, 3);
+		if (input->has_opacity)
+			json_put_single(&json, "opacity", input->opacity);
 		if (input->has_specular)
 			json_put_single(&json, "specular", input->specular);
 		if (input->has_roughness)

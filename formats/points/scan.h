@@ -149,11 +149,12 @@ typedef struct scan_points {
 	float *normal;
 	float *albedo;
 	float *emission;
+	float *opacity; /* NULL where all are opaque */
 	uint8_t *stray; /* owned */
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo, emission, and which points a
+ * Derives positions, normals, linear albedo, emission, opacity, and which points a
  * file calls noise or withholds. What colours count up to, from 1 to
  * 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO, colours that are all black
  * count as none. CloudCompare's prefix scalar_ is understood. A lit file's own albedo_* columns go

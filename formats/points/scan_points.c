@@ -3,6 +3,7 @@
  * encoding. Values are handed on as they are; the library repairs and counts bad ones.
  */
 #include "points/scan_color.h"
+#include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
 
 #include <math.h>
@@ -279,7 +280,7 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	bool all = scan_find_triple(cloud, emission_names, column);
 	if (all || column[0] || column[1] || column[2])
 		GW_TRY(gather(&out->emission, column, cloud->count, error));
-	return GW_OK;
+	return scan_opacity_make(cloud, &out->opacity, error);
 }
 
 gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,
@@ -298,6 +299,7 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .normal = out->normal,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
+							   .opacity = out->opacity,
 							   .stray = out->stray,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
@@ -314,6 +316,7 @@ void scan_points_clear(scan_points *points)
 	free(points->normal);
 	free(points->albedo);
 	free(points->emission);
+	free(points->opacity);
 	free(points->stray);
 	memset(points, 0, sizeof *points);
 }

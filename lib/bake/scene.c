@@ -200,10 +200,21 @@ void gw_report_emission(gw_report *r, const gw_surfels *s)
 					"points with negative or non-finite emission: taken as 0");
 }
 
+static uint64_t count_invisible(const gw_points *points)
+{
+	uint64_t invisible = 0;
+	for (size_t i = 0; points->opacity && i < points->count; i++)
+		invisible += !(points->opacity[i] > 0.0f);
+	return invisible;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
-	gw_report_count(r, "left_out_non_finite", s->non_finite - far,
+	uint64_t invisible = count_invisible(points);
+	gw_report_count(r, "left_out_invisible", invisible,
+					"points of opacity 0: left out, written as dark");
+	gw_report_count(r, "left_out_non_finite", s->non_finite - far - invisible,
 					"points without finite coordinates: left out, written as dark");
 	gw_report_count(r, "left_out_far", far,
 					"points with a coordinate beyond 1e12 m: left out, written as dark");

@@ -199,7 +199,7 @@ static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *
 							   .direction = way->direction,
 							   .facing = way->direction,
 							   .t_max = FAR_METRES };
-	gw_check_hit hit = gw_check_discs_trace(discs, &ray);
+	gw_check_hit hit = gw_check_discs_trace(discs, &ray, GW_THROUGH_LEAST);
 	if (hit.passed_back_face)
 		return 1.0;
 	if (hit.large != GW_NONE && hit.small != GW_NONE)

@@ -141,6 +141,15 @@ typedef struct ray_finding {
 	bool passed_back_face; /* of a disc */
 } ray_finding;
 
+/* What a surfel sends along a ray; the back of what lets light through is dark. */
+static double light_of(const gw_geometry_task *t, uint32_t surfel, gw_vec3 direction)
+{
+	const gw_surfels *s = t->surfels;
+	bool dark = s->transparency && s->transparency[surfel] > 0.0f && !s->two_sided[surfel] &&
+				gw_dot(gw_xyz(s->normal + 3 * (size_t)surfel), direction) > 0.0f;
+	return dark ? 0.0 : (double)t->radiance[surfel];
+}
+
 static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 {
 	const gw_geometry_task *t = c->task;
@@ -154,12 +163,13 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 						 .t_max = FAR_METRES };
 	ray.origin =
 		gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(place, t->octree->leaf_size));
-	gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
+	gw_check_hit hit =
+		gw_check_discs_trace(c->task->discs, &ray, gw_record_chance(place, k, t->rays->seed));
 	uint32_t facet = facet_hit(c, record, k);
 	bool leaves = facet == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
 	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
-	double small = hit.small == GW_NONE ? sky : (double)t->radiance[hit.small];
-	double large = hit.large == GW_NONE ? sky : (double)t->radiance[hit.large];
+	double small = hit.small == GW_NONE ? sky : light_of(t, hit.small, ray.direction);
+	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
 	double found = (double)own[3] * (facet == GW_NONE ? sky : facet_light(c, facet, &hit));
 	return (ray_finding){ .excess = outside(found, small, large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
@@ -310,9 +320,11 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 							 .own = fmaxf(OWN_RADII * s->radius[surfel], o->leaf_size),
 							 .both_sides = true };
 		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
-		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
-		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
-		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;
+		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray, GW_THROUGH_LEAST);
+		double share[2] = { hit.small == GW_NONE ? (double)hit.through[0] : 0.0,
+							hit.large == GW_NONE ? (double)hit.through[1] : 0.0 };
+		for (int size = 0; size < 2; size++)
+			light[size] += whole * share[size] / lamp->samples;
 	}
 }
 

@@ -93,8 +93,9 @@ static double light_of_lamps(const check *c, size_t surfel, gw_vec3 facing)
 								 .own = OWN_RADII * s->radius[surfel],
 								 .both_sides = true };
 			ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
-			gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
-			sum += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
+			gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray, GW_THROUGH_LEAST);
+			double share = hit.small == GW_NONE ? (double)hit.through[0] : 0.0;
+			sum += whole * share / lamp->samples;
 		}
 	}
 	return sum;
@@ -112,7 +113,8 @@ static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
 {
 	const gw_check_ray *ray = &from->ray;
 	const gw_surfels *s = c->task->surfels;
-	gw_check_hit hit = gw_check_discs_trace(c->task->discs, ray);
+	float chance = gw_record_chance(ray->origin, k, c->task->seed);
+	gw_check_hit hit = gw_check_discs_trace(c->task->discs, ray, chance);
 	uint32_t met = hit.small;
 	double light = 0.0;
 	bool meets_front = false, near = false;

@@ -196,7 +196,8 @@ static gw_status trace_visibility(const gw_lit_cloud *cloud, const gw_light_push
 									gw_window(normal, 16),
 									gw_window(visibility, 4),
 									GW_DISC_BINDINGS(cloud->octree),
-									GW_TREE_BINDING(cloud->octree) };
+									GW_TREE_BINDING(cloud->octree),
+									GW_OPACITY_BINDING(cloud->octree) };
 	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_VISIBILITY, bindings, push,
 						 cloud->surfels->count, error);
 }
@@ -205,7 +206,8 @@ static gw_status find_visibility(const gw_lit_cloud *cloud, const gw_light_push 
 								 const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
 	/* Maps show planes in cells, and of large discs no more than that. */
-	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0;
+	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0 &&
+				cloud->octree->dark_slot == 0;
 	if (maps)
 		return gw_shadow_map_visibility(cloud, push, visibility, error);
 	if (cloud->options->shadows != GW_SHADOWS_NONE)

@@ -50,6 +50,13 @@ gw_vec3 gw_record_ray(gw_vec3 g, gw_vec3 normal, uint32_t k, uint32_t rays, uint
 	return to_c(of.record_ray(from_c(g), from_c(normal), k, cosine));
 }
 
+float gw_record_chance(gw_vec3 g, uint32_t k, uint32_t seed)
+{
+	record of = {};
+	of.push.seed = seed;
+	return of.record_chance(from_c(g), k);
+}
+
 float gw_lamp_share(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance)
 {
 	light lamp = { {}, *push };

@@ -14,6 +14,9 @@ extern "C" {
 /* Direction of the k-th of a record's gather rays: record_ray.glsl. */
 gw_vec3 gw_record_ray(gw_vec3 g, gw_vec3 normal, uint32_t k, uint32_t rays, uint32_t seed);
 
+/* How much of such a ray's light has to be left for it to go on: record_ray.glsl. */
+float gw_record_chance(gw_vec3 g, uint32_t k, uint32_t seed);
+
 /* Share of its power that a light sends towards a place, where it is from there, and how far:
  * light.glsl. */
 float gw_lamp_share(const gw_light_push *push, gw_vec3 g, gw_vec3 *towards, float *distance);

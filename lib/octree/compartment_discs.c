@@ -126,34 +126,35 @@ static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
 	}
 }
 
-static void wall_all(walls *w, const gw_view *view, size_t surfels)
+static void wall_all(walls *w, const gw_view *view, const gw_surfels *surfels)
 {
 	const float *place = view[0].bytes, *normal = view[1].bytes, *size = view[2].bytes,
 				*clip = view[3].bytes;
 	const float origin[3] = { 0.0f, 0.0f, 0.0f };
-	for (size_t i = 0; i < surfels && !w->failed; i++) {
-		if (size[4 * i] < GW_SPARSE_RADIUS)
+	const float *clear = surfels->transparency;
+	for (size_t i = 0; i < surfels->count && !w->failed; i++) {
+		if (size[4 * i] < GW_SPARSE_RADIUS || (clear && clear[i] > 0.0f))
 			continue;
 		disc d = disc_of(place + 4 * i, normal + 4 * i, size + 4 * i, clip + 4 * i, w->c->depth);
 		wall_below(w, &d, 0, 0, origin);
 	}
 }
 
-gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									 gw_compartments *c, gw_error *error)
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
 {
 	const gw_buffer *const buffer[4] = { &octree->surfel_position, &octree->surfel_normal,
 										 &octree->surfel_disc, &octree->surfel_clip };
 	gw_view view[4] = { 0 };
 	gw_status status = GW_OK;
 	for (int i = 0; i < 4 && status == GW_OK; i++)
-		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels, &view[i], error);
+		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels->count, &view[i], error);
 	walls w = { c, c->first / 8, false };
 	if (status == GW_OK)
 		wall_all(&w, view, surfels);
 	for (int i = 0; i < 4; i++)
 		gw_view_close(&view[i]);
-	return w.failed
-			   ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels", surfels)
-			   : status;
+	return w.failed ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
+							  surfels->count)
+					: status;
 }

@@ -44,9 +44,10 @@ uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3
 /* Leaf cells: discs of this radius and more are of sparse surface. */
 #define GW_SPARSE_RADIUS 2.0f
 
-/* Makes walls of the discs of sparse surface; c->first grows. */
-gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									 gw_compartments *c, gw_error *error);
+/* Makes walls of the discs of sparse surface that is opaque; c->first grows. */
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c,
+									 gw_error *error);
 
 /* Makes walls of the voids in surface. */
 gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,

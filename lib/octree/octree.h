@@ -52,6 +52,9 @@ typedef struct gw_octree {
 	uint32_t fragment_count;
 	/* surfels whose disc is larger than GW_DISC_MAX leaf cells */
 	uint32_t tree_discs;
+	/* 0 where all is opaque; else 1 + a slot that no facet has, and which sends out nothing: what
+	 * rays find that are stopped by the back of a surface that others pass */
+	uint32_t dark_slot;
 	/* tiles of level l (whose nodes are of level l) are tile_first[l] .. tile_first[l + 1] -
 	 * 1; l = 1..depth - 1 */
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
@@ -96,7 +99,8 @@ typedef struct gw_octree {
 	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
 	gw_buffer facet_centre;
-	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided */
+	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, plus the mean
+	 * transparency, which is below 1 */
 	gw_buffer facet_albedo;
 	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
 	gw_buffer facet_emission;
@@ -132,6 +136,12 @@ typedef struct gw_octree {
 	/* Its empty space: NULL until somebody asks (compartments.h). */
 	struct gw_compartments *compartments;
 } gw_octree;
+
+/* The opacity of a facet, of which w is that of its facet_albedo. */
+static inline float gw_facet_opacity(float w)
+{
+	return w >= 1.0f ? 2.0f - w : 1.0f - w;
+}
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);

@@ -91,7 +91,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 	default:
 		for (int k = 0; k < 3; k++)
 			out[k] = (which == 5 ? s->albedo : s->emission)[3 * i + (size_t)k];
-		out[3] = 0;
+		out[3] = which == 5 && s->transparency ? s->transparency[i] : 0;
 	}
 }
 

@@ -4,7 +4,7 @@
  * One invocation a surfel. A light without extent gets one ray; one with a radius gets
  * push.samples rays to points spread over the disc that it shows: first to its rim, and to the rest
  * of it only where some of these see it and some do not. GW_HIDDEN_BY_CREASE is added
- * where what hides the light ends at creases.
+ * where what hides the light ends at creases. Surface that lets light through dims it.
  */
 #include "octree/octree_layout.h"
 #include "light/transport_layout.h"
@@ -25,8 +25,10 @@ TEXELS(11, vec4, surfel_facing);
 TEXELS(12, vec4, surfel_disc);
 TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
+TEXELS(15, vec4, facet_albedo);
 PUSH(gw_light_push);
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 #include "light/light.glsl"
@@ -52,9 +54,10 @@ float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
 	uint rays = push.samples;
 	for (uint s = 0u; s < rays; s++) {
 		aim_at_light(push.samples - 1u - s, turn, towards, distance, ray);
-		uint facet = trace(ray).facet;
+		float through;
+		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
 		if (facet == GW_NONE)
-			seen += 1.0f;
+			seen += through;
 		else if (ends_at_crease(facet))
 			hidden = GW_HIDDEN_BY_CREASE;
 		if (s + 1u == GW_LIGHT_RIM && (seen == 0.0f || seen == float(GW_LIGHT_RIM)))

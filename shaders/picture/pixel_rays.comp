@@ -37,11 +37,13 @@ layout(binding = 14) buffer Reflected
 	vec4 pixel_reflected[];
 };
 layout(binding = 15) uniform usamplerBuffer disc_tree;
+layout(binding = 16) uniform samplerBuffer facet_albedo;
 layout(push_constant) uniform Push
 {
 	gw_pixel_push push;
 };
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 
@@ -106,7 +108,8 @@ void main()
 	float share;
 	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
-	Hit hit = trace(ray);
+	float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), push.ray);
+	Hit hit = trace_through(ray, chance, through);
 	vec3 seen = hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : push.sky.xyz;
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
 	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
