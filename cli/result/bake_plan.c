@@ -1,5 +1,7 @@
 #include "result/bake_plan.h"
 #include "program/text_quote.h"
+#include "points/scan_color.h"
+#include "scene/glossy_points.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -18,6 +20,44 @@ gw_bake_options bake_plan_options(const settings *s)
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
 	return options;
+}
+
+static void add(gw_report *r, const char *name, const char *method, const char *reason)
+{
+	if (r->effect_count >= GW_REPORT_EFFECTS)
+		return;
+	gw_effect *e = &r->effect[r->effect_count++];
+	*e = (gw_effect){ .called_for = method != NULL };
+	snprintf(e->name, sizeof e->name, "%s", name);
+	snprintf(e->method, sizeof e->method, "%s", method ? method : "");
+	snprintf(e->reason, sizeof e->reason, "%s", reason);
+}
+
+static size_t count_glossy(const loaded_scene *scene)
+{
+	const scan_column *specular = scan_find_scalar(&scene->cloud, "specular");
+	size_t glossy = 0;
+	for (size_t i = 0; specular && i < scene->cloud.count; i++)
+		glossy += glossy_points_share(scan_value(specular, i), 0.0f) > 0.0f;
+	return glossy;
+}
+
+void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
+{
+	char reason[sizeof r->effect->reason];
+	bool columns = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for", s->light_count);
+	add(r, "columns", columns ? "solved again for each light" : NULL,
+		columns ? reason : "no light is asked for by itself");
+	size_t glossy = count_glossy(scene);
+	snprintf(reason, sizeof reason, "%zu points are glossy: light bounces on with all they reflect",
+			 glossy);
+	add(r, "gloss", glossy > 0 ? "as matt; `render` shows reflections" : NULL,
+		glossy > 0 ? reason : "no point is glossy");
+	snprintf(reason, sizeof reason, "%zu inputs move in %u frames: this is the plan of frame 0",
+			 s->path_count, s->frame_count);
+	add(r, "motion", s->frame_count > 0 ? "what stands still is kept between frames" : NULL,
+		s->frame_count > 0 ? reason : "nothing moves");
 }
 
 uint64_t bake_plan_peak(void)

@@ -5,11 +5,14 @@
 #ifndef BAKE_PLAN_H
 #define BAKE_PLAN_H
 
-#include "options/settings.h"
+#include "scene/loaded_scene.h"
 #include "program/json_writer.h"
 
 /* The library's options for a bake by these settings: columns and grids call for some of them. */
 gw_bake_options bake_plan_options(const settings *settings);
+
+/* Adds the effects to a report that its library does not know of: columns, gloss and motion. */
+void bake_plan_add_scene(gw_report *report, const settings *settings, const loaded_scene *scene);
 
 /* What is foretold of the whole program, reading included and writing not. */
 typedef struct bake_plan_forecast {

@@ -244,6 +244,7 @@ static void on_planned(void *user, const gw_report *report)
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, b->settings, &columns) : 0;
 	progress_clear(&b->progress);
 	b->planned = *report;
+	bake_plan_add_scene(&b->planned, b->settings, &b->scene);
 	b->facts.forecast =
 		bake_plan_foretell(&b->planned, b->facts.read_seconds, b->scene.cloud.count, row);
 	if (b->settings->explain)

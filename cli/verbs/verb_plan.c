@@ -62,10 +62,11 @@ static gw_status make(plan *p)
 	return status;
 }
 
-static void print(const plan *p)
+static void print(plan *p)
 {
 	const settings *s = p->settings;
 	size_t columns, row = lit_scan_row_bytes(&p->scene, s, &columns);
+	bake_plan_add_scene(&p->report, s, &p->scene);
 	const bake_plan_forecast forecast =
 		bake_plan_foretell(&p->report, p->read_seconds, p->scene.cloud.count, s->output ? row : 0);
 	if (!s->json) {
