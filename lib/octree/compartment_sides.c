@@ -21,6 +21,9 @@
 #define STEP 0.5f
 #define STEPS 6
 
+/* And those who learn nothing from others either: amid walls of sparse surface. */
+#define STEPS_FAR 32
+
 /* Surfels that have to look into a compartment before it counts as one: noise leaves bubbles amid
  * surface, that few look into. */
 #define LOOKING_LEAST 64u
@@ -49,6 +52,7 @@ typedef struct sight {
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
 	enum asking asking;
+	int steps; /* along normals */
 } sight;
 
 typedef struct views {
@@ -108,7 +112,7 @@ static void step_along(const float from[3], const float way[3], float t, float t
 /* The first empty cell along a normal. */
 static uint32_t look_along(const sight *s, const float from[3], const float normal[3], float step)
 {
-	for (int i = 0; i <= STEPS; i++) {
+	for (int i = 0; i <= s->steps; i++) {
 		float place[3], passed[3];
 		int32_t cell[3];
 		step_along(from, normal, step * (float)i, place);
@@ -281,6 +285,10 @@ static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *side
 		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
 		memcpy(sides, other, 2 * surfels * sizeof *sides);
 	}
+	s->to = sides;
+	s->steps = STEPS_FAR;
+	if (*several > 1)
+		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
 	return GW_OK;
 }
 
@@ -321,7 +329,8 @@ static sight sight_of(gw_compartments *c, const views *v)
 					.plane = v->plane.bytes,
 					.leaf_tile = v->leaf_tile.bytes,
 					.leaf_fragment = v->leaf_fragment.bytes,
-					.fragment_surfel = v->fragment_surfel.bytes };
+					.fragment_surfel = v->fragment_surfel.bytes,
+					.steps = STEPS };
 }
 
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,

@@ -186,17 +186,29 @@ static void unevenly_sampled_ones_as_well(void **state)
 	box b = { .count = 30000, .width = 1.0, .facing = 1, .about_x = 0.3, .about_z = 0.9 };
 	for (b.dense = 3.0; b.dense < 10.0; b.dense *= 3.0)
 		expect_dark_box(b, 35.0);
+	for (b.dense = 20.0; b.dense < 50.0; b.dense *= 2.0) {
+		expect_dark_box(b, 10.0);
+		expect_dark_box(b, 60.0);
+	}
+	b.about_x = b.about_z = 0.0;
+	b.dense = 20.0;
+	expect_dark_box(b, 35.0);
 }
 
 static void sky_and_lamps_stay_outside(void **state)
 {
 	(void)state;
 	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
-	for (int i = 0; i < 3; i++, b.noise += 0.25) {
+	for (int i = 0; i < 4; i++, b.noise += 0.25) {
 		scene s = { 0 };
+		if (i == 3) { /* one half 20 times as sparse */
+			b.count = 30000;
+			b.dense = 20.0;
+			b.noise = 0.0;
+		}
 		add_random_box(&s, b);
 		size_t lit = count_lit(&s, s.count);
-		print_message("noise %.2f: %zu lit\n", b.noise, lit);
+		print_message("%zu points, noise %.2f: %zu lit\n", s.count, b.noise, lit);
 		scene_clear(&s);
 		assert_int_equal(lit, 0);
 	}
@@ -222,20 +234,27 @@ static void walls_with_two_sides_shut_out(void **state)
 	}
 }
 
+static void expect_open(box b, double spacings)
+{
+	scene s = { 0 };
+	b.window = spacings * sqrt(6.0 * fmax(b.dense, 1.0) / (double)b.count);
+	add_random_box(&s, b);
+	size_t lit = count_lit(&s, s.count);
+	print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
+	assert_true(lit > s.count * 99 / 100);
+	scene_clear(&s);
+}
+
 /* Windows of some spacings: sky through them lights all of the room. */
 static void windows_stay_open(void **state)
 {
 	(void)state;
-	for (double spacings = 7.0; spacings < 15.0; spacings *= 2.0) {
-		box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
-		b.window = spacings * sqrt(6.0 / (double)b.count);
-		scene s = { 0 };
-		add_random_box(&s, b);
-		size_t lit = count_lit(&s, s.count);
-		print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
-		assert_true(lit > s.count * 99 / 100);
-		scene_clear(&s);
-	}
+	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
+	expect_open(b, 7.0);
+	expect_open(b, 14.0);
+	b.count = 30000; /* in surface of which one half is sparse */
+	b.dense = 20.0;
+	expect_open(b, 7.0);
 }
 
 int main(void)
