@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "octree/octree_layout.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -372,6 +373,28 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
 			}
 		}
+	}
+	close_views(&v);
+	return status;
+}
+
+gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
+									gw_error *error)
+{
+	views v = { 0 };
+	gw_status status = open_views(gpu, octree, &v, error);
+	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
+	const float *normal = v.normal.bytes;
+	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++) {
+		votes of[2] = { 0 };
+		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
+			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
+			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
+				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
+					 octree->compartments->sides[2 * surfel]);
+		}
+		label[2 * leaf] = winner(&of[0]);
+		label[2 * leaf + 1] = winner(&of[1]);
 	}
 	close_views(&v);
 	return status;
