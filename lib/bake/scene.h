@@ -142,7 +142,7 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
  */
 gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
 
-/* Finds what rock keeps apart, for light that comes from elsewhere. */
+/* Finds what rock keeps apart, and what records must not see through it. */
 gw_status gw_scene_find_compartments(gw_scene *scene, gw_error *error);
 
 /* Sees to it that portals to the sky are known and sampled from all records. */

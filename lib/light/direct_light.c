@@ -386,8 +386,13 @@ static gw_status find_share(const gw_lit_cloud *cloud, const gw_light_push *push
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
 		visibility, error));
 	GW_TRY(gw_buffer_fill(gpu, visibility, seen, error));
-	GW_TRY(find_visibility(cloud, push, &cloud->octree->surfel_normal, visibility, error));
-	return gw_buffer_download(gpu, visibility, 0, share, bytes, error);
+	gw_buffer reached = { 0 };
+	const gw_buffer *normal = &cloud->octree->surfel_normal;
+	GW_TRY(gw_shut_out_light(cloud, push, normal, &reached, error));
+	gw_status status = find_visibility(
+		cloud, push, reached.handle != VK_NULL_HANDLE ? &reached : normal, visibility, error);
+	gw_buffer_destroy(gpu, &reached);
+	return status == GW_OK ? gw_buffer_download(gpu, visibility, 0, share, bytes, error) : status;
 }
 
 gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,
