@@ -307,7 +307,7 @@ static gw_status make_comments(maker *m)
 	if (m->settings->colors == 0)
 		GW_TRY(comment(m, text));
 	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
-	if (m->lit->up != 'z')
+	if (m->lit->up != 'z' || m->settings->up != SETTINGS_UP_AUTO)
 		GW_TRY(comment(m, text));
 	return comment_error(m);
 }
