@@ -411,7 +411,8 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the seven below that are parts of it */
+	double relative_rms; /* root mean square error: of the seven below that are parts of it, and
+							not less than halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -430,6 +431,9 @@ typedef struct gw_error_estimate {
 	double sides;       /* of surfaces that may face the other way, as what points see on both sides
 						   says (side_error.h) */
 	double sides_share; /* of the points: those that are likely to */
+	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
+					  half of the points (half_sample.h): where more than a tenth had no
+					  normal, or some are strays. 0: nobody looked, or nothing was found */
 } gw_error_estimate;
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */

@@ -353,7 +353,8 @@ const option options[] = {
 	  AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
-		  "of a depth camera's own frame; auto asks the format" },
+		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
+		  "z, or y if the points stand on it" },
 	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO),
 	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
 	  .help =
