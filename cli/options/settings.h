@@ -80,15 +80,20 @@ typedef enum settings_progress {
 
 /* Columns that are written on request. */
 typedef enum settings_field {
-	SETTINGS_FIELD_DIRECT,     /* irradiance straight from lights, emitters and sky */
-	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
-	SETTINGS_FIELD_IRRADIANCE, /* both together */
-	SETTINGS_FIELD_ROI,        /* side of the region of influence */
-	SETTINGS_FIELD_AO,         /* ambient occlusion: ambient light, 0..1 */
-	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
-	SETTINGS_FIELD_ERROR,      /* how far records disagree */
-	SETTINGS_FIELD_UNKNOWN,    /* share of what is gathered that comes through gaps */
-	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */
+	SETTINGS_FIELD_DIRECT,     /* radiance by light straight from lights, emitters and sky */
+	SETTINGS_FIELD_INDIRECT,   /* radiance by light that was reflected before */
+	SETTINGS_FIELD_IRRADIANCE, /* of both together */
+	SETTINGS_FIELD_DIRECT_IRRADIANCE,
+	SETTINGS_FIELD_INDIRECT_IRRADIANCE,
+	SETTINGS_FIELD_LUMINANCE,    /* cd/m^2, of a photometric scene */
+	SETTINGS_FIELD_ILLUMINANCE,  /* lx, of a photometric scene */
+	SETTINGS_FIELD_ROI,          /* side of the region of influence */
+	SETTINGS_FIELD_AO,           /* ambient occlusion: ambient light, 0..1 */
+	SETTINGS_FIELD_BENT_NORMALS, /* where ambient light comes from */
+	SETTINGS_FIELD_NORMALS,      /* the normals that the bake used */
+	SETTINGS_FIELD_ERROR,        /* how far records disagree */
+	SETTINGS_FIELD_UNKNOWN,      /* share of what is gathered that comes through gaps */
+	SETTINGS_FIELD_LIGHTS,       /* radiance by lamp */
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
@@ -105,7 +110,7 @@ typedef enum settings_view {
 	SETTINGS_VIEW_ALBEDO,
 	SETTINGS_VIEW_NORMAL,
 	SETTINGS_VIEW_DEPTH,
-	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
+	SETTINGS_VIEW_DIRECT, /* radiance, as SETTINGS_FIELD_DIRECT */
 	SETTINGS_VIEW_INDIRECT,
 	SETTINGS_VIEW_ROI,     /* size of the region of influence */
 	SETTINGS_VIEW_NDF,     /* length of the normals */

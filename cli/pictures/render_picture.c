@@ -127,10 +127,8 @@ static gw_status fit_range(const render_scene *scene, settings_view view, const 
 		*range = (false_color_range){ 0.0, 1.0, false, "" };
 	if (view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI)
 		range->unit = "m";
-	else if (view == SETTINGS_VIEW_RADIANCE || view == SETTINGS_VIEW_VOXELS)
+	else if (render_view_is_light(view))
 		range->unit = scene->photometric ? "cd/m^2" : "W/(sr m^2)";
-	else if (view == SETTINGS_VIEW_DIRECT || view == SETTINGS_VIEW_INDIRECT)
-		range->unit = scene->photometric ? "lx" : "W/m^2";
 	return GW_OK;
 }
 

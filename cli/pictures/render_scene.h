@@ -12,7 +12,7 @@
 typedef enum render_channel {
 	RENDER_ALBEDO,    /* 3 */
 	RENDER_RADIANCE,  /* 3, of a lit cloud */
-	RENDER_DIRECT,    /* 3, irradiance; when the bake was asked for it */
+	RENDER_DIRECT,    /* 3, radiance by direct light; when the bake was asked for it */
 	RENDER_INDIRECT,  /* 3 */
 	RENDER_EMISSION,  /* 3; when something emits */
 	RENDER_NDF,       /* 1, length of the normal */

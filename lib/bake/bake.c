@@ -187,7 +187,7 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->scene.options.ambient_occlusion);
+		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
@@ -202,8 +202,7 @@ static bool needs_lamps(const bake *b)
 
 static bool needs_record_fields(const bake *b)
 {
-	const gw_bake_options *o = &b->scene.options;
-	return o->ambient_occlusion || o->errors || o->unknown;
+	return gw_options_record_fields(&b->scene.options);
 }
 
 static bool needs_voxels(const bake *b)
@@ -582,6 +581,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->lamp);
 	free(r->rest);
 	free(r->ambient_occlusion);
+	free(r->bent_normal);
 	free(r->error);
 	free(r->unknown);
 	free(r->roi);
