@@ -86,12 +86,11 @@ static bool crosses(const plate *p, size_t a, size_t b, double level)
 		   ((double)p->smooth[a] >= level) != ((double)p->smooth[b] >= level);
 }
 
-static bool on_line(const plate *p, size_t pixel, double level)
+static bool on_line(const plate *p, size_t x, size_t y, double level)
 {
-	bool right = pixel % p->g->width + 1 < p->g->width;
-	bool below = pixel / p->g->width + 1 < p->g->height;
-	return (right && crosses(p, pixel, pixel + 1, level)) ||
-		   (below && crosses(p, pixel, pixel + p->g->width, level));
+	size_t width = p->g->width, pixel = y * width + x;
+	return (x + 1 < width && crosses(p, pixel, pixel + 1, level)) ||
+		   (y + 1 < p->g->height && crosses(p, pixel, pixel + width, level));
 }
 
 /* Dark on light, light on dark. */
@@ -147,17 +146,18 @@ static void draw_label(const canvas *c, double level, const int64_t place[2])
 
 static void draw_level(plate *p, const canvas *c, double level, uint8_t *line)
 {
-	size_t width = p->g->width, pixels = width * p->g->height;
+	size_t width = p->g->width, height = p->g->height;
 	double middle[2] = { 0.0, 0.0 }, count = 0.0;
-	for (size_t i = 0; i < pixels; i++) {
-		line[i] = on_line(p, i, level);
-		if (!line[i])
-			continue;
-		middle[0] += (double)(i % width);
-		middle[1] += (double)(i / width);
-		count += 1.0;
-	}
-	for (size_t i = 0; i < pixels; i++)
+	for (size_t y = 0; y < height; y++)
+		for (size_t x = 0; x < width; x++) {
+			line[y * width + x] = on_line(p, x, y, level);
+			if (!line[y * width + x])
+				continue;
+			middle[0] += (double)x;
+			middle[1] += (double)y;
+			count += 1.0;
+		}
+	for (size_t i = 0; i < width * height; i++)
 		if (line[i])
 			draw_pixel(c, i);
 	middle[0] /= count;
