@@ -332,6 +332,7 @@ typedef struct gw_bake_options {
 	bool voxels;            /* fill gw_bake_result.voxels */
 	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
+	bool bent_normals;      /* fill gw_bake_result.bent_normal */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool unknown;                     /* fill gw_bake_result.unknown */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
@@ -588,6 +589,8 @@ typedef struct gw_bake_result {
 	float *rest;              /* 3 * count, what points that emit add to L; NULL when none does */
 	float *ambient_occlusion; /* count, 0..1: cosine-weighted share of the hemisphere in which
 						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
+	float *bent_normal;       /* 3 * count, unit vectors: the mean direction of that share; zeros
+								 where it is 0; NULL unless asked */
 	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
 	float *unknown;           /* count, 0..1: share of what is gathered around a point, weighted as
 								 irradiance, that would come through gaps; 0 where no scanner is

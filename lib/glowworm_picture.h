@@ -468,7 +468,7 @@ typedef struct gw_pixels {
 typedef struct gw_reflection {
 	uint32_t rays; /* a pixel whose surface is rough, at least 1; a mirror takes one */
 	bool cone;     /* one cone instead; needs bricks */
-	float sky[3];  /* radiance of what meets nothing */
+	float sky[3];  /* even radiance of what meets nothing, besides gw_render_octree_set_sky */
 	uint32_t seed;
 	bool (*cancelled)(void *user); /* NULL or asked between rays */
 	void *user;
@@ -484,6 +484,14 @@ gw_status gw_render_octree_create(const gw_surfels *surfels, const float *radian
 								  const gw_render_octree_options *options, gw_render_octree **made,
 								  gw_error *error);
 void gw_render_octree_destroy(gw_render_octree **octree);
+
+/*
+ * What is seen where nothing else is met: the map of an environment light, times its radiance.
+ *   light   read now; its map may go afterwards. NULL: no map, as at first
+ * GW_ERROR_MEMORY.
+ */
+gw_status gw_render_octree_set_sky(gw_render_octree *octree, const gw_light *light,
+								   gw_error *error);
 
 /*
  * The glossy bounce.

@@ -1,4 +1,5 @@
 #include "scene/loaded_scene.h"
+#include "scene/sky_light.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_intensity.h"
@@ -711,18 +712,6 @@ static bool emits(const loaded_scene *scene)
 	return false;
 }
 
-/* The map of a sky that has a model, or a file; the light is scaled to what it is to give. */
-static gw_status read_map(lamp *light, panorama *map, gw_error *error)
-{
-	if (light->model)
-		return light_sky(light, map, error);
-	GW_TRY(panorama_read(light->map, map, error));
-	gw_status status = light_scale_map(light, map, error);
-	if (status != GW_OK)
-		panorama_clear(map);
-	return status;
-}
-
 /* Reads or makes the maps of environment lights; the scene owns their pixels. placed: light_count
  * resolved lamps, whose lights go into `lights`. */
 static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed, gw_light *lights,
@@ -736,14 +725,7 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed,
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
 		scene->map = grown;
-		if (scene->up != 'y' && scene->up != 'z')
-			return gw_fail(
-				error, GW_ERROR_USAGE,
-				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
-				"with \"matrix\" of an input in a scene file",
-				placed[i].model ? sky_model_name(placed[i].model) : placed[i].map,
-				settings_up_name(scene->up));
-		GW_TRY(read_map(&placed[i], &grown[scene->map_count], error));
+		GW_TRY(sky_light_map(&placed[i], scene->up, &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
 		lights[i] = placed[i].light;
 		lights[i].map = map->pixels;

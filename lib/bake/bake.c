@@ -240,7 +240,7 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->scene.options.ambient_occlusion);
+		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
@@ -261,8 +261,7 @@ static bool needs_columns(const bake *b)
 
 static bool needs_record_fields(const bake *b)
 {
-	const gw_bake_options *o = &b->scene.options;
-	return o->ambient_occlusion || o->errors || o->unknown;
+	return gw_options_record_fields(&b->scene.options);
 }
 
 static bool needs_voxels(const bake *b)
@@ -685,6 +684,7 @@ static gw_status bake_half(const gw_scene_description *all, const gw_half_sample
 	plain.estimate_points = 0;
 	plain.max_error = plain.time_limit = 0.0f;
 	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
+	plain.bent_normals = false;
 	return half->points.count > 0
 			   ? bake_as_given(&scene, &plain, false, callbacks, result, error)
 			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
@@ -801,6 +801,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->lamp);
 	free(r->rest);
 	free(r->ambient_occlusion);
+	free(r->bent_normal);
 	free(r->error);
 	free(r->unknown);
 	free(r->roi);

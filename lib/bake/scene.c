@@ -89,6 +89,16 @@ static gw_status check_effects(const gw_bake_options *o, gw_error *error)
 	return GW_OK;
 }
 
+bool gw_options_openness(const gw_bake_options *o)
+{
+	return o->ambient_occlusion || o->bent_normals;
+}
+
+bool gw_options_record_fields(const gw_bake_options *o)
+{
+	return gw_options_openness(o) || o->errors || o->unknown;
+}
+
 gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
 						   gw_error *error)
 {
