@@ -157,7 +157,7 @@ const char *gw_stray_kind_name(gw_stray_kind kind);
 /* ------------------------------------------------------------------------------------- lights */
 
 typedef enum gw_light_type {
-	GW_LIGHT_POINT,       /* position, intensity, radius */
+	GW_LIGHT_POINT,       /* position, intensity, radius; distribution */
 	GW_LIGHT_SPOT,        /* position, direction, intensity, inner_angle, outer_angle, radius */
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
 	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
@@ -189,6 +189,19 @@ typedef struct gw_light {
 	uint32_t map_width, map_height;
 	float rotation; /* degrees */
 	bool map_y_up;
+
+	/* How the intensity of a point light depends on direction, as luminaires are measured, or NULL:
+	 * it is the same in all. First vertical_count angles from `direction`, degrees, ascending,
+	 * within 0 and 180; then horizontal_count angles around it, ascending: either one, then all
+	 * around is the same, or from 0, which lies toward `across`, to 360; 90 lies toward across x
+	 * direction. Then for each angle around as many shares of `intensity` as there are angles from
+	 * the axis, finite, at least 0. Between angles it is linear, beyond the first and last from the
+	 * axis dark. The caller's; has to stay as long as the bake or the handle to which the light is
+	 * given. */
+	const float *distribution;
+	uint32_t vertical_count;   /* 2..65536 */
+	uint32_t horizontal_count; /* 1..65536; the product of both at most 2^26 */
+	double across[3];          /* any length above 0; not along the direction */
 } gw_light;
 
 /* What an infinite pixel of a map counts as: the largest number that a 16-bit float holds. */

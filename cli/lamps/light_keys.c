@@ -21,9 +21,16 @@
 const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT, POINT | SPOT,
 							 "X,Y,Z: where it is, in the input's coordinates" },
-	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, SPOT, 0, "X,Y,Z: a point on its axis" },
-	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR, SPOT | SUN, 0,
+	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, POINT | SPOT, 0,
+						   "X,Y,Z: a point on its axis" },
+	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR, POINT | SPOT | SUN, 0,
 							  "X,Y,Z: the way the light travels" },
+	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT, 0,
+						"IES or EULUMDAT file: how a luminaire shines; points down unless aimed" },
+	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT, 0,
+						 "degrees it is turned clockwise, seen from behind; 0: its C 0 is right" },
+	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT, 0,
+						  "times the light that the file says; 1" },
 	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
 						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
 	[LIGHT_KEY_PLACE] = { NULL, "place", LIGHT_VALUE_PLACE, SUN | SKY, 0,
@@ -33,7 +40,7 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_NORTH] = { NULL, "north", LIGHT_VALUE_ANGLE, SUN | SKY, 0,
 						  "degrees clockwise from +y in which north lies; 0" },
 	[LIGHT_KEY_INTENSITY] = { NULL, "intensity", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
-							  "W/sr or cd, in the inner cone; or else" },
+							  "W/sr or cd, in the inner cone, or the most of an ies; or else" },
 	[LIGHT_KEY_LUMENS] = { NULL, "lumens", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
 						   "lm, luminous flux over all directions; or else" },
 	[LIGHT_KEY_WATTS] = { NULL, "watts", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
@@ -76,7 +83,8 @@ lamp light_default(gw_light_type type)
 							  .angle = type == GW_LIGHT_SUN ? 0.53f : 0.0f,
 							  .radiance = { sky, sky, sky } },
 				   .measure = LIGHT_KEY_COUNT,
-				   .turbidity = 3.0 };
+				   .turbidity = 3.0,
+				   .scale = 1.0 };
 }
 
 bool light_key_moves(light_key_id key)
@@ -241,6 +249,13 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_ROTATION:
 		l->rotation = (float)values[0];
 		break;
+	case LIGHT_KEY_ROLL:
+		light->roll = values[0];
+		break;
+	case LIGHT_KEY_SCALE:
+		light->scale = values[0];
+		break;
+	case LIGHT_KEY_IES:
 	case LIGHT_KEY_TIME:
 	case LIGHT_KEY_MODEL:
 	case LIGHT_KEY_MAP:
@@ -307,8 +322,9 @@ static gw_status set_model(lamp *light, const char *text, gw_error *error)
 
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
-	char *to = key == LIGHT_KEY_MAP ? light->map : light->light.name;
-	size_t room = key == LIGHT_KEY_MAP ? sizeof light->map : sizeof light->light.name;
+	bool path = light_keys[key].value == LIGHT_VALUE_PATH;
+	char *to = key == LIGHT_KEY_MAP ? light->map : path ? light->ies : light->light.name;
+	size_t room = path ? LIGHT_MAP_PATH : sizeof light->light.name;
 	if (!*text)
 		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
 	if (key == LIGHT_KEY_TIME)
@@ -329,6 +345,8 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 	const char *type = gw_light_type_name(light->light.type);
 	bool sun = light->light.type == GW_LIGHT_SUN;
 	const char *name = scene ? "direction" : "toward", *other = sun ? "'from'" : "'to'";
+	if (!any && light->ies[0])
+		return GW_OK;
 	if (!any && (sun || !scene))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s needs '%s' or %s%s", type, name, other,
 					   sun ? ", or 'place' and 'time'" : "");
@@ -339,7 +357,7 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 					   given & BIT(PLACE) ? "," : " and", other,
 					   given & BIT(PLACE) ? " and 'place'" : "");
 	if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
-		return gw_fail(error, GW_ERROR_USAGE, "a spot cannot shine to the place where it is");
+		return gw_fail(error, GW_ERROR_USAGE, "a %s cannot shine to the place where it is", type);
 	return GW_OK;
 }
 
@@ -348,13 +366,14 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 {
 	gw_light_type type = light->light.type;
 	const char *name = gw_light_type_name(type);
-	if (light->measure == LIGHT_KEY_COUNT && (type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
+	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] &&
+		(type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
 					   name);
 	if (light->measure == LIGHT_KEY_COUNT && type == GW_LIGHT_SUN)
 		return gw_fail(error, GW_ERROR_USAGE, "a sun light needs 'irradiance' or 'illuminance'");
 	bool itself = given & BIT(MAP) || light->model == SKY_MODEL_PHYSICAL;
-	if (light->measure == LIGHT_KEY_COUNT && !itself)
+	if (light->measure == LIGHT_KEY_COUNT && !itself && type == GW_LIGHT_ENVIRONMENT)
 		return gw_fail(error, GW_ERROR_USAGE, "an environment light needs 'radiance'%s",
 					   light->model ? " or 'illuminance'" : ", 'illuminance', 'model' or 'map'");
 	if (light->kelvin > 0.0 && light->measure != LIGHT_KEY_COUNT && !light->white)
@@ -411,9 +430,28 @@ static gw_status place_sun(lamp *light, unsigned given, gw_error *error)
 	return GW_OK;
 }
 
-/* What the physical sky has is luminance. */
+/* Only a luminaire has an axis among lights that are points. */
+static gw_status check_point(const lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	static const light_key_id own[] = { LIGHT_KEY_TARGET, LIGHT_KEY_DIRECTION, LIGHT_KEY_ROLL,
+										LIGHT_KEY_SCALE };
+	if (light->ies[0])
+		return check_direction(light, given, scene, error);
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
+		const light_key *key = &light_keys[own[i]];
+		if (given & 1u << own[i])
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "only a point light with 'ies', the file of a luminaire, has '%s'",
+						   key->word && !scene ? key->word : key->name);
+	}
+	return GW_OK;
+}
+
+/* What the physical sky has is luminance; what luminaires are measured in, candela. */
 static gw_status settle_units(lamp *light, gw_error *error)
 {
+	if (light->ies[0] && light->units == LIGHT_UNITS_UNSAID)
+		light->units = LIGHT_UNITS_PHOTOMETRIC;
 	if (light->model != SKY_MODEL_PHYSICAL)
 		return GW_OK;
 	if (light->units == LIGHT_UNITS_RADIOMETRIC)
@@ -450,6 +488,9 @@ gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *erro
 		GW_TRY(check_sky(light, given, error));
 	if (type == GW_LIGHT_SPOT || type == GW_LIGHT_SUN)
 		GW_TRY(check_direction(light, given, scene, error));
+	if (type == GW_LIGHT_POINT)
+		GW_TRY(check_point(light, given, scene, error));
+	light->hangs = light->ies[0] && !(given & (BIT(DIRECTION) | BIT(TARGET)));
 	GW_TRY(place_sun(light, given, error));
 	return settle_units(light, error);
 }
@@ -482,8 +523,11 @@ gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_
 
 /* Solid angle of a light of even intensity with the same flux, sr: that of a spot is its inner cone
  * and, as smoothstep in the cosine is one half on average, half of what lies around it. */
-static double solid_angle(const gw_light *l)
+static double solid_angle(const lamp *light)
 {
+	const gw_light *l = &light->light;
+	if (light->luminaire)
+		return light->flux / light->luminaire->candela;
 	if (l->type != GW_LIGHT_SPOT)
 		return 4.0 * PI;
 	double inner = cos((double)l->inner_angle * DEGREE),
@@ -507,16 +551,27 @@ static void put_color(const lamp *light, double share, float color[3])
 		color[k] = (float)(light->amount[k] * tint[k] * share);
 }
 
+/* As its maker measured it. */
+static void resolve_measured(lamp *light)
+{
+	double tint[3];
+	find_tint(light, tint);
+	for (int k = 0; k < 3; k++)
+		light->light.intensity[k] = (float)(light->luminaire->candela * tint[k] * light->scale);
+}
+
 static void resolve_amount(lamp *light)
 {
 	gw_light *l = &light->light;
 	light_key_id measure = light->measure;
+	if (measure == LIGHT_KEY_COUNT && light->luminaire)
+		resolve_measured(light);
 	if (measure == LIGHT_KEY_COUNT)
 		return;
 	if (measure == LIGHT_KEY_INTENSITY)
-		put_color(light, 1.0, l->intensity);
+		put_color(light, light->scale, l->intensity);
 	else if (measure == LIGHT_KEY_LUMENS || measure == LIGHT_KEY_WATTS)
-		put_color(light, 1.0 / solid_angle(l), l->intensity);
+		put_color(light, light->scale / solid_angle(light), l->intensity);
 	else if (l->type == GW_LIGHT_SUN)
 		put_color(light, 1.0, l->irradiance);
 	else if (measure == LIGHT_KEY_RADIANCE)
@@ -530,6 +585,42 @@ void light_color(const lamp *light, float color[3])
 	put_color(light, 1.0, color);
 }
 
+/* Where a luminaire's C 0 lies: level, right of who looks along its light, and turned by its roll;
+ * of one that shines straight down or up, toward +x. */
+static void resolve_luminaire(lamp *light, char up)
+{
+	gw_light *l = &light->light;
+	double stand[3][3], right[3], *d = l->direction, length = 0.0, across = 0.0;
+	const double *above = stand[2];
+	gw_camera_stand(up, stand[0], stand[1], stand[2]);
+	for (int k = 0; k < 3; k++)
+		d[k] = light->hangs ? 0.0 - above[k] : d[k];
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		right[k] = d[i] * above[j] - d[j] * above[i];
+		length += d[k] * d[k];
+		across += right[k] * right[k];
+	}
+	bool upright = across <= 1e-12 * length;
+	double roll = light->roll * DEGREE;
+	for (int k = 0; k < 3; k++)
+		right[k] = upright ? stand[0][k] : right[k] / sqrt(across);
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		double over = (right[i] * d[j] - right[j] * d[i]) / sqrt(length);
+		l->across[k] = cos(roll) * right[k] - sin(roll) * over;
+	}
+	double down = 0.0;
+	for (int k = 0; k < 3; k++)
+		down -= d[k] * above[k];
+	double tilt = acos(fmin(fmax(down / sqrt(length), -1.0), 1.0)) / DEGREE;
+	for (int k = 0; k < 3 && light->measure == LIGHT_KEY_COUNT; k++)
+		l->intensity[k] *= (float)luminaire_tilt_factor(light->luminaire, tilt);
+	l->distribution = light->luminaire->distribution;
+	l->vertical_count = light->luminaire->verticals;
+	l->horizontal_count = light->luminaire->horizontals;
+}
+
 void light_resolve(lamp *light, char up)
 {
 	gw_light *l = &light->light;
@@ -538,6 +629,8 @@ void light_resolve(lamp *light, char up)
 	if (light->aimed)
 		for (int k = 0; k < 3; k++)
 			l->direction[k] = light->target[k] - l->position[k];
+	if (light->luminaire)
+		resolve_luminaire(light, up);
 	if (!light->from_sky)
 		return;
 	double a = (light->azimuth + light->north) * DEGREE, e = light->elevation * DEGREE;

@@ -10,6 +10,7 @@
 #include "lamps/light_unit.h"
 #include "lamps/sky_model.h"
 #include "lamps/sun_position.h"
+#include "luminaires/luminaire.h"
 
 #define LIGHT_MAP_PATH 1024
 
@@ -31,6 +32,9 @@ typedef enum light_key_id {
 	LIGHT_KEY_POSITION,
 	LIGHT_KEY_TARGET,
 	LIGHT_KEY_DIRECTION,
+	LIGHT_KEY_IES,
+	LIGHT_KEY_ROLL,
+	LIGHT_KEY_SCALE,
 	LIGHT_KEY_SKY,
 	LIGHT_KEY_PLACE,
 	LIGHT_KEY_TIME,
@@ -71,6 +75,13 @@ typedef struct lamp {
 	sun_moment moment;
 	bool aimed; /* its direction leads from its position to the target */
 	double target[3];
+
+	char ies[LIGHT_MAP_PATH];   /* file of a luminaire; "" for none */
+	const luminaire *luminaire; /* as it was read; the settings' */
+	double flux;                /* lumens that it gives by that file */
+	double roll;                /* degrees clockwise, seen from behind */
+	double scale;               /* times what the file or a key says */
+	bool hangs;                 /* it shines straight down */
 
 	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
 	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */

@@ -1,12 +1,13 @@
 /*
  * light.glsl - what a point, spot or sun light sends to a place, without shadow. Uses `push`, a
- * gw_light_push.
+ * gw_light_push, and `distribution` of a light that has one.
  */
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
 #include "octree/ray.glsl"
 #include "base/sampling.glsl"
+#include "base/distribution.glsl"
 #include "light/transport_layout.h"
 
 /* Share of its power that the light sends towards a place, where it is from there, and how far in
@@ -23,6 +24,12 @@ float light_share(vec3 g, OUT(vec3) towards, OUT(float) distance)
 	/* Nearer than the light's own radius, or on the light itself, the distance stops falling. */
 	distance = sqrt(max(squared, max(push.position.w * push.position.w, 1e-12f)));
 	towards = to * (squared > 0.0f ? 1.0f / sqrt(squared) : 0.0f);
+	if (push.verticals > 0u && squared > 0.0f) {
+		vec3 axis = push.direction.xyz, across = push.across.xyz;
+		vec3 up = cross(across, axis), way = towards * -1.0f;
+		return distribution_share(push.verticals, push.horizontals,
+								  vec3(dot(way, across), dot(way, up), dot(way, axis)));
+	}
 	if (push.type != GW_PUSH_SPOT)
 		return 1.0f;
 	float cosine = -dot(towards, push.direction.xyz);

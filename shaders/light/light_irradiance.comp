@@ -12,6 +12,7 @@ BUFFER(0, readonly, vec4, surfel_position);
 BUFFER(1, readonly, vec4, surfel_normal);
 BUFFER(2, readonly, float, visibility);
 BUFFER(3, readwrite, vec4, irradiance);
+BUFFER(4, readonly, float, distribution);
 PUSH(gw_light_push);
 
 #include "light/light.glsl"

@@ -25,6 +25,7 @@ TEXELS(11, vec4, surfel_facing);
 TEXELS(12, vec4, surfel_disc);
 TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
+BUFFER(15, readonly, float, distribution);
 PUSH(gw_light_push);
 
 #include "octree/octree_discs.glsl"

@@ -40,13 +40,17 @@ SHARED_STRUCT(gw_light_push)
 	float cos_inner, cos_outer;
 	uint seed;
 	uint shadows; /* 1: multiply by the visibility buffer */
+	vec4 across;  /* unit, at right angles to direction: where angles around it count from */
+	uint verticals, horizontals; /* of the distribution of the intensity; 0: there is none */
+	uint unused[2];
 };
-SHARED_SIZE(gw_light_push, 80);
+SHARED_SIZE(gw_light_push, 112);
 SHARED_OFFSET(gw_light_push, position, 16);
 SHARED_OFFSET(gw_light_push, direction, 32);
 SHARED_OFFSET(gw_light_push, intensity, 48);
 SHARED_OFFSET(gw_light_push, cos_inner, 64);
 SHARED_OFFSET(gw_light_push, shadows, 76);
+SHARED_OFFSET(gw_light_push, across, 80);
 
 /* Records: rays, samples of emitters, gathers. */
 SHARED_STRUCT(gw_record_push)

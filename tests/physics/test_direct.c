@@ -199,6 +199,98 @@ static void spot_light_flux(void **state)
 }
 
 /* E = E0 max(0, cos b) on planes that face the sun by b; exactly 0 from behind. */
+/* A luminaire whose intensity is 1 - gamma / 180 times what is linear between planes of 90 degrees,
+ * turned in steps about its axis, and aimed askew. */
+static const float luminaire_planes[4] = { 1.0f, 0.25f, 0.5f, 0.75f };
+static const float luminaire_angles[2 + 5 + 10] = { 0,     180, 0,    90, 180,   270, 360,  1.0f, 0,
+													0.25f, 0,   0.5f, 0,  0.75f, 0,   1.0f, 0 };
+
+static gw_light make_luminaire(double turn)
+{
+	gw_light light = scene_point_light(0.3, -0.2, 1.5, 5.0f);
+	const double axis[3] = { 0.0, 0.6, -0.8 }, right[3] = { 1, 0, 0 }, up[3] = { 0, 0.8, 0.6 };
+	for (int k = 0; k < 3; k++) {
+		light.direction[k] = 2.0 * axis[k];
+		light.across[k] = 3.0 * (cos(turn) * right[k] + sin(turn) * up[k]) + axis[k];
+	}
+	light.distribution = luminaire_angles;
+	light.vertical_count = 2;
+	light.horizontal_count = 5;
+	return light;
+}
+
+static double luminaire_share(double turn, const double travel[3])
+{
+	double along = 0.6 * travel[1] - 0.8 * travel[2], right = travel[0];
+	double up = 0.8 * travel[1] + 0.6 * travel[2];
+	double gamma = atan2(hypot(right, up), along) / SCENE_PI;
+	double c = fmod((atan2(up, right) - turn) / SCENE_PI * 2.0 + 8.0, 4.0);
+	int plane = (int)c;
+	double before = (double)luminaire_planes[plane];
+	double behind = (double)luminaire_planes[(plane + 1) % 4];
+	return (1.0 - gamma) * (before + (c - plane) * (behind - before));
+}
+
+/* Near its axis a place that is off by some roundings is so by more in its angle around it: there
+ * planes differ, so that 1 / sine is in the tolerance. Single precision of angles in degrees, up to
+ * 360, and devices' atan, 4096 units: 2^-12 in all of the share. */
+static void luminaire_over_plane(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	for (int k = 0; k < 3; k++) {
+		double turn = 0.7 * k;
+		gw_bake_options options = direct_only(k ? GW_SHADOWS_TRACED : GW_SHADOWS_MAPS);
+		gw_light light = make_luminaire(turn);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		for (size_t i = 0; i < s.count; i++) {
+			double to[3] = { s.position[3 * i] - 0.3, s.position[3 * i + 1] + 0.2, -1.5 };
+			double d = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+			double e = 5.0 * 1.5 / (d * d * d);
+			for (int j = 0; j < 3; j++)
+				to[j] /= d;
+			double aside = hypot(to[0], 0.8 * to[1] + 0.6 * to[2]);
+			double error = point_light_error(&result->report, 1.5, d) + 0x1p-12 +
+						   place_error(&result->report) / (d * aside);
+			assert_near((double)result->direct_irradiance[3 * i], e * luminaire_share(turn, to),
+						e * error, i);
+		}
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+/* All that a distribution can be wrong in. */
+static void luminaires_without_sense(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_NONE);
+	for (int k = 0; k < 9; k++) {
+		float numbers[17];
+		gw_light light = make_luminaire(0.0);
+		gw_bake_result *result = NULL;
+		gw_error error = { 0 };
+		memcpy(numbers, luminaire_angles, sizeof numbers);
+		light.distribution = numbers;
+		light.vertical_count = k == 0 ? 1 : 2;
+		light.horizontal_count = k == 1 ? 0 : k == 2 ? UINT32_MAX : 5;
+		numbers[1] = k == 3 ? 0.0f : k == 4 ? 181.0f : 180.0f;
+		numbers[6] = k == 5 ? 350.0f : 360.0f;
+		numbers[8] = k == 6 ? NAN : k == 7 ? -1.0f : 0.0f;
+		for (int j = 0; j < 3 && k == 8; j++)
+			light.across[j] = -light.direction[j];
+		const gw_scene_description lit = { &points, &light, 1 };
+		gw_status status = gw_bake(&lit, &options, NULL, &result, &error);
+		gw_bake_result_destroy(&result);
+		if (status != GW_ERROR_USAGE)
+			fail_msg("luminaire %d is taken: %s", k, error.text);
+	}
+	scene_clear(&s);
+}
+
 static void sun_on_tilted_planes(void **state)
 {
 	(void)state;
@@ -545,6 +637,8 @@ int main(void)
 		cmocka_unit_test(flux_is_conserved),
 		cmocka_unit_test(spot_light_over_plane),
 		cmocka_unit_test(spot_light_flux),
+		cmocka_unit_test(luminaire_over_plane),
+		cmocka_unit_test(luminaires_without_sense),
 		cmocka_unit_test(sun_on_tilted_planes),
 		cmocka_unit_test(open_plane_has_no_shadow),
 		cmocka_unit_test(wall_casts_its_shadow),
