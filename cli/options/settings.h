@@ -18,6 +18,7 @@ typedef enum verb {
 	VERB_TRADEOFF,
 	VERB_ALBEDO,
 	VERB_DOCTOR,
+	VERB_LAMP,
 	VERB_COUNT,
 } verb;
 
