@@ -30,7 +30,8 @@ class Light(c.Structure):  # gw_light
                 ("angle", c.c_float), ("map", c.c_void_p), ("map_width", c.c_uint32),
                 ("map_height", c.c_uint32), ("rotation", c.c_float), ("map_y_up", c.c_bool),
                 ("distribution", c.c_void_p), ("vertical_count", c.c_uint32),
-                ("horizontal_count", c.c_uint32), ("across", c.c_double * 3)]
+                ("horizontal_count", c.c_uint32), ("across", c.c_double * 3),
+                ("size", c.c_float * 2)]
 
 
 class SceneDescription(c.Structure):  # gw_scene_description

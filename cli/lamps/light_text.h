@@ -20,6 +20,7 @@ typedef enum light_value {
 	LIGHT_VALUE_COLOR,  /* one number, or three; 0 or more */
 	LIGHT_VALUE_SKY,    /* azimuth and elevation */
 	LIGHT_VALUE_PLACE,  /* latitude and longitude */
+	LIGHT_VALUE_SIZE,   /* two numbers, width and height */
 	LIGHT_VALUE_NUMBER, /* 0 or more */
 	LIGHT_VALUE_ANGLE,  /* of either sign */
 	LIGHT_VALUE_NAME,
@@ -54,6 +55,7 @@ typedef enum light_key_id {
 	LIGHT_KEY_INNER,
 	LIGHT_KEY_OUTER,
 	LIGHT_KEY_RADIUS,
+	LIGHT_KEY_SIZE,
 	LIGHT_KEY_ANGLE,
 	LIGHT_KEY_NAME,
 	LIGHT_KEY_COUNT

@@ -457,7 +457,7 @@ static gw_status take_light_number(const reader *r, json_t *value, light_key_id 
 				   ? GW_OK
 				   : fail_here(r, "%.600s", reason.text);
 	bool single = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE;
-	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE;
+	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE || kind == LIGHT_VALUE_SIZE;
 	bool one = single || kind == LIGHT_VALUE_COLOR;
 	GW_TRY(take_numbers(r, value, v, single ? 1 : pair ? 2 : 3, one, &count));
 	if (light_set(light, id, v, count, &reason) != GW_OK)

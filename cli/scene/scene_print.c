@@ -71,8 +71,11 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 			json_put_text(json, name, light->ies);
 		break;
 	case LIGHT_KEY_ROLL:
-		if (light->luminaire)
+		if (light->luminaire || l->type == GW_LIGHT_RECTANGLE)
 			json_put_real(json, name, light->roll);
+		break;
+	case LIGHT_KEY_SIZE:
+		json_put_singles(json, name, l->size, 2);
 		break;
 	case LIGHT_KEY_INTENSITY:
 		write_color(json, id, light->units, l->intensity);

@@ -34,6 +34,17 @@ static double find_frame(const gw_light *light, double axis[3], double across[3]
 	return sine;
 }
 
+bool gw_light_has_place(const gw_light *light)
+{
+	return light->type != GW_LIGHT_SUN && light->type != GW_LIGHT_ENVIRONMENT;
+}
+
+bool gw_distribution_has_frame(const gw_light *light)
+{
+	double axis[3], across[3];
+	return find_frame(light, axis, across) > ACROSS_LEAST && isfinite(axis[0] + across[0]);
+}
+
 void gw_distribution_frame(const gw_light *light, gw_vec3 *axis, gw_vec3 *across)
 {
 	double a[3], b[3];
@@ -51,6 +62,11 @@ size_t gw_distribution_length(const gw_light *light)
 float gw_distribution_towards(const gw_light *light, gw_vec3 way)
 {
 	gw_vec3 axis, across;
+	if (light->type == GW_LIGHT_DISC || light->type == GW_LIGHT_RECTANGLE) {
+		const double *d = light->direction;
+		double along = d[0] * (double)way.x + d[1] * (double)way.y + d[2] * (double)way.z;
+		return (float)fmax(along / length_of(d), 0.0);
+	}
 	if (light->type != GW_LIGHT_POINT || !light->distribution)
 		return 1.0f;
 	gw_distribution_frame(light, &axis, &across);
@@ -73,7 +89,6 @@ const char *gw_distribution_fault(const gw_light *light)
 {
 	uint32_t verticals = light->vertical_count, horizontals = light->horizontal_count;
 	const float *angle = light->distribution;
-	double axis[3], across[3];
 	if (verticals < 2 || horizontals < 1 || verticals > ANGLES_MOST || horizontals > ANGLES_MOST ||
 		(uint64_t)verticals * horizontals > SHARES_MOST)
 		return "it needs from 2 to 65536 angles from its axis and from 1 around it";
@@ -86,7 +101,7 @@ const char *gw_distribution_fault(const gw_light *light)
 	for (size_t i = 0, count = (size_t)verticals * horizontals; i < count; i++)
 		if (!(angle[horizontals + i] >= 0.0f && isfinite(angle[horizontals + i])))
 			return "its shares must be finite and 0 or more";
-	if (!(find_frame(light, axis, across) > ACROSS_LEAST && isfinite(axis[0] + across[0])))
+	if (!gw_distribution_has_frame(light))
 		return "it needs a direction, and one across it";
 	return NULL;
 }

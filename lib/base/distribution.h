@@ -11,6 +11,9 @@
 extern "C" {
 #endif
 
+/* Whether a light is somewhere: all but suns and skies. */
+bool gw_light_has_place(const gw_light *light);
+
 /* The axis of a light that has a distribution, and at right angles to it where the angles around it
  * count from, both unit. */
 void gw_distribution_frame(const gw_light *light, gw_vec3 *axis, gw_vec3 *across);
@@ -24,9 +27,12 @@ size_t gw_distribution_length(const gw_light *light);
 float gw_distribution_share(const float *distribution, uint32_t verticals, uint32_t horizontals,
 							gw_vec3 way);
 
-/* The same of a light, in a direction in which it travels, unit; 1 when it has no distribution, or
- * is no point light. */
+/* The same of a light, in a direction in which it travels, unit: discs and rectangles send their
+ * cosine; 1 of those that send the same everywhere, and of spots. */
 float gw_distribution_towards(const gw_light *light, gw_vec3 way);
+
+/* Whether a light's direction and what is across it make a frame. */
+bool gw_distribution_has_frame(const gw_light *light);
 
 /* Ascending angles in range, a whole turn, shares of at least 0, an axis and what is across it:
  * what is wrong with a light's distribution, as a phrase; NULL: nothing. */

@@ -77,6 +77,27 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 	return check_color(index, light, "intensity", light->intensity, error);
 }
 
+/* Lights that are areas have one. */
+static gw_status check_area(size_t index, const gw_light *light, gw_error *error)
+{
+	GW_TRY(check_lamp(index, light, error));
+	if (light->type == GW_LIGHT_RECTANGLE) {
+		for (int k = 0; k < 2; k++)
+			if (!(light->size[k] > 0.0f && isfinite(light->size[k])))
+				return bad_light(index, light, "a side", (double)light->size[k],
+								 "give metres above 0", error);
+		if (!gw_distribution_has_frame(light))
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu (rectangle%s%s) needs a direction, and one across it",
+						   index + 1, light->name[0] ? " " : "", light->name);
+		return GW_OK;
+	}
+	if (!(light->radius > 0.0f))
+		return bad_light(index, light, "radius", (double)light->radius, "give metres above 0",
+						 error);
+	return light->type == GW_LIGHT_DISC ? check_direction(index, light, error) : GW_OK;
+}
+
 static gw_status check_environment(size_t index, const gw_light *light, size_t *maps,
 								   gw_error *error)
 {
@@ -101,6 +122,11 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 		case GW_LIGHT_POINT:
 		case GW_LIGHT_SPOT:
 			GW_TRY(check_lamp(i, light, error));
+			break;
+		case GW_LIGHT_SPHERE:
+		case GW_LIGHT_DISC:
+		case GW_LIGHT_RECTANGLE:
+			GW_TRY(check_area(i, light, error));
 			break;
 		case GW_LIGHT_SUN:
 			if (!(light->angle >= 0.0f && light->angle < 90.0f))
@@ -136,13 +162,39 @@ static void put_distribution(const gw_light *light, gw_light_push *push)
 	push->horizontals = light->horizontal_count;
 }
 
+static uint32_t push_type(gw_light_type type)
+{
+	static const uint32_t of[GW_LIGHT_TYPE_COUNT] = { [GW_LIGHT_SPOT] = GW_PUSH_SPOT,
+													  [GW_LIGHT_SUN] = GW_PUSH_SUN,
+													  [GW_LIGHT_SPHERE] = GW_PUSH_SPHERE,
+													  [GW_LIGHT_DISC] = GW_PUSH_DISC,
+													  [GW_LIGHT_RECTANGLE] = GW_PUSH_RECTANGLE };
+	return of[type];
+}
+
+/* Sides of a rectangle, and where it is across; of a disc any direction is. */
+static void put_area(const gw_light *light, double cell, gw_light_push *push)
+{
+	const float direction[3] = { push->direction.x, push->direction.y, push->direction.z };
+	float across[3], other[3];
+	gw_vec3 axis, along;
+	push->samples = PENUMBRA_RAYS;
+	if (light->type == GW_LIGHT_RECTANGLE) {
+		gw_distribution_frame(light, &axis, &along);
+		push->across =
+			(vec4){ along.x, along.y, along.z, (float)(0.5 * (double)light->size[0] / cell) };
+		push->half_height = (float)(0.5 * (double)light->size[1] / cell);
+	} else if (light->type == GW_LIGHT_DISC) {
+		gw_tangent_frame(direction, across, other);
+		push->across = (vec4){ across[0], across[1], across[2], 0.0f };
+	}
+}
+
 /* Subtracting the frame's origin in double keeps large coordinates exact. */
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options)
 {
-	gw_light_push push = { .type = light->type == GW_LIGHT_SUN    ? GW_PUSH_SUN
-								   : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
-																  : GW_PUSH_POINT,
+	gw_light_push push = { .type = push_type(light->type),
 						   .samples = 1,
 						   .cos_inner = (float)cos((double)light->inner_angle * DEGREES),
 						   .cos_outer = (float)cos((double)light->outer_angle * DEGREES),
@@ -170,6 +222,8 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 		push.samples = PENUMBRA_RAYS;
 	if (light->type == GW_LIGHT_POINT && light->distribution)
 		put_distribution(light, &push);
+	if (push.type >= GW_PUSH_SPHERE)
+		put_area(light, cell, &push);
 	return push;
 }
 

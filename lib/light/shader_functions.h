@@ -20,11 +20,13 @@ typedef struct gw_lamp {
 	const float *distribution; /* gw_light.distribution */
 } gw_lamp;
 
-/* Share of its power that a light sends towards a place, where it is from there, and how far:
- * light.glsl. */
-float gw_lamp_share(const gw_lamp *lamp, gw_vec3 g, gw_vec3 *towards, float *distance);
+/* Irradiance that a light sends to a place with that normal, over its intensity or irradiance;
+ * where it is from there, and how far: light.glsl. */
+float gw_lamp_received(const gw_lamp *lamp, gw_vec3 g, gw_vec3 normal, gw_vec3 *towards,
+					   float *distance);
 
-/* Direction of the s-th ray, of lamp->push.samples, to a place of the disc that the light shows.
+/* Direction of the s-th ray, of lamp->push.samples, to a place of the light, or of the disc that it
+ * shows.
  *   turn       by how much the places are turned, in turns
  *   towards    its middle, at that distance
  *   range      receives how far the place is; far away for suns */

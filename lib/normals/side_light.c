@@ -245,7 +245,7 @@ static void add_lights(const side_work *w, place *p)
 {
 	for (size_t i = 0; i < w->options->light_count; i++) {
 		const gw_light *l = w->options->lights + i;
-		if (l->type == GW_LIGHT_POINT || l->type == GW_LIGHT_SPOT) {
+		if (gw_light_has_place(l)) {
 			add_lamp(w, p, l);
 		} else if (l->type == GW_LIGHT_SUN) {
 			gw_vec3 way = { (float)-l->direction[0], (float)-l->direction[1],

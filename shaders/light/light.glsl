@@ -1,5 +1,5 @@
 /*
- * light.glsl - what a point, spot or sun light sends to a place, without shadow. Uses `push`, a
+ * light.glsl - what a light other than the sky sends to a place, without shadow. Uses `push`, a
  * gw_light_push, and `distribution` of a light that has one.
  */
 #ifndef LIGHT_GLSL
@@ -9,6 +9,7 @@
 #include "base/sampling.glsl"
 #include "base/distribution.glsl"
 #include "light/transport_layout.h"
+#include "light/area_light.glsl"
 
 /* Share of its power that the light sends towards a place, where it is from there, and how far in
  * leaf cells. Spot lights fall off by smoothstep in the cosine. */
@@ -45,6 +46,17 @@ float light_cosine(vec4 normal, vec3 towards)
 {
 	float cosine = dot(normal.xyz, towards);
 	return normal.w > 0.5f ? abs(cosine) : max(cosine, 0.0f);
+}
+
+/* Irradiance at a place over the light's power, its intensity or irradiance; where the light is
+ * from there, or its middle, and how far in leaf cells. */
+float light_received(vec3 g, vec4 normal, OUT(vec3) towards, OUT(float) distance)
+{
+	float share = light_share(g, towards, distance);
+	if (is_area_light())
+		return area_received(g, normal);
+	float e = share * light_cosine(normal, towards);
+	return push.type == GW_PUSH_SUN ? e : e / (distance * distance);
 }
 
 /* Aims the s-th ray, of push.samples, at a place of the disc that the light shows, whose middle is

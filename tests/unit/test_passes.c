@@ -304,7 +304,7 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 
 /* --------------------------------------------------------------------------------------- bakes */
 
-#define LAMPS 5
+#define LAMPS 8
 
 /* Lamps of all kinds, two of them with an extent. */
 static void make_lamps(gw_light light[LAMPS])
@@ -326,10 +326,19 @@ static void make_lamps(gw_light light[LAMPS])
 	light[3].distribution = luminaire;
 	light[3].vertical_count = 3;
 	light[3].horizontal_count = 5;
-	light[4].direction[1] = 1.0;
-	light[4].direction[2] = -0.4;
-	light[4].angle = 2.0f;
-	light[4].irradiance[0] = 1.0f;
+	for (size_t i = 4; i < 7; i++) {
+		light[i].type = i == 4 ? GW_LIGHT_SPHERE : i == 5 ? GW_LIGHT_DISC : GW_LIGHT_RECTANGLE;
+		light[i].direction[1] = 0.25;
+		light[i].direction[2] = -1.0;
+		light[i].across[0] = 1.0;
+		light[i].radius = 0.2f;
+		light[i].size[0] = 0.5f;
+		light[i].size[1] = 0.25f;
+	}
+	light[7].direction[1] = 1.0;
+	light[7].direction[2] = -0.4;
+	light[7].angle = 2.0f;
+	light[7].irradiance[0] = 1.0f;
 }
 
 static gw_bake_result *bake_hall(const gw_light *light, size_t lights,
