@@ -157,10 +157,13 @@ const char *gw_stray_kind_name(gw_stray_kind kind);
 /* ------------------------------------------------------------------------------------- lights */
 
 typedef enum gw_light_type {
-	GW_LIGHT_POINT,       /* position, intensity, radius */
+	GW_LIGHT_POINT,       /* position, intensity, radius; distribution */
 	GW_LIGHT_SPOT,        /* position, direction, intensity, inner_angle, outer_angle, radius */
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
 	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
+	GW_LIGHT_SPHERE,      /* position, intensity, radius: a ball of even radiance */
+	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side */
+	GW_LIGHT_RECTANGLE,   /* position, direction, across, intensity, size: likewise */
 	GW_LIGHT_TYPE_COUNT
 } gw_light_type;
 
@@ -170,13 +173,15 @@ typedef struct gw_light {
 	char name[64];       /* for reports; may be empty */
 	double position[3];  /* metres, in the coordinates of gw_points.position */
 	double direction[3]; /* the way the light travels; any length above 0 */
-	float intensity[3];  /* W/sr, of a point light or in the inner cone of a spot light */
+	float intensity[3]; /* W/sr, of a point light or in the inner cone of a spot light; of a sphere,
+						   disc or rectangle along its axis from afar: radiance times area */
 	float irradiance[3]; /* W/m^2, on a plane that faces the sun */
 	float radiance[3];   /* W/(sr m^2), of the environment */
 	float inner_angle;   /* degrees from the axis, full intensity inside; 0 <= inner <= outer */
 	float outer_angle;   /* degrees from the axis, dark outside; at most 180. Between the two the
 							intensity falls by smoothstep in the cosine (as pbrt's spot light) */
-	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra */
+	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra; of spheres and discs
+							above 0 */
 	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
 
 	/* What comes from which direction, multiplied by radiance; of one light of a bake at most.
@@ -189,6 +194,20 @@ typedef struct gw_light {
 	uint32_t map_width, map_height;
 	float rotation; /* degrees */
 	bool map_y_up;
+
+	/* How the intensity of a point light depends on direction, as luminaires are measured, or NULL:
+	 * it is the same in all. First vertical_count angles from `direction`, degrees, ascending,
+	 * within 0 and 180; then horizontal_count angles around it, ascending: either one, then all
+	 * around is the same, or from 0, which lies toward `across`, to 360; 90 lies toward across x
+	 * direction. Then for each angle around as many shares of `intensity` as there are angles from
+	 * the axis, finite, at least 0. Between angles it is linear, beyond the first and last from the
+	 * axis dark. The caller's; has to stay as long as the bake or the handle to which the light is
+	 * given. */
+	const float *distribution;
+	uint32_t vertical_count;   /* 2..65536 */
+	uint32_t horizontal_count; /* 1..65536; the product of both at most 2^26 */
+	double across[3];          /* any length above 0; not along the direction */
+	float size[2]; /* metres above 0: a rectangle's sides along `across`, and across that */
 } gw_light;
 
 /* What an infinite pixel of a map counts as: the largest number that a 16-bit float holds. */

@@ -195,6 +195,7 @@ enum {
 	RENDER = 1u << VERB_RENDER,
 	DOCTOR = 1u << VERB_DOCTOR,
 	ALBEDO = 1u << VERB_ALBEDO,
+	LAMP = 1u << VERB_LAMP,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -218,7 +219,7 @@ const option options[] = {
 	  AT(output_format), .choice = format_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(force),
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP), AT(force),
 	  .group = "Output", .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
@@ -272,6 +273,8 @@ const option options[] = {
 	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
+	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
 	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
 			  "standard output. Several pictures are numbered: FILE-0001.png" },
@@ -508,8 +511,8 @@ const option options[] = {
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN), AT(json), .group = "Messages",
-	  .help = "print JSON" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP), AT(json),
+	  .group = "Messages", .help = "print JSON" },
 	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
 	  AT(progress), .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
@@ -569,9 +572,9 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",     "plan",   "info",    "compare",
-										"mix",      "sample", "convert", "render",
-										"tradeoff", "albedo", "doctor",  NULL };
+	static const char *const name[] = { "bake",   "plan",    "info",   "compare",  "mix",
+										"sample", "convert", "render", "tradeoff", "albedo",
+										"doctor", "lamp",    NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -588,7 +591,8 @@ const char *verb_summary(verb v)
 										   "make pictures of a point cloud",
 										   "show what error costs in seconds and memory",
 										   "take the light out of photographed colours",
-										   "say whether this machine can bake, and what is wrong" };
+										   "say whether this machine can bake, and what is wrong",
+										   "show how a luminaire shines" };
 	return summary[v];
 }
 
@@ -604,7 +608,8 @@ const char *verb_synopsis(verb v)
 											"render INPUT... -o PICTURE [option]...",
 											"tradeoff INPUT... --light LIGHT... [option]...",
 											"albedo SCAN... -o POINTS [option]...",
-											"doctor [--device NAME] [--json]" };
+											"doctor [--device NAME] [--json]",
+											"lamp LUMINAIRE [-o PICTURE] [--json]" };
 	return synopsis[v];
 }
 

@@ -19,6 +19,7 @@ typedef enum verb {
 	VERB_TRADEOFF,
 	VERB_ALBEDO,
 	VERB_DOCTOR,
+	VERB_LAMP,
 	VERB_COUNT,
 } verb;
 
@@ -176,6 +177,8 @@ typedef struct settings {
 	size_t input_count;
 	lamp *light; /* owned; light_count */
 	size_t light_count;
+	luminaire **luminaire; /* owned, each and the list; luminaire_count: files that lights name */
+	size_t luminaire_count;
 	double *scanner; /* owned; 3 * scanner_count, metres: where scanners stood, whatever the
 						inputs say */
 	size_t scanner_count;
@@ -225,6 +228,9 @@ void settings_clear(settings *settings);
 /* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Reads the files of luminaires that lights name. Errors as luminaire_read. */
+gw_status settings_read_luminaires(settings *settings, gw_error *error);
 
 /* Adds the place of a scanner, metres, in the scene's coordinates. */
 gw_status settings_add_scanner(settings *settings, const double place[3], gw_error *error);

@@ -416,7 +416,8 @@ static gw_status print_scene(bake *b)
 	char up = settings_up_axis(s->up);
 	bool ask = false;
 	for (size_t i = 0; i < s->light_count; i++)
-		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);
+		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
+					  s->up == SETTINGS_UP_AUTO);
 	if (ask) {
 		GW_TRY(read_inputs(b));
 		up = b->scene.up;

@@ -30,6 +30,9 @@ gw_status verb_tradeoff(settings *settings, gw_error *error);
  * can bake, STATUS_MISSED when something else is not good. */
 gw_status verb_doctor(const settings *settings, gw_error *error);
 
+/* Prints how a luminaire shines, and draws it. */
+gw_status verb_lamp(const settings *settings, gw_error *error);
+
 /* Makes lamps of a lit cloud stronger or weaker without baking, and writes it. */
 gw_status verb_mix(const settings *settings, gw_error *error);
 /* Takes the light out of photographed colours. Changes the settings as verb_bake does. */

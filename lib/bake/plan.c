@@ -83,11 +83,11 @@ static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *repor
 	}
 	if (reaching < lamps)
 		name_left_out(task, first_out, lamps - reaching, out, sizeof out);
-	snprintf(reason, sizeof reason, "%zu of %zu point, spot or sun lights shine on points%s",
-			 reaching, lamps, out);
+	snprintf(reason, sizeof reason, "%zu of %zu lamps and suns shine on points%s", reaching, lamps,
+			 out);
 	const call lamp = { GW_EFFECT_LAMPS, reaching > 0 && plan->limit > 0,
 						plan->limit == 0 ? "no reflection is asked for"
-						: lamps == 0     ? "there is no point, spot or sun light"
+						: lamps == 0     ? "there is no lamp or sun"
 										 : reason,
 						"at every point" };
 	plan->lamps = decide(task, lamp, report);

@@ -115,7 +115,10 @@ const char *gw_light_type_name(gw_light_type type)
 	static const char *const name[] = { [GW_LIGHT_POINT] = "point",
 										[GW_LIGHT_SPOT] = "spot",
 										[GW_LIGHT_SUN] = "sun",
-										[GW_LIGHT_ENVIRONMENT] = "environment" };
+										[GW_LIGHT_ENVIRONMENT] = "environment",
+										[GW_LIGHT_SPHERE] = "sphere",
+										[GW_LIGHT_DISC] = "disc",
+										[GW_LIGHT_RECTANGLE] = "rectangle" };
 	static_assert(sizeof name / sizeof *name == GW_LIGHT_TYPE_COUNT, "every type has a name");
 	assert((unsigned)type < GW_LIGHT_TYPE_COUNT);
 	return name[type];

@@ -6,6 +6,7 @@
 #define DIRECT_LIGHT_H
 
 #include "light/shadow_map.h"
+#include "light/shader_functions.h"
 #include "light/transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
@@ -19,6 +20,10 @@ bool gw_light_shines(const gw_light *light);
  * squared. */
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options);
+
+/* The same for the processor. */
+gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surfels *surfels,
+				   const gw_bake_options *options);
 
 /* The straight way from a surfel to the middle of a light. */
 gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const gw_surfels *surfels,
