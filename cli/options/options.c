@@ -367,8 +367,8 @@ const option options[] = {
 	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(points.white), RANGE(0.0, 1.0), .group = "Scene",
 	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
+	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
 	  .help = "share of each point's piece of surface that is covered: the rest lets light "
 			  "through; auto takes the columns opacity or alpha" },
 	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),

@@ -133,11 +133,13 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	return true;
 }
 
-static void count_surfels(sparse *s, size_t surfels)
+static void count_surfels(sparse *s, const gw_surfels *surfels)
 {
+	const float *clear = surfels->transparency; /* what lets light through is no wall */
 	uint32_t node = 0;
-	for (size_t i = 0; i < surfels; i++)
-		for (cell of = { 0 }; descend(s->c, s->place + 4 * i, &of, &node);) {
+	for (size_t i = 0; i < surfels->count; i++)
+		for (cell of = { 0 };
+			 !(clear && clear[i] > 0.0f) && descend(s->c, s->place + 4 * i, &of, &node);) {
 			if (s->count[node] == 0)
 				s->first[node] = (uint32_t)i;
 			if (s->count[node] < COUNT_MOST)
@@ -220,7 +222,7 @@ static void find_voids(sparse *s, const cell *parent, uint32_t tile)
 	}
 }
 
-static bool close_all(sparse *s, size_t surfels)
+static bool close_all(sparse *s, const gw_surfels *surfels)
 {
 	gw_walls w = { s->c, s->c->first / 8, false };
 	const cell root = { 0 };
@@ -238,12 +240,13 @@ static bool close_all(sparse *s, size_t surfels)
 	return !s->failed && !w.failed;
 }
 
-gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									   gw_compartments *c, gw_error *error)
+gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
+									   const gw_surfels *surfels, gw_compartments *c,
+									   gw_error *error)
 {
 	sparse s = { .c = c };
 	gw_view place = { 0 }, normal = { 0 };
-	uint64_t bytes = 16 * (uint64_t)surfels;
+	uint64_t bytes = 16 * (uint64_t)surfels->count;
 	if (c->depth <= LEVELS_ABOVE)
 		return GW_OK;
 	gw_status status = gw_view_open(gpu, &octree->surfel_position, bytes, &place, error);
@@ -252,8 +255,8 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, siz
 	s.place = place.bytes;
 	s.normal = normal.bytes;
 	if (status == GW_OK && !close_all(&s, surfels))
-		status =
-			gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels", surfels);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
+						 surfels->count);
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	free(s.count);
