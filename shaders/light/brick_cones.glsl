@@ -56,7 +56,8 @@ void end_sheet(inout float filled, inout float through)
 	filled = 0.0;
 }
 
-vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
+/* open: what is left, 0..1. */
+vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 {
 	float side = exp2(float(depth));
 	vec3 radiance = vec3(0.0);
@@ -83,7 +84,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
 		}
 		t += width;
 	}
-	return radiance / push.scale + through * (1.0 - min(filled, 1.0)) * push.sky.xyz;
+	open = through * (1.0 - min(filled, 1.0));
+	return radiance / push.scale;
 }
 
 #endif
