@@ -47,6 +47,9 @@ static double brightness(const gw_light *light, const box *b)
 	switch (light->type) {
 	case GW_LIGHT_POINT:
 	case GW_LIGHT_SPOT:
+	case GW_LIGHT_SPHERE:
+	case GW_LIGHT_DISC:
+	case GW_LIGHT_RECTANGLE:
 		/* Divided in two steps: squares of small extents are 0. */
 		return largest(light->intensity) /
 			   fmax(sqrt(squared_distance(b, light->position)), b->extent) /
@@ -98,6 +101,8 @@ static float *scaled_light(const float *color, size_t count, int exponent)
 static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
 {
 	light->radius = ldexpf(light->radius, scaled->length);
+	for (int k = 0; k < 2; k++)
+		light->size[k] = ldexpf(light->size[k], scaled->length);
 	for (int k = 0; k < 3; k++) {
 		light->position[k] = ldexp(light->position[k], scaled->length);
 		light->intensity[k] = ldexpf(light->intensity[k], 2 * scaled->length + scaled->light);

@@ -58,7 +58,7 @@ typedef struct check {
 	views view;
 	uint32_t stride_leaving, stride_hit; /* one of so many rays is looked at */
 	gathered *record;
-	const gw_light_push *lamp; /* lamps */
+	const gw_lamp *lamp; /* lamps */
 	size_t lamps;
 	gw_check_point_choice choice; /* the points that look at them, and */
 	double *excess;               /* radiance that each has too much */
@@ -288,7 +288,7 @@ static gw_status check_gathered(check *c, finding *found, gw_error *error)
 /* --------------------------------------------------------------------------------------- lamps */
 
 /* Adds what reaches a surfel of it, between small discs and between large ones. */
-static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, double light[2])
+static void add_lamp(const check *c, const gw_lamp *lamp, size_t surfel, double light[2])
 {
 	const gw_surfels *s = c->task->surfels;
 	const gw_octree *o = c->task->octree;
@@ -296,23 +296,23 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	gw_vec3 at = { p[0], p[1], p[2] }, towards;
 	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
 	const float *shone_on = s->shading_normal ? s->shading_normal + 3 * surfel : n;
-	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
+	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->push.seed));
 	const gw_check_place lit = { place, { shone_on[0], shone_on[1], shone_on[2] } };
 	double whole = gw_check_lamp_light(lamp, &lit, &towards, &distance);
-	gw_way way = gw_light_way(lamp, o, s, surfel);
+	gw_way way = gw_light_way(&lamp->push, o, s, surfel);
 	if (whole > 0.0 && c->task->closed && gw_scanned_space_is_gap(c->task->closed, &way))
 		return;
-	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
+	for (uint32_t k = 0; k < lamp->push.samples && whole > 0.0; k++) {
 		float range;
 		gw_check_ray ray = { .origin = at,
 							 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
 							 .facing = { n[0], n[1], n[2] },
 							 .own = fmaxf(OWN_RADII * s->radius[surfel], o->leaf_size),
 							 .both_sides = true };
-		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
+		ray.t_max = lamp->push.type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
 		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
-		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
-		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;
+		light[0] += hit.small == GW_NONE ? whole / lamp->push.samples : 0.0;
+		light[1] += hit.large == GW_NONE ? whole / lamp->push.samples : 0.0;
 	}
 }
 
@@ -340,7 +340,7 @@ static gw_status choose_points(check *c, gw_error *error)
 	for (size_t i = 0; i < count; i++)
 		light[i] = reflectance(t->surfels, i) * gw_luminance(t->direct + 4 * i);
 	for (size_t l = 0; l < c->lamps; l++)
-		rays += c->lamp[l].samples;
+		rays += c->lamp[l].push.samples;
 	size_t wanted = rays > 0 ? RAYS_MOST / 2 / rays : 0;
 	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
 	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
@@ -378,12 +378,12 @@ static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
 static gw_status check_lamps(check *c, finding *found, gw_error *error)
 {
 	const gw_geometry_task *t = c->task;
-	gw_light_push *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
+	gw_lamp *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
-			lamp[c->lamps++] = gw_light_push_of(&t->lights[i], t->octree, t->surfels, t->options);
+			lamp[c->lamps++] = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);
 	c->lamp = lamp;
 	gw_status status = choose_points(c, error);
 	if (status == GW_OK && c->choice.count > 1)

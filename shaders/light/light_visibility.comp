@@ -25,6 +25,7 @@ TEXELS(11, vec4, surfel_facing);
 TEXELS(12, vec4, surfel_disc);
 TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
+BUFFER(15, readonly, float, distribution);
 PUSH(gw_light_push);
 
 #include "octree/octree_discs.glsl"
@@ -63,6 +64,27 @@ float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
 	return seen / float(rays) + hidden;
 }
 
+/* The same of a light that is an area: its samples count by the cosine at which they come in. */
+float share_of_area(vec3 g, vec4 normal, vec3 facing, float turn)
+{
+	float seen = 0.0f, whole = 0.0f, hidden = 0.0f, weight;
+	for (uint s = 0u; s < push.samples; s++) {
+		Ray ray = { g, facing, facing, g, 0.0f, true };
+		aim_at_area(s, turn, g, ray, weight);
+		weight *= light_cosine(normal, ray.direction);
+		if (!(weight > 0.0f))
+			continue;
+		ray.facing = dot(normal.xyz, ray.direction) < 0.0f ? -facing : facing;
+		uint facet = trace(ray).facet;
+		whole += weight;
+		if (facet == GW_NONE)
+			seen += weight;
+		else if (ends_at_crease(facet))
+			hidden = GW_HIDDEN_BY_CREASE;
+	}
+	return whole > 0.0f ? seen / whole + hidden : 0.0f;
+}
+
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -72,12 +94,16 @@ void main()
 	vec4 normal = surfel_normal[i];
 	float distance;
 	visibility[i] = 0.0f;
-	if (!(light_share(g, towards, distance) > 0.0f && light_cosine(normal, towards) > 0.0f))
+	if (!(light_received(g, normal, towards, distance) > 0.0f))
 		return;
 	/* The ray leaves the surface behind the noise; the normal is the point's own. */
 	vec3 facing = texelFetch(surfel_facing, int(push.first + i)).xyz;
+	float turn = unit_float(pcg_hash2(push.first + i, push.seed));
+	if (is_area_light()) {
+		visibility[i] = share_of_area(g, normal, facing, turn);
+		return;
+	}
 	facing = dot(normal.xyz, towards) < 0.0f ? -facing : facing;
 	Ray ray = { g, towards, facing, g, distance, true };
-	visibility[i] =
-		share_seen(towards, distance, unit_float(pcg_hash2(push.first + i, push.seed)), ray);
+	visibility[i] = share_seen(towards, distance, turn, ray);
 }
