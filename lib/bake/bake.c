@@ -5,6 +5,7 @@
 #include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "bake/error_price.h"
+#include "bake/forecast.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
 #include "bake/refine.h"
@@ -36,6 +37,7 @@ typedef struct bake {
 	double octree_start; /* of the octree in use, and what it and the direct light took */
 	double octree_seconds;
 	bool refining; /* the first round is over */
+	bool planning; /* nothing comes after the forecast */
 
 	gw_scene scene;
 	gw_lighting light;
@@ -87,16 +89,35 @@ static gw_status make_plan(bake *b, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status find_gaps(bake *b, gw_error *error)
+{
+	return gw_scene_find_space(&b->scene, b->points, error);
+}
+
 static gw_status build_octree(bake *b, gw_error *error)
 {
 	b->octree_start = gw_seconds();
-	return gw_scene_build_octree(&b->scene, error);
+	return b->light.plan.octree ? gw_scene_build_octree(&b->scene, error)
+								: gw_scene_do_without_octree(&b->scene, error);
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
 	GW_TRY(gw_lighting_direct(&b->light, error));
 	b->octree_seconds = gw_seconds() - b->octree_start;
+	return GW_OK;
+}
+
+/* Tells what is going to be done, and what it will take. */
+static gw_status foretell(bake *b, gw_error *error)
+{
+	gw_report *r = b->report;
+	double done = 0.0;
+	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
+		done += r->stage[i].seconds;
+	GW_TRY(gw_forecast_make(&b->light, done, &r->forecast, error));
+	if (b->scene.callbacks.planned)
+		b->scene.callbacks.planned(b->scene.callbacks.user, r);
 	return GW_OK;
 }
 
@@ -178,6 +199,22 @@ static bool needs_surface(const bake *b)
 	return !has_transport(b);
 }
 
+static bool needs_gaps(const bake *b)
+{
+	return needs_surface(b) && b->light.plan.gaps;
+}
+
+/* Where nothing is traced, lamps still shine on surfels. */
+static bool needs_octree(const bake *b)
+{
+	return needs_surface(b) && (b->light.plan.octree || b->light.plan.lamps);
+}
+
+static bool needs_lamplight(const bake *b)
+{
+	return b->light.plan.lamps;
+}
+
 static bool needs_records(const bake *b)
 {
 	return b->light.plan.records;
@@ -192,10 +229,16 @@ static bool needs_places(const bake *b)
 
 static bool needs_estimate(const bake *b)
 {
-	return (b->light.plan.records || b->light.plan.lamps) && b->scene.options.estimate_points > 0;
+	return b->light.plan.error && (b->light.plan.records || b->light.plan.lamps);
 }
 
-static bool needs_lamps(const bake *b)
+/* What begins with a transport is short. */
+static bool needs_forecast(const bake *b)
+{
+	return (b->planning || b->scene.callbacks.planned) && !has_transport(b);
+}
+
+static bool needs_columns(const bake *b)
 {
 	return b->scene.options.lamps;
 }
@@ -216,8 +259,10 @@ static const step steps[] = {
 	{ "transport", 0.0, load_transport, has_transport },
 	{ "surfels", 0.33, make_surfels, needs_surface },
 	{ "plan", 0.0, make_plan, always },
-	{ "octree", 0.23, build_octree, needs_surface },
-	{ "direct light", 0.1, light_directly, always },
+	{ "gaps", 0.0, find_gaps, needs_gaps },
+	{ "octree", 0.23, build_octree, needs_octree },
+	{ "direct light", 0.1, light_directly, needs_lamplight },
+	{ "forecast", 0.0, foretell, needs_forecast },
 	{ "records", 0.18, place_records, needs_places },
 	{ "first gather", 0.04, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
@@ -227,11 +272,11 @@ static const step steps[] = {
 	{ "fields", 0.0, collect_record_fields, needs_record_fields },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
-	{ "lamps", 0.0, collect_lamps, needs_lamps },
+	{ "lamps", 0.0, collect_lamps, needs_columns },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 16 };
+enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 18 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -285,6 +330,7 @@ static void book_round(bake *b, double seconds, const char *why)
 static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
 {
 	bool keep = next->leaf_spacing == b->scene.options.leaf_spacing;
+	b->scene.callbacks.planned = NULL; /* told already */
 	double start = gw_seconds();
 	b->scene.options = *next;
 	if (keep)
@@ -500,7 +546,11 @@ static gw_status run(bake *b, gw_error *error)
 	const gw_bake_options first = b->scene.options;
 	double ray = 0.0;
 
-	gw_status status = run_steps(b, 0, AFTER_ROUND, error);
+	gw_status status = run_steps(b, 0, b->planning ? RECORDS_STEP : AFTER_ROUND, error);
+	if (b->planning) {
+		gw_report_stage(b->report, b->scene.gpu, NULL);
+		return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
+	}
 	if (status == GW_OK && gw_options_refine(&b->scene.options))
 		status = refine(b, error);
 	if (status == GW_OK) {
@@ -516,12 +566,13 @@ static gw_status run(bake *b, gw_error *error)
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
-static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_bake_callbacks *callbacks,
-							   gw_bake_result **result, gw_error *error)
+static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
+							   const gw_bake_callbacks *callbacks, gw_bake_result **result,
+							   gw_error *error)
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = scaled->scene.points };
+	bake b = { .points = scaled->scene.points, .planning = planning };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
@@ -548,23 +599,44 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_bake_call
 	return status;
 }
 
-gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
-				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
+/* Bakes, or only plans to: then the result holds a report alone. */
+static gw_status bake_or_plan(const gw_scene_description *scene, const gw_bake_options *options,
+							  bool planning, const gw_bake_callbacks *callbacks,
+							  gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
 	const gw_bake_options ordinary = gw_bake_options_default();
 	*result = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
-	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
+	const gw_bake_options effective = gw_options_effective(options);
+	gw_status status = gw_scaled_scene_make(scene, &effective, 0.0, &scaled, error);
 	if (status == GW_OK)
-		status = bake_in_units(&scaled, callbacks, result, error);
+		status = bake_in_units(&scaled, planning, callbacks, result, error);
 	if (status == GW_OK)
 		status = gw_scaled_scene_undo(&scaled, *result, error);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	gw_scaled_scene_clear(&scaled);
 	return status;
+}
+
+gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
+				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
+{
+	return bake_or_plan(scene, options, false, callbacks, result, error);
+}
+
+gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
+					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error)
+{
+	gw_bake_result *result;
+	GW_TRY(bake_or_plan(scene, options, true, callbacks, &result, error));
+	*report = result->report;
+	report->bounce = NULL;
+	report->bounce_count = 0;
+	gw_bake_result_destroy(&result);
+	return GW_OK;
 }
 
 void gw_bake_result_destroy(gw_bake_result **result)

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "normals/normal_error.h"
+#include "light/lamp_reach.h"
 #include "light/shut_out.h"
 #include "light/transport_layout.h"
 
@@ -451,15 +452,19 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
 																   : &cloud->octree->surfel_normal,
 									to->turned ? &b->off_normal : NULL };
+	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {
 		light_on_device lamp = { .push = { 0 } };
-		if (!gw_light_shines(&lights[i]))
+		if (lights[i].type == GW_LIGHT_ENVIRONMENT ||
+			!(forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads)))
 			continue;
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
 		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
 		GW_TRY(status);
 	}
+	if (cloud->octree->leaf_count == 0)
+		return GW_OK;
 	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
 }
 
