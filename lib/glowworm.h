@@ -351,6 +351,7 @@ typedef struct gw_bake_options {
 	bool voxels;            /* fill gw_bake_result.voxels */
 	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
+	bool bent_normals;      /* fill gw_bake_result.bent_normal */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool unknown;                     /* fill gw_bake_result.unknown */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
@@ -430,7 +431,8 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the seven below that are parts of it */
+	double relative_rms; /* root mean square error: of the seven below that are parts of it, and
+							not less than halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -449,6 +451,9 @@ typedef struct gw_error_estimate {
 	double sides;       /* of surfaces that may face the other way, as what points see on both sides
 						   says (side_error.h) */
 	double sides_share; /* of the points: those that are likely to */
+	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
+					  half of the points (half_sample.h): where more than a tenth had no
+					  normal, or some are strays. 0: nobody looked, or nothing was found */
 } gw_error_estimate;
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */
@@ -603,6 +608,8 @@ typedef struct gw_bake_result {
 	float *rest;              /* 3 * count, what points that emit add to L; NULL when none does */
 	float *ambient_occlusion; /* count, 0..1: cosine-weighted share of the hemisphere in which
 						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
+	float *bent_normal;       /* 3 * count, unit vectors: the mean direction of that share; zeros
+								 where it is 0; NULL unless asked */
 	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
 	float *unknown;           /* count, 0..1: share of what is gathered around a point, weighted as
 								 irradiance, that would come through gaps; 0 where no scanner is

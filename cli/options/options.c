@@ -103,6 +103,8 @@ static const char *view_name(int i)
 										[SETTINGS_VIEW_DEPTH] = "depth",
 										[SETTINGS_VIEW_DIRECT] = "direct",
 										[SETTINGS_VIEW_INDIRECT] = "indirect",
+										[SETTINGS_VIEW_IRRADIANCE] = "irradiance",
+										[SETTINGS_VIEW_ILLUMINANCE] = "illuminance",
 										[SETTINGS_VIEW_ROI] = "roi",
 										[SETTINGS_VIEW_NDF] = "ndf",
 										[SETTINGS_VIEW_POINTS] = "points",
@@ -152,8 +154,14 @@ static const char *field_name(int i)
 	static const char *const name[] = { [SETTINGS_FIELD_DIRECT] = "direct",
 										[SETTINGS_FIELD_INDIRECT] = "indirect",
 										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
+										[SETTINGS_FIELD_DIRECT_IRRADIANCE] = "direct-irradiance",
+										[SETTINGS_FIELD_INDIRECT_IRRADIANCE] =
+											"indirect-irradiance",
+										[SETTINGS_FIELD_LUMINANCE] = "luminance",
+										[SETTINGS_FIELD_ILLUMINANCE] = "illuminance",
 										[SETTINGS_FIELD_ROI] = "roi",
 										[SETTINGS_FIELD_AO] = "ao",
+										[SETTINGS_FIELD_BENT_NORMALS] = "bent-normals",
 										[SETTINGS_FIELD_NORMALS] = "normals",
 										[SETTINGS_FIELD_ERROR] = "error",
 										[SETTINGS_FIELD_UNKNOWN] = "unknown",
@@ -285,6 +293,16 @@ const option options[] = {
 	  .group = "Output", .help = "how light is fitted into the range of a screen" },
 	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.false_color), .group = "Output",
 	  .help = "show the luminance by colours, with a scale" },
+	{ "row", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.row), .group = "Output",
+	  .help = "show each input by itself, side by side in one picture, by one camera, one exposure "
+			  "and one scale, to compare set-ups of lamps" },
+	{ "scale", 0, "LOW,HIGH", OPTION_TEXT, FOR(RENDER), AT(render.scale), .group = "Output",
+	  .help = "values that the darkest and the lightest colour stand for, the same in every "
+			  "picture, where colours are numbers; LOW,HIGH,log has powers of ten alike. Without "
+			  "it they are fitted to each picture" },
+	{ "isolux", 0, "LIST", OPTION_TEXT, FOR(RENDER), AT(render.isolux), .group = "Output",
+	  .help = "draw lines where the illuminance has these values, such as 50,100,200 (lx), for "
+			  "--view illuminance" },
 	{ "camera", 'c', "CAMERA", OPTION_TEXT, FOR(RENDER), AT(render.camera), .group = "Camera",
 	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
 			  "angle of view; or auto, inside or outside, which choose a place" },
@@ -356,7 +374,8 @@ const option options[] = {
 	  AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
-		  "of a depth camera's own frame; auto asks the format" },
+		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
+		  "z, or y if the points stand on it" },
 	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO),
 	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
 	  .help =

@@ -124,6 +124,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "gaps", r->error.gaps);
 	json_put_real(json, "sides", r->error.sides);
 	json_put_real(json, "sides_share", r->error.sides_share);
+	json_put_real(json, "halves", r->error.halves);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "gaps", '{');
 	json_put_count(json, "scanners", r->gaps.scanners);
@@ -489,6 +490,8 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 	put_part(r, r->error.gaps, "gaps that no scanner looked at", "more scans", text, room);
 	put_part(r, r->error.sides, "surfaces that may face the wrong way",
 			 "normals or scanner positions", text, room);
+	put_part(r, r->error.halves, "doubts about the surface, by bakes of half of the points,",
+			 "denser or better ones", text, room);
 }
 
 /* What less would cost, as the end of a sentence. */

@@ -1,4 +1,5 @@
 #include "scene/loaded_scene.h"
+#include "scene/sky_light.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_intensity.h"
@@ -418,6 +419,28 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
+/* Where nothing says which axis is up: does it look like y? */
+static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	bool said = s->up != SETTINGS_UP_AUTO || scene->says_up || s->scanner_count > 0;
+	bool doubtful = false;
+	if (!said)
+		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
+	if (doubtful)
+		return scan_add_comment(&scene->cloud,
+								SCAN_NOTE "nothing says which axis points up, and z is taken; a "
+										  "floor and a ceiling seem to lie across y: if y points "
+										  "up, say --up y",
+								error);
+	return said || scene->up == scene->cloud.up
+			   ? GW_OK
+			   : scan_add_comment(&scene->cloud,
+								  SCAN_NOTE "nothing says which axis points up, and y is taken, "
+											"across which the points stand on a base; if that is "
+											"wrong, say --up z",
+								  error);
+}
+
 bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 {
 	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
@@ -542,6 +565,7 @@ static gw_status join_part(const settings *s, loaded_scene *scene, size_t i, dou
 	/* A mesh that does not say which way is up follows the inputs before it. */
 	bool follows = facts->is_mesh && !facts->mesh.up && scene->up;
 	GW_TRY(check_up(s, scene, follows ? scene->up : p->cloud.up, s->input[i].path, error));
+	scene->says_up = scene->says_up || p->cloud.says_up || (facts->is_mesh && facts->mesh.up);
 	return join(scene, &p->cloud, &p->points, error);
 }
 
@@ -629,6 +653,8 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 	}
 	scan_points *p = &scene->points;
 	status = place_scanners(scene, error);
+	if (status == GW_OK)
+		status = notice_up(s, scene, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;
@@ -677,6 +703,27 @@ void loaded_scene_place(const coordinates *place, char up, lamp *light)
 	light_resolve(light, up);
 }
 
+gw_status loaded_scene_name_places(const loaded_scene *scene, settings *s, gw_error *error)
+{
+	size_t count = scene->cloud.scanner_count;
+	for (size_t i = 0; i < s->light_count; i++) {
+		lamp *light = &s->light[i];
+		if (light->scanner > count)
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu is at scanner %zu, but the inputs tell of %zu; glowworm info "
+						   "lists them, --scanner adds one",
+						   i + 1, light->scanner, count);
+		if (light->scanner > 0)
+			memcpy(light->light.position, scene->cloud.scanner + 3 * (light->scanner - 1),
+				   sizeof light->light.position);
+		light->scanner = 0;
+		if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
+			return gw_fail(error, GW_ERROR_USAGE, "light %zu cannot shine to the place where it is",
+						   i + 1);
+	}
+	return GW_OK;
+}
+
 static bool emits(const loaded_scene *scene)
 {
 	const float *emission = scene->points.emission;
@@ -684,18 +731,6 @@ static bool emits(const loaded_scene *scene)
 		if (emission[i] > 0.0f && isfinite(emission[i]))
 			return true;
 	return false;
-}
-
-/* The map of a sky that has a model, or a file; the light is scaled to what it is to give. */
-static gw_status read_map(lamp *light, panorama *map, gw_error *error)
-{
-	if (light->model)
-		return light_sky(light, map, error);
-	GW_TRY(panorama_read(light->map, map, error));
-	gw_status status = light_scale_map(light, map, error);
-	if (status != GW_OK)
-		panorama_clear(map);
-	return status;
 }
 
 /* Reads or makes the maps of environment lights; the scene owns their pixels. placed: light_count
@@ -711,14 +746,7 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed,
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
 		scene->map = grown;
-		if (scene->up != 'y' && scene->up != 'z')
-			return gw_fail(
-				error, GW_ERROR_USAGE,
-				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
-				"with \"matrix\" of an input in a scene file",
-				placed[i].model ? sky_model_name(placed[i].model) : placed[i].map,
-				settings_up_name(scene->up));
-		GW_TRY(read_map(&placed[i], &grown[scene->map_count], error));
+		GW_TRY(sky_light_map(&placed[i], scene->up, &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
 		lights[i] = placed[i].light;
 		lights[i].map = map->pixels;
@@ -735,6 +763,7 @@ gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **light
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");
+	GW_TRY(loaded_scene_name_places(scene, s, error));
 	*lights = calloc(count, sizeof **lights);
 	free(scene->light);
 	scene->light = calloc(count, sizeof **lights);

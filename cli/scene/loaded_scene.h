@@ -36,6 +36,7 @@ typedef struct loaded_scene {
 	size_t map_count;
 	gw_light *light;   /* owned; settings.light_count: those that loaded_scene_lights found */
 	char up;           /* as gw_camera_up has it */
+	bool says_up;      /* an input says so itself */
 	coordinates place; /* owned; from the cloud's coordinates to those of `points`, metres */
 	double *scanner;   /* owned; the cloud's scanners in metres, or NULL when those are the same */
 } loaded_scene;
@@ -63,6 +64,9 @@ gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *
 
 /* A lamp's place and target in metres, and its direction. */
 void loaded_scene_place(const coordinates *place, char up, lamp *light);
+
+/* Puts lights that stand at scanners there. GW_ERROR_USAGE when there is no such scanner. */
+gw_status loaded_scene_name_places(const loaded_scene *scene, settings *settings, gw_error *error);
 
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
  * to free, the pixels of their maps are the scene's. GW_ERROR_USAGE when nothing in the scene gives

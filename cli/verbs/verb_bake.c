@@ -74,6 +74,21 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
+/* Lux are there only where lamps have them. */
+static gw_status check_units(const settings *s, gw_error *error)
+{
+	uint32_t photometric = 1u << SETTINGS_FIELD_ILLUMINANCE | 1u << SETTINGS_FIELD_LUMINANCE;
+	if (!(s->fields & photometric) || s->units == LIGHT_UNITS_PHOTOMETRIC)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE, "--fields %s is in %s, and %s; %s",
+				   s->fields & 1u << SETTINGS_FIELD_ILLUMINANCE ? "illuminance" : "luminance",
+				   s->fields & 1u << SETTINGS_FIELD_ILLUMINANCE ? "lx" : "cd/m^2",
+				   s->units == LIGHT_UNITS_RADIOMETRIC ? "this scene's lamps are in watts"
+													   : "no unit of this scene's lamps is known",
+				   "say cd, lm or lx behind their numbers, or \"units\": \"photometric\" in the "
+				   "scene file");
+}
+
 static gw_status check(bake *b)
 {
 	const settings *s = b->settings;
@@ -93,6 +108,7 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
+	GW_TRY(check_units(s, b->error));
 	GW_TRY(check_streams(s, b->error));
 	GW_TRY(frame_bake_check(s, b->error));
 	if (!s->frames)
@@ -402,8 +418,11 @@ static gw_status print_scene(bake *b)
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
+	for (size_t i = 0; i < s->light_count; i++)
+		ask = ask || s->light[i].scanner > 0;
 	if (ask) {
 		GW_TRY(read_inputs(b));
+		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
 		up = b->scene.up;
 	}
 	for (size_t i = 0; i < s->light_count; i++)

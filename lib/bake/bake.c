@@ -6,6 +6,7 @@
 #include "light/direct_light.h"
 #include "bake/error_price.h"
 #include "bake/forecast.h"
+#include "bake/half_sample.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
 #include "bake/refine.h"
@@ -108,6 +109,19 @@ static gw_status light_directly(bake *b, gw_error *error)
 	return GW_OK;
 }
 
+/* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
+#define HALVES_SHARE 0.65
+
+static void add_halves(bake *b)
+{
+	gw_report *r = b->report;
+	r->forecast.seconds *= 1.0 + HALVES_SHARE;
+	gw_report_effect(r, gw_effect_name(GW_EFFECT_ERROR),
+					 "points solved again, and half of the points baked",
+					 "the surface is in doubt: what half of the points tell otherwise is added to "
+					 "the error foretold");
+}
+
 /* Tells what is going to be done, and what it will take. */
 static gw_status foretell(bake *b, gw_error *error)
 {
@@ -116,6 +130,8 @@ static gw_status foretell(bake *b, gw_error *error)
 	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
 		done += r->stage[i].seconds;
 	GW_TRY(gw_forecast_make(&b->light, done, &r->forecast, error));
+	if (gw_half_sample_is_wanted(b->points, &b->scene.options, r))
+		add_halves(b);
 	if (b->scene.callbacks.planned)
 		b->scene.callbacks.planned(b->scene.callbacks.user, r);
 	return GW_OK;
@@ -224,7 +240,7 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->scene.options.ambient_occlusion);
+		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
@@ -245,8 +261,7 @@ static bool needs_columns(const bake *b)
 
 static bool needs_record_fields(const bake *b)
 {
-	const gw_bake_options *o = &b->scene.options;
-	return o->ambient_occlusion || o->errors || o->unknown;
+	return gw_options_record_fields(&b->scene.options);
 }
 
 static bool needs_voxels(const bake *b)
@@ -600,17 +615,12 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
 }
 
 /* Bakes, or only plans to: then the result holds a report alone. */
-static gw_status bake_or_plan(const gw_scene_description *scene, const gw_bake_options *options,
-							  bool planning, const gw_bake_callbacks *callbacks,
-							  gw_bake_result **result, gw_error *error)
+static gw_status bake_as_given(const gw_scene_description *scene, const gw_bake_options *options,
+							   bool planning, const gw_bake_callbacks *callbacks,
+							   gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
-	const gw_bake_options ordinary = gw_bake_options_default();
-	*result = NULL;
-	options = options ? options : &ordinary;
-	GW_TRY(gw_options_check(options, scene, error));
-	const gw_bake_options effective = gw_options_effective(options);
-	gw_status status = gw_scaled_scene_make(scene, &effective, 0.0, &scaled, error);
+	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
 	if (status == GW_OK)
 		status = bake_in_units(&scaled, planning, callbacks, result, error);
 	if (status == GW_OK)
@@ -621,22 +631,159 @@ static gw_status bake_or_plan(const gw_scene_description *scene, const gw_bake_o
 	return status;
 }
 
+/* ------------------------------------------------------------------------------ half the points */
+
+/* The callbacks of the whole, for a part of it. */
+typedef struct part {
+	const gw_bake_callbacks *whole; /* NULL: nobody listens */
+	double from, share;             /* of the progress */
+	const char *name;               /* NULL: that of each stage */
+} part;
+
+/* A bake takes as long as its points are many: where halves will follow, so much is left of it. */
+static const part parts[] = { { .from = 0.0, .share = 0.57 },
+							  { .from = 0.57, .share = 0.29, .name = "half the points" },
+							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
+
+static void progress_of_part(void *user, const char *stage, double done)
+{
+	const part *p = user;
+	if (p->whole->progress)
+		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->from + p->share * done);
+}
+
+static bool part_is_cancelled(void *user)
+{
+	const part *p = user;
+	return p->whole->cancelled && p->whole->cancelled(p->whole->user);
+}
+
+static void whole_is_planned(void *user, const gw_report *report)
+{
+	const part *p = user;
+	p->whole->planned(p->whole->user, report);
+}
+
+/* Only the first part tells what is planned. */
+static gw_bake_callbacks callbacks_of(part *p, const gw_bake_callbacks *whole)
+{
+	bool planned = whole && whole->planned && p->from <= 0.0;
+	p->whole = whole;
+	return whole ? (gw_bake_callbacks){ progress_of_part, part_is_cancelled, p,
+										planned ? whole_is_planned : NULL }
+				 : (gw_bake_callbacks){ .user = NULL };
+}
+
+/* A bake of which only the light is wanted, with the settings that the whole one began with. */
+static gw_status bake_half(const gw_scene_description *all, const gw_half_sample *half,
+						   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+						   gw_bake_result **result, gw_error *error)
+{
+	const gw_scene_description scene = { &half->points, all->lights, all->light_count };
+	gw_bake_options plain = *options;
+	plain.estimate_points = 0;
+	plain.max_error = plain.time_limit = 0.0f;
+	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
+	plain.bent_normals = false;
+	return half->points.count > 0
+			   ? bake_as_given(&scene, &plain, false, callbacks, result, error)
+			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
+}
+
+/* The difference to half of the points, and where more is known from it, of half of that half. */
+static gw_status compare_halves(const gw_scene_description *scene, const gw_bake_options *options,
+								const gw_bake_callbacks *callbacks, gw_bake_result *result,
+								gw_error *error)
+{
+	gw_half_sample half, quarter = { .from = NULL };
+	part second_part = parts[1], third_part = parts[2];
+	const gw_bake_callbacks of_second = callbacks_of(&second_part, callbacks);
+	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
+	gw_bake_result *of_half = NULL, *of_quarter = NULL;
+	const gw_report *r = &result->report;
+	double first = 0.0, second = 0.0;
+	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
+	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
+	if (status == GW_OK)
+		status = bake_half(scene, &half, options, &of_second, &of_half, error);
+	if (status == GW_OK)
+		first = gw_half_sample_difference(&half, of_half, result);
+	bool more = status == GW_OK && first > r->error.relative_rms;
+	if (more)
+		status = gw_half_sample_make(&half.points, 1, &quarter, error);
+	if (more && status == GW_OK)
+		status = bake_half(scene, &quarter, options, &of_third, &of_quarter, error);
+	if (more && status == GW_OK)
+		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
+	if (status == GW_OK)
+		gw_half_sample_add(first, second, gathered, &result->report.error);
+	gw_bake_result_destroy(&of_half);
+	gw_bake_result_destroy(&of_quarter);
+	gw_half_sample_clear(&half);
+	gw_half_sample_clear(&quarter);
+	return status;
+}
+
+/* What bakes of half of the points say of the surface; nothing where half of them is no cloud. */
+static gw_status check_by_halves(const gw_scene_description *scene, const gw_bake_options *options,
+								 const gw_bake_callbacks *callbacks, gw_bake_result *result,
+								 gw_error *error)
+{
+	gw_report *r = &result->report;
+	gw_report_stage(r, NULL, "half the points");
+	gw_status status = compare_halves(scene, options, callbacks, result, error);
+	gw_report_stage(r, NULL, NULL);
+	double wanted = (double)options->max_error;
+	if (status == GW_OK && wanted > 0.0 && r->error.relative_rms > wanted && !r->missed) {
+		r->missed = true;
+		r->goal = GW_GOAL_EXHAUSTED;
+	}
+	if (r->price.error > 0.0 && r->price.error < r->error.halves)
+		r->price = (gw_price){ 0 };
+	return status == GW_ERROR_DATA ? GW_OK : status;
+}
+
 gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
 				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
 {
-	return bake_or_plan(scene, options, false, callbacks, result, error);
+	const gw_bake_options ordinary = gw_bake_options_default();
+	double start = gw_seconds();
+	*result = NULL;
+	options = options ? options : &ordinary;
+	GW_TRY(gw_options_check(options, scene, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	options = &effective;
+	part first = parts[0];
+	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
+	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
+	GW_TRY(bake_as_given(scene, options, false, &of_first, result, error));
+	/* Two smaller bakes take less than twice as long as this one did. */
+	bool in_time =
+		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
+	if (!in_time || !gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
+		return GW_OK;
+	gw_status status = check_by_halves(scene, options, callbacks, *result, error);
+	if (status != GW_OK)
+		gw_bake_result_destroy(result);
+	return status;
 }
 
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
 					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error)
 {
-	gw_bake_result *result;
-	GW_TRY(bake_or_plan(scene, options, true, callbacks, &result, error));
-	*report = result->report;
-	report->bounce = NULL;
-	report->bounce_count = 0;
+	const gw_bake_options ordinary = gw_bake_options_default();
+	gw_bake_result *result = NULL;
+	options = options ? options : &ordinary;
+	GW_TRY(gw_options_check(options, scene, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	gw_status status = bake_as_given(scene, &effective, true, callbacks, &result, error);
+	if (status == GW_OK) {
+		*report = result->report;
+		report->bounce = NULL;
+		report->bounce_count = 0;
+	}
 	gw_bake_result_destroy(&result);
-	return GW_OK;
+	return status;
 }
 
 void gw_bake_result_destroy(gw_bake_result **result)
@@ -654,6 +801,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->lamp);
 	free(r->rest);
 	free(r->ambient_occlusion);
+	free(r->bent_normal);
 	free(r->error);
 	free(r->unknown);
 	free(r->roi);

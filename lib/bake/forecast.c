@@ -180,8 +180,8 @@ static uint64_t host_bytes(const pilot *p)
 	uint64_t surfels = s->surfels.count, points = s->surfels.point_count;
 	uint64_t weights = s->read_back.first ? s->read_back.first[surfels] : 0;
 	uint64_t result = 16 * sizeof(float); /* radiance, two irradiances, normal, albedo, RoI */
-	result += sizeof(float) *
-			  ((o->ambient_occlusion ? 1u : 0u) + (o->unknown ? 1u : 0u) + (o->errors ? 1u : 0u));
+	result += sizeof(float) * ((o->ambient_occlusion ? 1u : 0u) + (o->unknown ? 1u : 0u) +
+							   (o->errors ? 1u : 0u) + (o->bent_normals ? 3u : 0u));
 	if (o->lamps)
 		result += 3 * sizeof(float) * (p->lighting->light_count + 1);
 	uint64_t shared = gw_gpu_shares_memory(s->gpu) ? p->grown : 0;

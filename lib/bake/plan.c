@@ -83,11 +83,11 @@ static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *repor
 	}
 	if (reaching < lamps)
 		name_left_out(task, first_out, lamps - reaching, out, sizeof out);
-	snprintf(reason, sizeof reason, "%zu of %zu point, spot or sun lights shine on points%s",
-			 reaching, lamps, out);
+	snprintf(reason, sizeof reason, "%zu of %zu lamps and suns shine on points%s", reaching, lamps,
+			 out);
 	const call lamp = { GW_EFFECT_LAMPS, reaching > 0 && plan->limit > 0,
 						plan->limit == 0 ? "no reflection is asked for"
-						: lamps == 0     ? "there is no point, spot or sun light"
+						: lamps == 0     ? "there is no lamp or sun"
 										 : reason,
 						"at every point" };
 	plan->lamps = decide(task, lamp, report);
@@ -197,14 +197,15 @@ static void plan_rest(const gw_plan_task *task, gw_plan *plan, gw_report *report
 								 : "there is no light to be wrong",
 						 plan->records ? "points solved again" : "by what lamps' shadows show" };
 	plan->error = decide(task, error, report);
+	bool open = o->ambient_occlusion || o->bent_normals;
 	bool kept = o->transport && o->transport->write;
-	const call octree = { GW_EFFECT_OCTREE, hidden || kept || o->voxels || o->ambient_occlusion,
-						  plan->records          ? "light is gathered by rays or cones"
-						  : plan->shadows        ? "shadows are traced through it"
-						  : kept                 ? "a transport has one"
-						  : o->voxels            ? "grids are made of its leaves"
-						  : o->ambient_occlusion ? "ambient occlusion is found by rays"
-												 : "nothing is traced",
+	const call octree = { GW_EFFECT_OCTREE, hidden || kept || o->voxels || open,
+						  plan->records   ? "light is gathered by rays or cones"
+						  : plan->shadows ? "shadows are traced through it"
+						  : kept          ? "a transport has one"
+						  : o->voxels     ? "grids are made of its leaves"
+						  : open          ? "ambient occlusion is found by rays"
+										  : "nothing is traced",
 						  "sparse voxels" };
 	plan->octree = decide(task, octree, report);
 }

@@ -89,6 +89,16 @@ static gw_status check_effects(const gw_bake_options *o, gw_error *error)
 	return GW_OK;
 }
 
+bool gw_options_openness(const gw_bake_options *o)
+{
+	return o->ambient_occlusion || o->bent_normals;
+}
+
+bool gw_options_record_fields(const gw_bake_options *o)
+{
+	return gw_options_openness(o) || o->errors || o->unknown;
+}
+
 gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
 						   gw_error *error)
 {
@@ -508,14 +518,19 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 
 gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 {
-	return gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error);
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_record_context further = gw_scene_context(s, &s->further);
+	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
+	if (s->options.method != GW_METHOD_RAYS || s->rays.facet.handle == VK_NULL_HANDLE)
+		return GW_OK;
+	GW_TRY(gw_ray_gather_shut_out(&on, &s->rays, error));
+	return s->further.count > 0 ? gw_ray_gather_shut_out(&further, &s->further_rays, error) : GW_OK;
 }
 
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
-	GW_TRY(gw_scene_find_compartments(s, error));
 	if (!s->portals.looked && !forbids(&s->options, GW_EFFECT_PORTALS))
 		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
 	if (s->further.count > 0)

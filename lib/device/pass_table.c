@@ -109,9 +109,9 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RECORD_CONES] = { "record_cones", "ttmmsss", sizeof(gw_cone_push), 4096,
 							   .why = SAMPLER },
 
-	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttssst", sizeof(gw_pixel_push), 4096,
+	[GW_PASS_PIXEL_RAYS] = { "pixel_rays", "ttttttttttttssstt", sizeof(gw_pixel_push), 4096,
 							 .why = PIXELS },
-	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmsss", sizeof(gw_cone_push), 256, .why = SAMPLER },
+	[GW_PASS_PIXEL_CONE] = { "pixel_cone", "ttmmssst", sizeof(gw_cone_push), 256, .why = SAMPLER },
 	[GW_PASS_PIXEL_BRICKS] = { "pixel_bricks", "ttmmsss", sizeof(gw_cone_push), 64,
 							   .why = SAMPLER },
 	[GW_PASS_CELL_BRICKS] = { "cell_bricks", "ttmmss", sizeof(gw_cone_push), .why = SAMPLER },

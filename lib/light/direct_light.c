@@ -455,8 +455,9 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {
 		light_on_device lamp = { .push = { 0 } };
-		if (lights[i].type == GW_LIGHT_ENVIRONMENT ||
-			!(forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads)))
+		bool shines =
+			forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads);
+		if (lights[i].type == GW_LIGHT_ENVIRONMENT || !shines)
 			continue;
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
 		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
@@ -492,8 +493,13 @@ static gw_status find_share(const gw_lit_cloud *cloud, const light_on_device *la
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
 		visibility, error));
 	GW_TRY(gw_buffer_fill(gpu, visibility, seen, error));
-	GW_TRY(find_visibility(cloud, lamp, &cloud->octree->surfel_normal, visibility, error));
-	return gw_buffer_download(gpu, visibility, 0, share, bytes, error);
+	gw_buffer reached = { 0 };
+	const gw_buffer *normal = &cloud->octree->surfel_normal;
+	GW_TRY(gw_shut_out_light(cloud, &lamp->push, normal, &reached, error));
+	gw_status status = find_visibility(
+		cloud, lamp, reached.handle != VK_NULL_HANDLE ? &reached : normal, visibility, error);
+	gw_buffer_destroy(gpu, &reached);
+	return status == GW_OK ? gw_buffer_download(gpu, visibility, 0, share, bytes, error) : status;
 }
 
 gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,

@@ -43,7 +43,8 @@ vec4 sample_level(vec3 g, vec3 direction, uint up)
 	return sum * (inside.x * inside.y * inside.z / size);
 }
 
-vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
+/* open: what is left, 0..1. */
+vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 {
 	float side = exp2(float(depth));
 	vec3 radiance = vec3(0.0);
@@ -68,7 +69,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
 		}
 		t += width;
 	}
-	return radiance / push.scale + (1.0 - min(filled, 1.0)) * push.sky.xyz;
+	open = 1.0 - min(filled, 1.0);
+	return radiance / push.scale;
 }
 
 #endif

@@ -128,11 +128,15 @@ SHARED_STRUCT(gw_cone_push)
 	float start; /* leaf cells along the normal where a cone starts */
 	vec4 sky;
 	vec4 eye; /* pixels: where it is, grid coordinates; w: 1 to sample tricubically */
+	uint sky_width, sky_height; /* pixels: of the map, as gw_record_push has it */
+	float sky_turn;
+	uint sky_y_up;
 };
-SHARED_SIZE(gw_cone_push, 96);
+SHARED_SIZE(gw_cone_push, 112);
 SHARED_OFFSET(gw_cone_push, scale, 28);
 SHARED_OFFSET(gw_cone_push, sky, 64);
 SHARED_OFFSET(gw_cone_push, eye, 80);
+SHARED_OFFSET(gw_cone_push, sky_width, 96);
 
 /* What pixels see reflected. */
 SHARED_STRUCT(gw_pixel_push)
@@ -140,13 +144,17 @@ SHARED_STRUCT(gw_pixel_push)
 	uint first, count;
 	uint rays; /* a pixel whose surface is rough; a mirror takes one */
 	uint seed;
-	uint pixel_first; /* number of the first pixel of this batch */
-	uint ray;         /* that this run adds */
-	vec4 eye;         /* grid coordinates */
-	vec4 sky;         /* radiance of what rays see that meet nothing */
+	uint pixel_first;           /* number of the first pixel of this batch */
+	uint ray;                   /* that this run adds */
+	vec4 eye;                   /* grid coordinates */
+	vec4 sky;                   /* even radiance of what rays see that meet nothing */
+	uint sky_width, sky_height; /* of the map, as gw_record_push has it */
+	float sky_turn;
+	uint sky_y_up;
 };
-SHARED_SIZE(gw_pixel_push, 64);
+SHARED_SIZE(gw_pixel_push, 80);
 SHARED_OFFSET(gw_pixel_push, eye, 32);
 SHARED_OFFSET(gw_pixel_push, sky, 48);
+SHARED_OFFSET(gw_pixel_push, sky_width, 64);
 
 #endif

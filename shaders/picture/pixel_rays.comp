@@ -37,6 +37,7 @@ layout(binding = 14) buffer Reflected
 	vec4 pixel_reflected[];
 };
 layout(binding = 15) uniform usamplerBuffer disc_tree;
+layout(binding = 16) uniform samplerBuffer sky_texel;
 layout(push_constant) uniform Push
 {
 	gw_pixel_push push;
@@ -44,6 +45,7 @@ layout(push_constant) uniform Push
 
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
+#include "picture/sky_seen.glsl"
 
 /* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
  * rough one takes. */
@@ -107,7 +109,8 @@ void main()
 	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
 	Hit hit = trace(ray);
-	vec3 seen = hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : push.sky.xyz;
+	vec3 seen =
+		hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : sky_seen(direction);
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
 	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
 }

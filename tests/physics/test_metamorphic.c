@@ -231,7 +231,7 @@ static void compare_dark_light(gw_method method, const scene *hall, const gw_lig
 	assert_same_light(result, plain, 1.0f, NULL);
 	/* How many dispatches a pass is cut into depends on time; for which lights there are passes
 	 * does not. */
-	/* "3 of 6 lights shine" is "3 of 3", without them. */
+	/* "3 of 6 lamps shine" is "3 of 3", without them. */
 	assert_int_equal(atoi(scene_effect(&result->report, "lamps")->reason),
 					 atoi(scene_effect(&plain->report, "lamps")->reason));
 	gw_bake_result_destroy(&result);

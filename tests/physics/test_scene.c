@@ -32,6 +32,8 @@ static void same_results(const gw_bake_result *a, const gw_bake_result *b)
 	assert_int_equal(a->rest == NULL, b->rest == NULL);
 	if (a->ambient_occlusion)
 		same_floats(a->ambient_occlusion, b->ambient_occlusion, a->count);
+	if (a->bent_normal)
+		same_floats(a->bent_normal, b->bent_normal, 3 * a->count);
 	if (a->error)
 		same_floats(a->error, b->error, a->count);
 	assert_int_equal(a->voxels.count, b->voxels.count);
@@ -95,7 +97,8 @@ static void each_lighting_is_a_bake(void **state)
 	scene hall = { 0 };
 	scene_make_hall(&hall);
 	gw_bake_options options = gw_bake_options_default();
-	options.ambient_occlusion = options.errors = options.voxels = options.lamps = true;
+	options.ambient_occlusion = options.bent_normals = options.errors = options.voxels =
+		options.lamps = true;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
