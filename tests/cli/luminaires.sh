@@ -35,8 +35,8 @@ END
 print_lights lamp.json | tee first.txt
 glowworm bake lamp.json --albedo constant:0.5 --print-scene -o lit.ply >again.json
 print_lights again.json | cmp - first.txt
-# Light on the floor at two places, radiance times pi over albedo, over that of a Lambertian of 100 cd
-# 2 m above it.
+# Light on the floor at two places, radiance times pi over albedo, over that of a Lambertian of 100
+# cd that is 2 m above it.
 at_places() { # light
 	glowworm bake floor.ply -q --light "$1" --albedo constant:0.5 --fields direct -o lit.ply --force
 	glowworm convert lit.ply - --output-format csv | awk -F , -v factor=6.2831853 '
