@@ -418,8 +418,11 @@ static gw_status print_scene(bake *b)
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
+	for (size_t i = 0; i < s->light_count; i++)
+		ask = ask || s->light[i].scanner > 0;
 	if (ask) {
 		GW_TRY(read_inputs(b));
+		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
 		up = b->scene.up;
 	}
 	for (size_t i = 0; i < s->light_count; i++)
