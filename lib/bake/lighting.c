@@ -9,6 +9,7 @@
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
 #include "light/gap_light.h"
+#include "base/luminance.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -66,6 +67,26 @@ static const gw_scanned_space *closed_space(const gw_scene *scene)
 			   : NULL;
 }
 
+/* What is known of the lights before they shine: those that have no power. */
+static gw_status list_lights(gw_lighting *lighting, gw_error *error)
+{
+	free(lighting->given);
+	lighting->given = NULL;
+	if (lighting->whole)
+		return GW_OK;
+	lighting->given = gw_allocate_zeros(lighting->light_count + 1, sizeof *lighting->given);
+	if (!lighting->given)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
+					   lighting->light_count);
+	for (size_t i = 0; i < lighting->light_count; i++) {
+		const gw_light *light = &lighting->lights[i];
+		bool sky = light->type == GW_LIGHT_ENVIRONMENT;
+		bool shines = sky ? gw_luminance(light->radiance) > 0.0 : gw_light_shines(light);
+		lighting->given[i].fate = shines ? GW_LIGHT_SHINES : GW_LIGHT_BLACK;
+	}
+	return GW_OK;
+}
+
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
@@ -83,8 +104,9 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 	if (off)
 		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 					  "irradiance of normals that are off", &lighting->surfel_turned, error));
+	GW_TRY(list_lights(lighting, error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
-									  off ? &lighting->surfel_turned : NULL };
+									  lighting->given, off ? &lighting->surfel_turned : NULL };
 	if (lighting->plan.lamps)
 		GW_TRY(gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error));
 	return GW_OK;
@@ -578,6 +600,8 @@ void gw_lighting_clear(gw_lighting *lighting)
 		return;
 	gw_lighting_drop_gathered(lighting);
 	gw_lighting_drop_map(lighting);
+	free(lighting->given);
+	lighting->given = NULL;
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_direct);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_turned);
 	gw_buffer_destroy(lighting->scene->gpu, &lighting->facet_direct);

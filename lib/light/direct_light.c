@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "normals/normal_error.h"
+#include "light/light_given.h"
 #include "light/shut_out.h"
 #include "light/transport_layout.h"
 
@@ -330,6 +331,7 @@ static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
 /* Buffers of gw_direct_light. */
 typedef struct lit_buffers {
 	gw_buffer visibility, own_normal, off_normal;
+	gw_given_sum given;
 } lit_buffers;
 
 static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
@@ -351,8 +353,11 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	for (size_t i = 0; i < light_count; i++) {
 		gw_light_push push =
 			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
-		if (gw_light_shines(&lights[i]))
-			GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
+		if (!gw_light_shines(&lights[i]))
+			continue;
+		GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
+		if (to->given)
+			GW_TRY(gw_given_book(cloud, &push, to->surfels, &to->given[i], &b->given, error));
 	}
 	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
 }
@@ -362,6 +367,7 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 {
 	lit_buffers b = { 0 };
 	gw_status status = add_lights(cloud, lights, light_count, to, &b, error);
+	gw_given_sum_clear(&b.given);
 	gw_buffer_destroy(cloud->passes->gpu, &b.off_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.own_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.visibility);
