@@ -172,6 +172,15 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
 void gw_camera_up(char up, double axis[3]);
 
 /*
+ * Whether points of which nobody said so look as if y pointed up, where z is the custom: they have
+ * a floor and a ceiling across y, or stand on a base there.
+ *   position   3 * count, of any unit
+ *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor
+ * Returns 'y', or 0: nothing speaks against z.
+ */
+char gw_likely_up(const double *position, size_t count, bool *sure);
+
+/*
  * A right-handed frame for such an axis: x for 'z', and y for it, are to the right and to the back
  * of who looks straight at a cloud, and for 'Y', as depth cameras have it, that is x and z.
  *   right, back, up  receive unit vectors

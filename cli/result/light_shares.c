@@ -117,7 +117,8 @@ static void print_dark(const bake_facts *f, const extent *e)
 {
 	size_t dark = 0;
 	for (size_t i = 0; i < f->result->given_count; i++) {
-		if (!shines(&f->result->given[i]) && ++dark <= LINES)
+		bool left_out = f->result->given[i].fate == GW_LIGHT_LEFT_OUT;
+		if (!left_out && !shines(&f->result->given[i]) && ++dark <= LINES)
 			print_nothing(f, e, i);
 	}
 	if (dark > LINES)
@@ -202,7 +203,8 @@ void light_shares_write(json_writer *json, const bake_facts *f)
 	static const char *const fate[] = { [GW_LIGHT_SHINES] = "shines",
 										[GW_LIGHT_BLACK] = "no power",
 										[GW_LIGHT_AVERTED] = "nothing faces it",
-										[GW_LIGHT_HIDDEN] = "hidden" };
+										[GW_LIGHT_HIDDEN] = "hidden",
+										[GW_LIGHT_LEFT_OUT] = "left out" };
 	extent e = find_extent(f);
 	json_put_open(json, "light_shares", '[');
 	for (size_t i = 0; i < f->result->given_count; i++) {

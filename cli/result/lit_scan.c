@@ -275,9 +275,9 @@ static gw_status comment_command(maker *m)
 static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
-	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char text[400], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
-	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT], halves[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
@@ -287,6 +287,7 @@ static gw_status comment_error(maker *m)
 	number_print_float(geometry, (float)r->error.geometry);
 	number_print_float(sides, (float)r->error.sides);
 	number_print_float(gaps, (float)r->error.gaps);
+	number_print_float(halves, (float)r->error.halves);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -309,7 +310,10 @@ static gw_status comment_error(maker *m)
 		length +=
 			snprintf(text + length, sizeof text - (size_t)length, ", guessed sides %s", sides);
 	if (r->error.gaps > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", gaps %s", gaps);
+		length += snprintf(text + length, sizeof text - (size_t)length, ", gaps %s", gaps);
+	if (r->error.halves > 0)
+		snprintf(text + length, sizeof text - (size_t)length,
+				 ", the surface by half of the points %s", halves);
 	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }
@@ -335,7 +339,7 @@ static gw_status make_comments(maker *m)
 	if (m->settings->colors == 0)
 		GW_TRY(comment(m, text));
 	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
-	if (m->lit->up != 'z')
+	if (m->lit->up != 'z' || m->settings->up != SETTINGS_UP_AUTO)
 		GW_TRY(comment(m, text));
 	return comment_error(m);
 }

@@ -419,6 +419,28 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 	return GW_OK;
 }
 
+/* Where nothing says which axis is up: does it look like y? */
+static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	bool said = s->up != SETTINGS_UP_AUTO || scene->says_up || s->scanner_count > 0;
+	bool doubtful = false;
+	if (!said)
+		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
+	if (doubtful)
+		return scan_add_comment(&scene->cloud,
+								SCAN_NOTE "nothing says which axis points up, and z is taken; a "
+										  "floor and a ceiling seem to lie across y: if y points "
+										  "up, say --up y",
+								error);
+	return said || scene->up == scene->cloud.up
+			   ? GW_OK
+			   : scan_add_comment(&scene->cloud,
+								  SCAN_NOTE "nothing says which axis points up, and y is taken, "
+											"across which the points stand on a base; if that is "
+											"wrong, say --up z",
+								  error);
+}
+
 bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
 {
 	bool named = mesh_is_name(from->path) && !from->vertices && !s->format;
@@ -543,6 +565,7 @@ static gw_status join_part(const settings *s, loaded_scene *scene, size_t i, dou
 	/* A mesh that does not say which way is up follows the inputs before it. */
 	bool follows = facts->is_mesh && !facts->mesh.up && scene->up;
 	GW_TRY(check_up(s, scene, follows ? scene->up : p->cloud.up, s->input[i].path, error));
+	scene->says_up = scene->says_up || p->cloud.says_up || (facts->is_mesh && facts->mesh.up);
 	return join(scene, &p->cloud, &p->points, error);
 }
 
@@ -630,6 +653,8 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 	}
 	scan_points *p = &scene->points;
 	status = place_scanners(scene, error);
+	if (status == GW_OK)
+		status = notice_up(s, scene, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;

@@ -2,6 +2,7 @@
  * From scan to points: which columns are positions, normals, albedo and emission, and in what
  * encoding. Values are handed on as they are; the library repairs and counts bad ones.
  */
+#include "glowworm_picture.h"
 #include "points/scan_color.h"
 #include "points/scan_intensity.h"
 
@@ -316,4 +317,12 @@ void scan_points_clear(scan_points *points)
 	free(points->emission);
 	free(points->stray);
 	memset(points, 0, sizeof *points);
+}
+
+char scan_up(const scan *cloud, const double *position, bool *doubtful)
+{
+	bool said = cloud->up != 'z' || cloud->says_up || cloud->scanner_count > 0, sure = false;
+	bool likely = !said && gw_likely_up(position, cloud->count, &sure);
+	*doubtful = likely && !sure;
+	return likely && sure ? 'y' : cloud->up;
 }
