@@ -1,4 +1,5 @@
 #include "result/bake_report.h"
+#include "result/light_shares.h"
 #include "program/exit_code.h"
 #include "program/json_writer.h"
 #include "scene/octree_note.h"
@@ -249,6 +250,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
+	light_shares_write(&json, f);
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');

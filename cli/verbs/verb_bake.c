@@ -4,6 +4,7 @@
 #include "result/frame_bake.h"
 #include "scene/glossy_points.h"
 #include "files/input_file.h"
+#include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "scene/mesh_notes.h"
 #include "options/output_name.h"
@@ -457,6 +458,8 @@ static gw_status say_results(const bake *b)
 	const settings *s = b->settings;
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
+	if (!s->quiet)
+		light_shares_print(&b->facts);
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)

@@ -806,6 +806,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->unknown);
 	free(r->roi);
 	free(r->stray);
+	free(r->given);
 	gw_voxels_clear(&r->voxels);
 	free(r->report.bounce);
 	free(r);
