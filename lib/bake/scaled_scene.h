@@ -18,7 +18,7 @@ typedef struct gw_scaled_scene {
 	gw_light *lights; /* NULL when both are 0 */
 	gw_bake_options options;
 	double *position, *scanner; /* of points, where they are copies */
-	float *emission;
+	float *emission, *own_area;
 } gw_scaled_scene;
 
 /*
