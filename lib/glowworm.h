@@ -245,6 +245,20 @@ typedef enum gw_gaps {
 	GW_GAPS_COUNT
 } gw_gaps;
 
+/* What a scene may call for; gw_report tells of each whether it did. */
+typedef enum gw_effect_kind {
+	GW_EFFECT_LAMPS,    /* light straight from point, spot and sun lights */
+	GW_EFFECT_SHADOWS,  /* what hides these from the points */
+	GW_EFFECT_EMITTERS, /* light of points that emit, at others */
+	GW_EFFECT_SKY,      /* light of the environment */
+	GW_EFFECT_PORTALS,  /* openings to the sky, sampled where they are few */
+	GW_EFFECT_BOUNCES,  /* light that is reflected more than once */
+	GW_EFFECT_GAPS,     /* what scanners did not see, and holes of surfaces */
+	GW_EFFECT_ERROR,    /* how wrong the light is */
+	GW_EFFECT_OCTREE,   /* what most of these need; it cannot be forbidden */
+	GW_EFFECT_KIND_COUNT
+} gw_effect_kind;
+
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
 #define GW_LEAF_SPACING 1.25f
@@ -302,13 +316,17 @@ typedef struct gw_bake_options {
 						   open, lamps and suns do not shine through them either */
 	float gap_radiance; /* W/(sr m^2), with GW_GAPS_BLACK: what gaps send instead of nothing;
 						   not together with lamps */
-	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
-	uint32_t threads;         /* of the host; 0 means one a core */
-	uint64_t seed;            /* of all random directions */
-	uint64_t memory;          /* bytes that the bake may use, host and device together; 0 means most
-								 of what the machine has free */
-	const char *device;       /* NULL, or an index, type name or part of the name of a device */
-	gw_pass_choice passes;    /* for those who look into a difference */
+	uint32_t effects_forced;    /* 1 << gw_effect_kind: computed whether or not the scene calls for
+								   them; the light is the same */
+	uint32_t effects_forbidden; /* likewise: not computed, whatever the scene calls for. None of
+								   those forced, nor GW_EFFECT_OCTREE */
+	uint32_t shadow_map_size;   /* texels a side of a shadow map, 16..8192 */
+	uint32_t threads;           /* of the host; 0 means one a core */
+	uint64_t seed;              /* of all random directions */
+	uint64_t memory;       /* bytes that the bake may use, host and device together; 0 means most
+							  of what the machine has free */
+	const char *device;    /* NULL, or an index, type name or part of the name of a device */
+	gw_pass_choice passes; /* for those who look into a difference */
 	gw_normals_choice normals;
 	gw_validation validate; /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;            /* fill gw_bake_result.voxels */
@@ -345,6 +363,8 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
  * more are needed, with as many rays as they will need in the end. */
 void gw_bake_options_set_start(gw_bake_options *options);
 
+struct gw_report;
+
 /* What to call while work runs. All may be NULL. Called when a stage begins, and within stages some
  * ten times a second. */
 typedef struct gw_bake_callbacks {
@@ -355,6 +375,9 @@ typedef struct gw_bake_callbacks {
 	 * where nothing else keeps the machine busy. */
 	bool (*cancelled)(void *user);
 	void *user;
+	/* Called once, of gw_bake: what is going to be computed and why, and what it will take, both in
+	 * the report. Foretelling takes time of its own; the light is the same. */
+	void (*planned)(void *user, const struct gw_report *report);
 } gw_bake_callbacks;
 
 /* ------------------------------------------------------------------------------------- report */
@@ -373,7 +396,7 @@ typedef struct gw_stage {
 typedef struct gw_effect {
 	char name[32];
 	bool called_for;
-	char reason[160]; /* one sentence */
+	char reason[240]; /* one sentence */
 	char method[64];  /* empty when not called for */
 } gw_effect;
 
@@ -469,8 +492,25 @@ typedef struct gw_stray_count {
 	double position[3]; /* and where it is */
 } gw_stray_count;
 
+/* What a bake will take, foretold when its octree stands and its lamps have been lit, from light
+ * gathered at some hundred places. */
+typedef struct gw_forecast {
+	uint32_t places;       /* where light was gathered for it; 0: nothing is foretold */
+	uint64_t records;      /* that the bake will have */
+	double seconds;        /* of gw_bake, from its call to its return */
+	double done_seconds;   /* of these, what is done by then, without the forecast itself */
+	double own_seconds;    /* that the forecast took */
+	uint64_t device_bytes; /* device memory at its highest */
+	uint64_t host_bytes;   /* of the host, on top of what the process holds by then: the light, and
+							  what comes on the device where that shares the host's memory */
+	double error, spread;  /* as relative_rms and spread of gw_error_estimate; 0: not known */
+	uint32_t bounces;      /* reflections */
+	double remaining;      /* as of gw_report */
+	double escaped;        /* share of the rays that leave the scene */
+} gw_forecast;
+
 #define GW_REPORT_STAGES 24
-#define GW_REPORT_EFFECTS 12
+#define GW_REPORT_EFFECTS 24
 #define GW_REPORT_COUNTS 24
 #define GW_REPORT_ROUNDS 16
 
@@ -490,6 +530,7 @@ typedef struct gw_report {
 	 * injected and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_forecast forecast; /* none unless somebody asked: gw_bake_callbacks.planned, gw_plan_bake */
 	gw_gap_report gaps;
 	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
@@ -580,6 +621,19 @@ typedef struct gw_scene_description {
  */
 gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
 				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error);
+
+/*
+ * Says what gw_bake would do with the same scene and options, and what that would take. It makes
+ * the octree and lights the lamps, the larger part of most bakes, and gathers at a few places.
+ *   options      with a transport, nothing is foretold
+ *   callbacks    NULL or see gw_bake_callbacks; planned is called, too
+ *   report       receives the effects, what the points and the octree are, and the forecast; all
+ *                that a bake finds out later is 0, and nothing of it is to be freed
+ *
+ * Returns and fails as gw_bake.
+ */
+gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
+					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error);
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
@@ -812,6 +866,7 @@ void gw_drivers_release(gw_drivers **drivers);
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_gaps_name(gw_gaps gaps);
+const char *gw_effect_name(gw_effect_kind effect); /* "lamps": of gw_effect, too */
 const char *gw_pass_choice_name(gw_pass_choice choice);
 const char *gw_validation_name(gw_validation validation);
 const char *gw_quality_name(gw_quality quality);

@@ -9,6 +9,7 @@
 
 typedef enum verb {
 	VERB_BAKE,
+	VERB_PLAN,
 	VERB_INFO,
 	VERB_COMPARE,
 	VERB_MIX,

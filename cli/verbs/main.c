@@ -45,6 +45,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 	switch (v) {
 	case VERB_BAKE:
 		return verb_bake(s, error);
+	case VERB_PLAN:
+		return verb_plan(s, error);
 	case VERB_INFO:
 		return verb_info(s, error);
 	case VERB_COMPARE:

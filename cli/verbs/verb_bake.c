@@ -35,6 +35,7 @@ typedef struct bake {
 	scan lit;
 	progress progress;
 	bake_facts facts;
+	gw_report planned; /* what was foretold with --explain */
 	gw_error *error;
 } bake;
 
@@ -233,7 +234,21 @@ static gw_status check_results(const bake *b)
 
 static void on_progress(void *user, const char *stage, double done)
 {
-	progress_show(user, stage, done);
+	progress_show(&((bake *)user)->progress, stage, done);
+}
+
+/* Before what takes long: what is going to be done. */
+static void on_planned(void *user, const gw_report *report)
+{
+	bake *b = user;
+	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, b->settings, &columns) : 0;
+	progress_clear(&b->progress);
+	b->planned = *report;
+	bake_plan_add_scene(&b->planned, b->settings, &b->scene);
+	b->facts.forecast =
+		bake_plan_foretell(&b->planned, b->facts.read_seconds, b->scene.cloud.count, row);
+	if (b->settings->explain)
+		bake_plan_print(&b->facts.forecast, stderr);
 }
 
 static bool on_cancelled(void *user)
@@ -250,12 +265,7 @@ static gw_status write_transport(void *user, const void *bytes, size_t length, g
 static gw_status light_points(bake *b)
 {
 	double start = now();
-	gw_bake_options options = b->settings->bake;
-	options.voxels = b->settings->vdb != NULL;
-	options.ambient_occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
-	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
-	options.unknown = b->settings->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	gw_bake_options options = bake_plan_options(b->settings);
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
@@ -266,7 +276,8 @@ static gw_status light_points(bake *b)
 									 .user = b };
 	if (transport.data || transport.write)
 		options.transport = &transport;
-	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
+	gw_bake_callbacks callbacks = { on_progress, on_cancelled, b,
+									b->settings->explain ? on_planned : NULL };
 	gw_status status =
 		b->settings->frame_count > 0
 			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
@@ -430,8 +441,11 @@ static gw_status say_results(const bake *b)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
-	if (s->explain)
-		bake_report_explain(&b->result->report);
+	if (s->explain && b->facts.forecast.report)
+		bake_plan_print_outcome(&b->facts.forecast, &b->result->report,
+								b->facts.read_seconds + b->facts.bake_seconds -
+									b->planned.forecast.own_seconds,
+								stderr);
 	if (s->profile)
 		bake_report_profile(&b->result->report);
 	return bake_report_goal(&b->facts, b->error);

@@ -10,6 +10,9 @@
 /* Reads, lights, writes. Changes the settings: reads scene files into them. */
 gw_status verb_bake(settings *settings, gw_error *error);
 
+/* Says what a bake would compute, why, and what it would take. Changes the settings likewise. */
+gw_status verb_plan(settings *settings, gw_error *error);
+
 /* Samples points on a mesh and writes them. */
 gw_status verb_sample(const settings *settings, gw_error *error);
 

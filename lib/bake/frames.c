@@ -329,7 +329,8 @@ static gw_status take_scene(gw_frames *f, const gw_moving_scene *scene,
 {
 	const gw_motion *motion = scene->motion;
 	size_t matrices = motion->mover_count * motion->frame_count;
-	GW_TRY(gw_scaled_scene_make(&scene->scene, options, reach_of(motion), &f->units, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	GW_TRY(gw_scaled_scene_make(&scene->scene, &effective, reach_of(motion), &f->units, error));
 	f->scene.options = f->units.options;
 	f->points = f->units.scene.points;
 	f->first_lights = f->units.scene.lights;

@@ -34,14 +34,15 @@ gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_
 						  const gw_buffer *facet_direct, float direct_share,
 						  gw_buffer *facet_radiance, gw_error *error)
 {
+	bool lamps = facet_direct->handle != VK_NULL_HANDLE;
 	const gw_binding bindings[] = { gw_window(&on->octree->facet_albedo, 16),
-									gw_window(facet_direct, 16),
+									gw_window(lamps ? facet_direct : &on->octree->facet_albedo, 16),
 									gw_whole(&on->records->facet_record),
 									gw_whole(&on->records->facet_weight),
 									gw_whole(records_irradiance),
 									gw_window(facet_radiance, 16) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_SHADE, bindings,
-						 &(gw_record_push){ .direct_share = direct_share },
+						 &(gw_record_push){ .direct_share = lamps ? direct_share : 0.0f },
 						 2 * (uint64_t)on->octree->leaf_count, error);
 }
 

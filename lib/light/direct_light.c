@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "normals/normal_error.h"
+#include "light/lamp_reach.h"
 #include "light/shut_out.h"
 #include "light/transport_layout.h"
 
@@ -348,12 +349,16 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
 																   : &cloud->octree->surfel_normal,
 									to->turned ? &b->off_normal : NULL };
+	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {
 		gw_light_push push =
 			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
-		if (gw_light_shines(&lights[i]))
+		if (lights[i].type != GW_LIGHT_ENVIRONMENT &&
+			(forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads)))
 			GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
 	}
+	if (cloud->octree->leaf_count == 0)
+		return GW_OK;
 	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
 }
 
@@ -381,8 +386,13 @@ static gw_status find_share(const gw_lit_cloud *cloud, const gw_light_push *push
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
 		visibility, error));
 	GW_TRY(gw_buffer_fill(gpu, visibility, seen, error));
-	GW_TRY(find_visibility(cloud, push, &cloud->octree->surfel_normal, visibility, error));
-	return gw_buffer_download(gpu, visibility, 0, share, bytes, error);
+	gw_buffer reached = { 0 };
+	const gw_buffer *normal = &cloud->octree->surfel_normal;
+	GW_TRY(gw_shut_out_light(cloud, push, normal, &reached, error));
+	gw_status status = find_visibility(
+		cloud, push, reached.handle != VK_NULL_HANDLE ? &reached : normal, visibility, error);
+	gw_buffer_destroy(gpu, &reached);
+	return status == GW_OK ? gw_buffer_download(gpu, visibility, 0, share, bytes, error) : status;
 }
 
 gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,

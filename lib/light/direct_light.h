@@ -27,7 +27,8 @@ gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const g
 /* Where the light of lamps goes. */
 typedef struct gw_direct_irradiance {
 	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */
-	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet */
+	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet;
+						   none where there are no leaves */
 	gw_buffer *turned;  /* NULL, or like surfels: receives what it would be if each normal were off
 						   as shading_normal_off says, which has to be there (normal_error.h) */
 } gw_direct_irradiance;

@@ -61,6 +61,16 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 	gw_buffer_destroy(gpu, &gather->through);
 }
 
+gw_status gw_ray_gather_shut_out(const gw_record_context *on, gw_ray_gather *gather,
+								 gw_error *error)
+{
+	if (gather->shut_out == on->records->count)
+		return GW_OK;
+	GW_TRY(gw_shut_out_hits(on, gather->rays, &gather->facet, error));
+	gather->shut_out = on->records->count;
+	return GW_OK;
+}
+
 /* What two buffers hold, one behind the other; values has room for it. */
 static gw_status join(gw_gpu *gpu, VkFormat format, gw_buffer *const part[2], char *values,
 					  gw_buffer *joined, gw_error *error)

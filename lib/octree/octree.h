@@ -153,6 +153,15 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
  */
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error);
+
+/*
+ * Only the places and normals of surfels, in the coordinates of an octree's grid: for light that
+ * nothing hides. Depth and all counts are 0.
+ *   leaf_spacing  width of the grid's cells, in surfels->spacing, at least
+ *   octree        as of gw_octree_build
+ */
+gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
 /* What octrees have in common whose first surfels are the same: fragments of these, and passes. */

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "light/direct_light.h"
+#include "octree/compartments.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -176,6 +177,7 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  float *share, gw_error *error)
 {
 	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options, NULL };
+	GW_TRY(gw_compartments_find(o->gpu, surfels, options->threads, &o->octree, error));
 	return gw_light_share(&cloud, light, share, error);
 }
 

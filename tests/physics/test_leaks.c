@@ -107,20 +107,27 @@ static size_t count_sunlit(const scene *s, double height, uint32_t depth)
 	return lit;
 }
 
-/* Of the first `count` points those that get light from a sky, a lamp at (2, 1, 3), or bounces. */
-static size_t count_lit(const scene *s, size_t count)
+/* Of the first `count` points those that get more light than some from a sky, a lamp at
+ * (2, 1, 3), or bounces. */
+static size_t count_lit_by(const scene *s, size_t count, gw_method method, float some)
 {
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
 	options.estimate_points = 0;
+	options.method = method;
 	const gw_light light[2] = { { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } },
 								scene_point_light(2.0, 1.0, 3.0, 10.0f) };
 	gw_bake_result *result = scene_bake(&points, light, 2, &options);
 	size_t lit = 0;
 	for (size_t i = 0; i < count; i++)
-		lit += result->direct_irradiance[3 * i] > 0.0f || result->indirect_irradiance[3 * i] > 0.0f;
+		lit += result->direct_irradiance[3 * i] + result->indirect_irradiance[3 * i] > some;
 	gw_bake_result_destroy(&result);
 	return lit;
+}
+
+static size_t count_lit(const scene *s, size_t count)
+{
+	return count_lit_by(s, count, GW_METHOD_RAYS, 0.0f);
 }
 
 static void expect_dark(size_t count, double noise, double height, uint32_t depth)
@@ -186,56 +193,101 @@ static void unevenly_sampled_ones_as_well(void **state)
 	box b = { .count = 30000, .width = 1.0, .facing = 1, .about_x = 0.3, .about_z = 0.9 };
 	for (b.dense = 3.0; b.dense < 10.0; b.dense *= 3.0)
 		expect_dark_box(b, 35.0);
+	for (b.dense = 20.0; b.dense < 50.0; b.dense *= 2.0) {
+		expect_dark_box(b, 10.0);
+		expect_dark_box(b, 60.0);
+	}
+	b.about_x = b.about_z = 0.0;
+	b.dense = 20.0;
+	expect_dark_box(b, 35.0);
 }
 
 static void sky_and_lamps_stay_outside(void **state)
 {
 	(void)state;
 	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
-	for (int i = 0; i < 3; i++, b.noise += 0.25) {
+	for (int i = 0; i < 4; i++, b.noise += 0.25) {
 		scene s = { 0 };
+		if (i == 3) { /* one half 20 times as sparse */
+			b.count = 30000;
+			b.dense = 20.0;
+			b.noise = 0.0;
+		}
 		add_random_box(&s, b);
 		size_t lit = count_lit(&s, s.count);
-		print_message("noise %.2f: %zu lit\n", b.noise, lit);
+		print_message("%zu points, noise %.2f: %zu lit\n", s.count, b.noise, lit);
 		scene_clear(&s);
 		assert_int_equal(lit, 0);
 	}
 }
 
-/* Inside and outside of a wall around a box, a few spacings apart. */
+/* Cones are wider than gaps in rock. */
+static void cones_see_no_sky(void **state)
+{
+	(void)state;
+	box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t lit = count_lit_by(&s, s.count, GW_METHOD_CONES, 0.0f);
+	scene_clear(&s);
+	assert_int_equal(lit, 0);
+}
+
+/* Inside and outside of a wall around a box, some spacings apart. Returns how many of the points
+ * within get more light than some, about 3 of which falls on those outside. */
+static size_t count_lit_within(double spacings, float some)
+{
+	box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t inside = s.count;
+	b.width = 1.0 + 2.0 * spacings * sqrt(6.0 / (double)b.count);
+	b.count = (size_t)((double)b.count * b.width * b.width);
+	b.facing = -1;
+	add_random_box(&s, b);
+	size_t lit = count_lit_by(&s, inside, GW_METHOD_RAYS, some);
+	print_message("wall of %.2f spacings: %zu of %zu over %g\n", spacings, lit, inside, some);
+	scene_clear(&s);
+	return lit;
+}
+
 static void walls_with_two_sides_shut_out(void **state)
 {
 	(void)state;
-	for (double spacings = 2.0; spacings < 9.0; spacings *= 2.0) {
-		box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
-		scene s = { 0 };
-		add_random_box(&s, b);
-		size_t inside = s.count;
-		b.width = 1.0 + 2.0 * spacings * sqrt(6.0 / (double)b.count);
-		b.count = (size_t)((double)b.count * b.width * b.width);
-		b.facing = -1;
-		add_random_box(&s, b);
-		size_t lit = count_lit(&s, inside);
-		print_message("wall of %.2f spacings: %zu lit\n", spacings, lit);
-		scene_clear(&s);
-		assert_int_equal(lit, 0);
-	}
+	for (double spacings = 2.0; spacings < 9.0; spacings *= 2.0)
+		assert_int_equal(count_lit_within(spacings, 0.0f), 0);
+}
+
+/* Sides closer than a spacing share cells, and a little light is shared with them. But surface in
+ * one compartment is not seen from another. */
+static void thin_walls_shut_out_what_they_can(void **state)
+{
+	(void)state;
+	assert_true(count_lit_within(1.0, 0.03f) < 60);
+	assert_true(count_lit_within(0.5, 0.03f) < 60);
+}
+
+static void expect_open(box b, double spacings)
+{
+	scene s = { 0 };
+	b.window = spacings * sqrt(6.0 * fmax(b.dense, 1.0) / (double)b.count);
+	add_random_box(&s, b);
+	size_t lit = count_lit(&s, s.count);
+	print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
+	assert_true(lit > s.count * 99 / 100);
+	scene_clear(&s);
 }
 
 /* Windows of some spacings: sky through them lights all of the room. */
 static void windows_stay_open(void **state)
 {
 	(void)state;
-	for (double spacings = 7.0; spacings < 15.0; spacings *= 2.0) {
-		box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
-		b.window = spacings * sqrt(6.0 / (double)b.count);
-		scene s = { 0 };
-		add_random_box(&s, b);
-		size_t lit = count_lit(&s, s.count);
-		print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
-		assert_true(lit > s.count * 99 / 100);
-		scene_clear(&s);
-	}
+	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
+	expect_open(b, 7.0);
+	expect_open(b, 14.0);
+	b.count = 30000; /* in surface of which one half is sparse */
+	b.dense = 20.0;
+	expect_open(b, 7.0);
 }
 
 int main(void)
@@ -246,7 +298,9 @@ int main(void)
 		cmocka_unit_test(closed_boxes_stay_dark),
 		cmocka_unit_test(unevenly_sampled_ones_as_well),
 		cmocka_unit_test(sky_and_lamps_stay_outside),
+		cmocka_unit_test(cones_see_no_sky),
 		cmocka_unit_test(walls_with_two_sides_shut_out),
+		cmocka_unit_test(thin_walls_shut_out_what_they_can),
 		cmocka_unit_test(windows_stay_open),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

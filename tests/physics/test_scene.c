@@ -296,7 +296,7 @@ static void it_asks_and_tells_all_the_time(void **state)
 	gw_points points = plain_points(&box);
 	gw_light lamp = scene_point_light(2.0, 1.5, 1.5, 5.0f);
 	watch w = { .left = -1 };
-	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w };
+	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w, NULL };
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
 	assert_true(points.count > 90000);
@@ -318,7 +318,7 @@ static void stopping_leaves_the_scene(void **state)
 	scene hall = { 0 };
 	scene_make_hall(&hall);
 	watch w = { .left = -1 };
-	gw_bake_callbacks callbacks = { NULL, ask_to_stop, &w };
+	gw_bake_callbacks callbacks = { NULL, ask_to_stop, &w, NULL };
 	gw_bake_options options = gw_bake_options_default();
 	gw_scene *made = make(&hall, &options, &callbacks);
 	gw_lighting *lighting = NULL;
