@@ -468,7 +468,7 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
 		if (status == GW_OK && reaches && to->given)
-			status = gw_given_book(cloud, &lamp.push, to->surfels, &to->given[i], &b->given, error);
+			status = gw_given_book(cloud, &lights[i], to->surfels, &to->given[i], &b->given, error);
 		GW_TRY(status);
 	}
 	if (cloud->octree->leaf_count == 0)

@@ -5,36 +5,32 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
-#include "light/shader_functions.h"
+#include "light/direct_light.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Does a surfel face the light, as light_irradiance.comp has it, and stand in its beam? */
-static bool faces(const gw_lit_cloud *cloud, const gw_light_push *push, size_t i)
+/* Does any surfel face the light, in its beam? */
+static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_light *light)
 {
 	const gw_surfels *s = cloud->surfels;
-	const float *own = (s->shading_normal ? s->shading_normal : s->normal) + 3 * i;
+	const gw_lamp lamp = gw_lamp_of(light, cloud->octree, s, cloud->options);
 	const float *low = cloud->octree->cube_minimum;
-	gw_vec3 g = gw_times(gw_minus(gw_xyz(s->position + 3 * i), (gw_vec3){ low[0], low[1], low[2] }),
-						 1.0f / cloud->octree->leaf_size);
-	gw_vec3 towards;
-	float distance;
-	if (!(gw_lamp_share(push, g, &towards, &distance) > 0.0f))
-		return false;
-	float cosine = gw_dot(gw_xyz(own), towards);
-	return (s->two_sided[i] ? fabsf(cosine) : cosine) > 0.0f;
-}
-
-static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_light_push *push)
-{
-	for (size_t i = 0; i < cloud->surfels->count; i++)
-		if (faces(cloud, push, i))
+	const gw_vec3 corner = { low[0], low[1], low[2] };
+	for (size_t i = 0; i < s->count; i++) {
+		gw_vec3 g = gw_times(gw_minus(gw_xyz(s->position + 3 * i), corner),
+							 1.0f / cloud->octree->leaf_size);
+		gw_vec3 own = gw_xyz((s->shading_normal ? s->shading_normal : s->normal) + 3 * i), towards;
+		float distance;
+		if (gw_lamp_received(&lamp, g, own, &towards, &distance) > 0.0f ||
+			(s->two_sided[i] &&
+			 gw_lamp_received(&lamp, g, gw_times(own, -1.0f), &towards, &distance) > 0.0f))
 			return GW_LIGHT_HIDDEN;
+	}
 	return GW_LIGHT_AVERTED;
 }
 
-gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light_push *push,
+gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light *light,
 						const gw_buffer *irradiance, gw_light_given *given, gw_given_sum *sum,
 						gw_error *error)
 {
@@ -50,7 +46,7 @@ gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light_push *push,
 	for (size_t i = 0; i < count; i++)
 		flux += (double)cloud->surfels->area[i] * gw_luminance(sum->host + 4 * i);
 	given->share = fmax(flux - sum->before, 0.0);
-	given->fate = flux > sum->before ? GW_LIGHT_SHINES : fate_of(cloud, push);
+	given->fate = flux > sum->before ? GW_LIGHT_SHINES : fate_of(cloud, light);
 	sum->before = flux;
 	return GW_OK;
 }

@@ -13,14 +13,14 @@ typedef struct gw_given_sum {
 } gw_given_sum;
 
 /*
- * Books what came to the surfels since the last call for one light.
- *   push         the light
+ * Books what came to the surfels since the last call for one light, one that reaches some of them
+ * (lamp_reach.h) but for what hides it.
  *   irradiance   texel buffer R32G32B32A32_SFLOAT, surfel count, to which it was added
  *   given        receives in share its flux, luminance of E times area, in the cloud's units; and
  *                what became of it
  *   sum          zeroed before the first light; freed by gw_given_sum_clear
  */
-gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light_push *push,
+gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light *light,
 						const gw_buffer *irradiance, gw_light_given *given, gw_given_sum *sum,
 						gw_error *error);
 void gw_given_sum_clear(gw_given_sum *sum);
