@@ -196,6 +196,7 @@ enum {
 	DOCTOR = 1u << VERB_DOCTOR,
 	ALBEDO = 1u << VERB_ALBEDO,
 	LAMP = 1u << VERB_LAMP,
+	MEASURE = 1u << VERB_MEASURE,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -315,6 +316,12 @@ const option options[] = {
 	{ "mesh", 0, "FILE", OPTION_TEXT, FOR(RENDER), AT(render.mesh), .group = "Scene",
 	  .help = "draw the triangles of a mesh, or of all meshes of a scene file, in the light of the "
 			  "points on them, and not these points" },
+	{ "box", 0, "BOX", OPTION_TEXT, FOR(MEASURE), AT(measure_box), .group = "Where",
+	  .help = "'X,Y,Z,X,Y,Z': measure what lies between two opposite corners, metres" },
+	{ "path", 0, "PLACES", OPTION_TEXT, FOR(MEASURE), AT(measure_path), .group = "Where",
+	  .help = "'X,Y,Z X,Y,Z ...': measure what lies near the straight ways between these places" },
+	{ "reach", 0, "X", OPTION_REAL, FOR(MEASURE), AT(measure_reach), RANGE(0.0, 1e9),
+	  .group = "Where", .help = "how near, metres" },
 	{ "cull", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.cull), .group = "Camera",
 	  .help = "leave out what is seen from behind, to look into a cave from outside" },
 	{ "view", 0, "VIEW", OPTION_VIEW, FOR(RENDER), AT(render.view), .choice = view_name,
@@ -515,7 +522,7 @@ const option options[] = {
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP), AT(json),
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE), AT(json),
 	  .group = "Messages", .help = "print JSON" },
 	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
 	  AT(progress), .choice = progress_name, .group = "Messages",
@@ -576,9 +583,9 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",   "plan",    "info",   "compare",  "mix",
-										"sample", "convert", "render", "tradeoff", "albedo",
-										"doctor", "lamp",    NULL };
+	static const char *const name[] = { "bake",   "plan",    "info",    "compare",  "mix",
+										"sample", "convert", "render",  "tradeoff", "albedo",
+										"doctor", "lamp",    "measure", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -596,7 +603,8 @@ const char *verb_summary(verb v)
 										   "show what error costs in seconds and memory",
 										   "take the light out of photographed colours",
 										   "say whether this machine can bake, and what is wrong",
-										   "show how a luminaire shines" };
+										   "show how a luminaire shines",
+										   "read the light on a piece of surface" };
 	return summary[v];
 }
 
@@ -613,7 +621,8 @@ const char *verb_synopsis(verb v)
 											"tradeoff INPUT... --light LIGHT... [option]...",
 											"albedo SCAN... -o POINTS [option]...",
 											"doctor [--device NAME] [--json]",
-											"lamp LUMINAIRE [-o PICTURE] [--json]" };
+											"lamp LUMINAIRE [-o PICTURE] [--json]",
+											"measure LIT [--box BOX] [--path PLACES] [option]..." };
 	return synopsis[v];
 }
 

@@ -24,6 +24,7 @@ settings settings_default(void)
 							   .glossy = SETTINGS_GLOSSY_RAYS,
 							   .glossy_rays = 32,
 							   .samples = 2 } };
+	s.measure_reach = 0.5f;
 	s.bake.normals = GW_NORMALS_AUTO; /* files are wrong more often than programs */
 	return s;
 }

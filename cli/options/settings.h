@@ -20,6 +20,7 @@ typedef enum verb {
 	VERB_ALBEDO,
 	VERB_DOCTOR,
 	VERB_LAMP,
+	VERB_MEASURE,
 	VERB_COUNT,
 } verb;
 
@@ -212,6 +213,8 @@ typedef struct settings {
 	const char *worst, *json_file;             /* of compare */
 	uint32_t worst_count;                      /* points that worst holds */
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
+	const char *measure_box, *measure_path;    /* as given; NULL: everywhere */
+	float measure_reach;                       /* from that path, metres */
 	settings_gain *gain;                       /* owned; of mix */
 	size_t gain_count;
 	uint8_t given[SETTINGS_OPTIONS]; /* by index in options[]: a settings_source */

@@ -1,4 +1,5 @@
 #include "pictures/render_scene.h"
+#include "result/bake_columns.h"
 #include "glowworm_host.h"
 #include "scene/loaded_scene.h"
 #include "options/preview.h"
@@ -64,13 +65,11 @@ static bool find_own_columns(const scan *cloud, render_channel channel,
 	return all;
 }
 
+/* Is its light in cd/m^2 and lx? */
 static bool is_photometric(const scan *cloud)
 {
-	for (size_t c = 0; c < cloud->comment_count; c++)
-		if (strncmp(cloud->comment[c], "glowworm units:", 15) == 0 &&
-			strstr(cloud->comment[c], "cd/m^2"))
-			return true;
-	return scan_find_scalar(cloud, column_name[RENDER_ILLUMINANCE][0]) != NULL;
+	return bake_columns_photometric(cloud) ||
+		   scan_find_scalar(cloud, column_name[RENDER_ILLUMINANCE][0]) != NULL;
 }
 
 /* The columns of a channel; three for an illuminance that has none of its own. */

@@ -1,6 +1,7 @@
 #include "result/bake_columns.h"
 
 #include <stdio.h>
+#include <string.h>
 
 typedef struct column_group {
 	const char *name;
@@ -42,4 +43,13 @@ size_t bake_columns_remove(scan *cloud, bake_columns which)
 		}
 	}
 	return before - cloud->column_count;
+}
+
+bool bake_columns_photometric(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], "glowworm units:", 15) == 0 &&
+			strstr(cloud->comment[c], "cd/m^2"))
+			return true;
+	return false;
 }

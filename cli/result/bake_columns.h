@@ -16,4 +16,7 @@ typedef enum bake_columns {
 /* Removes those of an earlier bake, but not scalar_light_* (lamp_columns.h); returns how many. */
 size_t bake_columns_remove(scan *cloud, bake_columns which);
 
+/* Does the cloud say that its light is in cd/m^2 and lx, not in W/(sr m^2) and W/m^2? */
+bool bake_columns_photometric(const scan *cloud);
+
 #endif

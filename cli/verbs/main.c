@@ -67,6 +67,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_doctor(s, error);
 	case VERB_LAMP:
 		return verb_lamp(s, error);
+	case VERB_MEASURE:
+		return verb_measure(s, error);
 	case VERB_COUNT:
 		break;
 	}

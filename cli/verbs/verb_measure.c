@@ -1,0 +1,71 @@
+#include "verbs/verbs.h"
+#include "program/json_writer.h"
+#include "program/text_quote.h"
+#include "result/light_measure.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+static void print(const light_measure *m, FILE *out)
+{
+	char percent[TEXT_PERCENT];
+	fprintf(out, "%-12s %s, %zu points on %.4g m^2\n", m->quantity, m->unit, m->points, m->area);
+	fprintf(out, "%-12s %.4g\n", "mean", m->mean);
+	fprintf(out, "%-12s %.4g\n", "least", m->least);
+	fprintf(out, "%-12s %.4g\n", "most", m->most);
+	fprintf(out, "%-12s %.3f least over mean, %.3f least over most\n", "uniformity",
+			m->mean > 0.0 ? m->least / m->mean : 0.0, m->most > 0.0 ? m->least / m->most : 0.0);
+	for (size_t i = 0; i < m->lamp_count; i++)
+		fprintf(out, "%-12s %s %%\n", m->lamp[i].name, text_percent(m->lamp[i].share, percent));
+}
+
+static void write_json(const light_measure *m, FILE *out)
+{
+	json_writer json = { .out = out, .lines = true };
+	json_put_open(&json, NULL, '{');
+	json_put_text(&json, "quantity", m->quantity);
+	json_put_text(&json, "unit", m->unit);
+	json_put_count(&json, "points", m->points);
+	json_put_real(&json, "area", m->area);
+	json_put_real(&json, "mean", m->mean);
+	json_put_real(&json, "least", m->least);
+	json_put_real(&json, "most", m->most);
+	json_put_real(&json, "least_over_mean", m->mean > 0.0 ? m->least / m->mean : 0.0);
+	json_put_real(&json, "least_over_most", m->most > 0.0 ? m->least / m->most : 0.0);
+	json_put_open(&json, "lamps", '[');
+	for (size_t i = 0; i < m->lamp_count; i++) {
+		json_put_open_flat(&json, NULL, '{');
+		json_put_text(&json, "name", m->lamp[i].name);
+		json_put_real(&json, "share", m->lamp[i].share);
+		json_put_close(&json, '}');
+	}
+	json_put_close(&json, ']');
+	json_put_close(&json, '}');
+	fputc('\n', out);
+}
+
+static gw_status measure(const settings *s, const measure_region *region, gw_error *error)
+{
+	loaded_scene scene;
+	light_measure found;
+	GW_TRY(loaded_scene_read(s, &scene, error));
+	gw_status status = light_measure_make(s, &scene, region, &found, error);
+	loaded_scene_clear(&scene);
+	if (status != GW_OK)
+		return status;
+	(s->json ? write_json : print)(&found, stdout);
+	light_measure_clear(&found);
+	return GW_OK;
+}
+
+gw_status verb_measure(const settings *s, gw_error *error)
+{
+	measure_region region;
+	if (s->input_count != 1)
+		return gw_fail(error, GW_ERROR_USAGE, "measure what? Name one lit cloud, or -");
+	GW_TRY(measure_region_read(s->measure_box, s->measure_path, (double)s->measure_reach, &region,
+							   error));
+	gw_status status = measure(s, &region, error);
+	measure_region_clear(&region);
+	return status;
+}
