@@ -18,18 +18,20 @@ static float *allocate(size_t count, gw_error *error)
 }
 
 /* One number a surfel to all points; 0 for points that are left out. */
-static gw_status to_points(const gw_surfels *surfels, const float *values, float **points,
+static gw_status to_points(const gw_lighting *lighting, const float *values, float **points,
 						   gw_error *error)
 {
+	const gw_surfels *surfels = &lighting->scene->surfels;
 	*points = allocate(surfels->point_count, error);
 	if (!*points)
 		return GW_ERROR_MEMORY;
 	for (size_t i = 0; i < surfels->point_count; i++)
 		if (surfels->surfel_of_point[i] != UINT32_MAX)
-			(*points)[i] = values[surfels->surfel_of_point[i]];
+			(*points)[i] = values[gw_lighting_shown(lighting, surfels->surfel_of_point[i])];
 	for (size_t j = 0; j < surfels->stray_count; j++)
 		if (surfels->stray[j].surfel != UINT32_MAX)
-			(*points)[surfels->stray[j].point] = values[surfels->stray[j].surfel];
+			(*points)[surfels->stray[j].point] =
+				values[gw_lighting_shown(lighting, surfels->stray[j].surfel)];
 	return GW_OK;
 }
 
@@ -57,8 +59,10 @@ static gw_status open_records(const gw_scene *s, float *open, gw_error *error)
 	return status;
 }
 
-static gw_status find_ambient_occlusion(const gw_scene *s, float **points, gw_error *error)
+static gw_status find_ambient_occlusion(const gw_lighting *lighting, float **points,
+										gw_error *error)
 {
+	const gw_scene *s = lighting->scene;
 	const gw_read_back *rows = &s->read_back;
 	float *records = allocate(4 * (size_t)s->records.count, error);
 	float *surfels = allocate(4 * s->surfels.count, error);
@@ -67,7 +71,7 @@ static gw_status find_ambient_occlusion(const gw_scene *s, float **points, gw_er
 		gw_read_back_apply(rows, records, s->options.threads, surfels);
 		for (size_t i = 0; i < s->surfels.count; i++)
 			surfels[i] = rows->first[i] == rows->first[i + 1] ? 1.0f : surfels[4 * i];
-		status = to_points(&s->surfels, surfels, points, error);
+		status = to_points(lighting, surfels, points, error);
 	}
 	free(records);
 	free(surfels);
@@ -90,7 +94,7 @@ static gw_status find_errors(const gw_lighting *lighting, float **points, gw_err
 		surfels[i] = (float)(sqrt(gw_read_back_variance(&s->read_back, records, i, 1.0)) *
 							 gw_luminance(s->surfels.albedo + 3 * i) * 0.31830988618379067);
 	if (status == GW_OK)
-		status = to_points(&s->surfels, surfels, points, error);
+		status = to_points(lighting, surfels, points, error);
 	free(surfels);
 	free(records);
 	return status;
@@ -111,18 +115,18 @@ static gw_status find_unknown(const gw_lighting *lighting, float **points, gw_er
 	for (size_t i = 0; i < s->surfels.count && status == GW_OK; i++)
 		surfels[i] = surfels[4 * i];
 	if (status == GW_OK)
-		status = to_points(&s->surfels, surfels, points, error);
+		status = to_points(lighting, surfels, points, error);
 	free(records);
 	free(surfels);
 	return status;
 }
 
-gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
-								   gw_error *error)
+gw_status gw_record_fields_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &lighting->scene->options;
+	GW_TRY(gw_lighting_choose_sides(lighting, error));
 	if (o->ambient_occlusion)
-		GW_TRY(find_ambient_occlusion(lighting->scene, &result->ambient_occlusion, error));
+		GW_TRY(find_ambient_occlusion(lighting, &result->ambient_occlusion, error));
 	if (o->unknown)
 		GW_TRY(find_unknown(lighting, &result->unknown, error));
 	if (o->errors)

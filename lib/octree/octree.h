@@ -96,7 +96,8 @@ typedef struct gw_octree {
 	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
 	gw_buffer facet_centre;
-	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided */
+	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, or
+	 * GW_MARK_UNCLEAR if some of it may face either way */
 	gw_buffer facet_albedo;
 	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
 	gw_buffer facet_emission;
@@ -114,8 +115,9 @@ typedef struct gw_octree {
 	/* Samples on the device, in surfel order (windowed by streaming passes). */
 	/* R32G32B32A32_SFLOAT: grid coordinates g, RoI (leaf cells, <= 1) */
 	gw_buffer surfel_position;
-	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, -1 if all its
-	 * cuts are at creases */
+	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, GW_MARK_CREASED if all its cuts are at
+	 * creases, GW_MARK_UNCLEAR if nobody knows which side is its front, GW_MARK_BACK if it is the
+	 * back of such a one, which has no fragments */
 	gw_buffer surfel_normal;
 	/* R32G32B32A32_SFLOAT: radius and area of the disc, direction of the first clip (see
 	 * gw_surfels; lengths in leaf cells) */
@@ -128,6 +130,8 @@ typedef struct gw_octree {
 	/* R32G32B32A32_UINT: see disc_tree.h; coordinates of the grid, facets are slots. One texel, 0,
 	 * when there are none */
 	gw_buffer disc_tree;
+
+	bool backs; /* some surfels are backs */
 
 	/* Its empty space: NULL until somebody asks (compartments.h). */
 	struct gw_compartments *compartments;

@@ -58,7 +58,9 @@ bool finish_facet(uint slot, uvec3 cell, uint first)
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
 	facet_plane[slot] = vec4(normal, offset);
 	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
-	facet_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0 : 0.0);
+	facet_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0
+	                               : albedo.w > 0.0   ? GW_MARK_UNCLEAR
+	                                                  : 0.0);
 	if (push.emissive != 0u)
 		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);
 	return area >= FILLED * area_in_cell(normal, offset);
