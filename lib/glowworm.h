@@ -112,6 +112,9 @@ typedef struct gw_points {
 							   (Salm 4.3.1); zero or non-finite ones are estimated */
 	const float *albedo;    /* 3 * count or NULL, linear RGB; clamped to [0, GW_ALBEDO_MAX] */
 	const float *emission;  /* 3 * count or NULL, radiance Le; negative and non-finite count as 0 */
+	const float *opacity;   /* count or NULL: 1; 0..1, share of a point's piece of surface that is
+							   covered: the rest of it lets light through, and sends out none. What
+							   L and E say is of the covered part. Points of 0 are left out */
 	const double *scanner;  /* 3 * scanner_count, where scanners stood: orient estimated normals */
 	size_t scanner_count;   /* 0: nobody knows */
 	const uint32_t *scanner_of;  /* count or NULL: which scanner saw each point; for numbers that no
@@ -157,10 +160,13 @@ const char *gw_stray_kind_name(gw_stray_kind kind);
 /* ------------------------------------------------------------------------------------- lights */
 
 typedef enum gw_light_type {
-	GW_LIGHT_POINT,       /* position, intensity, radius */
+	GW_LIGHT_POINT,       /* position, intensity, radius; distribution */
 	GW_LIGHT_SPOT,        /* position, direction, intensity, inner_angle, outer_angle, radius */
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
 	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
+	GW_LIGHT_SPHERE,      /* position, intensity, radius: a ball of even radiance */
+	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side */
+	GW_LIGHT_RECTANGLE,   /* position, direction, across, intensity, size: likewise */
 	GW_LIGHT_TYPE_COUNT
 } gw_light_type;
 
@@ -170,13 +176,15 @@ typedef struct gw_light {
 	char name[64];       /* for reports; may be empty */
 	double position[3];  /* metres, in the coordinates of gw_points.position */
 	double direction[3]; /* the way the light travels; any length above 0 */
-	float intensity[3];  /* W/sr, of a point light or in the inner cone of a spot light */
+	float intensity[3]; /* W/sr, of a point light or in the inner cone of a spot light; of a sphere,
+						   disc or rectangle along its axis from afar: radiance times area */
 	float irradiance[3]; /* W/m^2, on a plane that faces the sun */
 	float radiance[3];   /* W/(sr m^2), of the environment */
 	float inner_angle;   /* degrees from the axis, full intensity inside; 0 <= inner <= outer */
 	float outer_angle;   /* degrees from the axis, dark outside; at most 180. Between the two the
 							intensity falls by smoothstep in the cosine (as pbrt's spot light) */
-	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra */
+	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra; of spheres and discs
+							above 0 */
 	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
 
 	/* What comes from which direction, multiplied by radiance; of one light of a bake at most.
@@ -189,6 +197,20 @@ typedef struct gw_light {
 	uint32_t map_width, map_height;
 	float rotation; /* degrees */
 	bool map_y_up;
+
+	/* How the intensity of a point light depends on direction, as luminaires are measured, or NULL:
+	 * it is the same in all. First vertical_count angles from `direction`, degrees, ascending,
+	 * within 0 and 180; then horizontal_count angles around it, ascending: either one, then all
+	 * around is the same, or from 0, which lies toward `across`, to 360; 90 lies toward across x
+	 * direction. Then for each angle around as many shares of `intensity` as there are angles from
+	 * the axis, finite, at least 0. Between angles it is linear, beyond the first and last from the
+	 * axis dark. The caller's; has to stay as long as the bake or the handle to which the light is
+	 * given. */
+	const float *distribution;
+	uint32_t vertical_count;   /* 2..65536 */
+	uint32_t horizontal_count; /* 1..65536; the product of both at most 2^26 */
+	double across[3];          /* any length above 0; not along the direction */
+	float size[2]; /* metres above 0: a rectangle's sides along `across`, and across that */
 } gw_light;
 
 /* What an infinite pixel of a map counts as: the largest number that a 16-bit float holds. */
@@ -244,6 +266,20 @@ typedef enum gw_gaps {
 	GW_GAPS_MEAN,  /* as much as from what else is seen from where it goes */
 	GW_GAPS_COUNT
 } gw_gaps;
+
+/* What a scene may call for; gw_report tells of each whether it did. */
+typedef enum gw_effect_kind {
+	GW_EFFECT_LAMPS,    /* light straight from point, spot and sun lights */
+	GW_EFFECT_SHADOWS,  /* what hides these from the points */
+	GW_EFFECT_EMITTERS, /* light of points that emit, at others */
+	GW_EFFECT_SKY,      /* light of the environment */
+	GW_EFFECT_PORTALS,  /* openings to the sky, sampled where they are few */
+	GW_EFFECT_BOUNCES,  /* light that is reflected more than once */
+	GW_EFFECT_GAPS,     /* what scanners did not see, and holes of surfaces */
+	GW_EFFECT_ERROR,    /* how wrong the light is */
+	GW_EFFECT_OCTREE,   /* what most of these need; it cannot be forbidden */
+	GW_EFFECT_KIND_COUNT
+} gw_effect_kind;
 
 #define GW_DEPTH_AUTO 0u
 #define GW_DEPTH_MAX 16u
@@ -302,18 +338,23 @@ typedef struct gw_bake_options {
 						   open, lamps and suns do not shine through them either */
 	float gap_radiance; /* W/(sr m^2), with GW_GAPS_BLACK: what gaps send instead of nothing;
 						   not together with lamps */
-	uint32_t shadow_map_size; /* texels a side of a shadow map, 16..8192 */
-	uint32_t threads;         /* of the host; 0 means one a core */
-	uint64_t seed;            /* of all random directions */
-	uint64_t memory;          /* bytes that the bake may use, host and device together; 0 means most
-								 of what the machine has free */
-	const char *device;       /* NULL, or an index, type name or part of the name of a device */
-	gw_pass_choice passes;    /* for those who look into a difference */
+	uint32_t effects_forced;    /* 1 << gw_effect_kind: computed whether or not the scene calls for
+								   them; the light is the same */
+	uint32_t effects_forbidden; /* likewise: not computed, whatever the scene calls for. None of
+								   those forced, nor GW_EFFECT_OCTREE */
+	uint32_t shadow_map_size;   /* texels a side of a shadow map, 16..8192 */
+	uint32_t threads;           /* of the host; 0 means one a core */
+	uint64_t seed;              /* of all random directions */
+	uint64_t memory;       /* bytes that the bake may use, host and device together; 0 means most
+							  of what the machine has free */
+	const char *device;    /* NULL, or an index, type name or part of the name of a device */
+	gw_pass_choice passes; /* for those who look into a difference */
 	gw_normals_choice normals;
 	gw_validation validate; /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;            /* fill gw_bake_result.voxels */
 	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
+	bool bent_normals;      /* fill gw_bake_result.bent_normal */
 	float ambient_occlusion_distance; /* metres; 0: surfaces at any distance count */
 	bool unknown;                     /* fill gw_bake_result.unknown */
 	bool errors; /* fill gw_bake_result.error: in W/(sr m^2), the luminance by which the records
@@ -345,6 +386,8 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
  * more are needed, with as many rays as they will need in the end. */
 void gw_bake_options_set_start(gw_bake_options *options);
 
+struct gw_report;
+
 /* What to call while work runs. All may be NULL. Called when a stage begins, and within stages some
  * ten times a second. */
 typedef struct gw_bake_callbacks {
@@ -355,6 +398,9 @@ typedef struct gw_bake_callbacks {
 	 * where nothing else keeps the machine busy. */
 	bool (*cancelled)(void *user);
 	void *user;
+	/* Called once, of gw_bake: what is going to be computed and why, and what it will take, both in
+	 * the report. Foretelling takes time of its own; the light is the same. */
+	void (*planned)(void *user, const struct gw_report *report);
 } gw_bake_callbacks;
 
 /* ------------------------------------------------------------------------------------- report */
@@ -373,7 +419,7 @@ typedef struct gw_stage {
 typedef struct gw_effect {
 	char name[32];
 	bool called_for;
-	char reason[160]; /* one sentence */
+	char reason[240]; /* one sentence */
 	char method[64];  /* empty when not called for */
 } gw_effect;
 
@@ -388,7 +434,8 @@ typedef struct gw_bounce {
 typedef struct gw_error_estimate {
 	uint32_t points;     /* solved again; 0 when no estimate was made, or where lamps alone shine
 							and only their shadows are looked at */
-	double relative_rms; /* root mean square error: of the seven below that are parts of it */
+	double relative_rms; /* root mean square error: of the seven below that are parts of it, and
+							not less than halves says */
 	double gathered;     /* of light that was gathered, by the points that were solved again */
 	double spread;       /* standard error of that, and a tenth of it that is not seen: 2.3 %
 							+- 0.3 % */
@@ -407,6 +454,9 @@ typedef struct gw_error_estimate {
 	double sides;       /* of surfaces that may face the other way, as what points see on both sides
 						   says (side_error.h) */
 	double sides_share; /* of the points: those that are likely to */
+	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
+					  half of the points (half_sample.h): where more than a tenth had no
+					  normal, or some are strays. 0: nobody looked, or nothing was found */
 } gw_error_estimate;
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */
@@ -465,8 +515,25 @@ typedef struct gw_stray_count {
 	double position[3]; /* and where it is */
 } gw_stray_count;
 
+/* What a bake will take, foretold when its octree stands and its lamps have been lit, from light
+ * gathered at some hundred places. */
+typedef struct gw_forecast {
+	uint32_t places;       /* where light was gathered for it; 0: nothing is foretold */
+	uint64_t records;      /* that the bake will have */
+	double seconds;        /* of gw_bake, from its call to its return */
+	double done_seconds;   /* of these, what is done by then, without the forecast itself */
+	double own_seconds;    /* that the forecast took */
+	uint64_t device_bytes; /* device memory at its highest */
+	uint64_t host_bytes;   /* of the host, on top of what the process holds by then: the light, and
+							  what comes on the device where that shares the host's memory */
+	double error, spread;  /* as relative_rms and spread of gw_error_estimate; 0: not known */
+	uint32_t bounces;      /* reflections */
+	double remaining;      /* as of gw_report */
+	double escaped;        /* share of the rays that leave the scene */
+} gw_forecast;
+
 #define GW_REPORT_STAGES 24
-#define GW_REPORT_EFFECTS 12
+#define GW_REPORT_EFFECTS 24
 #define GW_REPORT_COUNTS 24
 #define GW_REPORT_ROUNDS 16
 
@@ -486,6 +553,7 @@ typedef struct gw_report {
 	 * injected and filtered; tracing rays, once; gathering what rays hit, or by cones. */
 	double inject_seconds, trace_seconds, gather_seconds;
 	gw_error_estimate error;
+	gw_forecast forecast; /* none unless somebody asked: gw_bake_callbacks.planned, gw_plan_bake */
 	gw_gap_report gaps;
 	gw_price price;                   /* of about half of that error, or what comes nearest to it */
 	gw_round round[GW_REPORT_ROUNDS]; /* the last one is the result; none unless the bake refined */
@@ -527,7 +595,7 @@ typedef struct gw_voxels {
 } gw_voxels;
 
 /* What a bake found; per-point arrays are in the order of gw_points. Points that were left out
- * (non-finite) hold zeros. */
+ * (non-finite or invisible) hold zeros. */
 typedef struct gw_bake_result {
 	size_t count;
 	float *radiance;            /* 3 * count, L */
@@ -543,6 +611,8 @@ typedef struct gw_bake_result {
 	float *rest;              /* 3 * count, what points that emit add to L; NULL when none does */
 	float *ambient_occlusion; /* count, 0..1: cosine-weighted share of the hemisphere in which
 						nothing is nearer than ambient_occlusion_distance; NULL unless asked */
+	float *bent_normal;       /* 3 * count, unit vectors: the mean direction of that share; zeros
+								 where it is 0; NULL unless asked */
 	float *error;             /* count, see gw_bake_options.errors; NULL unless asked */
 	float *unknown;           /* count, 0..1: share of what is gathered around a point, weighted as
 								 irradiance, that would come through gaps; 0 where no scanner is
@@ -576,6 +646,19 @@ typedef struct gw_scene_description {
  */
 gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
 				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error);
+
+/*
+ * Says what gw_bake would do with the same scene and options, and what that would take. It makes
+ * the octree and lights the lamps, the larger part of most bakes, and gathers at a few places.
+ *   options      with a transport, nothing is foretold
+ *   callbacks    NULL or see gw_bake_callbacks; planned is called, too
+ *   report       receives the effects, what the points and the octree are, and the forecast; all
+ *                that a bake finds out later is 0, and nothing of it is to be freed
+ *
+ * Returns and fails as gw_bake.
+ */
+gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
+					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error);
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);
@@ -808,6 +891,7 @@ void gw_drivers_release(gw_drivers **drivers);
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_gaps_name(gw_gaps gaps);
+const char *gw_effect_name(gw_effect_kind effect); /* "lamps": of gw_effect, too */
 const char *gw_pass_choice_name(gw_pass_choice choice);
 const char *gw_validation_name(gw_validation validation);
 const char *gw_quality_name(gw_quality quality);

@@ -56,10 +56,11 @@ typedef struct gw_surfels {
 						count, radians, RMS angle by which the normals that lamps shine on are
 						expected to be off */
 	float *normal_length;      /* count, length of the given normal in (0, 1]: spread of the NDF */
-	float *albedo;    /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
-	float *emission;  /* 3 * count, >= 0; NULL when nothing emits */
-	float *nearest;   /* count, maximum-norm distance to the nearest other surfel, metres
-						 (Salm 4.3.4); infinity for a cloud of one */
+	float *albedo;       /* 3 * count, linear, in [0, GW_ALBEDO_MAX]; the mean of merged points */
+	float *emission;     /* 3 * count, >= 0; NULL when nothing emits */
+	float *transparency; /* count, 1 - opacity, below 1; NULL when all are opaque */
+	float *nearest;      /* count, maximum-norm distance to the nearest other surfel, metres
+							(Salm 4.3.4); infinity for a cloud of one */
 	float *radius;    /* count, metres, of the disc: distance to the 8th neighbour on the surface,
 						 or half that to the furthest where scan lines are far apart */
 	float *area;      /* count, m^2, that the surfel stands for: its Voronoi cell on the surface */
@@ -177,6 +178,15 @@ gw_status gw_camera_look(gw_camera *camera, const double at[3], const double to[
  *   axis  receives it, unit
  */
 void gw_camera_up(char up, double axis[3]);
+
+/*
+ * Whether points of which nobody said so look as if y pointed up, where z is the custom: they have
+ * a floor and a ceiling across y, or stand on a base there.
+ *   position   3 * count, of any unit
+ *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor
+ * Returns 'y', or 0: nothing speaks against z.
+ */
+char gw_likely_up(const double *position, size_t count, bool *sure);
 
 /*
  * A right-handed frame for such an axis: x for 'z', and y for it, are to the right and to the back
@@ -466,7 +476,7 @@ typedef struct gw_pixels {
 typedef struct gw_reflection {
 	uint32_t rays; /* a pixel whose surface is rough, at least 1; a mirror takes one */
 	bool cone;     /* one cone instead; needs bricks */
-	float sky[3];  /* radiance of what meets nothing */
+	float sky[3];  /* even radiance of what meets nothing, besides gw_render_octree_set_sky */
 	uint32_t seed;
 	bool (*cancelled)(void *user); /* NULL or asked between rays */
 	void *user;
@@ -482,6 +492,14 @@ gw_status gw_render_octree_create(const gw_surfels *surfels, const float *radian
 								  const gw_render_octree_options *options, gw_render_octree **made,
 								  gw_error *error);
 void gw_render_octree_destroy(gw_render_octree **octree);
+
+/*
+ * What is seen where nothing else is met: the map of an environment light, times its radiance.
+ *   light   read now; its map may go afterwards. NULL: no map, as at first
+ * GW_ERROR_MEMORY.
+ */
+gw_status gw_render_octree_set_sky(gw_render_octree *octree, const gw_light *light,
+								   gw_error *error);
 
 /*
  * The glossy bounce.

@@ -15,7 +15,8 @@ POINTS, SIDE, FRAMES = 60000, 3.0, 8
 
 class Points(c.Structure):  # gw_points
     _fields_ = [("count", c.c_size_t), ("position", c.c_void_p), ("normal", c.c_void_p),
-                ("albedo", c.c_void_p), ("emission", c.c_void_p), ("scanner", c.c_void_p),
+                ("albedo", c.c_void_p), ("emission", c.c_void_p), ("opacity", c.c_void_p),
+                ("scanner", c.c_void_p),
                 ("scanner_count", c.c_size_t), ("scanner_of", c.c_void_p),
                 ("image", c.c_void_p), ("image_count", c.c_size_t), ("image_cell", c.c_void_p),
                 ("own_area", c.c_void_p), ("stray", c.c_void_p), ("keep_strays", c.c_bool),
@@ -28,7 +29,10 @@ class Light(c.Structure):  # gw_light
                 ("irradiance", c.c_float * 3), ("radiance", c.c_float * 3),
                 ("inner_angle", c.c_float), ("outer_angle", c.c_float), ("radius", c.c_float),
                 ("angle", c.c_float), ("map", c.c_void_p), ("map_width", c.c_uint32),
-                ("map_height", c.c_uint32), ("rotation", c.c_float), ("map_y_up", c.c_bool)]
+                ("map_height", c.c_uint32), ("rotation", c.c_float), ("map_y_up", c.c_bool),
+                ("distribution", c.c_void_p), ("vertical_count", c.c_uint32),
+                ("horizontal_count", c.c_uint32), ("across", c.c_double * 3),
+                ("size", c.c_float * 2)]
 
 
 class SceneDescription(c.Structure):  # gw_scene_description
@@ -45,7 +49,7 @@ class Estimate(c.Structure):  # gw_error_estimate
                 ("spread", c.c_double), ("bias", c.c_double), ("noise", c.c_double),
                 ("shadows", c.c_double), ("normals", c.c_double), ("emission", c.c_double),
                 ("geometry", c.c_double), ("gaps", c.c_double), ("sides", c.c_double),
-                ("sides_share", c.c_double)]
+                ("sides_share", c.c_double), ("halves", c.c_double)]
 
 
 library = c.CDLL(os.environ.get("GLOWWORM_LIBRARY", "libglowworm.so.0.1"))

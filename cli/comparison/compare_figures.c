@@ -147,7 +147,8 @@ static gw_status find_errors(compare_figures *f, const scan_column *const found[
 
 gw_status compare_figures_make(const matched_scans *match, compare_figures *f, gw_error *error)
 {
-	static const char *const more[] = { "direct", "indirect", "irradiance" };
+	static const char *const more[] = { "direct", "indirect", "irradiance", "direct_irradiance",
+										"indirect_irradiance" };
 	const scan_column *found[3], *truth[3];
 	*f = (compare_figures){ .match = match };
 	GW_TRY(find_radiance(match->found, match->found_name, found, error));

@@ -19,9 +19,9 @@ typedef enum compare_row {
 	COMPARE_ROWS
 } compare_row;
 
-#define COMPARE_COMPONENTS 4
+#define COMPARE_COMPONENTS 6
 
-/* The figures of one quantity: radiance, direct, indirect or irradiance. */
+/* The figures of one quantity: radiance, its two parts, irradiance or its two. */
 typedef struct compare_component {
 	const char *name;
 	gw_comparison row[COMPARE_ROWS];

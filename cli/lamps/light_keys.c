@@ -15,15 +15,28 @@
 #define SPOT (1u << GW_LIGHT_SPOT)
 #define SUN (1u << GW_LIGHT_SUN)
 #define SKY (1u << GW_LIGHT_ENVIRONMENT)
+#define SPHERE (1u << GW_LIGHT_SPHERE)
+#define DISC (1u << GW_LIGHT_DISC)
+#define RECTANGLE (1u << GW_LIGHT_RECTANGLE)
+#define AREA (SPHERE | DISC | RECTANGLE)
 
 #define BIT(key) (1u << LIGHT_KEY_##key)
 
 const light_key light_keys[LIGHT_KEY_COUNT] = {
-	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT, POINT | SPOT,
+	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT | AREA,
+							 POINT | SPOT | AREA,
 							 "X,Y,Z: where it is, in the input's coordinates" },
-	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, SPOT, 0, "X,Y,Z: a point on its axis" },
-	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR, SPOT | SUN, 0,
+	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, POINT | SPOT | DISC | RECTANGLE, 0,
+						   "X,Y,Z: a point on its axis" },
+	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR,
+							  POINT | SPOT | SUN | DISC | RECTANGLE, 0,
 							  "X,Y,Z: the way the light travels" },
+	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT, 0,
+						"IES or EULUMDAT file: how a luminaire shines; points down unless aimed" },
+	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT | RECTANGLE, 0,
+						 "degrees it is turned clockwise, seen from behind; 0: C 0, W is right" },
+	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT, 0,
+						  "times the light that the file says; 1" },
 	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
 						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
 	[LIGHT_KEY_PLACE] = { NULL, "place", LIGHT_VALUE_PLACE, SUN | SKY, 0,
@@ -32,19 +45,19 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						 "as 2026-06-21T14:30+02:00, or with Z for UTC; with place" },
 	[LIGHT_KEY_NORTH] = { NULL, "north", LIGHT_VALUE_ANGLE, SUN | SKY, 0,
 						  "degrees clockwise from +y in which north lies; 0" },
-	[LIGHT_KEY_INTENSITY] = { NULL, "intensity", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
-							  "W/sr or cd, in the inner cone; or else" },
-	[LIGHT_KEY_LUMENS] = { NULL, "lumens", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
+	[LIGHT_KEY_INTENSITY] = { NULL, "intensity", LIGHT_VALUE_COLOR, POINT | SPOT | AREA, 0,
+							  "W/sr or cd, along its axis, or the most of an ies; or else" },
+	[LIGHT_KEY_LUMENS] = { NULL, "lumens", LIGHT_VALUE_COLOR, POINT | SPOT | AREA, 0,
 						   "lm, luminous flux over all directions; or else" },
-	[LIGHT_KEY_WATTS] = { NULL, "watts", LIGHT_VALUE_COLOR, POINT | SPOT, 0,
+	[LIGHT_KEY_WATTS] = { NULL, "watts", LIGHT_VALUE_COLOR, POINT | SPOT | AREA, 0,
 						  "W of light, radiant flux over all directions" },
 	[LIGHT_KEY_IRRADIANCE] = { NULL, "irradiance", LIGHT_VALUE_COLOR, SUN, 0,
 							   "W/m^2 or lx on a plane that faces it" },
-	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY, 0,
-							 "W/(sr m^2) or cd/m^2: even, a model's overhead, or by map" },
+	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY | AREA, 0,
+							 "W/(sr m^2) or cd/m^2: even; of skies a model's overhead, or by map" },
 	[LIGHT_KEY_ILLUMINANCE] = { NULL, "illuminance", LIGHT_VALUE_COLOR, SUN | SKY, 0,
 								"lx: facing the sun; of a sky, on level ground" },
-	[LIGHT_KEY_KELVIN] = { NULL, "kelvin", LIGHT_VALUE_NUMBER, POINT | SPOT | SUN | SKY, 0,
+	[LIGHT_KEY_KELVIN] = { NULL, "kelvin", LIGHT_VALUE_NUMBER, POINT | SPOT | SUN | SKY | AREA, 0,
 						   "colour temperature, 1000 to 40000; luminance stays" },
 	[LIGHT_KEY_MODEL] = { NULL, "model", LIGHT_VALUE_MODEL, SKY, 0,
 						  "overcast, intermediate, clear, physical or gradient" },
@@ -60,11 +73,13 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						  "degrees from the axis up to which it is at its full; 0" },
 	[LIGHT_KEY_OUTER] = { "outer", "outer_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
 						  "degrees from the axis at which it ends; 45" },
-	[LIGHT_KEY_RADIUS] = { NULL, "radius", LIGHT_VALUE_NUMBER, POINT | SPOT, 0,
-						   "metres; makes soft shadows; 0" },
+	[LIGHT_KEY_RADIUS] = { NULL, "radius", LIGHT_VALUE_NUMBER, POINT | SPOT | SPHERE | DISC,
+						   SPHERE | DISC, "metres; makes soft shadows; 0" },
+	[LIGHT_KEY_SIZE] = { NULL, "size", LIGHT_VALUE_SIZE, RECTANGLE, RECTANGLE,
+						 "W,H: metres to the right of who looks along its light, and up" },
 	[LIGHT_KEY_ANGLE] = { NULL, "angle", LIGHT_VALUE_NUMBER, SUN, 0,
 						  "degrees, its diameter in the sky; 0.53" },
-	[LIGHT_KEY_NAME] = { NULL, "name", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY, 0,
+	[LIGHT_KEY_NAME] = { NULL, "name", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY | AREA, 0,
 						 "one word, for the report" },
 };
 
@@ -76,14 +91,15 @@ lamp light_default(gw_light_type type)
 							  .angle = type == GW_LIGHT_SUN ? 0.53f : 0.0f,
 							  .radiance = { sky, sky, sky } },
 				   .measure = LIGHT_KEY_COUNT,
-				   .turbidity = 3.0 };
+				   .turbidity = 3.0,
+				   .scale = 1.0 };
 }
 
 bool light_key_moves(light_key_id key)
 {
 	light_value value = light_keys[key].value;
 	return value != LIGHT_VALUE_NAME && value != LIGHT_VALUE_PATH && value != LIGHT_VALUE_TIME &&
-		   value != LIGHT_VALUE_PLACE && value != LIGHT_VALUE_MODEL;
+		   value != LIGHT_VALUE_PLACE && value != LIGHT_VALUE_MODEL && value != LIGHT_VALUE_SIZE;
 }
 
 /* ---------------------------------------------------------------------------- one key */
@@ -154,6 +170,8 @@ static gw_status check_range(light_key_id key, const double *values, gw_error *e
 		return gw_fail(
 			error, GW_ERROR_USAGE,
 			"the latitude must be from -90 to 90, the longitude from -180 to 180 degrees");
+	if (key == LIGHT_KEY_SIZE && !(values[0] > 0.0 && values[1] > 0.0))
+		return gw_fail(error, GW_ERROR_USAGE, "both sides must be above 0");
 	if (key == LIGHT_KEY_KELVIN && !(values[0] >= KELVIN_LEAST && values[0] <= KELVIN_MOST))
 		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", KELVIN_LEAST,
 					   KELVIN_MOST);
@@ -235,12 +253,23 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_RADIUS:
 		l->radius = (float)values[0];
 		break;
+	case LIGHT_KEY_SIZE:
+		l->size[0] = (float)values[0];
+		l->size[1] = (float)values[1];
+		break;
 	case LIGHT_KEY_ANGLE:
 		l->angle = (float)values[0];
 		break;
 	case LIGHT_KEY_ROTATION:
 		l->rotation = (float)values[0];
 		break;
+	case LIGHT_KEY_ROLL:
+		light->roll = values[0];
+		break;
+	case LIGHT_KEY_SCALE:
+		light->scale = values[0];
+		break;
+	case LIGHT_KEY_IES:
 	case LIGHT_KEY_TIME:
 	case LIGHT_KEY_MODEL:
 	case LIGHT_KEY_MAP:
@@ -262,6 +291,7 @@ static const value_shape shape[] = {
 	[LIGHT_VALUE_COLOR] = { "a colour R,G,B or one number", 1u << 3 | 1u << 1 },
 	[LIGHT_VALUE_SKY] = { "two numbers AZIMUTH,ELEVATION", 1u << 2 },
 	[LIGHT_VALUE_PLACE] = { "two numbers LATITUDE,LONGITUDE", 1u << 2 },
+	[LIGHT_VALUE_SIZE] = { "two numbers W,H", 1u << 2 },
 	[LIGHT_VALUE_NUMBER] = { "one number", 1u << 1 },
 	[LIGHT_VALUE_ANGLE] = { "one number", 1u << 1 },
 	[LIGHT_VALUE_NAME] = { "a name", 0 },
@@ -307,8 +337,9 @@ static gw_status set_model(lamp *light, const char *text, gw_error *error)
 
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
-	char *to = key == LIGHT_KEY_MAP ? light->map : light->light.name;
-	size_t room = key == LIGHT_KEY_MAP ? sizeof light->map : sizeof light->light.name;
+	bool path = light_keys[key].value == LIGHT_VALUE_PATH;
+	char *to = key == LIGHT_KEY_MAP ? light->map : path ? light->ies : light->light.name;
+	size_t room = path ? LIGHT_MAP_PATH : sizeof light->light.name;
 	if (!*text)
 		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
 	if (key == LIGHT_KEY_TIME)
@@ -323,12 +354,19 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 
 /* ------------------------------------------------------------------------- the whole light */
 
+static bool is_area(gw_light_type type)
+{
+	return AREA & 1u << type;
+}
+
 static gw_status check_direction(const lamp *light, unsigned given, bool scene, gw_error *error)
 {
 	unsigned any = given & (BIT(DIRECTION) | BIT(TARGET) | BIT(SKY) | BIT(PLACE));
 	const char *type = gw_light_type_name(light->light.type);
 	bool sun = light->light.type == GW_LIGHT_SUN;
 	const char *name = scene ? "direction" : "toward", *other = sun ? "'from'" : "'to'";
+	if (!any && (light->ies[0] || is_area(light->light.type)))
+		return GW_OK;
 	if (!any && (sun || !scene))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s needs '%s' or %s%s", type, name, other,
 					   sun ? ", or 'place' and 'time'" : "");
@@ -339,7 +377,7 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 					   given & BIT(PLACE) ? "," : " and", other,
 					   given & BIT(PLACE) ? " and 'place'" : "");
 	if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
-		return gw_fail(error, GW_ERROR_USAGE, "a spot cannot shine to the place where it is");
+		return gw_fail(error, GW_ERROR_USAGE, "a %s cannot shine to the place where it is", type);
 	return GW_OK;
 }
 
@@ -348,13 +386,17 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 {
 	gw_light_type type = light->light.type;
 	const char *name = gw_light_type_name(type);
-	if (light->measure == LIGHT_KEY_COUNT && (type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
+	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] &&
+		(type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
 					   name);
+	if (light->measure == LIGHT_KEY_COUNT && is_area(type))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a %s light needs 'intensity', 'lumens', 'watts' or 'radiance'", name);
 	if (light->measure == LIGHT_KEY_COUNT && type == GW_LIGHT_SUN)
 		return gw_fail(error, GW_ERROR_USAGE, "a sun light needs 'irradiance' or 'illuminance'");
 	bool itself = given & BIT(MAP) || light->model == SKY_MODEL_PHYSICAL;
-	if (light->measure == LIGHT_KEY_COUNT && !itself)
+	if (light->measure == LIGHT_KEY_COUNT && !itself && type == GW_LIGHT_ENVIRONMENT)
 		return gw_fail(error, GW_ERROR_USAGE, "an environment light needs 'radiance'%s",
 					   light->model ? " or 'illuminance'" : ", 'illuminance', 'model' or 'map'");
 	if (light->kelvin > 0.0 && light->measure != LIGHT_KEY_COUNT && !light->white)
@@ -411,9 +453,28 @@ static gw_status place_sun(lamp *light, unsigned given, gw_error *error)
 	return GW_OK;
 }
 
-/* What the physical sky has is luminance. */
+/* Only a luminaire has an axis among lights that are points. */
+static gw_status check_point(const lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	static const light_key_id own[] = { LIGHT_KEY_TARGET, LIGHT_KEY_DIRECTION, LIGHT_KEY_ROLL,
+										LIGHT_KEY_SCALE };
+	if (light->ies[0])
+		return check_direction(light, given, scene, error);
+	for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
+		const light_key *key = &light_keys[own[i]];
+		if (given & 1u << own[i])
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "only a point light with 'ies', the file of a luminaire, has '%s'",
+						   key->word && !scene ? key->word : key->name);
+	}
+	return GW_OK;
+}
+
+/* What the physical sky has is luminance; what luminaires are measured in, candela. */
 static gw_status settle_units(lamp *light, gw_error *error)
 {
+	if (light->ies[0] && light->units == LIGHT_UNITS_UNSAID)
+		light->units = LIGHT_UNITS_PHOTOMETRIC;
 	if (light->model != SKY_MODEL_PHYSICAL)
 		return GW_OK;
 	if (light->units == LIGHT_UNITS_RADIOMETRIC)
@@ -450,6 +511,14 @@ gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *erro
 		GW_TRY(check_sky(light, given, error));
 	if (type == GW_LIGHT_SPOT || type == GW_LIGHT_SUN)
 		GW_TRY(check_direction(light, given, scene, error));
+	if (type == GW_LIGHT_POINT)
+		GW_TRY(check_point(light, given, scene, error));
+	if (type == GW_LIGHT_DISC || type == GW_LIGHT_RECTANGLE)
+		GW_TRY(check_direction(light, given, scene, error));
+	if ((type == GW_LIGHT_SPHERE || type == GW_LIGHT_DISC) && !(light->light.radius > 0.0f))
+		return gw_fail(error, GW_ERROR_USAGE, "the radius of a %s must be above 0",
+					   gw_light_type_name(type));
+	light->hangs = (light->ies[0] || is_area(type)) && !(given & (BIT(DIRECTION) | BIT(TARGET)));
 	GW_TRY(place_sun(light, given, error));
 	return settle_units(light, error);
 }
@@ -482,13 +551,26 @@ gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_
 
 /* Solid angle of a light of even intensity with the same flux, sr: that of a spot is its inner cone
  * and, as smoothstep in the cosine is one half on average, half of what lies around it. */
-static double solid_angle(const gw_light *l)
+static double solid_angle(const lamp *light)
 {
+	const gw_light *l = &light->light;
+	if (light->luminaire)
+		return light->flux / light->luminaire->candela;
+	if (l->type == GW_LIGHT_DISC || l->type == GW_LIGHT_RECTANGLE)
+		return PI;
 	if (l->type != GW_LIGHT_SPOT)
 		return 4.0 * PI;
 	double inner = cos((double)l->inner_angle * DEGREE),
 		   outer = cos((double)l->outer_angle * DEGREE);
 	return 2.0 * PI * (1.0 - 0.5 * (inner + outer));
+}
+
+/* What of a light that is an area is seen from afar along its axis, square metres. */
+static double area(const gw_light *l)
+{
+	double radius = (double)l->radius;
+	return l->type == GW_LIGHT_RECTANGLE ? (double)l->size[0] * (double)l->size[1]
+										 : PI * radius * radius;
 }
 
 /* The light's own colour: of a temperature, or white. */
@@ -507,18 +589,31 @@ static void put_color(const lamp *light, double share, float color[3])
 		color[k] = (float)(light->amount[k] * tint[k] * share);
 }
 
+/* As its maker measured it. */
+static void resolve_measured(lamp *light)
+{
+	double tint[3];
+	find_tint(light, tint);
+	for (int k = 0; k < 3; k++)
+		light->light.intensity[k] = (float)(light->luminaire->candela * tint[k] * light->scale);
+}
+
 static void resolve_amount(lamp *light)
 {
 	gw_light *l = &light->light;
 	light_key_id measure = light->measure;
+	if (measure == LIGHT_KEY_COUNT && light->luminaire)
+		resolve_measured(light);
 	if (measure == LIGHT_KEY_COUNT)
 		return;
 	if (measure == LIGHT_KEY_INTENSITY)
-		put_color(light, 1.0, l->intensity);
+		put_color(light, light->scale, l->intensity);
 	else if (measure == LIGHT_KEY_LUMENS || measure == LIGHT_KEY_WATTS)
-		put_color(light, 1.0 / solid_angle(l), l->intensity);
+		put_color(light, light->scale / solid_angle(light), l->intensity);
 	else if (l->type == GW_LIGHT_SUN)
 		put_color(light, 1.0, l->irradiance);
+	else if (measure == LIGHT_KEY_RADIANCE && is_area(l->type))
+		put_color(light, area(l), l->intensity);
 	else if (measure == LIGHT_KEY_RADIANCE)
 		put_color(light, 1.0, l->radiance);
 	else if (measure == LIGHT_KEY_ILLUMINANCE) /* of an even sky; of a map see light_scale_map */
@@ -530,6 +625,47 @@ void light_color(const lamp *light, float color[3])
 	put_color(light, 1.0, color);
 }
 
+/* Where a luminaire's C 0 lies, or the right side of a rectangle: level, right of who looks along
+ * its light, and turned by its roll; of one that shines straight down or up, toward +x. Returns the
+ * degrees between its direction and straight down. */
+static double resolve_frame(lamp *light, char up)
+{
+	gw_light *l = &light->light;
+	double stand[3][3], right[3], *d = l->direction, length = 0.0, across = 0.0, over_all = 0.0;
+	const double *above = stand[2];
+	gw_camera_stand(up, stand[0], stand[1], stand[2]);
+	for (int k = 0; k < 3; k++)
+		d[k] = light->hangs ? 0.0 - above[k] : d[k];
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		right[k] = d[i] * above[j] - d[j] * above[i];
+		length += d[k] * d[k];
+		over_all += d[k] * above[k];
+		across += right[k] * right[k];
+	}
+	bool upright = across <= 1e-12 * length;
+	double roll = light->roll * DEGREE;
+	for (int k = 0; k < 3; k++)
+		right[k] = upright ? stand[0][k] : right[k] / sqrt(across);
+	for (int k = 0; k < 3; k++) {
+		int i = (k + 1) % 3, j = (k + 2) % 3;
+		double over = (right[i] * d[j] - right[j] * d[i]) / sqrt(length);
+		l->across[k] = cos(roll) * right[k] - sin(roll) * over;
+	}
+	return acos(fmin(fmax(-over_all / sqrt(length), -1.0), 1.0)) / DEGREE;
+}
+
+/* What only those have that were measured. */
+static void resolve_luminaire(lamp *light, double tilt)
+{
+	gw_light *l = &light->light;
+	for (int k = 0; k < 3 && light->measure == LIGHT_KEY_COUNT; k++)
+		l->intensity[k] *= (float)luminaire_tilt_factor(light->luminaire, tilt);
+	l->distribution = light->luminaire->distribution;
+	l->vertical_count = light->luminaire->verticals;
+	l->horizontal_count = light->luminaire->horizontals;
+}
+
 void light_resolve(lamp *light, char up)
 {
 	gw_light *l = &light->light;
@@ -538,6 +674,10 @@ void light_resolve(lamp *light, char up)
 	if (light->aimed)
 		for (int k = 0; k < 3; k++)
 			l->direction[k] = light->target[k] - l->position[k];
+	if (light->luminaire)
+		resolve_luminaire(light, resolve_frame(light, up));
+	else if (is_area(l->type))
+		resolve_frame(light, up);
 	if (!light->from_sky)
 		return;
 	double a = (light->azimuth + light->north) * DEGREE, e = light->elevation * DEGREE;

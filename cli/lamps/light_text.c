@@ -60,7 +60,8 @@ static gw_status set_from_word(words *w, lamp *light, light_key_id id, const cha
 				 light_value_expected(light_keys[id].value));
 		return words_fail(w, sentence);
 	}
-	bool numbers = light_key_moves(id) || light_keys[id].value == LIGHT_VALUE_PLACE;
+	bool numbers = light_key_moves(id) || light_keys[id].value == LIGHT_VALUE_PLACE ||
+				   light_keys[id].value == LIGHT_VALUE_SIZE;
 	gw_status status = numbers ? light_set_numbers(light, id, w->word, &reason)
 							   : light_set_text(light, id, w->word, &reason);
 	if (status == GW_OK && strlen(w->word) < WORD_MAX - 1)

@@ -10,6 +10,7 @@
 #include "lamps/light_unit.h"
 #include "lamps/sky_model.h"
 #include "lamps/sun_position.h"
+#include "luminaires/luminaire.h"
 
 #define LIGHT_MAP_PATH 1024
 
@@ -19,6 +20,7 @@ typedef enum light_value {
 	LIGHT_VALUE_COLOR,  /* one number, or three; 0 or more */
 	LIGHT_VALUE_SKY,    /* azimuth and elevation */
 	LIGHT_VALUE_PLACE,  /* latitude and longitude */
+	LIGHT_VALUE_SIZE,   /* two numbers, width and height */
 	LIGHT_VALUE_NUMBER, /* 0 or more */
 	LIGHT_VALUE_ANGLE,  /* of either sign */
 	LIGHT_VALUE_NAME,
@@ -31,6 +33,9 @@ typedef enum light_key_id {
 	LIGHT_KEY_POSITION,
 	LIGHT_KEY_TARGET,
 	LIGHT_KEY_DIRECTION,
+	LIGHT_KEY_IES,
+	LIGHT_KEY_ROLL,
+	LIGHT_KEY_SCALE,
 	LIGHT_KEY_SKY,
 	LIGHT_KEY_PLACE,
 	LIGHT_KEY_TIME,
@@ -50,6 +55,7 @@ typedef enum light_key_id {
 	LIGHT_KEY_INNER,
 	LIGHT_KEY_OUTER,
 	LIGHT_KEY_RADIUS,
+	LIGHT_KEY_SIZE,
 	LIGHT_KEY_ANGLE,
 	LIGHT_KEY_NAME,
 	LIGHT_KEY_COUNT
@@ -71,6 +77,13 @@ typedef struct lamp {
 	sun_moment moment;
 	bool aimed; /* its direction leads from its position to the target */
 	double target[3];
+
+	char ies[LIGHT_MAP_PATH];   /* file of a luminaire; "" for none */
+	const luminaire *luminaire; /* as it was read; the settings' */
+	double flux;                /* lumens that it gives by that file */
+	double roll;                /* degrees clockwise, seen from behind */
+	double scale;               /* times what the file or a key says */
+	bool hangs;                 /* it shines straight down */
 
 	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
 	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */

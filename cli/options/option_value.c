@@ -31,7 +31,7 @@ static const char *(*choices_of(const option *o))(int)
 void option_argument(const option *o, char text[OPTION_VALUE])
 {
 	text[0] = '\0';
-	bool list = o->type == OPTION_FIELDS || o->type == OPTION_VIEW;
+	bool list = o->type == OPTION_FIELDS || o->type == OPTION_VIEW || o->type == OPTION_EFFECTS;
 	const char *(*choice)(int) = list ? NULL : choices_of(o);
 	for (int i = 0; choice && choice(i); i++)
 		snprintf(text + strlen(text), OPTION_VALUE - strlen(text), "%s%s", i ? "|" : "", choice(i));
@@ -215,6 +215,65 @@ static gw_status set_fields(const option *o, settings *s, const char *text, gw_e
 	return GW_OK;
 }
 
+/* One word of a list of effects. *alone: names without a sign so far. */
+static bool set_effect(const option *o, gw_bake_options *bake, const char *word, uint32_t *alone)
+{
+	const uint32_t every = (1u << GW_EFFECT_KIND_COUNT) - 1;
+	char sign = *word == '+' || *word == '-' ? *word++ : '\0';
+	if (!sign && strcmp(word, "auto") == 0)
+		return true;
+	if (!sign && strcmp(word, "all") == 0) {
+		bake->effects_forced = every;
+		return true;
+	}
+	for (int i = 0; o->choice(i); i++) {
+		if (strcmp(o->choice(i), word) != 0)
+			continue;
+		uint32_t effect = 1u << i;
+		bake->effects_forced = (bake->effects_forced & ~effect) | (sign == '+' ? effect : 0);
+		bake->effects_forbidden = (bake->effects_forbidden & ~effect) | (sign == '-' ? effect : 0);
+		*alone |= sign ? 0 : effect;
+		return true;
+	}
+	return false;
+}
+
+static gw_status fail_effect(const option *o, const char *word, gw_error *error)
+{
+	char hint[NEAREST_NAME_HINT] = "", names[OPTION_VALUE];
+	const char *name[GW_EFFECT_KIND_COUNT];
+	for (int i = 0; i < GW_EFFECT_KIND_COUNT; i++)
+		name[i] = o->choice(i);
+	option_legal(o, names);
+	nearest_name_hint(hint, word + (*word == '+' || *word == '-'), "", name, GW_EFFECT_KIND_COUNT);
+	return gw_fail(error, GW_ERROR_USAGE,
+				   "has '%.80s', but takes auto, all, and the effects %s, alone or with + or - "
+				   "before them%s",
+				   word, names, hint);
+}
+
+static gw_status set_effects(const option *o, settings *s, const char *text, gw_error *error)
+{
+	uint32_t alone = 0;
+	gw_bake_options *bake = &s->bake;
+	char word[OPTION_VALUE];
+	bake->effects_forced = bake->effects_forbidden = 0;
+	for (const char *at = text;; at++) {
+		size_t length = strcspn(at, ",");
+		snprintf(word, sizeof word, "%.*s", (int)length, at);
+		if (!set_effect(o, bake, word, &alone))
+			return fail_effect(o, word, error);
+		at += length;
+		if (!*at)
+			break;
+	}
+	/* Those named, and whatever they need. */
+	if (alone)
+		bake->effects_forbidden |= ((1u << GW_EFFECT_KIND_COUNT) - 1) & ~alone &
+								   ~bake->effects_forced & ~(1u << GW_EFFECT_OCTREE);
+	return GW_OK;
+}
+
 static gw_status set_gain(settings *s, const char *text, gw_error *error)
 {
 	settings_gain gain;
@@ -282,6 +341,8 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 		return set_albedo(o, s, text, error);
 	case OPTION_FIELDS:
 		return set_fields(o, s, text, error);
+	case OPTION_EFFECTS:
+		return set_effects(o, s, text, error);
 	}
 	return GW_ERROR_INTERNAL;
 }
@@ -321,6 +382,18 @@ static void print_fields(const option *o, uint32_t fields, char *text)
 					 o->choice(i));
 }
 
+static void print_effects(const option *o, const gw_bake_options *bake, char *text)
+{
+	for (int i = 0; o->choice(i); i++) {
+		bool forced = bake->effects_forced & 1u << i, forbidden = bake->effects_forbidden & 1u << i;
+		if (forced || forbidden)
+			snprintf(text + strlen(text), OPTION_VALUE - strlen(text), "%s%c%s", *text ? "," : "",
+					 forced ? '+' : '-', o->choice(i));
+	}
+	if (!*text)
+		snprintf(text, OPTION_VALUE, "auto");
+}
+
 bool option_print(const option *o, const settings *s, char text[OPTION_VALUE])
 {
 	const void *place = (const char *)s + o->offset;
@@ -343,6 +416,8 @@ bool option_print(const option *o, const settings *s, char text[OPTION_VALUE])
 		print_albedo(s, text);
 	else if (o->type == OPTION_FIELDS)
 		print_fields(o, *(const uint32_t *)place, text);
+	else if (o->type == OPTION_EFFECTS)
+		print_effects(o, &s->bake, text);
 	else if (o->automatic && same)
 		snprintf(text, OPTION_VALUE, "%s", o->automatic);
 	else if (o->type == OPTION_REAL)

@@ -103,6 +103,8 @@ static const char *view_name(int i)
 										[SETTINGS_VIEW_DEPTH] = "depth",
 										[SETTINGS_VIEW_DIRECT] = "direct",
 										[SETTINGS_VIEW_INDIRECT] = "indirect",
+										[SETTINGS_VIEW_IRRADIANCE] = "irradiance",
+										[SETTINGS_VIEW_ILLUMINANCE] = "illuminance",
 										[SETTINGS_VIEW_ROI] = "roi",
 										[SETTINGS_VIEW_NDF] = "ndf",
 										[SETTINGS_VIEW_POINTS] = "points",
@@ -152,14 +154,25 @@ static const char *field_name(int i)
 	static const char *const name[] = { [SETTINGS_FIELD_DIRECT] = "direct",
 										[SETTINGS_FIELD_INDIRECT] = "indirect",
 										[SETTINGS_FIELD_IRRADIANCE] = "irradiance",
+										[SETTINGS_FIELD_DIRECT_IRRADIANCE] = "direct-irradiance",
+										[SETTINGS_FIELD_INDIRECT_IRRADIANCE] =
+											"indirect-irradiance",
+										[SETTINGS_FIELD_LUMINANCE] = "luminance",
+										[SETTINGS_FIELD_ILLUMINANCE] = "illuminance",
 										[SETTINGS_FIELD_ROI] = "roi",
 										[SETTINGS_FIELD_AO] = "ao",
+										[SETTINGS_FIELD_BENT_NORMALS] = "bent-normals",
 										[SETTINGS_FIELD_NORMALS] = "normals",
 										[SETTINGS_FIELD_ERROR] = "error",
 										[SETTINGS_FIELD_UNKNOWN] = "unknown",
 										[SETTINGS_FIELD_LIGHTS] = "lights",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
+}
+
+static const char *effect_name(int i)
+{
+	return i < GW_EFFECT_KIND_COUNT ? gw_effect_name((gw_effect_kind)i) : NULL;
 }
 
 static const char *format_name(int i)
@@ -172,6 +185,7 @@ static const char *format_name(int i)
 /* The verbs that an option is for, as FOR(BAKE | RENDER). */
 enum {
 	BAKE = 1u << VERB_BAKE,
+	PLAN = 1u << VERB_PLAN,
 	SAMPLE = 1u << VERB_SAMPLE,
 	INFO = 1u << VERB_INFO,
 	COMPARE = 1u << VERB_COMPARE,
@@ -181,6 +195,7 @@ enum {
 	RENDER = 1u << VERB_RENDER,
 	DOCTOR = 1u << VERB_DOCTOR,
 	ALBEDO = 1u << VERB_ALBEDO,
+	LAMP = 1u << VERB_LAMP,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -196,33 +211,34 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | ALBEDO), AT(output),
-	  .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN | SAMPLE | MIX | ALBEDO),
+	  AT(output), .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT | ALBEDO),
 	  AT(output_format), .choice = format_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(force),
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP), AT(force),
 	  .group = "Output", .help = "overwrite files that exist" },
-	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(vdb), .group = "Output",
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
-	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(vdb_half), .group = "Output",
+	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | PLAN), AT(vdb_half), .group = "Output",
 	  .help = "store 16-bit floats in the grids" },
-	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(vdb_points), .group = "Output",
-	  .help = "put the points beside the grids, as a point grid: P, radiance, Cd (albedo), N" },
-	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, FOR(BAKE), AT(vdb_voxel), RANGE(0.0, 1e9),
+	{ "vdb-points", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | PLAN), AT(vdb_points),
 	  .group = "Output",
+	  .help = "put the points beside the grids, as a point grid: P, radiance, Cd (albedo), N" },
+	{ "vdb-voxel", 0, "SIZE", OPTION_REAL, QUIETLY, FOR(BAKE | PLAN), AT(vdb_voxel),
+	  RANGE(0.0, 1e9), .group = "Output",
 	  .help = "metres a voxel of the grids is wide, wider than the octree's cells; 0: as wide" },
 	{ "report", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(report), .group = "Output",
 	  .help = "write what was done, left out and measured, as JSON" },
 	{ "save-transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(save_transport),
 	  .group = "Output", .help = "write what does not depend on the light, for --transport" },
-	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE), .scene = true, AT(fields),
+	{ "fields", 0, "LIST", OPTION_FIELDS, FOR(BAKE | PLAN), .scene = true, AT(fields),
 	  .choice = field_name, .group = "Output",
 	  .help = "more columns for the points, with commas between them" },
-	{ "ao-distance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true,
+	{ "ao-distance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN), .scene = true,
 	  AT(bake.ambient_occlusion_distance), RANGE(0.0, 1e9), .automatic = "none",
 	  .automatic_value = 0.0, .open = true, .group = "Output",
 	  .help = "metres beyond which surfaces do not count for --fields ao; none is any distance" },
@@ -257,6 +273,8 @@ const option options[] = {
 	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
+	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
 	  .help = "write the picture there, as PNG or EXR by the name's extension; - is a PNG on "
 			  "standard output. Several pictures are numbered: FILE-0001.png" },
@@ -275,6 +293,16 @@ const option options[] = {
 	  .group = "Output", .help = "how light is fitted into the range of a screen" },
 	{ "false-colour", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.false_color), .group = "Output",
 	  .help = "show the luminance by colours, with a scale" },
+	{ "row", 0, NULL, OPTION_FLAG, FOR(RENDER), AT(render.row), .group = "Output",
+	  .help = "show each input by itself, side by side in one picture, by one camera, one exposure "
+			  "and one scale, to compare set-ups of lamps" },
+	{ "scale", 0, "LOW,HIGH", OPTION_TEXT, FOR(RENDER), AT(render.scale), .group = "Output",
+	  .help = "values that the darkest and the lightest colour stand for, the same in every "
+			  "picture, where colours are numbers; LOW,HIGH,log has powers of ten alike. Without "
+			  "it they are fitted to each picture" },
+	{ "isolux", 0, "LIST", OPTION_TEXT, FOR(RENDER), AT(render.isolux), .group = "Output",
+	  .help = "draw lines where the illuminance has these values, such as 50,100,200 (lx), for "
+			  "--view illuminance" },
 	{ "camera", 'c', "CAMERA", OPTION_TEXT, FOR(RENDER), AT(render.camera), .group = "Camera",
 	  .help = "'at X,Y,Z to X,Y,Z fov DEGREES': where it stands, where it looks, and its vertical "
 			  "angle of view; or auto, inside or outside, which choose a place" },
@@ -306,9 +334,10 @@ const option options[] = {
 	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
 			  "sampling" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .group = "Scene",
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER, FOR(BAKE | TRADEOFF | RENDER | ALBEDO),
+	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
 	  .group = "Scene",
 	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
 			  "face it where it saw the point. May be given many times; @FILE holds one place a "
@@ -322,115 +351,128 @@ const option options[] = {
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "colour, linear and up to 1, that radiance 1 has in the photographs; auto finds it: "
 			  "the brightest surfaces then have an albedo of 0.8" },
-	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(bake.normals), .choice = normals_name, .group = "Scene",
+	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(bake.normals), .choice = normals_name, .group = "Scene",
 	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "
 			  "them unless many cannot be right: mixed signs, normals that are not perpendicular "
 			  "to the surface, a closed body inside out" },
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
 	  .group = "Scene", .help = "where the diffuse reflectance comes from" },
-	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(points.scale),
-	  RANGE(0.0, 1000.0), .group = "Scene", .help = "multiply every albedo by this" },
-	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(points.white),
-	  RANGE(0.0, 1.0), .group = "Scene",
+	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	  AT(points.scale), RANGE(0.0, 1000.0), .group = "Scene",
+	  .help = "multiply every albedo by this" },
+	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	  AT(points.white), RANGE(0.0, 1.0), .group = "Scene",
 	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(gamma), .choice = gamma_name, .group = "Scene",
+	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	  AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
+	  .help = "share of each point's piece of surface that is covered: the rest lets light "
+			  "through; auto takes the columns opacity or alpha" },
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true, AT(up),
-	  .choice = up_name, .group = "Scene",
+	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	  AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
-		  "of a depth camera's own frame; auto asks the format" },
-	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | INFO | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(length), .choice = length_name, .group = "Scene",
+		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
+		  "z, or y if the points stand on it" },
+	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
 	  .help =
 		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
 		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
 		  "metres, and what is written keeps the coordinates" },
-	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true, AT(strays),
-	  .choice = strays_name, .group = "Scene",
+	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
+	  AT(strays), .choice = strays_name, .group = "Scene",
 	  .help = "points of no surface, such as those far from all others or that a LAS file calls "
 			  "noise: light lights them like the nearest surface, of which they are no part; keep "
 			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
-	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
 	  .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT,
-	  FOR(BAKE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(columns),
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(columns),
 	  .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(density),
-	  RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
+	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | SAMPLE | TRADEOFF), .scene = true,
+	  AT(density), RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
-	{ "count", 0, "N", OPTION_COUNT, FOR(BAKE | SAMPLE | TRADEOFF), .scene = true, AT(count),
+	{ "count", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | SAMPLE | TRADEOFF), .scene = true, AT(count),
 	  RANGE(1.0, 4e9), .group = "Scene",
 	  .help = "points on all meshes together, when nothing says their density" },
 
-	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | ALBEDO), .scene = true, AT(bake.method),
+	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
-	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | ALBEDO), .scene = true, AT(quality),
+	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(quality),
 	  .choice = quality_name, .group = "Light",
 	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
 			  "that go together; those that are given by themselves win" },
-	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | TRADEOFF), .scene = true, AT(bake.max_error),
-	  RANGE(0.0, 1.0), .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	  AT(bake.max_error), RANGE(0.0, 1.0), .open = true, .automatic = "none",
+	  .automatic_value = 0.0, .group = "Light",
 	  .help = "refine until the estimated error is at most this, 0.05 being 5 % of the mean "
 			  "radiance; starts from --quality or, when that is not given, from few records" },
-	{ "time", 't', "S", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.time_limit), RANGE(0.0, 1e9),
-	  .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
+	{ "time", 't', "S", OPTION_REAL, FOR(BAKE | PLAN), .scene = true, AT(bake.time_limit),
+	  RANGE(0.0, 1e9), .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(bake.shadows), .choice = shadows_name, .group = "Light",
+	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
-	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE), .scene = true, AT(bake.gaps), .choice = gaps_name,
+	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, .choice = effect_name,
 	  .group = "Light",
+	  .help = "which effects are computed, with commas between them: auto is those that the scene "
+			  "calls for, as `glowworm plan` tells; all is every one; names alone are those and no "
+			  "others; +NAME forces one, -NAME forbids one. Names are lamps, shadows, emitters, "
+			  "sky, portals, bounces, gaps, error and octree" },
+	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN), .scene = true, AT(bake.gaps),
+	  .choice = gaps_name, .group = "Light",
 	  .help = "what gathered light finds where no scanner looked, because something stood in front "
 			  "of it: the sky, nothing, or as much as from all around. Where no scanner is known, "
 			  "holes of surfaces are gaps" },
-	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE), .scene = true, AT(bake.gap_radiance),
+	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN), .scene = true, AT(bake.gap_radiance),
 	  RANGE(0.0, 1e30), .group = "Light",
 	  .help = "radiance that gaps send with --gaps black, instead of none" },
-	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | RENDER | ALBEDO), .scene = true,
+	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
 	  AT(bake.depth), RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER | ALBEDO), .scene = true,
+	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
 	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
-	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | TRADEOFF | ALBEDO), .scene = true,
+	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | ALBEDO), .scene = true,
 	  AT(bake.bounces), RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
 			  "goes on until the rest is below the tolerance" },
-	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | TRADEOFF | ALBEDO), .scene = true,
+	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | ALBEDO), .scene = true,
 	  AT(bake.tolerance), RANGE(0.0, 1.0), .open = true, .group = "Light",
 	  .help = "share of the light that --bounces auto may leave out" },
-	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true, AT(bake.rays),
+	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.rays),
 	  RANGE(1.0, 4096.0), .group = "Light", .help = "gather rays a record, for --method rays" },
-	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true,
+	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true,
 	  AT(bake.light_samples), RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "samples of the points that emit light, a record" },
-	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE | ALBEDO), .scene = true, AT(bake.cones),
+	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.cones),
 	  RANGE(1.0, 256.0), .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | RENDER | ALBEDO), .scene = true,
+	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
 	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
-	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true,
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.shadow_map_size), RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },
-	{ "estimate-points", 0, "N", OPTION_COUNT, FOR(BAKE | TRADEOFF), .scene = true,
+	{ "estimate-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.estimate_points), RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; where records are "
 			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
+	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
 	  AT(bake.seed), .group = "Light", .help = "of all random numbers" },
 
 	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(frames), .group = "Frames",
@@ -442,26 +484,28 @@ const option options[] = {
 			  "whichever frames are asked for" },
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY,
-	  FOR(BAKE | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR | ALBEDO),
+	  FOR(BAKE | PLAN | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR |
+		  ALBEDO),
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "of the host; auto is one a core. The result is the same for any number" },
-	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER | DOCTOR | ALBEDO),
-	  .scene = true, AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
+	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO), .scene = true, AT(bake.memory),
+	  AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | TRADEOFF | RENDER | DOCTOR | ALBEDO),
+	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO),
 	  .scene = true, AT(bake.device), .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
 	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(rebuild), .group = "For developers",
 	  .help = "bake every frame from scratch, to check and to compare" },
-	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER), AT(bake.validate),
-	  .choice = validation_name, .group = "For developers",
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
+	  AT(bake.validate), .choice = validation_name, .group = "For developers",
 	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
 			  "each call and at what has to wait for what; accesses at each access of shaders to "
 			  "memory" },
-	{ "passes", 0, NULL, OPTION_CHOICE, FOR(BAKE | TRADEOFF | RENDER), .scene = true,
+	{ "passes", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
 	  AT(bake.passes), .choice = passes_name, .group = "For developers",
 	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
 			  "of the processor where there are some, which takes the software driver; auto is "
@@ -471,19 +515,20 @@ const option options[] = {
 	  .help = "list the Vulkan devices instead of files" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR), AT(json), .group = "Messages",
-	  .help = "print JSON" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | TRADEOFF | RENDER), AT(progress),
-	  .choice = progress_name, .group = "Messages",
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP), AT(json),
+	  .group = "Messages", .help = "print JSON" },
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
+	  AT(progress), .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(explain), .group = "Messages",
-	  .help = "say which effects the scene called for, and why" },
+	  .help = "say which effects the scene calls for, why, and what the bake will take; and in the "
+			  "end what it took. Foretelling takes a while of its own" },
 	{ "profile", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | RENDER), AT(profile),
 	  .group = "Messages", .help = "show time and memory of each stage" },
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
 	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | TRADEOFF | MIX | RENDER | ALBEDO), AT(quiet), .group = "Messages",
+	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | RENDER | ALBEDO), AT(quiet), .group = "Messages",
 	  .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
@@ -531,9 +576,9 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",   "info",    "compare", "mix",
-										"sample", "convert", "render",  "tradeoff",
-										"albedo", "doctor",  NULL };
+	static const char *const name[] = { "bake",   "plan",    "info",   "compare",  "mix",
+										"sample", "convert", "render", "tradeoff", "albedo",
+										"doctor", "lamp",    NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -541,6 +586,7 @@ const char *verb_name(int v)
 const char *verb_summary(verb v)
 {
 	static const char *const summary[] = { "light a point cloud",
+										   "say what a bake would compute, why, and what it takes",
 										   "say what is in a point cloud, or list devices",
 										   "say how far one lighting is from another",
 										   "change the strength of lamps after a bake",
@@ -549,13 +595,15 @@ const char *verb_summary(verb v)
 										   "make pictures of a point cloud",
 										   "show what error costs in seconds and memory",
 										   "take the light out of photographed colours",
-										   "say whether this machine can bake, and what is wrong" };
+										   "say whether this machine can bake, and what is wrong",
+										   "show how a luminaire shines" };
 	return summary[v];
 }
 
 const char *verb_synopsis(verb v)
 {
 	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
+											"plan INPUT... --light LIGHT... [option]...",
 											"info FILE... [--json] | info --devices [--json]",
 											"compare RESULT TRUTH [option]...",
 											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
@@ -564,7 +612,8 @@ const char *verb_synopsis(verb v)
 											"render INPUT... -o PICTURE [option]...",
 											"tradeoff INPUT... --light LIGHT... [option]...",
 											"albedo SCAN... -o POINTS [option]...",
-											"doctor [--device NAME] [--json]" };
+											"doctor [--device NAME] [--json]",
+											"lamp LUMINAIRE [-o PICTURE] [--json]" };
 	return synopsis[v];
 }
 

@@ -23,6 +23,7 @@ typedef enum option_type {
 	OPTION_SCANNER, /* X,Y,Z or @FILE, added to the scanners */
 	OPTION_GAIN,    /* NAME=FACTOR, added to the gains */
 	OPTION_FIELDS,  /* uint32_t, 1 << choice, a list with commas */
+	OPTION_EFFECTS, /* bake.effects_forced and effects_forbidden: auto, all, NAME, +NAME, -NAME */
 } option_type;
 
 /* What an option has to do with what comes out. */

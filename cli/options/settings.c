@@ -1,4 +1,5 @@
 #include "options/settings.h"
+#include "luminaires/luminaire_reader.h"
 #include "files/growing_table.h"
 
 #include <math.h>
@@ -8,6 +9,7 @@ settings settings_default(void)
 {
 	settings s = { .bake = gw_bake_options_default(),
 				   .points = SCAN_POINTS_OPTIONS_DEFAULT,
+				   .opacity = -1.0f,
 				   .quality = GW_QUALITY_NORMAL,
 				   .count = 1000000,
 				   .exposure = NAN,
@@ -53,6 +55,11 @@ void settings_clear(settings *s)
 	free(s->path);
 	free(s->input);
 	free(s->light);
+	for (size_t i = 0; i < s->luminaire_count; i++) {
+		luminaire_clear(s->luminaire[i]);
+		free(s->luminaire[i]);
+	}
+	free(s->luminaire);
 	free(s->scanner);
 	free(s->gain);
 	free(s->text);
@@ -82,6 +89,41 @@ gw_status settings_add_light(settings *s, const lamp *light, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of lights");
 	s->light = grown;
 	s->light[s->light_count++] = *light;
+	return GW_OK;
+}
+
+static gw_status read_luminaire(settings *s, const char *path, const luminaire **read,
+								gw_error *error)
+{
+	luminaire **grown = growing_table_room(s->luminaire, s->luminaire_count, sizeof *grown);
+	if (grown)
+		s->luminaire = grown;
+	luminaire *own = malloc(sizeof *own);
+	if (!grown || !own) {
+		free(own);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of luminaires");
+	}
+	gw_status status = luminaire_read(path, own, error);
+	if (status != GW_OK) {
+		free(own);
+		return status;
+	}
+	*read = s->luminaire[s->luminaire_count++] = own;
+	return GW_OK;
+}
+
+gw_status settings_read_luminaires(settings *s, gw_error *error)
+{
+	for (size_t i = 0; i < s->light_count; i++) {
+		lamp *light = &s->light[i];
+		for (size_t j = 0; j < i && light->ies[0] && !light->luminaire; j++)
+			if (strcmp(light->ies, s->light[j].ies) == 0)
+				light->luminaire = s->light[j].luminaire;
+		if (light->ies[0] && !light->luminaire)
+			GW_TRY(read_luminaire(s, light->ies, &light->luminaire, error));
+		if (light->luminaire)
+			light->flux = luminaire_lumens(light->luminaire);
+	}
 	return GW_OK;
 }
 

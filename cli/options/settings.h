@@ -9,6 +9,7 @@
 
 typedef enum verb {
 	VERB_BAKE,
+	VERB_PLAN,
 	VERB_INFO,
 	VERB_COMPARE,
 	VERB_MIX,
@@ -18,6 +19,7 @@ typedef enum verb {
 	VERB_TRADEOFF,
 	VERB_ALBEDO,
 	VERB_DOCTOR,
+	VERB_LAMP,
 	VERB_COUNT,
 } verb;
 
@@ -30,6 +32,8 @@ typedef struct settings_input {
 	float emission[3];
 	bool has_albedo;
 	float albedo[3]; /* linear */
+	bool has_opacity;
+	float opacity; /* 0..1 */
 	bool has_specular, has_roughness;
 	float specular, roughness; /* reflectance at normal incidence, and 0 a mirror to 1 matt */
 	bool mesh;                 /* points are sampled on its faces */
@@ -80,15 +84,20 @@ typedef enum settings_progress {
 
 /* Columns that are written on request. */
 typedef enum settings_field {
-	SETTINGS_FIELD_DIRECT,     /* irradiance straight from lights, emitters and sky */
-	SETTINGS_FIELD_INDIRECT,   /* irradiance that was reflected before */
-	SETTINGS_FIELD_IRRADIANCE, /* both together */
-	SETTINGS_FIELD_ROI,        /* side of the region of influence */
-	SETTINGS_FIELD_AO,         /* ambient occlusion: ambient light, 0..1 */
-	SETTINGS_FIELD_NORMALS,    /* the normals that the bake used */
-	SETTINGS_FIELD_ERROR,      /* how far records disagree */
-	SETTINGS_FIELD_UNKNOWN,    /* share of what is gathered that comes through gaps */
-	SETTINGS_FIELD_LIGHTS,     /* radiance by lamp */
+	SETTINGS_FIELD_DIRECT,     /* radiance by light straight from lights, emitters and sky */
+	SETTINGS_FIELD_INDIRECT,   /* radiance by light that was reflected before */
+	SETTINGS_FIELD_IRRADIANCE, /* of both together */
+	SETTINGS_FIELD_DIRECT_IRRADIANCE,
+	SETTINGS_FIELD_INDIRECT_IRRADIANCE,
+	SETTINGS_FIELD_LUMINANCE,    /* cd/m^2, of a photometric scene */
+	SETTINGS_FIELD_ILLUMINANCE,  /* lx, of a photometric scene */
+	SETTINGS_FIELD_ROI,          /* side of the region of influence */
+	SETTINGS_FIELD_AO,           /* ambient occlusion: ambient light, 0..1 */
+	SETTINGS_FIELD_BENT_NORMALS, /* where ambient light comes from */
+	SETTINGS_FIELD_NORMALS,      /* the normals that the bake used */
+	SETTINGS_FIELD_ERROR,        /* how far records disagree */
+	SETTINGS_FIELD_UNKNOWN,      /* share of what is gathered that comes through gaps */
+	SETTINGS_FIELD_LIGHTS,       /* radiance by lamp */
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
@@ -105,19 +114,21 @@ typedef enum settings_view {
 	SETTINGS_VIEW_ALBEDO,
 	SETTINGS_VIEW_NORMAL,
 	SETTINGS_VIEW_DEPTH,
-	SETTINGS_VIEW_DIRECT, /* irradiance, as SETTINGS_FIELD_DIRECT */
+	SETTINGS_VIEW_DIRECT, /* radiance, as SETTINGS_FIELD_DIRECT */
 	SETTINGS_VIEW_INDIRECT,
-	SETTINGS_VIEW_ROI,     /* size of the region of influence */
-	SETTINGS_VIEW_NDF,     /* length of the normals */
-	SETTINGS_VIEW_POINTS,  /* auto, with discs so small that each point is seen */
-	SETTINGS_VIEW_CELLS,   /* of the octree; settings_render.detail says the level */
-	SETTINGS_VIEW_BORDER,  /* its border tiles, likewise */
-	SETTINGS_VIEW_OPACITY, /* of voxels to one side; detail is LEVEL:SIDE */
-	SETTINGS_VIEW_VOXELS,  /* their radiance, likewise */
-	SETTINGS_VIEW_SHADOW,  /* what a lamp sees; detail is its name or number */
-	SETTINGS_VIEW_RECORDS, /* where a bake gathers light */
-	SETTINGS_VIEW_ERROR,   /* of a cloud that compare wrote */
-	SETTINGS_VIEW_GAPS,    /* how much of a point's light would come through gaps */
+	SETTINGS_VIEW_IRRADIANCE,
+	SETTINGS_VIEW_ILLUMINANCE, /* its luminance, lx; of a photometric scene */
+	SETTINGS_VIEW_ROI,         /* size of the region of influence */
+	SETTINGS_VIEW_NDF,         /* length of the normals */
+	SETTINGS_VIEW_POINTS,      /* auto, with discs so small that each point is seen */
+	SETTINGS_VIEW_CELLS,       /* of the octree; settings_render.detail says the level */
+	SETTINGS_VIEW_BORDER,      /* its border tiles, likewise */
+	SETTINGS_VIEW_OPACITY,     /* of voxels to one side; detail is LEVEL:SIDE */
+	SETTINGS_VIEW_VOXELS,      /* their radiance, likewise */
+	SETTINGS_VIEW_SHADOW,      /* what a lamp sees; detail is its name or number */
+	SETTINGS_VIEW_RECORDS,     /* where a bake gathers light */
+	SETTINGS_VIEW_ERROR,       /* of a cloud that compare wrote */
+	SETTINGS_VIEW_GAPS,        /* how much of a point's light would come through gaps */
 	SETTINGS_VIEW_COUNT
 } settings_view;
 
@@ -141,13 +152,14 @@ typedef enum settings_radiance {
 typedef struct settings_render {
 	const char *camera, *path, *size, *background; /* as given, NULL for the defaults */
 	const char *mesh;                              /* as given, NULL: none */
+	const char *scale, *isolux;                    /* as given, NULL: fitted; none */
 	uint32_t orbit, samples;
 	int view, tone;     /* settings_view, preview_tone */
 	const char *detail; /* what stands behind the view's name and colon, or NULL */
 	int glossy;         /* settings_glossy */
 	int radiance;       /* settings_radiance */
 	uint32_t glossy_rays;
-	bool false_color, cull;
+	bool false_color, cull, row;
 } settings_render;
 
 /* Who said what an option is to be; who stands lower down wins. */
@@ -167,6 +179,8 @@ typedef struct settings {
 	size_t input_count;
 	lamp *light; /* owned; light_count */
 	size_t light_count;
+	luminaire **luminaire; /* owned, each and the list; luminaire_count: files that lights name */
+	size_t luminaire_count;
 	double *scanner; /* owned; 3 * scanner_count, metres: where scanners stood, whatever the
 						inputs say */
 	size_t scanner_count;
@@ -185,6 +199,7 @@ typedef struct settings {
 	int capture;                     /* a settings_capture */
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
 	int quality;                     /* a gw_quality */
+	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
 	const char *transport, *save_transport;
@@ -216,6 +231,9 @@ void settings_clear(settings *settings);
 /* Adds an input, a light or a gain; copies, but a gain's name is kept by settings_keep. */
 gw_status settings_add_input(settings *settings, const settings_input *input, gw_error *error);
 gw_status settings_add_light(settings *settings, const lamp *light, gw_error *error);
+
+/* Reads the files of luminaires that lights name. Errors as luminaire_read. */
+gw_status settings_read_luminaires(settings *settings, gw_error *error);
 
 /* Adds the place of a scanner, metres, in the scene's coordinates. */
 gw_status settings_add_scanner(settings *settings, const double place[3], gw_error *error);

@@ -1,56 +1,11 @@
 #include "pictures/false_color.h"
+#include "pictures/canvas.h"
 #include "files/number_text.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define GLYPH_WIDTH 5
-#define GLYPH_HEIGHT 7
-
-/* Rows of five dots, the left one being the highest bit. */
-typedef struct glyph {
-	char letter;
-	uint8_t row[GLYPH_HEIGHT];
-} glyph;
-
-static const glyph glyphs[] = {
-	{ '0', { 0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e } },
-	{ '1', { 0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e } },
-	{ '2', { 0x0e, 0x11, 0x01, 0x06, 0x08, 0x10, 0x1f } },
-	{ '3', { 0x1e, 0x01, 0x01, 0x0e, 0x01, 0x01, 0x1e } },
-	{ '4', { 0x02, 0x06, 0x0a, 0x12, 0x1f, 0x02, 0x02 } },
-	{ '5', { 0x1f, 0x10, 0x1e, 0x01, 0x01, 0x11, 0x0e } },
-	{ '6', { 0x06, 0x08, 0x10, 0x1e, 0x11, 0x11, 0x0e } },
-	{ '7', { 0x1f, 0x01, 0x02, 0x04, 0x04, 0x08, 0x08 } },
-	{ '8', { 0x0e, 0x11, 0x11, 0x0e, 0x11, 0x11, 0x0e } },
-	{ '9', { 0x0e, 0x11, 0x11, 0x0f, 0x01, 0x02, 0x0c } },
-	{ '.', { 0x00, 0x00, 0x00, 0x00, 0x00, 0x0c, 0x0c } },
-	{ '-', { 0x00, 0x00, 0x00, 0x0e, 0x00, 0x00, 0x00 } },
-	{ '+', { 0x00, 0x04, 0x04, 0x1f, 0x04, 0x04, 0x00 } },
-	{ '/', { 0x01, 0x01, 0x02, 0x04, 0x08, 0x10, 0x10 } },
-	{ '(', { 0x02, 0x04, 0x08, 0x08, 0x08, 0x04, 0x02 } },
-	{ ')', { 0x08, 0x04, 0x02, 0x02, 0x02, 0x04, 0x08 } },
-	{ '^', { 0x04, 0x0a, 0x11, 0x00, 0x00, 0x00, 0x00 } },
-	{ 'W', { 0x11, 0x11, 0x11, 0x15, 0x15, 0x15, 0x0a } },
-	{ 'c', { 0x00, 0x00, 0x0e, 0x11, 0x10, 0x11, 0x0e } },
-	{ 'd', { 0x01, 0x01, 0x0f, 0x11, 0x11, 0x11, 0x0f } },
-	{ 'e', { 0x00, 0x00, 0x0e, 0x11, 0x1f, 0x10, 0x0e } },
-	{ 'l', { 0x0c, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e } },
-	{ 'm', { 0x00, 0x00, 0x1a, 0x15, 0x15, 0x15, 0x15 } },
-	{ 'r', { 0x00, 0x00, 0x16, 0x19, 0x10, 0x10, 0x10 } },
-	{ 's', { 0x00, 0x00, 0x0f, 0x10, 0x0e, 0x01, 0x1e } },
-	{ 'x', { 0x00, 0x00, 0x11, 0x0a, 0x04, 0x0a, 0x11 } },
-};
-
-/* Where the scale goes. */
-typedef struct canvas {
-	uint8_t *pixels;
-	uint32_t width, height;
-	size_t stride;
-	uint32_t dot; /* pixels a side of a dot of the letters */
-} canvas;
 
 static int compare_floats(const void *a, const void *b)
 {
@@ -78,11 +33,48 @@ false_color_range false_color_fit(float *values, size_t count, bool logarithmic)
 	return range;
 }
 
+gw_status false_color_read(const char *text, false_color_range *range, gw_error *error)
+{
+	double side[2];
+	const char *behind = text;
+	size_t left = strlen(text), used = number_read(text, left, &side[0]);
+	bool good = used > 0 && text[used] == ',';
+	if (good) {
+		behind = text + used + 1;
+		left = strlen(behind);
+		used = number_read(behind, left, &side[1]);
+		good = used > 0;
+		behind += used;
+	}
+	bool logarithmic = good && strcmp(behind, ",log") == 0;
+	good = good && (logarithmic || !*behind) && isfinite(side[0]) && isfinite(side[1]) &&
+		   side[0] < side[1] && (!logarithmic || side[0] > 0.0);
+	if (!good)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--scale is '%.80s', but must be LOW,HIGH, such as 0,500, or LOW,HIGH,log "
+					   "with both above 0",
+					   text);
+	*range = (false_color_range){ side[0], side[1], logarithmic, "" };
+	return GW_OK;
+}
+
+/* The colours: along the way, lightness rises from 0 to 98 and the hue goes from violet over red to
+ * yellow, as colourful as a screen can show but for a tenth, and the way is cut into 32 steps of
+ * one length in CIELAB, so that a step looks as large wherever it is. On what to ask of such
+ * colours: P. Kovesi, Good Colour Maps: How to Design Them, arXiv:1509.03700, 2015. */
 void false_color_of(const false_color_range *r, double value, uint8_t rgb[3])
 {
-	static const double stop[][3] = { { 0, 0, 0 },       { 25, 15, 95 },   { 100, 20, 140 },
-									  { 190, 45, 110 },  { 240, 105, 45 }, { 252, 175, 30 },
-									  { 250, 235, 110 }, { 255, 255, 255 } };
+	static const double stop[][3] = {
+		{ 0, 0, 0 },       { 11, 7, 21 },     { 19, 11, 33 },    { 22, 13, 43 },
+		{ 26, 13, 54 },    { 30, 12, 64 },    { 39, 9, 73 },     { 59, 7, 81 },
+		{ 79, 10, 84 },    { 98, 15, 87 },    { 116, 21, 89 },   { 135, 27, 91 },
+		{ 152, 32, 92 },   { 169, 38, 92 },   { 185, 43, 90 },   { 200, 48, 88 },
+		{ 214, 53, 85 },   { 226, 59, 80 },   { 236, 73, 76 },   { 239, 90, 76 },
+		{ 241, 106, 78 },  { 242, 121, 81 },  { 243, 137, 87 },  { 245, 152, 94 },
+		{ 246, 167, 104 }, { 247, 182, 116 }, { 248, 197, 131 }, { 248, 211, 149 },
+		{ 248, 222, 169 }, { 246, 229, 188 }, { 245, 235, 207 }, { 246, 242, 229 },
+		{ 249, 249, 249 },
+	};
 	const int last = sizeof stop / sizeof *stop - 1;
 	double at = r->logarithmic ? log(fmax(value, 1e-300) / r->low) / log(r->high / r->low)
 							   : (value - r->low) / (r->high - r->low);
@@ -96,37 +88,7 @@ void false_color_of(const false_color_range *r, double value, uint8_t rgb[3])
 
 /* ------------------------------------------------------------------------------- drawing */
 
-static void fill(const canvas *c, int64_t x0, int64_t y0, int64_t x1, int64_t y1,
-				 const uint8_t rgb[3])
-{
-	for (int64_t y = y0 > 0 ? y0 : 0; y < y1 && y < (int64_t)c->height; y++)
-		for (int64_t x = x0 > 0 ? x0 : 0; x < x1 && x < (int64_t)c->width; x++) {
-			uint8_t *pixel = c->pixels + ((size_t)y * c->width + (size_t)x) * c->stride;
-			memcpy(pixel, rgb, 3);
-			if (c->stride == 4)
-				pixel[3] = 255;
-		}
-}
-
-static void write_text(const canvas *c, const char *text, int64_t x, int64_t y)
-{
-	static const uint8_t white[3] = { 255, 255, 255 };
-	for (; *text; text++, x += (GLYPH_WIDTH + 1) * (int64_t)c->dot) {
-		const glyph *g = NULL;
-		for (size_t i = 0; i < sizeof glyphs / sizeof *glyphs; i++)
-			if (glyphs[i].letter == *text)
-				g = glyphs + i;
-		for (int row = 0; row < GLYPH_HEIGHT && g; row++)
-			for (int column = 0; column < GLYPH_WIDTH; column++) {
-				int64_t left = x + column * (int64_t)c->dot, top = y + row * (int64_t)c->dot;
-				if (g->row[row] >> (GLYPH_WIDTH - 1 - column) & 1)
-					fill(c, left, top, left + c->dot, top + c->dot, white);
-			}
-	}
-}
-
-/* Three digits say enough. */
-static void print_number(char text[NUMBER_TEXT], double value)
+void false_color_number(double value, char text[NUMBER_TEXT])
 {
 	char digits[NUMBER_TEXT];
 	snprintf(digits, sizeof digits, "%.2e", value);
@@ -172,9 +134,10 @@ static void draw_labels(const false_color_range *r, const canvas *c, int64_t x, 
 								   : (value - r->low) / (r->high - r->low);
 		int64_t y = top + (int64_t)((1.0 - at) * (double)(length - 1));
 		char text[NUMBER_TEXT];
-		print_number(text, fabs(value) < 1e-9 * step ? 0.0 : value);
-		fill(c, x, y, x + 3 * (int64_t)c->dot, y + (int64_t)(c->dot + 1) / 2, white);
-		write_text(c, text, x + 5 * (int64_t)c->dot, y - GLYPH_HEIGHT * (int64_t)c->dot / 2);
+		false_color_number(fabs(value) < 1e-9 * step ? 0.0 : value, text);
+		canvas_fill(c, x, y, x + 3 * (int64_t)c->dot, y + (int64_t)(c->dot + 1) / 2, white);
+		canvas_write(c, text, x + 5 * (int64_t)c->dot,
+					 y - CANVAS_GLYPH_HEIGHT * (int64_t)c->dot / 2);
 		value = r->logarithmic ? next_label(value, r->high / r->low > 200.0) : value + step;
 	}
 }
@@ -185,20 +148,20 @@ void false_color_draw_scale(const false_color_range *r, uint8_t *pixels, uint32_
 	static const uint8_t dark[3] = { 24, 24, 24 };
 	if (width < 160 || height < 120)
 		return;
-	canvas c = { pixels, width, height, stride, 1 + height / 600 };
+	canvas c = { pixels, width, height, stride, canvas_dot(height) };
 	int64_t dot = c.dot, panel = 64 * dot, left = (int64_t)width - panel;
-	int64_t unit = (int64_t)strlen(r->unit) * (GLYPH_WIDTH + 1) * dot;
+	int64_t unit = (int64_t)strlen(r->unit) * CANVAS_ADVANCE * dot;
 	left = unit + 8 * dot > panel ? (int64_t)width - unit - 8 * dot : left;
 	int64_t top = 24 * dot, length = (int64_t)height - top - 12 * dot;
-	fill(&c, left, 0, width, height, dark);
-	write_text(&c, r->unit, left + 4 * dot, 6 * dot);
+	canvas_fill(&c, left, 0, width, height, dark);
+	canvas_write(&c, r->unit, left + 4 * dot, 6 * dot);
 	for (int64_t y = 0; y < length; y++) {
 		uint8_t rgb[3];
 		double at = 1.0 - (double)y / (double)(length - 1);
 		double value =
 			r->logarithmic ? r->low * pow(r->high / r->low, at) : r->low + at * (r->high - r->low);
 		false_color_of(r, value, rgb);
-		fill(&c, left + 4 * dot, top + y, left + 16 * dot, top + y + 1, rgb);
+		canvas_fill(&c, left + 4 * dot, top + y, left + 16 * dot, top + y + 1, rgb);
 	}
 	draw_labels(r, &c, left + 16 * dot, top, length);
 }

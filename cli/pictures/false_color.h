@@ -4,6 +4,9 @@
 #ifndef FALSE_COLOR_H
 #define FALSE_COLOR_H
 
+#include "files/number_text.h"
+#include "glowworm.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -23,9 +26,15 @@ typedef struct false_color_range {
  */
 false_color_range false_color_fit(float *values, size_t count, bool logarithmic);
 
-/* The colour of a value, encoded for the screen: from black over blue, red and yellow to white,
- * ever lighter, so that it can also be read in grey. */
+/* The colour of a value, encoded for the screen: from black over violet, red and yellow to white,
+ * ever lighter, so that it can also be read in grey, and in steps that look alike (CIELAB). */
 void false_color_of(const false_color_range *range, double value, uint8_t rgb[3]);
+
+/* A range from text: "0,500", or "0.1,500,log". GW_ERROR_USAGE; the unit is left empty. */
+gw_status false_color_read(const char *text, false_color_range *range, gw_error *error);
+
+/* A number for people, to three digits. */
+void false_color_number(double value, char text[NUMBER_TEXT]);
 
 /* Draws the scale onto the right side of a picture of which `stride` bytes are a pixel, the fourth
  * being opacity. A picture too small for it, less than 160 x 120, is left alone. */

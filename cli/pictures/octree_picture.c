@@ -3,9 +3,8 @@
 #include "pictures/gloss_filter.h"
 #include "pictures/scene_octree.h"
 #include "scene/glossy_points.h"
-#include "panoramas/panorama.h"
+#include "scene/sky_light.h"
 #include "program/signals.h"
-#include "panoramas/panorama_reader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -43,40 +42,17 @@ static bool is_glossy(const render_scene *scene)
 	return false;
 }
 
-/* The mean of a map over all directions. */
-static gw_status average_map(const char *path, double mean[3], gw_error *error)
+/* What the lights say of the sky, for what is met where nothing else is. */
+static gw_status put_sky(const settings *s, char up, octree_picture *p, gw_error *error)
 {
-	panorama map;
-	gw_status status = panorama_read(path, &map, error);
-	double weights = 0.0;
-	for (uint32_t y = 0; status == GW_OK && y < map.height; y++) {
-		double weight = sin(M_PI * (y + 0.5) / map.height);
-		for (size_t x = 0; x < map.width; x++)
-			for (size_t k = 0; k < 3; k++)
-				mean[k] += weight * (double)map.pixels[3 * ((size_t)y * map.width + x) + k];
-		weights += weight * map.width;
-	}
-	for (int k = 0; k < 3 && status == GW_OK; k++)
-		mean[k] /= weights;
-	panorama_clear(&map);
+	sky_light sky;
+	GW_TRY(sky_light_find(s, up, &sky, error));
+	memcpy(p->reflection.sky, sky.radiance, sizeof p->reflection.sky);
+	gw_status status = GW_OK;
+	if (sky.has_map)
+		status = gw_render_octree_set_sky(p->octree, &sky.light, error);
+	sky_light_clear(&sky);
 	return status;
-}
-
-/* The sky that the lights speak of, for rays that meet nothing: one colour, of maps their mean. */
-static gw_status find_sky(const settings *s, float sky[3], gw_error *error)
-{
-	for (size_t i = 0; i < s->light_count; i++) {
-		double mean[3] = { 1.0, 1.0, 1.0 };
-		if (s->light[i].light.type != GW_LIGHT_ENVIRONMENT)
-			continue;
-		if (s->light[i].map[0]) {
-			mean[0] = mean[1] = mean[2] = 0.0;
-			GW_TRY(average_map(s->light[i].map, mean, error));
-		}
-		for (int k = 0; k < 3; k++)
-			sky[k] += s->light[i].light.radiance[k] * (float)mean[k];
-	}
-	return GW_OK;
 }
 
 gw_status octree_picture_open(const settings *s, const render_scene *scene, octree_picture *p,
@@ -93,13 +69,13 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 	if (!p->glossy && !p->voxels)
 		return GW_OK;
 	double start = gw_seconds();
-	if (p->glossy)
-		GW_TRY(find_sky(s, p->reflection.sky, error));
 	gw_status status =
 		scene_octree_create(s, scene, p->voxels || p->reflection.cone, &p->octree, error);
 	if (status == GW_ERROR_NO_DEVICE && !p->voxels && error)
 		snprintf(error->text + strlen(error->text), sizeof error->text - strlen(error->text),
 				 "; --glossy off needs none");
+	if (status == GW_OK && p->glossy)
+		status = put_sky(s, scene->up, p, error);
 	p->build_seconds = gw_seconds() - start;
 	return status;
 }

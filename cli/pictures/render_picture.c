@@ -26,6 +26,10 @@ uint32_t render_view_channels(settings_view view)
 		return 1u << RENDER_DIRECT;
 	case SETTINGS_VIEW_INDIRECT:
 		return 1u << RENDER_INDIRECT;
+	case SETTINGS_VIEW_IRRADIANCE:
+		return 1u << RENDER_IRRADIANCE;
+	case SETTINGS_VIEW_ILLUMINANCE:
+		return 1u << RENDER_ILLUMINANCE;
 	case SETTINGS_VIEW_ROI:
 		return 1u << RENDER_ROI;
 	case SETTINGS_VIEW_NDF:
@@ -46,7 +50,8 @@ uint32_t render_view_channels(settings_view view)
 bool render_view_is_light(settings_view view)
 {
 	return view == SETTINGS_VIEW_RADIANCE || view == SETTINGS_VIEW_DIRECT ||
-		   view == SETTINGS_VIEW_INDIRECT || view == SETTINGS_VIEW_VOXELS;
+		   view == SETTINGS_VIEW_INDIRECT || view == SETTINGS_VIEW_VOXELS ||
+		   view == SETTINGS_VIEW_IRRADIANCE;
 }
 
 /* A number from 0 to 1. */
@@ -56,10 +61,10 @@ static bool is_share(settings_view view)
 		   view == SETTINGS_VIEW_SHADOW || view == SETTINGS_VIEW_GAPS;
 }
 
-static bool is_number(settings_view view)
+bool render_view_is_number(settings_view view)
 {
 	return view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI ||
-		   view == SETTINGS_VIEW_ERROR || is_share(view);
+		   view == SETTINGS_VIEW_ERROR || view == SETTINGS_VIEW_ILLUMINANCE || is_share(view);
 }
 
 /* ------------------------------------------------------------------------------ shading */
@@ -84,7 +89,7 @@ void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings
 {
 	size_t pixels = (size_t)g->width * g->height;
 	int offset = offset_of(scene, view);
-	bool one = is_number(view);
+	bool one = render_view_is_number(view);
 	for (size_t i = 0; i < pixels; i++) {
 		float *v = values + 3 * i;
 		const float *channel = g->channel + i * g->channel_count;
@@ -109,28 +114,39 @@ void render_view_values(const render_scene *scene, const gw_gbuffer *g, settings
 
 /* -------------------------------------------------------------------------------- screen */
 
-/* Values that the colours of a picture stand for. */
-static gw_status fit_range(const render_scene *scene, settings_view view, const gw_gbuffer *g,
-						   const float *values, false_color_range *range, gw_error *error)
+static const char *unit_of(const render_scene *scene, settings_view view)
 {
-	size_t pixels = (size_t)g->width * g->height, used = 0;
+	if (view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI)
+		return "m";
+	if (view == SETTINGS_VIEW_IRRADIANCE || view == SETTINGS_VIEW_ILLUMINANCE)
+		return scene->photometric ? "lx" : "W/m^2";
+	if (render_view_is_light(view))
+		return scene->photometric ? "cd/m^2" : "W/(sr m^2)";
+	return "";
+}
+
+gw_status render_fit_scale(settings_view view, const render_values *pictures, size_t count,
+						   false_color_range *range, gw_error *error)
+{
+	size_t pixels = 0, used = 0;
+	for (size_t k = 0; k < count; k++)
+		pixels += (size_t)pictures[k].g->width * pictures[k].g->height;
 	float *seen = reallocarray(NULL, pixels, sizeof *seen);
 	if (!seen)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a scale");
-	for (size_t i = 0; i < pixels; i++)
-		if (g->coverage[i] > 0.0f)
-			seen[used++] = (float)preview_luminance(values + 3 * i);
-	bool logarithmic = view != SETTINGS_VIEW_DEPTH && !is_share(view);
-	*range = false_color_fit(seen, used, logarithmic);
+	for (size_t k = 0; k < count; k++) {
+		const gw_gbuffer *g = pictures[k].g;
+		for (size_t i = 0; i < (size_t)g->width * g->height; i++)
+			if (g->coverage[i] > 0.0f)
+				seen[used++] = (float)preview_luminance(pictures[k].values + 3 * i);
+	}
+	bool lux = view == SETTINGS_VIEW_ILLUMINANCE;
+	*range = false_color_fit(seen, used, view != SETTINGS_VIEW_DEPTH && !is_share(view) && !lux);
 	free(seen);
 	if (is_share(view))
 		*range = (false_color_range){ 0.0, 1.0, false, "" };
-	if (view == SETTINGS_VIEW_DEPTH || view == SETTINGS_VIEW_ROI)
-		range->unit = "m";
-	else if (view == SETTINGS_VIEW_RADIANCE || view == SETTINGS_VIEW_VOXELS)
-		range->unit = scene->photometric ? "cd/m^2" : "W/(sr m^2)";
-	else if (view == SETTINGS_VIEW_DIRECT || view == SETTINGS_VIEW_INDIRECT)
-		range->unit = scene->photometric ? "lx" : "W/m^2";
+	if (lux)
+		range->low = 0.0; /* as measuring instruments have it */
 	return GW_OK;
 }
 
@@ -189,33 +205,118 @@ static size_t describe(const render_look *look, char number[NUMBER_TEXT], png_pi
 	return count;
 }
 
-gw_status render_write_png(output_file *out, const render_scene *scene, const render_look *look,
-						   const gw_gbuffer *g, const float *values, gw_error *error)
+/* Between pictures of a row, and beside them for the scale; dots of the letters. */
+#define ROW_GAP 4
+#define ROW_SCALE 76
+
+/* A picture, or several side by side. */
+typedef struct sheet {
+	const render_look *look;
+	const render_row *row;
+	const false_color_range *range; /* NULL: no colours that stand for numbers */
+	uint32_t width, height;         /* of one picture */
+	canvas all;
+} sheet;
+
+static bool is_row(const sheet *s)
 {
-	false_color_range range;
-	bool ranged = is_number(look->view) || look->false_color;
-	gw_status status = ranged ? fit_range(scene, look->view, g, values, &range, error) : GW_OK;
-	if (status != GW_OK)
-		return status;
-	size_t stride = look->background.transparent ? 4 : 3;
-	uint8_t *bytes = reallocarray(NULL, (size_t)g->width * g->height, stride);
-	if (!bytes)
+	return s->row->count > 1;
+}
+
+/* The name without folders and ending, in a corner. */
+static void draw_name(const char *path, const canvas *c)
+{
+	static const uint8_t dark[3] = { 24, 24, 24 };
+	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+	char text[48];
+	snprintf(text, sizeof text, "%s", name);
+	char *ending = strrchr(text, '.');
+	if (ending && ending > text)
+		*ending = '\0';
+	int64_t dot = c->dot, wide = (int64_t)strlen(text) * CANVAS_ADVANCE * dot;
+	canvas_fill(c, 0, 0, wide + 7 * dot, (CANVAS_GLYPH_HEIGHT + 8) * dot, dark);
+	canvas_write(c, text, 4 * dot, 4 * dot);
+}
+
+/* Paints one picture by itself, and puts it into the sheet. */
+static gw_status lay_picture(const sheet *s, size_t place, gw_error *error)
+{
+	const render_values *picture = &s->row->picture[place];
+	size_t stride = s->all.stride, line = s->width * stride;
+	canvas own = { reallocarray(NULL, s->height, line), s->width, s->height, stride, s->all.dot };
+	if (!own.pixels)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
-	paint(look, g, values, ranged ? &range : NULL, bytes);
-	if (ranged)
-		false_color_draw_scale(&range, bytes, g->width, g->height, stride);
+	paint(s->look, picture->g, picture->values, s->range, own.pixels);
+	gw_status status = isolux_draw(&s->look->lines, picture->g, picture->values, &own, error);
+	if (is_row(s) && s->row->name)
+		draw_name(s->row->name[place], &own);
+	size_t left = place * (s->width + (size_t)(ROW_GAP * s->all.dot));
+	for (size_t y = 0; y < s->height; y++)
+		memcpy(s->all.pixels + (y * s->all.width + left) * stride, own.pixels + y * line, line);
+	free(own.pixels);
+	return status;
+}
+
+static gw_status make_sheet(sheet *s, gw_error *error)
+{
+	size_t gap = is_row(s) ? ROW_GAP * (size_t)s->all.dot : 0;
+	size_t wide = s->row->count * (s->width + gap) - gap;
+	if (is_row(s) && s->range)
+		wide += ROW_SCALE * (size_t)s->all.dot;
+	if (wide > GW_RASTER_SIZE_MAX)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%zu pictures side by side are %zu pixels wide, of at most %u; make them "
+					   "smaller with --size",
+					   s->row->count, wide, GW_RASTER_SIZE_MAX);
+	s->all.width = (uint32_t)wide;
+	s->all.height = s->height;
+	s->all.pixels = calloc(wide * s->height, s->all.stride);
+	if (!s->all.pixels)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
+	for (size_t i = 0; i < s->row->count; i++)
+		GW_TRY(lay_picture(s, i, error));
+	if (s->range)
+		false_color_draw_scale(s->range, s->all.pixels, s->all.width, s->height, s->all.stride);
+	return GW_OK;
+}
+
+gw_status render_write_row(output_file *out, const render_scene *scene, const render_look *look,
+						   const render_row *row, gw_error *error)
+{
+	false_color_range range = look->scale;
+	bool ranged = render_view_is_number(look->view) || look->false_color;
+	if (ranged && !look->scaled)
+		GW_TRY(render_fit_scale(look->view, row->picture, row->count, &range, error));
+	range.unit = unit_of(scene, look->view);
+	const gw_gbuffer *first = row->picture[0].g;
+	sheet s = { look,
+				row,
+				ranged ? &range : NULL,
+				first->width,
+				first->height,
+				{ .stride = look->background.transparent ? 4 : 3,
+				  .dot = canvas_dot(first->height) } };
+	gw_status status = make_sheet(&s, error);
 	char number[NUMBER_TEXT];
 	png_picture_text text[4];
 	size_t texts = describe(look, number, text);
-	png_picture picture = { .width = g->width,
-							.height = g->height,
-							.alpha = stride == 4,
-							.pixels = bytes,
+	png_picture picture = { .width = s.all.width,
+							.height = s.all.height,
+							.alpha = s.all.stride == 4,
+							.pixels = s.all.pixels,
 							.text = text,
 							.text_count = texts };
-	status = png_picture_write(out, &picture, error);
-	free(bytes);
+	if (status == GW_OK)
+		status = png_picture_write(out, &picture, error);
+	free(s.all.pixels);
 	return status;
+}
+
+gw_status render_write_png(output_file *out, const render_scene *scene, const render_look *look,
+						   const gw_gbuffer *g, const float *values, gw_error *error)
+{
+	const render_values picture = { g, values };
+	return render_write_row(out, scene, look, &(render_row){ &picture, NULL, 1 }, error);
 }
 
 /* -------------------------------------------------------------------------------- layers */

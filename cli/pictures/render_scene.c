@@ -20,6 +20,8 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 	[RENDER_RADIANCE] = { "radiance_r", "radiance_g", "radiance_b" },
 	[RENDER_DIRECT] = { "direct_r", "direct_g", "direct_b" },
 	[RENDER_INDIRECT] = { "indirect_r", "indirect_g", "indirect_b" },
+	[RENDER_IRRADIANCE] = { "irradiance_r", "irradiance_g", "irradiance_b" },
+	[RENDER_ILLUMINANCE] = { "illuminance" },
 	[RENDER_SPECULAR] = { "specular" },
 	[RENDER_ROUGHNESS] = { "roughness" },
 	[RENDER_ERROR] = { "error" },
@@ -29,18 +31,19 @@ static const char *const column_name[RENDER_CHANNEL_COUNT][3] = {
 uint32_t render_channel_width(render_channel channel)
 {
 	static const bool is_number[RENDER_CHANNEL_COUNT] = {
-		[RENDER_NDF] = true,       [RENDER_ROI] = true,   [RENDER_SPECULAR] = true,
-		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true, [RENDER_UNKNOWN] = true,
-		[RENDER_SHADOW] = true
+		[RENDER_NDF] = true,       [RENDER_ROI] = true,        [RENDER_SPECULAR] = true,
+		[RENDER_ROUGHNESS] = true, [RENDER_ERROR] = true,      [RENDER_UNKNOWN] = true,
+		[RENDER_SHADOW] = true,    [RENDER_ILLUMINANCE] = true
 	};
 	return is_number[channel] ? 1 : 3;
 }
 
 const char *render_channel_name(render_channel channel)
 {
-	static const char *const name[] = { "albedo",    "radiance", "direct",  "indirect",
-										"emission",  "ndf",      "roi",     "specular",
-										"roughness", "error",    "unknown", "shadow" };
+	static const char *const name[] = { "albedo",     "radiance",    "direct",    "indirect",
+										"irradiance", "illuminance", "emission",  "ndf",
+										"roi",        "specular",    "roughness", "error",
+										"unknown",    "shadow" };
 	return name[channel];
 }
 
@@ -50,13 +53,32 @@ static bool is_cancelled(void *user)
 	return signals_pending() != 0;
 }
 
-static bool find_columns(const scan *cloud, render_channel channel, const scan_column *column[3])
+static bool find_own_columns(const scan *cloud, render_channel channel,
+							 const scan_column *column[3])
 {
 	uint32_t width = column_name[channel][0] ? render_channel_width(channel) : 0;
 	bool all = width > 0;
+	column[1] = NULL;
 	for (uint32_t k = 0; k < width && all; k++)
 		all = (column[k] = scan_find_scalar(cloud, column_name[channel][k])) != NULL;
 	return all;
+}
+
+static bool is_photometric(const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count; c++)
+		if (strncmp(cloud->comment[c], "glowworm units:", 15) == 0 &&
+			strstr(cloud->comment[c], "cd/m^2"))
+			return true;
+	return scan_find_scalar(cloud, column_name[RENDER_ILLUMINANCE][0]) != NULL;
+}
+
+/* The columns of a channel; three for an illuminance that has none of its own. */
+static bool find_columns(const scan *cloud, render_channel channel, const scan_column *column[3])
+{
+	return find_own_columns(cloud, channel, column) ||
+		   (channel == RENDER_ILLUMINANCE && is_photometric(cloud) &&
+			find_own_columns(cloud, RENDER_IRRADIANCE, column));
 }
 
 /* Which channels there are, and where they stand. */
@@ -82,12 +104,16 @@ static void average_columns(const gw_surfels *s, const scan_column *column[3],
 							size_t stride)
 {
 	uint32_t width = render_channel_width(channel);
+	bool luminance = width == 1 && column[1];
 	for (size_t i = 0; i < s->point_count; i++) {
 		size_t surfel = s->surfel_of_point[i];
 		if (surfel == UINT32_MAX)
 			continue;
 		for (size_t k = 0; k < width; k++) {
-			double value = scan_value(column[k], i);
+			double value = luminance ? gw_relative_luminance(scan_value(column[0], i),
+															 scan_value(column[1], i),
+															 scan_value(column[2], i))
+									 : scan_value(column[k], i);
 			value = channel == RENDER_ERROR ? fabs(value) : value;
 			if (isfinite((float)value) && value > 0.0)
 				to[surfel * stride + k] += (float)value / (float)points[surfel];
@@ -163,15 +189,6 @@ static gw_status fill_luminance(render_scene *scene, const scan *cloud, const gw
 	return good
 			   ? GW_OK
 			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", s->count);
-}
-
-static bool is_photometric(const scan *cloud)
-{
-	for (size_t c = 0; c < cloud->comment_count; c++)
-		if (strncmp(cloud->comment[c], "glowworm units:", 15) == 0 &&
-			strstr(cloud->comment[c], "cd/m^2"))
-			return true;
-	return false;
 }
 
 /* What sends out more light of its own than it reflects glows, if that is more than this share of

@@ -10,18 +10,20 @@
 
 /* What a surfel can carry into a picture. */
 typedef enum render_channel {
-	RENDER_ALBEDO,    /* 3 */
-	RENDER_RADIANCE,  /* 3, of a lit cloud */
-	RENDER_DIRECT,    /* 3, irradiance; when the bake was asked for it */
-	RENDER_INDIRECT,  /* 3 */
-	RENDER_EMISSION,  /* 3; when something emits */
-	RENDER_NDF,       /* 1, length of the normal */
-	RENDER_ROI,       /* 1, metres: side of the region of influence */
-	RENDER_SPECULAR,  /* 1, reflectance at normal incidence; when a point is glossy */
-	RENDER_ROUGHNESS, /* 1, 0..1; with it */
-	RENDER_ERROR,     /* 1, of a cloud that compare wrote */
-	RENDER_UNKNOWN,   /* 1, 0..1: share of what is gathered that comes through gaps */
-	RENDER_SHADOW,    /* 1, the share of a lamp that is seen; for others to fill */
+	RENDER_ALBEDO,      /* 3 */
+	RENDER_RADIANCE,    /* 3, of a lit cloud */
+	RENDER_DIRECT,      /* 3, radiance by direct light; when the bake was asked for it */
+	RENDER_INDIRECT,    /* 3 */
+	RENDER_IRRADIANCE,  /* 3; when the bake was asked for it */
+	RENDER_ILLUMINANCE, /* 1, lx; likewise, or from the irradiance, of a photometric scene */
+	RENDER_EMISSION,    /* 3; when something emits */
+	RENDER_NDF,         /* 1, length of the normal */
+	RENDER_ROI,         /* 1, metres: side of the region of influence */
+	RENDER_SPECULAR,    /* 1, reflectance at normal incidence; when a point is glossy */
+	RENDER_ROUGHNESS,   /* 1, 0..1; with it */
+	RENDER_ERROR,       /* 1, of a cloud that compare wrote */
+	RENDER_UNKNOWN,     /* 1, 0..1: share of what is gathered that comes through gaps */
+	RENDER_SHADOW,      /* 1, the share of a lamp that is seen; for others to fill */
 	RENDER_CHANNEL_COUNT
 } render_channel;
 

@@ -70,20 +70,6 @@ static void write_strays(json_writer *json, const gw_report *r)
 	json_put_close(json, ']');
 }
 
-static void write_effects(json_writer *json, const gw_report *r)
-{
-	json_put_open(json, "plan", '[');
-	for (uint32_t i = 0; i < r->effect_count; i++) {
-		json_put_open_flat(json, NULL, '{');
-		json_put_text(json, "effect", r->effect[i].name);
-		json_put_bool(json, "called_for", r->effect[i].called_for);
-		json_put_text(json, "reason", r->effect[i].reason);
-		json_put_text(json, "method", r->effect[i].method);
-		json_put_close(json, '}');
-	}
-	json_put_close(json, ']');
-}
-
 static void write_stages(json_writer *json, const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
@@ -138,6 +124,7 @@ static void write_bounces(json_writer *json, const bake_facts *f)
 	json_put_real(json, "gaps", r->error.gaps);
 	json_put_real(json, "sides", r->error.sides);
 	json_put_real(json, "sides_share", r->error.sides_share);
+	json_put_real(json, "halves", r->error.halves);
 	json_put_close(json, '}');
 	json_put_open_flat(json, "gaps", '{');
 	json_put_count(json, "scanners", r->gaps.scanners);
@@ -253,7 +240,9 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	json_put_text(&json, "driver", r->driver);
 	write_counts(&json, r);
 	write_strays(&json, r);
-	write_effects(&json, r);
+	bake_plan_write_effects(&json, r);
+	if (f->forecast.report)
+		bake_plan_write_forecast(&json, &f->forecast);
 	write_octree(&json, r);
 	write_stages(&json, f);
 	write_bounces(&json, f);
@@ -274,15 +263,6 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 }
 
 /* ------------------------------------------------------------------------------ for people */
-
-void bake_report_explain(const gw_report *r)
-{
-	for (uint32_t i = 0; i < r->effect_count; i++)
-		fprintf(stderr, "%-18s %-16s %s%s%s%s\n", r->effect[i].name,
-				r->effect[i].called_for ? "called for" : "not called for", r->effect[i].reason,
-				*r->effect[i].method ? " [" : "", r->effect[i].method,
-				*r->effect[i].method ? "]" : "");
-}
 
 /* The rows of Salm's tables 5.1 to 5.4: what is built once, and what each bounce costs. */
 static void profile_bounces(const gw_report *r)
@@ -510,6 +490,8 @@ static void put_parts(const gw_report *r, char *text, size_t room)
 	put_part(r, r->error.gaps, "gaps that no scanner looked at", "more scans", text, room);
 	put_part(r, r->error.sides, "surfaces that may face the wrong way",
 			 "normals or scanner positions", text, room);
+	put_part(r, r->error.halves, "doubts about the surface, by bakes of half of the points,",
+			 "denser or better ones", text, room);
 }
 
 /* What less would cost, as the end of a sentence. */

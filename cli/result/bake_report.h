@@ -4,6 +4,7 @@
 #ifndef BAKE_REPORT_H
 #define BAKE_REPORT_H
 
+#include "result/bake_plan.h"
 #include "scene/loaded_scene.h"
 #include "files/output_file.h"
 
@@ -15,13 +16,11 @@ typedef struct bake_facts {
 	double exposure;
 	double read_seconds, bake_seconds, write_seconds; /* wall clock */
 	uint64_t vdb_clamped;
+	bake_plan_forecast forecast; /* of --explain; no report where there is none */
 } bake_facts;
 
 /* Writes the report as JSON; glowworm-bake(1) describes it. */
 gw_status bake_report_write(const bake_facts *facts, output_file *out, gw_error *error);
-
-/* Prints to standard error which effects the scene called for, and why. */
-void bake_report_explain(const gw_report *report);
 
 /* Prints time and memory of each stage to standard error, and what the octree takes, in the terms
  * of Salm's tables 5.1 to 5.4. */

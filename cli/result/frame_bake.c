@@ -502,9 +502,10 @@ static gw_status bake_frames(frame_run *r, const gw_light *first)
 {
 	const settings *s = r->settings;
 	const gw_frames_options how = { .rebuild = s->rebuild, .independent = s->independent };
-	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, r };
+	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, r, NULL };
 	gw_bake_options options = s->bake;
 	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
+	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
 	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;

@@ -1,4 +1,5 @@
 #include "result/light_mix.h"
+#include "result/bake_columns.h"
 #include "files/growing_table.h"
 #include "program/nearest_name.h"
 #include "options/preview.h"
@@ -232,19 +233,6 @@ static gw_status put_radiance(const mix *m, const float *radiance)
 	return status;
 }
 
-static size_t remove_stale(scan *cloud)
-{
-	static const char *const stale[] = {
-		"scalar_direct_r",     "scalar_direct_g",   "scalar_direct_b",     "scalar_indirect_r",
-		"scalar_indirect_g",   "scalar_indirect_b", "scalar_irradiance_r", "scalar_irradiance_g",
-		"scalar_irradiance_b", "scalar_error",
-	};
-	size_t before = cloud->column_count;
-	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
-		scan_remove_column(cloud, stale[i]);
-	return before - cloud->column_count;
-}
-
 static gw_status apply(mix *m, const settings_gain *gain, size_t gain_count, float *radiance)
 {
 	GW_TRY(find_lamps(m));
@@ -259,7 +247,7 @@ gw_status light_mix_apply(scan *cloud, const settings_gain *gain, size_t gain_co
 						  float **radiance, size_t *removed, gw_error *error)
 {
 	mix m = { .cloud = cloud, .error = error };
-	*removed = remove_stale(cloud);
+	*removed = bake_columns_remove(cloud, BAKE_COLUMNS_OF_LIGHT);
 	*radiance = calloc(cloud->count ? cloud->count : 1, 3 * sizeof **radiance);
 	gw_status status =
 		*radiance ? apply(&m, gain, gain_count, *radiance)

@@ -15,8 +15,8 @@
 
 /*
  * Multiplies the columns of the lamps by their gains (1 where none is given) and replaces
- * scalar_radiance_* and quality by their sum. Columns that it would make wrong (scalar_direct_*,
- * scalar_indirect_*, scalar_irradiance_*, scalar_error) are removed.
+ * scalar_radiance_* and quality by their sum. Columns that it would make wrong (those of direct
+ * and indirect light, irradiance, illuminance, error) are removed.
  *
  *   cloud     changed; on failure half of it may be
  *   gain      gain_count of them; two for one lamp multiply

@@ -1,4 +1,5 @@
 #include "result/lit_scan.h"
+#include "result/bake_columns.h"
 #include "result/lamp_columns.h"
 #include "files/number_text.h"
 #include "glowworm_host.h"
@@ -11,30 +12,6 @@
 #include <string.h>
 
 #define CHUNK_POINTS 8192u /* that a thread colours at a time */
-
-/* Columns of an earlier bake. */
-static const char *const stale[] = {
-	"quality",
-	"scalar_radiance_r",
-	"scalar_radiance_g",
-	"scalar_radiance_b",
-	"scalar_direct_r",
-	"scalar_direct_g",
-	"scalar_direct_b",
-	"scalar_indirect_r",
-	"scalar_indirect_g",
-	"scalar_indirect_b",
-	"scalar_irradiance_r",
-	"scalar_irradiance_g",
-	"scalar_irradiance_b",
-	"scalar_roi",
-	"scalar_ao",
-	"scalar_error",
-	"scalar_unknown",
-	"scalar_normal_x",
-	"scalar_normal_y",
-	"scalar_normal_z",
-};
 
 /* What the work on one table needs. */
 typedef struct maker {
@@ -177,42 +154,97 @@ static gw_status make_light(maker *m)
 	return add_triple(m, "radiance", r->radiance);
 }
 
-static gw_status make_irradiance(maker *m)
+/* Numbers made point by point, `width` of them, and added as columns. */
+typedef void point_values(const gw_bake_result *result, size_t point, float *values);
+
+static gw_status add_made(maker *m, const char *name, size_t width, point_values *values)
 {
-	size_t n = 3 * m->lit->count;
-	float *sum = reallocarray(NULL, n, sizeof *sum);
-	if (!sum)
-		return gw_fail(m->error, GW_ERROR_MEMORY, "no memory for the irradiance");
-	for (size_t i = 0; i < n; i++)
-		sum[i] = m->result->direct_irradiance[i] + m->result->indirect_irradiance[i];
-	gw_status status = add_triple(m, "irradiance", sum);
-	free(sum);
+	float *all = reallocarray(NULL, m->lit->count + 1, width * sizeof *all);
+	if (!all)
+		return gw_fail(m->error, GW_ERROR_MEMORY, "no memory for the column %s", name);
+	for (size_t i = 0; i < m->lit->count; i++)
+		values(m->result, i, all + width * i);
+	gw_status status = width == 3 ? add_triple(m, name, all) : add_floats(m, name, all, 1);
+	free(all);
 	return status;
 }
 
-static gw_status make_used_normals(maker *m)
+#define INVERSE_PI 0.318309886f
+
+/* What light of one way makes a point send out: rho / pi * E. */
+static void direct_radiance(const gw_bake_result *r, size_t point, float *values)
 {
-	static const char *const name[3] = { "scalar_normal_x", "scalar_normal_y", "scalar_normal_z" };
-	for (size_t k = 0; k < 3; k++)
-		GW_TRY(add_floats(m, name[k], m->result->normal + k, 3));
+	for (size_t i = 3 * point; i < 3 * point + 3; i++)
+		*values++ = r->albedo[i] * INVERSE_PI * r->direct_irradiance[i];
+}
+
+static void indirect_radiance(const gw_bake_result *r, size_t point, float *values)
+{
+	for (size_t i = 3 * point; i < 3 * point + 3; i++)
+		*values++ = r->albedo[i] * INVERSE_PI * r->indirect_irradiance[i];
+}
+
+static void whole_irradiance(const gw_bake_result *r, size_t point, float *values)
+{
+	for (size_t i = 3 * point; i < 3 * point + 3; i++)
+		*values++ = r->direct_irradiance[i] + r->indirect_irradiance[i];
+}
+
+static void illuminance(const gw_bake_result *r, size_t point, float *values)
+{
+	float e[3];
+	whole_irradiance(r, point, e);
+	*values = (float)preview_luminance(e);
+}
+
+static void luminance(const gw_bake_result *r, size_t point, float *values)
+{
+	*values = (float)preview_luminance(r->radiance + 3 * point);
+}
+
+static gw_status add_vectors(maker *m, const char *name, const float *values)
+{
+	for (size_t k = 0; k < 3; k++) {
+		char full[64];
+		snprintf(full, sizeof full, "scalar_%s_%c", name, "xyz"[k]);
+		GW_TRY(add_floats(m, full, values + k, 3));
+	}
+	return GW_OK;
+}
+
+static gw_status make_light_fields(maker *m)
+{
+	uint32_t fields = m->settings->fields;
+	const gw_bake_result *r = m->result;
+	if (fields & 1u << SETTINGS_FIELD_DIRECT)
+		GW_TRY(add_made(m, "direct", 3, direct_radiance));
+	if (fields & 1u << SETTINGS_FIELD_INDIRECT)
+		GW_TRY(add_made(m, "indirect", 3, indirect_radiance));
+	if (fields & 1u << SETTINGS_FIELD_IRRADIANCE)
+		GW_TRY(add_made(m, "irradiance", 3, whole_irradiance));
+	if (fields & 1u << SETTINGS_FIELD_DIRECT_IRRADIANCE)
+		GW_TRY(add_triple(m, "direct_irradiance", r->direct_irradiance));
+	if (fields & 1u << SETTINGS_FIELD_INDIRECT_IRRADIANCE)
+		GW_TRY(add_triple(m, "indirect_irradiance", r->indirect_irradiance));
+	if (fields & 1u << SETTINGS_FIELD_LUMINANCE)
+		GW_TRY(add_made(m, "scalar_luminance", 1, luminance));
+	if (fields & 1u << SETTINGS_FIELD_ILLUMINANCE)
+		GW_TRY(add_made(m, "scalar_illuminance", 1, illuminance));
 	return GW_OK;
 }
 
 static gw_status make_fields(maker *m)
 {
 	uint32_t fields = m->settings->fields;
-	if (fields & 1u << SETTINGS_FIELD_DIRECT)
-		GW_TRY(add_triple(m, "direct", m->result->direct_irradiance));
-	if (fields & 1u << SETTINGS_FIELD_INDIRECT)
-		GW_TRY(add_triple(m, "indirect", m->result->indirect_irradiance));
-	if (fields & 1u << SETTINGS_FIELD_IRRADIANCE)
-		GW_TRY(make_irradiance(m));
+	GW_TRY(make_light_fields(m));
 	if (fields & 1u << SETTINGS_FIELD_ROI)
 		GW_TRY(add_floats(m, "scalar_roi", m->result->roi, 1));
 	if (fields & 1u << SETTINGS_FIELD_AO)
 		GW_TRY(add_floats(m, "scalar_ao", m->result->ambient_occlusion, 1));
+	if (fields & 1u << SETTINGS_FIELD_BENT_NORMALS)
+		GW_TRY(add_vectors(m, "bent_normal", m->result->bent_normal));
 	if (fields & 1u << SETTINGS_FIELD_NORMALS)
-		GW_TRY(make_used_normals(m));
+		GW_TRY(add_vectors(m, "normal", m->result->normal));
 	if (fields & 1u << SETTINGS_FIELD_ERROR)
 		GW_TRY(add_floats(m, "scalar_error", m->result->error, 1));
 	if (fields & 1u << SETTINGS_FIELD_UNKNOWN)
@@ -243,9 +275,9 @@ static gw_status comment_command(maker *m)
 static gw_status comment_error(maker *m)
 {
 	const gw_report *r = &m->result->report;
-	char text[320], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
+	char text[400], remaining[NUMBER_TEXT], rms[NUMBER_TEXT], spread[NUMBER_TEXT];
 	char shadows[NUMBER_TEXT], normals[NUMBER_TEXT], emission[NUMBER_TEXT];
-	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT];
+	char geometry[NUMBER_TEXT], sides[NUMBER_TEXT], gaps[NUMBER_TEXT], halves[NUMBER_TEXT];
 	number_print_float(remaining, (float)r->remaining);
 	number_print_float(rms, (float)r->error.relative_rms);
 	number_print_float(spread, (float)r->error.spread);
@@ -255,6 +287,7 @@ static gw_status comment_error(maker *m)
 	number_print_float(geometry, (float)r->error.geometry);
 	number_print_float(sides, (float)r->error.sides);
 	number_print_float(gaps, (float)r->error.gaps);
+	number_print_float(halves, (float)r->error.halves);
 	snprintf(text, sizeof text,
 			 "glowworm estimated error: bounces left out would add at most %s of the light",
 			 remaining);
@@ -277,7 +310,10 @@ static gw_status comment_error(maker *m)
 		length +=
 			snprintf(text + length, sizeof text - (size_t)length, ", guessed sides %s", sides);
 	if (r->error.gaps > 0)
-		snprintf(text + length, sizeof text - (size_t)length, ", gaps %s", gaps);
+		length += snprintf(text + length, sizeof text - (size_t)length, ", gaps %s", gaps);
+	if (r->error.halves > 0)
+		snprintf(text + length, sizeof text - (size_t)length,
+				 ", the surface by half of the points %s", halves);
 	bool known = r->error.points > 0 || r->error.relative_rms > 0.0;
 	return status == GW_OK && known ? comment(m, text) : status;
 }
@@ -303,7 +339,7 @@ static gw_status make_comments(maker *m)
 	if (m->settings->colors == 0)
 		GW_TRY(comment(m, text));
 	snprintf(text, sizeof text, SCAN_UP "%s", settings_up_name(m->lit->up));
-	if (m->lit->up != 'z')
+	if (m->lit->up != 'z' || m->settings->up != SETTINGS_UP_AUTO)
 		GW_TRY(comment(m, text));
 	return comment_error(m);
 }
@@ -330,8 +366,7 @@ gw_status lit_scan_make(loaded_scene *scene, const gw_bake_result *result, const
 					? preview_exposure(result->radiance, scene->points.points.emission, lit->count)
 					: (double)s->exposure;
 	maker m = { &scene->cloud, lit, result, s, *exposure, error };
-	for (size_t i = 0; i < sizeof stale / sizeof *stale; i++)
-		scan_remove_column(m.from, stale[i]);
+	bake_columns_remove(m.from, BAKE_COLUMNS_ALL);
 	lamp_columns_remove(m.from);
 	gw_status status = make_all(&m);
 	lit->scanner = m.from->scanner;
@@ -352,9 +387,19 @@ size_t lit_scan_row_bytes(const loaded_scene *scene, const settings *s, size_t *
 {
 	static const char *const position[3] = { "x", "y", "z" };
 	static const size_t floats[SETTINGS_FIELD_COUNT] = {
-		[SETTINGS_FIELD_DIRECT] = 3, [SETTINGS_FIELD_INDIRECT] = 3, [SETTINGS_FIELD_IRRADIANCE] = 3,
-		[SETTINGS_FIELD_ROI] = 1,    [SETTINGS_FIELD_AO] = 1,       [SETTINGS_FIELD_NORMALS] = 3,
-		[SETTINGS_FIELD_ERROR] = 1,  [SETTINGS_FIELD_UNKNOWN] = 1,
+		[SETTINGS_FIELD_DIRECT] = 3,
+		[SETTINGS_FIELD_INDIRECT] = 3,
+		[SETTINGS_FIELD_IRRADIANCE] = 3,
+		[SETTINGS_FIELD_DIRECT_IRRADIANCE] = 3,
+		[SETTINGS_FIELD_INDIRECT_IRRADIANCE] = 3,
+		[SETTINGS_FIELD_LUMINANCE] = 1,
+		[SETTINGS_FIELD_ILLUMINANCE] = 1,
+		[SETTINGS_FIELD_ROI] = 1,
+		[SETTINGS_FIELD_AO] = 1,
+		[SETTINGS_FIELD_BENT_NORMALS] = 3,
+		[SETTINGS_FIELD_NORMALS] = 3,
+		[SETTINGS_FIELD_ERROR] = 1,
+		[SETTINGS_FIELD_UNKNOWN] = 1,
 	};
 	size_t bytes = 6, count = 7; /* normals, the luminance and radiance; colours and albedo */
 	for (int k = 0; k < 3; k++)

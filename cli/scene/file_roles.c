@@ -131,9 +131,12 @@ static gw_status add_scene(roles *r, const settings *s, size_t inputs, bool samp
 	GW_TRY(add(r, s->scene, false, error));
 	for (size_t i = 0; i < inputs; i++)
 		GW_TRY(add_input(r, &s->input[i], sampled, error));
-	for (size_t i = 0; i < s->light_count; i++)
+	for (size_t i = 0; i < s->light_count; i++) {
 		if (s->light[i].map[0])
 			GW_TRY(add(r, s->light[i].map, false, error));
+		if (s->light[i].ies[0])
+			GW_TRY(add(r, s->light[i].ies, false, error));
+	}
 	return GW_OK;
 }
 

@@ -1,6 +1,8 @@
 #include "scene/loaded_scene.h"
+#include "scene/sky_light.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
+#include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
@@ -152,6 +154,17 @@ static gw_status set_gloss(const settings_input *from, scan *cloud, gw_error *er
 	return GW_OK;
 }
 
+/* Columns of the input stay where they say the same. */
+static gw_status set_opacity(const settings *s, const settings_input *from, scan *cloud,
+							 gw_error *error)
+{
+	float opacity = from->has_opacity ? from->opacity : s->opacity;
+	bool known = opacity >= 0.0f;
+	return known && (opacity < 1.0f || scan_opacity_find(cloud))
+			   ? set_number(cloud, "opacity", opacity, error)
+			   : GW_OK;
+}
+
 static uint8_t to_byte(double value)
 {
 	return value > 0.0 ? (uint8_t)(fmin(value, 1.0) * 255.0 + 0.5) : 0;
@@ -264,6 +277,7 @@ static gw_status finish_part(const settings *s, const settings_input *from, part
 	if (from->has_emission)
 		GW_TRY(set_emission(&p->cloud, from->emission, error));
 	GW_TRY(set_gloss(from, &p->cloud, error));
+	GW_TRY(set_opacity(s, from, &p->cloud, error));
 	gw_status status = make_points(s, from, &p->cloud, &p->points, facts, &reason);
 	if (status != GW_OK)
 		gw_fail(error, status, "%s: %.800s", loaded_scene_input_name(from->path), reason.text);
@@ -336,7 +350,7 @@ static gw_status sample_mesh(const settings *s, size_t i, double density, loaded
 
 /* ------------------------------------------------------------------------------- joining */
 
-/* Appends n values to count ones; a missing array counts as zeros. */
+/* Appends n values to count ones; 0 stands for what is missing. */
 static gw_status append_floats(float **to, size_t count, const float *from, size_t n,
 							   gw_error *error)
 {
@@ -388,7 +402,23 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
 	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
+	bool clear = to->opacity || from->opacity, whole = !to->opacity;
+	n = from->points.count;
+	GW_TRY(append_floats(&to->opacity, count, from->opacity, n, error));
+	for (size_t i = 0; clear && whole && i < count; i++)
+		to->opacity[i] = 1.0f;
+	for (size_t i = 0; clear && !from->opacity && i < n; i++)
+		to->opacity[count + i] = 1.0f;
 	return append_strays(to, count, from, error);
+}
+
+/* Where one of two clouds has a column of opacity, points of the other are opaque in it. */
+static gw_status level_opacity(const scan *has, scan *lacks, gw_error *error)
+{
+	const scan_column *column = scan_opacity_find(has);
+	if (!column || scan_find(lacks, column->name))
+		return GW_OK;
+	return set_number(lacks, column->name, (float)scan_opacity_full(column, has->count), error);
 }
 
 static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_error *error)
@@ -401,6 +431,8 @@ static gw_status join(loaded_scene *scene, scan *cloud, scan_points *points, gw_
 		return GW_OK;
 	}
 	GW_TRY(append_points(&scene->points, scene->cloud.count, points, error));
+	GW_TRY(level_opacity(&scene->cloud, cloud, error));
+	GW_TRY(level_opacity(cloud, &scene->cloud, error));
 	return scan_append(&scene->cloud, cloud, error);
 }
 
@@ -416,6 +448,28 @@ static gw_status check_up(const settings *s, loaded_scene *scene, char up, const
 					   settings_up_name(scene->up));
 	scene->up = up;
 	return GW_OK;
+}
+
+/* Where nothing says which axis is up: does it look like y? */
+static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *error)
+{
+	bool said = s->up != SETTINGS_UP_AUTO || scene->says_up || s->scanner_count > 0;
+	bool doubtful = false;
+	if (!said)
+		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
+	if (doubtful)
+		return scan_add_comment(&scene->cloud,
+								SCAN_NOTE "nothing says which axis points up, and z is taken; a "
+										  "floor and a ceiling seem to lie across y: if y points "
+										  "up, say --up y",
+								error);
+	return said || scene->up == scene->cloud.up
+			   ? GW_OK
+			   : scan_add_comment(&scene->cloud,
+								  SCAN_NOTE "nothing says which axis points up, and y is taken, "
+											"across which the points stand on a base; if that is "
+											"wrong, say --up z",
+								  error);
 }
 
 bool loaded_scene_is_mesh(const settings *s, const settings_input *from)
@@ -542,6 +596,7 @@ static gw_status join_part(const settings *s, loaded_scene *scene, size_t i, dou
 	/* A mesh that does not say which way is up follows the inputs before it. */
 	bool follows = facts->is_mesh && !facts->mesh.up && scene->up;
 	GW_TRY(check_up(s, scene, follows ? scene->up : p->cloud.up, s->input[i].path, error));
+	scene->says_up = scene->says_up || p->cloud.says_up || (facts->is_mesh && facts->mesh.up);
 	return join(scene, &p->cloud, &p->points, error);
 }
 
@@ -629,6 +684,8 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 	}
 	scan_points *p = &scene->points;
 	status = place_scanners(scene, error);
+	if (status == GW_OK)
+		status = notice_up(s, scene, error);
 	if (status != GW_OK) {
 		loaded_scene_clear(scene);
 		return status;
@@ -638,6 +695,7 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .normal = p->normal,
 							 .albedo = p->albedo,
 							 .emission = p->emission,
+							 .opacity = p->opacity,
 							 .stray = p->stray,
 							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .up = scene->up,
@@ -686,18 +744,6 @@ static bool emits(const loaded_scene *scene)
 	return false;
 }
 
-/* The map of a sky that has a model, or a file; the light is scaled to what it is to give. */
-static gw_status read_map(lamp *light, panorama *map, gw_error *error)
-{
-	if (light->model)
-		return light_sky(light, map, error);
-	GW_TRY(panorama_read(light->map, map, error));
-	gw_status status = light_scale_map(light, map, error);
-	if (status != GW_OK)
-		panorama_clear(map);
-	return status;
-}
-
 /* Reads or makes the maps of environment lights; the scene owns their pixels. placed: light_count
  * resolved lamps, whose lights go into `lights`. */
 static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed, gw_light *lights,
@@ -711,14 +757,7 @@ static gw_status read_maps(loaded_scene *scene, const settings *s, lamp *placed,
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the list of maps");
 		scene->map = grown;
-		if (scene->up != 'y' && scene->up != 'z')
-			return gw_fail(
-				error, GW_ERROR_USAGE,
-				"%s, a map of the sky, needs y or z to point up, not %s; turn the points, "
-				"with \"matrix\" of an input in a scene file",
-				placed[i].model ? sky_model_name(placed[i].model) : placed[i].map,
-				settings_up_name(scene->up));
-		GW_TRY(read_map(&placed[i], &grown[scene->map_count], error));
+		GW_TRY(sky_light_map(&placed[i], scene->up, &grown[scene->map_count], error));
 		const panorama *map = &grown[scene->map_count++];
 		lights[i] = placed[i].light;
 		lights[i].map = map->pixels;

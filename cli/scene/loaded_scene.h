@@ -36,6 +36,7 @@ typedef struct loaded_scene {
 	size_t map_count;
 	gw_light *light;   /* owned; settings.light_count: those that loaded_scene_lights found */
 	char up;           /* as gw_camera_up has it */
+	bool says_up;      /* an input says so itself */
 	coordinates place; /* owned; from the cloud's coordinates to those of `points`, metres */
 	double *scanner;   /* owned; the cloud's scanners in metres, or NULL when those are the same */
 } loaded_scene;

@@ -348,9 +348,10 @@ static gw_status take_share(const reader *r, json_t *value, bool *given, float *
 
 static gw_status take_input_key(reader *r, const char *key, json_t *value, settings_input *input)
 {
-	static const char *const name[] = { "file", "matrix",   "emission", "albedo",
-										"mesh", "density",  "specular", "roughness",
-										"path", "matrices", "pivot",    "interpolation" };
+	static const char *const name[] = { "file",         "matrix", "emission", "albedo",
+										"opacity",      "mesh",   "density",  "specular",
+										"roughness",    "path",   "matrices", "pivot",
+										"interpolation" };
 	if (strcmp(key, "file") == 0)
 		return take_path(r, value, &input->path);
 	if (strcmp(key, "matrix") == 0) {
@@ -373,6 +374,8 @@ static gw_status take_input_key(reader *r, const char *key, json_t *value, setti
 		return take_density(r, value, &input->density);
 	if (strcmp(key, "specular") == 0)
 		return take_share(r, value, &input->has_specular, &input->specular);
+	if (strcmp(key, "opacity") == 0)
+		return take_share(r, value, &input->has_opacity, &input->opacity);
 	if (strcmp(key, "roughness") == 0)
 		return take_share(r, value, &input->has_roughness, &input->roughness);
 	return fail_key(r, name, sizeof name / sizeof *name);
@@ -425,13 +428,13 @@ static gw_status fail_light_key(const reader *r, gw_light_type type)
 	return fail_key(r, name, LIGHT_KEY_COUNT + 1);
 }
 
-/* A map's path counts from the scene file's folder, as those of inputs do. */
-static gw_status take_map(const reader *r, json_t *value, lamp *light)
+/* A file of a light: its path counts from the scene file's folder, as those of inputs do. */
+static gw_status take_light_file(const reader *r, json_t *value, light_key_id id, lamp *light)
 {
 	char *path = NULL;
 	gw_error reason = { 0 };
 	gw_status status = take_path(r, value, &path);
-	if (status == GW_OK && light_set_text(light, LIGHT_KEY_MAP, path, &reason) != GW_OK)
+	if (status == GW_OK && light_set_text(light, id, path, &reason) != GW_OK)
 		status = fail_here(r, "%.600s", reason.text);
 	free(path);
 	return status;
@@ -457,7 +460,7 @@ static gw_status take_light_number(const reader *r, json_t *value, light_key_id 
 				   ? GW_OK
 				   : fail_here(r, "%.600s", reason.text);
 	bool single = kind == LIGHT_VALUE_NUMBER || kind == LIGHT_VALUE_ANGLE;
-	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE;
+	bool pair = kind == LIGHT_VALUE_SKY || kind == LIGHT_VALUE_PLACE || kind == LIGHT_VALUE_SIZE;
 	bool one = single || kind == LIGHT_VALUE_COLOR;
 	GW_TRY(take_numbers(r, value, v, single ? 1 : pair ? 2 : 3, one, &count));
 	if (light_set(light, id, v, count, &reason) != GW_OK)
@@ -482,8 +485,8 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 		snprintf(light->light.name, sizeof light->light.name, "%s", name);
 		return GW_OK;
 	}
-	if (id == LIGHT_KEY_MAP)
-		return take_map(r, value, light);
+	if (light_keys[id].value == LIGHT_VALUE_PATH)
+		return take_light_file(r, value, (light_key_id)id, light);
 	return take_light_number(r, value, (light_key_id)id, light);
 }
 
@@ -776,5 +779,6 @@ gw_status scene_read_all(settings *s, gw_error *error)
 			return status;
 		i += s->input_count - before;
 	}
-	return lights_agree(s->light, s->light_count, &s->units, error);
+	GW_TRY(lights_agree(s->light, s->light_count, &s->units, error));
+	return settings_read_luminaires(s, error);
 }

@@ -21,7 +21,7 @@ bool scene_is_file(const char *path);
 gw_status scene_read(const char *path, size_t index, settings *settings, gw_error *error);
 
 /* Reads the scene file among the inputs, if there is one. GW_ERROR_USAGE when there are two, or
- * when the lights have units of two kinds. */
+ * when the lights have units of two kinds; as luminaire_read for files that lights name. */
 gw_status scene_read_all(settings *settings, gw_error *error);
 
 /* Writes units, lights and bake with the values in effect, as members of an object. */

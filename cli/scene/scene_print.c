@@ -63,7 +63,19 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 		json_put_reals(json, name, l->position, 3);
 		break;
 	case LIGHT_KEY_DIRECTION:
-		json_put_reals(json, name, l->direction, 3);
+		if (l->type != GW_LIGHT_POINT || light->luminaire)
+			json_put_reals(json, name, l->direction, 3);
+		break;
+	case LIGHT_KEY_IES:
+		if (light->ies[0])
+			json_put_text(json, name, light->ies);
+		break;
+	case LIGHT_KEY_ROLL:
+		if (light->luminaire || l->type == GW_LIGHT_RECTANGLE)
+			json_put_real(json, name, light->roll);
+		break;
+	case LIGHT_KEY_SIZE:
+		json_put_singles(json, name, l->size, 2);
 		break;
 	case LIGHT_KEY_INTENSITY:
 		write_color(json, id, light->units, l->intensity);
@@ -114,6 +126,7 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 	case LIGHT_KEY_LUMENS:
 	case LIGHT_KEY_WATTS:
 	case LIGHT_KEY_KELVIN:
+	case LIGHT_KEY_SCALE:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
@@ -230,6 +243,8 @@ void scene_write(FILE *out, const settings *s)
 			json_put_singles(&json, "emission", input->emission, 3);
 		if (input->has_albedo)
 			json_put_singles(&json, "albedo", input->albedo, 3);
+		if (input->has_opacity)
+			json_put_single(&json, "opacity", input->opacity);
 		if (input->has_specular)
 			json_put_single(&json, "specular", input->specular);
 		if (input->has_roughness)

@@ -45,6 +45,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 	switch (v) {
 	case VERB_BAKE:
 		return verb_bake(s, error);
+	case VERB_PLAN:
+		return verb_plan(s, error);
 	case VERB_INFO:
 		return verb_info(s, error);
 	case VERB_COMPARE:
@@ -63,6 +65,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_albedo(s, error);
 	case VERB_DOCTOR:
 		return verb_doctor(s, error);
+	case VERB_LAMP:
+		return verb_lamp(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -35,6 +35,7 @@ typedef struct bake {
 	scan lit;
 	progress progress;
 	bake_facts facts;
+	gw_report planned; /* what was foretold with --explain */
 	gw_error *error;
 } bake;
 
@@ -73,6 +74,21 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	return GW_OK;
 }
 
+/* Lux are there only where lamps have them. */
+static gw_status check_units(const settings *s, gw_error *error)
+{
+	uint32_t photometric = 1u << SETTINGS_FIELD_ILLUMINANCE | 1u << SETTINGS_FIELD_LUMINANCE;
+	if (!(s->fields & photometric) || s->units == LIGHT_UNITS_PHOTOMETRIC)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_USAGE, "--fields %s is in %s, and %s; %s",
+				   s->fields & 1u << SETTINGS_FIELD_ILLUMINANCE ? "illuminance" : "luminance",
+				   s->fields & 1u << SETTINGS_FIELD_ILLUMINANCE ? "lx" : "cd/m^2",
+				   s->units == LIGHT_UNITS_RADIOMETRIC ? "this scene's lamps are in watts"
+													   : "no unit of this scene's lamps is known",
+				   "say cd, lm or lx behind their numbers, or \"units\": \"photometric\" in the "
+				   "scene file");
+}
+
 static gw_status check(bake *b)
 {
 	const settings *s = b->settings;
@@ -92,6 +108,7 @@ static gw_status check(bake *b)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-voxel needs --vdb FILE");
+	GW_TRY(check_units(s, b->error));
 	GW_TRY(check_streams(s, b->error));
 	GW_TRY(frame_bake_check(s, b->error));
 	if (!s->frames)
@@ -233,7 +250,21 @@ static gw_status check_results(const bake *b)
 
 static void on_progress(void *user, const char *stage, double done)
 {
-	progress_show(user, stage, done);
+	progress_show(&((bake *)user)->progress, stage, done);
+}
+
+/* Before what takes long: what is going to be done. */
+static void on_planned(void *user, const gw_report *report)
+{
+	bake *b = user;
+	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, b->settings, &columns) : 0;
+	progress_clear(&b->progress);
+	b->planned = *report;
+	bake_plan_add_scene(&b->planned, b->settings, &b->scene);
+	b->facts.forecast =
+		bake_plan_foretell(&b->planned, b->facts.read_seconds, b->scene.cloud.count, row);
+	if (b->settings->explain)
+		bake_plan_print(&b->facts.forecast, stderr);
 }
 
 static bool on_cancelled(void *user)
@@ -250,12 +281,7 @@ static gw_status write_transport(void *user, const void *bytes, size_t length, g
 static gw_status light_points(bake *b)
 {
 	double start = now();
-	gw_bake_options options = b->settings->bake;
-	options.voxels = b->settings->vdb != NULL;
-	options.ambient_occlusion = b->settings->fields & 1u << SETTINGS_FIELD_AO;
-	options.errors = b->settings->fields & 1u << SETTINGS_FIELD_ERROR;
-	options.unknown = b->settings->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = b->settings->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	gw_bake_options options = bake_plan_options(b->settings);
 	/* What reading took is gone; a limit of 0 would be none. */
 	if (options.time_limit > 0.0f)
 		options.time_limit = fmaxf(options.time_limit - (float)b->facts.read_seconds, 1e-3f);
@@ -266,7 +292,8 @@ static gw_status light_points(bake *b)
 									 .user = b };
 	if (transport.data || transport.write)
 		options.transport = &transport;
-	gw_bake_callbacks callbacks = { on_progress, on_cancelled, &b->progress };
+	gw_bake_callbacks callbacks = { on_progress, on_cancelled, b,
+									b->settings->explain ? on_planned : NULL };
 	gw_status status =
 		b->settings->frame_count > 0
 			? frame_bake_first(b->settings, &b->scene, &options, &callbacks, &b->result, b->error)
@@ -389,7 +416,8 @@ static gw_status print_scene(bake *b)
 	char up = settings_up_axis(s->up);
 	bool ask = false;
 	for (size_t i = 0; i < s->light_count; i++)
-		ask = ask || (s->light[i].from_sky && s->up == SETTINGS_UP_AUTO);
+		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
+					  s->up == SETTINGS_UP_AUTO);
 	if (ask) {
 		GW_TRY(read_inputs(b));
 		up = b->scene.up;
@@ -430,8 +458,11 @@ static gw_status say_results(const bake *b)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
-	if (s->explain)
-		bake_report_explain(&b->result->report);
+	if (s->explain && b->facts.forecast.report)
+		bake_plan_print_outcome(&b->facts.forecast, &b->result->report,
+								b->facts.read_seconds + b->facts.bake_seconds -
+									b->planned.forecast.own_seconds,
+								stderr);
 	if (s->profile)
 		bake_report_profile(&b->result->report);
 	return bake_report_goal(&b->facts, b->error);

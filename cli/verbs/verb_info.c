@@ -25,6 +25,8 @@ typedef struct facts {
 	gw_statistics statistics;
 	double albedo[3];     /* mean, linear */
 	double normal_length; /* mean of the given ones */
+	char up;              /* as scan_up has it, and whether y may be meant */
+	bool up_doubtful;
 } facts;
 
 static const char *type_name(scan_type type)
@@ -119,7 +121,7 @@ static void print_json(const facts *f)
 	json_put_count(&json, "duplicates", s->duplicates);
 	json_put_count(&json, "left_out", f->cloud->left_out);
 	write_strays(&json, f);
-	json_put_text(&json, "up", settings_up_name(f->cloud->up));
+	json_put_text(&json, "up", settings_up_name(f->up));
 	json_put_text(&json, "units", f->place->name);
 	json_put_reals(&json, "minimum", s->minimum, 3);
 	json_put_reals(&json, "maximum", s->maximum, 3);
@@ -181,7 +183,10 @@ static void print_text(const facts *f)
 {
 	const gw_statistics *s = &f->statistics;
 	text_message(stdout, "%s\n", f->name);
-	printf("  format     %s, %s up\n", f->format->name, settings_up_name(f->cloud->up));
+	printf("  format     %s, %s up%s\n", f->format->name, settings_up_name(f->up),
+		   f->up != f->cloud->up ? ", by how its points lie"
+		   : f->up_doubtful      ? ", though y looks like it"
+								 : "");
 	printf("  points     %" PRIu64 ", of which %" PRIu64 " are not finite and %" PRIu64
 		   " stand where another one does\n",
 		   s->points, s->points - s->finite, s->duplicates);
@@ -221,6 +226,7 @@ static gw_status describe(const settings *s, facts *f, gw_error *error)
 	scan_points points;
 	gw_status status = scan_points_make(f->cloud, &s->points, &points, &reason);
 	if (status == GW_OK) {
+		f->up = scan_up(f->cloud, points.position, &f->up_doubtful);
 		for (size_t i = 0; i < f->cloud->count && f->place->changes; i++)
 			coordinates_to_metres(f->place, points.position + 3 * i);
 		status = gw_measure(&points.points, s->bake.threads, &f->statistics, &reason);

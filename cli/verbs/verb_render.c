@@ -37,6 +37,7 @@ typedef struct render {
 	bool exr;
 	bool points; /* --view points */
 	uint32_t width, height;
+	bool placed; /* --row: the camera of the first input stays */
 	render_scene scene;
 	octree_picture octree;
 	octree_view inner; /* --view cells and others that show what lies behind the light */
@@ -172,6 +173,48 @@ static gw_status probe_outputs(const render *r)
 	return status;
 }
 
+static gw_status check_row(const render *r)
+{
+	const settings *s = r->settings;
+	if (!s->render.row)
+		return GW_OK;
+	if (s->input_count < 2)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--row shows inputs side by side, and there is one; name two or more");
+	if (camera_plan_count(&r->plan) > 1)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--row takes one camera, not %zu: leave out --orbit, or have one line in "
+					   "--path",
+					   camera_plan_count(&r->plan));
+	if (r->exr || s->render.mesh)
+		return gw_fail(r->error, GW_ERROR_USAGE, "--row %s",
+					   r->exr ? "makes a PNG, because an EXR holds the numbers of one picture"
+							  : "shows points, and no --mesh");
+	return GW_OK;
+}
+
+/* Colours that stand for numbers, and lines. */
+static gw_status check_numbers(render *r)
+{
+	const settings_render *s = &r->settings->render;
+	bool colors = s->false_color || render_view_is_number((settings_view)s->view);
+	if (r->exr && (s->scale || s->isolux))
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--%s is for the screen, and an EXR holds the numbers themselves; write a "
+					   "PNG",
+					   s->scale ? "scale" : "isolux");
+	if (s->scale && !colors)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "--scale is for colours that stand for numbers: --view illuminance, or "
+					   "--false-colour with another view");
+	if (s->isolux && s->view != SETTINGS_VIEW_ILLUMINANCE)
+		return gw_fail(r->error, GW_ERROR_USAGE, "--isolux needs --view illuminance");
+	r->look.scaled = s->scale != NULL;
+	if (s->scale)
+		GW_TRY(false_color_read(s->scale, &r->look.scale, r->error));
+	return s->isolux ? isolux_read(s->isolux, &r->look.lines, r->error) : GW_OK;
+}
+
 static gw_status check(render *r)
 {
 	GW_TRY(check_inputs(r));
@@ -180,6 +223,8 @@ static gw_status check(render *r)
 	GW_TRY(camera_plan_read(r->settings, &r->plan, r->error));
 	GW_TRY(octree_view_check(r->settings, &r->inner, r->error));
 	GW_TRY(check_output(r));
+	GW_TRY(check_numbers(r));
+	GW_TRY(check_row(r));
 	const file_series pictures = { camera_plan_count(&r->plan), name_picture, r };
 	GW_TRY(file_roles_check(VERB_RENDER, r->settings, &pictures, r->error));
 	return probe_outputs(r);
@@ -205,6 +250,18 @@ static gw_status fail_channel(const render *r, render_channel channel)
 	if (channel == RENDER_UNKNOWN)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "there is no column unknown in the input; bake it with --fields unknown");
+	if (channel == RENDER_IRRADIANCE)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no irradiance in the input; bake it with --fields irradiance");
+	if (channel == RENDER_ILLUMINANCE && r->scene.offset[RENDER_RADIANCE] >= 0 &&
+		!r->scene.photometric)
+		return gw_fail(
+			r->error, GW_ERROR_DATA,
+			"the light in the input is not in lx: its lamps were in watts, or in no unit; "
+			"say cd, lm or lx behind their numbers, or look at --view irradiance");
+	if (channel == RENDER_ILLUMINANCE)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "there is no illuminance in the input; bake it with --fields illuminance");
 	return gw_fail(r->error, GW_ERROR_DATA,
 				   "there is no %s light in the input; bake it with --fields direct,indirect",
 				   render_channel_name(channel));
@@ -223,6 +280,8 @@ static uint32_t wanted_channels(const render *r)
 			   octree_picture_channels(r->settings);
 	if (view == SETTINGS_VIEW_RADIANCE)
 		return 1u << RENDER_RADIANCE | 1u << RENDER_EMISSION | octree_picture_channels(r->settings);
+	if (view == SETTINGS_VIEW_ILLUMINANCE) /* a lit cloud without it is told why */
+		return needed_channels(view) | 1u << RENDER_RADIANCE;
 	return needed_channels(view);
 }
 
@@ -256,7 +315,9 @@ static gw_status choose_points(void *user, const render_scene *scene, const gw_s
 {
 	render *r = user;
 	double aspect = (double)r->width / (double)r->height;
-	GW_TRY(camera_plan_place(&r->plan, scene, surfels, aspect, error));
+	if (!r->placed)
+		GW_TRY(camera_plan_place(&r->plan, scene, surfels, aspect, error));
+	r->placed = r->settings->render.row;
 	return camera_plan_choose(&r->plan, surfels, aspect, chosen, error);
 }
 
@@ -467,10 +528,145 @@ static void note_camera(const render *r)
 				v->flat, v->flat, v->flat);
 }
 
+/* ------------------------------------------------------------------------------ side by side */
+
+/* Inputs side by side, and what is kept of each. */
+typedef struct picture_row {
+	gw_gbuffer *g;          /* owned, and each; count */
+	float **values;         /* owned, and each */
+	const char **name;      /* owned */
+	render_values *picture; /* owned */
+	size_t count;
+	bool photometric;
+	metering light;
+} picture_row;
+
+static void clear_row(picture_row *row)
+{
+	for (size_t i = 0; row->g && i < row->count; i++)
+		gw_gbuffer_clear(&row->g[i]);
+	for (size_t i = 0; row->values && i < row->count; i++)
+		free(row->values[i]);
+	free(row->g);
+	free(row->values);
+	free(row->name);
+	free(row->picture);
+	free(row->light.light);
+	free(row->light.emission);
+}
+
+static gw_status open_row(const render *r, picture_row *row)
+{
+	size_t count = r->settings->input_count, pixels = count * r->width * r->height;
+	*row = (picture_row){ .g = calloc(count, sizeof *row->g),
+						  .values = calloc(count, sizeof *row->values),
+						  .name = calloc(count, sizeof *row->name),
+						  .picture = calloc(count, sizeof *row->picture),
+						  .count = count,
+						  .light = { reallocarray(NULL, pixels, 3 * sizeof *row->light.light),
+									 reallocarray(NULL, pixels, 3 * sizeof *row->light.emission),
+									 0 } };
+	if (!row->g || !row->values || !row->name || !row->picture || !row->light.light ||
+		!row->light.emission)
+		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for %zu pictures", count);
+	return GW_OK;
+}
+
+/* All inputs have to be of a kind, or one scale would say nothing. */
+static gw_status check_alike(const render *r, const picture_row *row, size_t place,
+							 settings_view first)
+{
+	const settings_input *input = r->settings->input;
+	if (r->look.view != first)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s is lit and %s is not, so they are not shown by one exposure; --view "
+					   "shaded shows both without their light",
+					   first == SETTINGS_VIEW_RADIANCE ? row->name[0] : input->path,
+					   first == SETTINGS_VIEW_RADIANCE ? input->path : row->name[0]);
+	if (render_view_is_light(first) && place > 0 && r->scene.photometric != row->photometric)
+		return gw_fail(r->error, GW_ERROR_DATA,
+					   "%s is in cd/m^2 and %s is not, so they are not shown by one exposure",
+					   row->photometric ? row->name[0] : input->path,
+					   row->photometric ? input->path : row->name[0]);
+	return GW_OK;
+}
+
+/* Reads one input and draws it. */
+static gw_status add_to_row(render *r, picture_row *row, size_t place)
+{
+	settings_view first = r->look.view;
+	const resolution size = { r->width, r->height, r->settings->render.samples };
+	row->name[place] = r->settings->input->path;
+	GW_TRY(read_scene(r));
+	GW_TRY(check_alike(r, row, place, place > 0 ? first : r->look.view));
+	row->photometric = r->scene.photometric;
+	if (place == 0) {
+		note_lamps(r);
+		note_camera(r);
+	}
+	double start = gw_seconds();
+	GW_TRY(draw(r, 0, size, &row->g[place], &row->values[place]));
+	r->draw_seconds += gw_seconds() - start;
+	row->picture[place] = (render_values){ &row->g[place], row->values[place] };
+	meter_pixels(r, &row->g[place], row->values[place], &row->light);
+	if (row->g[place].drawn == 0)
+		return gw_fail(r->error, GW_ERROR_DATA, "no point of %s is in view of the camera%s",
+					   row->name[place], place > 0 ? ", which is that of the first input" : "");
+	return GW_OK;
+}
+
+static gw_status read_row(render *r, picture_row *row)
+{
+	settings *all = r->settings;
+	gw_status status = open_row(r, row);
+	for (size_t i = 0; i < all->input_count && status == GW_OK; i++) {
+		settings one = *all;
+		one.input = &all->input[i];
+		one.input_count = 1;
+		r->settings = &one;
+		status = add_to_row(r, row, i);
+		r->settings = all;
+		octree_picture_clear(&r->octree);
+		octree_view_clear(&r->inner);
+		render_scene_clear(&r->scene);
+	}
+	return status;
+}
+
+static gw_status write_row(render *r, const picture_row *row)
+{
+	const render_scene unit = { .photometric = row->photometric };
+	const render_row sheet = { row->picture, row->name, row->count };
+	output_file *out = NULL;
+	r->look.exposure = (double)r->settings->exposure;
+	if (isnan(r->look.exposure) && render_view_is_light(r->look.view))
+		r->look.exposure =
+			preview_exposure(row->light.light, row->light.emission, row->light.count);
+	gw_status status = output_file_create(&out, r->settings->output, r->settings->force, r->error);
+	if (status == GW_OK)
+		status = render_write_row(out, &unit, &r->look, &sheet, r->error);
+	if (status == GW_OK)
+		status = output_file_commit(&out, r->error);
+	output_file_abandon(&out);
+	return status;
+}
+
+static gw_status run_row(render *r)
+{
+	picture_row row;
+	gw_status status = read_row(r, &row);
+	if (status == GW_OK)
+		status = write_row(r, &row);
+	clear_row(&row);
+	return status;
+}
+
 static gw_status run(render *r)
 {
 	GW_TRY(scene_read_all(r->settings, r->error));
 	GW_TRY(check(r));
+	if (r->settings->render.row)
+		return run_row(r);
 	GW_TRY(read_scene(r));
 	note_lamps(r);
 	note_camera(r);

@@ -10,6 +10,9 @@
 /* Reads, lights, writes. Changes the settings: reads scene files into them. */
 gw_status verb_bake(settings *settings, gw_error *error);
 
+/* Says what a bake would compute, why, and what it would take. Changes the settings likewise. */
+gw_status verb_plan(settings *settings, gw_error *error);
+
 /* Samples points on a mesh and writes them. */
 gw_status verb_sample(const settings *settings, gw_error *error);
 
@@ -26,6 +29,9 @@ gw_status verb_tradeoff(settings *settings, gw_error *error);
 /* Looks at everything that a bake needs and prints what it found. GW_ERROR_NO_DEVICE when no device
  * can bake, STATUS_MISSED when something else is not good. */
 gw_status verb_doctor(const settings *settings, gw_error *error);
+
+/* Prints how a luminaire shines, and draws it. */
+gw_status verb_lamp(const settings *settings, gw_error *error);
 
 /* Makes lamps of a lit cloud stronger or weaker without baking, and writes it. */
 gw_status verb_mix(const settings *settings, gw_error *error);

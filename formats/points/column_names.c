@@ -35,6 +35,7 @@ const char *column_canonical_name(const char *name)
 		{ "green", "green" },
 		{ "blue", "blue" },
 		{ "alpha", "alpha" },
+		{ "opacity", "opacity" },
 		{ "intensity", "intensity" },
 		{ NULL, NULL },
 	};

@@ -52,6 +52,7 @@ typedef struct scan {
 	size_t comment_count;
 	uint64_t left_out;      /* rows without a point: empty cells of a scanner's grid */
 	char up;                /* which axis the format calls up, as gw_camera_up has it */
+	bool says_up;           /* the file itself has a line about that (SCAN_UP) */
 	unsigned noise_classes; /* bits: values of `classification` that mean noise; and points that are
 							   `withheld` are not to be used where any bit is set */
 	double *scanner;        /* owned; 3 * scanner_count: where scanners stood, in the cloud's
@@ -63,6 +64,14 @@ typedef struct scan {
 	size_t image_count;
 	uint32_t *image_cell; /* owned; count: the cell of each point of an image; NULL without one */
 } scan;
+
+/*
+ * Which axis of a cloud is up, as gw_camera_up has it: what its format or it itself says, or where
+ * neither a line in it nor a scanner tells, y if its points stand on a base there (gw_likely_up).
+ *   position   3 * count
+ *   doubtful   receives whether z is taken, but y may be meant
+ */
+char scan_up(const scan *cloud, const double *position, bool *doubtful);
 
 /* Frees all that a scan holds and empties it. An empty (zeroed) scan is accepted. */
 void scan_clear(scan *scan);
@@ -149,11 +158,12 @@ typedef struct scan_points {
 	float *normal;
 	float *albedo;
 	float *emission;
+	float *opacity; /* NULL where all are opaque */
 	uint8_t *stray; /* owned */
 } scan_points;
 
 /*
- * Derives positions, normals, linear albedo, emission, and which points a
+ * Derives positions, normals, linear albedo, emission, opacity, and which points a
  * file calls noise or withholds. What colours count up to, from 1 to
  * 65535, their values tell; see scan_color_find. With SCAN_ALBEDO_AUTO, colours that are all black
  * count as none. CloudCompare's prefix scalar_ is understood. A lit file's own albedo_* columns go

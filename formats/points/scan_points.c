@@ -2,7 +2,9 @@
  * From scan to points: which columns are positions, normals, albedo and emission, and in what
  * encoding. Values are handed on as they are; the library repairs and counts bad ones.
  */
+#include "glowworm_picture.h"
 #include "points/scan_color.h"
+#include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
 
 #include <math.h>
@@ -279,7 +281,7 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	bool all = scan_find_triple(cloud, emission_names, column);
 	if (all || column[0] || column[1] || column[2])
 		GW_TRY(gather(&out->emission, column, cloud->count, error));
-	return GW_OK;
+	return scan_opacity_make(cloud, &out->opacity, error);
 }
 
 gw_status scan_points_make(const scan *cloud, const scan_points_options *options, scan_points *out,
@@ -298,6 +300,7 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .normal = out->normal,
 							   .albedo = out->albedo,
 							   .emission = out->emission,
+							   .opacity = out->opacity,
 							   .stray = out->stray,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
@@ -314,6 +317,15 @@ void scan_points_clear(scan_points *points)
 	free(points->normal);
 	free(points->albedo);
 	free(points->emission);
+	free(points->opacity);
 	free(points->stray);
 	memset(points, 0, sizeof *points);
+}
+
+char scan_up(const scan *cloud, const double *position, bool *doubtful)
+{
+	bool said = cloud->up != 'z' || cloud->says_up || cloud->scanner_count > 0, sure = false;
+	bool likely = !said && gw_likely_up(position, cloud->count, &sure);
+	*doubtful = likely && !sure;
+	return likely && sure ? 'y' : cloud->up;
 }

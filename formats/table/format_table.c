@@ -97,8 +97,10 @@ static void take_up(scan *cloud)
 			continue;
 		bool down = text[length] == '-';
 		char axis = text[length + down];
-		if (axis >= 'x' && axis <= 'z' && !text[length + down + 1])
+		if (axis >= 'x' && axis <= 'z' && !text[length + down + 1]) {
 			cloud->up = down ? (char)(axis - 'x' + 'X') : axis;
+			cloud->says_up = true;
+		}
 	}
 }
 

@@ -5,6 +5,8 @@
 #include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "bake/error_price.h"
+#include "bake/forecast.h"
+#include "bake/half_sample.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
 #include "bake/refine.h"
@@ -36,6 +38,7 @@ typedef struct bake {
 	double octree_start; /* of the octree in use, and what it and the direct light took */
 	double octree_seconds;
 	bool refining; /* the first round is over */
+	bool planning; /* nothing comes after the forecast */
 
 	gw_scene scene;
 	gw_lighting light;
@@ -87,16 +90,50 @@ static gw_status make_plan(bake *b, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status find_gaps(bake *b, gw_error *error)
+{
+	return gw_scene_find_space(&b->scene, b->points, error);
+}
+
 static gw_status build_octree(bake *b, gw_error *error)
 {
 	b->octree_start = gw_seconds();
-	return gw_scene_build_octree(&b->scene, error);
+	return b->light.plan.octree ? gw_scene_build_octree(&b->scene, error)
+								: gw_scene_do_without_octree(&b->scene, error);
 }
 
 static gw_status light_directly(bake *b, gw_error *error)
 {
 	GW_TRY(gw_lighting_direct(&b->light, error));
 	b->octree_seconds = gw_seconds() - b->octree_start;
+	return GW_OK;
+}
+
+/* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
+#define HALVES_SHARE 0.65
+
+static void add_halves(bake *b)
+{
+	gw_report *r = b->report;
+	r->forecast.seconds *= 1.0 + HALVES_SHARE;
+	gw_report_effect(r, gw_effect_name(GW_EFFECT_ERROR),
+					 "points solved again, and half of the points baked",
+					 "the surface is in doubt: what half of the points tell otherwise is added to "
+					 "the error foretold");
+}
+
+/* Tells what is going to be done, and what it will take. */
+static gw_status foretell(bake *b, gw_error *error)
+{
+	gw_report *r = b->report;
+	double done = 0.0;
+	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
+		done += r->stage[i].seconds;
+	GW_TRY(gw_forecast_make(&b->light, done, &r->forecast, error));
+	if (gw_half_sample_is_wanted(b->points, &b->scene.options, r))
+		add_halves(b);
+	if (b->scene.callbacks.planned)
+		b->scene.callbacks.planned(b->scene.callbacks.user, r);
 	return GW_OK;
 }
 
@@ -178,6 +215,22 @@ static bool needs_surface(const bake *b)
 	return !has_transport(b);
 }
 
+static bool needs_gaps(const bake *b)
+{
+	return needs_surface(b) && b->light.plan.gaps;
+}
+
+/* Where nothing is traced, lamps still shine on surfels. */
+static bool needs_octree(const bake *b)
+{
+	return needs_surface(b) && (b->light.plan.octree || b->light.plan.lamps);
+}
+
+static bool needs_lamplight(const bake *b)
+{
+	return b->light.plan.lamps;
+}
+
 static bool needs_records(const bake *b)
 {
 	return b->light.plan.records;
@@ -187,23 +240,28 @@ static bool needs_records(const bake *b)
 static bool needs_places(const bake *b)
 {
 	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || b->scene.options.ambient_occlusion);
+		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
 {
-	return (b->light.plan.records || b->light.plan.lamps) && b->scene.options.estimate_points > 0;
+	return b->light.plan.error && (b->light.plan.records || b->light.plan.lamps);
 }
 
-static bool needs_lamps(const bake *b)
+/* What begins with a transport is short. */
+static bool needs_forecast(const bake *b)
+{
+	return (b->planning || b->scene.callbacks.planned) && !has_transport(b);
+}
+
+static bool needs_columns(const bake *b)
 {
 	return b->scene.options.lamps;
 }
 
 static bool needs_record_fields(const bake *b)
 {
-	const gw_bake_options *o = &b->scene.options;
-	return o->ambient_occlusion || o->errors || o->unknown;
+	return gw_options_record_fields(&b->scene.options);
 }
 
 static bool needs_voxels(const bake *b)
@@ -216,8 +274,10 @@ static const step steps[] = {
 	{ "transport", 0.0, load_transport, has_transport },
 	{ "surfels", 0.33, make_surfels, needs_surface },
 	{ "plan", 0.0, make_plan, always },
-	{ "octree", 0.23, build_octree, needs_surface },
-	{ "direct light", 0.1, light_directly, always },
+	{ "gaps", 0.0, find_gaps, needs_gaps },
+	{ "octree", 0.23, build_octree, needs_octree },
+	{ "direct light", 0.1, light_directly, needs_lamplight },
+	{ "forecast", 0.0, foretell, needs_forecast },
 	{ "records", 0.18, place_records, needs_places },
 	{ "first gather", 0.04, gather_first, needs_records },
 	{ "bounces", 0.05, bounce, needs_records },
@@ -227,11 +287,11 @@ static const step steps[] = {
 	{ "fields", 0.0, collect_record_fields, needs_record_fields },
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
-	{ "lamps", 0.0, collect_lamps, needs_lamps },
+	{ "lamps", 0.0, collect_lamps, needs_columns },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 4, RECORDS_STEP = 6, AFTER_ROUND = 11, STEP_COUNT = 16 };
+enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 18 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -285,6 +345,7 @@ static void book_round(bake *b, double seconds, const char *why)
 static gw_status run_round(bake *b, const gw_bake_options *next, const char *why, gw_error *error)
 {
 	bool keep = next->leaf_spacing == b->scene.options.leaf_spacing;
+	b->scene.callbacks.planned = NULL; /* told already */
 	double start = gw_seconds();
 	b->scene.options = *next;
 	if (keep)
@@ -500,7 +561,11 @@ static gw_status run(bake *b, gw_error *error)
 	const gw_bake_options first = b->scene.options;
 	double ray = 0.0;
 
-	gw_status status = run_steps(b, 0, AFTER_ROUND, error);
+	gw_status status = run_steps(b, 0, b->planning ? RECORDS_STEP : AFTER_ROUND, error);
+	if (b->planning) {
+		gw_report_stage(b->report, b->scene.gpu, NULL);
+		return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
+	}
 	if (status == GW_OK && gw_options_refine(&b->scene.options))
 		status = refine(b, error);
 	if (status == GW_OK) {
@@ -516,12 +581,13 @@ static gw_status run(bake *b, gw_error *error)
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
-static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_bake_callbacks *callbacks,
-							   gw_bake_result **result, gw_error *error)
+static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
+							   const gw_bake_callbacks *callbacks, gw_bake_result **result,
+							   gw_error *error)
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = scaled->scene.points };
+	bake b = { .points = scaled->scene.points, .planning = planning };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
@@ -548,22 +614,175 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, const gw_bake_call
 	return status;
 }
 
-gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
-				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
+/* Bakes, or only plans to: then the result holds a report alone. */
+static gw_status bake_as_given(const gw_scene_description *scene, const gw_bake_options *options,
+							   bool planning, const gw_bake_callbacks *callbacks,
+							   gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
-	const gw_bake_options ordinary = gw_bake_options_default();
-	*result = NULL;
-	options = options ? options : &ordinary;
-	GW_TRY(gw_options_check(options, scene, error));
 	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
 	if (status == GW_OK)
-		status = bake_in_units(&scaled, callbacks, result, error);
+		status = bake_in_units(&scaled, planning, callbacks, result, error);
 	if (status == GW_OK)
 		status = gw_scaled_scene_undo(&scaled, *result, error);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	gw_scaled_scene_clear(&scaled);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------ half the points */
+
+/* The callbacks of the whole, for a part of it. */
+typedef struct part {
+	const gw_bake_callbacks *whole; /* NULL: nobody listens */
+	double from, share;             /* of the progress */
+	const char *name;               /* NULL: that of each stage */
+} part;
+
+/* A bake takes as long as its points are many: where halves will follow, so much is left of it. */
+static const part parts[] = { { .from = 0.0, .share = 0.57 },
+							  { .from = 0.57, .share = 0.29, .name = "half the points" },
+							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
+
+static void progress_of_part(void *user, const char *stage, double done)
+{
+	const part *p = user;
+	if (p->whole->progress)
+		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->from + p->share * done);
+}
+
+static bool part_is_cancelled(void *user)
+{
+	const part *p = user;
+	return p->whole->cancelled && p->whole->cancelled(p->whole->user);
+}
+
+static void whole_is_planned(void *user, const gw_report *report)
+{
+	const part *p = user;
+	p->whole->planned(p->whole->user, report);
+}
+
+/* Only the first part tells what is planned. */
+static gw_bake_callbacks callbacks_of(part *p, const gw_bake_callbacks *whole)
+{
+	bool planned = whole && whole->planned && p->from <= 0.0;
+	p->whole = whole;
+	return whole ? (gw_bake_callbacks){ progress_of_part, part_is_cancelled, p,
+										planned ? whole_is_planned : NULL }
+				 : (gw_bake_callbacks){ .user = NULL };
+}
+
+/* A bake of which only the light is wanted, with the settings that the whole one began with. */
+static gw_status bake_half(const gw_scene_description *all, const gw_half_sample *half,
+						   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+						   gw_bake_result **result, gw_error *error)
+{
+	const gw_scene_description scene = { &half->points, all->lights, all->light_count };
+	gw_bake_options plain = *options;
+	plain.estimate_points = 0;
+	plain.max_error = plain.time_limit = 0.0f;
+	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
+	plain.bent_normals = false;
+	return half->points.count > 0
+			   ? bake_as_given(&scene, &plain, false, callbacks, result, error)
+			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
+}
+
+/* The difference to half of the points, and where more is known from it, of half of that half. */
+static gw_status compare_halves(const gw_scene_description *scene, const gw_bake_options *options,
+								const gw_bake_callbacks *callbacks, gw_bake_result *result,
+								gw_error *error)
+{
+	gw_half_sample half, quarter = { .from = NULL };
+	part second_part = parts[1], third_part = parts[2];
+	const gw_bake_callbacks of_second = callbacks_of(&second_part, callbacks);
+	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
+	gw_bake_result *of_half = NULL, *of_quarter = NULL;
+	const gw_report *r = &result->report;
+	double first = 0.0, second = 0.0;
+	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
+	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
+	if (status == GW_OK)
+		status = bake_half(scene, &half, options, &of_second, &of_half, error);
+	if (status == GW_OK)
+		first = gw_half_sample_difference(&half, of_half, result);
+	bool more = status == GW_OK && first > r->error.relative_rms;
+	if (more)
+		status = gw_half_sample_make(&half.points, 1, &quarter, error);
+	if (more && status == GW_OK)
+		status = bake_half(scene, &quarter, options, &of_third, &of_quarter, error);
+	if (more && status == GW_OK)
+		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
+	if (status == GW_OK)
+		gw_half_sample_add(first, second, gathered, &result->report.error);
+	gw_bake_result_destroy(&of_half);
+	gw_bake_result_destroy(&of_quarter);
+	gw_half_sample_clear(&half);
+	gw_half_sample_clear(&quarter);
+	return status;
+}
+
+/* What bakes of half of the points say of the surface; nothing where half of them is no cloud. */
+static gw_status check_by_halves(const gw_scene_description *scene, const gw_bake_options *options,
+								 const gw_bake_callbacks *callbacks, gw_bake_result *result,
+								 gw_error *error)
+{
+	gw_report *r = &result->report;
+	gw_report_stage(r, NULL, "half the points");
+	gw_status status = compare_halves(scene, options, callbacks, result, error);
+	gw_report_stage(r, NULL, NULL);
+	double wanted = (double)options->max_error;
+	if (status == GW_OK && wanted > 0.0 && r->error.relative_rms > wanted && !r->missed) {
+		r->missed = true;
+		r->goal = GW_GOAL_EXHAUSTED;
+	}
+	if (r->price.error > 0.0 && r->price.error < r->error.halves)
+		r->price = (gw_price){ 0 };
+	return status == GW_ERROR_DATA ? GW_OK : status;
+}
+
+gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
+				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
+{
+	const gw_bake_options ordinary = gw_bake_options_default();
+	double start = gw_seconds();
+	*result = NULL;
+	options = options ? options : &ordinary;
+	GW_TRY(gw_options_check(options, scene, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	options = &effective;
+	part first = parts[0];
+	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
+	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
+	GW_TRY(bake_as_given(scene, options, false, &of_first, result, error));
+	/* Two smaller bakes take less than twice as long as this one did. */
+	bool in_time =
+		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
+	if (!in_time || !gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
+		return GW_OK;
+	gw_status status = check_by_halves(scene, options, callbacks, *result, error);
+	if (status != GW_OK)
+		gw_bake_result_destroy(result);
+	return status;
+}
+
+gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
+					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error)
+{
+	const gw_bake_options ordinary = gw_bake_options_default();
+	gw_bake_result *result = NULL;
+	options = options ? options : &ordinary;
+	GW_TRY(gw_options_check(options, scene, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	gw_status status = bake_as_given(scene, &effective, true, callbacks, &result, error);
+	if (status == GW_OK) {
+		*report = result->report;
+		report->bounce = NULL;
+		report->bounce_count = 0;
+	}
+	gw_bake_result_destroy(&result);
 	return status;
 }
 
@@ -582,6 +801,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->lamp);
 	free(r->rest);
 	free(r->ambient_occlusion);
+	free(r->bent_normal);
 	free(r->error);
 	free(r->unknown);
 	free(r->roi);

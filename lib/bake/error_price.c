@@ -40,6 +40,13 @@ double gw_error_floor(const gw_error_estimate *e)
 	return hypot(hypot(e->shadows, e->normals), hypot(e->emission, e->geometry));
 }
 
+double gw_error_with_records(const gw_error_estimate *e, double times)
+{
+	double rest = fmax(e->gathered * e->gathered - e->noise * e->noise, 0.0);
+	return sqrt(fmin(e->noise * e->noise, e->gathered * e->gathered) +
+				rest * pow(times, -REST_POWER));
+}
+
 gw_price gw_price_of(const gw_price_task *t, double error)
 {
 	const gw_error_estimate *e = &t->error;

@@ -85,8 +85,7 @@ static bool shares(const gw_frames *f)
 
 static bool needs_places(const gw_frames *f)
 {
-	const gw_bake_options *o = &f->scene.options;
-	return f->light.plan.records || o->ambient_occlusion || o->errors || o->unknown;
+	return f->light.plan.records || gw_options_record_fields(&f->scene.options);
 }
 
 static void drop_geometry(gw_frames *f)
@@ -221,7 +220,7 @@ static void carry(gw_frames *f)
 static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &f->scene.options;
-	if (o->ambient_occlusion || o->errors || o->unknown)
+	if (gw_options_record_fields(o))
 		GW_TRY(gw_record_fields_collect(&f->light, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
@@ -330,7 +329,8 @@ static gw_status take_scene(gw_frames *f, const gw_moving_scene *scene,
 {
 	const gw_motion *motion = scene->motion;
 	size_t matrices = motion->mover_count * motion->frame_count;
-	GW_TRY(gw_scaled_scene_make(&scene->scene, options, reach_of(motion), &f->units, error));
+	const gw_bake_options effective = gw_options_effective(options);
+	GW_TRY(gw_scaled_scene_make(&scene->scene, &effective, reach_of(motion), &f->units, error));
 	f->scene.options = f->units.options;
 	f->points = f->units.scene.points;
 	f->first_lights = f->units.scene.lights;

@@ -42,6 +42,7 @@ static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_e
 	GW_TRY(gw_scene_open_device(scene, error));
 	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
 	GW_TRY(gw_scene_make_surfels(scene, from, error));
+	GW_TRY(gw_scene_find_space(scene, from->points, error));
 	GW_TRY(begin(scene, "octree", 0.46, 0.3, error));
 	GW_TRY(gw_scene_build_octree(scene, error));
 	GW_TRY(begin(scene, "records", 0.76, 0.24, error));
@@ -80,7 +81,8 @@ gw_status gw_scene_create(const gw_scene_description *description, const gw_bake
 	s->report = s->own_report;
 	if (callbacks)
 		s->callbacks = *callbacks;
-	gw_status status = gw_scaled_scene_make(description, options, 0.0, &s->units, error);
+	const gw_bake_options effective = gw_options_effective(options);
+	gw_status status = gw_scaled_scene_make(description, &effective, 0.0, &s->units, error);
 	s->options = s->units.options;
 	if (status == GW_OK)
 		status = end(s, prepare(s, &s->units.scene, error), error);

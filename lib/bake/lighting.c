@@ -9,6 +9,8 @@
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
 #include "light/gap_light.h"
+#include "light/shut_out.h"
+#include "octree/compartments.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "surfels/surfel_backs.h"
@@ -24,8 +26,9 @@
 void gw_lighting_plan(gw_lighting *lighting)
 {
 	gw_scene *scene = lighting->scene;
-	gw_plan_make(&scene->surfels, lighting->lights, lighting->light_count, &scene->options,
-				 &lighting->plan, scene->report);
+	const gw_plan_task task = { &scene->surfels, lighting->lights, lighting->light_count,
+								&scene->options };
+	gw_plan_make(&task, &lighting->plan, scene->report);
 }
 
 void gw_lighting_plan_part(gw_lighting *part, bool emission)
@@ -35,6 +38,10 @@ void gw_lighting_plan_part(gw_lighting *part, bool emission)
 	*plan = (gw_plan){ .emitters = whole->emitters && emission,
 					   .bounces = whole->bounces,
 					   .records = whole->records,
+					   .shadows = whole->shadows,
+					   .portals = whole->portals,
+					   .gaps = whole->gaps,
+					   .octree = whole->octree,
 					   .limit = whole->bounces ? part->scene->report->bounce_count : whole->limit };
 	for (size_t i = 0; i < part->light_count; i++) {
 		plan->lamps |= whole->lamps && gw_light_shines(&part->lights[i]);
@@ -68,28 +75,38 @@ static const gw_scanned_space *closed_space(const gw_scene *scene)
 			   : NULL;
 }
 
+static void drop_direct(gw_lighting *lighting)
+{
+	gw_gpu *gpu = lighting->scene->gpu;
+	gw_buffer_destroy(gpu, &lighting->surfel_direct);
+	gw_buffer_destroy(gpu, &lighting->surfel_turned);
+	gw_buffer_destroy(gpu, &lighting->facet_direct);
+}
+
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
+	if (!lighting->plan.lamps) {
+		drop_direct(lighting);
+		return GW_OK;
+	}
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count, "direct irradiance",
 				  &lighting->surfel_direct, error));
-	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
-				  &lighting->facet_direct, error));
+	if (slots > 0)
+		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet direct irradiance",
+					  &lighting->facet_direct, error));
 	const gw_lit_cloud cloud = { &scene->passes, &scene->octree, &scene->surfels, &scene->options,
 								 closed_space(scene) };
-	if (lighting->plan.lamps && scene->options.shadows != GW_SHADOWS_NONE)
+	if (lighting->plan.shadows)
 		GW_TRY(gw_scene_find_compartments(scene, error));
-	bool off = lighting->plan.lamps && lighting->whole == NULL &&
-			   scene->surfels.shading_normal_off && scene->options.estimate_points > 0;
+	bool off = lighting->whole == NULL && scene->surfels.shading_normal_off && lighting->plan.error;
 	if (off)
 		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 					  "irradiance of normals that are off", &lighting->surfel_turned, error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
 									  off ? &lighting->surfel_turned : NULL };
-	if (lighting->plan.lamps)
-		GW_TRY(gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error));
-	return GW_OK;
+	return gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
 }
 
 /* ------------------------------------------------------------------------------ first gather */
@@ -108,10 +125,11 @@ static void report_portals(gw_report *report, const gw_portals *portals)
 
 static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 {
-	if (!lighting->plan.sky)
+	if (!lighting->plan.sky && !lighting->plan.portals)
 		return GW_OK;
 	GW_TRY(gw_scene_open_to_sky(lighting->scene, error));
-	report_portals(lighting->scene->report, &lighting->scene->portals);
+	if (lighting->plan.portals)
+		report_portals(lighting->scene->report, &lighting->scene->portals);
 	return GW_OK;
 }
 
@@ -154,6 +172,41 @@ static gw_status add_gathered(gw_scene *s, gw_error *error)
 						error);
 }
 
+/* What emitters in voxels bring to the records where the sky is shut out. */
+static gw_status gather_unlit(gw_lighting *lighting, gw_facet_radiance radiance, float **unlit,
+							  gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const float black[3] = { 0 };
+	uint64_t count = s->records.count;
+	GW_TRY(gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error));
+	*unlit = gw_allocate_array(count, 4 * sizeof **unlit);
+	if (*unlit == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records",
+					   s->records.count);
+	return gw_buffer_download(s->gpu, &s->records.gathered, 0, *unlit, 16 * count, error);
+}
+
+/* Cones find ways through rock as rays do, and through what is coarse. */
+static gw_status gather_with_sky(gw_lighting *lighting, gw_facet_radiance radiance, bool emitters,
+								 gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	float *unlit = NULL;
+	gw_status status = GW_OK;
+	if (emitters && gw_compartments_several(&s->octree))
+		status = gather_unlit(lighting, radiance, &unlit, error);
+	if (status == GW_OK)
+		status = gw_cone_gather_bounce(&on, &s->cones, radiance, lighting->plan.sky_radiance,
+									   &s->records.gathered, error);
+	if (status == GW_OK)
+		status = gw_shut_out_gathered(&on, unlit, &s->records.gathered, error);
+	free(unlit);
+	return status;
+}
+
 /* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
 static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 {
@@ -177,8 +230,9 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 	const gw_facet_radiance radiance = { in_voxels ? &s->octree.facet_emission
 												   : &lighting->facet_radiance,
 										 in_voxels ? largest_emission(&s->surfels) : 1.0f };
-	GW_TRY(gw_cone_gather_bounce(&on, &s->cones, radiance, plan->sky_radiance, &s->records.gathered,
-								 error));
+	GW_TRY(
+		seen ? gather_with_sky(lighting, radiance, in_voxels, error)
+			 : gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error));
 	return add_gathered(s, error);
 }
 
@@ -246,6 +300,7 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 		GW_TRY(gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
 								&lighting->emitters, error));
 	GW_TRY(make_map(lighting, error));
+	GW_TRY(gw_scene_find_compartments(s, error));
 	GW_TRY(s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
 											   : first_by_cones(lighting, error));
 	return see_gaps(lighting, error);
@@ -462,6 +517,9 @@ static gw_status download(const gw_lighting *lighting, const gw_buffer *buffer, 
 
 gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error)
 {
+	*direct = NULL;
+	if (lighting->surfel_direct.handle == VK_NULL_HANDLE)
+		return GW_OK;
 	return download(lighting, &lighting->surfel_direct, direct, error);
 }
 
@@ -520,6 +578,8 @@ gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error)
 									   .emitters = &lighting->emitters,
 									   .rays = gw_estimate_rays(rays_of(&s->options)),
 									   .seed = (uint32_t)s->options.seed };
+	if (lighting->plan.records)
+		GW_TRY(gw_scene_find_compartments(s, error));
 	return s->check_points.count > 0
 			   ? GW_OK
 			   : gw_estimate_foresee(
@@ -540,7 +600,7 @@ static gw_status find_gap_error(gw_lighting *lighting, const gw_estimate_task *e
 									 .first = lighting->surfel_first,
 									 .indirect = lighting->surfel_indirect,
 									 .lights = lighting->lights,
-									 .light_count = lighting->light_count,
+									 .light_count = estimate->light_count,
 									 .limit = estimate->limit,
 									 .options = &s->options };
 	return gw_gap_error(&task, &s->report->gaps, &s->report->error, error);
@@ -551,40 +611,40 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	const gw_bake_options *o = &s->options;
 	float *direct = NULL, *turned = NULL;
-	gw_status status =
-		lighting->plan.lamps ? gw_lighting_download_direct(lighting, &direct, error) : GW_OK;
+	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
 	if (status == GW_OK && lighting->surfel_turned.handle != VK_NULL_HANDLE)
 		status = download(lighting, &lighting->surfel_turned, &turned, error);
 	if (status == GW_OK) {
-		const gw_estimate_task task = { .passes = &s->passes,
-										.octree = &s->octree,
-										.surfels = &s->surfels,
-										.records = lighting->plan.records ? &s->records : NULL,
-										.read_back = &s->read_back,
-										.rays_of_records = &s->rays,
-										.emitters = &lighting->emitters,
-										.facet_direct = &lighting->facet_direct,
-										.sky = lighting->plan.sky_radiance,
-										.map = &lighting->map,
-										.portals = &s->portals,
-										.bounces = lighting->plan.bounces,
-										.direct = direct,
-										.turned = turned,
-										.first = lighting->surfel_first,
-										.indirect = lighting->surfel_indirect,
-										.rays = rays_of(o),
-										.light_samples = o->light_samples,
-										.points = gw_estimate_points(o->estimate_points,
-																	 s->records.count),
-										.seed = (uint32_t)o->seed,
-										.threads = o->threads,
-										.lights = lighting->lights,
-										.light_count = lighting->light_count,
-										.options = o,
-										.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
-										.seen = s->space.scanners > 0,
-										.closed = closed_space(s),
-										.hits = &s->check_points };
+		const gw_estimate_task task = {
+			.passes = &s->passes,
+			.octree = &s->octree,
+			.surfels = &s->surfels,
+			.records = lighting->plan.records ? &s->records : NULL,
+			.read_back = &s->read_back,
+			.rays_of_records = &s->rays,
+			.emitters = &lighting->emitters,
+			.facet_direct = &lighting->facet_direct,
+			.sky = lighting->plan.sky_radiance,
+			.map = &lighting->map,
+			.portals = &s->portals,
+			.bounces = lighting->plan.bounces,
+			.direct = direct,
+			.turned = turned,
+			.first = lighting->surfel_first,
+			.indirect = lighting->surfel_indirect,
+			.rays = rays_of(o),
+			.light_samples = o->light_samples,
+			.points = gw_estimate_points(o->estimate_points, s->records.count),
+			.seed = (uint32_t)o->seed,
+			.threads = o->threads,
+			.lights = lighting->lights,
+			.light_count = lighting->plan.lamps ? lighting->light_count : 0,
+			.options = o,
+			.limit = lighting->plan.bounces ? lighting->plan.limit : 1,
+			.seen = s->space.scanners > 0,
+			.closed = closed_space(s),
+			.hits = &s->check_points
+		};
 		status = gw_estimate_error(&task, &s->report->error, error);
 		if (status == GW_OK && lighting->gap)
 			status = find_gap_error(lighting, &task, error);
@@ -622,7 +682,5 @@ void gw_lighting_clear(gw_lighting *lighting)
 		return;
 	gw_lighting_drop_gathered(lighting);
 	gw_lighting_drop_map(lighting);
-	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_direct);
-	gw_buffer_destroy(lighting->scene->gpu, &lighting->surfel_turned);
-	gw_buffer_destroy(lighting->scene->gpu, &lighting->facet_direct);
+	drop_direct(lighting);
 }

@@ -77,7 +77,8 @@ gw_status gw_lighting_estimate(gw_lighting *lighting, gw_error *error);
  * for. */
 gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error);
 
-/* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel. */
+/* The lamps' light at every surfel; on success *direct is the caller's, 4 floats a surfel, or NULL
+ * where no lamp shines. */
 gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error);
 
 /* Forget the map of the sky, when another is to take its place; what was gathered; all light.

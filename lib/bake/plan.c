@@ -4,7 +4,46 @@
 #include "bake/plan.h"
 
 #include "light/direct_light.h"
+#include "light/lamp_reach.h"
 #include "bake/report.h"
+
+#include <stdio.h>
+
+#define FORCED "it is forced"
+#define FORBIDDEN "it is forbidden"
+
+bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect)
+{
+	return options->effects_forced & 1u << effect;
+}
+
+bool gw_effect_forbidden(const gw_bake_options *options, gw_effect_kind effect)
+{
+	return options->effects_forbidden & 1u << effect;
+}
+
+/* An effect that the scene calls for, or does not; returns whether it is computed. Whoever forces
+ * or forbids it has the last word. */
+typedef struct call {
+	gw_effect_kind effect;
+	bool wanted;        /* by the scene */
+	const char *reason; /* why, or why not */
+	const char *method; /* where it is computed */
+} call;
+
+static bool decide(const gw_plan_task *task, call c, gw_report *report)
+{
+	bool forced = gw_effect_forced(task->options, c.effect);
+	bool forbidden = gw_effect_forbidden(task->options, c.effect);
+	bool computed = forced || (c.wanted && !forbidden);
+	const char *end = forced && !c.wanted ? ", but " FORCED : "";
+	if (forbidden)
+		gw_report_effect(report, gw_effect_name(c.effect), NULL, "%s", FORBIDDEN);
+	else
+		gw_report_effect(report, gw_effect_name(c.effect), computed ? c.method : NULL, "%s%s",
+						 c.reason, end);
+	return computed;
+}
 
 static float largest_of(const float *values, size_t count)
 {
@@ -14,85 +53,187 @@ static float largest_of(const float *values, size_t count)
 	return largest;
 }
 
-static void plan_lamps(const gw_light *lights, size_t light_count, const gw_bake_options *options,
-					   gw_plan *plan, gw_report *report)
+/* Which lamps are left out, as the end of a sentence: "'entrance' shines past all points". */
+static void name_left_out(const gw_plan_task *task, size_t first, size_t count, char *text,
+						  size_t room)
 {
-	size_t shining = 0;
-	for (size_t i = 0; i < light_count; i++)
-		shining += gw_light_shines(&lights[i]);
-	plan->lamps = shining > 0 && plan->limit > 0;
-	if (plan->lamps)
-		gw_report_effect(report, "direct light", gw_shadows_name(options->shadows),
-						 "%zu point, spot or sun lights shine", shining);
+	const gw_light *light = &task->lights[first];
+	const char *why = gw_light_shines(light) ? "shines past all points" : "is black";
+	char number[32];
+	snprintf(number, sizeof number, "light %zu", first + 1);
+	if (count > 1)
+		snprintf(text, room, "; %s %s, and %zu more light nothing either",
+				 light->name[0] ? light->name : number, why, count - 1);
 	else
-		gw_report_effect(report, "direct light", NULL,
-						 shining > 0 ? "no reflection is asked for"
-									 : "no point, spot or sun light shines");
+		snprintf(text, room, "; %s %s", light->name[0] ? light->name : number, why);
 }
 
-static void plan_emitters(const gw_surfels *surfels, const gw_bake_options *options, gw_plan *plan,
-						  gw_report *report)
+static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 {
-	float largest = largest_of(surfels->emission, 3 * surfels->count);
-	plan->emitters = largest > 0.0f && plan->limit > 0;
-	if (plan->emitters)
-		gw_report_effect(report, "emitters",
-						 options->method == GW_METHOD_RAYS ? "sampled, and hit by rays"
-														   : "sampled, or as light of the voxels",
-						 "points emit up to %g W/(sr m^2)", (double)largest);
-	else
-		gw_report_effect(report, "emitters", NULL,
-						 largest > 0.0f ? "no reflection is asked for" : "no point emits");
-}
-
-static void plan_sky(const gw_light *lights, size_t light_count, gw_plan *plan, gw_report *report)
-{
-	for (size_t i = 0; i < light_count; i++) {
-		if (lights[i].type != GW_LIGHT_ENVIRONMENT)
+	size_t lamps = 0, reaching = 0, first_out = 0;
+	char reason[sizeof report->effect->reason], out[160] = "";
+	for (size_t i = 0; i < task->light_count; i++) {
+		if (task->lights[i].type == GW_LIGHT_ENVIRONMENT)
 			continue;
-		if (lights[i].map) {
-			bool shines = plan->limit > 0 && largest_of(lights[i].radiance, 3) > 0.0f;
-			plan->map = shines ? &lights[i] : NULL;
-			continue;
-		}
-		for (int c = 0; c < 3; c++)
-			plan->sky_radiance[c] += lights[i].radiance[c];
+		bool reaches = gw_lamp_reaches(&task->lights[i], task->surfels, task->options->threads);
+		if (!reaches && reaching == lamps)
+			first_out = i;
+		lamps++;
+		reaching += reaches;
 	}
-	plan->sky = (plan->map || largest_of(plan->sky_radiance, 3) > 0.0f) && plan->limit > 0;
+	if (reaching < lamps)
+		name_left_out(task, first_out, lamps - reaching, out, sizeof out);
+	snprintf(reason, sizeof reason, "%zu of %zu lamps and suns shine on points%s", reaching, lamps,
+			 out);
+	const call lamp = { GW_EFFECT_LAMPS, reaching > 0 && plan->limit > 0,
+						plan->limit == 0 ? "no reflection is asked for"
+						: lamps == 0     ? "there is no lamp or sun"
+										 : reason,
+						"at every point" };
+	plan->lamps = decide(task, lamp, report);
+	bool none = task->options->shadows == GW_SHADOWS_NONE;
+	const call shadow = { GW_EFFECT_SHADOWS, plan->lamps && !none,
+						  none          ? "none are asked for"
+						  : plan->lamps ? "points hide lamps from each other"
+										: "no lamp shines on points",
+						  gw_shadows_name(task->options->shadows) };
+	plan->shadows = decide(task, shadow, report);
+}
+
+static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *report)
+{
+	float largest = largest_of(task->surfels->emission, 3 * task->surfels->count);
+	char reason[sizeof report->effect->reason];
+	snprintf(reason, sizeof reason, "points emit up to %g W/(sr m^2)", (double)largest);
+	const call c = { GW_EFFECT_EMITTERS, largest > 0.0f && plan->limit > 0,
+					 !(largest > 0.0f)  ? "no point emits"
+					 : plan->limit == 0 ? "no reflection is asked for"
+										: reason,
+					 task->options->method == GW_METHOD_RAYS
+						 ? "sampled, and hit by rays"
+						 : "sampled, or as light of the voxels" };
+	plan->emitters = decide(task, c, report);
+}
+
+/* What of the lights is sky. */
+static void add_sky(const gw_plan_task *task, gw_plan *plan)
+{
+	for (size_t i = 0; i < task->light_count; i++) {
+		const gw_light *light = &task->lights[i];
+		if (light->type != GW_LIGHT_ENVIRONMENT)
+			continue;
+		if (light->map && largest_of(light->radiance, 3) > 0.0f)
+			plan->map = light;
+		for (int c = 0; c < 3 && !light->map; c++)
+			plan->sky_radiance[c] += light->radiance[c];
+	}
+}
+
+static void drop_sky(gw_plan *plan)
+{
+	plan->map = NULL;
+	for (int c = 0; c < 3; c++)
+		plan->sky_radiance[c] = 0.0f;
+}
+
+static void plan_sky(const gw_plan_task *task, gw_plan *plan, gw_report *report)
+{
+	char reason[sizeof report->effect->reason];
+	add_sky(task, plan);
+	bool shines = plan->map || largest_of(plan->sky_radiance, 3) > 0.0f;
 	if (plan->map)
-		gw_report_effect(report, "sky", "sampled, and seen by rays that leave the scene",
-						 "an environment light has a map of %u x %u", plan->map->map_width,
-						 plan->map->map_height);
-	else if (plan->sky)
-		gw_report_effect(report, "sky", "seen by rays that leave the scene",
-						 "an environment light shines");
+		snprintf(reason, sizeof reason, "an environment light has a map of %u x %u",
+				 plan->map->map_width, plan->map->map_height);
 	else
-		gw_report_effect(report, "sky", NULL, "no environment light shines");
+		snprintf(reason, sizeof reason, "an environment light shines");
+	const call sky = { GW_EFFECT_SKY, shines && plan->limit > 0,
+					   !shines            ? "no environment light shines"
+					   : plan->limit == 0 ? "no reflection is asked for"
+										  : reason,
+					   plan->map ? "sampled, and seen by rays that leave the scene"
+								 : "seen by rays that leave the scene" };
+	plan->sky = decide(task, sky, report);
+	if (!plan->sky)
+		drop_sky(plan);
+	bool rays = task->options->method == GW_METHOD_RAYS;
+	const call portals = { GW_EFFECT_PORTALS, plan->sky && rays,
+						   !plan->sky ? "no sky shines"
+						   : rays     ? "whether openings to the sky are few is found by rays"
+									  : "cones see the sky themselves",
+						   "sampled beside the rays" };
+	plan->portals = decide(task, portals, report);
 }
 
-static void plan_bounces(const gw_surfels *surfels, const gw_bake_options *options, gw_plan *plan,
-						 gw_report *report)
+static void plan_bounces(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 {
-	float albedo = largest_of(surfels->albedo, 3 * surfels->count);
+	float albedo = largest_of(task->surfels->albedo, 3 * task->surfels->count);
 	bool lit = plan->lamps || plan->emitters || plan->sky;
-	plan->bounces = lit && plan->limit > 1 && albedo > 0.0f;
-	if (plan->bounces)
-		gw_report_effect(report, "diffuse bounces", gw_method_name(options->method),
-						 "albedo reaches %.3g, so reflected light matters", (double)albedo);
-	else
-		gw_report_effect(report, "diffuse bounces", NULL,
-						 !lit            ? "there is no light"
-						 : albedo > 0.0f ? "one reflection is asked for"
-										 : "every point is black");
+	char reason[sizeof report->effect->reason];
+	snprintf(reason, sizeof reason, "albedo reaches %.3g, so reflected light matters",
+			 (double)albedo);
+	const call c = { GW_EFFECT_BOUNCES, lit && plan->limit > 1 && albedo > 0.0f,
+					 !lit               ? "there is no light"
+					 : !(albedo > 0.0f) ? "every point is black"
+					 : plan->limit < 2  ? "one reflection is asked for"
+										: reason,
+					 gw_method_name(task->options->method) };
+	plan->bounces = decide(task, c, report);
 }
 
-void gw_plan_make(const gw_surfels *surfels, const gw_light *lights, size_t light_count,
-				  const gw_bake_options *options, gw_plan *plan, gw_report *report)
+/* What all of these need, and what says how good they are. */
+static void plan_rest(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 {
-	*plan = (gw_plan){ .limit = options->bounces };
-	plan_lamps(lights, light_count, options, plan, report);
-	plan_emitters(surfels, options, plan, report);
-	plan_sky(lights, light_count, plan, report);
-	plan_bounces(surfels, options, plan, report);
-	plan->records = plan->emitters || plan->sky || plan->bounces;
+	const gw_bake_options *o = task->options;
+	bool lit = plan->records || plan->lamps, hidden = plan->records || plan->shadows;
+	bool points = o->estimate_points > 0;
+	const call gaps = { GW_EFFECT_GAPS, hidden || o->unknown,
+						hidden ? "light comes from where nobody may have scanned"
+							   : "no light is hidden by anything",
+						"what scanners saw, else holes of surfaces" };
+	plan->gaps = decide(task, gaps, report);
+	const call error = { GW_EFFECT_ERROR, lit && points,
+						 !points ? "no points are to be solved again for it"
+						 : lit   ? "light that is computed is wrong by something"
+								 : "there is no light to be wrong",
+						 plan->records ? "points solved again" : "by what lamps' shadows show" };
+	plan->error = decide(task, error, report);
+	bool open = o->ambient_occlusion || o->bent_normals;
+	bool kept = o->transport && o->transport->write;
+	const call octree = { GW_EFFECT_OCTREE, hidden || kept || o->voxels || open,
+						  plan->records   ? "light is gathered by rays or cones"
+						  : plan->shadows ? "shadows are traced through it"
+						  : kept          ? "a transport has one"
+						  : o->voxels     ? "grids are made of its leaves"
+						  : open          ? "ambient occlusion is found by rays"
+										  : "nothing is traced",
+						  "sparse voxels" };
+	plan->octree = decide(task, octree, report);
+}
+
+static void report_normals(const gw_surfels *s, gw_report *report)
+{
+	uint64_t estimated = s->normals_estimated;
+	if (estimated > 0)
+		gw_report_effect(report, "normals", "planes through neighbours",
+						 "%.3g %% of the points come without one that can be trusted",
+						 100.0 * (double)estimated / (double)s->count);
+	else
+		gw_report_effect(report, "normals", NULL, "all points have their own");
+	if (s->shading_normal)
+		gw_report_effect(report, "noise", "normals of a smoothed surface",
+						 "the points scatter about their surface");
+	else
+		gw_report_effect(report, "noise", NULL, "the points lie on their surface");
+}
+
+void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report)
+{
+	*plan = (gw_plan){ .limit = task->options->bounces };
+	plan_lamps(task, plan, report);
+	plan_emitters(task, plan, report);
+	plan_sky(task, plan, report);
+	plan_bounces(task, plan, report);
+	plan->records = plan->emitters || plan->sky || plan->portals || plan->bounces;
+	plan_rest(task, plan, report);
+	report_normals(task->surfels, report);
 }

@@ -1,6 +1,9 @@
 /*
  * plan.h - which effects a scene calls for, why, and how each is computed. An effect that is not
- * called for costs nothing: no pass, no buffer.
+ * called for costs nothing: no pass, no buffer, no shader.
+ *
+ * What is decided here needs no octree: lights, their cones, albedo, emission, and what of the
+ * result is asked for. It does not depend on the order of the points.
  */
 #ifndef PLAN_H
 #define PLAN_H
@@ -8,18 +11,34 @@
 #include "cloud/surfels.h"
 
 typedef struct gw_plan {
-	bool lamps;            /* point, spot or sun lights shine */
+	bool lamps;            /* point, spot or sun lights shine on points */
+	bool shadows;          /* and surfaces hide them */
 	bool emitters;         /* some surfel emits */
 	bool sky;              /* the environment is not black */
 	const gw_light *map;   /* the environment light with a map, or NULL */
+	bool portals;          /* openings to the sky are looked for */
 	bool bounces;          /* light is reflected more than once */
 	bool records;          /* anything is gathered at all */
+	bool gaps;             /* what nobody scanned is looked for */
+	bool error;            /* the error is estimated */
+	bool octree;           /* any of these needs it */
 	float sky_radiance[3]; /* sum of the environment lights without a map */
 	uint32_t limit;        /* reflections, or GW_BOUNCES_AUTO */
 } gw_plan;
 
+/* What is to be planned; nothing of it is owned. */
+typedef struct gw_plan_task {
+	const gw_surfels *surfels;
+	const gw_light *lights; /* light_count */
+	size_t light_count;
+	const gw_bake_options *options; /* gw_options_effective */
+} gw_plan_task;
+
 /* Decides, and writes the decisions and their reasons into the report. */
-void gw_plan_make(const gw_surfels *surfels, const gw_light *lights, size_t light_count,
-				  const gw_bake_options *options, gw_plan *plan, gw_report *report);
+void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report);
+
+/* Whether an effect is forced, or forbidden. */
+bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect);
+bool gw_effect_forbidden(const gw_bake_options *options, gw_effect_kind effect);
 
 #endif

@@ -47,6 +47,9 @@ static double brightness(const gw_light *light, const box *b)
 	switch (light->type) {
 	case GW_LIGHT_POINT:
 	case GW_LIGHT_SPOT:
+	case GW_LIGHT_SPHERE:
+	case GW_LIGHT_DISC:
+	case GW_LIGHT_RECTANGLE:
 		/* Divided in two steps: squares of small extents are 0. */
 		return largest(light->intensity) /
 			   fmax(sqrt(squared_distance(b, light->position)), b->extent) /
@@ -98,6 +101,8 @@ static float *scaled_light(const float *color, size_t count, int exponent)
 static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
 {
 	light->radius = ldexpf(light->radius, scaled->length);
+	for (int k = 0; k < 2; k++)
+		light->size[k] = ldexpf(light->size[k], scaled->length);
 	for (int k = 0; k < 3; k++) {
 		light->position[k] = ldexp(light->position[k], scaled->length);
 		light->intensity[k] = ldexpf(light->intensity[k], 2 * scaled->length + scaled->light);
@@ -121,12 +126,56 @@ float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, 
 	return scaled_light(emission, count, scaled->light);
 }
 
+/* Counts the points that are invisible, and those that are less than opaque. */
+static gw_status count_clear(const gw_points *points, size_t *invisible, size_t *clear,
+							 gw_error *error)
+{
+	*invisible = *clear = 0;
+	for (size_t i = 0; points->opacity && i < points->count; i++) {
+		float opacity = points->opacity[i];
+		if (!(opacity >= 0.0f && opacity <= 1.0f))
+			return gw_fail(error, GW_ERROR_DATA,
+						   "the opacity of point %zu is %g: it is a share, from 0 to 1", i,
+						   (double)opacity);
+		*invisible += !(opacity > 0.0f);
+		*clear += opacity < 1.0f;
+	}
+	if (points->count > 0 && *invisible == points->count)
+		return gw_fail(error, GW_ERROR_DATA,
+					   "all %zu points are invisible, of opacity 0: there is nothing to light",
+					   points->count);
+	return GW_OK;
+}
+
+/* Leaves out what is invisible, and opacities where all is opaque. */
+static gw_status take_opacity(gw_scaled_scene *scaled, gw_error *error)
+{
+	gw_points *p = &scaled->points;
+	size_t invisible, clear;
+	GW_TRY(count_clear(p, &invisible, &clear, error));
+	if (clear == 0 && p->opacity)
+		p->opacity = NULL;
+	if (invisible == 0)
+		return GW_OK;
+	scaled->visible = gw_allocate_array(3 * p->count, sizeof *scaled->visible);
+	if (!scaled->visible)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", p->count);
+	for (size_t i = 0; i < 3 * p->count; i++)
+		scaled->visible[i] = p->opacity[i / 3] > 0.0f ? p->position[i] : (double)NAN;
+	p->position = scaled->visible;
+	return GW_OK;
+}
+
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
 							   double reach, gw_scaled_scene *scaled, gw_error *error)
 {
-	const gw_points *points = scene->points;
-	*scaled = (gw_scaled_scene){ .scene = *scene, .points = *points, .options = *options };
-	choose_units(scene, reach, scaled);
+	*scaled = (gw_scaled_scene){ .scene = *scene, .points = *scene->points, .options = *options };
+	if (scaled->points.opacity) {
+		GW_TRY(take_opacity(scaled, error));
+		scaled->scene.points = &scaled->points;
+	}
+	const gw_points given = scaled->points, *points = &given;
+	choose_units(&scaled->scene, reach, scaled);
 	if (scaled->length == 0 && scaled->light == 0)
 		return GW_OK;
 	gw_points *p = &scaled->points;
@@ -162,6 +211,7 @@ void gw_scaled_scene_clear(gw_scaled_scene *scaled)
 {
 	free(scaled->lights);
 	free(scaled->position);
+	free(scaled->visible);
 	free(scaled->scanner);
 	free(scaled->emission);
 	*scaled = (gw_scaled_scene){ .length = 0 };

@@ -18,14 +18,16 @@ typedef struct gw_scaled_scene {
 	gw_light *lights; /* NULL when both are 0 */
 	gw_bake_options options;
 	double *position, *scanner; /* of points, where they are copies */
+	double *visible;            /* the same of points of which some are invisible: without these */
 	float *emission;
 } gw_scaled_scene;
 
 /*
- * Chooses the units, and copies what changes with them.
+ * Chooses the units, and copies what changes with them. Points that are invisible lose their place,
+ * as if it was not finite.
  *   reach    metres by which something of it moves, 0 when nothing does
  *   scaled   to be freed with gw_scaled_scene_clear, also on failure; refers to what was given
- * Fails with GW_ERROR_MEMORY.
+ * Fails with GW_ERROR_MEMORY, or GW_ERROR_DATA where an opacity is none.
  */
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
 							   double reach, gw_scaled_scene *scaled, gw_error *error);

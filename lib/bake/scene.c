@@ -38,6 +38,67 @@ bool gw_options_refine(const gw_bake_options *o)
 	return o->max_error > 0.0f || o->time_limit > 0.0f;
 }
 
+static bool forbids(const gw_bake_options *o, gw_effect_kind effect)
+{
+	return o->effects_forbidden & 1u << effect;
+}
+
+gw_bake_options gw_options_effective(const gw_bake_options *options)
+{
+	gw_bake_options o = *options;
+	if (forbids(&o, GW_EFFECT_SHADOWS))
+		o.shadows = GW_SHADOWS_NONE;
+	if (forbids(&o, GW_EFFECT_BOUNCES) && o.bounces > 1)
+		o.bounces = 1;
+	if (forbids(&o, GW_EFFECT_ERROR))
+		o.estimate_points = 0;
+	return o;
+}
+
+/* Effects that are forced or forbidden against what other options say. */
+static gw_status check_effects(const gw_bake_options *o, gw_error *error)
+{
+	const uint32_t known = (1u << GW_EFFECT_KIND_COUNT) - 1;
+	const struct {
+		uint32_t effects;
+		gw_effect_kind effect;
+		bool contradicted;
+		const char *what;
+	} rows[] = {
+		{ o->effects_forced, GW_EFFECT_SHADOWS, o->shadows == GW_SHADOWS_NONE,
+		  "is forced, but no kind of shadows is chosen" },
+		{ o->effects_forced, GW_EFFECT_BOUNCES, o->bounces < 2,
+		  "is forced, but the number of bounces leaves no second reflection" },
+		{ o->effects_forced, GW_EFFECT_ERROR, o->estimate_points == 0,
+		  "is forced, but no points are to be solved again for it" },
+		{ o->effects_forbidden, GW_EFFECT_ERROR, gw_options_refine(o),
+		  "is forbidden, but the bake is to go on until an error or a time is reached" },
+		{ o->effects_forbidden, GW_EFFECT_GAPS, o->gaps != GW_GAPS_OPEN || o->unknown,
+		  "is forbidden, but gaps are to be closed or written" },
+		{ o->effects_forbidden, GW_EFFECT_OCTREE, true,
+		  "is forbidden; there is none where shadows, emitters, sky and bounces are" },
+	};
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		if (rows[i].contradicted && rows[i].effects & 1u << rows[i].effect)
+			return gw_fail(error, GW_ERROR_USAGE, "the effect '%s' %s",
+						   gw_effect_name(rows[i].effect), rows[i].what);
+	if (o->effects_forced & o->effects_forbidden)
+		return gw_fail(error, GW_ERROR_USAGE, "an effect is both forced and forbidden");
+	if ((o->effects_forced | o->effects_forbidden) & ~known)
+		return gw_fail(error, GW_ERROR_USAGE, "an effect to be forced or forbidden is not known");
+	return GW_OK;
+}
+
+bool gw_options_openness(const gw_bake_options *o)
+{
+	return o->ambient_occlusion || o->bent_normals;
+}
+
+bool gw_options_record_fields(const gw_bake_options *o)
+{
+	return gw_options_openness(o) || o->errors || o->unknown;
+}
+
 gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
 						   gw_error *error)
 {
@@ -66,6 +127,7 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
 		GW_TRY(check_number(rows[i].name, rows[i].value, rows[i].low, rows[i].high, error));
+	GW_TRY(check_effects(o, error));
 	if (scene->points->count == 0)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "the cloud holds no points, so there is nothing to light");
@@ -200,10 +262,21 @@ void gw_report_emission(gw_report *r, const gw_surfels *s)
 					"points with negative or non-finite emission: taken as 0");
 }
 
+static uint64_t count_invisible(const gw_points *points)
+{
+	uint64_t invisible = 0;
+	for (size_t i = 0; points->opacity && i < points->count; i++)
+		invisible += !(points->opacity[i] > 0.0f);
+	return invisible;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
-	gw_report_count(r, "left_out_non_finite", s->non_finite - far,
+	uint64_t invisible = count_invisible(points);
+	gw_report_count(r, "left_out_invisible", invisible,
+					"points of opacity 0: left out, written as dark");
+	gw_report_count(r, "left_out_non_finite", s->non_finite - far - invisible,
 					"points without finite coordinates: left out, written as dark");
 	gw_report_count(r, "left_out_far", far,
 					"points with a coordinate beyond 1e12 m: left out, written as dark");
@@ -247,6 +320,8 @@ void gw_scene_report_space(const gw_scene *scene)
 gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
+	if (forbids(o, GW_EFFECT_GAPS))
+		return GW_OK;
 	GW_TRY(gw_scanned_space_make(points, &scene->surfels, o->threads, &scene->space, error));
 	if (scene->space.scanners == 0)
 		GW_TRY(gw_surface_holes_find(&scene->surfels, o->threads, &scene->space, error));
@@ -266,7 +341,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 								   .user = scene };
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
-	return gw_scene_find_space(scene, from->points, error);
+	return GW_OK;
 }
 
 void gw_scene_report_octree(const gw_scene *scene)
@@ -312,6 +387,17 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 			scene->report, "cones_pass", scene->octree.tree_discs,
 			"points sparser than cones can see: light leaks between them; use rays, or a "
 			"larger leaf spacing or less depth");
+	return GW_OK;
+}
+
+gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error)
+{
+	const gw_bake_options *o = &scene->options;
+	GW_TRY(gw_octree_without_tree(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
+								  error));
+	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
+	scene->passes.threads = o->threads;
+	gw_scene_report_octree(scene);
 	return GW_OK;
 }
 
@@ -444,15 +530,20 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 
 gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
 {
-	return gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error);
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	const gw_record_context further = gw_scene_context(s, &s->further);
+	GW_TRY(gw_compartments_find(s->gpu, &s->surfels, s->options.threads, &s->octree, error));
+	if (s->options.method != GW_METHOD_RAYS || s->rays.facet.handle == VK_NULL_HANDLE)
+		return GW_OK;
+	GW_TRY(gw_ray_gather_shut_out(&on, &s->rays, error));
+	return s->further.count > 0 ? gw_ray_gather_shut_out(&further, &s->further_rays, error) : GW_OK;
 }
 
 gw_status gw_scene_open_to_sky(gw_scene *s, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_record_context further = gw_scene_context(s, &s->further);
-	GW_TRY(gw_scene_find_compartments(s, error));
-	if (!s->portals.looked)
+	if (!s->portals.looked && !forbids(&s->options, GW_EFFECT_PORTALS))
 		GW_TRY(gw_portals_find(&s->passes, &s->octree, &s->records, &s->rays, &s->portals, error));
 	if (s->further.count > 0)
 		GW_TRY(

@@ -101,8 +101,15 @@ bool gw_scene_stopped(void *scene);
 gw_status gw_options_check(const gw_bake_options *options, const gw_scene_description *scene,
 						   gw_error *error);
 
+/* The options with what follows from effects that they forbid: no shadows, one reflection... */
+gw_bake_options gw_options_effective(const gw_bake_options *options);
+
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);
+
+/* Whether they ask which directions are open, and for anything that record_fields.h collects. */
+bool gw_options_openness(const gw_bake_options *options);
+bool gw_options_record_fields(const gw_bake_options *options);
 
 /* Opens the device that the options name. */
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
@@ -124,6 +131,9 @@ void gw_report_surfels(gw_report *report, const gw_surfels *surfels, const gw_po
 
 gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error);
 
+/* Instead: surfels on the device without a tree, for lamps that nothing hides. */
+gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error);
+
 /* Writes what the octree is into the report; building it does so, too. */
 void gw_scene_report_octree(const gw_scene *scene);
 
@@ -136,7 +146,7 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
  */
 gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
 
-/* Finds what rock keeps apart, for light that comes from elsewhere. */
+/* Finds what rock keeps apart, and what records must not see through it. */
 gw_status gw_scene_find_compartments(gw_scene *scene, gw_error *error);
 
 /* Sees to it that portals to the sky are known and sampled from all records. */

@@ -17,14 +17,14 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 8u
+#define VERSION 9u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
 
 /* What was baked: a hash each. */
 typedef struct identity {
-	uint64_t position, normal, albedo, scanner, stray, emission;
+	uint64_t position, normal, albedo, opacity, scanner, stray, emission;
 } identity;
 
 /* Settings that change what a transport holds. */
@@ -69,6 +69,7 @@ static identity identify(const gw_points *p)
 		.position = hash_array(p->position, p->count, 3 * sizeof *p->position),
 		.normal = hash_array(p->normal, p->count, 3 * sizeof *p->normal),
 		.albedo = hash_array(p->albedo, p->count, 3 * sizeof *p->albedo),
+		.opacity = hash_array(p->opacity, p->count, sizeof *p->opacity),
 		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),
 		.stray = p->keep_strays ? 1 : hash_array(p->stray, p->count, 1),
 		.emission = hash_array(p->emission, p->count, 3 * sizeof *p->emission),
@@ -203,6 +204,7 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 					   : kept->position != own->position  ? "other positions"
 					   : kept->normal != own->normal      ? "other normals"
 					   : kept->albedo != own->albedo      ? "other albedo"
+					   : kept->opacity != own->opacity    ? "other opacities"
 					   : kept->scanner != own->scanner    ? "other places of scanners"
 					   : kept->stray != own->stray        ? "other strays"
 														  : NULL;

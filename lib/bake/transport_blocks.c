@@ -59,6 +59,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
+	n.dark_slot = o->dark_slot;
 	n.wanted_leaf_size = o->wanted_leaf_size;
 	snprintf(n.why_coarser, sizeof n.why_coarser, "%s", o->why_coarser);
 	memcpy(n.origin, s->origin, sizeof n.origin);
@@ -86,7 +87,8 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
-		   n->leaves <= INT32_MAX / 2 && isfinite(n->wanted_leaf_size) &&
+		   n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
+		   isfinite(n->wanted_leaf_size) &&
 		   memchr(n->why_coarser, 0, sizeof n->why_coarser) != NULL &&
 		   (uint64_t)n->tiles * 8 < UINT32_MAX && (uint64_t)n->leaf_tiles * 8 < UINT32_MAX;
 }
@@ -103,6 +105,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 	*o = (gw_octree){ .depth = n->depth,
 					  .leaf_size = n->leaf_size,
 					  .wanted_leaf_size = n->wanted_leaf_size,
+					  .dark_slot = n->dark_slot,
 					  .directory_level = n->directory_level,
 					  .leaf_count = n->leaves,
 					  .leaf_tile_count = n->leaf_tiles,
@@ -187,6 +190,8 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
 		host(l, "emission", &s->emission, 12 * count);
+	if (n->dark_slot)
+		host(l, "transparency", &s->transparency, 4 * count);
 	host(l, "distances", &s->nearest, 4 * count);
 	host(l, "radii", &s->radius, 4 * count);
 	host(l, "areas", &s->area, 4 * count);

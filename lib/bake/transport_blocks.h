@@ -27,7 +27,8 @@ typedef struct gw_transport_numbers {
 	uint32_t check_points,
 		check_point_rays;      /* points whose error was estimated, and rays of a gather there */
 	uint32_t check_points_lit; /* 1: what emitters brought them is kept */
-	float wanted_leaf_size;    /* of gw_octree, as the next */
+	uint32_t dark_slot;        /* of gw_octree; 0: all is opaque */
+	float wanted_leaf_size;    /* likewise, as the next */
 	char why_coarser[GW_OCTREE_WHY];
 } gw_transport_numbers;
 

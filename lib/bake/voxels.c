@@ -69,7 +69,8 @@ static gw_status fetch_all(const gw_voxels_task *task, leaf_arrays *arrays, gw_e
 		{ &o->leaf_cell, o->leaf_count, (void **)&arrays->cell },
 	};
 	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-		GW_TRY(fetch(task, rows[i].buffer, rows[i].texels, rows[i].values, error));
+		if (rows[i].buffer->handle != VK_NULL_HANDLE)
+			GW_TRY(fetch(task, rows[i].buffer, rows[i].texels, rows[i].values, error));
 	if (task->records)
 		GW_TRY(shade_gathered(task, &arrays->gathered, error));
 	return GW_OK;
@@ -103,7 +104,8 @@ static void fill_voxel(const leaf_arrays *arrays, size_t leaf, gw_voxels *voxels
 		for (size_t s = 0; s < 2 && area > 0.0f; s++) {
 			size_t at = 8 * leaf + 4 * s + c;
 			float share = arrays->centre[8 * leaf + 4 * s + 3] / area;
-			float reflected = arrays->albedo[at] * 0.318309886f * arrays->direct[at] +
+			float lamps = arrays->direct ? arrays->direct[at] : 0.0f;
+			float reflected = arrays->albedo[at] * 0.318309886f * lamps +
 							  (arrays->gathered ? arrays->gathered[at] : 0.0f);
 			radiance += share * (arrays->emission[at] + reflected);
 			albedo += share * arrays->albedo[at];

@@ -12,7 +12,7 @@ typedef struct gw_voxels_task {
 	const gw_surfels *surfels;
 	gw_records *records; /* NULL when nothing was gathered; its indirect becomes the sum of all
 							gathered irradiance */
-	const gw_buffer *facet_direct; /* irradiance from lamps */
+	const gw_buffer *facet_direct; /* irradiance from lamps; none where no lamp shines */
 } gw_voxels_task;
 
 /* Reads the leaves back. On success *voxels is owned by the caller, freed with gw_voxels_clear. */

@@ -84,6 +84,20 @@ const char *gw_gaps_name(gw_gaps gaps)
 	return name[gaps];
 }
 
+const char *gw_effect_name(gw_effect_kind effect)
+{
+	static const char *const name[] = {
+		[GW_EFFECT_LAMPS] = "lamps",       [GW_EFFECT_SHADOWS] = "shadows",
+		[GW_EFFECT_EMITTERS] = "emitters", [GW_EFFECT_SKY] = "sky",
+		[GW_EFFECT_PORTALS] = "portals",   [GW_EFFECT_BOUNCES] = "bounces",
+		[GW_EFFECT_GAPS] = "gaps",         [GW_EFFECT_ERROR] = "error",
+		[GW_EFFECT_OCTREE] = "octree",
+	};
+	static_assert(sizeof name / sizeof *name == GW_EFFECT_KIND_COUNT, "every effect has a name");
+	assert((unsigned)effect < GW_EFFECT_KIND_COUNT);
+	return name[effect];
+}
+
 const char *gw_goal_name(gw_goal goal)
 {
 	static const char *const name[] = {
@@ -101,7 +115,10 @@ const char *gw_light_type_name(gw_light_type type)
 	static const char *const name[] = { [GW_LIGHT_POINT] = "point",
 										[GW_LIGHT_SPOT] = "spot",
 										[GW_LIGHT_SUN] = "sun",
-										[GW_LIGHT_ENVIRONMENT] = "environment" };
+										[GW_LIGHT_ENVIRONMENT] = "environment",
+										[GW_LIGHT_SPHERE] = "sphere",
+										[GW_LIGHT_DISC] = "disc",
+										[GW_LIGHT_RECTANGLE] = "rectangle" };
 	static_assert(sizeof name / sizeof *name == GW_LIGHT_TYPE_COUNT, "every type has a name");
 	assert((unsigned)type < GW_LIGHT_TYPE_COUNT);
 	return name[type];

@@ -11,6 +11,9 @@
 /* Of clouds narrower than this, metres, not even distances fit a float32. */
 #define EXTENT_MIN 1e-30
 
+/* Of surfels: facets keep it as a fraction. */
+#define TRANSPARENCY_MAX 0.9999f
+
 #define GRID_BITS 21
 #define RADIX_BITS 11
 #define RADIX (1u << RADIX_BITS)
@@ -36,7 +39,7 @@ typedef struct frame {
 typedef struct merged {
 	double normal[3], normal_length;
 	float first_normal[3];
-	double albedo[3], emission[3];
+	double albedo[3], emission[3], transparency;
 	size_t points, normals;
 } merged;
 
@@ -159,6 +162,11 @@ static int compare_bytes(const float *values, size_t a, size_t b)
 	return values ? memcmp(values + 3 * a, values + 3 * b, 3 * sizeof(float)) : 0;
 }
 
+static int compare_opacity(const float *opacity, size_t a, size_t b)
+{
+	return opacity ? (opacity[a] > opacity[b]) - (opacity[a] < opacity[b]) : 0;
+}
+
 /* Orders points of one Morton cell by coordinates, and points of one position by their attributes:
  * sums over them then have one order, whatever the order of the input. */
 static int compare_points(const void *a, const void *b, void *user)
@@ -174,7 +182,9 @@ static int compare_points(const void *a, const void *b, void *user)
 	int order = compare_bytes(f->points->normal, i, j);
 	if (!order)
 		order = compare_bytes(f->points->albedo, i, j);
-	return order ? order : compare_bytes(f->points->emission, i, j);
+	if (!order)
+		order = compare_bytes(f->points->emission, i, j);
+	return order ? order : compare_opacity(f->points->opacity, i, j);
 }
 
 static gw_status sort_points(frame *f, gw_error *error)
@@ -296,6 +306,9 @@ static bool store_surfel(const frame *f, size_t surfel, const float local[3], co
 			emits |= s->emission[3 * surfel + k] > 0;
 		}
 	}
+	if (s->transparency)
+		s->transparency[surfel] =
+			fminf((float)(sum->transparency / (double)sum->points), TRANSPARENCY_MAX);
 	s->duplicates += sum->points - 1;
 	return emits;
 }
@@ -317,6 +330,7 @@ static void merge_points(frame *f)
 			add_normal(f, point, &sum);
 			add_albedo(f, point, &sum);
 			add_emission(f, point, &sum);
+			sum.transparency += f->points->opacity ? 1.0 - (double)f->points->opacity[point] : 0.0;
 			s->surfel_of_point[point] = (uint32_t)s->count;
 		}
 		emits |= store_surfel(f, s->count, local, &sum);
@@ -328,19 +342,31 @@ static void merge_points(frame *f)
 	}
 }
 
-/* Arrays are made for all finite points; merging then uses a part, and the rest is given back. */
-static bool allocate_arrays(gw_surfels *s, size_t point_count, size_t finite, bool emission)
+/* Is one of the points that are there less than opaque? */
+static bool is_clear_anywhere(const gw_points *points)
 {
-	s->surfel_of_point = gw_allocate_array(point_count, sizeof *s->surfel_of_point);
+	for (size_t i = 0; points->opacity && i < points->count; i++)
+		if (points->opacity[i] < 1.0f && is_usable(points->position + 3 * i))
+			return true;
+	return false;
+}
+
+/* Arrays are made for all finite points; merging then uses a part, and the rest is given back. */
+static bool allocate_arrays(gw_surfels *s, const gw_points *points, size_t finite)
+{
+	bool clear = is_clear_anywhere(points);
+	s->surfel_of_point = gw_allocate_array(points->count, sizeof *s->surfel_of_point);
 	s->position = gw_allocate_array(finite, 3 * sizeof *s->position);
 	s->normal = gw_allocate_zeros(finite, 3 * sizeof *s->normal);
 	s->normal_length = gw_allocate_array(finite, sizeof *s->normal_length);
 	s->albedo = gw_allocate_array(finite, 3 * sizeof *s->albedo);
 	s->two_sided = gw_allocate_zeros(finite, sizeof *s->two_sided);
-	if (emission)
+	if (points->emission)
 		s->emission = gw_allocate_array(finite, 3 * sizeof *s->emission);
+	if (clear)
+		s->transparency = gw_allocate_array(finite, sizeof *s->transparency);
 	return s->surfel_of_point && s->position && s->normal && s->normal_length && s->albedo &&
-		   s->two_sided && (!emission || s->emission);
+		   s->two_sided && (!points->emission || s->emission) && (!clear || s->transparency);
 }
 
 static void shrink(float **array, size_t count, size_t size)
@@ -357,6 +383,7 @@ static void shrink_arrays(gw_surfels *s)
 	shrink(&s->normal_length, s->count, sizeof(float));
 	shrink(&s->albedo, s->count, 3 * sizeof(float));
 	shrink(&s->emission, s->count, 3 * sizeof(float));
+	shrink(&s->transparency, s->count, sizeof(float));
 }
 
 static void list_finite(frame *f)
@@ -403,7 +430,7 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	surfels->point_count = points->count;
 	surfels->non_finite = points->count - f.finite;
 	f.order = gw_allocate_array(f.finite, sizeof *f.order);
-	if (!f.order || !allocate_arrays(surfels, points->count, f.finite, points->emission)) {
+	if (!f.order || !allocate_arrays(surfels, points, f.finite)) {
 		free(f.order);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f.finite);
 	}

@@ -103,6 +103,7 @@ static void keep_chosen(gw_surfels *s, const uint8_t *chosen, uint32_t *place)
 		move_floats(s->normal_length, 1, kept, i);
 		move_floats(s->albedo, 3, kept, i);
 		move_floats(s->emission, 3, kept, i);
+		move_floats(s->transparency, 1, kept, i);
 		s->two_sided[kept++] = s->two_sided[i];
 	}
 	s->count = kept;

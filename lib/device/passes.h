@@ -8,7 +8,7 @@
 
 #include "device/pass_table.h"
 
-#define GW_PASS_CONSTANTS 4u
+#define GW_PASS_CONSTANTS 5u
 
 /* All zero but for gpu and constants is a set of which nothing is made yet. */
 struct gw_passes {

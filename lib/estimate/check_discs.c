@@ -40,6 +40,8 @@ struct gw_check_disc {
 	float cut[2][4]; /* direction in the disc's plane, and distance from the middle */
 	uint32_t surfel;
 	uint32_t two_sided;
+	float transparency;
+	float spacing; /* metres */
 };
 
 /* Four boxes, and what is in each: a node, or IS_LEAF, discs - 1 at bit 28, and the first. */
@@ -187,7 +189,9 @@ static gw_check_disc disc_of(const gw_surfels *s, size_t i, const float *disc, c
 						.normal = { s->normal[3 * i], s->normal[3 * i + 1], s->normal[3 * i + 2] },
 						.large = large * large,
 						.surfel = (uint32_t)i,
-						.two_sided = s->two_sided[i] };
+						.two_sided = s->two_sided[i],
+						.spacing = sqrtf(s->area[i]),
+						.transparency = s->transparency ? s->transparency[i] : 0.0f };
 	gw_tangent_frame(s->normal + 3 * i, tangent, bitangent);
 	for (int c = 0; c < 2; c++) {
 		gw_vec3 v =
@@ -213,7 +217,7 @@ gw_status gw_check_discs_make(const gw_surfels *s, const float *disc, const floa
 {
 	building b = { .surfels = s, .place = gw_allocate_array(s->count, sizeof *b.place) };
 	size_t most = s->count / 2 + 2;
-	*discs = (gw_check_discs){ .count = s->count };
+	*discs = (gw_check_discs){ .count = s->count, .sheet = s->transparency ? cell : 0.0f };
 	discs->disc = gw_allocate_array(s->count, sizeof *discs->disc);
 	discs->node = b.node = gw_allocate_array(most, sizeof *b.node);
 	if (!b.place || !discs->disc || !b.node || s->count > 0x0fffffffu) {
@@ -263,7 +267,18 @@ typedef struct walk {
 	const gw_check_ray *ray;
 	float t_small, t_large, nearest_back_face;
 	gw_check_hit hit;
+	/* What the ray has passed: the sheet of a disc, NULL for none, and where. */
+	const gw_check_disc *passed, *disc_small, *disc_large;
+	float passed_t, sheet;
 } walk;
+
+static bool is_passed(const walk *w, const gw_check_disc *d, float t)
+{
+	if (w->passed == NULL)
+		return false;
+	float rise = (t - w->passed_t) * fabsf(gw_dot(w->passed->normal, w->ray->direction));
+	return t <= w->passed_t || (rise < w->sheet && gw_dot(d->normal, w->passed->normal) > ALIKE);
+}
 
 static bool is_cut_off(const gw_check_disc *d, gw_vec3 at)
 {
@@ -279,7 +294,7 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 	float approach = gw_dot(d->normal, ray->direction);
 	gw_vec3 from = gw_minus(ray->origin, d->place);
 	float t = -gw_dot(d->normal, from) / approach;
-	if (!(t > 0.0f && t < w->t_small))
+	if (!(t > 0.0f && t < w->t_small) || is_passed(w, d, t))
 		return;
 	gw_vec3 at = gw_plus(from, gw_times(ray->direction, t));
 	float squared = gw_dot(at, at);
@@ -288,7 +303,7 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 		return;
 	bool small = squared <= d->small && !is_cut_off(d, at) &&
 				 !(own && ray->both_sides && gw_dot(d->normal, from) < RISE * sqrtf(d->small));
-	if (approach > 0.0f && !ray->both_sides && !d->two_sided) {
+	if (approach > 0.0f && !ray->both_sides && !d->two_sided && !(d->transparency > 0.0f)) {
 		w->nearest_back_face = small ? gw_smaller(w->nearest_back_face, t) : w->nearest_back_face;
 		return;
 	}
@@ -296,10 +311,12 @@ static void hit_disc(const gw_check_disc *d, walk *w)
 	if (t < w->t_large) {
 		w->t_large = t;
 		w->hit.large = d->surfel;
+		w->disc_large = d;
 	}
 	if (small && t < w->t_small) {
 		w->t_small = t;
 		w->hit.small = d->surfel;
+		w->disc_small = d;
 	}
 }
 
@@ -350,29 +367,59 @@ static uint32_t open_node(const gw_check_node *n, const float origin[3], const f
 	return top;
 }
 
-gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray)
+/* What the ray meets next. */
+static void trace(const gw_check_discs *discs, walk *w)
 {
-	walk w = { .ray = ray,
-			   .t_small = ray->t_max,
-			   .t_large = ray->t_max,
-			   .nearest_back_face = ray->t_max,
-			   .hit = { .small = GW_NONE, .large = GW_NONE } };
+	const gw_check_ray *ray = w->ray;
 	gw_vec3 d = ray->direction;
 	const float origin[3] = { ray->origin.x, ray->origin.y, ray->origin.z };
 	const float inverse[3] = { inverse_of(d.x), inverse_of(d.y), inverse_of(d.z) };
 	waiting stack[STACK];
 	uint32_t top = 1;
+	w->t_small = w->t_large = w->nearest_back_face = ray->t_max;
+	w->hit.small = w->hit.large = GW_NONE;
 	stack[0] =
 		(waiting){ 0.0f, discs->nodes > 0 ? 0 : IS_LEAF | (uint32_t)(discs->count - 1) << 28 };
 	while (top > 0) {
 		waiting next = stack[--top];
-		if (next.t > w.t_small)
+		if (next.t > w->t_small)
 			continue;
 		if (next.number & IS_LEAF)
-			hit_leaf(discs, next.number, &w);
+			hit_leaf(discs, next.number, w);
 		else
-			top = open_node(discs->node + next.number, origin, inverse, w.t_small, stack, top);
+			top = open_node(discs->node + next.number, origin, inverse, w->t_small, stack, top);
 	}
-	w.hit.passed_back_face = w.nearest_back_face < w.t_small;
-	return w.hit;
+	w->hit.passed_back_face = w->hit.passed_back_face || w->nearest_back_face < w->t_small;
+}
+
+/* Lets the ray through discs of one size; returns how much of its light gets to *surfel. */
+static float go_through(const gw_check_discs *discs, walk w, bool large, float until,
+						uint32_t *surfel)
+{
+	float through = 1.0f;
+	for (uint32_t sheet = 0; sheet < GW_SHEETS_MOST; sheet++) {
+		*surfel = large ? w.hit.large : w.hit.small;
+		const gw_check_disc *met = large ? w.disc_large : w.disc_small;
+		if (*surfel == GW_NONE || through * met->transparency <= until)
+			break;
+		through *= met->transparency;
+		w.passed = met;
+		w.passed_t = large ? w.t_large : w.t_small;
+		w.sheet = gw_larger(discs->sheet, GW_SHEET_SPACINGS * met->spacing);
+		trace(discs, &w);
+	}
+	return through;
+}
+
+gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray, float until)
+{
+	walk w = { .ray = ray };
+	trace(discs, &w);
+	gw_check_hit hit = w.hit;
+	hit.through[0] = hit.through[1] = 1.0f;
+	if (discs->sheet > 0.0f) {
+		hit.through[0] = go_through(discs, w, false, until, &hit.small);
+		hit.through[1] = go_through(discs, w, true, until, &hit.large);
+	}
+	return hit;
 }

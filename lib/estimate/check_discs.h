@@ -24,6 +24,7 @@ typedef struct gw_check_discs {
 	gw_check_disc *disc; /* count, in the tree's order */
 	gw_check_node *node;
 	uint32_t nodes; /* 0: the discs are so few that they need none */
+	float sheet;    /* metres: so near at least discs of one sheet lie; 0: all are opaque */
 } gw_check_discs;
 
 /*
@@ -54,10 +55,13 @@ typedef struct gw_check_ray {
 /* Surfels that the ray meets first, or GW_NONE: among small discs and among large ones. */
 typedef struct gw_check_hit {
 	uint32_t small, large;
+	float through[2]; /* how much of its light gets there: to the small one, and to the large one */
 	bool passed_back_face; /* the ray passed the back of a small disc before it met one */
 } gw_check_hit;
 
-/* Thread-safe. */
-gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray);
+/* Thread-safe. What lets light through stops the ray where no more than `until` of that is left, as
+ * in trace.glsl; at GW_THROUGH_LEAST, where nothing is. */
+gw_check_hit gw_check_discs_trace(const gw_check_discs *discs, const gw_check_ray *ray,
+								  float until);
 
 #endif

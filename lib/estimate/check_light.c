@@ -13,12 +13,9 @@ double gw_check_sky_light(const gw_sky_view *sky, gw_vec3 towards)
 	return gw_luminance(radiance);
 }
 
-double gw_check_lamp_light(const gw_light_push *lamp, const gw_check_place *place, gw_vec3 *towards,
+double gw_check_lamp_light(const gw_lamp *lamp, const gw_check_place *place, gw_vec3 *towards,
 						   float *distance)
 {
-	float share = gw_lamp_share(lamp, place->at, towards, distance);
-	float light = share * gw_larger(0.0f, gw_dot(place->normal, *towards));
-	if (lamp->type != GW_PUSH_SUN)
-		light /= *distance * *distance;
-	return (double)(light * gw_luminance_of(gw_xyz(&lamp->intensity.x)));
+	float light = gw_lamp_received(lamp, place->at, place->normal, towards, distance);
+	return (double)(light * gw_luminance_of(gw_xyz(&lamp->push.intensity.x)));
 }

@@ -6,7 +6,7 @@
 
 #include "base/shader_math.h"
 #include "light/gather_rays.h"
-#include "light/transport_layout.h"
+#include "light/shader_functions.h"
 
 /* Luminance of what comes from outside from a direction. */
 double gw_check_sky_light(const gw_sky_view *sky, gw_vec3 towards);
@@ -22,7 +22,7 @@ typedef struct gw_check_place {
  *   towards    receives where the lamp is from there, unit
  *   distance   receives how far, leaf cells
  */
-double gw_check_lamp_light(const gw_light_push *lamp, const gw_check_place *place, gw_vec3 *towards,
+double gw_check_lamp_light(const gw_lamp *lamp, const gw_check_place *place, gw_vec3 *towards,
 						   float *distance);
 
 #endif

@@ -179,6 +179,8 @@ static gw_status trace_some(const gw_check_point_task *task, some_points *some, 
 	gw_status status =
 		gw_ray_gather_trace(&on, hits->rays, gw_check_point_seed(task->seed, gather), &rays, error);
 	if (status == GW_OK)
+		status = gw_ray_gather_shut_out(&on, &rays, error);
+	if (status == GW_OK)
 		status = fetch_rows(task, some, &rays.facet, row, (char *)hits->facet + first, error);
 	if (status == GW_OK)
 		status = fetch_rows(task, some, &rays.distance, row, (char *)hits->distance + first, error);

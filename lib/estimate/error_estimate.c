@@ -475,7 +475,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 								gw_error_estimate *result, gw_error *error)
 {
 	double rms = 0.0;
-	if (!(mean > 0.0))
+	if (!(mean > 0.0) || task->octree->leaf_count == 0)
 		return GW_OK;
 	float *light = task->records ? list_radiance(task) : NULL;
 	if (task->records && !light)

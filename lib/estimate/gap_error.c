@@ -154,7 +154,7 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 /* -------------------------------------------------------------------------------------- lamps */
 
 /* Light of a lamp at a surfel were nothing in the way, and whether its way passes a gap. */
-static double lamp_at(const work *w, const gw_light_push *lamp, size_t surfel, bool *passes)
+static double lamp_at(const work *w, const gw_lamp *lamp, size_t surfel, bool *passes)
 {
 	const gw_octree *o = w->task->on.octree;
 	const float *p = w->task->surfels->position + 3 * surfel;
@@ -165,12 +165,12 @@ static double lamp_at(const work *w, const gw_light_push *lamp, size_t surfel, b
 								   { n[0], n[1], n[2] } };
 	float distance;
 	double light = gw_check_lamp_light(lamp, &place, &way.direction, &distance);
-	way.length = lamp->type == GW_PUSH_SUN ? INFINITY : distance * o->leaf_size;
+	way.length = lamp->push.type == GW_PUSH_SUN ? INFINITY : distance * o->leaf_size;
 	*passes = light > 0.0 && gw_scanned_space_is_gap(w->task->space, &way);
 	return light;
 }
 
-static double share_of_lamps(const work *w, const gw_light_push *lamp, size_t lamps)
+static double share_of_lamps(const work *w, const gw_lamp *lamp, size_t lamps)
 {
 	const gw_gap_error_task *t = w->task;
 	const gw_surfels *s = t->surfels;
@@ -199,7 +199,7 @@ static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *
 							   .direction = way->direction,
 							   .facing = way->direction,
 							   .t_max = FAR_METRES };
-	gw_check_hit hit = gw_check_discs_trace(discs, &ray);
+	gw_check_hit hit = gw_check_discs_trace(discs, &ray, GW_THROUGH_LEAST);
 	if (hit.passed_back_face)
 		return 1.0;
 	if (hit.large != GW_NONE && hit.small != GW_NONE)
@@ -213,12 +213,12 @@ static double loss_of(const work *w, const gw_check_discs *discs, const gw_way *
 }
 
 /* Adds what a lamp sends, and what of it is lost where nothing was scanned. */
-static void follow_lamp(const work *w, const gw_check_discs *discs, const gw_light_push *lamp,
+static void follow_lamp(const work *w, const gw_check_discs *discs, const gw_lamp *lamp,
 						double *sent, double *lost)
 {
 	const gw_octree *o = w->task->on.octree;
 	const float *low = o->cube_minimum;
-	gw_vec3 at = gw_xyz(&lamp->position.x);
+	gw_vec3 at = gw_xyz(&lamp->push.position.x);
 	gw_way way = { .length = INFINITY };
 	way.from = gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(at, o->leaf_size));
 	for (uint32_t k = 0; k < LAMP_RAYS; k++) {
@@ -245,8 +245,8 @@ static gw_status follow_lamps(work *w, gw_error *error)
 	for (size_t i = 0; i < t->light_count; i++) {
 		if (!gw_light_shines(&t->lights[i]))
 			continue;
-		gw_light_push lamp = gw_light_push_of(&t->lights[i], t->on.octree, t->surfels, t->options);
-		if (lamp.type != GW_PUSH_SUN)
+		gw_lamp lamp = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
+		if (lamp.push.type != GW_PUSH_SUN)
 			follow_lamp(w, &discs, &lamp, &sent, &lost);
 	}
 	gw_check_discs_clear(&discs);
@@ -260,12 +260,12 @@ static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *e
 	size_t lamps = 0;
 	if (!t->direct || t->options->gaps != GW_GAPS_OPEN)
 		return GW_OK;
-	gw_light_push *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
+	gw_lamp *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
-			lamp[lamps++] = gw_light_push_of(&t->lights[i], t->on.octree, t->surfels, t->options);
+			lamp[lamps++] = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
 	report->lamps = share_of_lamps(w, lamp, lamps);
 	/* Of black gaps, and of bright ones, no lamp shines through. */
 	double lost = w->radiance > 0.0 ? reflections(w) * report->lamps * w->shone / w->radiance : 0.0;

@@ -58,7 +58,7 @@ typedef struct check {
 	views view;
 	uint32_t stride_leaving, stride_hit; /* one of so many rays is looked at */
 	gathered *record;
-	const gw_light_push *lamp; /* lamps */
+	const gw_lamp *lamp; /* lamps */
 	size_t lamps;
 	gw_check_point_choice choice; /* the points that look at them, and */
 	double *excess;               /* radiance that each has too much */
@@ -141,6 +141,15 @@ typedef struct ray_finding {
 	bool passed_back_face; /* of a disc */
 } ray_finding;
 
+/* What a surfel sends along a ray; the back of what lets light through is dark. */
+static double light_of(const gw_geometry_task *t, uint32_t surfel, gw_vec3 direction)
+{
+	const gw_surfels *s = t->surfels;
+	bool dark = s->transparency && s->transparency[surfel] > 0.0f && !s->two_sided[surfel] &&
+				gw_dot(gw_xyz(s->normal + 3 * (size_t)surfel), direction) > 0.0f;
+	return dark ? 0.0 : (double)t->radiance[surfel];
+}
+
 static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 {
 	const gw_geometry_task *t = c->task;
@@ -154,12 +163,13 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 						 .t_max = FAR_METRES };
 	ray.origin =
 		gw_plus((gw_vec3){ low[0], low[1], low[2] }, gw_times(place, t->octree->leaf_size));
-	gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
+	gw_check_hit hit =
+		gw_check_discs_trace(c->task->discs, &ray, gw_record_chance(place, k, t->rays->seed));
 	uint32_t facet = facet_hit(c, record, k);
 	bool leaves = facet == GW_NONE || hit.small == GW_NONE || hit.large == GW_NONE;
 	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
-	double small = hit.small == GW_NONE ? sky : (double)t->radiance[hit.small];
-	double large = hit.large == GW_NONE ? sky : (double)t->radiance[hit.large];
+	double small = hit.small == GW_NONE ? sky : light_of(t, hit.small, ray.direction);
+	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
 	double found = (double)own[3] * (facet == GW_NONE ? sky : facet_light(c, facet, &hit));
 	return (ray_finding){ .excess = outside(found, small, large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
@@ -288,7 +298,7 @@ static gw_status check_gathered(check *c, finding *found, gw_error *error)
 /* --------------------------------------------------------------------------------------- lamps */
 
 /* Adds what reaches a surfel of it, between small discs and between large ones. */
-static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, double light[2])
+static void add_lamp(const check *c, const gw_lamp *lamp, size_t surfel, double light[2])
 {
 	const gw_surfels *s = c->task->surfels;
 	const gw_octree *o = c->task->octree;
@@ -296,23 +306,25 @@ static void add_lamp(const check *c, const gw_light_push *lamp, size_t surfel, d
 	gw_vec3 at = { p[0], p[1], p[2] }, towards;
 	gw_vec3 place = gw_times(gw_minus(at, (gw_vec3){ low[0], low[1], low[2] }), 1 / o->leaf_size);
 	const float *shone_on = s->shading_normal ? s->shading_normal + 3 * surfel : n;
-	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
+	float distance, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->push.seed));
 	const gw_check_place lit = { place, { shone_on[0], shone_on[1], shone_on[2] } };
 	double whole = gw_check_lamp_light(lamp, &lit, &towards, &distance);
-	gw_way way = gw_light_way(lamp, o, s, surfel);
+	gw_way way = gw_light_way(&lamp->push, o, s, surfel);
 	if (whole > 0.0 && c->task->closed && gw_scanned_space_is_gap(c->task->closed, &way))
 		return;
-	for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
+	for (uint32_t k = 0; k < lamp->push.samples && whole > 0.0; k++) {
 		float range;
 		gw_check_ray ray = { .origin = at,
 							 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
 							 .facing = { n[0], n[1], n[2] },
 							 .own = fmaxf(OWN_RADII * s->radius[surfel], o->leaf_size),
 							 .both_sides = true };
-		ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
-		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
-		light[0] += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
-		light[1] += hit.large == GW_NONE ? whole / lamp->samples : 0.0;
+		ray.t_max = lamp->push.type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
+		gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray, GW_THROUGH_LEAST);
+		double share[2] = { hit.small == GW_NONE ? (double)hit.through[0] : 0.0,
+							hit.large == GW_NONE ? (double)hit.through[1] : 0.0 };
+		for (int size = 0; size < 2; size++)
+			light[size] += whole * share[size] / lamp->push.samples;
 	}
 }
 
@@ -340,7 +352,7 @@ static gw_status choose_points(check *c, gw_error *error)
 	for (size_t i = 0; i < count; i++)
 		light[i] = reflectance(t->surfels, i) * gw_luminance(t->direct + 4 * i);
 	for (size_t l = 0; l < c->lamps; l++)
-		rays += c->lamp[l].samples;
+		rays += c->lamp[l].push.samples;
 	size_t wanted = rays > 0 ? RAYS_MOST / 2 / rays : 0;
 	wanted = wanted < LAMP_POINTS_MOST ? wanted : LAMP_POINTS_MOST;
 	wanted = wanted > LAMP_POINTS_LEAST ? wanted : LAMP_POINTS_LEAST;
@@ -378,12 +390,12 @@ static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
 static gw_status check_lamps(check *c, finding *found, gw_error *error)
 {
 	const gw_geometry_task *t = c->task;
-	gw_light_push *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
+	gw_lamp *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
-			lamp[c->lamps++] = gw_light_push_of(&t->lights[i], t->octree, t->surfels, t->options);
+			lamp[c->lamps++] = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);
 	c->lamp = lamp;
 	gw_status status = choose_points(c, error);
 	if (status == GW_OK && c->choice.count > 1)

@@ -57,7 +57,7 @@ typedef struct side {
 
 typedef struct check {
 	const gw_side_task *task;
-	gw_light_push *lamp; /* lamps */
+	gw_lamp *lamp; /* lamps */
 	size_t lamps;
 	gw_check_point_choice choice;
 	uint32_t step;    /* one of so many of them is looked at */
@@ -83,18 +83,19 @@ static double light_of_lamps(const check *c, size_t surfel, gw_vec3 facing)
 								   facing };
 	double sum = 0.0;
 	for (size_t l = 0; l < c->lamps; l++) {
-		const gw_light_push *lamp = &c->lamp[l];
-		float distance, range, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->seed));
+		const gw_lamp *lamp = &c->lamp[l];
+		float distance, range, turn = unit_float(pcg_hash2((uint32_t)surfel, lamp->push.seed));
 		double whole = gw_check_lamp_light(lamp, &place, &towards, &distance);
-		for (uint32_t k = 0; k < lamp->samples && whole > 0.0; k++) {
+		for (uint32_t k = 0; k < lamp->push.samples && whole > 0.0; k++) {
 			gw_check_ray ray = { .origin = at,
 								 .direction = gw_lamp_aim(lamp, k, turn, towards, distance, &range),
 								 .facing = facing,
 								 .own = OWN_RADII * s->radius[surfel],
 								 .both_sides = true };
-			ray.t_max = lamp->type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
-			gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray);
-			sum += hit.small == GW_NONE ? whole / lamp->samples : 0.0;
+			ray.t_max = lamp->push.type == GW_PUSH_SUN ? FAR_METRES : range * o->leaf_size;
+			gw_check_hit hit = gw_check_discs_trace(c->task->discs, &ray, GW_THROUGH_LEAST);
+			double share = hit.small == GW_NONE ? (double)hit.through[0] : 0.0;
+			sum += whole * share / lamp->push.samples;
 		}
 	}
 	return sum;
@@ -112,7 +113,8 @@ static void add_ray(const check *c, const point_ray *from, uint32_t k, side *to)
 {
 	const gw_check_ray *ray = &from->ray;
 	const gw_surfels *s = c->task->surfels;
-	gw_check_hit hit = gw_check_discs_trace(c->task->discs, ray);
+	float chance = gw_record_chance(ray->origin, k, c->task->seed);
+	gw_check_hit hit = gw_check_discs_trace(c->task->discs, ray, chance);
 	uint32_t met = hit.small;
 	double light = 0.0;
 	bool meets_front = false, near = false;
@@ -336,9 +338,9 @@ static void list_lamps(check *c)
 	for (size_t i = 0; i < t->light_count; i++) {
 		if (!gw_light_shines(&t->lights[i]))
 			continue;
-		gw_light_push *lamp = &c->lamp[c->lamps++];
-		*lamp = gw_light_push_of(&t->lights[i], t->octree, t->surfels, t->options);
-		lamp->samples = lamp->samples < LAMP_RAYS ? lamp->samples : LAMP_RAYS;
+		gw_lamp *lamp = &c->lamp[c->lamps++];
+		*lamp = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);
+		lamp->push.samples = lamp->push.samples < LAMP_RAYS ? lamp->push.samples : LAMP_RAYS;
 	}
 }
 

@@ -34,20 +34,22 @@ gw_status gw_facets_shade(const gw_record_context *on, const gw_buffer *records_
 						  const gw_buffer *facet_direct, float direct_share,
 						  gw_buffer *facet_radiance, gw_error *error)
 {
+	bool lamps = facet_direct->handle != VK_NULL_HANDLE;
 	const gw_binding bindings[] = { gw_window(&on->octree->facet_albedo, 16),
-									gw_window(facet_direct, 16),
+									gw_window(lamps ? facet_direct : &on->octree->facet_albedo, 16),
 									gw_whole(&on->records->facet_record),
 									gw_whole(&on->records->facet_weight),
 									gw_whole(records_irradiance),
 									gw_window(facet_radiance, 16) };
 	return gw_passes_run(on->passes, GW_PASS_FACET_SHADE, bindings,
-						 &(gw_record_push){ .direct_share = direct_share },
+						 &(gw_record_push){ .direct_share = lamps ? direct_share : 0.0f },
 						 2 * (uint64_t)on->octree->leaf_count, error);
 }
 
 /* Sums over facets, a chunk at a time, so that the order does not depend on threads. */
 typedef struct facet_sums {
 	gw_view centre, radiance; /* 4 floats a slot, area in w of the centre */
+	gw_view albedo;           /* likewise, with transparency; only where something has some */
 	size_t slots;
 	double *power; /* a chunk: area * |luminance(L)| */
 	float *largest;
@@ -62,12 +64,17 @@ static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_e
 	if (!sums->power || !sums->largest)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu facets",
 					   sums->slots);
-	return gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->slots,
-						&sums->centre, error);
+	GW_TRY(gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->slots,
+						&sums->centre, error));
+	if (task->on.octree->dark_slot == 0)
+		return GW_OK;
+	return gw_view_open(task->on.passes->gpu, &task->on.octree->facet_albedo, 16 * sums->slots,
+						&sums->albedo, error);
 }
 
 static void sums_destroy(facet_sums *sums)
 {
+	gw_view_close(&sums->albedo);
 	gw_view_close(&sums->centre);
 	free(sums->power);
 	free(sums->largest);
@@ -76,7 +83,8 @@ static void sums_destroy(facet_sums *sums)
 static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const facet_sums *sums = user;
-	const float *centre = sums->centre.bytes, *radiance = sums->radiance.bytes;
+	const float *centre = sums->centre.bytes, *radiance = sums->radiance.bytes,
+				*albedo = sums->albedo.bytes;
 	double power = 0.0;
 	float largest = 0.0f;
 	(void)worker;
@@ -84,7 +92,8 @@ static void sum_chunk(void *user, size_t first, size_t last, uint32_t worker)
 		const float *l = radiance + 4 * i;
 		for (int c = 0; c < 3; c++)
 			largest = l[c] > largest ? l[c] : largest;
-		power += (double)centre[4 * i + 3] * fabs(gw_luminance(l));
+		float area = centre[4 * i + 3] * (albedo ? gw_facet_opacity(albedo[4 * i + 3]) : 1.0f);
+		power += (double)area * fabs(gw_luminance(l));
 	}
 	sums->power[first / SUM_CHUNK] = power;
 	sums->largest[first / SUM_CHUNK] = largest;

@@ -4,9 +4,11 @@
  */
 #include "light/direct_light.h"
 
+#include "base/distribution.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "normals/normal_error.h"
+#include "light/lamp_reach.h"
 #include "light/shut_out.h"
 #include "light/transport_layout.h"
 
@@ -70,7 +72,31 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 							 "give degrees from 0 to the outer angle", error);
 		GW_TRY(check_direction(index, light, error));
 	}
+	if (light->type == GW_LIGHT_POINT && light->distribution && gw_distribution_fault(light))
+		return gw_fail(error, GW_ERROR_USAGE, "light %zu (point%s%s): %s", index + 1,
+					   light->name[0] ? " " : "", light->name, gw_distribution_fault(light));
 	return check_color(index, light, "intensity", light->intensity, error);
+}
+
+/* Lights that are areas have one. */
+static gw_status check_area(size_t index, const gw_light *light, gw_error *error)
+{
+	GW_TRY(check_lamp(index, light, error));
+	if (light->type == GW_LIGHT_RECTANGLE) {
+		for (int k = 0; k < 2; k++)
+			if (!(light->size[k] > 0.0f && isfinite(light->size[k])))
+				return bad_light(index, light, "a side", (double)light->size[k],
+								 "give metres above 0", error);
+		if (!gw_distribution_has_frame(light))
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu (rectangle%s%s) needs a direction, and one across it",
+						   index + 1, light->name[0] ? " " : "", light->name);
+		return GW_OK;
+	}
+	if (!(light->radius > 0.0f))
+		return bad_light(index, light, "radius", (double)light->radius, "give metres above 0",
+						 error);
+	return light->type == GW_LIGHT_DISC ? check_direction(index, light, error) : GW_OK;
 }
 
 static gw_status check_environment(size_t index, const gw_light *light, size_t *maps,
@@ -98,6 +124,11 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 		case GW_LIGHT_SPOT:
 			GW_TRY(check_lamp(i, light, error));
 			break;
+		case GW_LIGHT_SPHERE:
+		case GW_LIGHT_DISC:
+		case GW_LIGHT_RECTANGLE:
+			GW_TRY(check_area(i, light, error));
+			break;
 		case GW_LIGHT_SUN:
 			if (!(light->angle >= 0.0f && light->angle < 90.0f))
 				return bad_light(i, light, "angle", (double)light->angle,
@@ -122,13 +153,49 @@ bool gw_light_shines(const gw_light *light)
 	return light->type != GW_LIGHT_ENVIRONMENT && (power[0] > 0 || power[1] > 0 || power[2] > 0);
 }
 
+static void put_distribution(const gw_light *light, gw_light_push *push)
+{
+	gw_vec3 axis, across;
+	gw_distribution_frame(light, &axis, &across);
+	push->direction = (vec4){ axis.x, axis.y, axis.z, 0.0f };
+	push->across = (vec4){ across.x, across.y, across.z, 0.0f };
+	push->verticals = light->vertical_count;
+	push->horizontals = light->horizontal_count;
+}
+
+static uint32_t push_type(gw_light_type type)
+{
+	static const uint32_t of[GW_LIGHT_TYPE_COUNT] = { [GW_LIGHT_SPOT] = GW_PUSH_SPOT,
+													  [GW_LIGHT_SUN] = GW_PUSH_SUN,
+													  [GW_LIGHT_SPHERE] = GW_PUSH_SPHERE,
+													  [GW_LIGHT_DISC] = GW_PUSH_DISC,
+													  [GW_LIGHT_RECTANGLE] = GW_PUSH_RECTANGLE };
+	return of[type];
+}
+
+/* Sides of a rectangle, and where it is across; of a disc any direction is. */
+static void put_area(const gw_light *light, double cell, gw_light_push *push)
+{
+	const float direction[3] = { push->direction.x, push->direction.y, push->direction.z };
+	float across[3], other[3];
+	gw_vec3 axis, along;
+	push->samples = PENUMBRA_RAYS;
+	if (light->type == GW_LIGHT_RECTANGLE) {
+		gw_distribution_frame(light, &axis, &along);
+		push->across =
+			(vec4){ along.x, along.y, along.z, (float)(0.5 * (double)light->size[0] / cell) };
+		push->half_height = (float)(0.5 * (double)light->size[1] / cell);
+	} else if (light->type == GW_LIGHT_DISC) {
+		gw_tangent_frame(direction, across, other);
+		push->across = (vec4){ across[0], across[1], across[2], 0.0f };
+	}
+}
+
 /* Subtracting the frame's origin in double keeps large coordinates exact. */
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options)
 {
-	gw_light_push push = { .type = light->type == GW_LIGHT_SUN    ? GW_PUSH_SUN
-								   : light->type == GW_LIGHT_SPOT ? GW_PUSH_SPOT
-																  : GW_PUSH_POINT,
+	gw_light_push push = { .type = push_type(light->type),
 						   .samples = 1,
 						   .cos_inner = (float)cos((double)light->inner_angle * DEGREES),
 						   .cos_outer = (float)cos((double)light->outer_angle * DEGREES),
@@ -154,7 +221,17 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							 (float)((double)power[2] * unit), 0.0f };
 	if ((sun && light->angle > 0.0f) || (!sun && light->radius > 0.0f))
 		push.samples = PENUMBRA_RAYS;
+	if (light->type == GW_LIGHT_POINT && light->distribution)
+		put_distribution(light, &push);
+	if (push.type >= GW_PUSH_SPHERE)
+		put_area(light, cell, &push);
 	return push;
+}
+
+gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surfels *surfels,
+				   const gw_bake_options *options)
+{
+	return (gw_lamp){ gw_light_push_of(light, octree, surfels, options), light->distribution };
 }
 
 /* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
@@ -188,7 +265,32 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 	return status;
 }
 
-static gw_status trace_visibility(const gw_lit_cloud *cloud, const gw_light_push *push,
+/* A light as passes get it. */
+typedef struct light_on_device {
+	gw_light_push push;
+	gw_buffer distribution; /* of its intensity; one number where it has none */
+} light_on_device;
+
+static gw_status put_on_device(const gw_lit_cloud *cloud, const gw_light *light,
+							   light_on_device *lamp, gw_error *error)
+{
+	gw_gpu *gpu = cloud->passes->gpu;
+	const float none = 0.0f;
+	lamp->push = gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
+	bool has = lamp->push.verticals > 0;
+	uint64_t bytes = sizeof none * (has ? gw_distribution_length(light) : 1);
+	GW_TRY(gw_buffer_create(gpu,
+							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes,
+													  "distribution of a luminaire" },
+							&lamp->distribution, error));
+	gw_status status = gw_buffer_upload(gpu, &lamp->distribution, 0,
+										has ? light->distribution : &none, bytes, error);
+	if (status != GW_OK)
+		gw_buffer_destroy(gpu, &lamp->distribution);
+	return status;
+}
+
+static gw_status trace_visibility(const gw_lit_cloud *cloud, const light_on_device *lamp,
 								  const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
 	const gw_binding bindings[] = { GW_TRACE_BINDINGS(cloud->octree),
@@ -196,20 +298,23 @@ static gw_status trace_visibility(const gw_lit_cloud *cloud, const gw_light_push
 									gw_window(normal, 16),
 									gw_window(visibility, 4),
 									GW_DISC_BINDINGS(cloud->octree),
-									GW_TREE_BINDING(cloud->octree) };
-	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_VISIBILITY, bindings, push,
+									GW_TREE_BINDING(cloud->octree),
+									gw_whole(&lamp->distribution),
+									GW_OPACITY_BINDING(cloud->octree) };
+	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_VISIBILITY, bindings, &lamp->push,
 						 cloud->surfels->count, error);
 }
 
-static gw_status find_visibility(const gw_lit_cloud *cloud, const gw_light_push *push,
+static gw_status find_visibility(const gw_lit_cloud *cloud, const light_on_device *lamp,
 								 const gw_buffer *normal, gw_buffer *visibility, gw_error *error)
 {
 	/* Maps show planes in cells, and of large discs no more than that. */
-	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0;
+	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0 &&
+				cloud->octree->dark_slot == 0;
 	if (maps)
-		return gw_shadow_map_visibility(cloud, push, visibility, error);
+		return gw_shadow_map_visibility(cloud, &lamp->push, visibility, error);
 	if (cloud->options->shadows != GW_SHADOWS_NONE)
-		return trace_visibility(cloud, push, normal, visibility, error);
+		return trace_visibility(cloud, lamp, normal, visibility, error);
 	return GW_OK;
 }
 
@@ -271,14 +376,14 @@ static gw_status close_gaps(const gw_lit_cloud *cloud, const gw_light_push *push
 	return status;
 }
 
-static gw_status add_irradiance(const gw_lit_cloud *cloud, const gw_light_push *push,
+static gw_status add_irradiance(const gw_lit_cloud *cloud, const light_on_device *lamp,
 								const gw_buffer *normal, const gw_buffer *visibility,
 								gw_buffer *irradiance, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_window(&cloud->octree->surfel_position, 16),
 									gw_window(normal, 16), gw_window(visibility, 4),
-									gw_window(irradiance, 16) };
-	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_IRRADIANCE, bindings, push,
+									gw_window(irradiance, 16), gw_whole(&lamp->distribution) };
+	return gw_passes_run(cloud->passes, GW_PASS_LIGHT_IRRADIANCE, bindings, &lamp->push,
 						 cloud->surfels->count, error);
 }
 
@@ -299,11 +404,12 @@ typedef struct light_normals {
 } light_normals;
 
 /* What one light adds. */
-static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
+static gw_status add_light(const gw_lit_cloud *cloud, const light_on_device *lamp,
 						   light_normals normals, gw_buffer *visibility,
 						   const gw_direct_irradiance *to, gw_error *error)
 {
 	gw_gpu *gpu = cloud->passes->gpu;
+	const gw_light_push *push = &lamp->push;
 	gw_buffer reached = { 0 }, reached_turned = { 0 };
 	gw_status status = GW_OK;
 	if (push->shadows)
@@ -315,13 +421,13 @@ static gw_status add_light(const gw_lit_cloud *cloud, const gw_light_push *push,
 	if (reached_turned.handle != VK_NULL_HANDLE)
 		normals.turned = &reached_turned;
 	if (status == GW_OK)
-		status = find_visibility(cloud, push, normals.own, visibility, error);
+		status = find_visibility(cloud, lamp, normals.own, visibility, error);
 	if (status == GW_OK)
 		status = close_gaps(cloud, push, visibility, error);
 	if (status == GW_OK)
-		status = add_irradiance(cloud, push, normals.own, visibility, to->surfels, error);
+		status = add_irradiance(cloud, lamp, normals.own, visibility, to->surfels, error);
 	if (status == GW_OK && normals.turned)
-		status = add_irradiance(cloud, push, normals.turned, visibility, to->turned, error);
+		status = add_irradiance(cloud, lamp, normals.turned, visibility, to->turned, error);
 	gw_buffer_destroy(gpu, &reached_turned);
 	gw_buffer_destroy(gpu, &reached);
 	return status;
@@ -348,12 +454,20 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	const light_normals normals = { cloud->surfels->shading_normal ? &b->own_normal
 																   : &cloud->octree->surfel_normal,
 									to->turned ? &b->off_normal : NULL };
+	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {
-		gw_light_push push =
-			gw_light_push_of(&lights[i], cloud->octree, cloud->surfels, cloud->options);
-		if (gw_light_shines(&lights[i]))
-			GW_TRY(add_light(cloud, &push, normals, &b->visibility, to, error));
+		light_on_device lamp = { .push = { 0 } };
+		bool shines =
+			forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads);
+		if (lights[i].type == GW_LIGHT_ENVIRONMENT || !shines)
+			continue;
+		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
+		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
+		gw_buffer_destroy(gpu, &lamp.distribution);
+		GW_TRY(status);
 	}
+	if (cloud->octree->leaf_count == 0)
+		return GW_OK;
 	return gw_average_facets(cloud->passes, cloud->octree, to->surfels, to->facets, error);
 }
 
@@ -368,7 +482,7 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 	return status;
 }
 
-static gw_status find_share(const gw_lit_cloud *cloud, const gw_light_push *push,
+static gw_status find_share(const gw_lit_cloud *cloud, const light_on_device *lamp,
 							gw_buffer *visibility, float *share, gw_error *error)
 {
 	gw_gpu *gpu = cloud->passes->gpu;
@@ -381,18 +495,24 @@ static gw_status find_share(const gw_lit_cloud *cloud, const gw_light_push *push
 		&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, bytes, "visibility" },
 		visibility, error));
 	GW_TRY(gw_buffer_fill(gpu, visibility, seen, error));
-	GW_TRY(find_visibility(cloud, push, &cloud->octree->surfel_normal, visibility, error));
-	return gw_buffer_download(gpu, visibility, 0, share, bytes, error);
+	gw_buffer reached = { 0 };
+	const gw_buffer *normal = &cloud->octree->surfel_normal;
+	GW_TRY(gw_shut_out_light(cloud, &lamp->push, normal, &reached, error));
+	gw_status status = find_visibility(
+		cloud, lamp, reached.handle != VK_NULL_HANDLE ? &reached : normal, visibility, error);
+	gw_buffer_destroy(gpu, &reached);
+	return status == GW_OK ? gw_buffer_download(gpu, visibility, 0, share, bytes, error) : status;
 }
 
 gw_status gw_light_share(const gw_lit_cloud *cloud, const gw_light *light, float *share,
 						 gw_error *error)
 {
 	gw_buffer visibility = { 0 };
-	const gw_light_push push =
-		gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
-	gw_status status = find_share(cloud, &push, &visibility, share, error);
+	light_on_device lamp = { .push = { 0 } };
+	GW_TRY(put_on_device(cloud, light, &lamp, error));
+	gw_status status = find_share(cloud, &lamp, &visibility, share, error);
 	gw_buffer_destroy(cloud->passes->gpu, &visibility);
+	gw_buffer_destroy(cloud->passes->gpu, &lamp.distribution);
 	GW_TRY(status);
 	for (size_t i = 0; i < cloud->surfels->count; i++)
 		share[i] -= share[i] >= GW_HIDDEN_BY_CREASE ? GW_HIDDEN_BY_CREASE : 0.0f;

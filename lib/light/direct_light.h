@@ -6,6 +6,7 @@
 #define DIRECT_LIGHT_H
 
 #include "light/shadow_map.h"
+#include "light/shader_functions.h"
 #include "light/transport_layout.h"
 
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
@@ -20,6 +21,10 @@ bool gw_light_shines(const gw_light *light);
 gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							   const gw_surfels *surfels, const gw_bake_options *options);
 
+/* The same for the processor. */
+gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surfels *surfels,
+				   const gw_bake_options *options);
+
 /* The straight way from a surfel to the middle of a light. */
 gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const gw_surfels *surfels,
 					size_t surfel);
@@ -27,7 +32,8 @@ gw_way gw_light_way(const gw_light_push *light, const gw_octree *octree, const g
 /* Where the light of lamps goes. */
 typedef struct gw_direct_irradiance {
 	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */
-	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet */
+	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet;
+						   none where there are no leaves */
 	gw_buffer *turned;  /* NULL, or like surfels: receives what it would be if each normal were off
 						   as shading_normal_off says, which has to be there (normal_error.h) */
 } gw_direct_irradiance;

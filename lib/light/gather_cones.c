@@ -87,7 +87,8 @@ static gw_status inject(gw_passes *passes, const gw_octree *octree, const gw_con
 	const gw_binding leaves[] = {
 		gw_whole(&octree->leaf_tile),   gw_whole(&octree->leaf_tile_neighbour),
 		gw_whole(&octree->facet_plane), gw_whole(&octree->facet_centre),
-		gw_whole(facet_radiance),       gw_voxels_of(&gather->leaf_pool)
+		gw_whole(facet_radiance),       gw_voxels_of(&gather->leaf_pool),
+		gw_whole(&octree->facet_albedo)
 	};
 	GW_TRY(gw_passes_run(passes, GW_PASS_BRICK_INJECT, leaves, &push,
 						 27 * (uint64_t)octree->leaf_tile_count, error));

@@ -44,7 +44,7 @@ gw_status gw_ray_gather_trace(const gw_record_context *on, uint32_t rays, uint32
 			GW_TRACE_BINDINGS(on->octree),   gw_whole(&on->records->position),
 			gw_whole(&on->records->normal),  gw_window(&gather->facet, 4),
 			gw_window(&gather->distance, 4), GW_DISC_BINDINGS(on->octree),
-			GW_TREE_BINDING(on->octree)
+			GW_TREE_BINDING(on->octree),     GW_OPACITY_BINDING(on->octree)
 		};
 		gw_record_push push = { .rays = rays, .seed = seed };
 		status = gw_passes_run(on->passes, GW_PASS_RECORD_RAYS, bindings, &push, count, error);
@@ -59,6 +59,16 @@ void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather)
 	gw_buffer_destroy(gpu, &gather->facet);
 	gw_buffer_destroy(gpu, &gather->distance);
 	gw_buffer_destroy(gpu, &gather->through);
+}
+
+gw_status gw_ray_gather_shut_out(const gw_record_context *on, gw_ray_gather *gather,
+								 gw_error *error)
+{
+	if (gather->shut_out == on->records->count)
+		return GW_OK;
+	GW_TRY(gw_shut_out_hits(on, gather->rays, &gather->facet, error));
+	gather->shut_out = on->records->count;
+	return GW_OK;
 }
 
 /* What two buffers hold, one behind the other; values has room for it. */
@@ -120,7 +130,7 @@ gw_status gw_ray_gather_open(const gw_record_context *on, const gw_portals *port
 			GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
 			gw_whole(&on->records->normal), gw_whole(&portals->sphere),
 			gw_window(&gather->through, 4), GW_DISC_BINDINGS(on->octree),
-			GW_TREE_BINDING(on->octree)
+			GW_TREE_BINDING(on->octree),    GW_OPACITY_BINDING(on->octree)
 		};
 		gw_record_push push = { .seed = gather->seed, .portals = portals->count };
 		status = gw_passes_run(on->passes, GW_PASS_RECORD_PORTALS, bindings, &push,
@@ -161,7 +171,8 @@ static gw_status sample_emitters(const gathering *g, gw_record_push push, gw_err
 									gw_whole(g->sources->part ? g->sources->part
 															  : emitters->radiance),
 									GW_DISC_BINDINGS(g->on->octree),
-									GW_TREE_BINDING(g->on->octree) };
+									GW_TREE_BINDING(g->on->octree),
+									GW_OPACITY_BINDING(g->on->octree) };
 	push.batch_count = push.light_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_EMITTERS, bindings, &push,
 						 g->on->records->count, error);
@@ -186,7 +197,8 @@ static gw_status sample_sky(const gathering *g, gw_record_push push, gw_error *e
 									gw_window(&g->sampled, 16),
 									GW_DISC_BINDINGS(g->on->octree),
 									gw_whole(spheres_of(g->sources)),
-									GW_TREE_BINDING(g->on->octree) };
+									GW_TREE_BINDING(g->on->octree),
+									GW_OPACITY_BINDING(g->on->octree) };
 	push.batch_count = push.sky_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_SKY, bindings, &push, g->on->records->count,
 						 error);

@@ -18,6 +18,7 @@ typedef struct gw_ray_gather {
 	gw_buffer distance; /* R32_SFLOAT, likewise, leaf cells */
 	gw_buffer through;  /* R32_UINT, a record: which samples of the portals leave the
 						   scene; empty until a sky shines in by portals */
+	uint32_t shut_out;  /* records whose hits were held against the compartments of empty space */
 } gw_ray_gather;
 
 /* Makes room for the hits of `rays` rays from every record. */
@@ -28,6 +29,12 @@ gw_status gw_ray_gather_create(gw_gpu *gpu, const gw_records *records, uint32_t 
 gw_status gw_ray_gather_trace(const gw_record_context *on, uint32_t rays, uint32_t seed,
 							  gw_ray_gather *gather, gw_error *error);
 void gw_ray_gather_destroy(gw_gpu *gpu, gw_ray_gather *gather);
+
+/* Turns hits on surface that rock keeps apart from their records to what sends out no light (see
+ * shut_out.h), unless that is done. Light is the same in whatever order lamps are lit only if it is
+ * done before the first. */
+gw_status gw_ray_gather_shut_out(const gw_record_context *on, gw_ray_gather *gather,
+								 gw_error *error);
 
 /* Traces rays from further records, as many from each, and keeps their hits behind the others.
  *   on    the further records alone

@@ -31,7 +31,8 @@ static void add_powers(void *user, size_t first, size_t last, uint32_t worker)
 	for (size_t i = first; i < last; i++) {
 		const uint32_t *record = job->record + GW_WEIGHTS * i;
 		const float *weight = job->weight + GW_WEIGHTS * i;
-		const double area = (double)job->centre[4 * i + 3];
+		const double area =
+			(double)job->centre[4 * i + 3] * (double)gw_facet_opacity(albedo[4 * i + 3]);
 		const double share[3] = { GW_LUMINANCE_RED * area * (double)albedo[4 * i],
 								  GW_LUMINANCE_GREEN * area * (double)albedo[4 * i + 1],
 								  GW_LUMINANCE_BLUE * area * (double)albedo[4 * i + 2] };

@@ -222,7 +222,8 @@ static gw_status trace_listed(const gw_record_context *on, const keep_tables *ta
 		GW_TRACE_BINDINGS(on->octree),  gw_whole(&on->records->position),
 		gw_whole(&on->records->normal), gw_whole(&tables->list),
 		gw_whole(&gather->facet),       gw_whole(&gather->distance),
-		GW_DISC_BINDINGS(on->octree),   GW_TREE_BINDING(on->octree)
+		GW_DISC_BINDINGS(on->octree),   GW_TREE_BINDING(on->octree),
+		GW_OPACITY_BINDING(on->octree)
 	};
 	gw_keep_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_AGAIN, bindings, &push, listed, error);

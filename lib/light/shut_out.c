@@ -4,6 +4,7 @@
 #include "light/shut_out.h"
 
 #include "base/memory.h"
+#include "light/transport_layout.h"
 #include "octree/compartments.h"
 
 #include <stdlib.h>
@@ -83,40 +84,137 @@ gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *ligh
 	return status;
 }
 
-static gw_status mark(const gw_record_context *on, const float *place, const float *normal,
-					  uint32_t *label, gw_buffer *marks, gw_error *error)
-{
-	uint32_t count = on->records->count, outside = gw_compartment_outside(on->octree);
-	GW_TRY(
-		gw_compartments_of_places(on->passes->gpu, on->octree, place, normal, count, label, error));
-	float *mark = gw_allocate_zeros(count, 4 * sizeof *mark);
-	if (mark == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for marks of %u records", count);
-	for (size_t i = 0; i < count; i++)
-		mark[4 * i + 3] = label[i] != outside && label[i] != GW_COMPARTMENT_UNKNOWN ? 1.0f : 0.0f;
-	gw_status status =
-		gw_buffer_upload(on->passes->gpu, marks, 0, mark, 16 * (uint64_t)count, error);
-	free(mark);
-	return status;
-}
-
-gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error)
+/* The compartments that records look into. */
+static gw_status label_records(const gw_record_context *on, uint32_t **label, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	uint64_t bytes = 16 * (uint64_t)on->records->count;
 	gw_view place = { 0 }, normal = { 0 };
-	if (!gw_compartments_several(on->octree))
-		return GW_OK;
-	uint32_t *label = gw_allocate_array(on->records->count, sizeof *label);
-	if (label == NULL)
+	*label = gw_allocate_array(on->records->count, sizeof **label);
+	if (*label == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", on->records->count);
 	gw_status status = gw_view_open(gpu, &on->records->position, bytes, &place, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &on->records->normal, bytes, &normal, error);
 	if (status == GW_OK)
-		status = mark(on, place.bytes, normal.bytes, label, marks, error);
+		status = gw_compartments_of_places(gpu, on->octree, place.bytes, normal.bytes,
+										   on->records->count, *label, error);
 	gw_view_close(&normal);
 	gw_view_close(&place);
+	if (status == GW_OK)
+		return GW_OK;
+	free(*label);
+	*label = NULL;
+	return status;
+}
+
+static bool apart(uint32_t label, uint32_t other)
+{
+	return label != other && label != GW_COMPARTMENT_UNKNOWN && other != GW_COMPARTMENT_UNKNOWN;
+}
+
+gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error)
+{
+	uint32_t count = on->records->count, *label = NULL;
+	if (!gw_compartments_several(on->octree))
+		return GW_OK;
+	GW_TRY(label_records(on, &label, error));
+	float *mark = gw_allocate_zeros(count, 4 * sizeof *mark);
+	gw_status status =
+		mark ? GW_OK
+			 : gw_fail(error, GW_ERROR_MEMORY, "no host memory for marks of %u records", count);
+	for (size_t i = 0; i < count && mark; i++)
+		mark[4 * i + 3] = apart(label[i], gw_compartment_outside(on->octree)) ? 1.0f : 0.0f;
+	if (status == GW_OK)
+		status = gw_buffer_upload(on->passes->gpu, marks, 0, mark, 16 * (uint64_t)count, error);
+	free(mark);
 	free(label);
+	return status;
+}
+
+/* label: of the records. */
+static gw_status take_sky_off(const gw_record_context *on, const uint32_t *label,
+							  const float *unlit, gw_buffer *gathered, gw_error *error)
+{
+	uint32_t count = on->records->count, outside = gw_compartment_outside(on->octree);
+	uint64_t bytes = 16 * (uint64_t)count;
+	float *light = gw_allocate_array(count, 4 * sizeof *light);
+	if (light == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records", count);
+	gw_status status = gw_buffer_download(on->passes->gpu, gathered, 0, light, bytes, error);
+	for (size_t i = 0; i < 4 * (size_t)count && status == GW_OK; i++)
+		if (apart(label[i / 4], outside))
+			light[i] = unlit ? unlit[i] : 0.0f;
+	if (status == GW_OK)
+		status = gw_buffer_upload(on->passes->gpu, gathered, 0, light, bytes, error);
+	free(light);
+	return status;
+}
+
+gw_status gw_shut_out_gathered(const gw_record_context *on, const float *unlit, gw_buffer *gathered,
+							   gw_error *error)
+{
+	uint32_t *label = NULL;
+	if (!gw_compartments_several(on->octree))
+		return GW_OK;
+	GW_TRY(label_records(on, &label, error));
+	gw_status status = take_sky_off(on, label, unlit, gathered, error);
+	free(label);
+	return status;
+}
+
+/* The first slot without a facet, or GW_COMPARTMENT_UNKNOWN. */
+static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw_error *error)
+{
+	gw_view plane = { 0 };
+	size_t slots = 2 * (size_t)on->octree->leaf_count, i = 0;
+	GW_TRY(gw_view_open(on->passes->gpu, &on->octree->facet_plane, 16 * slots, &plane, error));
+	const float *n = plane.bytes;
+	while (i < slots && (n[4 * i] != 0.0f || n[4 * i + 1] != 0.0f || n[4 * i + 2] != 0.0f))
+		i++;
+	*slot = i < slots ? (uint32_t)i : GW_COMPARTMENT_UNKNOWN;
+	gw_view_close(&plane);
+	return GW_OK;
+}
+
+/* What the steps of gw_shut_out_hits find. */
+typedef struct hit_labels {
+	uint32_t *record, *facet, *hit; /* hit: what each ray hit */
+	uint32_t empty;
+} hit_labels;
+
+static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
+						   hit_labels *l, gw_error *error)
+{
+	gw_gpu *gpu = on->passes->gpu;
+	size_t slots = 2 * (size_t)on->octree->leaf_count, count = on->records->count, turned = 0;
+	l->facet = gw_allocate_array(slots, sizeof *l->facet);
+	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
+	if (!l->facet || !l->hit)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
+	GW_TRY(find_empty_slot(on, &l->empty, error));
+	GW_TRY(label_records(on, &l->record, error));
+	GW_TRY(gw_compartments_of_facets(gpu, on->octree, l->facet, error));
+	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
+	for (size_t i = 0; i < rays * count && l->empty != GW_COMPARTMENT_UNKNOWN; i++) {
+		if (l->hit[i] == GW_NONE || !apart(l->record[i / rays], l->facet[l->hit[i]]))
+			continue;
+		l->hit[i] = l->empty;
+		turned++;
+	}
+	return turned > 0 ? gw_buffer_upload(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error)
+					  : GW_OK;
+}
+
+gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
+						   gw_error *error)
+{
+	hit_labels l = { 0 };
+	if (!gw_compartments_several(on->octree))
+		return GW_OK;
+	gw_status status = turn_hits(on, rays, facet, &l, error);
+	free(l.record);
+	free(l.facet);
+	free(l.hit);
 	return status;
 }

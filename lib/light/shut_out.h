@@ -25,4 +25,21 @@ gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *ligh
  */
 gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error);
 
+/*
+ * Takes the sky off what records gathered that it is shut out from.
+ *   unlit      4 floats a record: what they gather without a sky; NULL: nothing
+ *   gathered   vec4 a record
+ */
+gw_status gw_shut_out_gathered(const gw_record_context *on, const float *unlit, gw_buffer *gathered,
+							   gw_error *error);
+
+/*
+ * Turns hits of rays on surface in another compartment than their record's to a facet that sends
+ * out nothing.
+ *   rays    a record
+ *   facet   R32_UINT, rays * records: what each ray hit
+ */
+gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
+						   gw_error *error);
+
 #endif

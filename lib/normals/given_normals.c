@@ -1,6 +1,7 @@
 /* given_normals.c - see given_normals.h. */
 #include "normals/given_normals.h"
 
+#include "base/distribution.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "normals/normal_orientation.h"
@@ -305,8 +306,7 @@ static bool has_inside(const gw_surfels *s, const gw_points *points,
 		inside = is_within(s, points->scanner + 3 * i);
 	for (size_t i = 0; i < options->light_count && !inside; i++) {
 		const gw_light *l = &options->lights[i];
-		inside =
-			(l->type == GW_LIGHT_POINT || l->type == GW_LIGHT_SPOT) && is_within(s, l->position);
+		inside = gw_light_has_place(l) && is_within(s, l->position);
 	}
 	return inside;
 }

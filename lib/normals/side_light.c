@@ -1,6 +1,7 @@
 /* side_light.c - see side_light.h. */
 #include "normals/side_light.h"
 
+#include "base/distribution.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "base/up_axis.h"
@@ -235,15 +236,16 @@ static void add_lamp(const side_work *w, place *p, const gw_light *l)
 		return;
 	if (l->type == GW_LIGHT_SPOT && -gw_dot(gw_unit(axis), way) < cosf(l->outer_angle * 0.01745f))
 		return;
+	double share = (double)gw_distribution_towards(l, gw_times(way, -1.0f));
 	double nearest = fmax((double)length, (double)p->disc.radius);
-	add_direct(w, p, way, length, gw_luminance(l->intensity) / (nearest * nearest));
+	add_direct(w, p, way, length, gw_luminance(l->intensity) * share / (nearest * nearest));
 }
 
 static void add_lights(const side_work *w, place *p)
 {
 	for (size_t i = 0; i < w->options->light_count; i++) {
 		const gw_light *l = w->options->lights + i;
-		if (l->type == GW_LIGHT_POINT || l->type == GW_LIGHT_SPOT) {
+		if (gw_light_has_place(l)) {
 			add_lamp(w, p, l);
 		} else if (l->type == GW_LIGHT_SUN) {
 			gw_vec3 way = { (float)-l->direction[0], (float)-l->direction[1],

@@ -24,12 +24,6 @@ typedef struct disc {
 	uint32_t level;  /* of its cells */
 } disc;
 
-typedef struct walls {
-	gw_compartments *c;
-	size_t room; /* tiles for which there is memory */
-	bool failed;
-} walls;
-
 static float dot(const float a[3], const float b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -67,7 +61,7 @@ static bool passes(const disc *d, const float middle[3], float half)
 }
 
 /* A tile without anything below a node. */
-static bool divide(walls *w, uint32_t node)
+static bool divide(gw_walls *w, uint32_t node)
 {
 	gw_compartments *c = w->c;
 	size_t tiles = c->first / 8;
@@ -87,12 +81,13 @@ static bool divide(walls *w, uint32_t node)
 	return true;
 }
 
-static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
+static void wall_below(gw_walls *w, const disc *d, uint32_t level, uint32_t tile,
 					   const float corner[3]);
 
 /* A node that a disc passes: a wall where it is no wider than the disc's cells, else some of what
  * is below it. */
-static void wall_at(walls *w, const disc *d, uint32_t level, uint32_t node, const float corner[3])
+static void wall_at(gw_walls *w, const disc *d, uint32_t level, uint32_t node,
+					const float corner[3])
 {
 	uint32_t to = w->c->child[node];
 	if (to == GW_WALL)
@@ -107,7 +102,7 @@ static void wall_at(walls *w, const disc *d, uint32_t level, uint32_t node, cons
 }
 
 /* The children of a node of a level, whose corner is given. */
-static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
+static void wall_below(gw_walls *w, const disc *d, uint32_t level, uint32_t tile,
 					   const float corner[3])
 {
 	float width = (float)(1u << (w->c->depth - level - 1));
@@ -126,34 +121,57 @@ static void wall_below(walls *w, const disc *d, uint32_t level, uint32_t tile,
 	}
 }
 
-static void wall_all(walls *w, const gw_view *view, size_t surfels)
+void gw_wall_cell(gw_walls *w, uint32_t level, const int32_t at[3], const float *place,
+				  const float *normal)
+{
+	disc plane = { .place = place, .normal = normal, .radius = INFINITY, .level = level };
+	uint32_t tile = 0;
+	for (uint32_t l = 1; l <= level; l++) {
+		uint32_t shift = level - l;
+		uint32_t octant = (uint32_t)(at[0] >> shift & 1) | (uint32_t)(at[1] >> shift & 1) << 1 |
+						  (uint32_t)(at[2] >> shift & 1) << 2;
+		uint32_t node = 8 * tile + octant, to = w->c->child[node];
+		if (l == level && to == 0)
+			w->c->child[node] = GW_WALL;
+		if (to == GW_WALL || (to == 0 && (l == level || !divide(w, node))))
+			return;
+		tile = w->c->child[node] - 1;
+	}
+	float corner[3];
+	for (int k = 0; k < 3; k++)
+		corner[k] = (float)((uint32_t)at[k] << (w->c->depth - level));
+	wall_below(w, &plane, level, tile, corner);
+}
+
+static void wall_all(gw_walls *w, const gw_view *view, const gw_surfels *surfels)
 {
 	const float *place = view[0].bytes, *normal = view[1].bytes, *size = view[2].bytes,
 				*clip = view[3].bytes;
 	const float origin[3] = { 0.0f, 0.0f, 0.0f };
-	for (size_t i = 0; i < surfels && !w->failed; i++) {
-		if (size[4 * i] < GW_SPARSE_RADIUS)
+	const float *clear = surfels->transparency;
+	for (size_t i = 0; i < surfels->count && !w->failed; i++) {
+		if (size[4 * i] < GW_SPARSE_RADIUS || (clear && clear[i] > 0.0f))
 			continue;
 		disc d = disc_of(place + 4 * i, normal + 4 * i, size + 4 * i, clip + 4 * i, w->c->depth);
 		wall_below(w, &d, 0, 0, origin);
 	}
 }
 
-gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									 gw_compartments *c, gw_error *error)
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c, gw_error *error)
 {
 	const gw_buffer *const buffer[4] = { &octree->surfel_position, &octree->surfel_normal,
 										 &octree->surfel_disc, &octree->surfel_clip };
 	gw_view view[4] = { 0 };
 	gw_status status = GW_OK;
 	for (int i = 0; i < 4 && status == GW_OK; i++)
-		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels, &view[i], error);
-	walls w = { c, c->first / 8, false };
+		status = gw_view_open(gpu, buffer[i], 16 * (uint64_t)surfels->count, &view[i], error);
+	gw_walls w = { c, c->first / 8, false };
 	if (status == GW_OK)
 		wall_all(&w, view, surfels);
 	for (int i = 0; i < 4; i++)
 		gw_view_close(&view[i]);
-	return w.failed
-			   ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels", surfels)
-			   : status;
+	return w.failed ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
+							  surfels->count)
+					: status;
 }

@@ -10,6 +10,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "octree/octree_layout.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +21,9 @@
 #define STEP_MOST 3.0f
 #define STEP 0.5f
 #define STEPS 6
+
+/* And those who learn nothing from others either: amid walls of sparse surface. */
+#define STEPS_FAR 32
 
 /* Surfels that have to look into a compartment before it counts as one: noise leaves bubbles amid
  * surface, that few look into. */
@@ -49,6 +53,7 @@ typedef struct sight {
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
 	enum asking asking;
+	int steps; /* along normals */
 } sight;
 
 typedef struct views {
@@ -108,7 +113,7 @@ static void step_along(const float from[3], const float way[3], float t, float t
 /* The first empty cell along a normal. */
 static uint32_t look_along(const sight *s, const float from[3], const float normal[3], float step)
 {
-	for (int i = 0; i <= STEPS; i++) {
+	for (int i = 0; i <= s->steps; i++) {
 		float place[3], passed[3];
 		int32_t cell[3];
 		step_along(from, normal, step * (float)i, place);
@@ -281,6 +286,10 @@ static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *side
 		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
 		memcpy(sides, other, 2 * surfels * sizeof *sides);
 	}
+	s->to = sides;
+	s->steps = STEPS_FAR;
+	if (*several > 1)
+		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
 	return GW_OK;
 }
 
@@ -321,7 +330,8 @@ static sight sight_of(gw_compartments *c, const views *v)
 					.plane = v->plane.bytes,
 					.leaf_tile = v->leaf_tile.bytes,
 					.leaf_fragment = v->leaf_fragment.bytes,
-					.fragment_surfel = v->fragment_surfel.bytes };
+					.fragment_surfel = v->fragment_surfel.bytes,
+					.steps = STEPS };
 }
 
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
@@ -363,6 +373,28 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
 			}
 		}
+	}
+	close_views(&v);
+	return status;
+}
+
+gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
+									gw_error *error)
+{
+	views v = { 0 };
+	gw_status status = open_views(gpu, octree, &v, error);
+	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
+	const float *normal = v.normal.bytes;
+	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++) {
+		votes of[2] = { 0 };
+		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
+			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
+			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
+				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
+					 octree->compartments->sides[2 * surfel]);
+		}
+		label[2 * leaf] = winner(&of[0]);
+		label[2 * leaf + 1] = winner(&of[1]);
 	}
 	close_views(&v);
 	return status;

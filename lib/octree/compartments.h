@@ -52,4 +52,9 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 									const float *normal, size_t count, uint32_t *label,
 									gw_error *error);
 
+/* That which facets face. There are several.
+ *   label     2 * leaves, receives them; unknown for those with two sides */
+gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
+									gw_error *error);
+
 #endif

@@ -6,6 +6,7 @@
 #include "octree/compartments_steps.h"
 
 #include "base/memory.h"
+#include "octree/octree_layout.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -101,11 +102,8 @@ static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error 
 
 /* Of nodes only those that hold something have children here: others are there to be filtered
  * across. Tiles come level by level, the root first. */
-static void take_tree(const gw_octree *octree, const uint32_t *node, const uint32_t *leaf_tile,
-					  gw_compartments *c)
+static void take_tree(const gw_octree *octree, const uint32_t *node, gw_compartments *c)
 {
-	for (uint32_t t = 0; t < octree->leaf_tile_count; t++)
-		c->leaves[t] = (uint8_t)leaf_tile[2 * t + 1];
 	for (uint32_t level = octree->depth - 1; level > 0; level--) {
 		for (uint32_t t = octree->tile_first[level]; t < octree->tile_first[level + 1]; t++) {
 			for (uint32_t i = 8 * t; i < 8 * t + 8; i++) {
@@ -121,20 +119,66 @@ static void take_tree(const gw_octree *octree, const uint32_t *node, const uint3
 	}
 }
 
-static gw_status fetch_tree(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
-							gw_error *error)
+/* Leaves in which all surface lets light through are no walls. */
+static void open_leaves(const gw_surfels *surfels, const uint32_t *leaf_tile, uint32_t leaf_tiles,
+						const uint32_t *first, const uint32_t *fragment, gw_compartments *c)
 {
-	gw_view node = { 0 }, leaf_tile = { 0 };
+	for (uint32_t t = 0; t < leaf_tiles; t++) {
+		uint32_t leaf = leaf_tile[2 * t];
+		for (uint32_t octant = 0; octant < 8; octant++) {
+			if ((leaf_tile[2 * t + 1] >> octant & 1u) == 0)
+				continue;
+			bool clear = true;
+			for (uint32_t f = first[leaf]; f < first[leaf + 1] && clear; f++)
+				clear = surfels->transparency[fragment[f] & GW_FRAGMENT_SURFEL] > 0.0f;
+			if (clear)
+				c->leaves[t] &= (uint8_t) ~(1u << octant);
+			leaf++;
+		}
+	}
+}
+
+static gw_status find_open_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+								  gw_compartments *c, gw_error *error)
+{
+	gw_view tile = { 0 }, first = { 0 }, fragment = { 0 };
 	gw_status status =
-		gw_view_open(gpu, &octree->node, 32 * (uint64_t)octree->tile_count, &node, error);
+		gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count, &tile, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count,
-							  &leaf_tile, error);
+		status = gw_view_open(gpu, &octree->leaf_fragment, 4 * ((uint64_t)octree->leaf_count + 1),
+							  &first, error);
 	if (status == GW_OK)
-		take_tree(octree, node.bytes, leaf_tile.bytes, c);
-	gw_view_close(&leaf_tile);
-	gw_view_close(&node);
+		status = gw_view_open(gpu, &octree->fragment_surfel, 4 * (uint64_t)octree->fragment_count,
+							  &fragment, error);
+	if (status == GW_OK)
+		open_leaves(surfels, tile.bytes, octree->leaf_tile_count, first.bytes, fragment.bytes, c);
+	gw_view_close(&fragment);
+	gw_view_close(&first);
+	gw_view_close(&tile);
 	return status;
+}
+
+static gw_status fetch_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+							  gw_compartments *c, gw_error *error)
+{
+	gw_view tile;
+	GW_TRY(
+		gw_view_open(gpu, &octree->leaf_tile, 8 * (uint64_t)octree->leaf_tile_count, &tile, error));
+	for (uint32_t t = 0; t < octree->leaf_tile_count; t++)
+		c->leaves[t] = (uint8_t)((const uint32_t *)tile.bytes)[2 * t + 1];
+	gw_view_close(&tile);
+	return surfels->transparency ? find_open_leaves(gpu, octree, surfels, c, error) : GW_OK;
+}
+
+static gw_status fetch_tree(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
+							gw_compartments *c, gw_error *error)
+{
+	gw_view node;
+	GW_TRY(fetch_leaves(gpu, octree, surfels, c, error));
+	GW_TRY(gw_view_open(gpu, &octree->node, 32 * (uint64_t)octree->tile_count, &node, error));
+	take_tree(octree, node.bytes, c);
+	gw_view_close(&node);
+	return GW_OK;
 }
 
 static gw_status make(const gw_octree *octree, gw_compartments **made, gw_error *error)
@@ -163,11 +207,13 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 	if (octree->depth < 2) /* The root's children are leaves, in which nothing is kept apart. */
 		return GW_OK;
 	GW_TRY(make(octree, &c, error));
-	gw_status status = fetch_tree(gpu, octree, c, error);
+	gw_status status = fetch_tree(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
 		status = gw_compartments_close_voids(gpu, octree, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_wall_discs(gpu, octree, surfels->count, c, error);
+		status = gw_compartments_wall_discs(gpu, octree, surfels, c, error);
+	if (status == GW_OK)
+		status = gw_compartments_close_sparse(gpu, octree, surfels->count, c, error);
 	if (status == GW_OK)
 		status = join_all(octree, c, error);
 	if (status == GW_OK)

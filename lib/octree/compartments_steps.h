@@ -44,9 +44,27 @@ uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t cell[3
 /* Leaf cells: discs of this radius and more are of sparse surface. */
 #define GW_SPARSE_RADIUS 2.0f
 
-/* Makes walls of the discs of sparse surface; c->first grows. */
-gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									 gw_compartments *c, gw_error *error);
+/* Walls being made; c->first grows. */
+typedef struct gw_walls {
+	gw_compartments *c;
+	size_t room; /* tiles for which there is memory */
+	bool failed;
+} gw_walls;
+
+/* Makes a wall of a cell of a level, but above the leaves; where it holds something, of what a
+ * plane passes of it.
+ *   place, normal   of the plane, leaf cells */
+void gw_wall_cell(gw_walls *walls, uint32_t level, const int32_t at[3], const float *place,
+				  const float *normal);
+
+/* Makes walls of the voids in surface that is sparser than leaves are wide; c->first grows. */
+gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
+									   gw_compartments *c, gw_error *error);
+
+/* Makes walls of the discs of sparse surface that is opaque; c->first grows. */
+gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
+									 const gw_surfels *surfels, gw_compartments *c,
+									 gw_error *error);
 
 /* Makes walls of the voids in surface. */
 gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,

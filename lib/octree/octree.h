@@ -22,6 +22,8 @@
 #include "device/gpu.h"
 #include "cloud/surfels.h"
 
+#include <math.h>
+
 /* Directory: dense tables of tile pointers down to this level, so that a walk need not start at
  * the root. */
 #define GW_DIRECTORY_LEVEL_MAX 7u
@@ -52,6 +54,9 @@ typedef struct gw_octree {
 	uint32_t fragment_count;
 	/* surfels whose disc is larger than GW_DISC_MAX leaf cells */
 	uint32_t tree_discs;
+	/* 0 where all is opaque; else 1 + a slot that no facet has, and which sends out nothing: what
+	 * rays find that are stopped by the back of a surface that others pass */
+	uint32_t dark_slot;
 	/* tiles of level l (whose nodes are of level l) are tile_first[l] .. tile_first[l + 1] -
 	 * 1; l = 1..depth - 1 */
 	uint32_t tile_first[GW_DEPTH_MAX + 2];
@@ -96,8 +101,9 @@ typedef struct gw_octree {
 	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
 	gw_buffer facet_centre;
-	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, or
-	 * GW_MARK_UNCLEAR if some of it may face either way */
+	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, or else
+	 * GW_FACET_UNCLEAR if some of it may face either way, plus the mean transparency, which is
+	 * below 1 */
 	gw_buffer facet_albedo;
 	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
 	gw_buffer facet_emission;
@@ -137,6 +143,12 @@ typedef struct gw_octree {
 	struct gw_compartments *compartments;
 } gw_octree;
 
+/* The opacity of a facet, of which w is that of its facet_albedo. */
+static inline float gw_facet_opacity(float w)
+{
+	return 1.0f - (w - floorf(w));
+}
+
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */
 uint32_t gw_octree_auto_depth(const gw_surfels *surfels);
 
@@ -156,6 +168,15 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
  *   leaf_spacing  the width, in surfels->spacing
  */
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error);
+
+/*
+ * Only the places and normals of surfels, in the coordinates of an octree's grid: for light that
+ * nothing hides. Depth and all counts are 0.
+ *   leaf_spacing  width of the grid's cells, in surfels->spacing, at least
+ *   octree        as of gw_octree_build
+ */
+gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 

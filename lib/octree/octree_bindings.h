@@ -23,5 +23,7 @@ bool gw_octree_passes_fit(const gw_passes *passes, const gw_octree *octree);
 		gw_whole(&(octree)->surfel_disc), gw_whole(&(octree)->surfel_clip)
 /* And disc_tree.glsl, which comes last. */
 #define GW_TREE_BINDING(octree) gw_whole(&(octree)->disc_tree)
+/* And opacity.glsl, after that. */
+#define GW_OPACITY_BINDING(octree) gw_whole(&(octree)->facet_albedo)
 
 #endif

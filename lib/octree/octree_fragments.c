@@ -12,6 +12,10 @@
 #include <string.h>
 
 /* Surfels converted at once. */
+/* Arrays of surfels on the device, as upload_arrays lists them: all, and those that lamps light. */
+#define SURFEL_ARRAYS 7
+#define LIT_ARRAYS 2
+
 #define UPLOAD_SURFELS 65536u
 
 /* The least RoI; keeps shares of it finite. */
@@ -101,7 +105,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 	default:
 		for (int k = 0; k < 3; k++)
 			out[k] = (which == 5 ? s->albedo : s->emission)[3 * i + (size_t)k];
-		out[3] = 0;
+		out[3] = which == 5 && s->transparency ? s->transparency[i] : 0;
 	}
 }
 
@@ -118,7 +122,8 @@ static gw_status upload_array(gw_octree_work *work, int which, gw_buffer *buffer
 	return GW_OK;
 }
 
-static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *error)
+/* The first `count` of the arrays of surfels. */
+static gw_status upload_arrays(gw_octree_work *work, int count, float *chunk, gw_error *error)
 {
 	gw_octree *octree = work->octree;
 	const struct {
@@ -134,7 +139,7 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 		{ &work->surfel_emission, "surfel emission" },
 	};
 	uint64_t bytes = 16 * (uint64_t)work->surfels->count;
-	for (int i = 0; i < 7; i++) {
+	for (int i = 0; i < count; i++) {
 		bool there = i < 6 || work->surfels->emission != NULL;
 		GW_TRY(gw_octree_buffer(work, VK_FORMAT_R32G32B32A32_SFLOAT, there ? bytes : 16,
 								array[i].name, array[i].buffer, error));
@@ -144,7 +149,8 @@ static gw_status upload_arrays(gw_octree_work *work, float *chunk, gw_error *err
 	return GW_OK;
 }
 
-gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error)
+/* Surfels to the device, in an octree of a depth. */
+static gw_status upload(gw_octree_work *work, uint32_t depth, int arrays, gw_error *error)
 {
 	const gw_surfels *s = work->surfels;
 	work->octree->depth = depth;
@@ -153,8 +159,29 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (chunk == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", s->count);
-	gw_status status = upload_arrays(work, chunk, error);
+	gw_status status = upload_arrays(work, arrays, chunk, error);
 	free(chunk);
+	return status;
+}
+
+gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error)
+{
+	return upload(work, depth, SURFEL_ARRAYS, error);
+}
+
+gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
+								 gw_octree *octree, gw_error *error)
+{
+	gw_octree_work work = { .gpu = gpu,
+							.surfels = surfels,
+							.octree = octree,
+							.leaf_size = (double)leaf_spacing * (double)surfels->spacing };
+	memset(octree, 0, sizeof *octree);
+	gw_status status = upload(&work, 1, LIT_ARRAYS, error);
+	if (status == GW_OK)
+		octree->depth = 0;
+	else
+		gw_octree_destroy(gpu, octree);
 	return status;
 }
 

@@ -192,6 +192,30 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_DISTANCE, bindings, &push, cells, error);
 }
 
+/* A slot that no facet has: leaves with two of them are rare. Where all have two, rays see the
+ * first one instead. */
+static gw_status find_dark_slot(gw_octree_work *work, gw_error *error)
+{
+	gw_octree *octree = work->octree;
+	gw_view view;
+	octree->dark_slot = 0;
+	if (work->surfels->transparency == NULL)
+		return GW_OK;
+	uint64_t bytes = 32 * (uint64_t)octree->leaf_count;
+	GW_TRY(gw_view_open(work->gpu, &octree->facet_plane, bytes, &view, error));
+	const float *plane = view.bytes;
+	octree->dark_slot = 1;
+	for (size_t slot = 0; slot < 2 * (size_t)octree->leaf_count; slot++) {
+		const float *n = plane + 4 * slot;
+		if (n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f) {
+			octree->dark_slot = (uint32_t)slot + 1;
+			break;
+		}
+	}
+	gw_view_close(&view);
+	return GW_OK;
+}
+
 gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 {
 	gw_octree *octree = work->octree;
@@ -206,5 +230,6 @@ gw_status gw_octree_reduce_leaves(gw_octree_work *work, gw_error *error)
 	};
 	GW_TRY(reduce(work, push, longest, error));
 	GW_TRY(finish(work, push, error));
+	GW_TRY(find_dark_slot(work, error));
 	return find_distances(work, error);
 }

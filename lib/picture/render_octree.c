@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "light/direct_light.h"
+#include "octree/compartments.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -122,6 +123,7 @@ void gw_render_octree_destroy(gw_render_octree **octree)
 		return;
 	if (o->gpu) {
 		gw_cone_gather_destroy(o->gpu, &o->bricks);
+		gw_sky_map_destroy(o->gpu, &o->sky);
 		gw_buffer_destroy(o->gpu, &o->facet_radiance);
 		gw_buffer_destroy(o->gpu, &o->surfel_radiance);
 		if (o->passes.gpu)
@@ -130,6 +132,12 @@ void gw_render_octree_destroy(gw_render_octree **octree)
 		gw_gpu_destroy(&o->gpu);
 	}
 	free(o);
+}
+
+gw_status gw_render_octree_set_sky(gw_render_octree *o, const gw_light *light, gw_error *error)
+{
+	gw_sky_map_destroy(o->gpu, &o->sky);
+	return light ? gw_sky_map_make(o->gpu, light, &o->sky, error) : GW_OK;
 }
 
 /* ------------------------------------------------------------------------- what it is like */
@@ -176,6 +184,7 @@ gw_status gw_render_octree_shadow(gw_render_octree *o, const gw_surfels *surfels
 								  float *share, gw_error *error)
 {
 	const gw_lit_cloud cloud = { &o->passes, &o->octree, surfels, options, NULL };
+	GW_TRY(gw_compartments_find(o->gpu, surfels, options->threads, &o->octree, error));
 	return gw_light_share(&cloud, light, share, error);
 }
 
@@ -255,6 +264,12 @@ static gw_status run_batches(gw_render_octree *o, const gw_pixels *pixels, batch
 	return status;
 }
 
+/* The sky's texels; where there are none, any that passes can have bound. */
+static gw_binding sky_texels(const gw_render_octree *o)
+{
+	return gw_whole(o->sky.width > 0 ? &o->sky.texel : &o->surfel_radiance);
+}
+
 static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
 						  const void *how, gw_error *error)
 {
@@ -264,12 +279,20 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 						   .seed = r->seed,
 						   .pixel_first = (uint32_t)b->first,
 						   .eye = eye_of(o, pixels, 0.0f),
-						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f } };
-	const gw_binding bindings[] = {
-		GW_TRACE_BINDINGS(t),        GW_DISC_BINDINGS(t),       gw_whole(&o->surfel_radiance),
-		gw_window(&b->position, 16), gw_window(&b->normal, 16), gw_window(&b->result, 16),
-		GW_TREE_BINDING(t)
-	};
+						   .sky = { r->sky[0], r->sky[1], r->sky[2], 0.0f },
+						   .sky_width = o->sky.width,
+						   .sky_height = o->sky.height,
+						   .sky_turn = o->sky.turn,
+						   .sky_y_up = o->sky.y_up };
+	const gw_binding bindings[] = { GW_TRACE_BINDINGS(t),
+									GW_DISC_BINDINGS(t),
+									gw_whole(&o->surfel_radiance),
+									gw_window(&b->position, 16),
+									gw_window(&b->normal, 16),
+									gw_window(&b->result, 16),
+									GW_TREE_BINDING(t),
+									sky_texels(o),
+									GW_OPACITY_BINDING(t) };
 	for (push.ray = 0; push.ray < r->rays; push.ray++) {
 		GW_TRY(gw_passes_run(&o->passes, GW_PASS_PIXEL_RAYS, bindings, &push, b->count, error));
 		if (r->cancelled && r->cancelled(r->user))
@@ -278,18 +301,11 @@ static gw_status run_rays(gw_render_octree *o, const batch *b, const gw_pixels *
 	return GW_OK;
 }
 
-static gw_status run_bricks(gw_render_octree *o, const batch *b, gw_pass_id pass,
-							const gw_cone_push *push, gw_error *error)
-{
-	const gw_binding bindings[] = { gw_whole(&o->octree.level_directory),
-									gw_whole(&o->octree.node),
-									gw_voxels_of(&o->bricks.leaf_pool),
-									gw_voxels_of(&o->bricks.mip_pool),
-									gw_window(&b->position, 16),
-									gw_window(&b->normal, 16),
-									gw_window(&b->result, 16) };
-	return gw_passes_run(&o->passes, pass, bindings, push, b->count, error);
-}
+/* Of passes that read the bricks. */
+#define BRICK_BINDINGS(o, b)                                                                       \
+	gw_whole(&(o)->octree.level_directory), gw_whole(&(o)->octree.node),                           \
+		gw_voxels_of(&(o)->bricks.leaf_pool), gw_voxels_of(&(o)->bricks.mip_pool),                 \
+		gw_window(&(b)->position, 16), gw_window(&(b)->normal, 16), gw_window(&(b)->result, 16)
 
 static gw_status run_cone(gw_render_octree *o, const batch *b, const gw_pixels *pixels,
 						  const void *how, gw_error *error)
@@ -297,7 +313,12 @@ static gw_status run_cone(gw_render_octree *o, const batch *b, const gw_pixels *
 	const gw_reflection *r = how;
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, r->sky);
 	push.eye = eye_of(o, pixels, 0.0f);
-	return run_bricks(o, b, GW_PASS_PIXEL_CONE, &push, error);
+	push.sky_width = o->sky.width;
+	push.sky_height = o->sky.height;
+	push.sky_turn = o->sky.turn;
+	push.sky_y_up = o->sky.y_up;
+	const gw_binding bindings[] = { BRICK_BINDINGS(o, b), sky_texels(o) };
+	return gw_passes_run(&o->passes, GW_PASS_PIXEL_CONE, bindings, &push, b->count, error);
 }
 
 gw_status gw_render_octree_reflect(gw_render_octree *o, const gw_pixels *pixels,
@@ -314,7 +335,8 @@ static gw_status run_read(gw_render_octree *o, const batch *b, const gw_pixels *
 	const float black[3] = { 0 };
 	gw_cone_push push = gw_cone_gather_push(&o->bricks, o->scale, black);
 	push.eye = eye_of(o, pixels, *(const bool *)how ? 1.0f : 0.0f);
-	return run_bricks(o, b, GW_PASS_PIXEL_BRICKS, &push, error);
+	const gw_binding bindings[] = { BRICK_BINDINGS(o, b) };
+	return gw_passes_run(&o->passes, GW_PASS_PIXEL_BRICKS, bindings, &push, b->count, error);
 }
 
 gw_status gw_render_octree_read(gw_render_octree *o, const gw_pixels *pixels, bool cubic,

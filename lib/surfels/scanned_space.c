@@ -339,17 +339,6 @@ bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
 	return space->state != NULL;
 }
 
-bool gw_scanned_space_cell(const gw_scanned_space *space, const float place[3], uint32_t at[3])
-{
-	for (int k = 0; k < 3; k++) {
-		float cell = (place[k] - space->low[k]) / space->cell;
-		if (!(cell >= 0.0f && cell < (float)space->cells[k]))
-			return false;
-		at[k] = (uint32_t)cell;
-	}
-	return true;
-}
-
 /* ----------------------------------------------------------------------------------------- cells
  */
 

@@ -62,6 +62,7 @@ typedef struct work {
 	const gw_surfels *surfels;
 	gw_scanned_space *space;
 	gw_vec3 *place;        /* EYES */
+	gw_vec3 *way;          /* DIRECTIONS */
 	_Atomic uint8_t *seen; /* cells: 1 where an eye has put a membrane */
 	size_t cells;
 } work;
@@ -104,29 +105,53 @@ static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
 		}
 }
 
+/* From cell to cell, without a branch on the axis, which nobody could foretell: the other two go on
+ * by nothing. next: how far it is to the next cell along an axis. */
+static float walk_to_surface(const uint8_t *state, const float next[3], const float step[3],
+							 const int32_t left[3], const ptrdiff_t go[3])
+{
+	float x = next[0], y = next[1], z = next[2];
+	int32_t left_x = left[0], left_y = left[1], left_z = left[2];
+	for (;;) {
+		float first = x < y ? x : y;
+		int32_t by_z = !(first < z), by_x = (x < y) & !by_z, by_y = !(x < y) & !by_z;
+		float t = by_z ? z : first;
+		left_x -= by_x;
+		left_y -= by_y;
+		left_z -= by_z;
+		if ((left_x | left_y | left_z) < 0)
+			return -1.0f;
+		x += by_x ? step[0] : 0.0f;
+		y += by_y ? step[1] : 0.0f;
+		z += by_z ? step[2] : 0.0f;
+		state +=
+			(go[0] & -(ptrdiff_t)by_x) + (go[1] & -(ptrdiff_t)by_y) + (go[2] & -(ptrdiff_t)by_z);
+		if (*state == GW_SPACE_SURFACE)
+			return t;
+	}
+}
+
 /* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. */
 static float look(const gw_scanned_space *space, gw_vec3 from, gw_vec3 way)
 {
 	const float p[3] = { from.x, from.y, from.z }, d[3] = { way.x, way.y, way.z };
+	const ptrdiff_t stride[3] = { 1, (ptrdiff_t)space->cells[0],
+								  (ptrdiff_t)space->cells[0] * (ptrdiff_t)space->cells[1] };
 	uint32_t at[3];
-	float next[3], step[3], t = 0.0f;
+	int32_t left[3]; /* cells before the grid's end */
+	float next[3], step[3];
+	ptrdiff_t go[3];
 	if (!gw_scanned_space_cell(space, p, at))
 		return -1.0f;
 	for (int k = 0; k < 3; k++) {
+		bool up = d[k] > 0.0f;
 		float in = (p[k] - space->low[k]) / space->cell - (float)at[k];
 		step[k] = space->cell / fmaxf(fabsf(d[k]), 1e-9f);
-		next[k] = (d[k] > 0.0f ? 1.0f - in : in) * step[k];
+		next[k] = (up ? 1.0f - in : in) * step[k];
+		left[k] = (int32_t)(up ? space->cells[k] - 1 - at[k] : at[k]);
+		go[k] = up ? stride[k] : -stride[k];
 	}
-	for (;;) {
-		int k = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
-		t = next[k];
-		next[k] += step[k];
-		at[k] += d[k] > 0.0f ? 1u : UINT32_MAX;
-		if (at[k] >= space->cells[k])
-			return -1.0f;
-		if (space->state[cell_at(space, at)] == GW_SPACE_SURFACE)
-			return t;
-	}
+	return walk_to_surface(space->state + cell_at(space, at), next, step, left, go);
 }
 
 /* -------------------------------------------------------------------------------------- the eyes
@@ -200,13 +225,13 @@ static float width_of(const extent *e)
 }
 
 /* Looks around; false where an eye is in the open, or sees no hole at all. */
-static bool look_around(const gw_scanned_space *space, eye *e)
+static bool look_around(const work *w, eye *e)
 {
 	extent all = nowhere;
 	float open = 0.0f;
-	for (uint32_t i = 0; i < DIRECTIONS; i++) {
-		gw_vec3 way = direction_of(i);
-		e->depth[i] = look(space, e->place, way);
+	for (uint32_t i = 0; i < DIRECTIONS && open < (float)OPEN_MOST; i++) {
+		gw_vec3 way = w->way[i];
+		e->depth[i] = look(w->space, e->place, way);
 		e->inverse[i] = e->depth[i] > 0.0f ? 1.0f / e->depth[i] : 0.0f;
 		e->piece[i] = 0;
 		if (e->depth[i] < 0.0f)
@@ -239,18 +264,18 @@ typedef struct piece {
 	extent rim_extent;
 } piece;
 
-static void add_rim(const eye *e, uint32_t number, piece *p)
+static void add_rim(const eye *e, gw_vec3 way, uint32_t number, piece *p)
 {
 	float depth = e->depth[number];
 	p->rim++;
 	p->nearest = fminf(p->nearest, depth);
 	p->furthest = fmaxf(p->furthest, depth);
 	p->inverse += e->inverse[number];
-	extend(&p->rim_extent, gw_plus(e->place, gw_times(direction_of(number), depth)));
+	extend(&p->rim_extent, gw_plus(e->place, gw_times(way, depth)));
 }
 
 /* The piece that a direction belongs to, on the eye's stack. */
-static piece find_piece(eye *e, uint32_t first)
+static piece find_piece(const work *w, eye *e, uint32_t first)
 {
 	piece p = { .nearest = INFINITY, .rim_extent = nowhere };
 	e->stack[p.count++] = first;
@@ -261,7 +286,7 @@ static piece find_piece(eye *e, uint32_t first)
 		p.share += share_of(e->stack[i]);
 		for (int k = 0; k < 4; k++) {
 			if (e->depth[beside[k]] >= 0.0f) {
-				add_rim(e, beside[k], &p);
+				add_rim(e, w->way[beside[k]], beside[k], &p);
 			} else if (!e->piece[beside[k]]) {
 				e->piece[beside[k]] = 1;
 				e->stack[p.count++] = beside[k];
@@ -328,12 +353,12 @@ static void mark_with_rim(const work *w, eye *e, uint32_t number)
 
 static void look_from(const work *w, eye *e)
 {
-	if (!look_around(w->space, e))
+	if (!look_around(w, e))
 		return;
 	for (uint32_t i = 0; i < DIRECTIONS; i++) {
 		if (e->depth[i] >= 0.0f || e->piece[i])
 			continue;
-		piece p = find_piece(e, i);
+		piece p = find_piece(w, e, i);
 		if (!is_hole(w, e, &p))
 			continue;
 		stretch_membrane(e, &p);
@@ -473,13 +498,17 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	w.cells = (size_t)space->cells[0] * space->cells[1] * space->cells[2];
 	w.seen = made ? gw_allocate_zeros(w.cells, sizeof *w.seen) : NULL;
 	w.place = gw_allocate_array(EYES, sizeof *w.place);
-	made = made && w.seen && w.place;
+	w.way = gw_allocate_array(DIRECTIONS, sizeof *w.way);
+	made = made && w.seen && w.place && w.way;
+	for (uint32_t i = 0; i < DIRECTIONS && made; i++)
+		w.way[i] = direction_of(i);
 	if (made) {
 		for (size_t i = 0; i < surfels->count; i++)
 			mark_disc(space, surfels, i);
 		gw_parallel_for(threads, place_eyes(&w), 1, look_from_all, &w);
 		made = count_holes(&w);
 	}
+	free(w.way);
 	free(w.place);
 	free(w.seen);
 	if (!made || !gw_scanned_space_known(space))

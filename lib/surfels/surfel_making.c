@@ -168,6 +168,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->normal_length);
 	free(surfels->albedo);
 	free(surfels->emission);
+	free(surfels->transparency);
 	free(surfels->nearest);
 	free(surfels->radius);
 	free(surfels->area);

@@ -98,12 +98,12 @@ gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_e
 /* Some of the points, copied or lent. */
 typedef struct some_points {
 	gw_points points;
-	void *owned[7];
+	void *owned[8];
 } some_points;
 
 static void clear_some(some_points *some)
 {
-	for (size_t i = 0; i < 7; i++)
+	for (size_t i = 0; i < 8; i++)
 		free(some->owned[i]);
 }
 
@@ -138,7 +138,8 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 		copy_still(points->emission, vector, n, motion, still, &some->owned[3]) &&
 		copy_still(points->scanner_of, sizeof(uint32_t), n, motion, still, &some->owned[4]) &&
 		copy_still(points->stray, 1, n, motion, still, &some->owned[5]) &&
-		copy_still(points->own_area, sizeof(float), n, motion, still, &some->owned[6]);
+		copy_still(points->own_area, sizeof(float), n, motion, still, &some->owned[6]) &&
+		copy_still(points->opacity, sizeof(float), n, motion, still, &some->owned[7]);
 	some->points.position = some->owned[0];
 	some->points.normal = some->owned[1];
 	some->points.albedo = some->owned[2];
@@ -146,6 +147,7 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 	some->points.scanner_of = some->owned[4];
 	some->points.stray = some->owned[5];
 	some->points.own_area = some->owned[6];
+	some->points.opacity = some->owned[7];
 	if (good)
 		return GW_OK;
 	clear_some(some);
@@ -164,6 +166,7 @@ static some_points take_mover(const gw_points *points, const gw_mover *mover)
 	some.points.scanner_of = points->scanner_of ? points->scanner_of + first : NULL;
 	some.points.stray = points->stray ? points->stray + first : NULL;
 	some.points.own_area = points->own_area ? points->own_area + first : NULL;
+	some.points.opacity = points->opacity ? points->opacity + first : NULL;
 	return some;
 }
 
@@ -232,6 +235,7 @@ static bool append_part(gw_surfels *all, gw_surfels *part)
 				append(&all->normal_length, n, part->normal_length, m, sizeof(float)) &&
 				append(&all->albedo, n, part->albedo, m, v) &&
 				append(&all->emission, n, part->emission, m, v) &&
+				append(&all->transparency, n, part->transparency, m, sizeof(float)) &&
 				append(&all->nearest, n, part->nearest, m, sizeof(float)) &&
 				append(&all->radius, n, part->radius, m, sizeof(float)) &&
 				append(&all->area, n, part->area, m, sizeof(float)) &&

@@ -13,6 +13,13 @@ uint pcg_hash_place(vec3 g)
 	return pcg_hash2(floatBitsToUint(g.x), pcg_hash2(floatBitsToUint(g.y), floatBitsToUint(g.z)));
 }
 
+/* The i-th of numbers in [0, 1) that fill it evenly from the first on, shifted by a word (van der
+ * Corput's). */
+float stratified(uint shift, uint i)
+{
+	return unit_float(shift + bitfieldReverse(i));
+}
+
 /* Tangents of a unit normal (Duff et al. 2017). */
 void tangent_frame(vec3 n, OUT(vec3) t, OUT(vec3) b)
 {

@@ -43,13 +43,27 @@ vec4 sample_level(vec3 g, vec3 direction, uint up)
 	return sum * (inside.x * inside.y * inside.z / size);
 }
 
-vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
+/* Whether something lets light through: 0, or octree.h's dark_slot. */
+layout(constant_id = 5) const uint dark_slot = 0u;
+
+/* Between sheets of surface what they let through is multiplied; within one, and where all is
+ * opaque, areas add up. */
+void end_sheet(inout float filled, inout float through)
+{
+	if (dark_slot == 0u)
+		return;
+	through *= 1.0 - min(filled, 1.0);
+	filled = 0.0;
+}
+
+/* open: what is left, 0..1. */
+vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 {
 	float side = exp2(float(depth));
 	vec3 radiance = vec3(0.0);
-	float filled = 0.0;
+	float filled = 0.0, through = 1.0;
 	float t = push.start;
-	for (uint step = 0u; step < 256u && filled < 0.995; step++) {
+	for (uint step = 0u; step < 256u && filled < 0.995 && through > 0.005; step++) {
 		float width = max(1.0, 2.0 * t * tangent);
 		vec3 g = origin + direction * (t + 0.5 * width);
 		if (any(lessThan(g, vec3(-width))) || any(greaterThan(g, vec3(side + width))))
@@ -63,12 +77,15 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tangent)
 		float opacity = width * shown.w;
 		if (opacity > 1e-6) {
 			float taken = min(opacity, 1.0 - filled);
-			radiance += shown.xyz * (width * taken / opacity);
+			radiance += shown.xyz * (width * taken / opacity * through);
 			filled += taken;
+		} else {
+			end_sheet(filled, through);
 		}
 		t += width;
 	}
-	return radiance / push.scale + (1.0 - min(filled, 1.0)) * push.sky.xyz;
+	open = through * (1.0 - min(filled, 1.0));
+	return radiance / push.scale;
 }
 
 #endif

@@ -15,12 +15,22 @@ layout(binding = 2) uniform samplerBuffer facet_plane;
 layout(binding = 3) uniform samplerBuffer facet_centre;
 layout(binding = 4) uniform samplerBuffer facet_radiance;
 layout(binding = 5, rgba16f) uniform writeonly image3D leaf_pool;
+layout(binding = 6) uniform samplerBuffer facet_albedo;
+layout(constant_id = 5) const uint dark_slot = 0u;
 layout(push_constant) uniform Push
 {
 	gw_cone_push push;
 };
 
 #include "light/brick_pool.glsl"
+
+/* What of a facet a cone meets. Of one that lets light through exactly its covered share: it must
+ * not be over-covered. */
+float shown_share(int slot)
+{
+	float clear = fract(texelFetch(facet_albedo, slot).w);
+	return clear > 0.0 ? (1.0 - clear) / push.gain : 1.0;
+}
 
 void main()
 {
@@ -48,6 +58,8 @@ void main()
 		facing[s] =
 			facet ? texelFetch(facet_plane, slot).xyz * texelFetch(facet_centre, slot).w
 				  : vec3(0.0);
+		if (dark_slot != 0u && facet)
+			facing[s] *= shown_share(slot);
 	}
 	for (int f = 0; f < 6; f++) {
 		vec4 shown = radiance[0] * max(0.0, dot(facing[0], FACE_NORMAL[f])) +

@@ -1,13 +1,15 @@
 /*
- * light.glsl - what a point, spot or sun light sends to a place, without shadow. Uses `push`, a
- * gw_light_push.
+ * light.glsl - what a light other than the sky sends to a place, without shadow. Uses `push`, a
+ * gw_light_push, and `distribution` of a light that has one.
  */
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 
 #include "octree/ray.glsl"
 #include "base/sampling.glsl"
+#include "base/distribution.glsl"
 #include "light/transport_layout.h"
+#include "light/area_light.glsl"
 
 /* Share of its power that the light sends towards a place, where it is from there, and how far in
  * leaf cells. Spot lights fall off by smoothstep in the cosine. */
@@ -23,6 +25,12 @@ float light_share(vec3 g, OUT(vec3) towards, OUT(float) distance)
 	/* Nearer than the light's own radius, or on the light itself, the distance stops falling. */
 	distance = sqrt(max(squared, max(push.position.w * push.position.w, 1e-12f)));
 	towards = to * (squared > 0.0f ? 1.0f / sqrt(squared) : 0.0f);
+	if (push.verticals > 0u && squared > 0.0f) {
+		vec3 axis = push.direction.xyz, across = push.across.xyz;
+		vec3 up = cross(across, axis), way = towards * -1.0f;
+		return distribution_share(push.verticals, push.horizontals,
+								  vec3(dot(way, across), dot(way, up), dot(way, axis)));
+	}
 	if (push.type != GW_PUSH_SPOT)
 		return 1.0f;
 	float cosine = -dot(towards, push.direction.xyz);
@@ -38,6 +46,17 @@ float light_cosine(vec4 normal, vec3 towards)
 {
 	float cosine = dot(normal.xyz, towards);
 	return normal.w > 0.5f ? abs(cosine) : max(cosine, 0.0f);
+}
+
+/* Irradiance at a place over the light's power, its intensity or irradiance; where the light is
+ * from there, or its middle, and how far in leaf cells. */
+float light_received(vec3 g, vec4 normal, OUT(vec3) towards, OUT(float) distance)
+{
+	float share = light_share(g, towards, distance);
+	if (is_area_light())
+		return area_received(g, normal);
+	float e = share * light_cosine(normal, towards);
+	return push.type == GW_PUSH_SUN ? e : e / (distance * distance);
 }
 
 /* Aims the s-th ray, of push.samples, at a place of the disc that the light shows, whose middle is

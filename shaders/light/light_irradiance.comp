@@ -12,6 +12,7 @@ BUFFER(0, readonly, vec4, surfel_position);
 BUFFER(1, readonly, vec4, surfel_normal);
 BUFFER(2, readonly, float, visibility);
 BUFFER(3, readwrite, vec4, irradiance);
+BUFFER(4, readonly, float, distribution);
 PUSH(gw_light_push);
 
 #include "light/light.glsl"
@@ -23,10 +24,7 @@ void main()
 		return;
 	float distance;
 	vec3 towards, power = push.intensity.xyz;
-	float share = light_share(surfel_position[i].xyz, towards, distance);
-	float e = share * light_cosine(surfel_normal[i], towards);
-	if (push.type != GW_PUSH_SUN)
-		e /= distance * distance;
+	float e = light_received(surfel_position[i].xyz, surfel_normal[i], towards, distance);
 	float seen = push.shadows != 0u ? visibility[i] : 1.0f, sign = 1.0f;
 	if (seen >= GW_HIDDEN_BY_CREASE) {
 		seen -= GW_HIDDEN_BY_CREASE;

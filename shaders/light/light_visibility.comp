@@ -4,7 +4,7 @@
  * One invocation a surfel. A light without extent gets one ray; one with a radius gets
  * push.samples rays to points spread over the disc that it shows: first to its rim, and to the rest
  * of it only where some of these see it and some do not. GW_HIDDEN_BY_CREASE is added
- * where what hides the light ends at creases.
+ * where what hides the light ends at creases. Surface that lets light through dims it.
  */
 #include "octree/octree_layout.h"
 #include "light/transport_layout.h"
@@ -25,8 +25,11 @@ TEXELS(11, vec4, surfel_facing);
 TEXELS(12, vec4, surfel_disc);
 TEXELS(13, vec4, surfel_clip);
 TEXELS(14, uvec4, disc_tree);
+BUFFER(15, readonly, float, distribution);
+TEXELS(16, vec4, facet_albedo);
 PUSH(gw_light_push);
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 #include "light/light.glsl"
@@ -52,15 +55,38 @@ float share_seen(vec3 towards, float distance, float turn, INOUT(Ray) ray)
 	uint rays = push.samples;
 	for (uint s = 0u; s < rays; s++) {
 		aim_at_light(push.samples - 1u - s, turn, towards, distance, ray);
-		uint facet = trace(ray).facet;
+		float through;
+		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
 		if (facet == GW_NONE)
-			seen += 1.0f;
+			seen += through;
 		else if (ends_at_crease(facet))
 			hidden = GW_HIDDEN_BY_CREASE;
 		if (s + 1u == GW_LIGHT_RIM && (seen == 0.0f || seen == float(GW_LIGHT_RIM)))
 			rays = GW_LIGHT_RIM;
 	}
 	return seen / float(rays) + hidden;
+}
+
+/* The same of a light that is an area: its samples count by the cosine at which they come in. */
+float share_of_area(vec3 g, vec4 normal, vec3 facing, float turn)
+{
+	float seen = 0.0f, whole = 0.0f, hidden = 0.0f, weight;
+	for (uint s = 0u; s < push.samples; s++) {
+		Ray ray = { g, facing, facing, g, 0.0f, true };
+		aim_at_area(s, turn, g, ray, weight);
+		weight *= light_cosine(normal, ray.direction);
+		if (!(weight > 0.0f))
+			continue;
+		ray.facing = dot(normal.xyz, ray.direction) < 0.0f ? -facing : facing;
+		float through;
+		uint facet = trace_through(ray, GW_THROUGH_LEAST, through).facet;
+		whole += weight;
+		if (facet == GW_NONE)
+			seen += weight * through;
+		else if (ends_at_crease(facet))
+			hidden = GW_HIDDEN_BY_CREASE;
+	}
+	return whole > 0.0f ? seen / whole + hidden : 0.0f;
 }
 
 void main()
@@ -72,12 +98,16 @@ void main()
 	vec4 normal = surfel_normal[i];
 	float distance;
 	visibility[i] = 0.0f;
-	if (!(light_share(g, towards, distance) > 0.0f && light_cosine(normal, towards) > 0.0f))
+	if (!(light_received(g, normal, towards, distance) > 0.0f))
 		return;
 	/* The ray leaves the surface behind the noise; the normal is the point's own. */
 	vec3 facing = texelFetch(surfel_facing, int(push.first + i)).xyz;
+	float turn = unit_float(pcg_hash2(push.first + i, push.seed));
+	if (is_area_light()) {
+		visibility[i] = share_of_area(g, normal, facing, turn);
+		return;
+	}
 	facing = dot(normal.xyz, towards) < 0.0f ? -facing : facing;
 	Ray ray = { g, towards, facing, g, distance, true };
-	visibility[i] =
-		share_seen(towards, distance, unit_float(pcg_hash2(push.first + i, push.seed)), ray);
+	visibility[i] = share_seen(towards, distance, turn, ray);
 }

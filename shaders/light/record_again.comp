@@ -21,8 +21,10 @@ TEXELS(13, vec4, surfel_facing);
 TEXELS(14, vec4, surfel_disc);
 TEXELS(15, vec4, surfel_clip);
 TEXELS(16, uvec4, disc_tree);
+TEXELS(17, vec4, facet_albedo);
 PUSH(gw_keep_push);
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 #include "light/record_ray.glsl"
@@ -36,7 +38,9 @@ void main()
 	int record = int(number / push.rays);
 	vec3 g = texelFetch(record_position, record).xyz,
 		 normal = texelFetch(record_normal, record).xyz;
-	Hit hit = trace(gather_ray(g, normal, number % push.rays));
+	uint k = number % push.rays;
+	float through;
+	Hit hit = trace_through(gather_ray(g, normal, k), record_chance(g, k), through);
 	hit_facet[number] = hit.facet;
 	hit_distance[number] = hit.passed_back_face ? -hit.t : hit.t;
 }

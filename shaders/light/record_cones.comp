@@ -50,7 +50,9 @@ void main()
 		float solid_angle = min(GW_PI / (float(push.cones) * max(cosine, 0.05)), 2.0 * GW_PI * 0.9);
 		float c_half = 1.0 - solid_angle / (2.0 * GW_PI);
 		float tangent = 0.5 * sqrt(max(0.0, 1.0 - c_half * c_half)) / c_half;
-		sum += trace_cone(origin, direction, tangent);
+		float left;
+		vec3 seen = trace_cone(origin, direction, tangent, left);
+		sum += seen + left * push.sky.xyz;
 	}
 	record_gathered[i] = vec4(sum * open * (GW_PI / float(push.cones)), 0.0);
 }

@@ -26,8 +26,10 @@ TEXELS(14, vec4, surfel_facing);
 TEXELS(15, vec4, surfel_disc);
 TEXELS(16, vec4, surfel_clip);
 TEXELS(17, uvec4, disc_tree);
+TEXELS(18, vec4, facet_albedo);
 PUSH(gw_record_push);
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 
@@ -62,7 +64,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 	 * one, what lies within its extent. */
 	float extent = centre.w > GW_FACET_LARGE ? sqrt(centre.w / GW_PI) : 1.0f;
 	Ray ray = { g, direction, normal, g, sqrt(squared) - extent, false };
-	uint seen = trace(ray).facet;
+	float through;
+	uint seen = trace_through(ray, GW_THROUGH_LEAST, through).facet;
 	if (seen != GW_NONE && seen != uint(facet))
 		return vec3(0.0f);
 	float emission = luminance(texelFetch(facet_emission, facet).xyz);
@@ -70,7 +73,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 	float by_samples = float(push.light_samples) * density;
 	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
 	return texelFetch(facet_part, facet).xyz *
-		   (cosine / density * (by_samples / (by_samples + by_rays)));
+		   (through * opacity_of(uint(facet)) * cosine / density *
+			(by_samples / (by_samples + by_rays)));
 }
 
 void main()

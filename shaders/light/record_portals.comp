@@ -28,11 +28,13 @@ layout(binding = 12) uniform samplerBuffer surfel_facing;
 layout(binding = 13) uniform samplerBuffer surfel_disc;
 layout(binding = 14) uniform samplerBuffer surfel_clip;
 layout(binding = 15) uniform usamplerBuffer disc_tree;
+layout(binding = 16) uniform samplerBuffer facet_albedo;
 layout(push_constant) uniform Push
 {
 	gw_record_push push;
 };
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 #include "light/portals.glsl"
@@ -51,7 +53,8 @@ void main()
 	for (uint m = 0u; m < GW_PORTAL_SAMPLES && total > 0.0; m++) {
 		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
 		Ray ray = { g, direction, normal, g, GW_FAR, false };
-		if (dot(direction, normal) > 0.0 && trace(ray).facet == GW_NONE)
+		float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), m);
+		if (dot(direction, normal) > 0.0 && trace_through(ray, chance, through).facet == GW_NONE)
 			seen |= 1u << m;
 	}
 	sky_seen[i] = seen;

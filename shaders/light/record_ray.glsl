@@ -16,6 +16,12 @@ vec3 record_ray(vec3 g, vec3 normal, uint k, OUT(float) cosine)
 	return disc_to_hemisphere(spiral_disc(k, push.rays, u, turn), normal, cosine);
 }
 
+/* How much of that ray has to be left for it to go on, where surface lets light through. */
+float record_chance(vec3 g, uint k)
+{
+	return stratified(pcg_hash2(pcg_hash_place(g), push.seed ^ GW_OPACITY_SEED), k);
+}
+
 /* The k-th gather ray of a record. */
 Ray gather_ray(vec3 g, vec3 normal, uint k)
 {

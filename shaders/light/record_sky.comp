@@ -28,8 +28,10 @@ TEXELS(14, vec4, surfel_disc);
 TEXELS(15, vec4, surfel_clip);
 TEXELS(16, vec4, portal);
 TEXELS(17, uvec4, disc_tree);
+TEXELS(18, vec4, facet_albedo);
 PUSH(gw_record_push);
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 #include "light/portals.glsl"
@@ -51,7 +53,8 @@ vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
 	if (cosine <= 0.0f)
 		return vec3(0.0f);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
-	if (trace(ray).facet != GW_NONE)
+	float through;
+	if (trace_through(ray, GW_THROUGH_LEAST, through).facet != GW_NONE)
 		return vec3(0.0f);
 	vec3 radiance = texelFetch(sky_texel, int(texel)).xyz;
 	float density = luminance(radiance) / push.sky_total;
@@ -59,7 +62,8 @@ vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
 	float by_others = push.sky_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
 	if (portals > 0.0f)
 		by_others += float(GW_PORTAL_SAMPLES) * portals_density(g, normal, direction, portals);
-	return radiance * (cosine / max(density, 1e-30f) * (by_samples / (by_samples + by_others)));
+	return radiance * (through * cosine / max(density, 1e-30f) *
+					   (by_samples / (by_samples + by_others)));
 }
 
 void main()

@@ -23,10 +23,13 @@
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 
-/* Values of gw_light_push.type: as gw_light_type. */
+/* Values of gw_light_push.type. */
 #define GW_PUSH_POINT 0u
 #define GW_PUSH_SPOT 1u
 #define GW_PUSH_SUN 2u
+#define GW_PUSH_SPHERE 3u /* from here on lights that are areas */
+#define GW_PUSH_DISC 4u
+#define GW_PUSH_RECTANGLE 5u
 
 /* Added to a visibility, which is at most 1, where what hides the light ends at a crease. */
 #define GW_HIDDEN_BY_CREASE 2.0f
@@ -43,13 +46,19 @@ SHARED_STRUCT(gw_light_push)
 	float cos_inner, cos_outer;
 	uint seed;
 	uint shadows; /* 1: multiply by the visibility buffer */
+	vec4 across;  /* unit, at right angles to direction: where angles around it count from; w: half
+					 the width of a rectangle that way */
+	uint verticals, horizontals; /* of the distribution of the intensity; 0: there is none */
+	float half_height;           /* of a rectangle, across the other two */
+	uint unused;
 };
-SHARED_SIZE(gw_light_push, 80);
+SHARED_SIZE(gw_light_push, 112);
 SHARED_OFFSET(gw_light_push, position, 16);
 SHARED_OFFSET(gw_light_push, direction, 32);
 SHARED_OFFSET(gw_light_push, intensity, 48);
 SHARED_OFFSET(gw_light_push, cos_inner, 64);
 SHARED_OFFSET(gw_light_push, shadows, 76);
+SHARED_OFFSET(gw_light_push, across, 80);
 
 /* Records: rays, samples of emitters, gathers. */
 SHARED_STRUCT(gw_record_push)
@@ -122,11 +131,15 @@ SHARED_STRUCT(gw_cone_push)
 	float start; /* leaf cells along the normal where a cone starts */
 	vec4 sky;
 	vec4 eye; /* pixels: where it is, grid coordinates; w: 1 to sample tricubically */
+	uint sky_width, sky_height; /* pixels: of the map, as gw_record_push has it */
+	float sky_turn;
+	uint sky_y_up;
 };
-SHARED_SIZE(gw_cone_push, 96);
+SHARED_SIZE(gw_cone_push, 112);
 SHARED_OFFSET(gw_cone_push, scale, 28);
 SHARED_OFFSET(gw_cone_push, sky, 64);
 SHARED_OFFSET(gw_cone_push, eye, 80);
+SHARED_OFFSET(gw_cone_push, sky_width, 96);
 
 /* What pixels see reflected. */
 SHARED_STRUCT(gw_pixel_push)
@@ -134,13 +147,17 @@ SHARED_STRUCT(gw_pixel_push)
 	uint first, count;
 	uint rays; /* a pixel whose surface is rough; a mirror takes one */
 	uint seed;
-	uint pixel_first; /* number of the first pixel of this batch */
-	uint ray;         /* that this run adds */
-	vec4 eye;         /* grid coordinates */
-	vec4 sky;         /* radiance of what rays see that meet nothing */
+	uint pixel_first;           /* number of the first pixel of this batch */
+	uint ray;                   /* that this run adds */
+	vec4 eye;                   /* grid coordinates */
+	vec4 sky;                   /* even radiance of what rays see that meet nothing */
+	uint sky_width, sky_height; /* of the map, as gw_record_push has it */
+	float sky_turn;
+	uint sky_y_up;
 };
-SHARED_SIZE(gw_pixel_push, 64);
+SHARED_SIZE(gw_pixel_push, 80);
 SHARED_OFFSET(gw_pixel_push, eye, 32);
 SHARED_OFFSET(gw_pixel_push, sky, 48);
+SHARED_OFFSET(gw_pixel_push, sky_width, 64);
 
 #endif

@@ -5,7 +5,7 @@
 #ifndef DISC_TREE_GLSL
 #define DISC_TREE_GLSL
 
-#include "octree/ray.glsl"
+#include "octree/opacity.glsl"
 #include "base/sampling.glsl"
 #include "octree/trace_constants.h"
 
@@ -91,7 +91,9 @@ void hit_disc(int disc, IN(Ray) ray, INOUT(DiscHit) hit)
 		return;
 	if (m.t < GW_DISC_NEAR * place.w && is_own_disc(place, normal, ray, m.approach))
 		return;
-	if (m.approach > 0.0f) {
+	if (is_passed(ray, normal, m.t))
+		return;
+	if (m.approach > 0.0f && !stops_from_behind(facing.w)) {
 		hit.nearest_back_face = min(hit.nearest_back_face, m.t);
 		if (!ray.both_sides)
 			return;

@@ -9,9 +9,12 @@
  * certain: behind another surface, past two that meet as a floor and a wall do, or amid others
  * none of which was cut there. Over a convex edge or a free one nothing of that holds. And within
  * its rim a disc does not stop a ray where most of its cell's were cut: it sticks out over a hole.
+ * Behind what lets light through there is no rock.
  */
 #ifndef OCTREE_DISC_HITS_GLSL
 #define OCTREE_DISC_HITS_GLSL
+
+#include "octree/opacity.glsl"
 
 /* Where a ray passes the plane of a disc, from in front. */
 struct DiscPassage {
@@ -53,6 +56,8 @@ bool passes_disc(int surfel, IN(Ray) ray, float t_max, OUT(DiscPassage) passage)
 	passage.t = -height / approach;
 	if (!(passage.t >= 0.0f && passage.t < t_max))
 		return false;
+	if (is_passed(ray, passage.normal, passage.t))
+		return false;
 	vec4 size = texelFetch(surfel_disc, surfel);
 	passage.at = ray.origin + ray.direction * passage.t;
 	off += ray.direction * passage.t;
@@ -80,7 +85,7 @@ bool is_in_rock(uint leaf, IN(DiscPassage) passage, bool amid)
 	uint last = texelFetch(leaf_fragment, int(leaf) + 1).x;
 	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x;
-		if (word >> 31 != 0u)
+		if (word >> 31 != 0u || stops_from_behind(2u * leaf + (word >> 30 & 1u)))
 			continue;
 		int surfel = int(word & 0x3fffffffu);
 		vec3 place = texelFetch(surfel_place, surfel).xyz, off = passage.at - place;
@@ -122,7 +127,7 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 		if (met) {
 			hit.t = passage.t;
 			hit.facet = slot;
-		} else {
+		} else if (!stops_from_behind(slot)) {
 			doubt.t = passage.t;
 			doubt.place = passage.place;
 			doubt.normal = passage.normal;

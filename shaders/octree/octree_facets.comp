@@ -3,7 +3,8 @@
  *
  * Fragments whose normal is within 60 degrees of the seed's join the first facet, others the
  * second. Slots hold sums until octree_finish.comp: of normals, centroids relative to the cell's
- * centre (both times area), areas, albedos, the area of two-sided surfels, and emission.
+ * centre (both times area), transparencies, areas, albedos, the area of two-sided surfels, and
+ * emission.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -74,11 +75,11 @@ void main()
 		vec3 c = patch_centroid(i, cell, texelFetch(surfel_position, s).xyz,
 								texelFetch(surfel_bend, s).xyz, normal.xyz);
 		vec2 share = second ? vec2(0.0, area) : vec2(area, 0.0);
-		vec3 rho = texelFetch(surfel_albedo, s).xyz;
+		vec4 rho = texelFetch(surfel_albedo, s);
 		for (int k = 0; k < 2; k++) {
-			plane[k] += share[k] * vec4(normal.xyz, 0.0);
+			plane[k] += share[k] * vec4(normal.xyz, rho.w);
 			centre[k] += share[k] * vec4(c, 1.0);
-			albedo[k] += share[k] * vec4(rho, max(normal.w, 0.0));
+			albedo[k] += share[k] * vec4(rho.xyz, max(normal.w, 0.0));
 			if (push.emissive != 0u)
 				emission[k] += share[k] * texelFetch(surfel_emission, s).xyz;
 		}

@@ -26,6 +26,9 @@ layout(push_constant) uniform Push { gw_leaves_push push; };
 /* A facet with less area than this share of its plane's in the cell has an edge there, or a gap. */
 const float FILLED = 0.85;
 
+/* Transparency is kept as a fraction. */
+const float CLEAREST = 0.9999;
+
 /* Area of the plane n . (g - centre) = c within a unit cell: the derivative by c of the volume
  * below it, which is a sum over the corners. Directions nearly along an axis, where rounding would
  * take over, are turned off it by SLANT. */
@@ -48,6 +51,7 @@ bool finish_facet(uint slot, uvec3 cell, uint first)
 {
 	int surfel = int(texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL);
 	vec3 sum = facet_plane[slot].xyz;
+	float clear = facet_plane[slot].w;
 	vec4 centre = facet_centre[slot], albedo = facet_albedo[slot];
 	float area = centre.w, length_of_sum = length(sum);
 	/* 1e-6 of the area is what rounding leaves of normals that cancel. */
@@ -58,9 +62,8 @@ bool finish_facet(uint slot, uvec3 cell, uint first)
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
 	facet_plane[slot] = vec4(normal, offset);
 	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
-	facet_albedo[slot] = vec4(albedo.xyz * scale, 2.0 * albedo.w > area ? 1.0
-	                               : albedo.w > 0.0   ? GW_MARK_UNCLEAR
-	                                                  : 0.0);
+	float sides = 2.0 * albedo.w > area ? 1.0 : albedo.w > 0.0 ? GW_FACET_UNCLEAR : 0.0;
+	facet_albedo[slot] = vec4(albedo.xyz * scale, sides + min(clear * scale, CLEAREST));
 	if (push.emissive != 0u)
 		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);
 	return area >= FILLED * area_in_cell(normal, offset);

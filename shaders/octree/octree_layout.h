@@ -30,6 +30,9 @@
 #define GW_MARK_UNCLEAR 0.25f
 #define GW_MARK_BACK -2.0f
 
+/* What w of a facet's albedo is at least, besides 0 and 1, where some of it may face either way. */
+#define GW_FACET_UNCLEAR 2.0f
+
 SHARED_STRUCT(gw_fragments_push)
 {
 	uint first, count;

@@ -40,8 +40,10 @@ void main()
 		float weight = texelFetch(fragment_weight, int(i)).x;
 		if ((surfel & GW_FRAGMENT_ROI) != 0u) {
 			int s = int(surfel & GW_FRAGMENT_SURFEL);
-			albedo += weight * vec4(texelFetch(surfel_albedo, s).xyz, 1.0);
-			normal += weight * texelFetch(surfel_normal, s).xyz;
+			vec4 rho = texelFetch(surfel_albedo, s);
+			float solid = weight * (1.0 - rho.w);
+			albedo += solid * vec4(rho.xyz, 1.0);
+			normal += solid * texelFetch(surfel_normal, s).xyz;
 		} else if (best.x == 0u || weight > uintBitsToFloat(best.y)) {
 			best.xy = uvec2(i + 1u, floatBitsToUint(weight));
 		}

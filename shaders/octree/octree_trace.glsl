@@ -1,12 +1,13 @@
 /*
  * octree_trace.glsl - tracing rays. Uses the texel buffers ray_directory, node, leaf_tile,
- * facet_plane and facet_centre (octree.h). With octree_discs.glsl before it, a plane that does not
- * fill its cell counts only where discs cover it, and no ray passes between planes.
+ * facet_plane and facet_centre (octree.h), and what opacity.glsl uses. With octree_discs.glsl
+ * before it, a plane that does not fill its cell counts only where discs cover it, and no ray
+ * passes between planes.
  */
 #ifndef OCTREE_TRACE_GLSL
 #define OCTREE_TRACE_GLSL
 
-#include "octree/ray.glsl"
+#include "octree/opacity.glsl"
 #include "octree/trace_constants.h"
 
 #ifndef TRACE_DISCS
@@ -103,7 +104,9 @@ bool meets_plane(IN(Ray) ray, IN(Stretch) stretch, IN(Passage) own, INOUT(Hit) h
 	if (distance < GW_NEAR &&
 		(own.approach > 0.0f || !rises_over_start(ray, own, dot(own.normal, ray.facing))))
 		return false;
-	if (own.approach > 0.0f) {
+	if (is_passed(ray, own.normal, distance))
+		return false;
+	if (own.approach > 0.0f && !stops_from_behind(own.facet)) {
 		hit.passed_back_face = true;
 		if (!ray.both_sides)
 			return false;
@@ -152,7 +155,8 @@ void meet_facet(IN(Ray) ray, IN(Stretch) stretch, uint slot, INOUT(Passage) last
 	if (!TRACE_DISCS)
 		return;
 	bool like = dot(own.normal, last.normal) > GW_LIKE_COSINE;
-	if (stretch.enter < hit.t && came_through(ray, stretch, own, last, like)) {
+	if (stretch.enter < hit.t && came_through(ray, stretch, own, last, like) &&
+		!is_passed(ray, own.normal, stretch.enter)) {
 		hit.facet = slot;
 		hit.t = min(hit.t, stretch.leave);
 	} else if (like && (stretch.enter >= GW_NEAR || height_over(own, stretch.leave) >= 0.0f ||
@@ -183,7 +187,8 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 			meet_discs(ray, leaf, stretch.centre, doubt, hit);
 		return;
 	}
-	stretch.concave = second && !stretch.covered &&
+	stretch.concave = second && !stretch.covered && !stops_from_behind(2u * leaf) &&
+					  !stops_from_behind(2u * leaf + 1u) &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
 	meet_facet(ray, stretch, 2u * leaf, last, hit);
@@ -291,11 +296,11 @@ Hit trace_octree(IN(Ray) ray)
 	Hit hit = { GW_NONE, ray.t_max, false };
 	float side = float(1u << depth), nudge = 1e-5f + side * 4e-7f;
 	Walk walk = walk_of(ray, side);
-	float t = max(0.0f, largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
+	float t = max(walk_start(), largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
 	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
 	Doubt doubt = { GW_FAR, vec3(0.0f), vec3(0.0f), GW_FAR };
-	bool near_start = true, again = false;
+	bool near_start = walk_start() < GW_NEAR, again = false;
 	for (uint step = 0u; step < GW_WALK_STEPS && hit.facet == GW_NONE; step++) {
 		if (t >= t_end) {
 			if (again || doubt.from >= t_end)

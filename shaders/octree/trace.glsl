@@ -29,4 +29,40 @@ Hit trace(IN(Ray) ray)
 	return hit;
 }
 
+#ifdef TRACE_OPACITY
+
+/*
+ * The same, attenuated by what lets light through. The ray ends where no more than `until` of it
+ * would be left: at a random number below 1 it ends at each surface as often as that stops light,
+ * and at GW_THROUGH_LEAST at what nothing passes. `through` receives how much of it gets to where
+ * it ends. A surface that is passed is met from both sides; its back, if it has one, is dark.
+ */
+Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
+{
+	passed_t = -1.0f;
+	through = 1.0f;
+	Hit hit = trace(ray);
+	if (dark_slot == 0u)
+		return hit;
+	bool back = hit.passed_back_face;
+	for (uint s = 0u; s < GW_SHEETS_MOST && hit.facet != GW_NONE; s++) {
+		float left = through * transparency_of(hit.facet);
+		if (left <= until)
+			break;
+		through = left;
+		pass_sheet(hit);
+		hit = trace(ray);
+		back = back || hit.passed_back_face;
+	}
+	hit.passed_back_face = back;
+	if (hit.facet == GW_NONE || ray.both_sides)
+		return hit;
+	vec4 plane = texelFetch(facet_plane, int(hit.facet));
+	if (dot(plane.xyz, ray.direction) > 0.0f && !is_two_sided(hit.facet))
+		hit.facet = dark_slot - 1u;
+	return hit;
+}
+
+#endif
+
 #endif

@@ -88,8 +88,17 @@
 /* Leaf cells^2: a facet with more area than planes have in a cell is one of large discs. */
 #define GW_FACET_LARGE 8.0f
 
+/* Surface that lets light through: a ray passes so many sheets at most, and stops where no more
+ * than that share of it is left. What faces alike is of the same sheet within so many leaf cells of
+ * where a ray has passed that, measured across it, or so many of the points' spacings there. */
+#define GW_SHEETS_MOST 128u
+#define GW_THROUGH_LEAST 1e-3f
+#define GW_SHEET_CELLS 1.0f
+#define GW_SHEET_SPACINGS 1.5f
+
 /* Set the random numbers of a record's samples apart from those of its rays. */
 #define GW_EMITTER_SEED 0x68bc21ebu
 #define GW_SKY_SEED 0x5851f42du
+#define GW_OPACITY_SEED 0x3c6ef372u
 
 #endif

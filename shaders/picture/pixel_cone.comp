@@ -25,12 +25,34 @@ layout(binding = 6) writeonly buffer Reflected
 {
 	vec4 pixel_reflected[];
 };
+layout(binding = 7) uniform samplerBuffer sky_texel;
 layout(push_constant) uniform Push
 {
 	gw_cone_push push; /* eye: where the eye is */
 };
 
 #include "light/brick_cones.glsl"
+#include "picture/sky_seen.glsl"
+
+/* Directions that the sky is looked up in, of a rough pixel. */
+const uint SKY_LOOKS = 32u;
+
+/* What of the sky a pixel reflects: of its rough surface the mean over all that it mirrors. */
+vec3 reflected_sky(vec3 normal, vec3 to_eye, float roughness, float reflectance)
+{
+	uint looks = push.sky_width == 0u || roughness * roughness < MIRROR_ALPHA ? 1u : SKY_LOOKS;
+	vec3 sum = vec3(0.0);
+	float shares = 0.0;
+	for (uint k = 0u; k < looks; k++) {
+		/* As in pixel_rays.comp; the middle of the first keeps mirrors where they are. */
+		vec2 u = fract(vec2(0.5) + float(k) * vec2(0.7548776662, 0.5698402910));
+		float share;
+		vec3 way = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
+		sum += share * sky_seen(way);
+		shares += share;
+	}
+	return sum / max(shares, 1e-6);
+}
 
 void main()
 {
@@ -45,6 +67,9 @@ void main()
 	/* Half of what GGX reflects of a ray that meets it squarely leaves within twice the angle whose
 	 * tangent is alpha; a cone with the cross-section of all of it. */
 	float tangent = min(roughness * roughness, 1.0);
-	vec3 seen = trace_cone(g + normal, direction, tangent);
+	float open;
+	vec3 seen = trace_cone(g + normal, direction, tangent, open);
+	if (open > 0.0)
+		seen += open * reflected_sky(normal, to_eye, roughness, reflectance);
 	pixel_reflected[i] = share * vec4(seen, 1.0);
 }

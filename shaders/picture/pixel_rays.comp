@@ -37,13 +37,17 @@ layout(binding = 14) buffer Reflected
 	vec4 pixel_reflected[];
 };
 layout(binding = 15) uniform usamplerBuffer disc_tree;
+layout(binding = 16) uniform samplerBuffer sky_texel;
+layout(binding = 17) uniform samplerBuffer facet_albedo;
 layout(push_constant) uniform Push
 {
 	gw_pixel_push push;
 };
 
+#define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
+#include "picture/sky_seen.glsl"
 
 /* Share of the light reflected from which on a pixel takes all its rays, and the fewest that a
  * rough one takes. */
@@ -106,8 +110,10 @@ void main()
 	float share;
 	vec3 direction = reflected_direction(normal, to_eye, roughness, reflectance, u, share);
 	Ray ray = { g, direction, normal, g, GW_FAR, false };
-	Hit hit = trace(ray);
-	vec3 seen = hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : push.sky.xyz;
+	float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), push.ray);
+	Hit hit = trace_through(ray, chance, through);
+	vec3 seen =
+		hit.facet != GW_NONE ? radiance_at(hit.facet, g + direction * hit.t) : sky_seen(direction);
 	vec4 before = push.ray > 0u ? pixel_reflected[i] : vec4(0.0);
 	pixel_reflected[i] = before + share * vec4(seen, 1.0) / float(rays);
 }

@@ -1,7 +1,7 @@
 # Help that was asked for goes to standard output with status 0; without arguments it is misuse.
 glowworm --version
 glowworm --help
-for verb in bake info convert render doctor; do
+for verb in bake plan info convert render doctor; do
 	glowworm $verb --help >help.txt || echo "status $?"
 	head -n 3 help.txt
 	awk 'length($0) > 90 { print "too wide: " $0 }' help.txt

@@ -11,7 +11,10 @@ print_lights() {
 }
 print_lights floor.ply --light 'point at 0,0,1 lumens 12.566370614' \
 	--light 'spot at 0,0,1 to 0,0,0 intensity 40cd kelvin 2700' \
-	--light 'sun place 47.05,8.3 time 2026-06-21T14:30+02:00 north 10 illuminance 90000lx'
+	--light 'sun place 47.05,8.3 time 2026-06-21T14:30+02:00 north 10 illuminance 90000lx' \
+	--light 'sphere at 0,0,1 radius 0.1 lumens 12.566370614' \
+	--light 'disc at 0,0,1 toward 1,0,0 radius 0.5 radiance 2cd/m^2' \
+	--light 'rectangle at 0,0,1 size 0.6,1.2 roll 30 lumens 3.1415926536'
 print_lights floor.ply \
 	--light 'sky model clear place 47.05,8.3 time 2026-06-21T14:30+02:00 illuminance 15000'
 cat >sky.json <<'END'
@@ -20,6 +23,8 @@ cat >sky.json <<'END'
   {"type": "point", "position": [0, 0, 1], "intensity": "3,2,1cd"},
   {"type": "sky", "model": "gradient", "radiance": 2, "horizon": [3, 2, 1]},
   {"type": "sky", "model": "physical", "from": [120, 30], "turbidity": 4},
+  {"type": "rectangle", "position": [0, 0, 1], "size": [0.5, 2], "radiance": 3,
+   "direction": [0, 1, 0]},
   {"type": "sun", "place": [47.05, 8.3], "time": "2026-06-21T14:30+02:00", "illuminance": 9}]}
 END
 print_lights sky.json | tee second.txt

@@ -53,3 +53,18 @@ run 'sky map a.hdr model clear from 1,2'
 glowworm bake none.ply -o out.ply --light 'sky radiance 1cd/m^2' \
 	--light 'sun from 0,40 irradiance 1W/m^2' 2>&1
 echo "$?"
+run 'point at 1,2,3 to 1,2,0 intensity 1'
+run 'point at 1,2,3 roll 3 intensity 1'
+run 'point at 1,2,3 ies a.ies to 1,2,3'
+run 'point at 1,2,3 ies a.ies to 1,2,0 toward 0,0,1'
+run 'point at 1,2,3 ies a.ies watts 3 scale -1'
+run 'point at 1,2,3 ies a.ies lumens 3W'
+run 'spot at 1,2,3 to 1,2,0 ies a.ies'
+run 'sphere at 1,2,3 intensity 1'
+run 'sphere at 1,2,3 radius 0 intensity 1'
+run 'disc at 1,2,3 radius 1'
+run 'disc at 1,2,3 radius 1 to 1,2,3 lumens 3'
+run 'rectangle at 1,2,3 lumens 3'
+run 'rectangle at 1,2,3 size 1 lumens 3'
+run 'rectangle at 1,2,3 size 1,0 lumens 3'
+run 'rectangle at 1,2,3 size 1,2 inner 3 lumens 3'

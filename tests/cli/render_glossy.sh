@@ -69,7 +69,7 @@ for how in off rays; do
 	data furnace-$how.png
 done
 cmp furnace-off.png.data furnace-rays.png.data && echo "the furnace is white"
-# A map counts by its mean: 128.5 / 128 times 0.498 is 0.5. Other lamps are not reflected.
+# An even map is as an even sky: 128.5 / 128 times 0.498 is 0.5. Other lamps are not reflected.
 {
 	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n'
 	printf '\200\200\200\201\200\200\200\201'
@@ -79,8 +79,39 @@ run 0 render furnace.ply -o furnace-map.png $view --camera "$camera" \
 	--light "sky map even.hdr radiance 0.49805447" --light 'point at 0,0,0 intensity 9'
 data furnace-map.png
 cmp furnace-rays.png.data furnace-map.png.data && echo "so it is under a map"
+# A map with a red and a blue half is reflected as such: turned round it is the other way about.
+halves() { # first, second half: exponents of red and blue
+	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n'
+	printf "$1$1$2$2$1$1$2$2"
+}
+red='\200\000\000\201' blue='\000\000\200\201'
+halves "$red" "$blue" >red-blue.hdr
+halves "$blue" "$red" >blue-red.hdr
+awk 'BEGIN {
+	print "ply\nformat ascii 1.0\nelement vertex 900"
+	n = split("x y z nx ny nz specular roughness scalar_radiance_r scalar_radiance_g " \
+		"scalar_radiance_b", name, " ")
+	for (i = 1; i <= n; i++) print "property float " name[i]
+	print "end_header"
+	for (i = 0; i < 900; i++) print i % 30 * 0.1, int(i / 30) * 0.1, 0, 0, 0, 1, 1, 0, 0, 0, 0
+}' >mirror.ply
+for sky in 'map red-blue.hdr' 'map blue-red.hdr' 'map red-blue.hdr rotation 180' \
+	'model clear from 90,40 illuminance 3'; do
+	for how in rays cones; do
+		# shellcheck disable=SC2086
+		run 0 render mirror.ply -o sky.png -f $view --camera 'at 1.5,1.5,2 to 1.6,1.5,0 fov 70' \
+			--glossy $how --light "sky $sky"
+		data sky.png
+		cksum <sky.png.data >>skies.txt
+	done
+done
+awk '{ if (!($0 in seen)) seen[$0] = ++n; printf "%d ", seen[$0] }
+	END { print "" }' skies.txt
 
 echo == bad wishes
+run 2 render mirror.ply -o x.png --light 'sky map even.hdr' --light 'sky map red-blue.hdr'
+run 66 render mirror.ply -o x.png --light 'sky map none.hdr'
+run 2 render mirror.ply -o x.png --up x --light 'sky map even.hdr'
 run 2 render lit.ply -o x.png --glossy maybe
 run 2 render lit.ply -o x.png --glossy-rays 0
 run 2 render lit.ply -o x.png --radiance linear

@@ -1,6 +1,7 @@
 #include "fuzz_reader.h"
 #include "e57_file.h"
 #include "table/format_table.h"
+#include "luminaires/luminaire.h"
 #include "panoramas/panorama.h"
 #include "scan_sum.h"
 
@@ -33,11 +34,38 @@ static gw_status read_exr(input_file *in, scan *cloud, gw_error *error)
 	return use_map(status, &map, cloud);
 }
 
+/* So do luminaires; all that is worked out of them is. */
+static gw_status use_luminaire(gw_status status, luminaire *l, scan *cloud)
+{
+	*cloud = (scan){ 0 };
+	if (status == GW_OK) {
+		volatile double sum = luminaire_measure(l).lumens + luminaire_tilt_factor(l, 33.0);
+		(void)sum;
+	}
+	luminaire_clear(l);
+	return status;
+}
+
+static gw_status read_ies(input_file *in, scan *cloud, gw_error *error)
+{
+	luminaire l;
+	gw_status status = luminaire_ies_read(in, &l, error);
+	return use_luminaire(status, &l, cloud);
+}
+
+static gw_status read_ldt(input_file *in, scan *cloud, gw_error *error)
+{
+	luminaire l;
+	gw_status status = luminaire_eulumdat_read(in, &l, error);
+	return use_luminaire(status, &l, cloud);
+}
+
 static const fuzz_reader others[] = {
 	{ "hdr", read_hdr, false },           { "exr", read_exr, false },
 	{ "mesh-obj", seed_read_obj, false }, { "mesh-off", seed_read_off, false },
 	{ "mtl", seed_read_mtl, false },      { "mesh-ply", seed_read_mesh_ply, false },
-	{ "mesh-glb", seed_read_glb, false },
+	{ "mesh-glb", seed_read_glb, false }, { "ies", read_ies, false },
+	{ "ldt", read_ldt, false },
 };
 
 bool fuzz_reader_at(size_t index, fuzz_reader *reader)

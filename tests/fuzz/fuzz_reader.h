@@ -12,7 +12,8 @@ typedef struct fuzz_reader {
 	bool sealed; /* the bytes are put into E57's pages with their checksums first */
 } fuzz_reader;
 
-/* The readers of the table of formats, then those of maps and meshes; false behind the last. */
+/* The readers of the table of formats, then those of maps, meshes and luminaires; false behind the
+ * last. */
 bool fuzz_reader_at(size_t index, fuzz_reader *reader);
 
 /* The one of that name; false when there is none. */

@@ -9,9 +9,11 @@
 #include "e57_file.h"
 #include "fuzz_reader.h"
 #include "laz_samples.h"
+#include "luminaire_files.h"
 #include "files/little_endian.h"
 #include "panorama_files.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,11 +69,30 @@ static int put_maps(const char *reader, const char *folder)
 	return failed;
 }
 
+static double shape(double x, double y, double z)
+{
+	return 10.0 + 5.0 * x * x + fabs(y) + 2.0 * z;
+}
+
+static int put_luminaires(const char *reader, const char *folder)
+{
+	static char text[LUMINAIRE_FILE];
+	static const luminaire_grid grid = { { 0, 90, 30 }, { 0, 90, 30 } };
+	int failed = 0;
+	for (int k = 0; k < 3 && strcmp(reader, "ies") == 0; k++)
+		failed |=
+			put_file(folder, (uint8_t *)text, luminaire_file_ies(text, "CBA"[k], &grid, shape));
+	for (int k = 0; k < 5 && strcmp(reader, "ldt") == 0; k++)
+		failed |= put_file(folder, (uint8_t *)text, luminaire_file_eulumdat(text, k, shape));
+	return failed;
+}
+
 static int unpack(const char *reader, const char *path, const char *folder)
 {
 	static seed seeds[SEEDS];
 	seed_files_make(seeds);
-	int failed = put_las(reader, folder) | put_maps(reader, folder);
+	int failed =
+		put_las(reader, folder) | put_maps(reader, folder) | put_luminaires(reader, folder);
 	for (int i = 0; i < SEEDS; i++) {
 		bool same = strcmp(reader, "csv") == 0 && strcmp(seeds[i].format, "xyz") == 0;
 		same |= strcmp(reader, "off") == 0 && strcmp(seeds[i].format, "mesh-off") == 0;

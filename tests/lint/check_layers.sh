@@ -8,7 +8,8 @@
 # The rooms of each folder, in the order of the data's way.
 declare -A rooms=(
 	[lib]="base device cloud normals surfels octree light estimate picture bake"
-	[formats]="files points ply text pcd e57 las units meshes panoramas grids pictures table"
+	[formats]="files points ply text pcd e57 las units meshes panoramas luminaires grids \
+pictures table"
 	[cli]="program lamps options scene result pictures comparison verbs"
 	[shaders]="base device octree light picture"
 )

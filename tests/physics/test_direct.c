@@ -199,6 +199,281 @@ static void spot_light_flux(void **state)
 }
 
 /* E = E0 max(0, cos b) on planes that face the sun by b; exactly 0 from behind. */
+/* A luminaire whose intensity is 1 - gamma / 180 times what is linear between planes of 90 degrees,
+ * turned in steps about its axis, and aimed askew. */
+static const float luminaire_planes[4] = { 1.0f, 0.25f, 0.5f, 0.75f };
+static const float luminaire_angles[2 + 5 + 10] = { 0,     180, 0,    90, 180,   270, 360,  1.0f, 0,
+													0.25f, 0,   0.5f, 0,  0.75f, 0,   1.0f, 0 };
+
+static gw_light make_luminaire(double turn)
+{
+	gw_light light = scene_point_light(0.3, -0.2, 1.5, 5.0f);
+	const double axis[3] = { 0.0, 0.6, -0.8 }, right[3] = { 1, 0, 0 }, up[3] = { 0, 0.8, 0.6 };
+	for (int k = 0; k < 3; k++) {
+		light.direction[k] = 2.0 * axis[k];
+		light.across[k] = 3.0 * (cos(turn) * right[k] + sin(turn) * up[k]) + axis[k];
+	}
+	light.distribution = luminaire_angles;
+	light.vertical_count = 2;
+	light.horizontal_count = 5;
+	return light;
+}
+
+static double luminaire_share(double turn, const double travel[3])
+{
+	double along = 0.6 * travel[1] - 0.8 * travel[2], right = travel[0];
+	double up = 0.8 * travel[1] + 0.6 * travel[2];
+	double gamma = atan2(hypot(right, up), along) / SCENE_PI;
+	double c = fmod((atan2(up, right) - turn) / SCENE_PI * 2.0 + 8.0, 4.0);
+	int plane = (int)c;
+	double before = (double)luminaire_planes[plane];
+	double behind = (double)luminaire_planes[(plane + 1) % 4];
+	return (1.0 - gamma) * (before + (c - plane) * (behind - before));
+}
+
+/* Near its axis a place that is off by some roundings is so by more in its angle around it: there
+ * planes differ, so that 1 / sine is in the tolerance. Single precision of angles in degrees, up to
+ * 360, and devices' atan, 4096 units: 2^-12 in all of the share. */
+static void luminaire_over_plane(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	for (int k = 0; k < 3; k++) {
+		double turn = 0.7 * k;
+		gw_bake_options options = direct_only(k ? GW_SHADOWS_TRACED : GW_SHADOWS_MAPS);
+		gw_light light = make_luminaire(turn);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		for (size_t i = 0; i < s.count; i++) {
+			double to[3] = { s.position[3 * i] - 0.3, s.position[3 * i + 1] + 0.2, -1.5 };
+			double d = sqrt(to[0] * to[0] + to[1] * to[1] + to[2] * to[2]);
+			double e = 5.0 * 1.5 / (d * d * d);
+			for (int j = 0; j < 3; j++)
+				to[j] /= d;
+			double aside = hypot(to[0], 0.8 * to[1] + 0.6 * to[2]);
+			double error = point_light_error(&result->report, 1.5, d) + 0x1p-12 +
+						   place_error(&result->report) / (d * aside);
+			assert_near((double)result->direct_irradiance[3 * i], e * luminaire_share(turn, to),
+						e * error, i);
+		}
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+/* All that a distribution can be wrong in. */
+static void luminaires_without_sense(void **state)
+{
+	(void)state;
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_NONE);
+	for (int k = 0; k < 9; k++) {
+		float numbers[17];
+		gw_light light = make_luminaire(0.0);
+		gw_bake_result *result = NULL;
+		gw_error error = { 0 };
+		memcpy(numbers, luminaire_angles, sizeof numbers);
+		light.distribution = numbers;
+		light.vertical_count = k == 0 ? 1 : 2;
+		light.horizontal_count = k == 1 ? 0 : k == 2 ? UINT32_MAX : 5;
+		numbers[1] = k == 3 ? 0.0f : k == 4 ? 181.0f : 180.0f;
+		numbers[6] = k == 5 ? 350.0f : 360.0f;
+		numbers[8] = k == 6 ? NAN : k == 7 ? -1.0f : 0.0f;
+		for (int j = 0; j < 3 && k == 8; j++)
+			light.across[j] = -light.direction[j];
+		const gw_scene_description lit = { &points, &light, 1 };
+		gw_status status = gw_bake(&lit, &options, NULL, &result, &error);
+		gw_bake_result_destroy(&result);
+		if (status != GW_ERROR_USAGE)
+			fail_msg("luminaire %d is taken: %s", k, error.text);
+	}
+	scene_clear(&s);
+}
+
+/* ---------------------------------------------------------------------------------- areas */
+
+/* Form factor of a rectangle parallel to a small surface below one of its corners, sides over the
+ * distance; negative ones count against it, so that others are sums (Howell, B-3). */
+static double corner_factor(double a, double b)
+{
+	double x = fabs(a), y = fabs(b), sign = (a < 0.0) != (b < 0.0) ? -1.0 : 1.0;
+	double u = sqrt(1 + x * x), v = sqrt(1 + y * y);
+	return sign * (x / u * atan(y / u) + y / v * atan(x / v)) / (2 * SCENE_PI);
+}
+
+static double rectangle_factor(double x0, double x1, double y0, double y1)
+{
+	return corner_factor(x1, y1) - corner_factor(x0, y1) - corner_factor(x1, y0) +
+		   corner_factor(x0, y0);
+}
+
+/* The same of a disc whose middle is to the side by `off` and above by `height` radii (Howell,
+ * B-13). */
+static double disc_factor(double height, double off)
+{
+	double z = 1 + height * height + off * off;
+	return 0.5 * (1 - (z - 2) / sqrt(z * z - 4 * off * off));
+}
+
+static gw_light make_area(gw_light_type type, double x, double y, double z)
+{
+	gw_light light = scene_point_light(x, y, z, 4.0f);
+	light.type = type;
+	light.direction[2] = -2.0;
+	light.across[0] = 1.0;
+	light.radius = 0.5f;
+	light.size[0] = 1.5f;
+	light.size[1] = 0.5f;
+	return light;
+}
+
+/* Over the radiance, which is intensity over area. */
+static double area_irradiance(const gw_light *light, const double place[3])
+{
+	double x = light->position[0] - place[0], y = light->position[1] - place[1];
+	double z = light->position[2] - place[2], r = (double)light->radius, i = 4.0;
+	double w = 0.5 * (double)light->size[0], h = 0.5 * (double)light->size[1];
+	if (light->type == GW_LIGHT_SPHERE) /* all of it above the horizon */
+		return i * z / pow(x * x + y * y + z * z, 1.5);
+	if (light->type == GW_LIGHT_DISC)
+		return i / (r * r) * disc_factor(z / r, hypot(x, y) / r);
+	return SCENE_PI * i / (4 * w * h) *
+		   rectangle_factor((x - w) / z, (x + w) / z, (y - h) / z, (y + h) / z);
+}
+
+/* Spheres, discs and rectangles over a plane, without anything between: polygons of single
+ * precision edges are sums of angles down to 1 % of their sides, so that 2^-24 of these, 12
+ * roundings each, is 1e-4 of the sum; a disc of 48 corners is off by the ellipticity of its sides,
+ * (pi / 48)^2 / 5. */
+static void areas_over_plane(void **state)
+{
+	(void)state;
+	static const gw_light_type type[] = { GW_LIGHT_SPHERE, GW_LIGHT_DISC, GW_LIGHT_RECTANGLE };
+	scene s = make_plane();
+	gw_points points = scene_points(&s);
+	for (int k = 0; k < 6; k++) {
+		gw_bake_options options = direct_only(k < 3 ? GW_SHADOWS_NONE : GW_SHADOWS_TRACED);
+		gw_light light = make_area(type[k % 3], 0.3, -0.2, 0.7);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		for (size_t i = 0; i < s.count; i++) {
+			double e = area_irradiance(&light, s.position + 3 * i);
+			double error = point_light_error(&result->report, 0.7, 0.7) + 1e-3;
+			assert_near((double)result->direct_irradiance[3 * i], e, e * error, i);
+		}
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+/* Sum over the directions of a grid about a place with that normal, of those that a light is in. */
+static double summed(const gw_light *light, const double place[3], const double normal[3])
+{
+	enum { STEPS = 1500 };
+	double to[3], sum = 0.0, r = (double)light->radius, squared = 0.0;
+	for (int k = 0; k < 3; k++) {
+		to[k] = light->position[k] - place[k];
+		squared += to[k] * to[k];
+	}
+	for (int i = 0; i < STEPS; i++)
+		for (int j = 0; j < STEPS; j++) {
+			double z = 1.0 - 2.0 * (i + 0.5) / STEPS, a = 2 * SCENE_PI * (j + 0.5) / STEPS;
+			double q = sqrt(1 - z * z), d[3] = { q * cos(a), q * sin(a), z };
+			double along = d[0] * to[0] + d[1] * to[1] + d[2] * to[2];
+			double cosine = d[0] * normal[0] + d[1] * normal[1] + d[2] * normal[2];
+			bool in =
+				light->type == GW_LIGHT_SPHERE && along > 0.0 && squared - along * along < r * r;
+			if (light->type != GW_LIGHT_SPHERE && d[2] > 0.0) { /* it shines down */
+				double t = to[2] / d[2], x = t * d[0] - to[0], y = t * d[1] - to[1];
+				in = t > 0.0 &&
+					 (light->type == GW_LIGHT_DISC ? x * x + y * y < r * r
+												   : fabs(x) < 0.5 * (double)light->size[0] &&
+														 fabs(y) < 0.5 * (double)light->size[1]);
+			}
+			sum += in && cosine > 0.0 ? cosine : 0.0;
+		}
+	double area = light->type == GW_LIGHT_RECTANGLE
+					  ? (double)light->size[0] * (double)light->size[1]
+					  : SCENE_PI * r * r;
+	return 4.0 / area * sum * 4 * SCENE_PI / ((double)STEPS * STEPS);
+}
+
+/* Walls whose horizon cuts the light, against sums over directions: a step of those is 2.4e-3, and
+ * rims of lights within one are in or out: 1 % of the sum where the light is 30 steps wide. */
+static void horizons_cut_areas(void **state)
+{
+	(void)state;
+	static const gw_light_type type[] = { GW_LIGHT_SPHERE, GW_LIGHT_DISC, GW_LIGHT_RECTANGLE };
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ 0, -1, -1 }, (double[3]){ 0, 2, 0 }, (double[3]){ 0, 0, 2 },
+					40, 40, 0.5f);
+	gw_points points = scene_points(&s);
+	const double normal[3] = { (double)points.normal[0], (double)points.normal[1],
+							   (double)points.normal[2] };
+	gw_bake_options options = direct_only(GW_SHADOWS_NONE);
+	for (int k = 0; k < 3; k++) {
+		gw_light light = make_area(type[k], normal[0] * 0.2, 0.1, 1.6);
+		gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+		for (size_t i = 17; i < s.count; i += 301) {
+			double e = summed(&light, s.position + 3 * i, normal);
+			assert_true(e > 0.0);
+			assert_near((double)result->direct_irradiance[3 * i], e, 0.01 * e, i);
+		}
+		gw_bake_result_destroy(&result);
+	}
+	scene_clear(&s);
+}
+
+/* All light arrives: 4 pi I of a sphere, pi I of what shines to one side; 3 % as above. */
+static void flux_of_areas(void **state)
+{
+	(void)state;
+	static const gw_light_type type[] = { GW_LIGHT_SPHERE, GW_LIGHT_DISC, GW_LIGHT_RECTANGLE };
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 2.0, 20000, -1, 0.5f);
+	for (int k = 0; k < 3; k++) {
+		gw_light light = make_area(type[k], 0.1, 0.2, 0.3);
+		double phi = (k == 0 ? 16.0 : 4.0) * SCENE_PI;
+		assert_near(flux(&s, &light) / phi, 1.0, 0.03, (size_t)k);
+	}
+	scene_clear(&s);
+}
+
+/* A plate halfway to a rectangle hides all of it that is beyond the plate's edge: what is left is a
+ * rectangle. Of 16 rays a column of 81 points has 1296, and what is hidden of them is known to
+ * 1 / 16 of a row's step, at most half of it wrong to one side: 3 %. */
+static void plate_hides_part_of_rectangle(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
+					81, 81, 0.5f);
+	size_t floor = s.count;
+	scene_add_patch(&s, (double[3]){ -2, -2, 1 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 4, 0 },
+					81, 161, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
+	gw_light light = make_area(GW_LIGHT_RECTANGLE, 0, 0, 2);
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double found[3] = { 0 }, expected[3] = { 0 }, whole = 0.0;
+	for (size_t i = 0; i < floor; i++) {
+		double x = s.position[3 * i], y = s.position[3 * i + 1], e;
+		int column = (int)((x + 2.6) / 0.4) - 5; /* from -0.6, 0.4 m wide */
+		double from = fmax(-0.75, fmin(-x, 0.75));
+		if (column < 0 || column > 2)
+			continue;
+		e = SCENE_PI * 4.0 / 0.75 *
+			rectangle_factor((from - x) / 2, (0.75 - x) / 2, (-y - 0.25) / 2, (0.25 - y) / 2);
+		found[column] += (double)result->direct_irradiance[3 * i];
+		expected[column] += e;
+		whole = fmax(whole, expected[column]);
+	}
+	for (size_t k = 0; k < 3; k++)
+		assert_near(found[k], expected[k], 0.03 * whole, k);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 static void sun_on_tilted_planes(void **state)
 {
 	(void)state;
@@ -545,6 +820,12 @@ int main(void)
 		cmocka_unit_test(flux_is_conserved),
 		cmocka_unit_test(spot_light_over_plane),
 		cmocka_unit_test(spot_light_flux),
+		cmocka_unit_test(luminaire_over_plane),
+		cmocka_unit_test(luminaires_without_sense),
+		cmocka_unit_test(areas_over_plane),
+		cmocka_unit_test(horizons_cut_areas),
+		cmocka_unit_test(flux_of_areas),
+		cmocka_unit_test(plate_hides_part_of_rectangle),
 		cmocka_unit_test(sun_on_tilted_planes),
 		cmocka_unit_test(open_plane_has_no_shadow),
 		cmocka_unit_test(wall_casts_its_shadow),

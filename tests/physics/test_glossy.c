@@ -30,12 +30,9 @@ typedef struct world {
 	float *radiance; /* 3 a surfel */
 } world;
 
-static void open_world(world *w, field f, bool bricks)
+static void make_octree(world *w, field f, bool bricks)
 {
 	gw_error error = { 0 };
-	*w = (world){ .octree = NULL };
-	scene_add_sphere(&w->scene, (double[3]){ 0, 0, 0 }, 1.0, OUTER, -1, 0.5f);
-	scene_add_sphere(&w->scene, (double[3]){ 0, 0, 0 }, RADIUS, INNER, 1, 0.5f);
 	gw_points points = scene_points(&w->scene);
 	gw_surfels_options options = { .threads = 0 };
 	assert_int_equal(gw_surfels_make(&points, &options, &w->surfels, &error), GW_OK);
@@ -48,6 +45,14 @@ static void open_world(world *w, field f, bool bricks)
 	gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING, .bricks = bricks };
 	scene_choose_passes(&how.passes, &how.validate);
 	assert_ok(gw_render_octree_create(&w->surfels, w->radiance, &how, &w->octree, &error), &error);
+}
+
+static void open_world(world *w, field f, bool bricks)
+{
+	*w = (world){ .octree = NULL };
+	scene_add_sphere(&w->scene, (double[3]){ 0, 0, 0 }, 1.0, OUTER, -1, 0.5f);
+	scene_add_sphere(&w->scene, (double[3]){ 0, 0, 0 }, RADIUS, INNER, 1, 0.5f);
+	make_octree(w, f, bricks);
 }
 
 static void close_world(world *w)
@@ -191,6 +196,85 @@ static void mirror_shows_the_place(void **state)
 	close_world(&w);
 }
 
+#define MAP_WIDTH 64u
+#define MAP_HEIGHT 32u
+
+/* A sky whose radiance is linear in the direction that it is seen in: 2 plus each component. */
+static void fill_sky(float *map, double turn, bool y_up)
+{
+	for (size_t i = 0; i < MAP_WIDTH * MAP_HEIGHT; i++) {
+		double down = SCENE_PI * ((double)(i / MAP_WIDTH) + 0.5) / MAP_HEIGHT;
+		double azimuth =
+			2.0 * SCENE_PI * (((double)(i % MAP_WIDTH) + 0.5) / MAP_WIDTH - 0.5 + turn);
+		double east = sin(down) * sin(azimuth), north = sin(down) * cos(azimuth);
+		const double way[3] = { east, y_up ? cos(down) : north, y_up ? -north : cos(down) };
+		for (size_t k = 0; k < 3; k++)
+			map[3 * i + k] = (float)(2.0 + way[k]);
+	}
+}
+
+/* What mirrors on a sphere that stands alone show of such a sky. Linear blending between texels 0.1
+ * apart is off by at most 0.1^2 / 8 a component, and half a texel, 0.05, beside the poles. A cone
+ * meets voxels of the sphere's own rim where it leaves at a grazing angle; those are left out. */
+static void check_sky(world *w, double turn, bool y_up, bool cone)
+{
+	static float position[4 * PIXELS], normal[4 * PIXELS], reflected[4 * PIXELS];
+	static float map[3 * MAP_WIDTH * MAP_HEIGHT];
+	gw_error error = { 0 };
+	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
+	const gw_reflection how = { .rays = 1, .cone = cone, .sky = { 1, 0, 0 } };
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT,
+						   .radiance = { 2, 2, 2 },
+						   .map = map,
+						   .map_width = MAP_WIDTH,
+						   .map_height = MAP_HEIGHT,
+						   .rotation = (float)(360.0 * turn),
+						   .map_y_up = y_up };
+	fill_sky(map, turn, y_up);
+	assert_ok(gw_render_octree_set_sky(w->octree, &sky, &error), &error);
+	place_pixels(w, RADIUS, 1.0f, 0.0f, 1.0f, position, normal);
+	set_eye(w, &pixels);
+	assert_ok(gw_render_octree_reflect(w->octree, &pixels, &how, reflected, &error), &error);
+	double square = 0.0, count = 0.0;
+	for (size_t i = 0; i < PIXELS; i++) {
+		double d[3], length = 0.0, along = 0.0;
+		for (size_t k = 0; k < 3; k++) {
+			d[k] = (double)position[4 * i + k] - (double)pixels.eye[k];
+			length += d[k] * d[k];
+			along += d[k] * (double)normal[4 * i + k];
+		}
+		if (along / sqrt(length) > -0.5)
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			d[k] = (d[k] - 2.0 * along * (double)normal[4 * i + k]) / sqrt(length);
+			double off = (double)reflected[4 * i + k] - (k == 0 ? 1.0 : 0.0) - 2.0 * (2.0 + d[k]);
+			square += off * off;
+			if (!cone && !(fabs(off) < 0.11))
+				fail_msg("pixel %zu is off by %g", i, off);
+		}
+		count += 3.0;
+	}
+	printf("sky turned by %g%s, %s: RMS %.5f\n", turn, y_up ? ", y up" : "", cone ? "cone" : "rays",
+		   sqrt(square / count));
+	assert_true(count > 1000.0 && sqrt(square / count) < 0.02);
+}
+
+static void mirror_shows_the_sky(void **state)
+{
+	(void)state;
+	world w = { .octree = NULL };
+	gw_error error = { 0 };
+	scene_add_sphere(&w.scene, (double[3]){ 0, 0, 0 }, RADIUS, INNER, 1, 0.5f);
+	make_octree(&w, (field){ 1.0, 0.0 }, true);
+	for (int cone = 0; cone < 2; cone++) {
+		check_sky(&w, 0.0, false, cone == 1);
+		check_sky(&w, 0.3, false, cone == 1);
+		check_sky(&w, 0.3, true, cone == 1);
+	}
+	assert_ok(gw_render_octree_set_sky(w.octree, NULL, &error), &error);
+	close_world(&w);
+}
+
 /*
  * Both kinds of sampling reproduce a radiance linear in z. A voxel holds the mean over its own
  * leaf, whose discs reach beyond it by up to a radius, and is taken for its centre: at most half a
@@ -232,6 +316,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(furnace_stays_white),
 		cmocka_unit_test(mirror_shows_the_place),
+		cmocka_unit_test(mirror_shows_the_sky),
 		cmocka_unit_test(bricks_hold_a_linear_field),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

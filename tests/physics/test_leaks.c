@@ -107,20 +107,27 @@ static size_t count_sunlit(const scene *s, double height, uint32_t depth)
 	return lit;
 }
 
-/* Of the first `count` points those that get light from a sky, a lamp at (2, 1, 3), or bounces. */
-static size_t count_lit(const scene *s, size_t count)
+/* Of the first `count` points those that get more light than some from a sky, a lamp at
+ * (2, 1, 3), or bounces. */
+static size_t count_lit_by(const scene *s, size_t count, gw_method method, float some)
 {
 	gw_points points = scene_points(s);
 	gw_bake_options options = gw_bake_options_default();
 	options.estimate_points = 0;
+	options.method = method;
 	const gw_light light[2] = { { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } },
 								scene_point_light(2.0, 1.0, 3.0, 10.0f) };
 	gw_bake_result *result = scene_bake(&points, light, 2, &options);
 	size_t lit = 0;
 	for (size_t i = 0; i < count; i++)
-		lit += result->direct_irradiance[3 * i] > 0.0f || result->indirect_irradiance[3 * i] > 0.0f;
+		lit += result->direct_irradiance[3 * i] + result->indirect_irradiance[3 * i] > some;
 	gw_bake_result_destroy(&result);
 	return lit;
+}
+
+static size_t count_lit(const scene *s, size_t count)
+{
+	return count_lit_by(s, count, GW_METHOD_RAYS, 0.0f);
 }
 
 static void expect_dark(size_t count, double noise, double height, uint32_t depth)
@@ -186,56 +193,173 @@ static void unevenly_sampled_ones_as_well(void **state)
 	box b = { .count = 30000, .width = 1.0, .facing = 1, .about_x = 0.3, .about_z = 0.9 };
 	for (b.dense = 3.0; b.dense < 10.0; b.dense *= 3.0)
 		expect_dark_box(b, 35.0);
+	for (b.dense = 20.0; b.dense < 50.0; b.dense *= 2.0) {
+		expect_dark_box(b, 10.0);
+		expect_dark_box(b, 60.0);
+	}
+	b.about_x = b.about_z = 0.0;
+	b.dense = 20.0;
+	expect_dark_box(b, 35.0);
 }
 
 static void sky_and_lamps_stay_outside(void **state)
 {
 	(void)state;
 	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
-	for (int i = 0; i < 3; i++, b.noise += 0.25) {
+	for (int i = 0; i < 4; i++, b.noise += 0.25) {
 		scene s = { 0 };
+		if (i == 3) { /* one half 20 times as sparse */
+			b.count = 30000;
+			b.dense = 20.0;
+			b.noise = 0.0;
+		}
 		add_random_box(&s, b);
 		size_t lit = count_lit(&s, s.count);
-		print_message("noise %.2f: %zu lit\n", b.noise, lit);
+		print_message("%zu points, noise %.2f: %zu lit\n", s.count, b.noise, lit);
 		scene_clear(&s);
 		assert_int_equal(lit, 0);
 	}
 }
 
-/* Inside and outside of a wall around a box, a few spacings apart. */
+/* Cones are wider than gaps in rock. */
+static void cones_see_no_sky(void **state)
+{
+	(void)state;
+	box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t lit = count_lit_by(&s, s.count, GW_METHOD_CONES, 0.0f);
+	scene_clear(&s);
+	assert_int_equal(lit, 0);
+}
+
+/* Inside and outside of a wall around a box, some spacings apart. Returns how many of the points
+ * within get more light than some, about 3 of which falls on those outside. */
+static size_t count_lit_within(double spacings, float some)
+{
+	box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t inside = s.count;
+	b.width = 1.0 + 2.0 * spacings * sqrt(6.0 / (double)b.count);
+	b.count = (size_t)((double)b.count * b.width * b.width);
+	b.facing = -1;
+	add_random_box(&s, b);
+	size_t lit = count_lit_by(&s, inside, GW_METHOD_RAYS, some);
+	print_message("wall of %.2f spacings: %zu of %zu over %g\n", spacings, lit, inside, some);
+	scene_clear(&s);
+	return lit;
+}
+
 static void walls_with_two_sides_shut_out(void **state)
 {
 	(void)state;
-	for (double spacings = 2.0; spacings < 9.0; spacings *= 2.0) {
-		box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
-		scene s = { 0 };
-		add_random_box(&s, b);
-		size_t inside = s.count;
-		b.width = 1.0 + 2.0 * spacings * sqrt(6.0 / (double)b.count);
-		b.count = (size_t)((double)b.count * b.width * b.width);
-		b.facing = -1;
-		add_random_box(&s, b);
-		size_t lit = count_lit(&s, inside);
-		print_message("wall of %.2f spacings: %zu lit\n", spacings, lit);
-		scene_clear(&s);
-		assert_int_equal(lit, 0);
-	}
+	for (double spacings = 2.0; spacings < 9.0; spacings *= 2.0)
+		assert_int_equal(count_lit_within(spacings, 0.0f), 0);
+}
+
+/* Sides closer than a spacing share cells, and a little light is shared with them. But surface in
+ * one compartment is not seen from another. */
+static void thin_walls_shut_out_what_they_can(void **state)
+{
+	(void)state;
+	assert_true(count_lit_within(1.0, 0.03f) < 60);
+	assert_true(count_lit_within(0.5, 0.03f) < 60);
+}
+
+static void expect_open(box b, double spacings)
+{
+	scene s = { 0 };
+	b.window = spacings * sqrt(6.0 * fmax(b.dense, 1.0) / (double)b.count);
+	add_random_box(&s, b);
+	size_t lit = count_lit(&s, s.count);
+	print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
+	assert_true(lit > s.count * 99 / 100);
+	scene_clear(&s);
 }
 
 /* Windows of some spacings: sky through them lights all of the room. */
 static void windows_stay_open(void **state)
 {
 	(void)state;
-	for (double spacings = 7.0; spacings < 15.0; spacings *= 2.0) {
-		box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
-		b.window = spacings * sqrt(6.0 / (double)b.count);
-		scene s = { 0 };
-		add_random_box(&s, b);
-		size_t lit = count_lit(&s, s.count);
-		print_message("window of %.1f spacings: %zu of %zu lit\n", spacings, lit, s.count);
-		assert_true(lit > s.count * 99 / 100);
-		scene_clear(&s);
+	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
+	expect_open(b, 7.0);
+	expect_open(b, 14.0);
+	b.count = 30000; /* in surface of which one half is sparse */
+	b.dense = 20.0;
+	expect_open(b, 7.0);
+}
+
+/* A floor under a sheet of random points with a square hole in it, which the sun shines through. */
+typedef struct holed_sheet {
+	double spacing; /* of the points */
+	double hole;    /* width */
+	double turn;    /* of the hole and the sheet */
+} holed_sheet;
+
+#define SHEET 1.6
+#define SHEET_HEIGHT 0.5
+#define SUN_X 0.2
+#define SUN_Y 0.1
+
+/* Is a place of the sheet's plane in the hole, or less than a distance from it? */
+static bool is_in_hole(holed_sheet h, double x, double y, double off)
+{
+	double u = cos(h.turn) * x + sin(h.turn) * y, v = cos(h.turn) * y - sin(h.turn) * x;
+	return fmax(fabs(u), fabs(v)) < 0.5 * h.hole + off;
+}
+
+static void add_holed_sheet(scene *s, holed_sheet h)
+{
+	const double up[3] = { 0.0, 0.0, 1.0 }, down[3] = { 0.0, 0.0, -1.0 };
+	size_t count = (size_t)(SHEET * SHEET / (h.spacing * h.spacing));
+	for (size_t i = 0; i < 2 * count; i++) {
+		double place[3] = { SHEET * (scene_random(s) - 0.5), SHEET * (scene_random(s) - 0.5),
+							i < count ? 0.0 : SHEET_HEIGHT };
+		if (i < count || !is_in_hole(h, place[0], place[1], 0.0))
+			scene_add(s, place, i < count ? up : down, 0.5f);
 	}
+}
+
+/* Points of the floor more than a spacing within the patch of sun, of which those that are dark. */
+static size_t count_dark_within(holed_sheet h, size_t *within)
+{
+	scene s = { 0 };
+	add_holed_sheet(&s, h);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	options.bounces = 1;
+	options.estimate_points = 0;
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { SUN_X, SUN_Y, -1.0 },
+						   .irradiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	size_t dark = 0;
+	for (size_t i = 0; i < s.count && s.position[3 * i + 2] < 0.5 * SHEET_HEIGHT; i++) {
+		double x = s.position[3 * i] - SUN_X * SHEET_HEIGHT;
+		double y = s.position[3 * i + 1] - SUN_Y * SHEET_HEIGHT;
+		if (!is_in_hole(h, x, y, -h.spacing))
+			continue;
+		++*within;
+		dark += !(result->direct_irradiance[3 * i] > 0.0f);
+	}
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	return dark;
+}
+
+/* The rim of a hole is known to about a spacing, in corners to two. Single discs that stick out
+ * over it, which most around do not, would keep half as much sun again from what lies further
+ * within. */
+static void holes_are_open_to_their_rims(void **state)
+{
+	(void)state;
+	size_t dark = 0, within = 0;
+	for (double turn = 0.0; turn < 1.0; turn += 0.4)
+		dark += count_dark_within((holed_sheet){ 0.018, 0.18, turn }, &within);
+	print_message("%zu of %zu points are dark in the sun through a hole\n", dark, within);
+	assert_true(within > 150);
+	assert_true(dark * 9 < within);
 }
 
 int main(void)
@@ -246,8 +370,11 @@ int main(void)
 		cmocka_unit_test(closed_boxes_stay_dark),
 		cmocka_unit_test(unevenly_sampled_ones_as_well),
 		cmocka_unit_test(sky_and_lamps_stay_outside),
+		cmocka_unit_test(cones_see_no_sky),
 		cmocka_unit_test(walls_with_two_sides_shut_out),
+		cmocka_unit_test(thin_walls_shut_out_what_they_can),
 		cmocka_unit_test(windows_stay_open),
+		cmocka_unit_test(holes_are_open_to_their_rims),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,6 +32,8 @@ static void same_results(const gw_bake_result *a, const gw_bake_result *b)
 	assert_int_equal(a->rest == NULL, b->rest == NULL);
 	if (a->ambient_occlusion)
 		same_floats(a->ambient_occlusion, b->ambient_occlusion, a->count);
+	if (a->bent_normal)
+		same_floats(a->bent_normal, b->bent_normal, 3 * a->count);
 	if (a->error)
 		same_floats(a->error, b->error, a->count);
 	assert_int_equal(a->voxels.count, b->voxels.count);
@@ -95,7 +97,8 @@ static void each_lighting_is_a_bake(void **state)
 	scene hall = { 0 };
 	scene_make_hall(&hall);
 	gw_bake_options options = gw_bake_options_default();
-	options.ambient_occlusion = options.errors = options.voxels = options.lamps = true;
+	options.ambient_occlusion = options.bent_normals = options.errors = options.voxels =
+		options.lamps = true;
 	gw_scene *made = make(&hall, &options, NULL);
 	gw_lighting *lighting = NULL;
 	gw_error error = { 0 };
@@ -296,7 +299,7 @@ static void it_asks_and_tells_all_the_time(void **state)
 	gw_points points = plain_points(&box);
 	gw_light lamp = scene_point_light(2.0, 1.5, 1.5, 5.0f);
 	watch w = { .left = -1 };
-	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w };
+	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w, NULL };
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
 	assert_true(points.count > 90000);
@@ -318,7 +321,7 @@ static void stopping_leaves_the_scene(void **state)
 	scene hall = { 0 };
 	scene_make_hall(&hall);
 	watch w = { .left = -1 };
-	gw_bake_callbacks callbacks = { NULL, ask_to_stop, &w };
+	gw_bake_callbacks callbacks = { NULL, ask_to_stop, &w, NULL };
 	gw_bake_options options = gw_bake_options_default();
 	gw_scene *made = make(&hall, &options, &callbacks);
 	gw_lighting *lighting = NULL;

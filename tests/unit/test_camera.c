@@ -417,16 +417,93 @@ static void test_choice(void **state)
 	assert_memory_equal(chosen, expected, sizeof expected);
 }
 
+/* Points on the six sides of a box, or on those that `sides` names by bits: low and high x, y, z.
+ */
+static size_t add_sides(double *at, size_t count, const double size[3], unsigned sides)
+{
+	uint64_t state = 7;
+	size_t added = 0;
+	for (size_t i = 0; i < count; i++) {
+		unsigned side = (unsigned)(i % 6);
+		if (!(sides >> side & 1))
+			continue;
+		for (size_t k = 0; k < 3; k++) {
+			state = state * 6364136223846793005u + 1442695040888963407u;
+			at[3 * added + k] = size[k] * (double)(state >> 40) * 0x1p-24;
+		}
+		at[3 * added++ + side / 2] = side % 2 ? size[side / 2] : 0.0;
+	}
+	return added;
+}
+
+/* A statue: a bumpy body above a flat base across an axis. */
+static size_t add_statue(double *at, size_t count, size_t axis)
+{
+	for (size_t i = 0; i < count; i++) {
+		double turn = 2.4 * (double)i, height = (double)i / (double)count;
+		bool base = i % 12 == 0;
+		double radius = base ? 0.3 * height : 0.3 * (1.0 - height * height) + 0.1 * height;
+		at[3 * i + axis] = base ? 0.0 : height;
+		at[3 * i + (axis + 1) % 3] = radius * cos(turn);
+		at[3 * i + (axis + 2) % 3] = 0.8 * radius * sin(turn);
+	}
+	return count;
+}
+
+static char likely_up(const double *at, size_t count, bool wanted)
+{
+	bool sure;
+	char up = gw_likely_up(at, count, &sure);
+	assert_int_equal(sure, wanted);
+	return up;
+}
+
+static void test_likely_up(void **state)
+{
+	(void)state;
+	enum { COUNT = 6000 };
+	static double at[3 * COUNT];
+	const double y_room[3] = { 12, 3, 8 }, z_room[3] = { 12, 8, 3 }, cube[3] = { 2, 2, 2 };
+	assert_int_equal(likely_up(at, add_statue(at, COUNT, 1), true), 'y');
+	assert_int_equal(likely_up(at, add_statue(at, COUNT, 2), false), 0);
+	assert_int_equal(likely_up(at, add_statue(at, COUNT, 0), false), 0);
+	/* All floor and ceiling, and one wall of each pair, as where rooms are large. */
+	size_t count = add_sides(at, COUNT / 2, y_room, 0x0c);
+	count += add_sides(at + 3 * count, COUNT / 6, y_room, 0x33);
+	assert_int_equal(likely_up(at, count, false), 'y');
+	count = add_sides(at, COUNT / 2, z_room, 0x30);
+	count += add_sides(at + 3 * count, COUNT / 6, z_room, 0x0f);
+	assert_int_equal(likely_up(at, count, false), 0);
+	assert_int_equal(likely_up(at, add_sides(at, COUNT, cube, 0x3f), false), 0);
+	/* A wall is what ground is from above: nothing is said of it, alone or on its ground. */
+	assert_int_equal(likely_up(at, add_sides(at, COUNT, z_room, 0x04), false), 0);
+	assert_int_equal(likely_up(at, add_sides(at, COUNT, z_room, 0x14), false), 0);
+	assert_int_equal(likely_up(at, 10, false), 0);
+	at[4] = INFINITY;
+	at[8] = NAN;
+	assert_int_equal(likely_up(at, COUNT, false), 0);
+	memset(at, 0, sizeof at);
+	assert_int_equal(likely_up(at, COUNT, false), 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_axes),         cmocka_unit_test(test_orbit),
-		cmocka_unit_test(test_bad_cameras),  cmocka_unit_test(test_balls_in_view),
-		cmocka_unit_test(test_enclosure),    cmocka_unit_test(test_inside_and_outside),
-		cmocka_unit_test(test_plane),        cmocka_unit_test(test_size_for_people),
-		cmocka_unit_test(test_ball),         cmocka_unit_test(test_stage),
-		cmocka_unit_test(test_strays),       cmocka_unit_test(test_around),
-		cmocka_unit_test(test_scanner_side), cmocka_unit_test(test_stand),
+		cmocka_unit_test(test_likely_up),
+		cmocka_unit_test(test_axes),
+		cmocka_unit_test(test_orbit),
+		cmocka_unit_test(test_bad_cameras),
+		cmocka_unit_test(test_balls_in_view),
+		cmocka_unit_test(test_enclosure),
+		cmocka_unit_test(test_inside_and_outside),
+		cmocka_unit_test(test_plane),
+		cmocka_unit_test(test_size_for_people),
+		cmocka_unit_test(test_ball),
+		cmocka_unit_test(test_stage),
+		cmocka_unit_test(test_strays),
+		cmocka_unit_test(test_around),
+		cmocka_unit_test(test_scanner_side),
+		cmocka_unit_test(test_stand),
 		cmocka_unit_test(test_choice),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -41,6 +41,10 @@ static void test_names(void **state)
 	for (int i = 0; i < GW_SHADOWS_COUNT; i++)
 		for (int j = 0; j < i; j++)
 			assert_string_not_equal(gw_shadows_name((gw_shadows)i), gw_shadows_name((gw_shadows)j));
+	for (int i = 0; i < GW_EFFECT_KIND_COUNT; i++)
+		for (int j = 0; j < i; j++)
+			assert_string_not_equal(gw_effect_name((gw_effect_kind)i),
+									gw_effect_name((gw_effect_kind)j));
 	for (int i = 0; i < GW_LIGHT_TYPE_COUNT; i++)
 		for (int j = 0; j < i; j++)
 			assert_string_not_equal(gw_light_type_name((gw_light_type)i),

@@ -55,8 +55,8 @@ static const struct {
 	[GW_PASS_PREFIX_SUM] = { "==", 0 },
 	[GW_PASS_RADIX_COUNT] = { "=", 0 },
 	[GW_PASS_RADIX_SCATTER] = { "====", 0 },
-	[GW_PASS_LIGHT_VISIBILITY] = { "==v", 0 },
-	[GW_PASS_LIGHT_IRRADIANCE] = { "===l", 0 },
+	[GW_PASS_LIGHT_VISIBILITY] = { "==v=", 0 },
+	[GW_PASS_LIGHT_IRRADIANCE] = { "===l=", 0 },
 	[GW_PASS_FACET_DIRECT] = { "+", 2047 }, /* of a leaf, so many fragments count at most */
 	[GW_PASS_RECORD_RAYS] = { "hd", 0 },
 	[GW_PASS_RECORD_AGAIN] = { "hd", 0 },
@@ -194,7 +194,7 @@ static void compare_output(char letter, const pair *p, const pair *before, doubl
 
 /* ---------------------------------------------------------------------------------- both ways */
 
-#define OUTPUTS 4
+#define OUTPUTS 5
 
 /* What a pass writes to: the same buffers, and their bytes at four moments. */
 typedef struct outputs {
@@ -304,11 +304,14 @@ gw_status __wrap_gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_bindin
 
 /* --------------------------------------------------------------------------------------- bakes */
 
-#define LAMPS 4
+#define LAMPS 8
 
 /* Lamps of all kinds, two of them with an extent. */
 static void make_lamps(gw_light light[LAMPS])
 {
+	/* Angles from the axis, around it, and shares in five planes. */
+	static const float luminaire[] = { 0, 40,   120, 0,    90,   180, 270, 360,  1, 0.5f, 0, 1,
+									   1, 0.2f, 1,   0.7f, 0.1f, 1,   0,   0.3f, 1, 0.5f, 0 };
 	for (size_t i = 0; i < LAMPS; i++)
 		light[i] = i + 1 < LAMPS ? scene_point_light(1.0, 1.0, 1.2, 2.0f)
 								 : (gw_light){ .type = GW_LIGHT_SUN };
@@ -317,10 +320,25 @@ static void make_lamps(gw_light light[LAMPS])
 	light[2].direction[2] = -1.0;
 	light[2].inner_angle = 20.0f;
 	light[2].outer_angle = 50.0f;
-	light[3].direction[1] = 1.0;
-	light[3].direction[2] = -0.4;
-	light[3].angle = 2.0f;
-	light[3].irradiance[0] = 1.0f;
+	light[3].direction[1] = 0.5;
+	light[3].direction[2] = -1.0;
+	light[3].across[0] = 1.0;
+	light[3].distribution = luminaire;
+	light[3].vertical_count = 3;
+	light[3].horizontal_count = 5;
+	for (size_t i = 4; i < 7; i++) {
+		light[i].type = i == 4 ? GW_LIGHT_SPHERE : i == 5 ? GW_LIGHT_DISC : GW_LIGHT_RECTANGLE;
+		light[i].direction[1] = 0.25;
+		light[i].direction[2] = -1.0;
+		light[i].across[0] = 1.0;
+		light[i].radius = 0.2f;
+		light[i].size[0] = 0.5f;
+		light[i].size[1] = 0.25f;
+	}
+	light[7].direction[1] = 1.0;
+	light[7].direction[2] = -0.4;
+	light[7].angle = 2.0f;
+	light[7].irradiance[0] = 1.0f;
 }
 
 static gw_bake_result *bake_hall(const gw_light *light, size_t lights,

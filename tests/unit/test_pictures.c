@@ -2,6 +2,7 @@
 #include "options/camera_text.h"
 #include "pictures/exr_picture.h"
 #include "pictures/false_color.h"
+#include "pictures/isolux.h"
 #include "pictures/png_picture.h"
 
 #include <OpenEXR/openexr.h>
@@ -206,9 +207,112 @@ static void test_colors(void **state)
 	false_color_of(&range, 0.1, middle);
 	false_color_of(&range, 5, high);
 	assert_int_equal(low[0] + low[1] + low[2], 0);
-	assert_int_equal(high[0] + high[1] + high[2], 3 * 255);
-	assert_int_equal(middle[0], (190 + 240) / 2);
-	assert_int_equal(middle[1], (45 + 105) / 2);
+	assert_int_equal(high[0] + high[1] + high[2], 3 * 249);
+	/* The middle of the logarithms. */
+	false_color_range linear = { 0, 2, false, "" };
+	uint8_t same[3];
+	false_color_of(&linear, 1, same);
+	assert_memory_equal(middle, same, 3);
+}
+
+static double linear_of(uint8_t code)
+{
+	double v = code / 255.0;
+	return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+}
+
+static double lab_root(double t)
+{
+	return t > 216.0 / 24389.0 ? cbrt(t) : t * 841.0 / 108.0 + 4.0 / 29.0;
+}
+
+/* CIELAB of a colour of the screen, white being D65. */
+static void lab_of(const uint8_t rgb[3], double lab[3])
+{
+	double r = linear_of(rgb[0]), g = linear_of(rgb[1]), b = linear_of(rgb[2]);
+	double x = lab_root((0.4124564 * r + 0.3575761 * g + 0.1804375 * b) / 0.95047);
+	double y = lab_root(0.2126729 * r + 0.7151522 * g + 0.0721750 * b);
+	double z = lab_root((0.0193339 * r + 0.1191920 * g + 0.9503041 * b) / 1.08883);
+	lab[0] = 116.0 * y - 16.0;
+	lab[1] = 500.0 * (x - y);
+	lab[2] = 200.0 * (y - z);
+}
+
+/* Equal steps of a value look alike: 32 of them differ by 7 to 9 in CIELAB, of which rounding to 8
+ * bits is up to 0.7; and all become lighter. */
+static void test_even_colors(void **state)
+{
+	(void)state;
+	const false_color_range range = { 0, 32, false, "" };
+	double before[3] = { 0 }, least = INFINITY, most = 0.0;
+	for (int i = 0; i <= 32; i++) {
+		uint8_t rgb[3];
+		double lab[3], square = 0.0;
+		false_color_of(&range, i, rgb);
+		lab_of(rgb, lab);
+		for (int k = 0; k < 3; k++)
+			square += (lab[k] - before[k]) * (lab[k] - before[k]);
+		assert_true(i == 0 || lab[0] > before[0] + 1.0);
+		least = i == 0 ? least : fmin(least, sqrt(square));
+		most = fmax(most, sqrt(square));
+		memcpy(before, lab, sizeof before);
+	}
+	if (!(most <= 1.25 * least))
+		fail_msg("steps are %g to %g", least, most);
+}
+
+static void test_range_text(void **state)
+{
+	(void)state;
+	static const char *const bad[] = { "",      "5",     "5,",      "0,500,",   "500,0", "1,1",
+									   "0,9,x", "0,nan", "0,9,log", "0,9,log ", "a,b",   "1,inf" };
+	false_color_range range;
+	isolux lines;
+	assert_int_equal(false_color_read("0,500", &range, NULL), GW_OK);
+	assert_true(range.low == 0 && range.high == 500 && !range.logarithmic);
+	assert_int_equal(false_color_read("0.1,5e2,log", &range, NULL), GW_OK);
+	assert_true(range.low == 0.1 && range.high == 500 && range.logarithmic);
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+		if (false_color_read(bad[i], &range, NULL) != GW_ERROR_USAGE)
+			fail_msg("'%s' was taken", bad[i]);
+	static const char *const no_list[] = {
+		"",   "0",  "-1",   "5,5", "5,4",
+		"1,", ",1", "1,,2", "x",   "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17"
+	};
+	for (size_t i = 0; i < sizeof no_list / sizeof *no_list; i++)
+		if (isolux_read(no_list[i], &lines, NULL) != GW_ERROR_USAGE)
+			fail_msg("'%s' was taken", no_list[i]);
+	assert_int_equal(isolux_read("50,100,200", &lines, NULL), GW_OK);
+	assert_true(lines.count == 3 && lines.level[1] == 100);
+}
+
+#define SIDE 40u
+
+/* A line is where the value passes its level, nowhere else; not where one thing hides another. */
+static void test_isolux(void **state)
+{
+	(void)state;
+	float values[3 * SIDE * SIDE], depth[SIDE * SIDE], coverage[SIDE * SIDE];
+	uint8_t pixels[3 * SIDE * SIDE];
+	const gw_gbuffer g = { .width = SIDE, .height = SIDE, .depth = depth, .coverage = coverage };
+	const canvas c = { pixels, SIDE, SIDE, 3, 1 };
+	for (size_t i = 0; i < SIDE * SIDE; i++) {
+		/* Along x, in two steps of depth along y, of which the farther is twice as bright. */
+		bool far = i / SIDE >= SIDE / 2;
+		values[3 * i] = (float)(i % SIDE + 1) * (far ? 2.0f : 1.0f);
+		depth[i] = far ? 5.0f : 1.0f;
+		coverage[i] = 1.0f;
+	}
+	memset(pixels, 200, sizeof pixels);
+	isolux lines = { { 20.5 }, 1 };
+	assert_int_equal(isolux_draw(&lines, &g, values, &c, NULL), GW_OK);
+	for (size_t i = 0; i < SIDE * SIDE; i++) {
+		size_t x = i % SIDE, y = i / SIDE;
+		bool line = x == (y >= SIDE / 2 ? 9u : 19u);
+		bool label = x > 3 && x < 29 && y > 10 && y < 30;
+		if (!label && (pixels[3 * i] == 0) != line)
+			fail_msg("%zu,%zu is %d", x, y, pixels[3 * i]);
+	}
 }
 
 static void test_fit(void **state)
@@ -256,7 +360,9 @@ int main(void)
 		cmocka_unit_test(test_png),         cmocka_unit_test(test_exr),
 		cmocka_unit_test(test_exr_refusal), cmocka_unit_test(test_full_disk),
 		cmocka_unit_test(test_camera_text), cmocka_unit_test(test_colors),
-		cmocka_unit_test(test_fit),         cmocka_unit_test(test_scale),
+		cmocka_unit_test(test_even_colors), cmocka_unit_test(test_range_text),
+		cmocka_unit_test(test_isolux),      cmocka_unit_test(test_fit),
+		cmocka_unit_test(test_scale),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -307,12 +307,16 @@ static void test_backs(void **state)
 {
 	(void)state;
 	cloud *c = new_cloud();
+	static float opacity[4000];
 	uint64_t random = 5;
 	for (int i = 0; i < 4000; i++) {
 		double x = 4 * next_random(&random) - 2, y = 3 * next_random(&random);
 		add(c, (double[3]){ 0.1 * x * x, x, y }, (double[3]){ 1, -0.2 * x, 0 });
+		opacity[i] = 0.5f + 0.0001f * (float)i;
 	}
-	const gw_points points = { .count = c->count, .position = c->position, .up = c->up };
+	const gw_points points = {
+		.count = c->count, .position = c->position, .opacity = opacity, .up = c->up
+	};
 	gw_surfels s;
 	gw_error error;
 	assert_ok(gw_surfels_make(&points, &(gw_surfels_options){ .backs = true }, &s, &error), &error);
@@ -325,6 +329,7 @@ static void test_backs(void **state)
 		assert_int_equal(s.two_sided[i], GW_SIDE_UNCLEAR);
 		assert_int_equal(s.two_sided[j], GW_SIDE_BACK);
 		assert_memory_equal(s.position + 3 * i, s.position + 3 * j, 12);
+		assert_true(s.transparency[i] > 0.09f && s.transparency[i] == s.transparency[j]);
 		for (size_t k = 0; k < 3; k++)
 			assert_true(s.normal[3 * i + k] == -s.normal[3 * j + k]);
 		shape_along(&s, i, along, one);

@@ -1,0 +1,181 @@
+#include "result/bake_plan.h"
+#include "program/text_quote.h"
+#include "points/scan_color.h"
+#include "scene/glossy_points.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#define MEGABYTE 1e6
+
+gw_bake_options bake_plan_options(const settings *s)
+{
+	gw_bake_options options = s->bake;
+	options.voxels = s->vdb != NULL;
+	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
+	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
+	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
+	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
+	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	return options;
+}
+
+static void add(gw_report *r, const char *name, const char *method, const char *reason)
+{
+	if (r->effect_count >= GW_REPORT_EFFECTS)
+		return;
+	gw_effect *e = &r->effect[r->effect_count++];
+	*e = (gw_effect){ .called_for = method != NULL };
+	snprintf(e->name, sizeof e->name, "%s", name);
+	snprintf(e->method, sizeof e->method, "%s", method ? method : "");
+	snprintf(e->reason, sizeof e->reason, "%s", reason);
+}
+
+static size_t count_glossy(const loaded_scene *scene)
+{
+	const scan_column *specular = scan_find_scalar(&scene->cloud, "specular");
+	size_t glossy = 0;
+	for (size_t i = 0; specular && i < scene->cloud.count; i++)
+		glossy += glossy_points_share(scan_value(specular, i), 0.0f) > 0.0f;
+	return glossy;
+}
+
+void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
+{
+	char reason[sizeof r->effect->reason];
+	bool columns = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for", s->light_count);
+	add(r, "columns", columns ? "solved again for each light" : NULL,
+		columns ? reason : "no light is asked for by itself");
+	size_t glossy = count_glossy(scene);
+	snprintf(reason, sizeof reason, "%zu points are glossy: light bounces on with all they reflect",
+			 glossy);
+	add(r, "gloss", glossy > 0 ? "as matt; `render` shows reflections" : NULL,
+		glossy > 0 ? reason : "no point is glossy");
+	snprintf(reason, sizeof reason, "%zu inputs move in %u frames: this is the plan of frame 0",
+			 s->path_count, s->frame_count);
+	add(r, "motion", s->frame_count > 0 ? "what stands still is kept between frames" : NULL,
+		s->frame_count > 0 ? reason : "nothing moves");
+}
+
+uint64_t bake_plan_peak(void)
+{
+	struct rusage usage;
+	return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (uint64_t)usage.ru_maxrss : 0;
+}
+
+/* Resident now; where nobody knows, as much as ever. */
+static uint64_t resident_now(void)
+{
+	unsigned long long pages = 0;
+	FILE *file = fopen("/proc/self/statm", "r");
+	bool known = file && fscanf(file, "%*u %llu", &pages) == 1;
+	if (file)
+		fclose(file);
+	return known ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : bake_plan_peak();
+}
+
+bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_seconds, size_t points,
+									  size_t row_bytes)
+{
+	uint64_t peak = bake_plan_peak();
+	uint64_t later = resident_now() + report->forecast.host_bytes + (uint64_t)points * row_bytes;
+	return (bake_plan_forecast){ .report = report,
+								 .read_seconds = read_seconds,
+								 .host_bytes = later > peak ? later : peak,
+								 .device_bytes = report->forecast.device_bytes };
+}
+
+/* ------------------------------------------------------------------------------ for people */
+
+static void print_effects(const gw_report *r, FILE *out)
+{
+	for (uint32_t i = 0; i < r->effect_count; i++) {
+		const gw_effect *e = &r->effect[i];
+		fprintf(out, "%-10s %-15s %s%s%s%s\n", e->name,
+				e->called_for ? "called for" : "not called for", e->reason, *e->method ? " [" : "",
+				e->method, *e->method ? "]" : "");
+	}
+}
+
+/* One line of figures; of what is not known nothing is said. */
+static void print_figures(const char *what, double seconds, uint64_t host, uint64_t device,
+						  FILE *out)
+{
+	fprintf(out, "%-10s %.2f s, %.0f MB of the host, %.0f MB of the device", what, seconds,
+			(double)host / MEGABYTE, (double)device / MEGABYTE);
+}
+
+static void print_light(double error, double spread, uint32_t bounces, double remaining, FILE *out)
+{
+	char percent[TEXT_PERCENT], around[TEXT_PERCENT], rest[TEXT_PERCENT];
+	if (error > 0.0)
+		fprintf(out, ", error %s %% +- %s %%", text_percent(error, percent),
+				text_percent(spread, around));
+	if (bounces > 1)
+		fprintf(out, ", %" PRIu32 " reflections, the rest would add at most %s %%", bounces,
+				text_percent(remaining, rest));
+	fputc('\n', out);
+}
+
+void bake_plan_print(const bake_plan_forecast *p, FILE *out)
+{
+	const gw_forecast *f = &p->report->forecast;
+	print_effects(p->report, out);
+	if (!(f->seconds > 0.0))
+		return;
+	print_figures("foretold", p->read_seconds + f->seconds, p->host_bytes, p->device_bytes, out);
+	print_light(f->error, f->spread, f->bounces, f->remaining, out);
+	if (f->places > 0)
+		fprintf(out,
+				"%-10s by light gathered at %" PRIu32 " of %" PRIu64
+				" places, which took %.2f s; %.2f s were done by then\n",
+				"", f->places, f->records, f->own_seconds, p->read_seconds + f->done_seconds);
+}
+
+void bake_plan_print_outcome(const bake_plan_forecast *p, const gw_report *came, double seconds,
+							 FILE *out)
+{
+	print_figures("came", seconds, bake_plan_peak(), came->peak_bytes, out);
+	print_light(came->error.relative_rms, came->error.spread, came->bounce_count, came->remaining,
+				out);
+	(void)p;
+}
+
+/* ---------------------------------------------------------------------------------- as JSON */
+
+void bake_plan_write_effects(json_writer *json, const gw_report *r)
+{
+	json_put_open(json, "plan", '[');
+	for (uint32_t i = 0; i < r->effect_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "effect", r->effect[i].name);
+		json_put_bool(json, "called_for", r->effect[i].called_for);
+		json_put_text(json, "reason", r->effect[i].reason);
+		json_put_text(json, "method", r->effect[i].method);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+}
+
+void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
+{
+	const gw_forecast *f = &p->report->forecast;
+	json_put_open_flat(json, "forecast", '{');
+	json_put_real(json, "seconds", p->read_seconds + f->seconds);
+	json_put_real(json, "done_seconds", p->read_seconds + f->done_seconds);
+	json_put_real(json, "own_seconds", f->own_seconds);
+	json_put_count(json, "host_bytes", p->host_bytes);
+	json_put_count(json, "device_bytes", p->device_bytes);
+	json_put_real(json, "error", f->error);
+	json_put_real(json, "spread", f->spread);
+	json_put_count(json, "reflections", f->bounces);
+	json_put_real(json, "remaining", f->remaining);
+	json_put_real(json, "rays_that_leave", f->escaped);
+	json_put_count(json, "records", f->records);
+	json_put_count(json, "places", f->places);
+	json_put_close(json, '}');
+}

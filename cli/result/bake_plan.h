@@ -1,0 +1,46 @@
+/*
+ * bake_plan.h - what a bake is going to compute, why, and what it will take, for people and as
+ * JSON; and beside it what came of that.
+ */
+#ifndef BAKE_PLAN_H
+#define BAKE_PLAN_H
+
+#include "scene/loaded_scene.h"
+#include "program/json_writer.h"
+
+/* The library's options for a bake by these settings: columns and grids call for some of them. */
+gw_bake_options bake_plan_options(const settings *settings);
+
+/* Adds the effects to a report that its library does not know of: columns, gloss and motion. */
+void bake_plan_add_scene(gw_report *report, const settings *settings, const loaded_scene *scene);
+
+/* What is foretold of the whole program, reading included and writing not. */
+typedef struct bake_plan_forecast {
+	const gw_report *report;
+	double read_seconds;
+	uint64_t host_bytes;   /* resident memory of the process at its highest */
+	uint64_t device_bytes; /* likewise of the device */
+} bake_plan_forecast;
+
+/* To be called when the library says that it has planned.
+ *   points       of the scene, whose columns are written
+ *   row_bytes    of a written point, 0 where none is written */
+bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_seconds, size_t points,
+									  size_t row_bytes);
+
+/* Resident memory of this process at its highest so far, bytes. */
+uint64_t bake_plan_peak(void);
+
+/* Prints which effects are called for, why and how; and what is foretold. */
+void bake_plan_print(const bake_plan_forecast *forecast, FILE *out);
+
+/* Prints what came of it, when the bake is done: the same figures, in the same order.
+ *   seconds   of reading and baking, without what foretelling took */
+void bake_plan_print_outcome(const bake_plan_forecast *forecast, const gw_report *came,
+							 double seconds, FILE *out);
+
+/* The members "plan" and "forecast" of an object. */
+void bake_plan_write_effects(json_writer *json, const gw_report *report);
+void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *forecast);
+
+#endif

@@ -1,0 +1,177 @@
+#include "verbs/verbs.h"
+#include "files/output_file.h"
+#include "lamps/polar_picture.h"
+#include "luminaires/luminaire_reader.h"
+#include "program/json_writer.h"
+#include "scene/file_roles.h"
+#include "scene/loaded_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* All that lives as long as one luminaire is shown. */
+typedef struct lamp_show {
+	const settings *settings;
+	const char *path;
+	bool exr;
+	output_file *out; /* of the picture */
+	luminaire lamp;
+	luminaire_facts facts;
+	gw_error *error;
+} lamp_show;
+
+static gw_status check(lamp_show *w)
+{
+	const settings *s = w->settings;
+	if (s->input_count != 1)
+		return gw_fail(w->error, GW_ERROR_USAGE,
+					   "which lamp? Name one IES (LM-63) or EULUMDAT file");
+	w->path = s->input[0].path;
+	const char *dot = s->output ? strrchr(s->output, '.') : NULL;
+	w->exr = dot && strcasecmp(dot, ".exr") == 0;
+	if (s->output && !w->exr && !(dot && strcasecmp(dot, ".png") == 0))
+		return gw_fail(w->error, GW_ERROR_USAGE, "%s: a polar picture ends in .png or .exr",
+					   s->output);
+	return file_roles_check(VERB_LAMP, s, NULL, w->error);
+}
+
+/* ----------------------------------------------------------------------------------- figures */
+
+/* Words for --light, with what of it is not in the file left to be said. A path with blanks fits a
+ * scene file alone. */
+static void write_words(const lamp_show *w, FILE *out)
+{
+	bool scene = strpbrk(w->path, " \t") != NULL || strcmp(w->path, "-") == 0;
+	const char *form = w->lamp.photometry == 'C' ? "" : " to X,Y,Z";
+	if (scene)
+		fprintf(out,
+				"in a scene file: {\"type\": \"point\", \"position\": [X, Y, Z], \"ies\": FILE}");
+	else
+		fprintf(out, "--light 'point at X,Y,Z ies %s%s'", w->path, form);
+}
+
+/* Lumens that the file states, and of what. */
+static double stated(const luminaire *l, const char **of)
+{
+	*of = l->stated_lumens > 0.0 ? "stated" : l->lamp_lumens > 0.0 ? "of its lamps" : NULL;
+	return l->stated_lumens > 0.0 ? l->stated_lumens : l->lamp_lumens;
+}
+
+static void write_flux(const lamp_show *w, FILE *out)
+{
+	const luminaire *l = &w->lamp;
+	const char *of;
+	double lumens = stated(l, &of);
+	fprintf(out, "  flux       %.6g lm by its intensities", w->facts.lumens);
+	if (of)
+		fprintf(out, ", %.1f %% of the %.6g lm %s", 100.0 * w->facts.lumens / lumens, lumens, of);
+	else
+		fprintf(out, "; the file states none");
+	fprintf(out, "; %.1f %% downward\n", 100.0 * w->facts.downward);
+	if (l->watts > 0.0)
+		fprintf(out, "  input      %.4g W, %.4g lm/W\n", l->watts, w->facts.lumens / l->watts);
+}
+
+static void write_size(const luminaire *l, FILE *out)
+{
+	if (l->size[0] <= 0.0 && l->size[1] <= 0.0)
+		fprintf(out, "  opening    a point\n");
+	else if (l->round)
+		fprintf(out, "  opening    round, %.3g m wide, %.3g m high\n", l->size[0], l->size[2]);
+	else
+		fprintf(out, "  opening    %.3g m along C 0, %.3g m along C 90, %.3g m high\n", l->size[0],
+				l->size[1], l->size[2]);
+}
+
+static void write_text(const lamp_show *w, FILE *out)
+{
+	const luminaire *l = &w->lamp;
+	const luminaire_facts *f = &w->facts;
+	fprintf(out, "%s: %s, type %c, %u planes of %u intensities\n", loaded_scene_input_name(w->path),
+			l->format, l->photometry, l->horizontals, l->verticals);
+	if (l->maker[0])
+		fprintf(out, "  maker      %s\n", l->maker);
+	if (l->model[0])
+		fprintf(out, "  luminaire  %s\n", l->model);
+	if (l->lamp[0])
+		fprintf(out, "  lamp       %s\n", l->lamp);
+	write_flux(w, out);
+	fprintf(out, "  largest    %.6g cd, %.4g degrees from the axis in plane C %.4g\n", l->candela,
+			f->peak_gamma, f->peak_c);
+	fprintf(out, "  beam       %.1f degrees (50 %%) in C 0-180, %.1f in C 90-270\n", f->beam[0],
+			f->beam[1]);
+	fprintf(out, "  field      %.1f degrees (10 %%) in C 0-180, %.1f in C 90-270\n", f->field[0],
+			f->field[1]);
+	write_size(l, out);
+	for (size_t i = 0; i < l->tilts; i++)
+		fprintf(out, "  tilted     %g degrees: %.4g of its light\n", l->tilt[i], l->tilt_factor[i]);
+	fprintf(out, "  use        ");
+	write_words(w, out);
+	fputc('\n', out);
+}
+
+static void write_json(const lamp_show *w, FILE *out)
+{
+	const luminaire *l = &w->lamp;
+	json_writer json = { .out = out };
+	json_put_open(&json, NULL, '{');
+	json_put_text(&json, "file", loaded_scene_input_name(w->path));
+	json_put_text(&json, "format", l->format);
+	json_put_text(&json, "type", (const char[]){ l->photometry, '\0' });
+	json_put_text(&json, "maker", l->maker);
+	json_put_text(&json, "luminaire", l->model);
+	json_put_text(&json, "lamp", l->lamp);
+	json_put_count(&json, "planes", l->horizontals);
+	json_put_count(&json, "angles", l->verticals);
+	json_put_real(&json, "lumens", w->facts.lumens);
+	json_put_real(&json, "stated_lumens", l->stated_lumens > 0.0 ? l->stated_lumens : NAN);
+	json_put_real(&json, "lamp_lumens", l->lamp_lumens > 0.0 ? l->lamp_lumens : NAN);
+	json_put_real(&json, "downward", w->facts.downward);
+	json_put_real(&json, "watts", l->watts > 0.0 ? l->watts : NAN);
+	json_put_real(&json, "candela", l->candela);
+	json_put_real(&json, "peak_gamma", w->facts.peak_gamma);
+	json_put_real(&json, "peak_c", w->facts.peak_c);
+	json_put_reals(&json, "beam", w->facts.beam, 2);
+	json_put_reals(&json, "field", w->facts.field, 2);
+	json_put_bool(&json, "round", l->round);
+	json_put_reals(&json, "size", l->size, 3);
+	json_put_close(&json, '}');
+	fputc('\n', out);
+}
+
+/* ----------------------------------------------------------------------------------- picture */
+
+static gw_status draw(lamp_show *w)
+{
+	GW_TRY(w->exr ? polar_picture_write_exr(w->out, &w->lamp, w->error)
+				  : polar_picture_write_png(w->out, &w->lamp, w->error));
+	return output_file_commit(&w->out, w->error);
+}
+
+static gw_status run(lamp_show *w)
+{
+	const settings *s = w->settings;
+	GW_TRY(check(w));
+	if (s->output)
+		GW_TRY(output_file_create(&w->out, s->output, s->force, w->error));
+	GW_TRY(luminaire_read(w->path, &w->lamp, w->error));
+	w->facts = luminaire_measure(&w->lamp);
+	if (s->output)
+		GW_TRY(draw(w));
+	if (s->json)
+		write_json(w, stdout);
+	else
+		write_text(w, stdout);
+	return GW_OK;
+}
+
+gw_status verb_lamp(const settings *s, gw_error *error)
+{
+	lamp_show w = { .settings = s, .error = error };
+	gw_status status = run(&w);
+	output_file_abandon(&w.out);
+	luminaire_clear(&w.lamp);
+	return status;
+}

@@ -1,0 +1,100 @@
+#include "verbs/verbs.h"
+#include "result/bake_plan.h"
+#include "result/lit_scan.h"
+#include "scene/file_roles.h"
+#include "scene/glossy_points.h"
+#include "options/progress.h"
+#include "options/quality_preset.h"
+#include "scene/scene_file.h"
+#include "program/signals.h"
+#include "glowworm_host.h"
+
+#include <stdlib.h>
+
+/* All that lives as long as one plan. */
+typedef struct plan {
+	settings *settings;
+	loaded_scene scene;
+	gw_light *light;
+	gw_drivers *drivers;
+	gw_report report;
+	double read_seconds;
+	progress progress;
+	gw_error *error;
+} plan;
+
+static void on_progress(void *user, const char *stage, double done)
+{
+	progress_show(&((plan *)user)->progress, stage, done);
+}
+
+static bool on_cancelled(void *user)
+{
+	(void)user;
+	return signals_pending() != 0;
+}
+
+static gw_status read_scene(plan *p)
+{
+	settings *s = p->settings;
+	double start = gw_seconds();
+	GW_TRY(scene_read_all(s, p->error));
+	quality_preset_apply(s);
+	if (s->input_count == 0)
+		return gw_fail(p->error, GW_ERROR_USAGE,
+					   "what to plan for? Name an input, or - for standard input");
+	s->bake.drivers = p->drivers = gw_drivers_load();
+	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
+	glossy_points_apply(&p->scene);
+	GW_TRY(loaded_scene_lights(&p->scene, s, &p->light, p->error));
+	p->read_seconds = gw_seconds() - start;
+	return GW_OK;
+}
+
+static gw_status make(plan *p)
+{
+	const settings *s = p->settings;
+	gw_bake_options options = bake_plan_options(s);
+	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, p, NULL };
+	const gw_scene_description scene = { &p->scene.points.points, p->light, s->light_count };
+	gw_status status = gw_plan_bake(&scene, &options, &callbacks, &p->report, p->error);
+	progress_clear(&p->progress);
+	return status;
+}
+
+static void print(plan *p)
+{
+	const settings *s = p->settings;
+	size_t columns, row = lit_scan_row_bytes(&p->scene, s, &columns);
+	bake_plan_add_scene(&p->report, s, &p->scene);
+	const bake_plan_forecast forecast =
+		bake_plan_foretell(&p->report, p->read_seconds, p->scene.cloud.count, s->output ? row : 0);
+	if (!s->json) {
+		bake_plan_print(&forecast, stdout);
+		return;
+	}
+	json_writer json = { .out = stdout, .lines = true };
+	json_put_open(&json, NULL, '{');
+	bake_plan_write_effects(&json, &p->report);
+	bake_plan_write_forecast(&json, &forecast);
+	json_put_close(&json, '}');
+	putchar('\n');
+}
+
+gw_status verb_plan(settings *s, gw_error *error)
+{
+	plan p = { .settings = s,
+			   .progress = progress_start((settings_progress)s->progress, s->quiet),
+			   .error = error };
+	gw_status status = read_scene(&p);
+	if (status == GW_OK)
+		status = make(&p);
+	progress_end(&p.progress);
+	if (status == GW_OK)
+		print(&p);
+	s->bake.drivers = NULL;
+	gw_drivers_release(&p.drivers);
+	loaded_scene_clear(&p.scene);
+	free(p.light);
+	return status;
+}

@@ -1,0 +1,284 @@
+/*
+ * forecast.c - see forecast.h.
+ *
+ * A pilot runs all stages that gather, with few records. Passes over records take as long a record
+ * as they will with many; the rest of a stage (weights of facets, tables of emitters, sums) goes
+ * with the octree and takes as long as it will. Noise of a record's rays is the same, and the rest
+ * of the error falls as records become more (error_price.h).
+ */
+#include "bake/forecast.h"
+
+#include "bake/error_price.h"
+#include "bake/report.h"
+#include "base/memory.h"
+#include "glowworm_host.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Records of the pilot: a share of what the bake will have, and at least so many. */
+#define PILOT_SHARE (1.0 / 12.0)
+#define PILOT_LEAST 500.0
+
+/* The number of records goes with this power of their spacing (error_price.c). */
+#define RECORDS_POWER 1.7
+
+/* Points that the pilot solves again. */
+#define PILOT_POINTS 100u
+
+/* Of the foretold error, beside what the pilot's own says: how far the power by which it falls is
+ * off between scenes; a share of the error. */
+#define POWER_SPREAD 0.3
+
+/* Errors below this are not told apart: the scatter of a pilot of some hundred places. */
+#define SPREAD_LEAST 5e-4
+
+/* What a stage of the pilot took: in all, and of that in passes over records. */
+typedef struct spent {
+	double seconds, of_records;
+} spent;
+
+/* All that the pilot measures. */
+typedef struct pilot {
+	gw_lighting *lighting;
+	gw_bake_options asked; /* of the bake */
+	gw_report *report;     /* scratch */
+	uint64_t records;      /* that the bake will have */
+	double ratio;          /* of these to the pilot's */
+	double point_ratio;    /* likewise of points that are solved again */
+	spent place, first, bounce, read_back, estimate;
+	uint64_t before, grown; /* bytes on the device; and by how much they will be more */
+} pilot;
+
+static double seconds_of_records(const gw_passes *passes)
+{
+	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,      GW_PASS_RECORD_EMITTERS,
+											 GW_PASS_RECORD_SKY,       GW_PASS_RECORD_PORTALS,
+											 GW_PASS_PORTAL_LIGHT,     GW_PASS_RECORD_FIRST,
+											 GW_PASS_RECORD_GATHER,    GW_PASS_RECORD_CONES,
+											 GW_PASS_RECORD_DIRECTIONS };
+	double seconds = 0.0;
+	for (size_t i = 0; i < sizeof of_records / sizeof *of_records; i++)
+		seconds += passes->device_seconds[of_records[i]];
+	return seconds;
+}
+
+static gw_status place(gw_lighting *lighting, gw_error *error)
+{
+	return gw_scene_place_records(lighting->scene, error);
+}
+
+/* Runs a stage and adds what it took. */
+static gw_status measure(pilot *p, gw_status (*stage)(gw_lighting *, gw_error *), spent *sum,
+						 gw_error *error)
+{
+	const gw_passes *passes = &p->lighting->scene->passes;
+	double start = gw_seconds(), before = seconds_of_records(passes);
+	GW_TRY(stage(p->lighting, error));
+	sum->seconds += gw_seconds() - start;
+	sum->of_records += seconds_of_records(passes) - before;
+	return GW_OK;
+}
+
+/* What the bake's own stage will take. */
+static double scaled(const spent *s, double ratio)
+{
+	double of_records = fmin(s->of_records, s->seconds);
+	return s->seconds - of_records + ratio * of_records;
+}
+
+/* How many records there will be, and the spacing that leaves few of them. */
+static gw_status choose_records(pilot *p, gw_error *error)
+{
+	gw_scene *s = p->lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	GW_TRY(gw_records_place(&on, p->asked.record_spacing, p->asked.seed, error));
+	p->records = s->records.count;
+	gw_scene_drop_records(s);
+	double wanted = fmax(PILOT_SHARE * (double)p->records, PILOT_LEAST);
+	double spacing = fmax((double)p->asked.record_spacing, 1.0);
+	if (wanted < (double)p->records)
+		s->options.record_spacing =
+			fminf((float)(spacing * pow((double)p->records / wanted, 1.0 / RECORDS_POWER)), 64.0f);
+	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
+	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
+	return GW_OK;
+}
+
+/* Bytes of what grows with the records: themselves, and what their rays hit. */
+static uint64_t bytes_of_records(const gw_scene *s)
+{
+	const gw_records *r = &s->records;
+	const gw_buffer *const buffer[] = { &r->position,   &r->normal,        &r->block_record,
+										&r->first,      &r->indirect,      &r->gathered,
+										&s->rays.facet, &s->rays.distance, &s->rays.through,
+										&s->sampled };
+	uint64_t bytes = 0;
+	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
+		bytes += buffer[i]->allocated;
+	return bytes;
+}
+
+static gw_status run_stages(pilot *p, gw_error *error)
+{
+	gw_scene *s = p->lighting->scene;
+	GW_TRY(choose_records(p, error));
+	GW_TRY(measure(p, place, &p->place, error));
+	p->ratio = s->records.count > 0 ? (double)p->records / s->records.count : 1.0;
+	GW_TRY(measure(p, gw_lighting_gather_first, &p->first, error));
+	GW_TRY(measure(p, gw_lighting_bounce, &p->bounce, error));
+	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
+	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
+	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)bytes_of_records(s));
+	if (!p->lighting->plan.error)
+		return GW_OK;
+	GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
+	double points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
+	p->point_ratio = points / fmax(p->report->error.points, 1.0);
+	return GW_OK;
+}
+
+/* ----------------------------------------------------------------------------- what it tells */
+
+static void foretell_error(const pilot *p, gw_forecast *f)
+{
+	const gw_error_estimate *e = &p->report->error;
+	double rest = gw_error_with_records(e, p->ratio);
+	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
+	f->error = sqrt(rest * rest + fmax(others, 0.0));
+	if (!(f->error > 0.0))
+		return;
+	double own = e->spread * rest / fmax(e->gathered, 1e-30);
+	f->spread = hypot(own, POWER_SPREAD * f->error + SPREAD_LEAST);
+}
+
+/* Seconds with which a bake that refines reaches its error, or its time is up. */
+static double refined_seconds(const pilot *p, const gw_forecast *f, double round)
+{
+	const gw_bake_options *o = &p->asked;
+	double seconds = f->seconds, limit = (double)o->time_limit;
+	double rays = (double)p->records * o->rays;
+	gw_price_task task = { .error = p->report->error,
+						   .rays = o->rays,
+						   .records = (double)p->records,
+						   .spacing = (double)o->record_spacing,
+						   .fixed_seconds = f->seconds - round,
+						   .round_seconds = round - p->ratio * p->place.of_records,
+						   .ray_seconds = p->ratio * p->place.of_records / fmax(rays, 1.0) };
+	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio);
+	if (o->max_error > 0.0f && f->error > (double)o->max_error)
+		seconds = fmax(seconds, gw_price_of(&task, (double)o->max_error).seconds);
+	return limit > 0.0 && (seconds > limit || !(o->max_error > 0.0f)) ? fmax(limit, f->seconds)
+																	  : seconds;
+}
+
+/* Light of the points and columns of records, on the host. */
+static uint64_t host_bytes(const pilot *p)
+{
+	const gw_scene *s = p->lighting->scene;
+	const gw_bake_options *o = &p->asked;
+	uint64_t surfels = s->surfels.count, points = s->surfels.point_count;
+	uint64_t weights = s->read_back.first ? s->read_back.first[surfels] : 0;
+	uint64_t result = 16 * sizeof(float); /* radiance, two irradiances, normal, albedo, RoI */
+	result += sizeof(float) * ((o->ambient_occlusion ? 1u : 0u) + (o->unknown ? 1u : 0u) +
+							   (o->errors ? 1u : 0u) + (o->bent_normals ? 3u : 0u));
+	if (o->lamps)
+		result += 3 * sizeof(float) * (p->lighting->light_count + 1);
+	uint64_t shared = gw_gpu_shares_memory(s->gpu) ? p->grown : 0;
+	return shared + 3 * 4 * sizeof(float) * surfels + 8 * weights + result * points;
+}
+
+static void foretell(const pilot *p, double done, gw_forecast *f)
+{
+	const gw_scene *s = p->lighting->scene;
+	double light = scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
+				   scaled(&p->read_back, p->ratio);
+	double round = scaled(&p->place, p->ratio) + light + scaled(&p->estimate, p->point_ratio);
+	gw_gpu_account account = gw_gpu_read_account(s->gpu);
+	*f = (gw_forecast){ .places = s->records.count,
+						.records = p->records,
+						.seconds = done + round,
+						.done_seconds = done,
+						.device_bytes = p->before + p->grown,
+						.host_bytes = host_bytes(p),
+						.bounces = p->report->bounce_count,
+						.remaining = p->report->remaining,
+						.escaped = (double)s->portals.escaped };
+	if (f->device_bytes < account.peak_bytes)
+		f->device_bytes = account.peak_bytes;
+	foretell_error(p, f);
+	if (p->asked.lamps)
+		f->seconds += light * (double)p->lighting->light_count;
+	f->seconds = refined_seconds(p, f, round);
+}
+
+/* What rays have found out beside what was known without them. */
+static void add_reasons(const pilot *p, const gw_forecast *f, gw_report *report)
+{
+	const gw_plan *plan = &p->lighting->plan;
+	for (uint32_t i = 0; i < p->report->effect_count; i++) { /* portals */
+		const gw_effect *e = &p->report->effect[i];
+		gw_report_effect(report, e->name, e->called_for ? e->method : NULL, "%s", e->reason);
+	}
+	if (plan->sky && plan->portals)
+		gw_report_effect(report, gw_effect_name(GW_EFFECT_SKY),
+						 plan->map ? "sampled, and seen by rays" : "seen by rays",
+						 "%.3g %% of the rays of %u places leave the scene", 100.0 * f->escaped,
+						 f->places);
+	if (plan->bounces)
+		gw_report_effect(report, gw_effect_name(GW_EFFECT_BOUNCES), gw_method_name(p->asked.method),
+						 "%u reflections, the next would add at most %.2g %%", f->bounces,
+						 100.0 * f->remaining);
+}
+
+/* The bake begins with what it would have begun with. */
+static void put_back(pilot *p)
+{
+	gw_scene *s = p->lighting->scene;
+	gw_lighting_drop_gathered(p->lighting);
+	gw_lighting_drop_map(p->lighting);
+	gw_scene_drop_records(s);
+	s->options = p->asked;
+}
+
+/* Where lamps alone shine, nothing is gathered; what is wrong is told by what they lit. */
+static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error *error)
+{
+	const gw_scene *s = p->lighting->scene;
+	if (p->lighting->plan.error)
+		GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
+	*f = (gw_forecast){ .seconds = done + p->estimate.seconds,
+						.done_seconds = done,
+						.device_bytes = gw_gpu_read_account(s->gpu).peak_bytes,
+						.host_bytes = host_bytes(p),
+						.error = p->report->error.relative_rms,
+						.spread = p->report->error.spread };
+	return GW_OK;
+}
+
+gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_forecast *forecast,
+						   gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	gw_report *report = s->report;
+	double start = gw_seconds();
+	pilot p = { .lighting = lighting,
+				.asked = s->options,
+				.report = gw_allocate_zeros(1, sizeof *p.report),
+				.before = gw_gpu_read_account(s->gpu).bytes };
+	if (!p.report)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+	s->report = p.report;
+	gw_status status =
+		lighting->plan.records ? run_stages(&p, error) : foretell_lamps(&p, done, forecast, error);
+	if (status == GW_OK && lighting->plan.records)
+		foretell(&p, done, forecast);
+	if (status == GW_OK && lighting->plan.records)
+		add_reasons(&p, forecast, report);
+	s->report = report;
+	put_back(&p);
+	forecast->own_seconds = gw_seconds() - start;
+	free(p.report->bounce);
+	free(p.report);
+	return status;
+}

@@ -1,0 +1,184 @@
+/*
+ * half_sample.c - see half_sample.h.
+ */
+#include "bake/half_sample.h"
+
+#include "base/hash.h"
+#include "base/luminance.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Points of which half are still a cloud. */
+#define POINTS_LEAST 512u
+
+/* Share of the points without a normal of their own, or that stray, from which on a surface is in
+ * doubt. */
+#define ESTIMATED_LEAST 0.1
+#define STRAYS_LEAST 0.002
+
+bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
+{
+	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
+		   (!points->normal || options->normals == GW_NORMALS_ESTIMATE);
+}
+
+bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
+							  const gw_report *report)
+{
+	double strays = 0.0, estimated = 0.0, all = (double)points->count;
+	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++)
+		strays += (double)report->stray[kind].points;
+	for (uint32_t i = 0; i < report->count_count; i++)
+		if (strcmp(report->count[i].name, "normals_estimated") == 0)
+			estimated = (double)report->count[i].points;
+	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
+		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all);
+}
+
+/* ---------------------------------------------------------------------------------- choosing */
+
+static const gw_range_image *image_of(const gw_points *points, size_t i, size_t *image)
+{
+	while (*image < points->image_count &&
+		   i >= points->image[*image].first + points->image[*image].count)
+		++*image;
+	bool within = points->image_cell && *image < points->image_count &&
+				  i >= points->image[*image].first && points->image[*image].columns > 0;
+	return within ? &points->image[*image] : NULL;
+}
+
+static bool is_chosen(const gw_points *points, size_t i, const gw_range_image *image,
+					  uint32_t level)
+{
+	if (image)
+		return points->image_cell[i] % image->columns % 2 == 0;
+	return gw_hash(0, points->position + 3 * i, 3 * sizeof(double)) >> (63 - level) & 1;
+}
+
+/* Lists those chosen; images keep their place among them. */
+static void choose(const gw_points *points, uint32_t level, gw_half_sample *half)
+{
+	size_t image = 0, count = 0;
+	for (size_t k = 0; k < points->image_count; k++) {
+		half->image[k] = points->image[k];
+		half->image[k].columns = (points->image[k].columns + 1) / 2;
+		half->image[k].count = 0;
+	}
+	for (size_t i = 0; i < points->count; i++) {
+		const gw_range_image *own = image_of(points, i, &image);
+		if (!is_chosen(points, i, own, level))
+			continue;
+		if (own && half->image[image].count++ == 0)
+			half->image[image].first = count;
+		if (own)
+			half->image_cell[count] =
+				points->image_cell[i] / own->columns * half->image[image].columns +
+				points->image_cell[i] % own->columns / 2;
+		half->from[count++] = i;
+	}
+	half->points.count = count;
+}
+
+/* ----------------------------------------------------------------------------------- copying */
+
+/* The rows of those chosen; NULL where there are none to copy, or no memory, which *good tells. */
+static void *copy_rows(const gw_half_sample *half, const void *rows, size_t bytes, bool *good)
+{
+	size_t count = half->points.count;
+	unsigned char *copy = rows ? gw_allocate_array(count > 0 ? count : 1, bytes) : NULL;
+	const unsigned char *from = rows;
+	*good = *good && (copy || !rows);
+	for (size_t i = 0; copy && i < count; i++)
+		memcpy(copy + i * bytes, from + half->from[i] * bytes, bytes);
+	return copy;
+}
+
+static bool copy_all(const gw_points *all, gw_half_sample *half)
+{
+	gw_points *p = &half->points;
+	bool good = true;
+	p->position = half->position = copy_rows(half, all->position, 3 * sizeof(double), &good);
+	p->normal = half->normal = copy_rows(half, all->normal, 3 * sizeof(float), &good);
+	p->albedo = half->albedo = copy_rows(half, all->albedo, 3 * sizeof(float), &good);
+	p->emission = half->emission = copy_rows(half, all->emission, 3 * sizeof(float), &good);
+	p->own_area = half->own_area = copy_rows(half, all->own_area, sizeof(float), &good);
+	p->scanner_of = half->scanner_of = copy_rows(half, all->scanner_of, sizeof(uint32_t), &good);
+	p->stray = half->stray = copy_rows(half, all->stray, 1, &good);
+	p->image = half->image;
+	p->image_cell = all->image_cell ? half->image_cell : NULL;
+	return good;
+}
+
+gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_sample *half,
+							  gw_error *error)
+{
+	*half = (gw_half_sample){ .points = *points };
+	half->from = gw_allocate_array(points->count, sizeof *half->from);
+	half->image_cell = gw_allocate_array(points->count, sizeof *half->image_cell);
+	half->image = gw_allocate_array(points->image_count + 1, sizeof *half->image);
+	bool good = half->from && half->image_cell && half->image;
+	if (good) {
+		choose(points, level, half);
+		good = copy_all(points, half);
+	}
+	return good ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no host memory for half of %zu points",
+						  points->count);
+}
+
+void gw_half_sample_clear(gw_half_sample *half)
+{
+	free(half->from);
+	free(half->position);
+	free(half->normal);
+	free(half->albedo);
+	free(half->emission);
+	free(half->own_area);
+	free(half->scanner_of);
+	free(half->image_cell);
+	free(half->image);
+	free(half->stray);
+	*half = (gw_half_sample){ .from = NULL };
+}
+
+/* ---------------------------------------------------------------------------------- comparing */
+
+static bool counts(const gw_half_sample *half, const gw_bake_result *all, size_t i)
+{
+	size_t of_all = half->from[i];
+	const float *e = half->emission ? half->emission + 3 * i : NULL;
+	return !(e && (e[0] > 0.0f || e[1] > 0.0f || e[2] > 0.0f)) &&
+		   !(all->stray && all->stray[of_all]) && isfinite(half->position[3 * i]);
+}
+
+double gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+								 const gw_bake_result *of_all)
+{
+	double square = 0.0, mean = 0.0;
+	size_t used = 0;
+	for (size_t i = 0; i < half->points.count; i++) {
+		if (!counts(half, of_all, i))
+			continue;
+		double found = gw_luminance(of_all->radiance + 3 * half->from[i]);
+		double other = gw_luminance(of_half->radiance + 3 * i);
+		square += (other - found) * (other - found);
+		mean += found;
+		used++;
+	}
+	return mean > 0.0 ? sqrt(square * (double)used) / mean : 0.0;
+}
+
+void gw_half_sample_add(double first, double second, double gathered, gw_error_estimate *estimate)
+{
+	double growth = first > 0.0 ? second / first : 0.0;
+	/* The two have noise of their own, which is a part of the estimate already. */
+	double surface = sqrt(fmax(first * first - 2.0 * gathered * gathered, 0.0));
+	if (growth > M_SQRT2)
+		surface /= sqrt(growth * growth - 1.0);
+	estimate->halves = surface;
+	double all = hypot(surface, hypot(estimate->gathered, estimate->gaps));
+	estimate->relative_rms = fmax(estimate->relative_rms, all);
+}

@@ -1,0 +1,71 @@
+/*
+ * half_sample.h - how wrong the light is because of which points happened to be scanned, by bakes
+ * of half of them.
+ *
+ * All that rays can tell of an octree, of sides and of normals they tell of the surface that was
+ * made of the points. Where noise, wires, leaves, edges and what hangs in the air made a surface
+ * that is none, it is so for all rays alike. A surface made of half of the points has the same
+ * faults, but larger and elsewhere. So half of the points are baked by themselves, and their light
+ * is held against what they have among all.
+ *
+ * If errors fall as 1 / sqrt(n), and what all points tell is what the half tells and something
+ * more, the two differ by as much as all differ from the truth (half-sample replication, McCarthy
+ * 1969). Where errors fall faster, with d between all and the half and Q d between the half and
+ * half of it, it is d / sqrt(Q^2 - 1). Where they fall more slowly nobody knows by how much,
+ * because faults that stay whatever is left out do not show at all; d is taken as it is.
+ *
+ * Of points in rows and columns every other column is left, so that they are rows and columns
+ * still; of others those that their places' hash says, whatever their order.
+ */
+#ifndef HALF_SAMPLE_H
+#define HALF_SAMPLE_H
+
+#include "glowworm.h"
+
+/* A cloud of its own of half of the points. */
+typedef struct gw_half_sample {
+	gw_points points; /* refers to the arrays below, and for the rest to what was given */
+	size_t *from;     /* points.count: which point of all each is */
+	double *position;
+	float *normal, *albedo, *emission, *own_area; /* NULL where all have none */
+	uint32_t *scanner_of, *image_cell;
+	gw_range_image *image;
+	uint8_t *stray;
+} gw_half_sample;
+
+/*
+ * Is there doubt about the surface that such a bake could show? Not where all normals were given
+ * and next to nothing strays.
+ */
+bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
+							  const gw_report *report);
+
+/* The same as far as it shows before a bake. */
+bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options);
+
+/*
+ * Takes half of the points.
+ *   level   how many halves came before: 0, or 1 for half of a half
+ *   half    to be freed with gw_half_sample_clear, also on failure
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_sample *half,
+							  gw_error *error);
+void gw_half_sample_clear(gw_half_sample *half);
+
+/*
+ * Root mean square difference between the radiance of the half and what the same points have in the
+ * whole, over the mean of these; of points that neither emit nor stray.
+ */
+double gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
+								 const gw_bake_result *of_all);
+
+/*
+ * Takes the error of the surface up into an estimate.
+ *   first     difference between all points and half of them
+ *   second    the same between that half and half of it; 0: not known
+ *   gathered  error of gathered light in the bakes of halves
+ */
+void gw_half_sample_add(double first, double second, double gathered, gw_error_estimate *estimate);
+
+#endif

@@ -1,0 +1,97 @@
+/*
+ * opacity.glsl - surface that lets a share of the light through, for rays that are attenuated by
+ * what they pass (trace_through in trace.glsl). Uses the texel buffers facet_albedo, facet_plane,
+ * leaf_fragment, fragment_surfel and surfel_disc (octree.h). Only where TRACE_OPACITY is defined
+ * before it; elsewhere all surface stops a ray.
+ *
+ * The opacity of a facet is the share of it that is covered, at whatever angle it is seen. A ray
+ * goes on behind what it has passed; what is left of the same sheet does not count again: facets of
+ * neighbouring cells reach beyond these, and discs lie over each other. Sheets that face alike and
+ * are closer than points lie apart cannot be told from one that is rough.
+ */
+#ifndef OPACITY_GLSL
+#define OPACITY_GLSL
+
+#include "octree/ray.glsl"
+#include "octree/trace_constants.h"
+
+#ifdef TRACE_OPACITY
+
+/* One more than the slot that rays find which are stopped from behind; 0: all surface is opaque,
+ * and nothing here costs anything. */
+CONSTANT(5, uint, dark_slot, 0u);
+
+/* The sheet that the ray has passed last: its normal, where on the ray, and within which height of
+ * that place it may lie. */
+vec3 passed_normal = vec3(0.0f);
+float passed_t = -1.0f, passed_height = 0.0f;
+
+/* How much of the light a facet lets through. */
+float transparency_of(uint facet)
+{
+	return fract(texelFetch(facet_albedo, int(facet)).w);
+}
+
+/* Is most of a facet met from both sides? One that may face either way is not (octree.h). */
+bool is_two_sided(uint facet)
+{
+	return floor(texelFetch(facet_albedo, int(facet)).w) == 1.0f;
+}
+
+/* What of its light a facet sends out, and stops. */
+float opacity_of(uint facet)
+{
+	return dark_slot != 0u ? 1.0f - transparency_of(facet) : 1.0f;
+}
+
+/* Backs of surface that others see through are no inside of anything. */
+bool stops_from_behind(uint facet)
+{
+	return dark_slot != 0u && transparency_of(facet) > 0.0f;
+}
+
+/* Has the ray passed what it meets there already? */
+bool is_passed(IN(Ray) ray, vec3 normal, float t)
+{
+	if (dark_slot == 0u || passed_t < 0.0f)
+		return false;
+	float rise = (t - passed_t) * abs(dot(passed_normal, ray.direction));
+	return t <= passed_t || (rise < passed_height && dot(normal, passed_normal) > GW_LIKE_COSINE);
+}
+
+/* Where on its way the ray goes on. */
+float walk_start()
+{
+	return max(passed_t, 0.0f);
+}
+
+/* Lets the ray go on behind what it has hit. */
+void pass_sheet(IN(Hit) hit)
+{
+	uint first = texelFetch(leaf_fragment, int(hit.facet >> 1)).x;
+	uint surfel = texelFetch(fragment_surfel, int(first)).x & 0x3fffffffu;
+	passed_normal = texelFetch(facet_plane, int(hit.facet)).xyz;
+	float area = texelFetch(surfel_disc, int(surfel)).y;
+	passed_height = max(GW_SHEET_CELLS, GW_SHEET_SPACINGS * sqrt(area));
+	passed_t = hit.t;
+}
+
+#else
+
+bool stops_from_behind(uint)
+{
+	return false;
+}
+
+bool is_passed(IN(Ray), vec3, float)
+{
+	return false;
+}
+
+float walk_start()
+{
+	return 0.0f;
+}
+
+#endif
+#endif

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# effects_table.sh - what plans foretell beside what came, and what is saved by leaving out what a
+# scene does not call for, as two tables.
+#
+#   tests/bench/effects_table.sh [SCENE-FILE]...
+#
+# Without scene files it makes those of the table: a cave with two spots, a ruin under sun and sky,
+# the Cornell box, a glossy box, a box in frames (the first of them), a statue's light alone.
+#
+# Environment: GLOWWORM (build/glowworm), TURNS, how often each is baked, in turns (3); the least
+# seconds count.
+set -eu
+export LC_ALL=C
+root=$(cd "$(dirname "$0")/../.." && pwd)
+glowworm=$(realpath "${GLOWWORM:-$root/build/glowworm}")
+turns=${TURNS:-3}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+make_scenes() {
+	cd "$work"
+	cp "$root"/samples/*.json "$root"/samples/*.obj "$root"/samples/*.mtl .
+	"$root/build/samples/make_cave" --points 200000 -o cave.ply
+	"$root/build/tests/bench/make_truth" ruin -o ruin -n 100000 -t 10 -p 1 >/dev/null
+	"$root/build/samples/make_box" --scene plane --points 100000 -o plane.ply >/dev/null
+	cat >lamp_alone.scene.json <<-END
+		{"version": 1, "inputs": [{"file": "plane.ply"}], "bake": {"bounces": 1, "shadows": "none"},
+		 "lights": [{"type": "spot", "position": [0, 0, 2], "direction": [0, 0, -1],
+		 "intensity": 9, "inner_angle": 20, "outer_angle": 40}]}
+	END
+	printf '%s\n' cave.scene.json ruin.scene.json cornell.scene.json glossy_box.scene.json \
+		cornell_frames.scene.json lamp_alone.scene.json
+}
+
+# Seconds, MB of the host and of the device, error and spread, of a line of --explain.
+figures() {
+	sed -nE "s/^$1 +([0-9.]+) s, ([0-9]+) MB of the host, ([0-9]+) MB[^,]*(, error ([0-9.]+) % \
+\+- ([0-9.]+) %)?.*/\1 \2 \3 \5 \6/p" "$2"
+}
+
+# Least seconds and the memory of bakes with --effects.
+bake() {
+	: >"$work/$2.runs"
+	for _ in $(seq "$turns"); do
+		"$glowworm" bake "$1" --effects "$2" --progress none --explain --force \
+			-o "$work/lit.ply" 2>"$work/$2.txt"
+		figures came "$work/$2.txt" >>"$work/$2.runs"
+	done
+	sort -n "$work/$2.runs" | head -1
+}
+
+one() {
+	name=$(basename "$1" .scene.json)
+	read -r auto_s auto_mb auto_device error spread <<<"$(bake "$1" auto)"
+	read -r told_s told_mb told_device told told_spread <<<"$(figures foretold "$work/auto.txt")"
+	left=$(awk '/ not called for / { printf "%s%s", n++ ? ", " : "", $1 }' "$work/auto.txt")
+	read -r all_s all_mb _ <<<"$(bake "$1" all)"
+	printf '| %s | %s / %s | %s / %s | %s / %s | %s +- %s / %s +- %s |\n' "$name" "$told_s" \
+		"$auto_s" "$told_mb" "$auto_mb" "$told_device" "$auto_device" "${told:--}" \
+		"${told_spread:--}" "${error:--}" "${spread:--}" >>"$work/told.md"
+	printf '| %s | %s | %s | %s | %s | %s |\n' "$name" "$left" "$auto_s" "$all_s" "$auto_mb" \
+		"$all_mb" >>"$work/saved.md"
+}
+
+if [ $# -gt 0 ]; then scenes=$(printf '%s\n' "$@"); else scenes=$(make_scenes); fi
+for scene in $scenes; do
+	case $scene in /*) ;; *) [ -e "$scene" ] || scene=$work/$scene ;; esac
+	one "$scene"
+done
+printf '| scene | seconds, foretold / came | MB of the host | of the device | error, %% |\n'
+printf '|---|---|---|---|---|\n'
+cat "$work/told.md"
+printf '\n| scene | not called for | seconds | with all | MB | with all |\n|---|---|---|---|---|---|\n'
+cat "$work/saved.md"

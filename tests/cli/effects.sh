@@ -1,0 +1,49 @@
+# Effects that are chosen, forced and forbidden; what a plan says; and sentences for what can't be.
+glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; exit 77; }
+{
+	printf 'ply\nformat ascii 1.0\nelement vertex 800\nproperty float x\nproperty float y\n'
+	printf 'property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n'
+	awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 * 0.1, int(i / 20) * 0.1, 0, 0, 0, 1
+		for (i = 0; i < 400; i++) print 0, i % 20 * 0.1, int(i / 20) * 0.1, 1, 0, 0 }'
+} >corner.ply
+lit() {
+	glowworm bake corner.ply -q --albedo constant:0.5 -o lit.ply --force "$@" &&
+		glowworm convert lit.ply - --output-format csv --columns x,y,z,radiance | sha256sum
+}
+lamp='point name lamp at 1,1,1 intensity 5'
+away='spot name away at 1,1,3 to 1,1,9 intensity 5 inner 10 outer 20'
+# The words of a plan; figures are another machine's.
+plan() {
+	glowworm plan corner.ply --albedo constant:0.5 "$@" | sed -E '/^foretold|^  /d; s/ +/ /g'
+}
+echo "-- plan"
+plan --light "$lamp" --light "$away" --bounces 1
+echo "-- dark"
+plan 2>&1
+echo "-- without shadows and bounces"
+plan --light "$lamp" --effects lamps,error
+# Forced effects and an explained bake give the same light.
+lit --light "$lamp" >plain.txt
+for effects in auto all +gaps,+sky; do
+	lit --light "$lamp" --effects "$effects" | cmp - plain.txt && echo "same: $effects"
+done
+lit --light "$lamp" --explain 2>explained.txt | cmp - plain.txt && echo "same: explained"
+grep -c '^foretold\|^came' explained.txt
+lit --light "$lamp" --effects=-bounces >direct.txt
+lit --light "$lamp" --bounces 1 | cmp - direct.txt && echo "as one bounce"
+cmp -s direct.txt plain.txt || echo "other than with bounces"
+# From a scene file, and back into one.
+cat >scene.json <<'END'
+{"version": 1, "inputs": [{"file": "corner.ply"}], "bake": {"effects": "auto,-bounces,+octree"},
+ "lights": [{"type": "point", "position": [1, 1, 1], "intensity": 5}]}
+END
+glowworm bake scene.json --print-scene -o lit.ply | grep effects
+glowworm plan corner.ply --light "$lamp" --json | grep -c '"effect"\|"forecast"'
+for bad in bouncing '+' ',' -octree 'lamps,,sky'; do
+	glowworm plan corner.ply --light "$lamp" --effects="$bad" 2>&1
+	echo "exit $?"
+done
+glowworm plan corner.ply --light "$lamp" --shadows none --effects +shadows 2>&1
+echo "exit $?"
+glowworm plan 2>&1
+echo "exit $?"

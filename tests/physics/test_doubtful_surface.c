@@ -1,0 +1,107 @@
+/* Points that are no such surface as is made of them: the bake has to say how wrong that makes the
+ * light, and clean points take no longer and state no more. */
+#include "base/luminance.h"
+#include "random_numbers.h"
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* A room of 2 m with a table and a lamp of points in its ceiling. The lamp comes first. */
+static void make_room(scene *s)
+{
+	const double low[3] = { 0, 0, 0 }, size[3] = { 2, 2, 2 };
+	scene_add_patch(s, (double[3]){ 0.7, 0.7, 1.9 }, (double[3]){ 0, 0.6, 0 },
+					(double[3]){ 0.6, 0, 0 }, 12, 12, 0.5f);
+	scene_emit(s, 0, (float[3]){ 5, 5, 5 });
+	scene_add_box(s, low, size, 20, 0.6f);
+	scene_add_patch(s, (double[3]){ 0.5, 0.5, 0.6 }, (double[3]){ 0.8, 0, 0 },
+					(double[3]){ 0, 0.8, 0 }, 18, 18, 0.6f);
+}
+
+static double luminance(const gw_bake_result *r, size_t i)
+{
+	return gw_luminance(r->radiance + 3 * i);
+}
+
+/* Of the points that do not emit, over their mean. */
+static double true_error(const scene *s, const gw_bake_result *r, const gw_bake_result *truth)
+{
+	double square = 0.0, sum = 0.0;
+	size_t used = 0;
+	for (size_t i = 0; i < r->count; i++) {
+		if (s->emission[3 * i] > 0.0f)
+			continue;
+		double off = luminance(r, i) - luminance(truth, i);
+		square += off * off;
+		sum += luminance(r, i);
+		used++;
+	}
+	return sqrt(square * (double)used) / sum;
+}
+
+/* A little noise, and no normals: no ray tells that what it meets is no wall, nor
+ * that normals are off by which light is gathered. */
+static void noise_is_stated(void **state)
+{
+	(void)state;
+	const gw_bake_options options = gw_bake_options_default();
+	scene s = { 0 };
+	make_room(&s);
+	gw_points points = scene_points(&s);
+	gw_bake_result *truth = scene_bake(&points, NULL, 0, &options);
+	uint64_t seed = 3;
+	for (size_t i = 0; i < 3 * s.count; i++)
+		s.position[i] += 0.004 * random_normal(&seed);
+	points.normal = NULL;
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	const gw_error_estimate *e = &result->report.error;
+	double is = true_error(&s, result, truth);
+	print_message("noise: stated %.3g %%, by halves %.3g %%, true %.3g %%\n", 100 * e->relative_rms,
+				  100 * e->halves, 100 * is);
+	assert_true(is > 0.02);
+	assert_true(e->relative_rms > 0.5 * is && e->relative_rms < 2.0 * is);
+	assert_true(scene_has_stage(&result->report, "half the points"));
+	gw_bake_result_destroy(&result);
+	gw_bake_result_destroy(&truth);
+	scene_clear(&s);
+}
+
+/* Points with normals and without strays are not baked twice; bare ones of a plain surface are, and
+ * nothing is wrong with it. */
+static void plain_surface_is_not_doubted(void **state)
+{
+	(void)state;
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { 0, 0, -1 },
+						   .irradiance = { 2, 2, 2 } };
+	const gw_bake_options options = gw_bake_options_default();
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
+					40, 40, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	assert_false(scene_has_stage(&result->report, "half the points"));
+	assert_true(result->report.error.halves <= 0.0);
+	gw_bake_result_destroy(&result);
+	points.normal = NULL;
+	result = scene_bake(&points, &sun, 1, &options);
+	assert_true(scene_has_stage(&result->report, "half the points"));
+	assert_true(result->report.error.halves < 0.001);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(noise_is_stated),
+		cmocka_unit_test(plain_surface_is_not_doubted),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

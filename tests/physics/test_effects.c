@@ -1,0 +1,363 @@
+/*
+ * test_effects.c - what a scene does not call for is not computed, what is forbidden neither, and
+ * what is forced without need changes nothing.
+ */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static gw_bake_options coarse(void)
+{
+	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options_set_quality(&options, GW_QUALITY_DRAFT);
+	return options;
+}
+
+/* A cube open at the top; all walls of one albedo. */
+static void make_yard(scene *s, float albedo)
+{
+	scene_add_patch(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 16,
+					16, albedo);
+	scene_add_patch(s, (double[3]){ 0, 0, 0 }, (double[3]){ 0, 1, 0 }, (double[3]){ 0, 0, 1 }, 16,
+					16, albedo);
+	scene_add_patch(s, (double[3]){ 0, 0, 0 }, (double[3]){ 0, 0, 1 }, (double[3]){ 1, 0, 0 }, 16,
+					16, albedo);
+}
+
+static gw_light spot(double x, double y, double z, double down)
+{
+	gw_light light = scene_point_light(x, y, z, 3.0f);
+	light.type = GW_LIGHT_SPOT;
+	light.direction[2] = down;
+	light.inner_angle = 20.0f;
+	light.outer_angle = 40.0f;
+	return light;
+}
+
+static uint64_t dispatches_of(const gw_report *report, const char *stage)
+{
+	uint64_t dispatches = 0;
+	for (uint32_t i = 0; i < report->stage_count; i++)
+		if (strcmp(report->stage[i].name, stage) == 0)
+			dispatches += report->stage[i].dispatches;
+	return dispatches;
+}
+
+static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b)
+{
+	assert_int_equal(a->count, b->count);
+	assert_memory_equal(a->radiance, b->radiance, 3 * a->count * sizeof *a->radiance);
+	assert_memory_equal(a->direct_irradiance, b->direct_irradiance,
+						3 * a->count * sizeof *a->radiance);
+	assert_memory_equal(a->indirect_irradiance, b->indirect_irradiance,
+						3 * a->count * sizeof *a->radiance);
+}
+
+/* ------------------------------------------------------------------------- without an octree */
+
+/* A lamp that nothing hides and nothing reflects: no tree is built, no shader runs but its own, and
+ * the light is I cos / d^2 to the float32 numbers that it is computed with. */
+static void no_octree_without_need(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.5, 0.5, 0.75, 2.0f);
+	gw_bake_options options = coarse();
+	options.effects_forbidden = 1u << GW_EFFECT_SHADOWS | 1u << GW_EFFECT_BOUNCES;
+	gw_bake_result *r = scene_bake(&points, &light, 1, &options);
+	assert_false(scene_effect(&r->report, "octree")->called_for);
+	assert_int_equal(r->report.leaves, 0);
+	assert_int_equal(dispatches_of(&r->report, "octree"), 0);
+	assert_false(scene_has_stage(&r->report, "gaps"));
+	assert_false(scene_has_stage(&r->report, "records"));
+	for (size_t i = 0; i < s.count; i++) {
+		double to[3], square = 0.0, cosine = 0.0;
+		for (int k = 0; k < 3; k++) {
+			to[k] = light.position[k] - s.position[3 * i + (size_t)k];
+			square += to[k] * to[k];
+			cosine += to[k] * (double)s.normal[3 * i + (size_t)k];
+		}
+		double expected = 2.0 * fmax(cosine, 0.0) / (square * sqrt(square));
+		/* 24 bits, through about ten operations on coordinates. */
+		assert_float_equal(r->direct_irradiance[3 * i], (float)expected,
+						   1e-5f * (1.0f + (float)expected));
+	}
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* Without lamps there is nothing of theirs; without any light, nothing at all. */
+static void nothing_without_light(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = coarse();
+	gw_bake_result *r = scene_bake(&points, NULL, 0, &options);
+	static const char *const stage[] = { "gaps",         "octree",  "direct light", "records",
+										 "first gather", "bounces", "estimate",     "forecast" };
+	for (size_t i = 0; i < sizeof stage / sizeof *stage; i++)
+		assert_false(scene_has_stage(&r->report, stage[i]));
+	assert_int_equal(r->report.peak_bytes, 0);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* ------------------------------------------------------------------------------ spots */
+
+/* A spot that shines past every point is left out, whatever shadows and bounces there are. */
+static void spots_that_miss(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = coarse();
+	const gw_light away[] = { spot(0.5, 0.5, 2.0, 1.0), spot(0.5, 0.5, 1.5, -1.0) };
+	gw_bake_result *r = scene_bake(&points, away, 1, &options);
+	assert_false(scene_effect(&r->report, "lamps")->called_for);
+	assert_non_null(strstr(scene_effect(&r->report, "lamps")->reason, "shines past all points"));
+	assert_int_equal(dispatches_of(&r->report, "direct light"), 0);
+	gw_bake_result_destroy(&r);
+
+	gw_bake_result *both = scene_bake(&points, away, 2, &options);
+	gw_bake_result *one = scene_bake(&points, away + 1, 1, &options);
+	assert_true(scene_effect(&both->report, "lamps")->called_for);
+	assert_same_light(both, one);
+	assert_int_equal(dispatches_of(&both->report, "direct light"),
+					 dispatches_of(&one->report, "direct light"));
+	gw_bake_result_destroy(&both);
+	gw_bake_result_destroy(&one);
+	scene_clear(&s);
+}
+
+/* --------------------------------------------------------------- forced, and forbidden */
+
+/* All that is forced where the scene does not call for it adds nothing: the same bytes. */
+static void forced_changes_nothing(void **state)
+{
+	(void)state;
+	const gw_light lights[] = { spot(0.5, 0.5, 1.5, -1.0), spot(0.5, 0.5, 2.0, 1.0) };
+	for (int black = 0; black < 2; black++) {
+		scene s = { 0 };
+		make_yard(&s, black ? 0.0f : 0.5f);
+		gw_points points = scene_points(&s);
+		gw_bake_options options = coarse();
+		gw_bake_result *plain = scene_bake(&points, lights, 2, &options);
+		for (int effect = 0; effect < GW_EFFECT_KIND_COUNT; effect++) {
+			options.effects_forced = 1u << effect;
+			gw_bake_result *forced = scene_bake(&points, lights, 2, &options);
+			assert_true(
+				scene_effect(&forced->report, gw_effect_name((gw_effect_kind)effect))->called_for ||
+				effect == GW_EFFECT_PORTALS);
+			assert_same_light(forced, plain);
+			gw_bake_result_destroy(&forced);
+		}
+		gw_bake_result_destroy(&plain);
+		scene_clear(&s);
+	}
+}
+
+/* What is forced is computed: black walls are gathered from, and an octree stands in the dark. */
+static void forced_is_computed(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.0f);
+	gw_points points = scene_points(&s);
+	gw_light light = spot(0.5, 0.5, 1.5, -1.0);
+	gw_bake_options options = coarse();
+	options.effects_forced = 1u << GW_EFFECT_BOUNCES;
+	gw_bake_result *r = scene_bake(&points, &light, 1, &options);
+	assert_true(scene_has_stage(&r->report, "bounces"));
+	assert_true(r->report.records > 0);
+	gw_bake_result_destroy(&r);
+	options.effects_forced = 1u << GW_EFFECT_OCTREE;
+	r = scene_bake(&points, NULL, 0, &options);
+	assert_true(r->report.leaves > 0);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* One scene calls for all of them. What is forbidden is missing from the light: of an effect that
+ * is there alone, all of it. */
+static void forbidden_is_missing(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	scene_emit(&s, 2 * 256, (float[]){ 1, 1, 1 });
+	gw_points points = scene_points(&s);
+	gw_light lights[] = { spot(0.5, 0.5, 1.5, -1.0), { .type = GW_LIGHT_ENVIRONMENT } };
+	for (int c = 0; c < 3; c++)
+		lights[1].radiance[c] = 1.0f;
+	const gw_effect_kind source[] = { GW_EFFECT_LAMPS, GW_EFFECT_EMITTERS, GW_EFFECT_SKY };
+	static const char *const stage[] = { "direct light", "first gather", "first gather" };
+	uint32_t sources = 0;
+	for (int i = 0; i < 3; i++)
+		sources |= 1u << source[i];
+	gw_bake_options options = coarse();
+	for (int i = 0; i < 3; i++) {
+		/* This one alone, then all but this one. */
+		options.effects_forbidden = sources & ~(1u << source[i]);
+		gw_bake_result *alone = scene_bake(&points, lights, 2, &options);
+		options.effects_forbidden = sources;
+		gw_bake_result *dark = scene_bake(&points, lights, 2, &options);
+		assert_true(scene_has_stage(&alone->report, stage[i]));
+		assert_true(scene_mean(alone->direct_irradiance, s.count, 0) > 0.0);
+		assert_true(scene_mean(alone->indirect_irradiance, s.count, 0) > 0.0);
+		assert_int_equal(dispatches_of(&dark->report, stage[i]), 0);
+		for (size_t k = 0; k < 3 * s.count; k++)
+			assert_true(dark->direct_irradiance[k] == 0.0f && dark->indirect_irradiance[k] == 0.0f);
+		gw_bake_result_destroy(&alone);
+		gw_bake_result_destroy(&dark);
+	}
+	scene_clear(&s);
+}
+
+/* What contradicts other options is refused with a sentence that names the effect. */
+static void contradictions(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	const gw_scene_description described = { &points, NULL, 0 };
+	gw_bake_options shadows = coarse(), bounces = coarse(), octree = coarse(), gaps = coarse();
+	shadows.shadows = GW_SHADOWS_NONE;
+	shadows.effects_forced = 1u << GW_EFFECT_SHADOWS;
+	bounces.bounces = 1;
+	bounces.effects_forced = 1u << GW_EFFECT_BOUNCES;
+	octree.effects_forbidden = 1u << GW_EFFECT_OCTREE;
+	gaps.unknown = true;
+	gaps.effects_forbidden = 1u << GW_EFFECT_GAPS;
+	const struct {
+		const gw_bake_options *options;
+		const char *name;
+	} rows[] = { { &shadows, "'shadows'" },
+				 { &bounces, "'bounces'" },
+				 { &octree, "'octree'" },
+				 { &gaps, "'gaps'" } };
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		gw_bake_result *result;
+		gw_error error = { 0 };
+		assert_int_equal(gw_bake(&described, rows[i].options, NULL, &result, &error),
+						 GW_ERROR_USAGE);
+		assert_non_null(strstr(error.text, rows[i].name));
+	}
+	scene_clear(&s);
+}
+
+/* ------------------------------------------------------------------------- the plan itself */
+
+/* What is decided, and why, does not depend on the order of the points. */
+static void order_of_points(void **state)
+{
+	(void)state;
+	scene s = { 0 }, turned = { 0 };
+	make_yard(&s, 0.5f);
+	for (size_t i = s.count; i-- > 0;)
+		scene_add(&turned, s.position + 3 * i,
+				  (double[]){ (double)s.normal[3 * i], (double)s.normal[3 * i + 1],
+							  (double)s.normal[3 * i + 2] },
+				  s.albedo[3 * i]);
+	const gw_light lights[] = { spot(0.5, 0.5, 1.5, -1.0), spot(0.5, 0.5, 2.0, 1.0) };
+	const gw_points points[] = { scene_points(&s), scene_points(&turned) };
+	gw_report *report = calloc(2, sizeof *report);
+	const gw_bake_options options = coarse();
+	for (int i = 0; i < 2; i++) {
+		gw_bake_result *r = scene_bake(&points[i], lights, 2, &options);
+		report[i] = r->report;
+		gw_bake_result_destroy(&r);
+	}
+	assert_int_equal(report[0].effect_count, report[1].effect_count);
+	for (uint32_t i = 0; i < report[0].effect_count; i++) {
+		assert_string_equal(report[0].effect[i].name, report[1].effect[i].name);
+		assert_string_equal(report[0].effect[i].reason, report[1].effect[i].reason);
+		assert_int_equal(report[0].effect[i].called_for, report[1].effect[i].called_for);
+	}
+	free(report);
+	scene_clear(&turned);
+	scene_clear(&s);
+}
+
+typedef struct planned {
+	int calls;
+	gw_forecast forecast;
+	uint32_t effects;
+} planned;
+
+static void on_planned(void *user, const gw_report *report)
+{
+	planned *p = user;
+	p->calls++;
+	p->forecast = report->forecast;
+	p->effects = report->effect_count;
+}
+
+/* A bake that tells what it will take gives the same light, and a plan without the bake tells the
+ * same but for seconds. The estimate of the error holds what came within what it says. */
+static void foretold(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_make_hall(&s);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(2.0, 1.5, 2.0, 5.0f);
+	const gw_scene_description described = { &points, &light, 1 };
+	gw_bake_options options = gw_bake_options_default();
+	scene_choose_passes(&options.passes, &options.validate);
+	gw_bake_result *plain = scene_bake(&points, &light, 1, &options), *told = NULL;
+	planned p = { 0 };
+	gw_error error = { 0 };
+	const gw_bake_callbacks callbacks = { .user = &p, .planned = on_planned };
+	assert_int_equal(gw_bake(&described, &options, &callbacks, &told, &error), GW_OK);
+	assert_same_light(told, plain);
+	assert_int_equal(plain->report.forecast.places, 0);
+	assert_int_equal(p.calls, 1);
+	assert_int_equal(p.effects, told->report.effect_count);
+	assert_int_equal(p.forecast.records, told->report.records);
+	assert_true(p.forecast.places > 0 && p.forecast.places <= p.forecast.records);
+	assert_true(p.forecast.seconds > p.forecast.done_seconds && p.forecast.own_seconds > 0.0);
+	assert_true(fabs(p.forecast.error - told->report.error.relative_rms) <
+				p.forecast.spread + told->report.error.spread);
+	/* Memory is counted: within a fifth, as what stands on the device is known by then. */
+	assert_true(fabs((double)p.forecast.device_bytes - (double)told->report.peak_bytes) <
+				0.2 * (double)told->report.peak_bytes);
+	gw_report *report = calloc(1, sizeof *report);
+	assert_int_equal(gw_plan_bake(&described, &options, NULL, report, &error), GW_OK);
+	assert_int_equal(report->forecast.places, p.forecast.places);
+	assert_int_equal(report->forecast.device_bytes, p.forecast.device_bytes);
+	assert_true(report->forecast.error == p.forecast.error);
+	assert_int_equal(report->forecast.bounces, p.forecast.bounces);
+	assert_false(scene_has_stage(report, "records"));
+	free(report);
+	gw_bake_result_destroy(&told);
+	gw_bake_result_destroy(&plain);
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(no_octree_without_need),
+		cmocka_unit_test(nothing_without_light),
+		cmocka_unit_test(spots_that_miss),
+		cmocka_unit_test(forced_changes_nothing),
+		cmocka_unit_test(forced_is_computed),
+		cmocka_unit_test(forbidden_is_missing),
+		cmocka_unit_test(contradictions),
+		cmocka_unit_test(order_of_points),
+		cmocka_unit_test(foretold),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

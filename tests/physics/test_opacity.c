@@ -1,0 +1,402 @@
+/*
+ * test_opacity.c - surface that lets a share of the light through, against closed forms.
+ *
+ * Of a surface of opacity a the share a is covered, at any angle; so a sheet lets 1 - a through,
+ * sheets one behind the other the product, and a slab, which has two faces, (1 - a)^2.
+ */
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define FLOOR 40 /* points a side of the floor, 4 m wide */
+#define SHEET 36 /* of a sheet, SHEET_WIDTH wide */
+#define SHEET_WIDTH 3.2
+
+/* A scene whose points have an opacity. */
+typedef struct clear_scene {
+	scene scene;
+	float *opacity;
+} clear_scene;
+
+static void give(clear_scene *s, size_t first, float opacity)
+{
+	s->opacity = realloc(s->opacity, s->scene.count * sizeof *s->opacity);
+	assert_non_null(s->opacity);
+	for (size_t i = first; i < s->scene.count; i++)
+		s->opacity[i] = opacity;
+}
+
+static void add_patch(clear_scene *s, const double corner[3], const double u[3], const double v[3],
+					  size_t n, float albedo, float opacity)
+{
+	size_t first = s->scene.count;
+	scene_add_patch(&s->scene, corner, u, v, n, n, albedo);
+	give(s, first, opacity);
+}
+
+static void add_floor(clear_scene *s)
+{
+	add_patch(s, (double[]){ -2, -2, 0 }, (double[]){ 4, 0, 0 }, (double[]){ 0, 4, 0 }, FLOOR, 0.5f,
+			  1.0f);
+}
+
+/* A sheet at a height that faces up or down; noise along its normal, metres. */
+static void add_sheet(clear_scene *s, double height, int facing, double noise, float opacity)
+{
+	double half = 0.5 * SHEET_WIDTH;
+	size_t first = s->scene.count;
+	const double x[3] = { SHEET_WIDTH, 0, 0 }, y[3] = { 0, SHEET_WIDTH, 0 };
+	add_patch(s, (double[]){ -half, -half, height }, facing > 0 ? x : y, facing > 0 ? y : x, SHEET,
+			  0.5f, opacity);
+	for (size_t i = first; i < s->scene.count && noise > 0.0; i++)
+		s->scene.position[3 * i + 2] +=
+			noise * (scene_random(&s->scene) + scene_random(&s->scene) - 1.0) * sqrt(6.0);
+}
+
+static void clear(clear_scene *s)
+{
+	scene_clear(&s->scene);
+	free(s->opacity);
+	*s = (clear_scene){ .opacity = NULL };
+}
+
+static gw_points points_of(const clear_scene *s)
+{
+	gw_points points = scene_points(&s->scene);
+	points.opacity = s->opacity;
+	return points;
+}
+
+static gw_bake_options plain_options(void)
+{
+	gw_bake_options options = gw_bake_options_default();
+	options.bounces = 1;
+	options.estimate_points = 0;
+	return options;
+}
+
+static gw_light sun_at(double degrees)
+{
+	double turn = degrees * SCENE_PI / 180.0;
+	return (gw_light){ .type = GW_LIGHT_SUN,
+					   .direction = { sin(turn), 0, -cos(turn) },
+					   .irradiance = { 1.0f, 1.0f, 1.0f } };
+}
+
+/* What of a sun's light gets to the floor below the inner part of sheets of a height. */
+typedef struct passage {
+	double mean;
+	double off; /* share of points more than 1e-4 off what is expected */
+} passage;
+
+static passage look_below(const clear_scene *s, double lowest, double highest, double degrees,
+						  uint32_t depth, double expected)
+{
+	gw_points points = points_of(s);
+	gw_bake_options options = plain_options();
+	gw_light sun = sun_at(degrees);
+	options.depth = depth;
+	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
+	double slope = tan(degrees * SCENE_PI / 180.0), inner = 0.5 * SHEET_WIDTH - 0.2;
+	double sum = 0.0, off = 0.0, count = 0.0;
+	for (size_t i = 0; i < (size_t)FLOOR * FLOOR; i++) {
+		const double *p = points.position + 3 * i;
+		if (fabs(p[1]) > inner || fabs(p[0] - lowest * slope) > inner ||
+			fabs(p[0] - highest * slope) > inner)
+			continue;
+		double share = (double)result->direct_irradiance[3 * i] / cos(degrees * SCENE_PI / 180.0);
+		sum += share;
+		off += fabs(share - expected) > 1e-4;
+		count += 1.0;
+	}
+	gw_bake_result_destroy(&result);
+	assert_true(count > 100.0);
+	return (passage){ sum / count, off / count };
+}
+
+static const double angles[] = { 0.0, 45.0, 70.0 };
+
+/* A plane has one height, so that nothing but roundings of the irradiance, relative to 1, is left.
+ * For the README: with GLOWWORM_TEST_TABLE set, prints what gets through. */
+static void test_slab(void **state)
+{
+	(void)state;
+	bool table = getenv("GLOWWORM_TEST_TABLE") != NULL;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	add_sheet(&s, 0.3, -1, 0.0, 0.3f);
+	add_sheet(&s, 0.6, 1, 0.0, 0.3f);
+	for (uint32_t depth = 6; depth <= 10; depth++)
+		for (size_t a = 0; a < 3; a++) {
+			passage p = look_below(&s, 0.3, 0.6, angles[a], depth, 0.49);
+			if (table)
+				print_message("| %u | %.0f | %.4f |\n", depth, angles[a], p.mean);
+			assert_true(fabs(p.mean - 0.49) < 1e-4 && p.off == 0.0);
+		}
+	clear(&s);
+}
+
+/* Four sheets that face alike, of two opacities. Where points happen to lie far apart, a ray in a
+ * thousand takes two of them for one. */
+static void test_stack(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	for (int i = 0; i < 4; i++)
+		add_sheet(&s, 0.2 + 0.25 * i, 1, 0.0, i % 2 ? 0.2f : 0.6f);
+	for (uint32_t depth = 6; depth <= 10; depth += 4)
+		for (size_t a = 0; a < 3; a++) {
+			passage p = look_below(&s, 0.2, 0.95, angles[a], depth, 0.1024);
+			assert_true(fabs(p.mean - 0.1024) < 2e-4 && p.off < 0.005);
+		}
+	clear(&s);
+}
+
+/* Noise of 0.3 spacings along the normal, so that planes and discs of a sheet lie in front of each
+ * other: it still counts once. Single rays miss it, or meet a disc that sticks out twice: one in a
+ * hundred, as rays do that a rough surface of no transparency is to stop. */
+static void test_rough(void **state)
+{
+	(void)state;
+	for (uint32_t depth = 6; depth <= 9; depth++) {
+		for (int facing = -1; facing <= 1; facing += 2) {
+			clear_scene s = { .opacity = NULL };
+			add_floor(&s);
+			add_sheet(&s, 0.5, facing, 0.3 * SHEET_WIDTH / SHEET, 0.4f);
+			passage p = look_below(&s, 0.5, 0.5, 60.0, depth, 0.6);
+			assert_true(p.off < 0.01);
+			clear(&s);
+		}
+	}
+}
+
+/* A black box of 1 m whose lid has an opacity, or is missing, and what of a sky gets to its floor:
+ * pi times the form factor of two opposite sides of a cube, 0.19982. */
+static double sky_in_box(float opacity)
+{
+	clear_scene s = { .opacity = NULL };
+	const struct {
+		double corner[3], u[3], v[3];
+	} patch[] = {
+		{ { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
+		{ { 1, 0, 0 }, { 0, 0, 1 }, { 0, 1, 0 } }, { { 0, 0, 0 }, { 0, 0, 1 }, { 1, 0, 0 } },
+		{ { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }, { { 0, 0, 1 }, { 0, 1, 0 }, { 1, 0, 0 } },
+	};
+	for (size_t i = 0; i < (opacity > 0.0f ? 6 : 5); i++)
+		add_patch(&s, patch[i].corner, patch[i].u, patch[i].v, 32, 0.0f, i < 5 ? 1.0f : opacity);
+	gw_points points = points_of(&s);
+	gw_bake_options options = plain_options();
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
+	double mean = scene_mean(result->direct_irradiance, 32 * 32, 0);
+	gw_bake_result_destroy(&result);
+	clear(&s);
+	return mean;
+}
+
+/* Rays that leave: some 1000 records of 64 rays of which a tenth do, so 0.4 % of noise each, and 2
+ * % for the facets at the lid's edge and the points' own heights. A closed lid keeps all out. */
+static void test_roof(void **state)
+{
+	(void)state;
+	double open = sky_in_box(0.0f), half = sky_in_box(0.5f);
+	assert_true(fabs(half / (0.5 * 0.19982 * SCENE_PI) - 1.0) < 0.04);
+	assert_true(fabs(half / open - 0.5) < 0.02);
+	assert_true(sky_in_box(1.0f) == 0.0);
+}
+
+/* The mean irradiance of the middle of the floor below a panel of emitters of 1 m at a height of
+ * 1 m, with a sheet of an opacity between. */
+static double below_panel(float sheet, float panel)
+{
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	if (sheet > 0.0f)
+		add_sheet(&s, 0.4, -1, 0.0, sheet);
+	size_t first = s.scene.count;
+	add_patch(&s, (double[]){ -0.5, -0.5, 1 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, 24,
+			  0.0f, panel);
+	scene_emit(&s.scene, first, (float[]){ 1.0f, 1.0f, 1.0f });
+	gw_points points = points_of(&s);
+	gw_bake_options options = plain_options();
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	double sum = 0.0, count = 0.0;
+	for (size_t i = 0; i < (size_t)FLOOR * FLOOR; i++) {
+		if (fabs(points.position[3 * i]) > 0.5 || fabs(points.position[3 * i + 1]) > 0.5)
+			continue;
+		sum += (double)result->direct_irradiance[3 * i];
+		count += 1.0;
+	}
+	gw_bake_result_destroy(&result);
+	clear(&s);
+	return sum / count;
+}
+
+/* Some 100 records of 64 rays and samples, by which noise is 1 %. */
+static void test_emitters(void **state)
+{
+	(void)state;
+	double bare = below_panel(0.0f, 1.0f);
+	assert_true(fabs(below_panel(0.4f, 1.0f) / bare - 0.6) < 0.03);
+	assert_true(fabs(below_panel(0.0f, 0.3f) / bare - 0.3) < 0.02);
+	assert_true(fabs(below_panel(0.4f, 0.3f) / bare - 0.18) < 0.02);
+}
+
+/* A lamp over a sheet in a black box: what the walls and the covered part of the sheet absorb is
+ * what the lamp sends, 4 pi I. The sheet faces the lamp, and its back is dark. */
+static void test_energy(void **state)
+{
+	(void)state;
+	const float opacity = 0.5f, albedo = 0.8f;
+	clear_scene s = { .opacity = NULL };
+	scene_add_box(&s.scene, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, 32, 0.0f);
+	give(&s, 0, 1.0f);
+	size_t first = s.scene.count;
+	add_patch(&s, (double[]){ 0.15, 0.15, 0.4 }, (double[]){ 0.7, 0, 0 }, (double[]){ 0, 0.7, 0 },
+			  24, albedo, opacity);
+	gw_points points = points_of(&s);
+	gw_bake_options options = plain_options();
+	options.bounces = GW_BOUNCES_AUTO;
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
+	double *area = scene_areas(&points), absorbed = 0.0, through = 0.0;
+	for (size_t i = 0; i < s.scene.count; i++) {
+		double e =
+			(double)result->direct_irradiance[3 * i] + (double)result->indirect_irradiance[3 * i];
+		absorbed += area[i] * e * (i < first ? 1.0 : (double)(opacity * (1.0f - albedo)));
+		through += i < first && points.position[3 * i + 2] < 0.3 ? area[i] * e : 0.0;
+	}
+	/* The box's edges are rounded by half a spacing, and the lamp's near field by a facet. */
+	assert_true(fabs(absorbed / (4.0 * SCENE_PI) - 1.0) < 0.02);
+	assert_true(through > 0.5);
+	/* What the second reflection starts from: the covered share of the sheet reflects. */
+	double sent = 0.0;
+	for (size_t i = first; i < s.scene.count; i++)
+		sent += area[i] * (double)(opacity * albedo * result->direct_irradiance[3 * i]);
+	assert_true(fabs(result->report.bounce[0].energy / sent - 1.0) < 0.03);
+	free(area);
+	gw_bake_result_destroy(&result);
+	clear(&s);
+}
+
+static void assert_same(const gw_bake_result *a, const gw_bake_result *b, size_t count)
+{
+	assert_memory_equal(a->radiance, b->radiance, 3 * count * sizeof(float));
+	assert_memory_equal(a->direct_irradiance, b->direct_irradiance, 3 * count * sizeof(float));
+	assert_memory_equal(a->indirect_irradiance, b->indirect_irradiance, 3 * count * sizeof(float));
+}
+
+/* Opacity 0 is what is not there, and 1 is no opacity at all, to the last bit. */
+static void test_ends(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	add_sheet(&s, 0.5, 1, 0.0, 0.0f);
+	const gw_light light[] = { sun_at(30.0),
+							   { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } } };
+	gw_bake_options options = gw_bake_options_default();
+	gw_points points = points_of(&s), floor = points;
+	floor.count = (size_t)FLOOR * FLOOR;
+	floor.opacity = NULL;
+	gw_bake_result *with = scene_bake(&points, light, 2, &options);
+	gw_bake_result *without = scene_bake(&floor, light, 2, &options);
+	assert_same(with, without, floor.count);
+	assert_true(with->radiance[3 * (s.scene.count - 1)] == 0.0f);
+	gw_bake_result_destroy(&with);
+	gw_bake_result_destroy(&without);
+	give(&s, 0, 1.0f);
+	points = points_of(&s);
+	with = scene_bake(&points, light, 2, &options);
+	points.opacity = NULL;
+	without = scene_bake(&points, light, 2, &options);
+	assert_same(with, without, points.count);
+	assert_true(with->report.peak_bytes == without->report.peak_bytes);
+	gw_bake_result_destroy(&with);
+	gw_bake_result_destroy(&without);
+	clear(&s);
+}
+
+typedef struct bytes {
+	unsigned char *data;
+	size_t length;
+} bytes;
+
+static gw_status keep(void *user, const void *data, size_t length, gw_error *error)
+{
+	bytes *to = user;
+	(void)error;
+	to->data = realloc(to->data, to->length + length);
+	assert_non_null(to->data);
+	memcpy(to->data + to->length, data, length);
+	to->length += length;
+	return GW_OK;
+}
+
+/* A transport holds what lets light through, and knows other opacities from its own. */
+static void test_transport(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	add_sheet(&s, 0.5, -1, 0.0, 0.3f);
+	gw_points points = points_of(&s);
+	gw_bake_options options = gw_bake_options_default();
+	const gw_light sun = sun_at(30.0);
+	bytes kept = { NULL, 0 };
+	gw_transport transport = { .name = "transport", .write = keep, .user = &kept };
+	options.transport = &transport;
+	gw_bake_result *first = scene_bake(&points, &sun, 1, &options);
+	transport = (gw_transport){ .name = "transport", .data = kept.data, .length = kept.length };
+	gw_bake_result *second = scene_bake(&points, &sun, 1, &options);
+	assert_same(first, second, points.count);
+	gw_bake_result_destroy(&first);
+	gw_bake_result_destroy(&second);
+	give(&s, (size_t)FLOOR * FLOOR, 0.4f);
+	points = points_of(&s);
+	const gw_scene_description what = { &points, &sun, 1 };
+	gw_error error;
+	assert_int_equal(gw_bake(&what, &options, NULL, &second, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "other opacities"));
+	free(kept.data);
+	clear(&s);
+}
+
+static void test_bad(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	const gw_light sun = sun_at(0.0);
+	const float bad[] = { NAN, -0.1f, 1.1f, INFINITY };
+	for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+		gw_bake_result *result;
+		gw_error error;
+		s.opacity[7] = bad[i];
+		gw_points points = points_of(&s);
+		const gw_scene_description what = { &points, &sun, 1 };
+		assert_int_equal(gw_bake(&what, NULL, NULL, &result, &error), GW_ERROR_DATA);
+		assert_non_null(strstr(error.text, "opacity of point 7"));
+	}
+	clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_slab),     cmocka_unit_test(test_stack),
+		cmocka_unit_test(test_rough),    cmocka_unit_test(test_roof),
+		cmocka_unit_test(test_emitters), cmocka_unit_test(test_energy),
+		cmocka_unit_test(test_ends),     cmocka_unit_test(test_transport),
+		cmocka_unit_test(test_bad),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,169 @@
+/* Half of a cloud: which points it takes, and what its light says of the whole. */
+#include "bake/half_sample.h"
+#include "expected.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COUNT 4000
+#define COLUMNS 31
+#define ROWS 40
+
+static double position[3 * COUNT];
+static float albedo[3 * COUNT];
+
+static gw_points cloud(void)
+{
+	uint64_t state = 1;
+	for (size_t i = 0; i < 3 * (size_t)COUNT; i++) {
+		state = state * 6364136223846793005u + 1442695040888963407u;
+		position[i] = (double)(state >> 40) * 0x1p-20;
+		albedo[i] = (float)i;
+	}
+	return (gw_points){ .count = COUNT, .position = position, .albedo = albedo };
+}
+
+static void make(const gw_points *points, uint32_t level, gw_half_sample *half)
+{
+	gw_error error;
+	assert_ok(gw_half_sample_make(points, level, half, &error), &error);
+}
+
+/* About half, each with all that is its own, and half of these again. */
+static void takes_half_and_half_of_it(void **state)
+{
+	(void)state;
+	gw_points points = cloud();
+	gw_half_sample half, quarter;
+	make(&points, 0, &half);
+	make(&half.points, 1, &quarter);
+	assert_in_range(half.points.count, 9 * COUNT / 20, 11 * COUNT / 20);
+	assert_in_range(quarter.points.count, COUNT / 5, 3 * COUNT / 10);
+	for (size_t i = 0; i < half.points.count; i++) {
+		size_t from = half.from[i];
+		assert_memory_equal(half.points.position + 3 * i, position + 3 * from, 3 * sizeof(double));
+		assert_memory_equal(half.points.albedo + 3 * i, albedo + 3 * from, 3 * sizeof(float));
+		assert_true(i == 0 || from > half.from[i - 1]);
+	}
+	assert_null(half.points.normal);
+	gw_half_sample_clear(&quarter);
+	gw_half_sample_clear(&half);
+}
+
+/* Which points are taken goes by where they are, not by their order. */
+static void does_not_care_for_the_order(void **state)
+{
+	(void)state;
+	gw_points points = cloud();
+	gw_half_sample half, other;
+	double *turned = malloc(sizeof position);
+	assert_non_null(turned);
+	for (size_t i = 0; i < COUNT; i++)
+		memcpy(turned + 3 * i, position + 3 * (COUNT - 1 - i), 3 * sizeof *turned);
+	make(&points, 0, &half);
+	points.position = turned;
+	make(&points, 0, &other);
+	assert_int_equal(half.points.count, other.points.count);
+	for (size_t i = 0; i < half.points.count; i++)
+		assert_int_equal(half.from[i], COUNT - 1 - other.from[half.points.count - 1 - i]);
+	gw_half_sample_clear(&other);
+	gw_half_sample_clear(&half);
+	free(turned);
+}
+
+/* Rows and columns stay such: two images with some cells empty, and points of none between them. */
+static void leaves_every_other_column(void **state)
+{
+	(void)state;
+	gw_points points = cloud();
+	uint32_t *cell = calloc(COUNT, sizeof *cell);
+	const gw_range_image image[2] = { { 100, 900, COLUMNS, ROWS, { 1, 2, 3 } },
+									  { 1500, 1000, COLUMNS + 1, ROWS, { 4, 5, 6 } } };
+	gw_half_sample half;
+	assert_non_null(cell);
+	for (size_t k = 0; k < 2; k++)
+		for (size_t i = 0; i < image[k].count; i++)
+			cell[image[k].first + i] = (uint32_t)i;
+	points.image = image;
+	points.image_count = 2;
+	points.image_cell = cell;
+	make(&points, 0, &half);
+	for (size_t k = 0; k < 2; k++) {
+		const gw_range_image *left = &half.points.image[k];
+		assert_int_equal(left->columns, 16);
+		assert_int_equal(left->rows, ROWS);
+		for (size_t i = left->first; i < left->first + left->count; i++) {
+			uint32_t from = cell[half.from[i]], to = half.points.image_cell[i];
+			assert_in_range(half.from[i], image[k].first, image[k].first + image[k].count - 1);
+			assert_int_equal(to / left->columns, from / image[k].columns);
+			assert_int_equal(2 * (to % left->columns), from % image[k].columns);
+		}
+	}
+	assert_int_equal(half.points.image[1].count, 500); /* 31 rows of 16 and 4 */
+	gw_half_sample_clear(&half);
+	free(cell);
+}
+
+/* Of what differs: emitters and strays do not count. */
+static void compares_what_is_lit(void **state)
+{
+	(void)state;
+	gw_points points = cloud();
+	gw_half_sample half;
+	make(&points, 0, &half);
+	size_t count = half.points.count;
+	gw_bake_result all = { .count = COUNT, .radiance = calloc(3 * COUNT, sizeof(float)) };
+	gw_bake_result of_half = { .count = count, .radiance = calloc(3 * count, sizeof(float)) };
+	all.stray = calloc(COUNT, 1);
+	assert_true(all.radiance && of_half.radiance && all.stray);
+	for (size_t i = 0; i < 3 * (size_t)COUNT; i++)
+		all.radiance[i] = 2.0f;
+	for (size_t i = 0; i < 3 * count; i++)
+		of_half.radiance[i] = i / 3 % 2 ? 2.5f : 1.5f;
+	all.stray[half.from[7]] = 1;
+	of_half.radiance[3 * 7] = 1e6f;
+	assert_float_equal(gw_half_sample_difference(&half, &of_half, &all), 0.25, 1e-6);
+	free(all.radiance);
+	free(all.stray);
+	free(of_half.radiance);
+	gw_half_sample_clear(&half);
+}
+
+static gw_error_estimate added(double first, double second, double gathered, double stated)
+{
+	gw_error_estimate e = { .relative_rms = stated, .gathered = gathered };
+	gw_half_sample_add(first, second, gathered, &e);
+	return e;
+}
+
+/* Errors that fall as 1 / sqrt(n) show as they are, those that fall as 1 / n by more. */
+static void says_how_wrong_all_points_are(void **state)
+{
+	(void)state;
+	assert_float_equal(added(0.1, 0.0, 0.0, 0.02).halves, 0.1, 1e-12);
+	assert_float_equal(added(0.1, 0.1, 0.0, 0.02).relative_rms, 0.1, 1e-12);
+	assert_float_equal(added(0.1, 0.14142, 0.0, 0.02).halves, 0.1, 1e-9);
+	assert_float_equal(added(0.1, 0.2, 0.0, 0.02).halves, 0.0577350269, 1e-9);
+	/* What else is known is no less. */
+	assert_float_equal(added(0.1, 0.2, 0.0, 0.5).relative_rms, 0.5, 1e-12);
+	/* Noise of both bakes is no fault of the surface. */
+	assert_float_equal(added(0.05, 0.0, 0.03, 0.03).halves, 0.0264575131, 1e-9);
+	assert_float_equal(added(0.04, 0.0, 0.03, 0.03).relative_rms, 0.03, 1e-12);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(takes_half_and_half_of_it),
+		cmocka_unit_test(does_not_care_for_the_order),
+		cmocka_unit_test(leaves_every_other_column),
+		cmocka_unit_test(compares_what_is_lit),
+		cmocka_unit_test(says_how_wrong_all_points_are),
+	};
+	return cmocka_run_group_tests_name("half_sample", tests, NULL, NULL);
+}
