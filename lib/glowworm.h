@@ -594,6 +594,23 @@ typedef struct gw_voxels {
 	double size;      /* of a cell, metres */
 } gw_voxels;
 
+/* Why a light gives nothing. */
+typedef enum gw_light_fate {
+	GW_LIGHT_SHINES,   /* it does give light */
+	GW_LIGHT_BLACK,    /* it has no power */
+	GW_LIGHT_AVERTED,  /* no surface that is in its beam faces it */
+	GW_LIGHT_HIDDEN,   /* all that would is in shadow */
+	GW_LIGHT_LEFT_OUT, /* its effect was forbidden */
+} gw_light_fate;
+
+/* What one light gives. */
+typedef struct gw_light_given {
+	double share; /* of the light that surfaces get before anything is reflected, luminance of E
+					 times area, 0..1; NAN for an environment beside another or beside points that
+					 emit: these are gathered together */
+	gw_light_fate fate;
+} gw_light_given;
+
 /* What a bake found; per-point arrays are in the order of gw_points. Points that were left out
  * (non-finite or invisible) hold zeros. */
 typedef struct gw_bake_result {
@@ -620,6 +637,9 @@ typedef struct gw_bake_result {
 	float *roi;               /* count, side of the region of influence in leaf cells */
 	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
+	gw_light_given *given;    /* given_count, in the order of the lights; NULL without bounces */
+	size_t given_count;
+	double gathered_share; /* of such light, what environments and points that emit give */
 	gw_report report;
 } gw_bake_result;
 

@@ -2,6 +2,7 @@
 #include "lamps/light_text.h"
 
 #include "glowworm_picture.h"
+#include "files/number_text.h"
 #include "program/words.h"
 
 #include <math.h>
@@ -25,7 +26,7 @@
 const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT | AREA,
 							 POINT | SPOT | AREA,
-							 "X,Y,Z: where it is, in the input's coordinates" },
+							 "X,Y,Z: where it is, in the input's coordinates; or scanner:N" },
 	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, POINT | SPOT | DISC | RECTANGLE, 0,
 						   "X,Y,Z: a point on its axis" },
 	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR,
@@ -206,6 +207,7 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	GW_TRY(take_units(light, key, LIGHT_UNITS_UNSAID, error));
 	switch (key) {
 	case LIGHT_KEY_POSITION:
+		light->scanner = 0;
 		set_vector(l->position, values);
 		break;
 	case LIGHT_KEY_TARGET:
@@ -305,8 +307,23 @@ const char *light_value_expected(light_value value)
 	return shape[value].expected;
 }
 
+/* scanner:N, the N-th that info lists; where that is shows when the inputs are read. */
+static gw_status set_scanner(lamp *light, const char *number, gw_error *error)
+{
+	double value = 0.0;
+	size_t length = strlen(number);
+	if (length == 0 || number_read(number, length, &value) != length || value != floor(value) ||
+		!(value >= 1.0 && value <= 1e9))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "it wants the number of a scanner, as scanner:1 for the first");
+	light->scanner = (size_t)value;
+	return GW_OK;
+}
+
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
+	if (key == LIGHT_KEY_POSITION && strncmp(text, "scanner:", 8) == 0)
+		return set_scanner(light, text + 8, error);
 	char word[WORD_MAX];
 	double values[3] = { 0 };
 	light_quantity quantity = light_key_quantity(key);
@@ -376,7 +393,8 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 		return gw_fail(error, GW_ERROR_USAGE, "a %s takes one of '%s'%s %s%s, not both", type, name,
 					   given & BIT(PLACE) ? "," : " and", other,
 					   given & BIT(PLACE) ? " and 'place'" : "");
-	if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
+	if (light->aimed && light->scanner == 0 &&
+		memcmp(light->target, light->light.position, sizeof light->target) == 0)
 		return gw_fail(error, GW_ERROR_USAGE, "a %s cannot shine to the place where it is", type);
 	return GW_OK;
 }

@@ -70,6 +70,7 @@ typedef struct lamp {
 	light_units units;
 	double kelvin; /* colour temperature; 0: none */
 
+	size_t scanner;   /* it stands where the scanner of that number stood; 0: at its position */
 	bool from_sky;    /* its direction comes from azimuth and elevation */
 	double azimuth;   /* degrees clockwise from north, of the sun */
 	double elevation; /* degrees above the horizon */

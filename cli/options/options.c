@@ -211,8 +211,8 @@ static_assert(sizeof(gw_method) == sizeof(int) && sizeof(gw_shadows) == sizeof(i
 			  "choices are stored as int");
 
 const option options[] = {
-	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN | SAMPLE | MIX | ALBEDO),
-	  AT(output), .group = "Output",
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY,
+	  FOR(BAKE | PLAN | SAMPLE | MIX | CONVERT | ALBEDO), AT(output), .group = "Output",
 	  .help = "write the points there; - is standard output. The name's extension chooses the "
 			  "format" },
 	{ "output-format", 0, NULL, OPTION_TEXT, QUIETLY, FOR(BAKE | SAMPLE | MIX | CONVERT | ALBEDO),
@@ -367,8 +367,8 @@ const option options[] = {
 	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(points.white), RANGE(0.0, 1.0), .group = "Scene",
 	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
+	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	  .scene = true, AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
 	  .help = "share of each point's piece of surface that is covered: the rest lets light "
 			  "through; auto takes the columns opacity or alpha" },
 	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
@@ -528,8 +528,8 @@ const option options[] = {
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
 	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | RENDER | ALBEDO), AT(quiet), .group = "Messages",
-	  .help = "print errors only" },
+	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(quiet),
+	  .group = "Messages", .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
 	{ "help", 'h', NULL, OPTION_FLAG, QUIETLY, FOR(EVERY_VERB), AT(help), .group = "Messages",

@@ -56,11 +56,11 @@ static bool is_cancelled(void *user)
 static bool find_own_columns(const scan *cloud, render_channel channel,
 							 const scan_column *column[3])
 {
-	uint32_t width = column_name[channel][0] ? render_channel_width(channel) : 0;
-	bool all = width > 0;
-	column[1] = NULL;
-	for (uint32_t k = 0; k < width && all; k++)
-		all = (column[k] = scan_find_scalar(cloud, column_name[channel][k])) != NULL;
+	const char *const *name = column_name[channel];
+	bool all = name[0] != NULL;
+	column[0] = column[1] = column[2] = NULL;
+	for (uint32_t k = 0; k < 3 && all && name[k]; k++)
+		all = (column[k] = scan_find_scalar(cloud, name[k])) != NULL;
 	return all;
 }
 

@@ -1,4 +1,5 @@
 #include "result/bake_report.h"
+#include "result/light_shares.h"
 #include "program/exit_code.h"
 #include "program/json_writer.h"
 #include "scene/octree_note.h"
@@ -14,6 +15,7 @@
 #define MEGABYTE 1e6
 #define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
 #define PART_SHARE 0.25  /* and of the whole error */
+#define PARTS_TOLD 2     /* so many of them */
 #define DARK 0.001       /* of the mean radiance: less is dark, */
 #define DARK_SHARE 0.75  /* and worth a word from this share of the points on */
 #define GAPS_LEAST                                                                                 \
@@ -249,6 +251,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
+	light_shares_write(&json, f);
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');
@@ -471,27 +474,37 @@ static void time_text(double seconds, char text[32])
 		snprintf(text, 32, "%.2g h", seconds / 3600.0);
 }
 
-static void put_part(const gw_report *r, double part, const char *what, const char *remedy,
-					 char *text, size_t room)
-{
-	size_t used = strlen(text);
-	char percent[TEXT_PERCENT];
-	if (is_large(r, part))
-		snprintf(text + used, room - used, "; %s alone are %s %%, which only %s would lessen", what,
-				 text_percent(part, percent), remedy);
-}
+/* A part of the error that no finer setting lessens. */
+typedef struct error_part {
+	double error;
+	const char *what, *remedy;
+} error_part;
 
-/* What no finer setting lessens. */
+/* The largest two of what no finer setting lessens; the report has all. */
 static void put_parts(const gw_report *r, char *text, size_t room)
 {
-	put_part(r, r->error.shadows, "edges of lamps' shadows", "denser points", text, room);
-	put_part(r, r->error.normals, "errors of the points' normals", "better ones", text, room);
-	put_part(r, r->error.emission, "edges of what emits", "denser points", text, room);
-	put_part(r, r->error.gaps, "gaps that no scanner looked at", "more scans", text, room);
-	put_part(r, r->error.sides, "surfaces that may face the wrong way",
-			 "normals or scanner positions", text, room);
-	put_part(r, r->error.halves, "doubts about the surface, by bakes of half of the points,",
-			 "denser or better ones", text, room);
+	const gw_error_estimate *e = &r->error;
+	error_part part[] = {
+		{ e->shadows, "edges of lamps' shadows", "denser points" },
+		{ e->normals, "errors of the points' normals", "better ones" },
+		{ e->emission, "edges of what emits", "denser points" },
+		{ e->gaps, "gaps that no scanner looked at", "more scans" },
+		{ e->sides, "surfaces that may face the wrong way", "normals or scanner positions" },
+		{ e->halves, "doubts about the surface, by half of the points,",
+		  "denser or better points" },
+	};
+	const size_t count = sizeof part / sizeof *part;
+	for (int told = 0; told < PARTS_TOLD; told++) {
+		size_t used = strlen(text), most = 0;
+		char percent[TEXT_PERCENT];
+		for (size_t i = 1; i < count; i++)
+			most = part[i].error > part[most].error ? i : most;
+		if (!is_large(r, part[most].error))
+			return;
+		snprintf(text + used, room - used, "; %s alone are %s %%, which only %s would lessen",
+				 part[most].what, text_percent(part[most].error, percent), part[most].remedy);
+		part[most].error = 0.0;
+	}
 }
 
 /* What less would cost, as the end of a sentence. */

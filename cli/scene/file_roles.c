@@ -156,7 +156,7 @@ static gw_status add_mesh(roles *r, const char *path, gw_error *error)
 static gw_status add_outputs(roles *r, const file_series *series, gw_error *error)
 {
 	const settings *s = r->settings;
-	const char *const path[] = { r->verb == VERB_CONVERT ? s->input[1].path : NULL,
+	const char *const path[] = { r->verb == VERB_CONVERT && !s->output ? s->input[1].path : NULL,
 								 series ? NULL : s->output,
 								 s->vdb,
 								 s->report,

@@ -735,6 +735,27 @@ void loaded_scene_place(const coordinates *place, char up, lamp *light)
 	light_resolve(light, up);
 }
 
+gw_status loaded_scene_name_places(const loaded_scene *scene, settings *s, gw_error *error)
+{
+	size_t count = scene->cloud.scanner_count;
+	for (size_t i = 0; i < s->light_count; i++) {
+		lamp *light = &s->light[i];
+		if (light->scanner > count)
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu is at scanner %zu, but the inputs tell of %zu; glowworm info "
+						   "lists them, --scanner adds one",
+						   i + 1, light->scanner, count);
+		if (light->scanner > 0)
+			memcpy(light->light.position, scene->cloud.scanner + 3 * (light->scanner - 1),
+				   sizeof light->light.position);
+		light->scanner = 0;
+		if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
+			return gw_fail(error, GW_ERROR_USAGE, "light %zu cannot shine to the place where it is",
+						   i + 1);
+	}
+	return GW_OK;
+}
+
 static bool emits(const loaded_scene *scene)
 {
 	const float *emission = scene->points.emission;
@@ -774,6 +795,7 @@ gw_status loaded_scene_lights(loaded_scene *scene, settings *s, gw_light **light
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "nothing here gives light: there is no --light, and no point has emission; "
 					   "try --light 'sky radiance 1'");
+	GW_TRY(loaded_scene_name_places(scene, s, error));
 	*lights = calloc(count, sizeof **lights);
 	free(scene->light);
 	scene->light = calloc(count, sizeof **lights);

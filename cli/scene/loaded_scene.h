@@ -65,6 +65,9 @@ gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *
 /* A lamp's place and target in metres, and its direction. */
 void loaded_scene_place(const coordinates *place, char up, lamp *light);
 
+/* Puts lights that stand at scanners there. GW_ERROR_USAGE when there is no such scanner. */
+gw_status loaded_scene_name_places(const loaded_scene *scene, settings *settings, gw_error *error);
+
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's
  * to free, the pixels of their maps are the scene's. GW_ERROR_USAGE when nothing in the scene gives
  * light. */

@@ -455,7 +455,7 @@ static gw_status take_light_number(const reader *r, json_t *value, light_key_id 
 				   ? GW_OK
 				   : fail_here(r, "%.600s", reason.text);
 	}
-	if (text && kind == LIGHT_VALUE_COLOR)
+	if (text && (kind == LIGHT_VALUE_COLOR || id == LIGHT_KEY_POSITION))
 		return light_set_numbers(light, id, text, &reason) == GW_OK
 				   ? GW_OK
 				   : fail_here(r, "%.600s", reason.text);

@@ -4,6 +4,7 @@
 #include "result/frame_bake.h"
 #include "scene/glossy_points.h"
 #include "files/input_file.h"
+#include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "scene/mesh_notes.h"
 #include "options/output_name.h"
@@ -418,8 +419,11 @@ static gw_status print_scene(bake *b)
 	for (size_t i = 0; i < s->light_count; i++)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
+	for (size_t i = 0; i < s->light_count; i++)
+		ask = ask || s->light[i].scanner > 0;
 	if (ask) {
 		GW_TRY(read_inputs(b));
+		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
 		up = b->scene.up;
 	}
 	for (size_t i = 0; i < s->light_count; i++)
@@ -454,6 +458,8 @@ static gw_status say_results(const bake *b)
 	const settings *s = b->settings;
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
+	if (!s->quiet)
+		light_shares_print(&b->facts);
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)

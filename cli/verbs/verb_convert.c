@@ -3,17 +3,28 @@
 #include "files/output_file.h"
 #include "options/output_name.h"
 #include "program/signals.h"
+#include "program/text_quote.h"
 
 #include <string.h>
 #include <unistd.h>
 
+/* Where to: what -o names, or the second file. */
+static const char *output_of(const settings *s)
+{
+	return s->output ? s->output : s->input[1].path;
+}
+
 static gw_status check(const settings *s, const format **to, gw_error *error)
 {
-	if (s->input_count != 2)
+	if (s->output && s->input_count > 1)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "two outputs, %s and that of -o; convert writes one, from one input",
+					   s->input[1].path);
+	if (s->input_count != (s->output ? 1 : 2))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "convert what into what? Name an input and an output; - is standard input "
 					   "or output");
-	const char *out = s->input[1].path;
+	const char *out = output_of(s);
 	GW_TRY(file_roles_check(VERB_CONVERT, s, NULL, error));
 	GW_TRY(output_name_format(out, s->output_format, to, error));
 	bool binary = strcmp((*to)->name, "xyz") != 0 && strcmp((*to)->name, "csv") != 0;
@@ -24,14 +35,23 @@ static gw_status check(const settings *s, const format **to, gw_error *error)
 	return GW_OK;
 }
 
+/* What the reader has to say of the file. */
+static void note_reading(const settings *s, const scan *cloud)
+{
+	for (size_t c = 0; c < cloud->comment_count && !s->quiet; c++)
+		if (strncmp(cloud->comment[c], SCAN_NOTE, strlen(SCAN_NOTE)) == 0)
+			text_message(stderr, "glowworm: %s\n", cloud->comment[c]);
+}
+
 static gw_status convert(const settings *s, scan *cloud, output_file **out, gw_error *error)
 {
 	const format *to = NULL;
 	const format_options options = { s->format, s->columns, s->bake.threads };
 	GW_TRY(check(s, &to, error));
-	GW_TRY(output_file_create(out, s->input[1].path, s->force, error));
+	GW_TRY(output_file_create(out, output_of(s), s->force, error));
 	GW_TRY(format_read_with(s->input[0].path, &options, cloud, NULL, error));
 	GW_TRY(signals_check(error));
+	note_reading(s, cloud);
 	GW_TRY(to->write(*out, cloud, error));
 	GW_TRY(signals_check(error));
 	return output_file_commit(out, error);

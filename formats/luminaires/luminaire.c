@@ -115,12 +115,15 @@ static void find_peak(const luminaire *l, luminaire_facts *facts)
 {
 	const float *vertical = l->distribution, *horizontal = vertical + l->verticals;
 	const float *share = horizontal + l->horizontals;
-	size_t best = 0;
-	for (size_t i = 1; i < (size_t)l->verticals * l->horizontals; i++)
-		if (share[i] > share[best])
-			best = i;
-	facts->peak_gamma = (double)vertical[best % l->verticals];
-	facts->peak_c = (double)horizontal[best / l->verticals];
+	float most = -1.0f;
+	for (uint32_t h = 0; h < l->horizontals; h++)
+		for (uint32_t v = 0; v < l->verticals; v++, share++) {
+			if (!(*share > most))
+				continue;
+			most = *share;
+			facts->peak_gamma = (double)vertical[v];
+			facts->peak_c = (double)horizontal[h];
+		}
 }
 
 /* On the great circle of two half planes, degrees from the axis toward the first; up: from the

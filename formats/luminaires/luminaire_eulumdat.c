@@ -8,7 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MILLIMETRE 1e-3
 
@@ -157,8 +156,8 @@ static gw_status read_planes(luminaire_lines *lines, const ldt_head *head, const
 	GW_TRY(read_list(lines, "an angle in a plane", planes->verticals, &planes->vertical));
 	choose_planes(head, &first, &planes->horizontals);
 	size_t count = planes->horizontals * planes->verticals;
-	memmove(planes->horizontal, planes->horizontal + first,
-			planes->horizontals * sizeof *planes->horizontal);
+	for (size_t i = 0; i < planes->horizontals; i++)
+		planes->horizontal[i] = planes->horizontal[first + i];
 	planes->around = head->symmetry == 0.0;
 	planes->photometry = 'C';
 	GW_TRY(read_list(lines, "an intensity", count, &planes->candela));

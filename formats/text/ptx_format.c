@@ -105,8 +105,11 @@ static gw_status skip_cells(reader *r, const grid *g)
 	if (!enough || found < count)
 		return gw_fail(r->error, GW_ERROR_DATA,
 					   "%s: scan %zu has %.0f x %.0f cells, but fewer lines follow its header, "
-					   "which ends before line %zu; the file is cut short or the header is wrong",
-					   r->in->name, r->grid_count + 1, g->size[0], g->size[1], g->rows.first_line);
+					   "which ends before line %zu; the file is cut short or the header is wrong: "
+					   "tail -n +%zu FILE > rows.xyz leaves what rows there are, as a table to be "
+					   "read with --columns x,y,z,intensity,red,green,blue",
+					   r->in->name, r->grid_count + 1, g->size[0], g->size[1], g->rows.first_line,
+					   g->rows.first_line);
 	return GW_OK;
 }
 

@@ -28,6 +28,9 @@
 #define CONFIRM_POINTS 3u
 #define CONFIRM_SEED 0x7feb352du
 
+/* What a bake of all points is of the time where halves of them follow. */
+#define WHOLE_SHARE 0.57
+
 /* All that one bake holds. */
 typedef struct bake {
 	const gw_points *points;
@@ -641,7 +644,7 @@ typedef struct part {
 } part;
 
 /* A bake takes as long as its points are many: where halves will follow, so much is left of it. */
-static const part parts[] = { { .from = 0.0, .share = 0.57 },
+static const part parts[] = { { .from = 0.0, .share = WHOLE_SHARE },
 							  { .from = 0.57, .share = 0.29, .name = "half the points" },
 							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
 
@@ -760,7 +763,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	/* Two smaller bakes take less than twice as long as this one did. */
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (!in_time || !gw_half_sample_is_wanted(scene->points, options, &(*result)->report))
+	if (!in_time || !gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
 		return GW_OK;
 	gw_status status = check_by_halves(scene, options, callbacks, *result, error);
 	if (status != GW_OK)
@@ -806,6 +809,7 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->unknown);
 	free(r->roi);
 	free(r->stray);
+	free(r->given);
 	gw_voxels_clear(&r->voxels);
 	free(r->report.bounce);
 	free(r);

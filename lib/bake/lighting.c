@@ -9,9 +9,10 @@
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
 #include "light/gap_light.h"
+#include "light/lamp_reach.h"
+#include "base/luminance.h"
 #include "light/shut_out.h"
 #include "octree/compartments.h"
-#include "base/luminance.h"
 #include "base/memory.h"
 #include "surfels/surfel_backs.h"
 
@@ -75,6 +76,33 @@ static const gw_scanned_space *closed_space(const gw_scene *scene)
 			   : NULL;
 }
 
+/* What is known of the lights before they shine: those that have no power, or reach nothing. */
+static gw_status list_lights(gw_lighting *lighting, gw_error *error)
+{
+	const gw_scene *scene = lighting->scene;
+	free(lighting->given);
+	lighting->given = NULL;
+	if (lighting->whole)
+		return GW_OK;
+	lighting->given = gw_allocate_zeros(lighting->light_count + 1, sizeof *lighting->given);
+	if (!lighting->given)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
+					   lighting->light_count);
+	for (size_t i = 0; i < lighting->light_count; i++) {
+		const gw_light *light = &lighting->lights[i];
+		bool sky = light->type == GW_LIGHT_ENVIRONMENT;
+		bool shines = sky ? gw_luminance(light->radiance) > 0.0 : gw_light_shines(light);
+		bool averted =
+			shines && !sky && !gw_lamp_reaches(light, &scene->surfels, scene->options.threads);
+		bool used = sky ? lighting->plan.sky : lighting->plan.lamps;
+		lighting->given[i].fate = !shines   ? GW_LIGHT_BLACK
+								  : averted ? GW_LIGHT_AVERTED
+								  : used    ? GW_LIGHT_SHINES
+											: GW_LIGHT_LEFT_OUT;
+	}
+	return GW_OK;
+}
+
 static void drop_direct(gw_lighting *lighting)
 {
 	gw_gpu *gpu = lighting->scene->gpu;
@@ -87,6 +115,7 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
+	GW_TRY(list_lights(lighting, error));
 	if (!lighting->plan.lamps) {
 		drop_direct(lighting);
 		return GW_OK;
@@ -105,7 +134,7 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 		GW_TRY(darken(lighting, GW_BUFFER_TEXEL, scene->surfels.count,
 					  "irradiance of normals that are off", &lighting->surfel_turned, error));
 	const gw_direct_irradiance to = { &lighting->surfel_direct, &lighting->facet_direct,
-									  off ? &lighting->surfel_turned : NULL };
+									  lighting->given, off ? &lighting->surfel_turned : NULL };
 	return gw_direct_light(&cloud, lighting->lights, lighting->light_count, &to, error);
 }
 
@@ -682,5 +711,7 @@ void gw_lighting_clear(gw_lighting *lighting)
 		return;
 	gw_lighting_drop_gathered(lighting);
 	gw_lighting_drop_map(lighting);
+	free(lighting->given);
+	lighting->given = NULL;
 	drop_direct(lighting);
 }

@@ -32,6 +32,7 @@ struct gw_lighting {
 	gw_emitters emitters;     /* the facets that emit */
 	gw_sky_map map;           /* of the environment light that has one */
 	bool map_made;
+	gw_light_given *given; /* light_count: flux of each lamp in place of its share; NULL of parts */
 	gw_buffer surfel_direct; /* vec4 a surfel: irradiance from lamps */
 	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
 	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the CPU */

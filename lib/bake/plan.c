@@ -224,6 +224,11 @@ static void report_normals(const gw_surfels *s, gw_report *report)
 						 "the points scatter about their surface");
 	else
 		gw_report_effect(report, "noise", NULL, "the points lie on their surface");
+	if (s->transparency)
+		gw_report_effect(report, "transmission", "attenuated once a surface",
+						 "some points are less than opaque");
+	else
+		gw_report_effect(report, "transmission", NULL, "all points are opaque");
 }
 
 void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report)

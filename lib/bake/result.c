@@ -3,6 +3,7 @@
  */
 #include "bake/result.h"
 
+#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "bake/report.h"
@@ -94,6 +95,47 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 	return GW_OK;
 }
 
+/* What skies and emitters give: the flux of what was gathered first. */
+static double gathered_flux(const gw_lighting *lighting)
+{
+	const gw_surfels *s = &lighting->scene->surfels;
+	double flux = 0.0;
+	for (size_t i = 0; lighting->surfel_first && i < s->count; i++)
+		flux += (double)s->area[i] * gw_luminance(lighting->surfel_first + 4 * i);
+	return flux;
+}
+
+/* Shares of the light from what each lamp gives. */
+static gw_status share_light(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
+{
+	size_t count = lighting->light_count, skies = 0;
+	double gathered = gathered_flux(lighting), all = gathered;
+	if (!lighting->given || lighting->scene->options.bounces == 0)
+		return GW_OK;
+	result->given = gw_allocate_zeros(count + 1, sizeof *result->given);
+	if (!result->given)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", count);
+	result->given_count = count;
+	for (size_t i = 0; i < count; i++) {
+		bool sky = lighting->lights[i].type == GW_LIGHT_ENVIRONMENT;
+		skies += sky && lighting->given[i].fate == GW_LIGHT_SHINES;
+		all += lighting->given[i].share;
+	}
+	for (size_t i = 0; i < count; i++) {
+		gw_light_given *to = &result->given[i];
+		*to = lighting->given[i];
+		to->share = all > 0.0 ? to->share / all : 0.0;
+		if (lighting->lights[i].type != GW_LIGHT_ENVIRONMENT || to->fate != GW_LIGHT_SHINES)
+			continue;
+		bool alone = skies == 1 && !lighting->plan.emitters;
+		to->share = !alone ? (double)NAN : all > 0.0 ? gathered / all : 0.0;
+		if (alone && !(gathered > 0.0))
+			to->fate = GW_LIGHT_HIDDEN;
+	}
+	result->gathered_share = all > 0.0 ? gathered / all : 0.0;
+	return GW_OK;
+}
+
 gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
@@ -117,7 +159,7 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 		status = collect_strays(&job, error);
 	}
 	free(direct);
-	return status;
+	return status == GW_OK ? share_light(lighting, result, error) : status;
 }
 
 /* L of the points, or of a part of the light. */

@@ -7,6 +7,7 @@
 #include "cloud/cloud_units.h"
 #include "cloud/frame.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,6 +96,15 @@ static float *scaled_light(const float *color, size_t count, int exponent)
 	float *copy = gw_allocate_array(3 * count, sizeof *copy);
 	for (size_t i = 0; copy && i < 3 * count; i++)
 		copy[i] = ldexpf(color[i], exponent);
+	return copy;
+}
+
+/* Areas; of those too small for a float32, which only a thing by itself has, the least that is. */
+static float *scaled_areas(const float *area, size_t count, int exponent)
+{
+	float *copy = gw_allocate_array(count, sizeof *copy);
+	for (size_t i = 0; copy && i < count; i++)
+		copy[i] = area[i] > 0.0f ? fmaxf(ldexpf(area[i], exponent), FLT_MIN) : 0.0f;
 	return copy;
 }
 
@@ -189,9 +199,11 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	if (points->emission)
 		p->emission = scaled->emission =
 			scaled_light(points->emission, points->count, scaled->light);
-	p->own_area = NULL; /* in units that float32 may not hold */
+	if (points->own_area)
+		p->own_area = scaled->own_area =
+			scaled_areas(points->own_area, points->count, 2 * scaled->length);
 	if (!scaled->lights || !p->position || (points->scanner && !p->scanner) ||
-		(points->emission && !p->emission))
+		(points->emission && !p->emission) || (points->own_area && !p->own_area))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
 	scaled->options.ambient_occlusion_distance =
@@ -214,6 +226,7 @@ void gw_scaled_scene_clear(gw_scaled_scene *scaled)
 	free(scaled->visible);
 	free(scaled->scanner);
 	free(scaled->emission);
+	free(scaled->own_area);
 	*scaled = (gw_scaled_scene){ .length = 0 };
 }
 

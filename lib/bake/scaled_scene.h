@@ -19,7 +19,7 @@ typedef struct gw_scaled_scene {
 	gw_bake_options options;
 	double *position, *scanner; /* of points, where they are copies */
 	double *visible;            /* the same of points of which some are invisible: without these */
-	float *emission;
+	float *emission, *own_area;
 } gw_scaled_scene;
 
 /*

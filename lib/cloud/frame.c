@@ -49,6 +49,12 @@ static bool is_usable(const double position[3])
 		   fabs(position[2]) <= GW_COORDINATE_MAX; /* false for NaN */
 }
 
+/* Points that are invisible are left out, too. */
+static bool is_there(const gw_points *points, size_t i)
+{
+	return is_usable(points->position + 3 * i) && (!points->opacity || points->opacity[i] > 0.0f);
+}
+
 static void local_position(const frame *f, size_t point, float local[3])
 {
 	for (int k = 0; k < 3; k++) {
@@ -68,7 +74,7 @@ size_t gw_finite_bounds(const gw_points *points, double minimum[3], double maxim
 	}
 	for (size_t i = 0; i < points->count; i++) {
 		const double *p = points->position + 3 * i;
-		if (!is_usable(p))
+		if (!is_there(points, i))
 			continue;
 		finite++;
 		for (int k = 0; k < 3; k++) {
@@ -346,7 +352,7 @@ static void merge_points(frame *f)
 static bool is_clear_anywhere(const gw_points *points)
 {
 	for (size_t i = 0; points->opacity && i < points->count; i++)
-		if (points->opacity[i] < 1.0f && is_usable(points->position + 3 * i))
+		if (points->opacity[i] < 1.0f && is_there(points, i))
 			return true;
 	return false;
 }
@@ -391,7 +397,7 @@ static void list_finite(frame *f)
 	size_t finite = 0;
 	for (size_t i = 0; i < f->points->count; i++) {
 		f->surfels->surfel_of_point[i] = UINT32_MAX;
-		if (is_usable(f->points->position + 3 * i))
+		if (is_there(f->points, i))
 			f->order[finite++].point = (uint32_t)i;
 	}
 }

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "normals/normal_error.h"
 #include "light/lamp_reach.h"
+#include "light/light_given.h"
 #include "light/shut_out.h"
 #include "light/transport_layout.h"
 
@@ -436,6 +437,7 @@ static gw_status add_light(const gw_lit_cloud *cloud, const light_on_device *lam
 /* Buffers of gw_direct_light. */
 typedef struct lit_buffers {
 	gw_buffer visibility, own_normal, off_normal;
+	gw_given_sum given;
 } lit_buffers;
 
 static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, size_t light_count,
@@ -457,13 +459,16 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 	bool forced = cloud->options->effects_forced & 1u << GW_EFFECT_LAMPS;
 	for (size_t i = 0; i < light_count; i++) {
 		light_on_device lamp = { .push = { 0 } };
-		bool shines =
-			forced || gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads);
-		if (lights[i].type == GW_LIGHT_ENVIRONMENT || !shines)
+		if (lights[i].type == GW_LIGHT_ENVIRONMENT)
+			continue;
+		bool reaches = gw_lamp_reaches(&lights[i], cloud->surfels, cloud->options->threads);
+		if (!reaches && !forced)
 			continue;
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
 		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
+		if (status == GW_OK && reaches && to->given)
+			status = gw_given_book(cloud, &lights[i], to->surfels, &to->given[i], &b->given, error);
 		GW_TRY(status);
 	}
 	if (cloud->octree->leaf_count == 0)
@@ -476,6 +481,7 @@ gw_status gw_direct_light(const gw_lit_cloud *cloud, const gw_light *lights, siz
 {
 	lit_buffers b = { 0 };
 	gw_status status = add_lights(cloud, lights, light_count, to, &b, error);
+	gw_given_sum_clear(&b.given);
 	gw_buffer_destroy(cloud->passes->gpu, &b.off_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.own_normal);
 	gw_buffer_destroy(cloud->passes->gpu, &b.visibility);

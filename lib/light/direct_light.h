@@ -34,8 +34,9 @@ typedef struct gw_direct_irradiance {
 	gw_buffer *surfels; /* texel buffer R32G32B32A32_SFLOAT, surfel count, zeroed by the caller */
 	gw_buffer *facets;  /* storage buffer, 2 * leaf_count vec4; receives the mean over each facet;
 						   none where there are no leaves */
-	gw_buffer *turned;  /* NULL, or like surfels: receives what it would be if each normal were off
-						   as shading_normal_off says, which has to be there (normal_error.h) */
+	gw_light_given *given; /* NULL, or light_count: what gw_given_book says of each lamp */
+	gw_buffer *turned; /* NULL, or like surfels: receives what it would be if each normal were off
+						  as shading_normal_off says, which has to be there (normal_error.h) */
 } gw_direct_irradiance;
 
 /* Adds the irradiance of every such light. */

@@ -269,8 +269,9 @@ gw_status gw_kept_hits_trace(const gw_record_context *on, const gw_kept_hits *ke
 							 gw_error *error)
 {
 	uint64_t rays = (uint64_t)kept->rays.rays * on->records->count;
-	/* Lists that are too long to be bound as a whole. */
-	if (4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
+	/* Lists that are too long to be bound as a whole; and the slot of dark backs may be another. */
+	if (on->octree->dark_slot != 0 ||
+		4 * (rays + 1) > gw_gpu_limits(on->passes->gpu)->maxStorageBufferRange) {
 		*traced = rays;
 		return gw_ray_gather_trace(on, kept->rays.rays, kept->rays.seed, gather, error);
 	}

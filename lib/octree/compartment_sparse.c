@@ -134,20 +134,24 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	return true;
 }
 
-/* Backs are where their fronts are already. */
-static void count_surfels(sparse *s, size_t surfels)
+/* Does a surfel count? What lets light through is no wall, and backs are where their fronts are. */
+static bool is_wall(const sparse *s, const gw_surfels *surfels, size_t i)
+{
+	bool clear = surfels->transparency && surfels->transparency[i] > 0.0f;
+	return !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
+}
+
+static void count_surfels(sparse *s, const gw_surfels *surfels)
 {
 	uint32_t node = 0;
-	for (size_t i = 0; i < surfels; i++) {
-		if (s->normal[4 * i + 3] == GW_MARK_BACK)
-			continue;
-		for (cell of = { 0 }; descend(s->c, s->place + 4 * i, &of, &node);) {
+	for (size_t i = 0; i < surfels->count; i++)
+		for (cell of = { 0 };
+			 is_wall(s, surfels, i) && descend(s->c, s->place + 4 * i, &of, &node);) {
 			if (s->count[node] == 0)
 				s->first[node] = (uint32_t)i;
 			if (s->count[node] < COUNT_MOST)
 				s->count[node]++;
 		}
-	}
 }
 
 /* Is the surface in a cell about as sparse as it is wide? */
@@ -225,7 +229,7 @@ static void find_voids(sparse *s, const cell *parent, uint32_t tile)
 	}
 }
 
-static bool close_all(sparse *s, size_t surfels)
+static bool close_all(sparse *s, const gw_surfels *surfels)
 {
 	gw_walls w = { s->c, s->c->first / 8, false };
 	const cell root = { 0 };
@@ -243,12 +247,13 @@ static bool close_all(sparse *s, size_t surfels)
 	return !s->failed && !w.failed;
 }
 
-gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									   gw_compartments *c, gw_error *error)
+gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
+									   const gw_surfels *surfels, gw_compartments *c,
+									   gw_error *error)
 {
 	sparse s = { .c = c };
 	gw_view place = { 0 }, normal = { 0 };
-	uint64_t bytes = 16 * (uint64_t)surfels;
+	uint64_t bytes = 16 * (uint64_t)surfels->count;
 	if (c->depth <= LEVELS_ABOVE)
 		return GW_OK;
 	gw_status status = gw_view_open(gpu, &octree->surfel_position, bytes, &place, error);
@@ -257,8 +262,8 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, siz
 	s.place = place.bytes;
 	s.normal = normal.bytes;
 	if (status == GW_OK && !close_all(&s, surfels))
-		status =
-			gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels", surfels);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
+						 surfels->count);
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	free(s.count);

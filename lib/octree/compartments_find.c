@@ -213,7 +213,7 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 	if (status == GW_OK)
 		status = gw_compartments_wall_discs(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
-		status = gw_compartments_close_sparse(gpu, octree, surfels->count, c, error);
+		status = gw_compartments_close_sparse(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
 		status = join_all(octree, c, error);
 	if (status == GW_OK)

@@ -58,8 +58,9 @@ void gw_wall_cell(gw_walls *walls, uint32_t level, const int32_t at[3], const fl
 				  const float *normal);
 
 /* Makes walls of the voids in surface that is sparser than leaves are wide; c->first grows. */
-gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
-									   gw_compartments *c, gw_error *error);
+gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
+									   const gw_surfels *surfels, gw_compartments *c,
+									   gw_error *error);
 
 /* Makes walls of the discs of sparse surface that is opaque; c->first grows. */
 gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,

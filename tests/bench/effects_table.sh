@@ -70,5 +70,6 @@ done
 printf '| scene | seconds, foretold / came | MB of the host | of the device | error, %% |\n'
 printf '|---|---|---|---|---|\n'
 cat "$work/told.md"
-printf '\n| scene | not called for | seconds | with all | MB | with all |\n|---|---|---|---|---|---|\n'
+printf '\n| scene | not called for | seconds | with all | MB | with all |\n'
+printf '|---|---|---|---|---|---|\n'
 cat "$work/saved.md"

@@ -23,6 +23,11 @@ glowworm convert a.xyz to.csv
 echo "status $?"
 glowworm convert a.xyz a.xyz --force
 echo "status $?"
+glowworm convert a.xyz -q -o named.csv && cmp to.csv named.csv
+glowworm convert a.xyz b.csv -o c.csv
+echo "status $?"
+glowworm convert a.xyz -o a.xyz --force
+echo "status $?"
 glowworm convert a.xyz out.obj
 echo "status $?"
 glowworm convert a.xyz

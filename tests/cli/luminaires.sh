@@ -35,14 +35,15 @@ END
 print_lights lamp.json | tee first.txt
 glowworm bake lamp.json --albedo constant:0.5 --print-scene -o lit.ply >again.json
 print_lights again.json | cmp - first.txt
-# Light on the floor at two places, over that of a Lambertian, 100 cd / 4 square metres below it.
+# Light on the floor at two places, radiance times pi over albedo, over that of a Lambertian of 100
+# cd that is 2 m above it.
 at_places() { # light
 	glowworm bake floor.ply -q --light "$1" --albedo constant:0.5 --fields direct -o lit.ply --force
-	glowworm convert lit.ply - --output-format csv | awk -F , '
+	glowworm convert lit.ply - --output-format csv | awk -F , -v factor=6.2831853 '
 		NR == 1 { for (i = 1; i <= NF; i++) if ($i == "scalar_direct_g") c = i }
 		NR > 1 && ($1 == 0.2 || $1 == 1.8) && $2 == 1 {
 			squared = 4 + ($1 - 1) ^ 2
-			printf "%s%.3f", n++ ? " " : "", $c / (100 * 4 / squared ^ 2)
+			printf "%s%.3f", n++ ? " " : "", $c * factor / (100 * 4 / squared ^ 2)
 		}
 		END { print "" }'
 }
@@ -59,10 +60,16 @@ cat >frames.json <<'END'
 END
 glowworm bake frames.json -q --albedo constant:0.5 --fields direct --frames 0..1 -o 'frame-%04d.ply'
 for frame in 0 1; do
-	glowworm convert "frame-000$frame.ply" - --output-format csv | awk -F , '
+	glowworm convert "frame-000$frame.ply" - --output-format csv | awk -F , -v factor=6.2831853 '
 		NR == 1 { for (i = 1; i <= NF; i++) if ($i == "scalar_direct_g") c = i }
-		NR > 1 && $1 == 1.8 && $2 == 1 { printf "%.3f\n", $c }'
+		NR > 1 && $1 == 1.8 && $2 == 1 { printf "%.3f\n", $c * factor }'
 done
+# Lamps where scanners stood.
+print_lights floor.ply --scanner 1,1,2 --scanner 0,0,1 \
+	--light 'spot at scanner:2 to 1,1,0 lumens 3' --light 'point at scanner:1 ies lamps/even.ies'
+print_lights floor.ply --scanner 1,1,2 --light 'spot at scanner:2 to 1,1,0 lumens 3' 2>&1
+print_lights floor.ply --scanner 1,1,2 --light 'spot at scanner:1 to 1,1,2 lumens 3' 2>&1
+print_lights floor.ply --scanner 1,1,2 --light 'point at scanner:0 lumens 3' 2>&1
 # Refused.
 try() {
 	glowworm bake floor.ply -o lit.ply --force "$@" 2>&1

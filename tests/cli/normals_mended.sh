@@ -7,7 +7,7 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /^n[xyz]$/) n[i] = 1; prin
 	{ for (i in n) if (NR % 2) $i = -$i; print }' OFS=, box.csv >half.csv
 light() { # input options
 	glowworm bake "$@" --light 'point at 0.5,0.5,0.8 intensity 1' -f --quality draft \
-		--estimate-points 0
+		--estimate-points 0 2>&1 | grep -v 'of the light before'
 }
 light box.csv -o clean.ply
 light box.csv -o given.ply --normals given

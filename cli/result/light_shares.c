@@ -1,0 +1,222 @@
+#include "result/light_shares.h"
+#include "program/text_quote.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LINES 4u        /* for lamps that shine, and for those that do not; the report has all */
+#define FAR_EXTENTS 3.0 /* extents of the cloud from which on a lamp is called far away */
+#define NOTHING 1e-6    /* share of the light that is as good as none */
+#define NAME 96
+
+/* Box around the points that are part of a surface, and its diagonal. */
+typedef struct extent {
+	double low[3], high[3], diagonal;
+} extent;
+
+static extent find_extent(const bake_facts *f)
+{
+	extent e = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0.0 };
+	const double *position = f->scene->points.points.position;
+	for (size_t i = 0; position && i < f->result->count; i++) {
+		const double *p = position + 3 * i;
+		if ((f->result->stray && f->result->stray[i]) ||
+			!(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])))
+			continue;
+		for (int k = 0; k < 3; k++) {
+			e.low[k] = fmin(e.low[k], p[k]);
+			e.high[k] = fmax(e.high[k], p[k]);
+		}
+	}
+	for (int k = 0; k < 3; k++)
+		e.diagonal += (e.high[k] - e.low[k]) * (e.high[k] - e.low[k]);
+	e.diagonal = sqrt(e.diagonal);
+	return e;
+}
+
+/* How far a lamp stands from the box; 0 within, and for what has no place. */
+static double outside(const extent *e, const gw_light *light)
+{
+	double squared = 0.0;
+	if (light->type == GW_LIGHT_SUN || light->type == GW_LIGHT_ENVIRONMENT)
+		return 0.0;
+	for (int k = 0; k < 3; k++) {
+		double off = fmax(fmax(e->low[k] - light->position[k], light->position[k] - e->high[k]), 0);
+		squared += off * off;
+	}
+	return sqrt(squared);
+}
+
+static const gw_light *light_of(const bake_facts *f, size_t i)
+{
+	return f->scene->light ? &f->scene->light[i] : &f->settings->light[i].light;
+}
+
+static const char *type_of(const gw_light *light)
+{
+	return light->type == GW_LIGHT_ENVIRONMENT ? "sky" : gw_light_type_name(light->type);
+}
+
+/* "lamp 'torch'", or "light 2, a spot". */
+static void name_light(const bake_facts *f, size_t i, char name[NAME])
+{
+	const gw_light *light = light_of(f, i);
+	if (light->name[0])
+		snprintf(name, NAME, "light '%s'", light->name);
+	else
+		snprintf(name, NAME, "light %zu, a %s", i + 1, type_of(light));
+}
+
+/* Is it one that gives light? A millionth of all is none. */
+static bool shines(const gw_light_given *given)
+{
+	return given->fate == GW_LIGHT_SHINES && !(given->share < NOTHING);
+}
+
+/* Why one gives nothing. */
+static const char *reason(const gw_light *light, gw_light_fate fate, double away)
+{
+	bool placed = light->type != GW_LIGHT_SUN && light->type != GW_LIGHT_ENVIRONMENT;
+	if (fate == GW_LIGHT_BLACK)
+		return "it has no power";
+	if (fate == GW_LIGHT_SHINES)
+		return "hardly any surface in its beam faces it and sees it";
+	if (light->type == GW_LIGHT_ENVIRONMENT)
+		return "no surface sees the sky";
+	if (fate == GW_LIGHT_AVERTED && away > 0.0)
+		return "it stands outside, and no surface in its beam faces it: it is behind walls or "
+			   "under the floor, or shines past everything";
+	if (fate == GW_LIGHT_AVERTED)
+		return placed ? "no surface in its beam faces it: it is behind walls or under the floor"
+					  : "no surface faces it";
+	if (away > 0.0)
+		return "it stands outside, and surface hides all that it would reach";
+	return placed ? "surface hides all that it would reach: it is within rock, or shut in"
+				  : "all that faces it lies in shadow";
+}
+
+static void print_nothing(const bake_facts *f, const extent *e, size_t i)
+{
+	const gw_light_given *given = &f->result->given[i];
+	char name[NAME];
+	double away = outside(e, light_of(f, i));
+	name_light(f, i, name);
+	if (given->fate == GW_LIGHT_SHINES && away > FAR_EXTENTS * e->diagonal)
+		text_message(
+			stderr,
+			"glowworm: note: %s, lights next to nothing: it is %.*f m away from the points\n", name,
+			away < 10.0 ? 2 : 0, away);
+	else
+		text_message(stderr, "glowworm: note: %s, lights %snothing: %s\n", name,
+					 given->fate == GW_LIGHT_SHINES ? "next to " : "",
+					 reason(light_of(f, i), given->fate, away));
+}
+
+static void print_dark(const bake_facts *f, const extent *e)
+{
+	size_t dark = 0;
+	for (size_t i = 0; i < f->result->given_count; i++) {
+		bool left_out = f->result->given[i].fate == GW_LIGHT_LEFT_OUT;
+		if (!left_out && !shines(&f->result->given[i]) && ++dark <= LINES)
+			print_nothing(f, e, i);
+	}
+	if (dark > LINES)
+		fprintf(stderr, "glowworm: note: so do %zu more; --report names them\n", dark - LINES);
+}
+
+/* A line of one that shines. */
+static void print_share(const bake_facts *f, const extent *e, size_t i)
+{
+	char name[NAME], percent[TEXT_PERCENT];
+	double away = outside(e, light_of(f, i));
+	name_light(f, i, name);
+	text_message(stderr, "glowworm: %s: %s %% of the light before it is reflected", name,
+				 text_percent(f->result->given[i].share, percent));
+	if (away > FAR_EXTENTS * e->diagonal)
+		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
+	fputc('\n', stderr);
+}
+
+typedef struct ranked {
+	double share;
+	size_t light;
+} ranked;
+
+/* The strongest first; of the same strength in their order. */
+static int compare_ranks(const void *a, const void *b)
+{
+	const ranked *x = a, *y = b;
+	if (x->share != y->share)
+		return x->share < y->share ? 1 : -1;
+	return (x->light > y->light) - (x->light < y->light);
+}
+
+static void print_shining(const bake_facts *f, const extent *e)
+{
+	const gw_bake_result *r = f->result;
+	ranked *rank = calloc(r->given_count + 1, sizeof *rank);
+	size_t count = 0;
+	double rest = 0.0, gathered = r->gathered_share;
+	char percent[TEXT_PERCENT];
+	for (size_t i = 0; rank && i < r->given_count; i++) {
+		if (!shines(&r->given[i]) || isnan(r->given[i].share))
+			continue;
+		gathered -= light_of(f, i)->type == GW_LIGHT_ENVIRONMENT ? r->given[i].share : 0.0;
+		rank[count++] = (ranked){ r->given[i].share, i };
+	}
+	if (rank)
+		qsort(rank, count, sizeof *rank, compare_ranks);
+	for (size_t i = 0; i < count; i++) {
+		if (i < LINES)
+			print_share(f, e, rank[i].light);
+		else
+			rest += rank[i].share;
+	}
+	if (count > LINES)
+		fprintf(stderr, "glowworm: %zu more lights: %s %% together\n", count - LINES,
+				text_percent(rest, percent));
+	/* Where a sky shines on what glows by itself, nobody knows which is which. */
+	if (gathered > 1e-9 && r->given_count > 0)
+		fprintf(stderr,
+				"glowworm: skies and what glows: %s %% of the light before it is reflected\n",
+				text_percent(gathered, percent));
+	free(rank);
+}
+
+void light_shares_print(const bake_facts *f)
+{
+	const gw_bake_result *r = f->result;
+	if (r->given_count == 0)
+		return;
+	extent e = find_extent(f);
+	/* Of one lamp alone there is nothing to say, unless it stands far away. */
+	if (r->given_count == 1 && shines(r->given) && !(r->given->share < 1.0) &&
+		!(outside(&e, light_of(f, 0)) > FAR_EXTENTS * e.diagonal))
+		return;
+	print_shining(f, &e);
+	print_dark(f, &e);
+}
+
+void light_shares_write(json_writer *json, const bake_facts *f)
+{
+	static const char *const fate[] = { [GW_LIGHT_SHINES] = "shines",
+										[GW_LIGHT_BLACK] = "no power",
+										[GW_LIGHT_AVERTED] = "nothing faces it",
+										[GW_LIGHT_HIDDEN] = "hidden",
+										[GW_LIGHT_LEFT_OUT] = "left out" };
+	extent e = find_extent(f);
+	json_put_open(json, "light_shares", '[');
+	for (size_t i = 0; i < f->result->given_count; i++) {
+		const gw_light *light = light_of(f, i);
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", light->name);
+		json_put_text(json, "type", type_of(light));
+		json_put_real(json, "share", f->result->given[i].share);
+		json_put_text(json, "fate", fate[f->result->given[i].fate]);
+		json_put_real(json, "outside", outside(&e, light));
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
+	json_put_real(json, "gathered_share", f->result->gathered_share);
+}

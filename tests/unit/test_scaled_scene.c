@@ -1,0 +1,58 @@
+/* Scenes in other units: what has a length in it goes along. */
+#include "bake/scaled_scene.h"
+#include "expected.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static gw_status make(float area, double reach, gw_scaled_scene *scaled, gw_error *error)
+{
+	static double position[12];
+	static float own_area[4];
+	static gw_points points;
+	for (size_t i = 0; i < 12; i++)
+		position[i] = reach * (double)(i % 5);
+	own_area[1] = area;
+	points = (gw_points){ .count = 4, .position = position, .own_area = own_area };
+	const gw_bake_options options = gw_bake_options_default();
+	const gw_scene_description scene = { .points = &points };
+	return gw_scaled_scene_make(&scene, &options, 0.0, scaled, error);
+}
+
+/* What a wire covers in a cloud of 1e-12 m is an area like any other. */
+static void areas_are_scaled(void **state)
+{
+	(void)state;
+	gw_error error;
+	gw_scaled_scene scaled;
+	assert_ok(make(1e-26f, 1e-12, &scaled, &error), &error);
+	assert_true(scaled.length > 0);
+	assert_non_null(scaled.points.own_area);
+	assert_float_equal(scaled.points.own_area[0], 0.0f, 0.0f);
+	assert_true(scaled.points.own_area[1] == ldexpf(1e-26f, 2 * scaled.length));
+	gw_scaled_scene_clear(&scaled);
+}
+
+static void ordinary_scenes_stay(void **state)
+{
+	(void)state;
+	gw_error error;
+	gw_scaled_scene scaled;
+	assert_ok(make(0.01f, 1.0, &scaled, &error), &error);
+	assert_int_equal(scaled.length, 0);
+	assert_float_equal(scaled.points.own_area[1], 0.01f, 0.0f);
+	gw_scaled_scene_clear(&scaled);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(areas_are_scaled),
+		cmocka_unit_test(ordinary_scenes_stay),
+	};
+	return cmocka_run_group_tests_name("scaled_scene", tests, NULL, NULL);
+}
