@@ -35,8 +35,13 @@ typedef struct gw_stray {
 	float albedo[3], emission[3];
 } gw_stray;
 
+/* Of surface of which nobody knows which side is the front: either side is lit by itself, if the
+ * backs have surfels, which come behind all others, in the same order. */
+#define GW_SIDE_UNCLEAR 2
+#define GW_SIDE_BACK 3
+
 typedef struct gw_surfels {
-	size_t count;     /* distinct finite positions */
+	size_t count;     /* distinct finite positions, and backs */
 	char up;          /* as gw_points has it */
 	double origin[3]; /* of the local frame: whole metres (a power of two below a metre for clouds
 						 under a metre), chosen from the bounds */
@@ -67,7 +72,8 @@ typedef struct gw_surfels {
 						 (bend[0] x^2 + 2 bend[1] x y + bend[2] y^2) / 2 above its plane */
 	uint8_t *creased; /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
 						 place is known from both sides */
-	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides */
+	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides at once;
+						   or GW_SIDE_UNCLEAR or GW_SIDE_BACK; else 0 */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
@@ -108,6 +114,7 @@ typedef struct gw_surfels_options {
 								   missing need not be made */
 	bool rough_area;            /* area is the disc's, shared among the points that it reaches to;
 								   a picture needs no better */
+	bool backs;                 /* what may face either way has surfels of both sides */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_surfels_options;

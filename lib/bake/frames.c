@@ -64,6 +64,7 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 										 .light_count = f->first_light_count,
 										 .normals = f->scene.options.normals,
 										 .memory = f->scene.options.memory,
+										 .backs = true,
 										 .cancelled = gw_scene_stopped,
 										 .user = &f->scene };
 	gw_status status = stage(f, "surfels", 0.05, error);

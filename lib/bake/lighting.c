@@ -14,6 +14,7 @@
 #include "light/shut_out.h"
 #include "octree/compartments.h"
 #include "base/memory.h"
+#include "surfels/surfel_backs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -551,6 +552,46 @@ gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direc
 	return download(lighting, &lighting->surfel_direct, direct, error);
 }
 
+/* What a surfel gets from lamps and from all around, in luminance. */
+static double light_of(const gw_lighting *lighting, const float *direct, size_t surfel)
+{
+	const float *from[] = { direct, lighting->surfel_first, lighting->surfel_indirect };
+	double sum = 0.0;
+	for (size_t i = 0; i < sizeof from / sizeof *from; i++)
+		sum += from[i] ? gw_luminance(from[i] + 4 * surfel) : 0.0;
+	return sum;
+}
+
+gw_status gw_lighting_choose_sides(gw_lighting *lighting, gw_error *error)
+{
+	const gw_surfels *s = &lighting->scene->surfels;
+	float *direct = NULL;
+	uint32_t *shown;
+	free(lighting->shown);
+	lighting->shown = NULL;
+	GW_TRY(gw_surfel_backs_find(s, &shown, error));
+	if (!shown)
+		return GW_OK;
+	gw_status status = gw_lighting_download_direct(lighting, &direct, error);
+	for (size_t i = 0; i < s->count && status == GW_OK; i++) {
+		bool turned = shown[i] != UINT32_MAX &&
+					  light_of(lighting, direct, shown[i]) > light_of(lighting, direct, i);
+		shown[i] = turned ? shown[i] : (uint32_t)i;
+	}
+	free(direct);
+	if (status == GW_OK)
+		lighting->shown = shown;
+	else
+		free(shown);
+	return status;
+}
+
+uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel)
+{
+	const gw_lighting *all = lighting->whole ? lighting->whole : lighting;
+	return all->shown && surfel != UINT32_MAX ? all->shown[surfel] : surfel;
+}
+
 /* Rays that light comes along to what an estimate is held against. */
 static uint32_t rays_of(const gw_bake_options *o)
 {
@@ -648,7 +689,9 @@ void gw_lighting_drop_gathered(gw_lighting *lighting)
 	free(lighting->surfel_first);
 	free(lighting->surfel_indirect);
 	free(lighting->gap);
+	free(lighting->shown);
 	lighting->gap = NULL;
+	lighting->shown = NULL;
 	lighting->surfel_first = lighting->surfel_indirect = NULL;
 	gw_buffer_destroy(gpu, &lighting->facet_radiance);
 	gw_buffer_destroy(gpu, &lighting->patch_radiance);

@@ -35,7 +35,8 @@ struct gw_lighting {
 	gw_light_given *given; /* light_count: flux of each lamp in place of its share; NULL of parts */
 	gw_buffer surfel_direct; /* vec4 a surfel: irradiance from lamps */
 	gw_buffer surfel_turned; /* the same with normals that are off, where an estimate needs it */
-	float *surfel_first, *surfel_indirect;  /* 4 a surfel, on the CPU */
+	float *surfel_first, *surfel_indirect; /* 4 a surfel, on the CPU */
+	uint32_t *shown; /* NULL, or one a surfel: that whose light is written, its own or its back's */
 	gw_buffer facet_direct, facet_radiance; /* vec4 a facet */
 	gw_gap_sight *gap;                      /* one a record, or NULL: what it sees through gaps */
 	const float *carried; /* NULL, or 4 a surfel, not owned: a guess at surfel_indirect, with which
@@ -61,6 +62,11 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error);
 
 /* The records' light at every surfel: surfel_first and surfel_indirect. */
 gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error);
+
+/* Of surface that has surfels of both sides: that of the brighter side is shown. Of a part of a
+ * lighting what is shown is as of the whole. */
+gw_status gw_lighting_choose_sides(gw_lighting *lighting, gw_error *error);
+uint32_t gw_lighting_shown(const gw_lighting *lighting, uint32_t surfel);
 
 /* All of these steps after the plan. */
 gw_status gw_lighting_run(gw_lighting *lighting, gw_error *error);

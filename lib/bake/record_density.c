@@ -176,7 +176,8 @@ gw_status gw_record_density_refine(const gw_lighting *lighting, const gw_density
 		double sum = 0.0;
 		spread_mass(s, &w);
 		for (size_t i = 0; i < w.records; i++) {
-			float room = density->facet_spacing[s->records.facet[i]] / GW_RECORD_SPACING_LEAST;
+			uint32_t facet = s->records.facet[i] & ~GW_RECORD_BACK;
+			float room = density->facet_spacing[facet] / GW_RECORD_SPACING_LEAST;
 			w.most[i] = fminf(fmaxf(room * room, 1.0f), FACTOR_MOST);
 		}
 		gw_density_factors(w.mass, w.most, w.records, wish, w.factor);

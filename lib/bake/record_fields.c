@@ -19,21 +19,28 @@ static float *allocate(size_t count, gw_error *error)
 	return values;
 }
 
+/* The numbers of that side of a surfel which is shown, if there is one. */
+static void copy_shown(const gw_lighting *lighting, size_t width, const float *values,
+					   uint32_t surfel, float *point)
+{
+	uint32_t shown = gw_lighting_shown(lighting, surfel);
+	if (shown != UINT32_MAX)
+		memcpy(point, values + width * shown, width * sizeof *values);
+}
+
 /* `width` numbers a surfel to all points; 0 for points that are left out. */
-static gw_status to_points(const gw_surfels *surfels, size_t width, const float *values,
+static gw_status to_points(const gw_lighting *lighting, size_t width, const float *values,
 						   float **points, gw_error *error)
 {
+	const gw_surfels *surfels = &lighting->scene->surfels;
 	*points = allocate(width * surfels->point_count, error);
 	if (!*points)
 		return GW_ERROR_MEMORY;
 	for (size_t i = 0; i < surfels->point_count; i++)
-		if (surfels->surfel_of_point[i] != UINT32_MAX)
-			memcpy(*points + width * i, values + width * surfels->surfel_of_point[i],
-				   width * sizeof *values);
+		copy_shown(lighting, width, values, surfels->surfel_of_point[i], *points + width * i);
 	for (size_t j = 0; j < surfels->stray_count; j++)
-		if (surfels->stray[j].surfel != UINT32_MAX)
-			memcpy(*points + width * surfels->stray[j].point,
-				   values + width * surfels->stray[j].surfel, width * sizeof *values);
+		copy_shown(lighting, width, values, surfels->stray[j].surfel,
+				   *points + width * surfels->stray[j].point);
 	return GW_OK;
 }
 
@@ -41,7 +48,8 @@ static gw_status to_points(const gw_surfels *surfels, size_t width, const float 
 
 /* Rays of the records: how far they go, and the places that they start from. */
 typedef struct open_rays {
-	const gw_scene *scene;
+	const gw_lighting *lighting;
+	const gw_scene *scene;               /* the lighting's */
 	float *distance, *position, *normal; /* the last two NULL unless directions are wanted */
 } open_rays;
 
@@ -128,7 +136,7 @@ static gw_status find_ambient_occlusion(const open_rays *r, float **points, gw_e
 		gw_read_back_apply(rows, records, s->options.threads, surfels);
 		for (size_t i = 0; i < s->surfels.count; i++)
 			surfels[i] = rows->first[i] == rows->first[i + 1] ? 1.0f : surfels[4 * i];
-		status = to_points(&s->surfels, 1, surfels, points, error);
+		status = to_points(r->lighting, 1, surfels, points, error);
 	}
 	free(records);
 	free(surfels);
@@ -160,17 +168,18 @@ static gw_status find_bent_normals(const open_rays *r, float **points, gw_error 
 		find_directions(r, records);
 		gw_read_back_apply(&s->read_back, records, s->options.threads, surfels);
 		make_unit(s, surfels);
-		status = to_points(&s->surfels, 3, surfels, points, error);
+		status = to_points(r->lighting, 3, surfels, points, error);
 	}
 	free(records);
 	free(surfels);
 	return status;
 }
 
-static gw_status find_openness(const gw_scene *s, gw_bake_result *result, gw_error *error)
+static gw_status find_openness(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
+	const gw_scene *s = lighting->scene;
 	const bool ambient = s->options.ambient_occlusion, bent = s->options.bent_normals;
-	open_rays rays = { .scene = s };
+	open_rays rays = { .lighting = lighting, .scene = s };
 	gw_status status = fetch_rays(&rays, bent, error);
 	if (status == GW_OK && ambient)
 		status = find_ambient_occlusion(&rays, &result->ambient_occlusion, error);
@@ -196,7 +205,7 @@ static gw_status find_errors(const gw_lighting *lighting, float **points, gw_err
 		surfels[i] = (float)(sqrt(gw_read_back_variance(&s->read_back, records, i, 1.0)) *
 							 gw_luminance(s->surfels.albedo + 3 * i) * 0.31830988618379067);
 	if (status == GW_OK)
-		status = to_points(&s->surfels, 1, surfels, points, error);
+		status = to_points(lighting, 1, surfels, points, error);
 	free(surfels);
 	free(records);
 	return status;
@@ -217,18 +226,18 @@ static gw_status find_unknown(const gw_lighting *lighting, float **points, gw_er
 	for (size_t i = 0; i < s->surfels.count && status == GW_OK; i++)
 		surfels[i] = surfels[4 * i];
 	if (status == GW_OK)
-		status = to_points(&s->surfels, 1, surfels, points, error);
+		status = to_points(lighting, 1, surfels, points, error);
 	free(records);
 	free(surfels);
 	return status;
 }
 
-gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
-								   gw_error *error)
+gw_status gw_record_fields_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_bake_options *o = &lighting->scene->options;
+	GW_TRY(gw_lighting_choose_sides(lighting, error));
 	if (gw_options_openness(o))
-		GW_TRY(find_openness(lighting->scene, result, error));
+		GW_TRY(find_openness(lighting, result, error));
 	if (o->unknown)
 		GW_TRY(find_unknown(lighting, &result->unknown, error));
 	if (o->errors)

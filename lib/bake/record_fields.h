@@ -23,7 +23,6 @@
  * V = sum w (E - mean)^2 / (1 - sum w^2), and that of their mean V sum w^2. Where one record alone
  * speaks, all that it gathered counts as uncertain. Times rho / pi, as luminance.
  */
-gw_status gw_record_fields_collect(const gw_lighting *lighting, gw_bake_result *result,
-								   gw_error *error);
+gw_status gw_record_fields_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error);
 
 #endif

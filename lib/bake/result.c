@@ -46,7 +46,7 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 	gw_bake_result *out = job->result;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		uint32_t s = surfels->surfel_of_point[i];
+		uint32_t own = surfels->surfel_of_point[i], s = gw_lighting_shown(light, own);
 		if (s == UINT32_MAX)
 			continue;
 		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->scene->octree.leaf_size);
@@ -59,7 +59,7 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 			out->indirect_irradiance[3 * i + c] = indirect;
 			out->albedo[3 * i + c] = albedo;
 			out->normal[3 * i + c] =
-				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * s + c];
+				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * own + c];
 			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
 		}
 	}
@@ -78,7 +78,7 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to mark strays");
 	for (size_t j = 0; j < surfels->stray_count; j++) {
 		const gw_stray *stray = &surfels->stray[j];
-		size_t i = stray->point, s = stray->surfel;
+		size_t i = stray->point, own = stray->surfel, s = gw_lighting_shown(light, stray->surfel);
 		out->stray[i] = (uint8_t)(1 + stray->kind);
 		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
 			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
@@ -87,7 +87,7 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 			out->indirect_irradiance[3 * i + c] = indirect;
 			out->albedo[3 * i + c] = stray->albedo[c];
 			out->normal[3 * i + c] =
-				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * s + c];
+				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * own + c];
 			out->radiance[3 * i + c] =
 				stray->emission[c] + stray->albedo[c] * 0.318309886f * (direct + indirect);
 		}
@@ -136,19 +136,21 @@ static gw_status share_light(const gw_lighting *lighting, gw_bake_result *result
 	return GW_OK;
 }
 
-gw_status gw_result_collect(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
+gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
 	size_t points = scene->surfels.point_count;
 	float *direct = NULL;
-	gw_status status = allocate_result(points, result, error);
+	gw_status status = gw_lighting_choose_sides(lighting, error);
+	if (status == GW_OK)
+		status = allocate_result(points, result, error);
 	if (status == GW_OK)
 		status = gw_lighting_download_direct(lighting, &direct, error);
 	if (status == GW_OK) {
 		const uint32_t *row = scene->read_back.first;
 		uint64_t lost = 0;
 		for (size_t i = 0; lighting->surfel_first && i < scene->surfels.count; i++)
-			lost += row[i] == row[i + 1];
+			lost += row[i] == row[i + 1] && scene->surfels.two_sided[i] != GW_SIDE_BACK;
 		gw_report_count(scene->report, "without_record", lost,
 						"points with no record near: no gathered light");
 		scatter job = { lighting, direct, result };
@@ -175,7 +177,7 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	const float *emission = job->emission ? surfels->emission : NULL;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		uint32_t s = surfels->surfel_of_point[i];
+		uint32_t s = gw_lighting_shown(job->light, surfels->surfel_of_point[i]);
 		for (size_t c = 0; c < 3 && s != UINT32_MAX; c++) {
 			float irradiance = component(job->direct, s, c) +
 							   component(job->light->surfel_first, s, c) +
@@ -191,7 +193,7 @@ static void add_strays(const part_radiance *job)
 	const gw_surfels *surfels = &job->light->scene->surfels;
 	for (size_t j = 0; j < surfels->stray_count; j++) {
 		const gw_stray *stray = &surfels->stray[j];
-		size_t s = stray->surfel;
+		size_t s = gw_lighting_shown(job->light, stray->surfel);
 		for (size_t c = 0; c < 3 && stray->surfel != UINT32_MAX; c++) {
 			float irradiance = component(job->direct, s, c) +
 							   component(job->light->surfel_first, s, c) +
@@ -220,8 +222,9 @@ static gw_status write_radiance(const gw_lighting *lighting, bool emission, floa
 	return status;
 }
 
-gw_status gw_result_radiance(const gw_lighting *lighting, float *radiance, gw_error *error)
+gw_status gw_result_radiance(gw_lighting *lighting, float *radiance, gw_error *error)
 {
+	GW_TRY(gw_lighting_choose_sides(lighting, error));
 	memset(radiance, 0, 3 * lighting->scene->surfels.point_count * sizeof *radiance);
 	return write_radiance(lighting, true, radiance, error);
 }

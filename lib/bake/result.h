@@ -7,10 +7,10 @@
 #include "bake/lighting.h"
 
 /* Fills in the arrays of points, and counts those without light. */
-gw_status gw_result_collect(const gw_lighting *lighting, gw_bake_result *result, gw_error *error);
+gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error);
 
 /* L of the points alone: 3 * point_count floats. */
-gw_status gw_result_radiance(const gw_lighting *lighting, float *radiance, gw_error *error);
+gw_status gw_result_radiance(gw_lighting *lighting, float *radiance, gw_error *error);
 
 /* Fills in the voxels; afterwards the records' indirect light holds all gathered light. */
 gw_status gw_result_collect_voxels(gw_lighting *lighting, gw_bake_result *result, gw_error *error);

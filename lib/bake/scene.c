@@ -336,6 +336,7 @@ gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *fro
 								   .light_count = from->light_count,
 								   .normals = scene->options.normals,
 								   .memory = scene->options.memory,
+								   .backs = true,
 								   .cancelled = gw_scene_stopped,
 								   .user = scene };
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "light/direct_light.h"
+#include "surfels/surfel_backs.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +17,18 @@ typedef struct replacement {
 	uint64_t repaired;
 	gw_buffer facets;
 } replacement;
+
+/* What faces either way emits to both sides. */
+static gw_status repeat_on_backs(const gw_surfels *s, float *emission, gw_error *error)
+{
+	uint32_t *back;
+	GW_TRY(gw_surfel_backs_find(s, &back, error));
+	for (size_t i = 0; back && i < s->count; i++)
+		if (back[i] != UINT32_MAX)
+			memcpy(emission + 3 * (size_t)back[i], emission + 3 * i, 3 * sizeof *emission);
+	free(back);
+	return GW_OK;
+}
 
 /* The mean emission of each surfel's points. */
 static gw_status merge(const gw_surfels *s, const float *emission, size_t points, replacement *to,
@@ -51,8 +64,9 @@ static gw_status merge(const gw_surfels *s, const float *emission, size_t points
 	if (!emits) {
 		free(to->surfels);
 		to->surfels = NULL;
+		return GW_OK;
 	}
-	return GW_OK;
+	return repeat_on_backs(s, to->surfels, error);
 }
 
 static gw_status make_texels(const gw_scene *scene, uint64_t count, const char *name,

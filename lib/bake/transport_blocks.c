@@ -78,7 +78,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 	for (int k = 0; k < 3; k++)
 		if (!isfinite(n->origin[k]) || !isfinite(n->cube_minimum[k]))
 			return false;
-	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= n->points &&
+	return n->surfels > 0 && n->tree_discs <= n->surfels && n->surfels <= 2 * n->points &&
 		   n->points <= POINTS_MAX && n->strays <= n->points && n->depth >= 1 &&
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&

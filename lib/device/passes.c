@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
-#define BINDINGS 18u
+#define BINDINGS 19u
 
 void gw_passes_destroy(gw_passes *passes)
 {

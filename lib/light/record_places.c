@@ -4,6 +4,8 @@
 #include "light/record_places.h"
 
 #include "base/memory.h"
+#include "light/transport_layout.h"
+#include "octree/octree_layout.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,9 +58,11 @@ static uint32_t bucket(const dart_table *table, int64_t x, int64_t y, int64_t z)
 }
 
 /* Do two facets lie on the same piece of surface, nearer than the spacing? */
-static bool conflict(const float *centre, const float *plane, size_t a, size_t b, float spacing,
+static bool conflict(const gw_place_task *task, uint32_t first, uint32_t second, float spacing,
 					 float off_plane)
 {
+	size_t a = first & ~GW_RECORD_BACK, b = second & ~GW_RECORD_BACK;
+	const float *centre = task->centre, *plane = task->plane;
 	float squared = 0.0f, alignment = 0.0f, height = 0.0f;
 	for (size_t axis = 0; axis < 3; axis++) {
 		float d = centre[4 * a + axis] - centre[4 * b + axis];
@@ -66,13 +70,15 @@ static bool conflict(const float *centre, const float *plane, size_t a, size_t b
 		alignment += plane[4 * a + axis] * plane[4 * b + axis];
 		height += d * plane[4 * b + axis];
 	}
+	if ((first ^ second) & GW_RECORD_BACK)
+		alignment = -alignment;
 	return squared < spacing * spacing && alignment > LIKE_NORMAL && fabsf(height) < off_plane;
 }
 
 /* What a slot's own spacing is, and how far off its plane another surface begins. */
-static float spacing_at(const gw_place_task *task, size_t slot, float *off_plane)
+static float spacing_at(const gw_place_task *task, uint32_t slot, float *off_plane)
 {
-	float spacing = task->closer ? task->closer[slot] : task->spacing;
+	float spacing = task->closer ? task->closer[slot & ~GW_RECORD_BACK] : task->spacing;
 	*off_plane = 0.3f * task->radius * (task->closer ? spacing / task->spacing : 1.0f);
 	return spacing;
 }
@@ -95,13 +101,14 @@ static bool crowded(const dart_table *table, const gw_place_task *task, const ui
 	float off_plane, spacing = spacing_at(task, slot, &off_plane);
 	int64_t cell[3];
 	for (size_t axis = 0; axis < 3; axis++)
-		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)slot + axis] / table->cell);
+		cell[axis] = (int64_t)floorf(task->centre[4 * (size_t)(slot & ~GW_RECORD_BACK) + axis] /
+									 table->cell);
 	for (int n = 0; n < 27; n++) {
 		int i = around[n];
 		uint32_t b =
 			bucket(table, cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1);
 		for (uint32_t at = table->head[b]; at != 0; at = table->next[at - 1]) {
-			if (conflict(task->centre, task->plane, slot, chosen[at - 1], spacing, off_plane))
+			if (conflict(task, slot, chosen[at - 1], spacing, off_plane))
 				return true;
 		}
 	}
@@ -111,7 +118,7 @@ static bool crowded(const dart_table *table, const gw_place_task *task, const ui
 /* Enters chosen[at] into the table. */
 static void stick(dart_table *table, const gw_place_task *task, const uint32_t *chosen, size_t at)
 {
-	uint32_t b = bucket_of(table, &task->centre[4 * (size_t)chosen[at]]);
+	uint32_t b = bucket_of(table, &task->centre[4 * (size_t)(chosen[at] & ~GW_RECORD_BACK)]);
 	table->next[at] = table->head[b];
 	table->head[b] = (uint32_t)at + 1;
 }
@@ -143,13 +150,16 @@ static uint64_t turn_of(const float *centre, const float *plane, size_t slot, ui
 	return seed;
 }
 
-static size_t list_darts(const float *centre, const float *plane, size_t slots, uint64_t seed,
-						 dart *darts)
+static size_t list_darts(const gw_place_task *task, dart *darts)
 {
 	size_t count = 0;
-	for (size_t slot = 0; slot < slots; slot++) {
-		if (centre[4 * slot + 3] > 0.0f)
-			darts[count++] = (dart){ turn_of(centre, plane, slot, seed), (uint32_t)slot };
+	for (size_t slot = 0; slot < task->slots; slot++) {
+		if (!(task->centre[4 * slot + 3] > 0.0f))
+			continue;
+		uint64_t turn = turn_of(task->centre, task->plane, slot, task->seed);
+		darts[count++] = (dart){ turn, (uint32_t)slot };
+		if (task->albedo && task->albedo[4 * slot + 3] >= GW_FACET_UNCLEAR)
+			darts[count++] = (dart){ turn, (uint32_t)slot | GW_RECORD_BACK };
 	}
 	return count;
 }
@@ -157,7 +167,7 @@ static size_t list_darts(const float *centre, const float *plane, size_t slots, 
 /* All facets in a random order, as far as there is room; or all of them. */
 static size_t choose(dart_table *table, const gw_place_task *task, dart *darts, uint32_t *chosen)
 {
-	size_t count = list_darts(task->centre, task->plane, task->slots, task->seed, darts);
+	size_t count = list_darts(task, darts);
 	if (task->spacing > 0.0f) {
 		qsort(darts, count, sizeof *darts, by_order);
 		for (size_t i = 0; i < task->kept_count; i++)
@@ -175,12 +185,13 @@ gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t 
 						   gw_error *error)
 {
 	dart_table table = { .mask = 1, .cell = task->spacing };
+	size_t most = task->albedo ? 2 * task->slots : task->slots;
 	while (table.mask < task->slots && table.mask < UINT32_MAX / 2)
 		table.mask = table.mask * 2 + 1;
-	dart *darts = gw_allocate_array(task->slots, sizeof *darts);
+	dart *darts = gw_allocate_array(most, sizeof *darts);
 	table.head = gw_allocate_zeros((size_t)table.mask + 1, sizeof *table.head);
-	table.next = gw_allocate_array(task->slots, sizeof *table.next);
-	*chosen = gw_allocate_array(task->slots, sizeof **chosen);
+	table.next = gw_allocate_array(most, sizeof *table.next);
+	*chosen = gw_allocate_array(most, sizeof **chosen);
 	gw_status status = GW_OK;
 	if (!darts || !table.head || !table.next || !*chosen) {
 		status = gw_fail(error, GW_ERROR_MEMORY,

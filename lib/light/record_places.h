@@ -10,6 +10,8 @@ typedef struct gw_place_task {
 	const float *centre, *plane; /* 4 * slots, as gw_octree.facet_centre and facet_plane; slots of
 									area 0 are skipped */
 	size_t slots;
+	const float *albedo;  /* NULL, or 4 * slots, as facet_albedo: what may face either way gets
+							 records on both sides */
 	float spacing;        /* leaf cells; 0 chooses every facet */
 	float radius;         /* of influence, leaf cells: how far off a facet's plane counts as another
 							 surface */
@@ -22,8 +24,8 @@ typedef struct gw_place_task {
 
 /*
  * Chooses facets for records, see gw_records_place.
- *   chosen   receives the slots, allocated: those that are kept as they are, then the others in
- *            ascending order; freed by the caller
+ *   chosen   receives the slots, those of backs plus GW_RECORD_BACK, allocated: those that are kept
+ * as they are, then the others in ascending order; freed by the caller
  */
 gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t *count,
 						   gw_error *error);

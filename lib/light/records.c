@@ -179,13 +179,19 @@ static gw_status list_by_block(const gw_record_context *on, const gw_buffer *fac
 	return status;
 }
 
-/* Centres and planes of both facets of each leaf. */
-static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, float *centre, float *plane,
+/* Centres and planes of both facets of each leaf, and albedos where some face either way. */
+static gw_status fetch_facets(gw_gpu *gpu, const gw_octree *octree, float *const rows[3],
 							  gw_error *error)
 {
-	uint64_t bytes = 32 * (uint64_t)octree->leaf_count;
-	GW_TRY(gw_buffer_download(gpu, &octree->facet_centre, 0, centre, bytes, error));
-	return gw_buffer_download(gpu, &octree->facet_plane, 0, plane, bytes, error);
+	const gw_buffer *const buffer[3] = { &octree->facet_centre, &octree->facet_plane,
+										 &octree->facet_albedo };
+	for (int i = 0; i < 3; i++) {
+		if (!rows[i])
+			continue;
+		GW_TRY(gw_buffer_download(gpu, buffer[i], 0, rows[i], 32 * (uint64_t)octree->leaf_count,
+								  error));
+	}
+	return GW_OK;
 }
 
 /* Throws darts; the chosen facets become records->facet and records->count. */
@@ -193,22 +199,27 @@ static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_ta
 							   gw_records *records, gw_error *error)
 {
 	size_t slots = 2 * (size_t)octree->leaf_count, count = 0;
-	float *centre = gw_allocate_array(slots, 4 * sizeof *centre);
-	float *plane = gw_allocate_array(slots, 4 * sizeof *plane);
+	float *rows[3] = { NULL };
+	bool good = true;
+	for (int i = 0; i < 3; i++) {
+		bool wanted = i < 2 || octree->backs;
+		rows[i] = wanted ? gw_allocate_array(slots, 4 * sizeof *rows[i]) : NULL;
+		good = good && (rows[i] || !wanted);
+	}
 	gw_status status =
-		centre && plane ? GW_OK
-						: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
-	task.centre = centre;
-	task.plane = plane;
+		good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
+	task.centre = rows[0];
+	task.plane = rows[1];
+	task.albedo = rows[2];
 	task.slots = slots;
 	task.radius = records->radius;
 	if (status == GW_OK)
-		status = fetch_facets(gpu, octree, centre, plane, error);
+		status = fetch_facets(gpu, octree, rows, error);
 	if (status == GW_OK)
 		status = gw_place_records(&task, &records->facet, &count, error);
 	records->count = (uint32_t)count;
-	free(centre);
-	free(plane);
+	for (int i = 0; i < 3; i++)
+		free(rows[i]);
 	return status;
 }
 

@@ -421,13 +421,23 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	return GW_OK;
 }
 
+/* Was a side taken because it may be a room's? There the light of the other one is no substitute:
+ * it is the day outside. */
+static bool is_room(const orientation_work *w, size_t patch)
+{
+	const patch_group *g = w->groups + w->group[patch];
+	return g->factor[0] > g->factor[1] && g->light.side[0].light < g->light.side[1].light;
+}
+
 static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t *doubtful)
 {
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		bool unclear = w->groups[w->group[patch]].doubtful || w->disputed[patch];
-		doubtful[i] = estimated[i] && unclear;
+		if (estimated[i] && (w->groups[w->group[patch]].doubtful || w->disputed[patch]))
+			doubtful[i] = is_room(w, patch) && !w->disputed[patch] ? 1 : GW_SIDE_UNCLEAR;
+		else
+			doubtful[i] = 0;
 		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 	}

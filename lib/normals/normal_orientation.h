@@ -28,7 +28,9 @@
  *   search     over the surfels
  *   surfels    normals of all, unit length; emission where there is some
  *   estimated  surfels->count: 1 where the normal may be turned, 0 where it was given
- *   doubtful   surfels->count, receives 1 where about as much light falls on both sides, else 0
+ *   doubtful   surfels->count, receives GW_SIDE_UNCLEAR where about as much light falls on both
+ *              sides, or ways to decide dispute the side; 1 where it does, but one side is more
+ *              like a room's; else 0
  * The result depends on the surfels' order in the arrays, which is canonical, and not on threads.
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */

@@ -43,6 +43,7 @@ enum {
 	UNTRUSTED = 4, /* lit from both sides */
 	NEGATIVE = 8,  /* the vote's result: points the other way */
 	EDGE_ON = 16,  /* untrusted unless the neighbours agree */
+	UNCLEAR = 32,  /* nobody knows which side is the front */
 };
 
 typedef struct normal_step {
@@ -326,9 +327,9 @@ static void apply_states(normal_step *step)
 		for (size_t k = 0; k < 3 && (state & NEGATIVE); k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 		s->normals_estimated += (state & ESTIMATED) != 0;
-		s->normals_untrusted += (state & UNTRUSTED) != 0;
-		if (state & UNTRUSTED)
-			s->two_sided[i] = 1;
+		s->normals_untrusted += (state & (UNTRUSTED | UNCLEAR)) != 0;
+		if (state & (UNTRUSTED | UNCLEAR))
+			s->two_sided[i] = state & UNTRUSTED ? 1 : GW_SIDE_UNCLEAR;
 	}
 }
 
@@ -344,7 +345,7 @@ static gw_status choose_sides(normal_step *step, const gw_surfels_options *optio
 			? gw_orient_normals(options, step->search, step->surfels, step->next, doubtful, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no memory to orient %zu normals", count);
 	for (size_t i = 0; status == GW_OK && i < count; i++)
-		step->state[i] |= doubtful[i] ? UNTRUSTED : 0;
+		step->state[i] |= doubtful[i] == GW_SIDE_UNCLEAR ? UNCLEAR : doubtful[i] ? UNTRUSTED : 0;
 	free(doubtful);
 	return status;
 }

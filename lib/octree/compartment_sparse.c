@@ -10,6 +10,7 @@
  */
 #include "octree/compartments_steps.h"
 
+#include "octree/octree_layout.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -133,13 +134,19 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	return true;
 }
 
+/* Does a surfel count? What lets light through is no wall, and backs are where their fronts are. */
+static bool is_wall(const sparse *s, const gw_surfels *surfels, size_t i)
+{
+	bool clear = surfels->transparency && surfels->transparency[i] > 0.0f;
+	return !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
+}
+
 static void count_surfels(sparse *s, const gw_surfels *surfels)
 {
-	const float *clear = surfels->transparency; /* what lets light through is no wall */
 	uint32_t node = 0;
 	for (size_t i = 0; i < surfels->count; i++)
 		for (cell of = { 0 };
-			 !(clear && clear[i] > 0.0f) && descend(s->c, s->place + 4 * i, &of, &node);) {
+			 is_wall(s, surfels, i) && descend(s->c, s->place + 4 * i, &of, &node);) {
 			if (s->count[node] == 0)
 				s->first[node] = (uint32_t)i;
 			if (s->count[node] < COUNT_MOST)

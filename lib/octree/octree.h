@@ -22,6 +22,8 @@
 #include "device/gpu.h"
 #include "cloud/surfels.h"
 
+#include <math.h>
+
 /* Directory: dense tables of tile pointers down to this level, so that a walk need not start at
  * the root. */
 #define GW_DIRECTORY_LEVEL_MAX 7u
@@ -99,8 +101,9 @@ typedef struct gw_octree {
 	gw_buffer facet_plane;
 	/* R32G32B32A32_SFLOAT: centroid in grid coordinates, area in leaf cells^2 */
 	gw_buffer facet_centre;
-	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, plus the mean
-	 * transparency, which is below 1 */
+	/* R32G32B32A32_SFLOAT: area-weighted mean albedo; w = 1 if mostly two-sided, or else
+	 * GW_FACET_UNCLEAR if some of it may face either way, plus the mean transparency, which is
+	 * below 1 */
 	gw_buffer facet_albedo;
 	/* R32G32B32A32_SFLOAT: area-weighted mean Le; w = 0. One texel when nothing emits */
 	gw_buffer facet_emission;
@@ -118,8 +121,9 @@ typedef struct gw_octree {
 	/* Samples on the device, in surfel order (windowed by streaming passes). */
 	/* R32G32B32A32_SFLOAT: grid coordinates g, RoI (leaf cells, <= 1) */
 	gw_buffer surfel_position;
-	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, -1 if all its
-	 * cuts are at creases */
+	/* R32G32B32A32_SFLOAT: unit normal; w = 1 if two-sided, GW_MARK_CREASED if all its cuts are at
+	 * creases, GW_MARK_UNCLEAR if nobody knows which side is its front, GW_MARK_BACK if it is the
+	 * back of such a one, which has no fragments */
 	gw_buffer surfel_normal;
 	/* R32G32B32A32_SFLOAT: radius and area of the disc, direction of the first clip (see
 	 * gw_surfels; lengths in leaf cells) */
@@ -133,6 +137,8 @@ typedef struct gw_octree {
 	 * when there are none */
 	gw_buffer disc_tree;
 
+	bool backs; /* some surfels are backs */
+
 	/* Its empty space: NULL until somebody asks (compartments.h). */
 	struct gw_compartments *compartments;
 } gw_octree;
@@ -140,7 +146,7 @@ typedef struct gw_octree {
 /* The opacity of a facet, of which w is that of its facet_albedo. */
 static inline float gw_facet_opacity(float w)
 {
-	return w >= 1.0f ? 2.0f - w : 1.0f - w;
+	return 1.0f - (w - floorf(w));
 }
 
 /* The depth that GW_DEPTH_AUTO gives when memory suffices. */

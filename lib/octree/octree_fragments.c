@@ -56,6 +56,15 @@ static void choose_cube(const gw_surfels *surfels, double leaf_size, gw_octree *
 		octree->depth - 1 < GW_DIRECTORY_LEVEL_MAX ? octree->depth - 1 : GW_DIRECTORY_LEVEL_MAX;
 }
 
+/* What a surfel's normal carries besides: gw_octree.surfel_normal. */
+static float mark_of(const gw_surfels *s, size_t i)
+{
+	static const float of_sides[4] = { 0, 1, GW_MARK_UNCLEAR, GW_MARK_BACK };
+	if (s->two_sided[i])
+		return of_sides[s->two_sided[i] & 3];
+	return s->creased && s->creased[i] ? GW_MARK_CREASED : 0;
+}
+
 /* Converts one surfel's `k`-th array of what goes to the device. */
 static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int which, float out[4])
 {
@@ -74,7 +83,7 @@ static void convert(const gw_octree *octree, const gw_surfels *s, size_t i, int 
 	case 1:
 		for (int k = 0; k < 3; k++)
 			out[k] = s->normal[3 * i + (size_t)k];
-		out[3] = s->two_sided[i] ? 1 : s->creased && s->creased[i] ? -1 : 0;
+		out[3] = mark_of(s, i);
 		break;
 	case 2:
 		out[0] = (float)fmin(RADIUS_MAX, (double)s->radius[i] / leaf);
@@ -146,6 +155,7 @@ static gw_status upload(gw_octree_work *work, uint32_t depth, int arrays, gw_err
 	const gw_surfels *s = work->surfels;
 	work->octree->depth = depth;
 	choose_cube(s, work->leaf_size, work->octree);
+	work->octree->backs = memchr(s->two_sided, GW_SIDE_BACK, s->count) != NULL;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (chunk == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "not enough memory to upload %zu points", s->count);

@@ -22,7 +22,8 @@ static bool is_large(const gw_octree_work *work, size_t surfel)
 		if (!(cell >= 0 && cell <= side))
 			return false;
 	}
-	return (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
+	return work->surfels->two_sided[surfel] != GW_SIDE_BACK &&
+		   (float)((double)work->surfels->radius[surfel] / leaf) > GW_DISC_MAX;
 }
 
 static gw_status enter_facets(gw_octree_work *work, uint32_t *first, uint32_t *surfel,

@@ -10,6 +10,7 @@
 #include "normals/normals.h"
 #include "normals/plane_error.h"
 #include "surfels/filled_space.h"
+#include "surfels/surfel_backs.h"
 #include "surfels/surfel_disc.h"
 #include "surfels/surfel_smooth.h"
 
@@ -151,7 +152,11 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 gw_status gw_surfels_make(const gw_points *points, const gw_surfels_options *options,
 						  gw_surfels *surfels, gw_error *error)
 {
-	return gw_surfels_make_with_gaps(points, options, surfels, NULL, error);
+	GW_TRY(gw_surfels_make_with_gaps(points, options, surfels, NULL, error));
+	gw_status status = options->backs ? gw_surfel_backs_add(surfels, error) : GW_OK;
+	if (status != GW_OK)
+		gw_surfels_clear(surfels);
+	return status;
 }
 
 void gw_surfels_clear(gw_surfels *surfels)

@@ -41,7 +41,7 @@ void main()
 	vec3 cell = clamp(floor(record_position[i].xyz / size), vec3(0.0), vec3(cells - 1.0));
 	uint pointer = find_tile(uvec3(cell), push.block_level);
 	if (pointer == 0u) {
-		uvec3 leaf = texelFetch(leaf_cell, int(record_facet[i] >> 1)).xyz;
+		uvec3 leaf = texelFetch(leaf_cell, int((record_facet[i] & ~GW_RECORD_BACK) >> 1)).xyz;
 		pointer = find_tile(leaf >> (depth - push.block_level), push.block_level);
 	}
 	record_block[i] = pointer - 1u - push.tile_first;

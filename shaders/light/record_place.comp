@@ -43,7 +43,7 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	uint slot = record_facet[i];
+	uint slot = record_facet[i] & ~GW_RECORD_BACK;
 	vec3 normal = texelFetch(facet_plane, int(slot)).xyz;
 	vec4 middle = texelFetch(facet_centre, int(slot));
 	vec3 centre = middle.xyz;
@@ -63,5 +63,5 @@ void main()
 		}
 	}
 	record_position[i] = vec4(place, 0.0);
-	record_normal[i] = vec4(normal, 0.0);
+	record_normal[i] = vec4(slot == record_facet[i] ? normal : -normal, 0.0);
 }

@@ -17,6 +17,9 @@
  * reach 1.6 spacings, so that about 7 speak for a place on a surface. */
 #define GW_SURFEL_WEIGHTS 32u
 
+/* Added to the facet of a record that stands on its back. */
+#define GW_RECORD_BACK 0x80000000u
+
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 

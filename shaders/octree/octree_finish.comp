@@ -62,7 +62,7 @@ bool finish_facet(uint slot, uvec3 cell, uint first)
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
 	facet_plane[slot] = vec4(normal, offset);
 	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
-	float sides = 2.0 * albedo.w > area ? 1.0 : 0.0;
+	float sides = 2.0 * albedo.w > area ? 1.0 : albedo.w > 0.0 ? GW_FACET_UNCLEAR : 0.0;
 	facet_albedo[slot] = vec4(albedo.xyz * scale, sides + min(clear * scale, CLEAREST));
 	if (push.emissive != 0u)
 		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);

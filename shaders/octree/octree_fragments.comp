@@ -253,8 +253,10 @@ void main()
 	disc.clip[1] = clip.yzw;
 	disc.bend = texelFetch(surfel_bend, int(surfel)).xyz;
 
-	/* What lies far off all the rest is outside the cube, and contributes to nothing. */
-	if (all(greaterThanEqual(position.xyz, vec3(0.0))) &&
+	/* What lies far off all the rest is outside the cube, and contributes to nothing. And backs are
+	 * where their fronts are already. */
+	if (texelFetch(surfel_normal, int(surfel)).w != GW_MARK_BACK &&
+		all(greaterThanEqual(position.xyz, vec3(0.0))) &&
 		all(lessThanEqual(position.xyz, vec3(push.side)))) {
 		add_roi(disc.cell, disc.place, position.w);
 		if (disc.radius <= GW_DISC_SMALL)

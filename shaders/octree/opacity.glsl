@@ -32,6 +32,12 @@ float transparency_of(uint facet)
 	return fract(texelFetch(facet_albedo, int(facet)).w);
 }
 
+/* Is most of a facet met from both sides? One that may face either way is not (octree.h). */
+bool is_two_sided(uint facet)
+{
+	return floor(texelFetch(facet_albedo, int(facet)).w) == 1.0f;
+}
+
 /* What of its light a facet sends out, and stops. */
 float opacity_of(uint facet)
 {

@@ -58,7 +58,7 @@ Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 	if (hit.facet == GW_NONE || ray.both_sides)
 		return hit;
 	vec4 plane = texelFetch(facet_plane, int(hit.facet));
-	if (dot(plane.xyz, ray.direction) > 0.0f && texelFetch(facet_albedo, int(hit.facet)).w < 1.0f)
+	if (dot(plane.xyz, ray.direction) > 0.0f && !is_two_sided(hit.facet))
 		hit.facet = dark_slot - 1u;
 	return hit;
 }

@@ -451,6 +451,13 @@ static void density_does_not_brighten(void **state)
 
 /* ------------------------------------------------------------------- only what is called for */
 
+/* Is an effect of the points themselves, which neither the box nor the hall call for? */
+static bool is_of_points(const gw_effect *effect)
+{
+	return strcmp(effect->name, "normals") == 0 || strcmp(effect->name, "noise") == 0 ||
+		   strcmp(effect->name, "transmission") == 0;
+}
+
 /* One reflection of a lamp: no records are placed, and no effect but direct light is computed. */
 static void no_records_without_need(void **state)
 {
@@ -472,8 +479,7 @@ static void no_records_without_need(void **state)
 		const gw_effect *effect = &result->report.effect[i];
 		bool gathers = strcmp(effect->name, "emitters") == 0 || strcmp(effect->name, "sky") == 0 ||
 					   strcmp(effect->name, "portals") == 0 || strcmp(effect->name, "bounces") == 0;
-		bool mends = strcmp(effect->name, "normals") == 0 || strcmp(effect->name, "noise") == 0;
-		assert_int_equal(effect->called_for, !gathers && !mends);
+		assert_int_equal(effect->called_for, !gathers && !is_of_points(effect));
 		assert_true(effect->reason[0] != '\0');
 		assert_int_equal(effect->method[0] != '\0', effect->called_for);
 	}
@@ -510,8 +516,7 @@ static void compare_effects(gw_method method, const scene *hall, const gw_light 
 	assert_true(plain->report.effect_count >= 4);
 	for (uint32_t i = 0; i < plain->report.effect_count; i++) {
 		const gw_effect *effect = &plain->report.effect[i];
-		bool mends = strcmp(effect->name, "normals") == 0 || strcmp(effect->name, "noise") == 0;
-		if (effect->called_for == (mends || strcmp(effect->name, "portals") == 0))
+		if (effect->called_for == (is_of_points(effect) || strcmp(effect->name, "portals") == 0))
 			fail_msg("%s is%s called for: %s", effect->name, effect->called_for ? "" : " not",
 					 effect->reason);
 	}

@@ -1,6 +1,6 @@
 /* Which side of bare points is taken for the front, on scenes of which everybody would say it. */
 #include "expected.h"
-#include "glowworm_picture.h"
+#include "cloud/surfels.h"
 #include "normals/patch_signs.h"
 
 #include <math.h>
@@ -281,6 +281,68 @@ static void test_sheet_is_doubtful(void **state)
 	free(c);
 }
 
+/* How much the surface curves away from a disc along a direction of space, and how far the disc
+ * reaches along it at most. */
+static void shape_along(const gw_surfels *s, size_t i, const double way[3], double out[2])
+{
+	float t[2][3];
+	double at[2] = { 0, 0 };
+	gw_tangent_frame(s->normal + 3 * i, t[0], t[1]);
+	for (size_t k = 0; k < 3; k++)
+		for (int a = 0; a < 2; a++)
+			at[a] += way[k] * (double)t[a][k];
+	const float *b = s->bend + 3 * i, *clip = s->clip + 6 * i;
+	out[0] = (double)b[0] * at[0] * at[0] + 2 * (double)b[1] * at[0] * at[1] +
+			 (double)b[2] * at[1] * at[1];
+	out[1] = (double)s->radius[i];
+	for (size_t c = 0; c < 6; c += 3) {
+		double part = (double)clip[c] * at[0] + (double)clip[c + 1] * at[1];
+		out[1] = part > 0.1 ? fmin(out[1], (double)clip[c + 2] / part) : out[1];
+	}
+}
+
+/* The backs of what is unclear have the same discs at the same places, seen from the other side:
+ * what rises from the one falls from the other. */
+static void test_backs(void **state)
+{
+	(void)state;
+	cloud *c = new_cloud();
+	static float opacity[4000];
+	uint64_t random = 5;
+	for (int i = 0; i < 4000; i++) {
+		double x = 4 * next_random(&random) - 2, y = 3 * next_random(&random);
+		add(c, (double[3]){ 0.1 * x * x, x, y }, (double[3]){ 1, -0.2 * x, 0 });
+		opacity[i] = 0.5f + 0.0001f * (float)i;
+	}
+	const gw_points points = {
+		.count = c->count, .position = c->position, .opacity = opacity, .up = c->up
+	};
+	gw_surfels s;
+	gw_error error;
+	assert_ok(gw_surfels_make(&points, &(gw_surfels_options){ .backs = true }, &s, &error), &error);
+	size_t backs = (size_t)s.normals_untrusted, fronts = s.count - backs, cut = 0, bent = 0;
+	assert_int_equal(fronts, 4000);
+	assert_int_equal(backs, 4000);
+	for (size_t i = 0; i < backs; i++) {
+		size_t j = fronts + i;
+		double along[3] = { 0, 0.6, 0.8 }, one[2], other[2];
+		assert_int_equal(s.two_sided[i], GW_SIDE_UNCLEAR);
+		assert_int_equal(s.two_sided[j], GW_SIDE_BACK);
+		assert_memory_equal(s.position + 3 * i, s.position + 3 * j, 12);
+		assert_true(s.transparency[i] > 0.09f && s.transparency[i] == s.transparency[j]);
+		for (size_t k = 0; k < 3; k++)
+			assert_true(s.normal[3 * i + k] == -s.normal[3 * j + k]);
+		shape_along(&s, i, along, one);
+		shape_along(&s, j, along, other);
+		assert_true(fabs(one[0] + other[0]) < 1e-4 && fabs(one[1] - other[1]) < 1e-5);
+		cut += one[1] < 0.9 * (double)s.radius[i];
+		bent += fabs(one[0]) > 0.01;
+	}
+	assert_true(cut > 10 && bent > 1000);
+	gw_surfels_clear(&s);
+	free(c);
+}
+
 /* Two balls, a scanner in each. The normals of one face away from its scanner and are turned, but
  * not if they are to be taken as given; where a part alone faces away, they stay. */
 static void test_given_away_from_scanner(void **state)
@@ -367,17 +429,12 @@ static void test_patches_join(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_closed_thing),
-		cmocka_unit_test(test_lit_from_within),
-		cmocka_unit_test(test_room),
-		cmocka_unit_test(test_thing_on_floor),
-		cmocka_unit_test(test_ground),
-		cmocka_unit_test(test_sheet_is_doubtful),
-		cmocka_unit_test(test_up),
-		cmocka_unit_test(test_open_room),
-		cmocka_unit_test(test_given_away_from_scanner),
-		cmocka_unit_test(test_patches_turn),
-		cmocka_unit_test(test_patches_join),
+		cmocka_unit_test(test_closed_thing), cmocka_unit_test(test_lit_from_within),
+		cmocka_unit_test(test_room),         cmocka_unit_test(test_thing_on_floor),
+		cmocka_unit_test(test_ground),       cmocka_unit_test(test_sheet_is_doubtful),
+		cmocka_unit_test(test_backs),        cmocka_unit_test(test_up),
+		cmocka_unit_test(test_open_room),    cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_patches_turn), cmocka_unit_test(test_patches_join),
 	};
 	return cmocka_run_group_tests_name("sides", tests, NULL, NULL);
 }
