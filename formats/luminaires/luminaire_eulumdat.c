@@ -156,7 +156,7 @@ static gw_status read_planes(luminaire_lines *lines, const ldt_head *head, const
 	GW_TRY(read_list(lines, "an angle in a plane", planes->verticals, &planes->vertical));
 	choose_planes(head, &first, &planes->horizontals);
 	size_t count = planes->horizontals * planes->verticals;
-	for (size_t i = 0; i < planes->horizontals; i++)
+	for (size_t i = 0; planes->horizontal && i < planes->horizontals; i++)
 		planes->horizontal[i] = planes->horizontal[first + i];
 	planes->around = head->symmetry == 0.0;
 	planes->photometry = 'C';

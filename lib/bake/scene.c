@@ -393,8 +393,8 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 gw_status gw_scene_do_without_octree(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
-	GW_TRY(gw_octree_without_tree(scene->gpu, &scene->surfels, o->leaf_spacing, &scene->octree,
-								  error));
+	const gw_octree_task task = { &scene->surfels, scene->still, o->depth, o->leaf_spacing };
+	GW_TRY(gw_octree_without_tree(scene->gpu, &task, &scene->octree, error));
 	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);

@@ -169,15 +169,6 @@ gw_status gw_octree_build(gw_gpu *gpu, const gw_surfels *surfels, uint32_t depth
  */
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error);
-
-/*
- * Only the places and normals of surfels, in the coordinates of an octree's grid: for light that
- * nothing hides. Depth and all counts are 0.
- *   leaf_spacing  width of the grid's cells, in surfels->spacing, at least
- *   octree        as of gw_octree_build
- */
-gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 gw_octree *octree, gw_error *error);
 void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree);
 
 /* What octrees have in common whose first surfels are the same: fragments of these, and passes. */
@@ -191,6 +182,15 @@ typedef struct gw_octree_task {
 	uint32_t depth;     /* as of gw_octree_build */
 	float leaf_spacing; /* as of gw_octree_build_spaced, for GW_DEPTH_AUTO */
 } gw_octree_task;
+
+/*
+ * Only the places and normals of surfels, in the coordinates of the grid that an octree of the same
+ * task would have: for light that nothing hides. Depth and all counts are 0. Where memory would
+ * have made the octree coarser, the grid is not.
+ *   octree   as of gw_octree_build
+ */
+gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
+								 gw_error *error);
 
 /*
  * Builds the same octree as the functions above, to the last bit, quicker when it is built again

@@ -184,6 +184,23 @@ static void note_coarser(double leaf_size, const gw_error *reason, float *wanted
 	snprintf(why, GW_OCTREE_WHY, "%.*s", GW_OCTREE_WHY - 1, reason->text);
 }
 
+gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_octree_task *task, gw_octree *octree,
+								 gw_error *error)
+{
+	const gw_surfels *surfels = task->surfels;
+	bool given = task->depth != GW_DEPTH_AUTO;
+	double width = given ? 0.0 : (double)task->leaf_spacing * (double)surfels->spacing;
+	gw_octree_work work = { .gpu = gpu, .surfels = surfels, .octree = octree, .leaf_size = width };
+	memset(octree, 0, sizeof *octree);
+	uint32_t depth = given ? task->depth : depth_of(extent_of(surfels) / width);
+	gw_status status = gw_octree_upload_lit(&work, depth, error);
+	if (status == GW_OK)
+		octree->depth = 0;
+	else
+		gw_octree_destroy(gpu, octree);
+	return status;
+}
+
 gw_status gw_octree_build_spaced(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
 								 gw_octree *octree, gw_error *error)
 {

@@ -169,20 +169,9 @@ gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error
 	return upload(work, depth, SURFEL_ARRAYS, error);
 }
 
-gw_status gw_octree_without_tree(gw_gpu *gpu, const gw_surfels *surfels, float leaf_spacing,
-								 gw_octree *octree, gw_error *error)
+gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *error)
 {
-	gw_octree_work work = { .gpu = gpu,
-							.surfels = surfels,
-							.octree = octree,
-							.leaf_size = (double)leaf_spacing * (double)surfels->spacing };
-	memset(octree, 0, sizeof *octree);
-	gw_status status = upload(&work, 1, LIT_ARRAYS, error);
-	if (status == GW_OK)
-		octree->depth = 0;
-	else
-		gw_octree_destroy(gpu, octree);
-	return status;
+	return upload(work, depth, LIT_ARRAYS, error);
 }
 
 void gw_octree_forget_upload(gw_octree_work *work)

@@ -97,6 +97,8 @@ gw_status gw_octree_buffers(gw_octree_work *work, const gw_octree_part *parts, s
  * surfel_normal, surfel_disc and surfel_clip of the octree, and the surfel_ buffers of the work.
  */
 gw_status gw_octree_upload(gw_octree_work *work, uint32_t depth, gw_error *error);
+/* Only places and normals of the surfels, which is all that lamps shine on. */
+gw_status gw_octree_upload_lit(gw_octree_work *work, uint32_t depth, gw_error *error);
 
 /* Frees what gw_octree_upload and gw_octree_count_fragments made. */
 void gw_octree_forget_upload(gw_octree_work *work);
