@@ -80,10 +80,14 @@ static uint32_t leaf_of(const sight *s, const int32_t cell[3])
 	return s->leaf_tile[2 * (tile - 1)] + (uint32_t)__builtin_popcount(before);
 }
 
+/* Cells beyond the grid are as good as one next to it: strays lie 1e10 cells away. */
+#define CELL_LEAST (-2.0f)
+#define CELL_MOST ((float)(1u << (GW_DEPTH_MAX + 1)))
+
 static void cell_of(const float place[3], int32_t cell[3])
 {
 	for (int k = 0; k < 3; k++)
-		cell[k] = (int32_t)floorf(place[k]);
+		cell[k] = (int32_t)fminf(fmaxf(floorf(place[k]), CELL_LEAST), CELL_MOST);
 }
 
 /* Does a place lie behind surface in a cell, other than that which faces along a normal? */

@@ -134,11 +134,15 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	return true;
 }
 
-/* Does a surfel count? What lets light through is no wall, and backs are where their fronts are. */
+/* Does a surfel count? What lets light through is no wall, backs are where their fronts are, and
+ * strays may lie beyond the grid. */
 static bool is_wall(const sparse *s, const gw_surfels *surfels, size_t i)
 {
-	bool clear = surfels->transparency && surfels->transparency[i] > 0.0f;
-	return !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
+	bool within = true, clear = surfels->transparency && surfels->transparency[i] > 0.0f;
+	for (size_t k = 0; k < 3; k++)
+		within = within && s->place[4 * i + k] >= 0.0f &&
+				 s->place[4 * i + k] < (float)(1u << s->c->depth);
+	return within && !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
 }
 
 static void count_surfels(sparse *s, const gw_surfels *surfels)
