@@ -95,7 +95,7 @@ static void print_effects(const gw_report *r, FILE *out)
 {
 	for (uint32_t i = 0; i < r->effect_count; i++) {
 		const gw_effect *e = &r->effect[i];
-		fprintf(out, "%-10s %-15s %s%s%s%s\n", e->name,
+		fprintf(out, "%-12s %-15s %s%s%s%s\n", e->name,
 				e->called_for ? "called for" : "not called for", e->reason, *e->method ? " [" : "",
 				e->method, *e->method ? "]" : "");
 	}
@@ -105,7 +105,7 @@ static void print_effects(const gw_report *r, FILE *out)
 static void print_figures(const char *what, double seconds, uint64_t host, uint64_t device,
 						  FILE *out)
 {
-	fprintf(out, "%-10s %.2f s, %.0f MB of the host, %.0f MB of the device", what, seconds,
+	fprintf(out, "%-12s %.2f s, %.0f MB of the host, %.0f MB of the device", what, seconds,
 			(double)host / MEGABYTE, (double)device / MEGABYTE);
 }
 
@@ -131,7 +131,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 	print_light(f->error, f->spread, f->bounces, f->remaining, out);
 	if (f->places > 0)
 		fprintf(out,
-				"%-10s by light gathered at %" PRIu32 " of %" PRIu64
+				"%-12s by light gathered at %" PRIu32 " of %" PRIu64
 				" places, which took %.2f s; %.2f s were done by then\n",
 				"", f->places, f->records, f->own_seconds, p->read_seconds + f->done_seconds);
 }

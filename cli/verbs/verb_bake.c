@@ -464,6 +464,8 @@ static gw_status say_results(const bake *b)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
+	if (s->explain && !b->facts.forecast.report) /* of frames nothing is foretold */
+		bake_plan_print(&(bake_plan_forecast){ .report = &b->result->report }, stderr);
 	if (s->explain && b->facts.forecast.report)
 		bake_plan_print_outcome(&b->facts.forecast, &b->result->report,
 								b->facts.read_seconds + b->facts.bake_seconds -

@@ -5,7 +5,8 @@
 #   tests/bench/effects_table.sh [SCENE-FILE]...
 #
 # Without scene files it makes those of the table: a cave with two spots, a ruin under sun and sky,
-# the Cornell box, a glossy box, a box in frames (the first of them), a statue's light alone.
+# the Cornell box, a glossy box, and a lamp over a plane of which light is wanted that nothing hides
+# or reflects (--effects lamps,error).
 #
 # Environment: GLOWWORM (build/glowworm), TURNS, how often each is baked, in turns (3); the least
 # seconds count.
@@ -24,12 +25,12 @@ make_scenes() {
 	"$root/build/tests/bench/make_truth" ruin -o ruin -n 100000 -t 10 -p 1 >/dev/null
 	"$root/build/samples/make_box" --scene plane --points 100000 -o plane.ply >/dev/null
 	cat >lamp_alone.scene.json <<-END
-		{"version": 1, "inputs": [{"file": "plane.ply"}], "bake": {"bounces": 1, "shadows": "none"},
-		 "lights": [{"type": "spot", "position": [0, 0, 2], "direction": [0, 0, -1],
-		 "intensity": 9, "inner_angle": 20, "outer_angle": 40}]}
+		{"version": 1, "inputs": [{"file": "plane.ply"}], "lights": [{"type": "spot",
+		 "position": [0, 0, 2], "direction": [0, 0, -1], "intensity": 9, "inner_angle": 20,
+		 "outer_angle": 40}]}
 	END
 	printf '%s\n' cave.scene.json ruin.scene.json cornell.scene.json glossy_box.scene.json \
-		cornell_frames.scene.json lamp_alone.scene.json
+		lamp_alone.scene.json
 }
 
 # Seconds, MB of the host and of the device, error and spread, of a line of --explain.
@@ -51,9 +52,12 @@ bake() {
 
 one() {
 	name=$(basename "$1" .scene.json)
-	read -r auto_s auto_mb auto_device error spread <<<"$(bake "$1" auto)"
-	read -r told_s told_mb told_device told told_spread <<<"$(figures foretold "$work/auto.txt")"
-	left=$(awk '/ not called for / { printf "%s%s", n++ ? ", " : "", $1 }' "$work/auto.txt")
+	effects=auto
+	[ "$name" != lamp_alone ] || effects=lamps,error
+	read -r auto_s auto_mb auto_device error spread <<<"$(bake "$1" $effects)"
+	told=$work/$effects.txt
+	left=$(awk '/ not called for / { printf "%s%s", n++ ? ", " : "", $1 }' "$told")
+	read -r told_s told_mb told_device told told_spread <<<"$(figures foretold "$told")"
 	read -r all_s all_mb _ <<<"$(bake "$1" all)"
 	printf '| %s | %s / %s | %s / %s | %s / %s | %s +- %s / %s +- %s |\n' "$name" "$told_s" \
 		"$auto_s" "$told_mb" "$auto_mb" "$told_device" "$auto_device" "${told:--}" \
