@@ -136,13 +136,11 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 				"", f->places, f->records, f->own_seconds, p->read_seconds + f->done_seconds);
 }
 
-void bake_plan_print_outcome(const bake_plan_forecast *p, const gw_report *came, double seconds,
-							 FILE *out)
+void bake_plan_print_outcome(const gw_report *came, double seconds, FILE *out)
 {
 	print_figures("came", seconds, bake_plan_peak(), came->peak_bytes, out);
 	print_light(came->error.relative_rms, came->error.spread, came->bounce_count, came->remaining,
 				out);
-	(void)p;
 }
 
 /* ---------------------------------------------------------------------------------- as JSON */

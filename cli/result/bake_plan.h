@@ -34,10 +34,9 @@ uint64_t bake_plan_peak(void);
 /* Prints which effects are called for, why and how; and what is foretold. */
 void bake_plan_print(const bake_plan_forecast *forecast, FILE *out);
 
-/* Prints what came of it, when the bake is done: the same figures, in the same order.
+/* Prints what came of a bake, when it is done: the figures of bake_plan_print, in their order.
  *   seconds   of reading and baking, without what foretelling took */
-void bake_plan_print_outcome(const bake_plan_forecast *forecast, const gw_report *came,
-							 double seconds, FILE *out);
+void bake_plan_print_outcome(const gw_report *came, double seconds, FILE *out);
 
 /* The members "plan" and "forecast" of an object. */
 void bake_plan_write_effects(json_writer *json, const gw_report *report);

@@ -467,7 +467,7 @@ static gw_status say_results(const bake *b)
 	if (s->explain && !b->facts.forecast.report) /* of frames nothing is foretold */
 		bake_plan_print(&(bake_plan_forecast){ .report = &b->result->report }, stderr);
 	if (s->explain && b->facts.forecast.report)
-		bake_plan_print_outcome(&b->facts.forecast, &b->result->report,
+		bake_plan_print_outcome(&b->result->report,
 								b->facts.read_seconds + b->facts.bake_seconds -
 									b->planned.forecast.own_seconds,
 								stderr);
