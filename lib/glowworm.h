@@ -534,6 +534,7 @@ typedef struct gw_forecast {
 	double seconds;        /* of gw_bake, from its call to its return */
 	double done_seconds;   /* of these, what is done by then, without the forecast itself */
 	double own_seconds;    /* that the forecast took */
+	double frame_seconds;  /* of frames: that each one after the first takes; else 0 */
 	uint64_t device_bytes; /* device memory at its highest */
 	uint64_t host_bytes;   /* of the host, on top of what the process holds by then: the light, and
 							  what comes on the device where that shares the host's memory */
@@ -831,6 +832,18 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
  */
 gw_status gw_frames_bake(gw_frames *frames, size_t frame, const gw_light *lights,
 						 size_t light_count, gw_bake_result **result, gw_error *error);
+
+/*
+ * Says what bakes of frames would do and what they would take, as gw_plan_bake does for one bake:
+ * bakes two of them with few records. Afterwards the frames are as when they were opened.
+ *   frame    two of them: the first that will be baked, and one that stands for all others. Where
+ *            they are the same, one alone will be
+ *   lights   light_count lights of each of the two
+ *   plan     as of gw_plan_bake for the first frame; seconds of its forecast are until that is
+ *            done, frame_seconds of each one that follows
+ */
+gw_status gw_frames_plan(gw_frames *frames, const size_t frame[2], const gw_light *const lights[2],
+						 size_t light_count, gw_bake_result **plan, gw_error *error);
 
 /* Seconds that went into what all frames share, so far. */
 double gw_frames_shared_seconds(const gw_frames *frames);

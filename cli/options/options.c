@@ -485,11 +485,11 @@ const option options[] = {
 	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
 	  AT(bake.seed), .group = "Light", .help = "of all random numbers" },
 
-	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(frames), .group = "Frames",
+	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(frames), .group = "Frames",
 	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
 			  "gets a file of its own: FILE-0007.ply, or the number where FILE has %04d. Without "
 			  "this, frame 0 is baked" },
-	{ "independent", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(independent), .group = "Frames",
+	{ "independent", 0, NULL, OPTION_FLAG, FOR(BAKE | PLAN), AT(independent), .group = "Frames",
 	  .help = "let no frame begin with the light of the one before: slower, but the same bytes "
 			  "whichever frames are asked for" },
 
@@ -508,7 +508,7 @@ const option options[] = {
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
-	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(rebuild), .group = "For developers",
+	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE | PLAN), AT(rebuild), .group = "For developers",
 	  .help = "bake every frame from scratch, to check and to compare" },
 	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
 	  AT(bake.validate), .choice = validation_name, .group = "For developers",
