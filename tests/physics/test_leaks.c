@@ -283,6 +283,7 @@ static void windows_stay_open(void **state)
 {
 	(void)state;
 	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.4, .about_z = 0.9 };
+	expect_open(b, 6.0);
 	expect_open(b, 7.0);
 	expect_open(b, 14.0);
 	b.count = 30000; /* in surface of which one half is sparse */
