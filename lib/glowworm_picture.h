@@ -40,6 +40,12 @@ typedef struct gw_stray {
 #define GW_SIDE_UNCLEAR 2
 #define GW_SIDE_BACK 3
 
+/* Foliage: small things that fill space, such as leaves, of which nobody knows how each lies. Lit
+ * from both sides at once. Its disc is twice as large as the thing, half of it is clear, and only
+ * the sum of them counts (shaders/octree/opacity.glsl). */
+#define GW_SIDE_FOLIAGE 4
+#define GW_FOLIAGE_TRANSPARENCY 0.5f
+
 typedef struct gw_surfels {
 	size_t count;     /* distinct finite positions, and backs */
 	char up;          /* as gw_points has it */
@@ -73,7 +79,7 @@ typedef struct gw_surfels {
 	uint8_t *creased; /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
 						 place is known from both sides */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides at once;
-						   or GW_SIDE_UNCLEAR or GW_SIDE_BACK; else 0 */
+						   or GW_SIDE_UNCLEAR, GW_SIDE_BACK or GW_SIDE_FOLIAGE; else 0 */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not

@@ -22,6 +22,9 @@
 #define RADIUS 0.5f
 #define RANK 3
 
+/* Foliage has more neighbours that fill space, too, than this share of them. */
+#define FOLIAGE 0.7f
+
 /* A disc of random direction shows half of its area, a thing as much from everywhere; but the
  * discs of most face the scanner or lie as their thing does. */
 #define TURNED 1.5
@@ -29,7 +32,7 @@
 typedef struct filled_step {
 	const gw_surfels *surfels;
 	float *thickness; /* count */
-	uint8_t *filled;
+	uint8_t *filled, *foliage;
 } filled_step;
 
 /* Sums of squares and products of the neighbours' offsets from their middle, the surfel's too. */
@@ -113,6 +116,16 @@ static void judge(void *user, size_t surfel, const gw_neighbour_list *list)
 						   !lies_in_plane(step->surfels, surfel, list);
 }
 
+/* Noise of a surface may look like a filled space here and there. */
+static void judge_around(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const filled_step *step = user;
+	uint32_t filled = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		filled += step->filled[list->index[j]];
+	step->foliage[surfel] = step->filled[surfel] && (float)filled > FOLIAGE * (float)list->count;
+}
+
 /* What each surfel is by itself, if it is a thing. */
 typedef struct thing_step {
 	const float *own;        /* count, m^2, seen from the scanner; 0: none */
@@ -177,6 +190,7 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 void gw_lone_points_clear(gw_lone_points *lone)
 {
 	free(lone->filled);
+	free(lone->foliage);
 	free(lone->area);
 	*lone = (gw_lone_points){ 0 };
 }
@@ -188,8 +202,9 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 	*lone = (gw_lone_points){ 0 };
 	step.thickness = gw_allocate_array(surfels->count, sizeof *step.thickness);
 	step.filled = lone->filled = gw_allocate_zeros(surfels->count, 1);
+	step.foliage = lone->foliage = gw_allocate_zeros(surfels->count, 1);
 	gw_status status = GW_OK;
-	if (!step.thickness || !step.filled)
+	if (!step.thickness || !step.filled || !step.foliage)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the extent of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
@@ -199,6 +214,8 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 	free(step.thickness);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, judge_around, &step, error);
 	if (status != GW_OK)
 		gw_lone_points_clear(lone);
 	return status;

@@ -12,9 +12,10 @@
 
 /* Points that stand by themselves. */
 typedef struct gw_lone_points {
-	uint8_t *filled; /* count, owned, 1: it is such a point */
-	float *area;     /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
-						leave */
+	uint8_t *filled;  /* count, owned, 1: it is such a point */
+	uint8_t *foliage; /* count, owned, 1: and most of those around it are, too */
+	float *area;      /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
+						 leave */
 } gw_lone_points;
 
 /*
