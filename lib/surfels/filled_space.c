@@ -2,6 +2,7 @@
 #include "surfels/filled_space.h"
 
 #include "base/memory.h"
+#include "surfels/beam_area.h"
 #include "surfels/surfel_plane.h"
 
 #include <math.h>
@@ -13,6 +14,9 @@
  * and none on a plane or a cube with noise of a third (measured).
  */
 #define FILLED 0.15f
+
+/* The same of points behind most of which a beam went on: that happens to few on surfaces. */
+#define SPLIT 0.05f
 
 /* Where those that face the same way lie in a plane all the same, there is a surface and others
  * near it: so far they may be from it, RMS, of the distance to the furthest neighbour. */
@@ -31,7 +35,8 @@
 
 typedef struct filled_step {
 	const gw_surfels *surfels;
-	float *thickness; /* count */
+	float *thickness;   /* count */
+	const float *share; /* count or NULL, of the beams that stopped */
 	uint8_t *filled, *foliage;
 } filled_step;
 
@@ -105,6 +110,21 @@ static bool lies_in_plane(const gw_surfels *s, size_t surfel, const gw_neighbour
 	return count >= 3 && squares / n - sum * sum / (n * n) < IN_PLANE * IN_PLANE * reach * reach;
 }
 
+/* Beams went on behind most of those around, and these lie in no plane. */
+static void judge_beams(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const filled_step *step = user;
+	uint32_t split = step->share[surfel] < 1.0f;
+	float sum = step->thickness[surfel];
+	for (uint32_t j = 0; j < list->count; j++) {
+		split += step->share[list->index[j]] < 1.0f;
+		sum += step->thickness[list->index[j]];
+	}
+	if (list->count == GW_NEIGHBOURS && 2 * split > list->count + 1 &&
+		sum > SPLIT * (float)(list->count + 1))
+		step->filled[surfel] = step->foliage[surfel] = 1;
+}
+
 static void judge(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const filled_step *step = user;
@@ -123,7 +143,7 @@ static void judge_around(void *user, size_t surfel, const gw_neighbour_list *lis
 	uint32_t filled = 0;
 	for (uint32_t j = 0; j < list->count; j++)
 		filled += step->filled[list->index[j]];
-	step->foliage[surfel] = step->filled[surfel] && (float)filled > FOLIAGE * (float)list->count;
+	step->foliage[surfel] |= step->filled[surfel] && (float)filled > FOLIAGE * (float)list->count;
 }
 
 /* What each surfel is by itself, if it is a thing. */
@@ -187,6 +207,27 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 	return status;
 }
 
+/* Finds more of them, and what each covers: half of their area shows from everywhere. */
+static gw_status look_at_beams(const gw_points *points, gw_neighbours *search, filled_step *step,
+							   gw_lone_points *lone, gw_error *error)
+{
+	size_t n = step->surfels->count;
+	float *share = gw_allocate_array(n, sizeof *share);
+	lone->area = gw_allocate_array(n, sizeof *lone->area);
+	gw_status status = GW_OK;
+	if (!share || !lone->area)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the beams of %zu points", n);
+	if (status == GW_OK)
+		status = gw_beam_areas(points, step->surfels, share, lone->area, error);
+	step->share = share;
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, judge_beams, step, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++)
+		lone->area[i] = lone->filled[i] ? 2.0f * lone->area[i] : 0.0f;
+	free(share);
+	return status;
+}
+
 void gw_lone_points_clear(gw_lone_points *lone)
 {
 	free(lone->filled);
@@ -211,6 +252,8 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 		status = gw_neighbours_visit(search, measure, &step, error);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, judge, &step, error);
+	if (status == GW_OK && points->beam_share && !points->own_area)
+		status = look_at_beams(points, search, &step, lone, error);
 	free(step.thickness);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);

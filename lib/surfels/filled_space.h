@@ -21,7 +21,8 @@ typedef struct gw_lone_points {
 /*
  * Finds them. Near creases and in corners neighbours fill space, too, but not those of most
  * neighbours; noise of half a spacing is thinner.
- *   points    those of the surfels; with own_area, these stand by themselves, too, with the area
+ *   points    those of the surfels; with beam_share, those of leaves have the area that beams tell
+ *             (beam_area.h); with own_area, these stand by themselves, too, with the area
  *             that is left to each when all scanners that saw the thing are taken together
  *   search    of the surfels, where points say that they are
  *   surfels   with normals

@@ -309,11 +309,14 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	gw_plane_store_clips(s, surfel, edge, edges);
 }
 
-/* Leaves whose sides nobody said. Those that emit light are to be seen as they are. */
+/* Leaves whose sides nobody said, or which a beam told. Those that emit light are to be seen as
+ * they are. */
 static bool is_foliage(const disc_step *step, size_t surfel)
 {
 	const gw_surfels *s = step->surfels;
-	return step->lone->foliage[surfel] && !step->isolated[surfel] && s->normals_given < s->count &&
+	bool told = step->lone->area && step->lone->area[surfel] > 0.0f;
+	return step->lone->foliage[surfel] && !step->isolated[surfel] &&
+		   (told || s->normals_given < s->count) &&
 		   !(s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0);
 }
 

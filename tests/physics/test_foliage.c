@@ -22,6 +22,9 @@
 #define HIGH 2.0
 #define INNER 2.3 /* half of the floor below them, without their rim */
 
+#define PULSES 4000
+#define FOOTPRINT 0.1 /* metres, of a pulse */
+
 /* A scanner sees things by what they cover; what lies like a surface covers less elsewhere. */
 #define TURNED 1.5
 
@@ -65,19 +68,18 @@ static gw_points points_of(const wood *w)
 }
 
 /* The share of a sun's light that gets to the floor below the leaves. */
-static double share_below(const wood *w, double degrees)
+static double share_of_ground(const gw_points *points, size_t ground, double degrees)
 {
 	gw_bake_options options = gw_bake_options_default();
-	gw_points points = points_of(w);
 	double turn = degrees * SCENE_PI / 180.0, sum = 0.0, count = 0.0;
 	const gw_light sun = { .type = GW_LIGHT_SUN,
 						   .direction = { sin(turn), 0, -cos(turn) },
 						   .irradiance = { 1.0f, 1.0f, 1.0f } };
 	options.bounces = 1;
 	options.estimate_points = 0;
-	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
-	for (size_t i = 0; i < (size_t)FLOOR * FLOOR; i++) {
-		const double *p = points.position + 3 * i;
+	gw_bake_result *result = scene_bake(points, &sun, 1, &options);
+	for (size_t i = 0; i < ground; i++) {
+		const double *p = points->position + 3 * i;
 		if (fabs(p[1]) > INNER || fabs(p[0] - LOW * tan(turn)) > INNER ||
 			fabs(p[0] - HIGH * tan(turn)) > INNER)
 			continue;
@@ -87,6 +89,12 @@ static double share_below(const wood *w, double degrees)
 	gw_bake_result_destroy(&result);
 	assert_true(count > 400.0);
 	return sum / count;
+}
+
+static double share_below(const wood *w, double degrees)
+{
+	gw_points points = points_of(w);
+	return share_of_ground(&points, (size_t)FLOOR * FLOOR, degrees);
 }
 
 /* The optical depth, not the light, is compared, so that dense leaves count as well. Leaves of a
@@ -150,6 +158,60 @@ static void bare_points(void **state)
 	clear(&w);
 }
 
+/* The same leaves as a laser from above sees them: of each pulse a third goes its own way, and
+ * stops after a free path of its own, or at the ground. Returns how many points are on the ground,
+ * which come first. */
+static size_t scan_from_above(wood *w, double tau, uint64_t seed)
+{
+	const size_t parts = 3;
+	*w = (wood){ .scene.state = seed };
+	size_t ground = 0;
+	for (int on_ground = 1; on_ground >= 0; on_ground--) {
+		w->scene.state = seed;
+		for (size_t i = 0; i < PULSES * parts; i++) {
+			static double x, y;
+			if (i % parts == 0) {
+				x = WIDTH * (scene_random(&w->scene) - 0.5);
+				y = WIDTH * (scene_random(&w->scene) - 0.5);
+			}
+			double dx = scene_random(&w->scene) - 0.5, dy = scene_random(&w->scene) - 0.5;
+			double z = HIGH + (HIGH - LOW) / tau * log(1.0 - scene_random(&w->scene));
+			const double at[3] = { x + FOOTPRINT * dx, y + FOOTPRINT * dy, z < LOW ? 0.0 : z };
+			if ((z < LOW) == on_ground)
+				scene_add(&w->scene, at, (double[]){ 0, 0, 0 }, 0.3f);
+		}
+		ground = on_ground ? w->scene.count : ground;
+	}
+	return ground;
+}
+
+/* As many leaves are found as there have to be: what gets down is what beams got down. Of a column
+ * of 16 pulses chance takes and adds: a mean of exponentials is above the exponential of the mean.
+ * And a tenth of the leaves, above all those that are highest, pass for small plates. */
+static void scanned_from_above(void **state)
+{
+	(void)state;
+	const double depth[] = { 0.4, 0.8, 1.2 }, degrees[] = { 0.0, 40.0 };
+	for (int d = 0; d < 3; d++) {
+		wood w;
+		size_t ground = scan_from_above(&w, depth[d], 5 + (uint64_t)d);
+		gw_points points = scene_points(&w.scene);
+		float *share = malloc(points.count * sizeof *share);
+		assert_non_null(share);
+		for (size_t i = 0; i < points.count; i++)
+			share[i] = 1.0f / 3.0f;
+		points.beam_share = share;
+		assert_true(count_foliage(&points) > (points.count - ground) * 8 / 10);
+		for (int a = 0; a < 2; a++) {
+			double along = depth[d] / cos(degrees[a] * SCENE_PI / 180.0);
+			double met = -log(share_of_ground(&points, ground, degrees[a]));
+			assert_true(met > 0.75 * along && met < 1.03 * along);
+		}
+		free(share);
+		scene_clear(&w.scene);
+	}
+}
+
 /* What scatters about a surface by half a spacing, and the edges of a box, are none. */
 static void surfaces_are_none(void **state)
 {
@@ -173,6 +235,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(beer_and_lambert),
 		cmocka_unit_test(bare_points),
+		cmocka_unit_test(scanned_from_above),
 		cmocka_unit_test(surfaces_are_none),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
