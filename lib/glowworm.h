@@ -124,15 +124,18 @@ typedef struct gw_points {
 	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
 								   Normals that are missing come from the neighbours there, and
 								   noise along the rays is smoothed */
-	const float *own_area; /* count or NULL, m^2: of points that are a thing by themselves, such
-							  as a wire or a leaf that a beam met, what that covers as their
-							  scanner sees it; 0: a point of a surface */
-	const uint8_t *stray;  /* count or NULL: 0, or 1 + the gw_stray_kind of points of which it is
-							  known that they belong to no surface */
-	bool keep_strays;      /* all are taken for points of surfaces, these too, and none is looked
-							  for */
-	char up;               /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
-							  point down; 0: z. Tells sides of surface where nothing else does */
+	const float *own_area;   /* count or NULL, m^2: of points that are a thing by themselves, such
+								as a wire or a leaf that a beam met, what that covers as their
+								scanner sees it; 0: a point of a surface */
+	const float *beam_share; /* count or NULL: 1; above 0, at most 1: share of the beam that met a
+								point which stopped there. Where beams go on behind most points and
+								these lie in no plane, they are leaves */
+	const uint8_t *stray;    /* count or NULL: 0, or 1 + the gw_stray_kind of points of which it is
+								known that they belong to no surface */
+	bool keep_strays;        /* all are taken for points of surfaces, these too, and none is looked
+								for */
+	char up;                 /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
+								point down; 0: z. Tells sides of surface where nothing else does */
 } gw_points;
 
 /* Points that belong to no surface are strays. They get the light of the surface nearest to them,

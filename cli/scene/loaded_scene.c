@@ -390,6 +390,19 @@ static gw_status append_strays(scan_points *to, size_t count, const scan_points 
 	return GW_OK;
 }
 
+/* What is 1 where it is not known. */
+static gw_status append_shares(float **to, size_t count, const float *from, size_t n,
+							   gw_error *error)
+{
+	bool any = *to || from, whole = !*to;
+	GW_TRY(append_floats(to, count, from, n, error));
+	for (size_t i = 0; any && whole && i < count; i++)
+		(*to)[i] = 1.0f;
+	for (size_t i = 0; any && !from && i < n; i++)
+		(*to)[count + i] = 1.0f;
+	return GW_OK;
+}
+
 static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
 							   gw_error *error)
 {
@@ -402,13 +415,9 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
 	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
-	bool clear = to->opacity || from->opacity, whole = !to->opacity;
 	n = from->points.count;
-	GW_TRY(append_floats(&to->opacity, count, from->opacity, n, error));
-	for (size_t i = 0; clear && whole && i < count; i++)
-		to->opacity[i] = 1.0f;
-	for (size_t i = 0; clear && !from->opacity && i < n; i++)
-		to->opacity[count + i] = 1.0f;
+	GW_TRY(append_shares(&to->opacity, count, from->opacity, n, error));
+	GW_TRY(append_shares(&to->beam_share, count, from->beam_share, n, error));
 	return append_strays(to, count, from, error);
 }
 
@@ -696,6 +705,7 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .albedo = p->albedo,
 							 .emission = p->emission,
 							 .opacity = p->opacity,
+							 .beam_share = p->beam_share,
 							 .stray = p->stray,
 							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .up = scene->up,

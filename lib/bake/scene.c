@@ -285,6 +285,14 @@ static uint64_t count_invisible(const gw_points *points)
 	return invisible;
 }
 
+static uint64_t count_foliage(const gw_surfels *s)
+{
+	uint64_t foliage = 0;
+	for (size_t i = 0; i < s->count; i++)
+		foliage += s->two_sided[i] == GW_SIDE_FOLIAGE;
+	return foliage;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
@@ -317,6 +325,8 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"--normals given takes them");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
 					"points whose normal cannot be trusted: lit from both sides");
+	gw_report_count(r, "foliage", count_foliage(s),
+					"points fill space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
 }

@@ -257,7 +257,9 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
 				gw_normal_turn(surfels, s, chunk + 4 * i);
-			chunk[4 * i + 3] = surfels->two_sided[s] == 1 ? 1.0f : 0.0f;
+			chunk[4 * i + 3] =
+				(surfels->two_sided[s] == 1 || surfels->two_sided[s] == GW_SIDE_FOLIAGE) ? 1.0f
+																						 : 0.0f;
 		}
 		status =
 			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);
