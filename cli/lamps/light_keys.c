@@ -74,6 +74,9 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						  "degrees from the axis up to which it is at its full; 0" },
 	[LIGHT_KEY_OUTER] = { "outer", "outer_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
 						  "degrees from the axis at which it ends; 45" },
+	[LIGHT_KEY_DISTANCE] = { NULL, "distance", LIGHT_VALUE_NUMBER, SPOT, 0,
+							 "metres at which its middle gives 0.25 lx; with lumens it has a "
+							 "cone" },
 	[LIGHT_KEY_RADIUS] = { NULL, "radius", LIGHT_VALUE_NUMBER, POINT | SPOT | SPHERE | DISC,
 						   SPHERE | DISC, "metres; makes soft shadows; 0" },
 	[LIGHT_KEY_SIZE] = { NULL, "size", LIGHT_VALUE_SIZE, RECTANGLE, RECTANGLE,
@@ -133,11 +136,14 @@ static void set_vector(double vector[3], const double *values)
 static gw_status set_amount(lamp *light, light_key_id key, const double *values, size_t count,
 							gw_error *error)
 {
-	if (light->measure != LIGHT_KEY_COUNT && light->measure != key)
+	bool preset = light->measure != LIGHT_KEY_COUNT && light->preset & 1u << light->measure;
+	if (light->measure != LIGHT_KEY_COUNT && light->measure != key && !preset)
 		return gw_fail(error, GW_ERROR_USAGE, "'%s' has said how much light already",
 					   light_keys[light->measure].name);
 	light->measure = key;
 	light->white = count == 1;
+	if (preset && !light->white) /* a colour takes the place of the preset's own */
+		light->kelvin = 0.0;
 	for (size_t k = 0; k < 3; k++)
 		light->amount[k] = values[count == 3 ? k : 0];
 	return GW_OK;
@@ -146,7 +152,8 @@ static gw_status set_amount(lamp *light, light_key_id key, const double *values,
 /* Photometric or not, from a unit or from the key itself; all numbers of a light agree. */
 static gw_status take_units(lamp *light, light_key_id key, light_units said, gw_error *error)
 {
-	bool photometric = key == LIGHT_KEY_LUMENS || key == LIGHT_KEY_ILLUMINANCE;
+	bool photometric =
+		key == LIGHT_KEY_LUMENS || key == LIGHT_KEY_ILLUMINANCE || key == LIGHT_KEY_DISTANCE;
 	light_units own = photometric              ? LIGHT_UNITS_PHOTOMETRIC
 					  : key == LIGHT_KEY_WATTS ? LIGHT_UNITS_RADIOMETRIC
 											   : said;
@@ -251,6 +258,9 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 		break;
 	case LIGHT_KEY_OUTER:
 		l->outer_angle = (float)values[0];
+		break;
+	case LIGHT_KEY_DISTANCE:
+		light->distance = values[0];
 		break;
 	case LIGHT_KEY_RADIUS:
 		l->radius = (float)values[0];
@@ -371,6 +381,15 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 
 /* ------------------------------------------------------------------------- the whole light */
 
+/* Cosine of the half angle of a cone that falls off from its axis on, and gives its lumens with the
+ * intensity by which it reaches so far: see solid_angle. */
+static double beam_cosine(const lamp *light)
+{
+	const double *a = light->amount;
+	double lumens = gw_relative_luminance(a[0], a[1], a[2]) * light->scale;
+	return 1.0 - lumens / (LIGHT_BEAM_END * light->distance * light->distance) / PI;
+}
+
 static bool is_area(gw_light_type type)
 {
 	return AREA & 1u << type;
@@ -404,7 +423,7 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 {
 	gw_light_type type = light->light.type;
 	const char *name = gw_light_type_name(type);
-	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] &&
+	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] && !(given & BIT(DISTANCE)) &&
 		(type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
 					   name);
@@ -420,6 +439,41 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 	if (light->kelvin > 0.0 && light->measure != LIGHT_KEY_COUNT && !light->white)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a colour and 'kelvin' do not go together; give one number");
+	return GW_OK;
+}
+
+/* Its intensity comes from how far it reaches, its cone from its lumens. */
+static gw_status check_beam(const lamp *light, unsigned given, gw_error *error)
+{
+	if (!(given & BIT(DISTANCE)))
+		return GW_OK;
+	if (!(light->distance > 0.0))
+		return gw_fail(error, GW_ERROR_USAGE, "'distance' must be above 0");
+	if (light->measure != LIGHT_KEY_COUNT && light->measure != LIGHT_KEY_LUMENS)
+		return gw_fail(error, GW_ERROR_USAGE, "'distance' says how strong it is; '%s' does so too",
+					   light_keys[light->measure].name);
+	if (light->measure == LIGHT_KEY_LUMENS && given & (BIT(INNER) | BIT(OUTER)))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "'lumens' and 'distance' say how wide it is; leave out its angles");
+	if (light->measure == LIGHT_KEY_LUMENS && !(beam_cosine(light) >= -1.0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "so many lumens fill no cone that gives 0.25 lx no further than %g m away",
+					   light->distance);
+	return GW_OK;
+}
+
+/* What a preset cannot know. */
+static gw_status check_wanted(const lamp *light, unsigned given, gw_error *error)
+{
+	char missing[256] = "";
+	for (int k = 0; k < LIGHT_KEY_COUNT; k++) {
+		size_t used = strlen(missing);
+		if (light->wanted & 1u << k)
+			snprintf(missing + used, sizeof missing - used, "%s'%s'", used ? " and " : "",
+					 light_keys[k].name);
+	}
+	if (light->wanted & ~given)
+		return gw_fail(error, GW_ERROR_USAGE, "this lamp needs %s", missing);
 	return GW_OK;
 }
 
@@ -516,14 +570,17 @@ static gw_status check_angles(const gw_light *l, gw_error *error)
 	return GW_OK;
 }
 
-gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error)
+gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error)
 {
 	gw_light_type type = light->light.type;
+	unsigned given = said | light->preset;
 	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
 		if (light_keys[k].needed & 1u << type && !(given & 1u << k))
 			return gw_fail(error, GW_ERROR_USAGE, "a %s light needs '%s'", gw_light_type_name(type),
 						   scene || !light_keys[k].word ? light_keys[k].name : light_keys[k].word);
+	GW_TRY(check_wanted(light, given, error));
 	GW_TRY(check_amount(light, given, error));
+	GW_TRY(check_beam(light, given, error));
 	GW_TRY(check_angles(&light->light, error));
 	if (type == GW_LIGHT_ENVIRONMENT)
 		GW_TRY(check_sky(light, given, error));
@@ -616,10 +673,26 @@ static void resolve_measured(lamp *light)
 		light->light.intensity[k] = (float)(light->luminaire->candela * tint[k] * light->scale);
 }
 
+/* By how far it reaches. */
+static void resolve_beam(lamp *light)
+{
+	gw_light *l = &light->light;
+	double tint[3];
+	find_tint(light, tint);
+	for (int k = 0; k < 3; k++)
+		l->intensity[k] = (float)(LIGHT_BEAM_END * light->distance * light->distance * tint[k]);
+	if (light->measure != LIGHT_KEY_LUMENS)
+		return;
+	l->inner_angle = 0.0f;
+	l->outer_angle = (float)(acos(beam_cosine(light)) / DEGREE);
+}
+
 static void resolve_amount(lamp *light)
 {
 	gw_light *l = &light->light;
 	light_key_id measure = light->measure;
+	if (light->distance > 0.0)
+		resolve_beam(light);
 	if (measure == LIGHT_KEY_COUNT && light->luminaire)
 		resolve_measured(light);
 	if (measure == LIGHT_KEY_COUNT)

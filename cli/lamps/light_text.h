@@ -14,6 +14,12 @@
 
 #define LIGHT_MAP_PATH 1024
 
+/* Illuminance at the end of a beam, lx: that of a full moon, by ANSI/PLATO FL 1. */
+#define LIGHT_BEAM_END 0.25
+
+/* Names that lights can begin with: types, sky, presets. */
+#define LIGHT_NAMES_MAX 32
+
 /* What stands behind a key. */
 typedef enum light_value {
 	LIGHT_VALUE_VECTOR, /* three numbers */
@@ -54,6 +60,7 @@ typedef enum light_key_id {
 	LIGHT_KEY_ROTATION,
 	LIGHT_KEY_INNER,
 	LIGHT_KEY_OUTER,
+	LIGHT_KEY_DISTANCE,
 	LIGHT_KEY_RADIUS,
 	LIGHT_KEY_SIZE,
 	LIGHT_KEY_ANGLE,
@@ -68,7 +75,9 @@ typedef struct lamp {
 	double amount[3];     /* what it says, linear RGB */
 	bool white;           /* it was one number */
 	light_units units;
-	double kelvin; /* colour temperature; 0: none */
+	unsigned preset; /* 1 << light_key_id for what its name as a preset has said so far */
+	unsigned wanted; /* likewise: what has to be said for that preset */
+	double kelvin;   /* colour temperature; 0: none */
 
 	size_t scanner;   /* it stands where the scanner of that number stood; 0: at its position */
 	bool from_sky;    /* its direction comes from azimuth and elevation */
@@ -84,6 +93,7 @@ typedef struct lamp {
 	double flux;                /* lumens that it gives by that file */
 	double roll;                /* degrees clockwise, seen from behind */
 	double scale;               /* times what the file or a key says */
+	double distance;            /* metres at which it gives LIGHT_BEAM_END; 0: not said */
 	bool hangs;                 /* it shines straight down */
 
 	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
@@ -104,11 +114,17 @@ typedef struct light_key {
 
 extern const light_key light_keys[LIGHT_KEY_COUNT];
 
-/* The type called `word` ("sky" is an environment); GW_LIGHT_TYPE_COUNT when there is none. */
-gw_light_type light_type_by_name(const char *word);
+/*
+ * Begins a light called by its type, as sky, or by a preset, of which it takes the keys; false when
+ * there is none of that name.
+ */
+bool light_begin(const char *word, lamp *light);
 
-/* Writes the names of the types, for messages. */
-void light_list_types(char *text, size_t size);
+/* All names that light_begin knows; returns how many. */
+size_t light_names(const char *name[LIGHT_NAMES_MAX]);
+
+/* Writes them, for messages. */
+void light_list_names(char *text, size_t size);
 
 /* A light of that type with the values that its keys have when they are not given: outer angle 45
  * degrees, a sun of 0.53 degrees, an environment of radiance 1 (if it has a map), turbidity 3. */
@@ -137,11 +153,11 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error);
 
 /*
- * When all keys are set: works out where the sun is. given: 1 << light_key_id for each that was
+ * When all keys are set: works out where the sun is. said: 1 << light_key_id for each that was
  * set; scene: whose names the message uses. GW_ERROR_USAGE when a needed key is missing or two do
  * not go together.
  */
-gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error);
+gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error);
 
 /* GW_ERROR_USAGE when some lights have photometric units, others radiometric ones, or others than
  * the scene, whose units become theirs. */

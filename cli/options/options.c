@@ -603,7 +603,7 @@ const char *verb_summary(verb v)
 										   "show what error costs in seconds and memory",
 										   "take the light out of photographed colours",
 										   "say whether this machine can bake, and what is wrong",
-										   "show how a luminaire shines",
+										   "show how a luminaire shines, or list lamps by name",
 										   "read the light on a piece of surface" };
 	return summary[v];
 }
@@ -621,7 +621,7 @@ const char *verb_synopsis(verb v)
 											"tradeoff INPUT... --light LIGHT... [option]...",
 											"albedo SCAN... -o POINTS [option]...",
 											"doctor [--device NAME] [--json]",
-											"lamp LUMINAIRE [-o PICTURE] [--json]",
+											"lamp [LUMINAIRE] [-o PICTURE] [--json]",
 											"measure LIT [--box BOX] [--path PLACES] [option]..." };
 	return synopsis[v];
 }

@@ -127,6 +127,7 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 	case LIGHT_KEY_WATTS:
 	case LIGHT_KEY_KELVIN:
 	case LIGHT_KEY_SCALE:
+	case LIGHT_KEY_DISTANCE:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
