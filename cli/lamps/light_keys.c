@@ -26,9 +26,10 @@
 const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT | AREA,
 							 POINT | SPOT | AREA,
-							 "X,Y,Z: where it is, in the input's coordinates; or scanner:N" },
+							 "X,Y,Z: where it is, in the input's coordinates; or scanner:N, "
+							 "floor:N" },
 	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, POINT | SPOT | DISC | RECTANGLE, 0,
-						   "X,Y,Z: a point on its axis" },
+						   "X,Y,Z: a point on its axis; or scanner:N, floor:N" },
 	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR,
 							  POINT | SPOT | SUN | DISC | RECTANGLE, 0,
 							  "X,Y,Z: the way the light travels" },
@@ -214,11 +215,12 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	GW_TRY(take_units(light, key, LIGHT_UNITS_UNSAID, error));
 	switch (key) {
 	case LIGHT_KEY_POSITION:
-		light->scanner = 0;
+		light->stand.kind = LIGHT_PLACE_NONE;
 		set_vector(l->position, values);
 		break;
 	case LIGHT_KEY_TARGET:
 		light->aimed = true;
+		light->aim.kind = LIGHT_PLACE_NONE;
 		set_vector(light->target, values);
 		break;
 	case LIGHT_KEY_DIRECTION:
@@ -317,23 +319,50 @@ const char *light_value_expected(light_value value)
 	return shape[value].expected;
 }
 
-/* scanner:N, the N-th that info lists; where that is shows when the inputs are read. */
-static gw_status set_scanner(lamp *light, const char *number, gw_error *error)
+/* scanner:N and floor:N, the N-th that info --places lists, or floor:N+H, so high above it. */
+static bool read_place(const char *text, light_place *place)
 {
-	double value = 0.0;
-	size_t length = strlen(number);
-	if (length == 0 || number_read(number, length, &value) != length || value != floor(value) ||
-		!(value >= 1.0 && value <= 1e9))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "it wants the number of a scanner, as scanner:1 for the first");
-	light->scanner = (size_t)value;
+	static const char *const name[] = {
+		[LIGHT_PLACE_SCANNER] = "scanner:", [LIGHT_PLACE_FLOOR] = "floor:"
+	};
+	bool floor_place = strncmp(text, name[LIGHT_PLACE_FLOOR], 6) == 0;
+	light_place_kind kind = floor_place ? LIGHT_PLACE_FLOOR : LIGHT_PLACE_SCANNER;
+	double value = 0.0, height = LIGHT_FLOOR_HEIGHT;
+	if (strncmp(text, name[kind], strlen(name[kind])) != 0)
+		return false;
+	text += strlen(name[kind]);
+	size_t used = number_read(text, strcspn(text, "+"), &value);
+	if (used == 0 || value != floor(value) || !(value >= 1.0 && value <= 1e9))
+		return false;
+	text += used;
+	if (*text == '+' && floor_place) {
+		text++;
+		used = number_read(text, strlen(text), &height);
+		text += used;
+		if (used == 0 || !(height >= 0.0 && height <= 1e9))
+			return false;
+	}
+	*place = (light_place){ kind, (size_t)value, height };
+	return *text == '\0';
+}
+
+static gw_status set_place(lamp *light, light_key_id key, const char *text, gw_error *error)
+{
+	light_place *place = key == LIGHT_KEY_POSITION ? &light->stand : &light->aim;
+	if (key == LIGHT_KEY_DIRECTION || !read_place(text, place))
+		return gw_fail(
+			error, GW_ERROR_USAGE, "it wants X,Y,Z%s",
+			key == LIGHT_KEY_DIRECTION
+				? ""
+				: ", scanner:N, floor:N or floor:N+HEIGHT; glowworm info --places lists them");
+	light->aimed = light->aimed || key == LIGHT_KEY_TARGET;
 	return GW_OK;
 }
 
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
-	if (key == LIGHT_KEY_POSITION && strncmp(text, "scanner:", 8) == 0)
-		return set_scanner(light, text + 8, error);
+	if (light_keys[key].value == LIGHT_VALUE_VECTOR && strchr(text, ':'))
+		return set_place(light, key, text, error);
 	char word[WORD_MAX];
 	double values[3] = { 0 };
 	light_quantity quantity = light_key_quantity(key);
@@ -412,7 +441,7 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 		return gw_fail(error, GW_ERROR_USAGE, "a %s takes one of '%s'%s %s%s, not both", type, name,
 					   given & BIT(PLACE) ? "," : " and", other,
 					   given & BIT(PLACE) ? " and 'place'" : "");
-	if (light->aimed && light->scanner == 0 &&
+	if (light->aimed && !light->stand.kind && !light->aim.kind &&
 		memcmp(light->target, light->light.position, sizeof light->target) == 0)
 		return gw_fail(error, GW_ERROR_USAGE, "a %s cannot shine to the place where it is", type);
 	return GW_OK;

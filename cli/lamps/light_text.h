@@ -17,6 +17,10 @@
 /* Illuminance at the end of a beam, lx: that of a full moon, by ANSI/PLATO FL 1. */
 #define LIGHT_BEAM_END 0.25
 
+/* How high a light is above a place of the floor when nothing else is said, metres: about where a
+ * headlamp is. */
+#define LIGHT_FLOOR_HEIGHT 1.5
+
 /* Names that lights can begin with: types, sky, presets. */
 #define LIGHT_NAMES_MAX 32
 
@@ -68,6 +72,19 @@ typedef enum light_key_id {
 	LIGHT_KEY_COUNT
 } light_key_id;
 
+/* Places that have names; where they are shows when the inputs are read. */
+typedef enum light_place_kind {
+	LIGHT_PLACE_NONE, /* it is said in coordinates */
+	LIGHT_PLACE_SCANNER,
+	LIGHT_PLACE_FLOOR,
+} light_place_kind;
+
+typedef struct light_place {
+	light_place_kind kind;
+	size_t number; /* from 1 */
+	double height; /* metres above the floor */
+} light_place;
+
 /* A light, with what can only be worked out when all its keys are known, and which way is up. */
 typedef struct lamp {
 	gw_light light;
@@ -79,11 +96,12 @@ typedef struct lamp {
 	unsigned wanted; /* likewise: what has to be said for that preset */
 	double kelvin;   /* colour temperature; 0: none */
 
-	size_t scanner;   /* it stands where the scanner of that number stood; 0: at its position */
-	bool from_sky;    /* its direction comes from azimuth and elevation */
-	double azimuth;   /* degrees clockwise from north, of the sun */
-	double elevation; /* degrees above the horizon */
-	double north;     /* degrees clockwise from +y in which north lies */
+	light_place stand; /* where it is, in place of its position */
+	light_place aim;   /* where it shines, in place of its target */
+	bool from_sky;     /* its direction comes from azimuth and elevation */
+	double azimuth;    /* degrees clockwise from north, of the sun */
+	double elevation;  /* degrees above the horizon */
+	double north;      /* degrees clockwise from +y in which north lies */
 	sun_moment moment;
 	bool aimed; /* its direction leads from its position to the target */
 	double target[3];
@@ -149,7 +167,8 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 /* The same for a NAME, a PATH, a TIME or a MODEL. */
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error);
 
-/* The same for numbers with commas between them, a unit behind them: "40cd", "1,0.8,0.5". */
+/* The same for numbers with commas between them, a unit behind them: "40cd", "1,0.8,0.5"; and for
+ * places by name: "scanner:2", "floor:1+0.5". */
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error);
 
 /*

@@ -520,6 +520,9 @@ const option options[] = {
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
+	{ "places", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(places), .group = "Messages",
+	  .help = "list the places that lamps can be at by name: scanners, and floor that is free to "
+			  "head height, the most open first. They are those of a scene with this one input" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE), AT(json),
@@ -610,19 +613,21 @@ const char *verb_summary(verb v)
 
 const char *verb_synopsis(verb v)
 {
-	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
-											"plan INPUT... --light LIGHT... [option]...",
-											"info FILE... [--json] | info --devices [--json]",
-											"compare RESULT TRUTH [option]...",
-											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
-											"sample MESH -o POINTS [option]...",
-											"convert INPUT OUTPUT [option]...",
-											"render INPUT... -o PICTURE [option]...",
-											"tradeoff INPUT... --light LIGHT... [option]...",
-											"albedo SCAN... -o POINTS [option]...",
-											"doctor [--device NAME] [--json]",
-											"lamp [LUMINAIRE] [-o PICTURE] [--json]",
-											"measure LIT [--box BOX] [--path PLACES] [option]..." };
+	static const char *const synopsis[] = {
+		"bake INPUT... --light LIGHT... -o OUTPUT [option]...",
+		"plan INPUT... --light LIGHT... [option]...",
+		"info FILE... [--places] [--json] | info --devices [--json]",
+		"compare RESULT TRUTH [option]...",
+		"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
+		"sample MESH -o POINTS [option]...",
+		"convert INPUT OUTPUT [option]...",
+		"render INPUT... -o PICTURE [option]...",
+		"tradeoff INPUT... --light LIGHT... [option]...",
+		"albedo SCAN... -o POINTS [option]...",
+		"doctor [--device NAME] [--json]",
+		"lamp [LUMINAIRE] [-o PICTURE] [--json]",
+		"measure LIT [--box BOX] [--path PLACES] [option]..."
+	};
 	return synopsis[v];
 }
 

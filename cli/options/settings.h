@@ -208,6 +208,7 @@ typedef struct settings {
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
 	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;
+	bool places;
 	bool help;
 	const char *csv, *svg;                     /* of tradeoff */
 	const char *worst, *json_file;             /* of compare */
