@@ -86,6 +86,8 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						  "degrees, its diameter in the sky; 0.53" },
 	[LIGHT_KEY_NAME] = { NULL, "name", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY | AREA, 0,
 						 "one word, for the report" },
+	[LIGHT_KEY_GROUP] = { NULL, "group", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY | AREA, 0,
+						  "one word: lamps that mix --group dims together" },
 };
 
 lamp light_default(gw_light_type type)
@@ -288,6 +290,7 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_MODEL:
 	case LIGHT_KEY_MAP:
 	case LIGHT_KEY_NAME:
+	case LIGHT_KEY_GROUP:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
@@ -394,7 +397,10 @@ static gw_status set_model(lamp *light, const char *text, gw_error *error)
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
 	bool path = light_keys[key].value == LIGHT_VALUE_PATH;
-	char *to = key == LIGHT_KEY_MAP ? light->map : path ? light->ies : light->light.name;
+	char *to = key == LIGHT_KEY_MAP     ? light->map
+			   : path                   ? light->ies
+			   : key == LIGHT_KEY_GROUP ? light->group
+										: light->light.name;
 	size_t room = path ? LIGHT_MAP_PATH : sizeof light->light.name;
 	if (!*text)
 		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
@@ -402,6 +408,8 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 		return sun_time_read(text, &light->moment.seconds, error);
 	if (key == LIGHT_KEY_MODEL)
 		return set_model(light, text, error);
+	if (key == LIGHT_KEY_GROUP && strcmp(text, "rest") == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "that is the name of light that is no lamp's");
 	if (strlen(text) >= room)
 		return gw_fail(error, GW_ERROR_USAGE, "it is too long; %zu bytes are the most", room - 1);
 	memcpy(to, text, strlen(text) + 1);

@@ -69,6 +69,7 @@ typedef enum light_key_id {
 	LIGHT_KEY_SIZE,
 	LIGHT_KEY_ANGLE,
 	LIGHT_KEY_NAME,
+	LIGHT_KEY_GROUP,
 	LIGHT_KEY_COUNT
 } light_key_id;
 
@@ -114,6 +115,7 @@ typedef struct lamp {
 	double distance;            /* metres at which it gives LIGHT_BEAM_END; 0: not said */
 	bool hangs;                 /* it shines straight down */
 
+	char group[64];           /* "" for none */
 	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
 	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */
 	sky_model model;          /* in place of a map */

@@ -166,6 +166,7 @@ static const char *field_name(int i)
 										[SETTINGS_FIELD_ERROR] = "error",
 										[SETTINGS_FIELD_UNKNOWN] = "unknown",
 										[SETTINGS_FIELD_LIGHTS] = "lights",
+										[SETTINGS_FIELD_GROUPS] = "groups",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
 }
@@ -274,6 +275,8 @@ const option options[] = {
 	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "group", 0, "NAME=FACTOR", OPTION_GROUP, FOR(MIX), .group = "Lamps",
+	  .help = "the same for all lamps of a group" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
 	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
@@ -560,7 +563,8 @@ const option *option_find(verb v, const char *name, size_t length)
 
 bool option_repeats(const option *o)
 {
-	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_SCANNER;
+	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_GROUP ||
+		   o->type == OPTION_SCANNER;
 }
 
 void option_key(const option *o, char key[64])

@@ -19,7 +19,7 @@ gw_bake_options bake_plan_options(const settings *s)
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	options.lamps = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	return options;
 }
 
@@ -46,7 +46,7 @@ static size_t count_glossy(const loaded_scene *scene)
 void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
 {
 	char reason[sizeof r->effect->reason];
-	bool columns = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	bool columns = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for", s->light_count);
 	add(r, "columns", columns ? "solved again for each light" : NULL,
 		columns ? reason : "no light is asked for by itself");

@@ -508,7 +508,7 @@ static gw_status bake_frames(frame_run *r, const gw_light *first)
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	options.lamps = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	r->lights = calloc(s->light_count + 1, sizeof *r->lights);
 	r->done = calloc(r->last - r->first + 1, sizeof *r->done);
 	if (!r->lights || !r->done)

@@ -468,6 +468,18 @@ static gw_status take_light_number(const reader *r, json_t *value, light_key_id 
 	return GW_OK;
 }
 
+/* A name may be empty, and have blanks, which a word cannot. */
+static gw_status take_light_name(const reader *r, json_t *value, light_key_id id, lamp *light)
+{
+	const char *name = json_string_value(value);
+	gw_error reason = { 0 };
+	if (!name || strlen(name) >= sizeof light->light.name)
+		return fail_here(r, "a text of at most 63 bytes is needed");
+	if (*name && light_set_text(light, id, name, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	return GW_OK;
+}
+
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
 								unsigned *given)
 {
@@ -478,13 +490,8 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 	if (id == LIGHT_KEY_COUNT)
 		return fail_light_key(r, light->light.type);
 	*given |= 1u << id;
-	if (id == LIGHT_KEY_NAME) {
-		const char *name = json_string_value(value);
-		if (!name || strlen(name) >= sizeof light->light.name)
-			return fail_here(r, "a text of at most 63 bytes is needed");
-		snprintf(light->light.name, sizeof light->light.name, "%s", name);
-		return GW_OK;
-	}
+	if (light_keys[id].value == LIGHT_VALUE_NAME)
+		return take_light_name(r, value, (light_key_id)id, light);
 	if (light_keys[id].value == LIGHT_VALUE_PATH)
 		return take_light_file(r, value, (light_key_id)id, light);
 	return take_light_number(r, value, (light_key_id)id, light);
