@@ -33,11 +33,11 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR,
 							  POINT | SPOT | SUN | DISC | RECTANGLE, 0,
 							  "X,Y,Z: the way the light travels" },
-	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT, 0,
-						"IES or EULUMDAT file: how a luminaire shines; points down unless aimed" },
-	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT | RECTANGLE, 0,
+	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT | DISC | RECTANGLE, 0,
+						"IES or EULUMDAT file: how it shines, and its size; down unless aimed" },
+	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT | DISC | RECTANGLE, 0,
 						 "degrees it is turned clockwise, seen from behind; 0: C 0, W is right" },
-	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT, 0,
+	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT | DISC | RECTANGLE, 0,
 						  "times the light that the file says; 1" },
 	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
 						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
@@ -464,7 +464,7 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 		(type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
 					   name);
-	if (light->measure == LIGHT_KEY_COUNT && is_area(type))
+	if (light->measure == LIGHT_KEY_COUNT && is_area(type) && !light->ies[0])
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a %s light needs 'intensity', 'lumens', 'watts' or 'radiance'", name);
 	if (light->measure == LIGHT_KEY_COUNT && type == GW_LIGHT_SUN)
@@ -579,6 +579,22 @@ static gw_status check_point(const lamp *light, unsigned given, bool scene, gw_e
 	return GW_OK;
 }
 
+/* Discs and rectangles, with what only those of luminaires have. */
+static gw_status check_opening(const lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	bool rectangle = light->light.type == GW_LIGHT_RECTANGLE;
+	unsigned own = BIT(SCALE) | (rectangle ? 0 : BIT(ROLL));
+	if (!light->ies[0] && given & own)
+		return gw_fail(
+			error, GW_ERROR_USAGE, "only a %s with 'ies', the file of a luminaire, has '%s'",
+			gw_light_type_name(light->light.type), given & BIT(SCALE) ? "scale" : "roll");
+	if (light->ies[0] && given & BIT(RADIANCE))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a luminaire is as bright as its file says, from each side; 'scale', "
+					   "'intensity' or 'lumens' change that");
+	return check_direction(light, given, scene, error);
+}
+
 /* What the physical sky has is luminance; what luminaires are measured in, candela. */
 static gw_status settle_units(lamp *light, gw_error *error)
 {
@@ -612,7 +628,8 @@ gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error
 	gw_light_type type = light->light.type;
 	unsigned given = said | light->preset;
 	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
-		if (light_keys[k].needed & 1u << type && !(given & 1u << k))
+		if (light_keys[k].needed & 1u << type && !(given & 1u << k) &&
+			!(light->ies[0] && (k == LIGHT_KEY_RADIUS || k == LIGHT_KEY_SIZE)))
 			return gw_fail(error, GW_ERROR_USAGE, "a %s light needs '%s'", gw_light_type_name(type),
 						   scene || !light_keys[k].word ? light_keys[k].name : light_keys[k].word);
 	GW_TRY(check_wanted(light, given, error));
@@ -626,13 +643,34 @@ gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error
 	if (type == GW_LIGHT_POINT)
 		GW_TRY(check_point(light, given, scene, error));
 	if (type == GW_LIGHT_DISC || type == GW_LIGHT_RECTANGLE)
-		GW_TRY(check_direction(light, given, scene, error));
-	if ((type == GW_LIGHT_SPHERE || type == GW_LIGHT_DISC) && !(light->light.radius > 0.0f))
+		GW_TRY(check_opening(light, given, scene, error));
+	bool own_size = !light->ies[0] || given & BIT(RADIUS);
+	if ((type == GW_LIGHT_SPHERE || type == GW_LIGHT_DISC) && own_size &&
+		!(light->light.radius > 0.0f))
 		return gw_fail(error, GW_ERROR_USAGE, "the radius of a %s must be above 0",
 					   gw_light_type_name(type));
 	light->hangs = (light->ies[0] || is_area(type)) && !(given & (BIT(DIRECTION) | BIT(TARGET)));
 	GW_TRY(place_sun(light, given, error));
 	return settle_units(light, error);
+}
+
+gw_status light_check_luminaire(const lamp *light, gw_error *error)
+{
+	const luminaire *l = light->luminaire;
+	bool disc = light->light.type == GW_LIGHT_DISC;
+	bool area = disc || light->light.type == GW_LIGHT_RECTANGLE;
+	bool said = disc ? light->light.radius > 0.0f : light->light.size[0] > 0.0f;
+	if (!area || said)
+		return GW_OK;
+	const char *type = gw_light_type_name(light->light.type);
+	if (!(l->size[0] > 0.0 && l->size[1] > 0.0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s does not say how large its opening is; give its '%s', or take a point",
+					   light->ies, disc ? "radius" : "size");
+	if (l->round != disc)
+		return gw_fail(error, GW_ERROR_USAGE, "the opening of %s is no %s; take a %s", light->ies,
+					   type, disc ? "rectangle" : "disc");
+	return GW_OK;
 }
 
 gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_error *error)
@@ -789,6 +827,10 @@ static void resolve_luminaire(lamp *light, double tilt)
 	gw_light *l = &light->light;
 	for (int k = 0; k < 3 && light->measure == LIGHT_KEY_COUNT; k++)
 		l->intensity[k] *= (float)luminaire_tilt_factor(light->luminaire, tilt);
+	if (l->type == GW_LIGHT_DISC && !(l->radius > 0.0f))
+		l->radius = (float)(0.25 * (light->luminaire->size[0] + light->luminaire->size[1]));
+	for (int k = 0; k < 2 && l->type == GW_LIGHT_RECTANGLE && !(l->size[1] > 0.0f); k++)
+		l->size[k] = (float)light->luminaire->size[k];
 	l->distribution = light->luminaire->distribution;
 	l->vertical_count = light->luminaire->verticals;
 	l->horizontal_count = light->luminaire->horizontals;

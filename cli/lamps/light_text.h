@@ -180,6 +180,10 @@ gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_
  */
 gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error);
 
+/* GW_ERROR_USAGE when a light is to be as large as its luminaire, which was read, and that has
+ * another shape. */
+gw_status light_check_luminaire(const lamp *light, gw_error *error);
+
 /* GW_ERROR_USAGE when some lights have photometric units, others radiometric ones, or others than
  * the scene, whose units become theirs. */
 gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_error *error);

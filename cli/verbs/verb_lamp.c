@@ -45,13 +45,17 @@ static gw_status check(lamp_show *w)
  * scene file alone. */
 static void write_words(const lamp_show *w, FILE *out)
 {
+	const luminaire *l = &w->lamp;
 	bool scene = strpbrk(w->path, " \t") != NULL || strcmp(w->path, "-") == 0;
-	const char *form = w->lamp.photometry == 'C' ? "" : " to X,Y,Z";
+	bool area = l->size[0] > 0.0 && l->size[1] > 0.0;
+	const char *form = l->photometry == 'C' ? "" : " to X,Y,Z";
 	if (scene)
 		fprintf(out,
 				"in a scene file: {\"type\": \"point\", \"position\": [X, Y, Z], \"ies\": FILE}");
 	else
 		fprintf(out, "--light 'point at X,Y,Z ies %s%s'", w->path, form);
+	if (area)
+		fprintf(out, "; %s in place of point for its size", l->round ? "disc" : "rectangle");
 }
 
 /* Lumens that the file states, and of what. */

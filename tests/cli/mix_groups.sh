@@ -12,7 +12,8 @@ bake() {
 	glowworm bake lamps.json --estimate-points 0 -q "$@"
 }
 names() { # Names of lamps' columns
-	glowworm info "$1" --json | tr '{}' '\n\n' | sed -n 's/^"name": "scalar_light_\(.*\)_r".*/\1/p' |
+	glowworm info "$1" --json | tr '{}' '\n\n' |
+		sed -n 's/^"name": "scalar_light_\(.*\)_r".*/\1/p' |
 		tr '\n' ' '
 	echo
 }
