@@ -168,7 +168,8 @@ typedef enum gw_light_type {
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
 	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
 	GW_LIGHT_SPHERE,      /* position, intensity, radius: a ball of even radiance */
-	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side */
+	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side;
+							 distribution */
 	GW_LIGHT_RECTANGLE,   /* position, direction, across, intensity, size: likewise */
 	GW_LIGHT_TYPE_COUNT
 } gw_light_type;
@@ -201,14 +202,14 @@ typedef struct gw_light {
 	float rotation; /* degrees */
 	bool map_y_up;
 
-	/* How the intensity of a point light depends on direction, as luminaires are measured, or NULL:
-	 * it is the same in all. First vertical_count angles from `direction`, degrees, ascending,
-	 * within 0 and 180; then horizontal_count angles around it, ascending: either one, then all
-	 * around is the same, or from 0, which lies toward `across`, to 360; 90 lies toward across x
-	 * direction. Then for each angle around as many shares of `intensity` as there are angles from
-	 * the axis, finite, at least 0. Between angles it is linear, beyond the first and last from the
-	 * axis dark. The caller's; has to stay as long as the bake or the handle to which the light is
-	 * given. */
+	/* How the intensity of a point light, or of each piece of a disc or rectangle, depends on
+	 * direction, as luminaires are measured, or NULL: it is the same in all, or as Lambert's
+	 * cosine. First vertical_count angles from `direction`, degrees, ascending, within 0 and 180;
+	 * then horizontal_count angles around it, ascending: either one, then all around is the same,
+	 * or from 0, which lies toward `across`, to 360; 90 lies toward across x direction. Then for
+	 * each angle around as many shares of `intensity` as there are angles from the axis, finite, at
+	 * least 0. Between angles it is linear, beyond the first and last from the axis dark. The
+	 * caller's; has to stay as long as the bake or the handle to which the light is given. */
 	const float *distribution;
 	uint32_t vertical_count;   /* 2..65536 */
 	uint32_t horizontal_count; /* 1..65536; the product of both at most 2^26 */

@@ -29,7 +29,7 @@ gw_bake_options bake_plan_options(const settings *s)
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	options.lamps = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	return options;
 }
 

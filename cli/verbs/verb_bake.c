@@ -436,7 +436,7 @@ static gw_status print_scene(bake *b)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
 	for (size_t i = 0; i < s->light_count; i++)
-		ask = ask || s->light[i].scanner > 0;
+		ask = ask || s->light[i].stand.kind || s->light[i].aim.kind;
 	if (ask) {
 		GW_TRY(read_inputs(b));
 		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
