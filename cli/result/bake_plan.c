@@ -1,4 +1,5 @@
 #include "result/bake_plan.h"
+#include "result/light_shares.h"
 #include "program/text_quote.h"
 #include "points/scan_color.h"
 #include "scene/glossy_points.h"
@@ -11,6 +12,15 @@
 
 #define MEGABYTE 1e6
 
+/* Seconds of an effect that are worth a word. */
+#define PRICE_LEAST 0.005
+
+void bake_plan_apply_effects(settings *s)
+{
+	if (s->bake.effects_forced & 1u << GW_EFFECT_COLUMNS)
+		s->fields |= 1u << SETTINGS_FIELD_LIGHTS;
+}
+
 gw_bake_options bake_plan_options(const settings *s)
 {
 	gw_bake_options options = s->bake;
@@ -19,7 +29,7 @@ gw_bake_options bake_plan_options(const settings *s)
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	options.lamps = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	return options;
 }
 
@@ -46,17 +56,13 @@ static size_t count_glossy(const loaded_scene *scene)
 void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
 {
 	char reason[sizeof r->effect->reason];
-	bool columns = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
-	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for", s->light_count);
-	add(r, "columns", columns ? "solved again for each light" : NULL,
-		columns ? reason : "no light is asked for by itself");
 	size_t glossy = count_glossy(scene);
 	snprintf(reason, sizeof reason, "%zu points are glossy: light bounces on with all they reflect",
 			 glossy);
 	add(r, "gloss", glossy > 0 ? "as matt; `render` shows reflections" : NULL,
 		glossy > 0 ? reason : "no point is glossy");
-	snprintf(reason, sizeof reason, "%zu inputs move in %u frames: this is the plan of frame 0",
-			 s->path_count, s->frame_count);
+	snprintf(reason, sizeof reason, "%zu paths are followed in %u frames", s->path_count,
+			 s->frame_count);
 	add(r, "motion", s->frame_count > 0 ? "what stands still is kept between frames" : NULL,
 		s->frame_count > 0 ? reason : "nothing moves");
 }
@@ -78,12 +84,17 @@ static uint64_t resident_now(void)
 	return known ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : bake_plan_peak();
 }
 
-bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_seconds, size_t points,
-									  size_t row_bytes)
+bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *scene,
+									  const gw_bake_result *plan, double read_seconds,
+									  size_t row_bytes, uint32_t following)
 {
-	uint64_t peak = bake_plan_peak();
-	uint64_t later = resident_now() + report->forecast.host_bytes + (uint64_t)points * row_bytes;
-	return (bake_plan_forecast){ .report = report,
+	const gw_report *report = &plan->report;
+	uint64_t peak = bake_plan_peak(), rows = (uint64_t)scene->points.points.count * row_bytes;
+	uint64_t later = resident_now() + report->forecast.host_bytes + rows;
+	return (bake_plan_forecast){ .settings = s,
+								 .scene = scene,
+								 .plan = plan,
+								 .following = following,
 								 .read_seconds = read_seconds,
 								 .host_bytes = later > peak ? later : peak,
 								 .device_bytes = report->forecast.device_bytes };
@@ -95,9 +106,12 @@ static void print_effects(const gw_report *r, FILE *out)
 {
 	for (uint32_t i = 0; i < r->effect_count; i++) {
 		const gw_effect *e = &r->effect[i];
-		fprintf(out, "%-12s %-15s %s%s%s%s\n", e->name,
-				e->called_for ? "called for" : "not called for", e->reason, *e->method ? " [" : "",
-				e->method, *e->method ? "]" : "");
+		char price[32] = "";
+		if (e->seconds >= PRICE_LEAST)
+			snprintf(price, sizeof price, "%.2f s", e->seconds);
+		fprintf(out, "%-12s %-14s %7s  %s%s%s%s\n", e->name,
+				e->called_for ? "called for" : "not called for", price, e->reason,
+				*e->method ? " [" : "", e->method, *e->method ? "]" : "");
 	}
 }
 
@@ -121,15 +135,25 @@ static void print_light(double error, double spread, uint32_t bounces, double re
 	fputc('\n', out);
 }
 
+double bake_plan_seconds(const bake_plan_forecast *p)
+{
+	const gw_forecast *f = &p->plan->report.forecast;
+	return p->read_seconds + f->seconds + p->following * f->frame_seconds;
+}
+
 void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 {
-	const gw_forecast *f = &p->report->forecast;
-	print_effects(p->report, out);
+	const gw_forecast *f = &p->plan->report.forecast;
+	print_effects(&p->plan->report, out);
+	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan }, out);
 	if (!(f->seconds > 0.0))
 		return;
-	print_figures("foretold", p->read_seconds + f->seconds, p->host_bytes, p->device_bytes, out);
+	print_figures("foretold", bake_plan_seconds(p), p->host_bytes, p->device_bytes, out);
 	print_light(f->error, f->spread, f->bounces, f->remaining, out);
-	if (f->places > 0)
+	if (p->following > 0)
+		fprintf(out, "%-12s the first frame by %.2f s, each of %" PRIu32 " more in %.2f s\n", "",
+				p->read_seconds + f->seconds, p->following, f->frame_seconds);
+	else if (f->places > 0)
 		fprintf(out,
 				"%-12s by light gathered at %" PRIu32 " of %" PRIu64
 				" places, which took %.2f s; %.2f s were done by then\n",
@@ -154,6 +178,7 @@ void bake_plan_write_effects(json_writer *json, const gw_report *r)
 		json_put_bool(json, "called_for", r->effect[i].called_for);
 		json_put_text(json, "reason", r->effect[i].reason);
 		json_put_text(json, "method", r->effect[i].method);
+		json_put_real(json, "seconds", r->effect[i].seconds);
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');
@@ -161,9 +186,13 @@ void bake_plan_write_effects(json_writer *json, const gw_report *r)
 
 void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
 {
-	const gw_forecast *f = &p->report->forecast;
+	const gw_forecast *f = &p->plan->report.forecast;
 	json_put_open_flat(json, "forecast", '{');
-	json_put_real(json, "seconds", p->read_seconds + f->seconds);
+	json_put_real(json, "seconds", bake_plan_seconds(p));
+	if (p->following > 0) {
+		json_put_real(json, "first_frame_seconds", p->read_seconds + f->seconds);
+		json_put_real(json, "frame_seconds", f->frame_seconds);
+	}
 	json_put_real(json, "done_seconds", p->read_seconds + f->done_seconds);
 	json_put_real(json, "own_seconds", f->own_seconds);
 	json_put_count(json, "host_bytes", p->host_bytes);

@@ -36,7 +36,7 @@ typedef struct bake {
 	scan lit;
 	progress progress;
 	bake_facts facts;
-	gw_report planned; /* what was foretold with --explain */
+	gw_bake_result planned; /* what was foretold with --explain; owns nothing */
 	gw_error *error;
 } bake;
 
@@ -255,23 +255,39 @@ static void on_progress(void *user, const char *stage, double done)
 }
 
 /* Before what takes long: what is going to be done. */
-static void on_planned(void *user, const gw_report *report)
+static void on_planned(void *user, const gw_bake_result *plan)
 {
 	bake *b = user;
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, b->settings, &columns) : 0;
 	progress_clear(&b->progress);
-	b->planned = *report;
-	bake_plan_add_scene(&b->planned, b->settings, &b->scene);
+	b->planned = *plan;
+	bake_plan_add_scene(&b->planned.report, b->settings, &b->scene);
 	b->facts.forecast =
-		bake_plan_foretell(&b->planned, b->facts.read_seconds, b->scene.cloud.count, row);
+		bake_plan_foretell(b->settings, &b->scene, &b->planned, b->facts.read_seconds, row,
+						   frame_bake_following(b->settings));
 	if (b->settings->explain)
 		bake_plan_print(&b->facts.forecast, stderr);
+	b->planned.given = NULL; /* the bake goes on to fill it */
+	b->planned.given_count = 0;
 }
 
 static bool on_cancelled(void *user)
 {
 	(void)user;
 	return signals_pending() != 0;
+}
+
+/* Frames are planned by themselves, before the first of them. */
+static gw_status explain_frames(bake *b)
+{
+	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, b, NULL };
+	gw_bake_result *plan = NULL;
+	gw_status status = frame_bake_plan(b->settings, &b->scene, &callbacks, &plan, b->error);
+	if (status == GW_OK)
+		on_planned(b, plan);
+	b->planned.report.forecast.own_seconds = 0.0; /* of none of the bakes */
+	gw_bake_result_destroy(&plan);
+	return status;
 }
 
 static gw_status write_transport(void *user, const void *bytes, size_t length, gw_error *error)
@@ -420,7 +436,7 @@ static gw_status print_scene(bake *b)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
 	for (size_t i = 0; i < s->light_count; i++)
-		ask = ask || s->light[i].scanner > 0;
+		ask = ask || s->light[i].stand.kind || s->light[i].aim.kind;
 	if (ask) {
 		GW_TRY(read_inputs(b));
 		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
@@ -436,6 +452,7 @@ static gw_status run(bake *b)
 {
 	GW_TRY(scene_read_all(b->settings, b->error));
 	quality_preset_apply(b->settings);
+	bake_plan_apply_effects(b->settings);
 	GW_TRY(check(b));
 	if (b->settings->print_scene)
 		return print_scene(b);
@@ -446,6 +463,8 @@ static gw_status run(bake *b)
 	if (b->settings->transport)
 		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
+	if (b->settings->explain && b->settings->frame_count > 0)
+		GW_TRY(explain_frames(b));
 	if (b->settings->frames)
 		return light_frames(b);
 	GW_TRY(light_points(b));
@@ -459,17 +478,15 @@ static gw_status say_results(const bake *b)
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
 	if (!s->quiet)
-		light_shares_print(&b->facts);
+		light_shares_print(&(light_shares){ s, &b->scene, b->result });
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
-	if (s->explain && !b->facts.forecast.report) /* of frames nothing is foretold */
-		bake_plan_print(&(bake_plan_forecast){ .report = &b->result->report }, stderr);
-	if (s->explain && b->facts.forecast.report)
+	if (s->explain && b->facts.forecast.plan)
 		bake_plan_print_outcome(&b->result->report,
 								b->facts.read_seconds + b->facts.bake_seconds -
-									b->planned.forecast.own_seconds,
+									b->planned.report.forecast.own_seconds,
 								stderr);
 	if (s->profile)
 		bake_report_profile(&b->result->report);

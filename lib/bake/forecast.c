@@ -8,13 +8,17 @@
  */
 #include "bake/forecast.h"
 
+#include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/report.h"
+#include "bake/result.h"
 #include "base/memory.h"
 #include "glowworm_host.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Records of the pilot: a share of what the bake will have, and at least so many. */
 #define PILOT_SHARE (1.0 / 12.0)
@@ -25,10 +29,6 @@
 
 /* Points that the pilot solves again. */
 #define PILOT_POINTS 100u
-
-/* Of the foretold error, beside what the pilot's own says: how far the power by which it falls is
- * off between scenes; a share of the error. */
-#define POWER_SPREAD 0.3
 
 /* Errors below this are not told apart: the scatter of a pilot of some hundred places. */
 #define SPREAD_LEAST 5e-4
@@ -41,22 +41,25 @@ typedef struct spent {
 /* All that the pilot measures. */
 typedef struct pilot {
 	gw_lighting *lighting;
-	gw_bake_options asked; /* of the bake */
-	gw_report *report;     /* scratch */
-	uint64_t records;      /* that the bake will have */
-	double ratio;          /* of these to the pilot's */
-	double point_ratio;    /* likewise of points that are solved again */
+	gw_bake_result *plan;
+	gw_bake_options asked;               /* of the bake */
+	gw_report *report;                   /* scratch */
+	double passes_before[GW_PASS_COUNT]; /* seconds of the passes until then */
+	uint64_t records;                    /* that the bake will have */
+	double ratio;                        /* of these to the pilot's */
+	double point_ratio;                  /* likewise of points that are solved again */
 	spent place, first, bounce, read_back, estimate;
 	uint64_t before, grown; /* bytes on the device; and by how much they will be more */
 } pilot;
 
-static double seconds_of_records(const gw_passes *passes)
+double gw_pilot_record_seconds(const gw_passes *passes)
 {
-	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,      GW_PASS_RECORD_EMITTERS,
-											 GW_PASS_RECORD_SKY,       GW_PASS_RECORD_PORTALS,
-											 GW_PASS_PORTAL_LIGHT,     GW_PASS_RECORD_FIRST,
-											 GW_PASS_RECORD_GATHER,    GW_PASS_RECORD_CONES,
-											 GW_PASS_RECORD_DIRECTIONS };
+	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,       GW_PASS_RECORD_EMITTERS,
+											 GW_PASS_RECORD_SKY,        GW_PASS_RECORD_PORTALS,
+											 GW_PASS_PORTAL_LIGHT,      GW_PASS_RECORD_FIRST,
+											 GW_PASS_RECORD_GATHER,     GW_PASS_RECORD_CONES,
+											 GW_PASS_RECORD_DIRECTIONS, GW_PASS_RECORD_AGAIN,
+											 GW_PASS_RECORD_KEEP };
 	double seconds = 0.0;
 	for (size_t i = 0; i < sizeof of_records / sizeof *of_records; i++)
 		seconds += passes->device_seconds[of_records[i]];
@@ -73,10 +76,10 @@ static gw_status measure(pilot *p, gw_status (*stage)(gw_lighting *, gw_error *)
 						 gw_error *error)
 {
 	const gw_passes *passes = &p->lighting->scene->passes;
-	double start = gw_seconds(), before = seconds_of_records(passes);
+	double start = gw_seconds(), before = gw_pilot_record_seconds(passes);
 	GW_TRY(stage(p->lighting, error));
 	sum->seconds += gw_seconds() - start;
-	sum->of_records += seconds_of_records(passes) - before;
+	sum->of_records += gw_pilot_record_seconds(passes) - before;
 	return GW_OK;
 }
 
@@ -87,6 +90,15 @@ static double scaled(const spent *s, double ratio)
 	return s->seconds - of_records + ratio * of_records;
 }
 
+float gw_pilot_spacing(uint64_t records, float spacing)
+{
+	double wanted = fmax(PILOT_SHARE * (double)records, PILOT_LEAST);
+	if (!(wanted < (double)records))
+		return spacing;
+	double wider = pow((double)records / wanted, 1.0 / RECORDS_POWER);
+	return fminf((float)(fmax((double)spacing, 1.0) * wider), 64.0f);
+}
+
 /* How many records there will be, and the spacing that leaves few of them. */
 static gw_status choose_records(pilot *p, gw_error *error)
 {
@@ -95,18 +107,13 @@ static gw_status choose_records(pilot *p, gw_error *error)
 	GW_TRY(gw_records_place(&on, p->asked.record_spacing, p->asked.seed, error));
 	p->records = s->records.count;
 	gw_scene_drop_records(s);
-	double wanted = fmax(PILOT_SHARE * (double)p->records, PILOT_LEAST);
-	double spacing = fmax((double)p->asked.record_spacing, 1.0);
-	if (wanted < (double)p->records)
-		s->options.record_spacing =
-			fminf((float)(spacing * pow((double)p->records / wanted, 1.0 / RECORDS_POWER)), 64.0f);
+	s->options.record_spacing = gw_pilot_spacing(p->records, p->asked.record_spacing);
 	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
 	return GW_OK;
 }
 
-/* Bytes of what grows with the records: themselves, and what their rays hit. */
-static uint64_t bytes_of_records(const gw_scene *s)
+uint64_t gw_pilot_record_bytes(const gw_scene *s)
 {
 	const gw_records *r = &s->records;
 	const gw_buffer *const buffer[] = { &r->position,   &r->normal,        &r->block_record,
@@ -128,8 +135,9 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_gather_first, &p->first, error));
 	GW_TRY(measure(p, gw_lighting_bounce, &p->bounce, error));
 	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
+	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
-	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)bytes_of_records(s));
+	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s));
 	if (!p->lighting->plan.error)
 		return GW_OK;
 	GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
@@ -143,20 +151,20 @@ static gw_status run_stages(pilot *p, gw_error *error)
 static void foretell_error(const pilot *p, gw_forecast *f)
 {
 	const gw_error_estimate *e = &p->report->error;
-	double rest = gw_error_with_records(e, p->ratio);
+	double power, rest = gw_error_with_records(e, p->ratio, &power);
 	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
 	f->error = sqrt(rest * rest + fmax(others, 0.0));
 	if (!(f->error > 0.0))
 		return;
 	double own = e->spread * rest / fmax(e->gathered, 1e-30);
-	f->spread = hypot(own, POWER_SPREAD * f->error + SPREAD_LEAST);
+	f->spread = hypot(own, power + SPREAD_LEAST);
 }
 
 /* Seconds with which a bake that refines reaches its error, or its time is up. */
 static double refined_seconds(const pilot *p, const gw_forecast *f, double round)
 {
 	const gw_bake_options *o = &p->asked;
-	double seconds = f->seconds, limit = (double)o->time_limit;
+	double seconds = f->seconds, limit = (double)o->time_limit, spread;
 	double rays = (double)p->records * o->rays;
 	gw_price_task task = { .error = p->report->error,
 						   .rays = o->rays,
@@ -165,7 +173,7 @@ static double refined_seconds(const pilot *p, const gw_forecast *f, double round
 						   .fixed_seconds = f->seconds - round,
 						   .round_seconds = round - p->ratio * p->place.of_records,
 						   .ray_seconds = p->ratio * p->place.of_records / fmax(rays, 1.0) };
-	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio);
+	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio, &spread);
 	if (o->max_error > 0.0f && f->error > (double)o->max_error)
 		seconds = fmax(seconds, gw_price_of(&task, (double)o->max_error).seconds);
 	return limit > 0.0 && (seconds > limit || !(o->max_error > 0.0f)) ? fmax(limit, f->seconds)
@@ -212,6 +220,51 @@ static void foretell(const pilot *p, double done, gw_forecast *f)
 	f->seconds = refined_seconds(p, f, round);
 }
 
+/* Of what the plan calls for, with the stages before as they were. */
+static void foretell_prices(const pilot *p)
+{
+	gw_report *report = &p->plan->report;
+	gw_stage_seconds price = { .emitters = 0.0 };
+	gw_stage_seconds_read(&p->lighting->scene->passes, p->passes_before, &price);
+	price.emitters *= p->ratio;
+	price.sky *= p->ratio;
+	price.portals *= p->ratio;
+	price.direct_light = gw_report_seconds(report, "direct light");
+	price.gaps = gw_report_seconds(report, "gaps");
+	price.octree = gw_report_seconds(report, "octree");
+	price.gather =
+		scaled(&p->place, p->ratio) + scaled(&p->first, p->ratio) + scaled(&p->read_back, p->ratio);
+	price.bounces = scaled(&p->bounce, p->ratio);
+	price.estimate = scaled(&p->estimate, p->point_ratio);
+	if (p->asked.lamps)
+		price.columns = (scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
+						 scaled(&p->read_back, p->ratio)) *
+						(double)p->lighting->light_count;
+	gw_effect_seconds_set(&p->lighting->plan, &price, report);
+}
+
+/* What the octree has become, and whether light is kept in bricks of its tiles. */
+static void describe_octree(const pilot *p, gw_report *report)
+{
+	const gw_octree *octree = &p->lighting->scene->octree;
+	bool cones = p->lighting->plan.records && p->asked.method == GW_METHOD_CONES;
+	if (octree->leaf_count == 0)
+		return;
+	for (uint32_t i = 0; i < report->effect_count; i++) {
+		gw_effect *e = &report->effect[i];
+		size_t length = strlen(e->reason);
+		if (strcmp(e->name, gw_effect_name(GW_EFFECT_OCTREE)) == 0)
+			snprintf(e->reason + length, sizeof e->reason - length, "; %u leaves at depth %u",
+					 octree->leaf_count, octree->depth);
+	}
+	if (cones)
+		gw_report_effect(report, "bricks", "filled anew with each reflection",
+						 "cones look light up in %u of them, %.3g MB with their coarser levels",
+						 octree->tile_count, 1e-6 * (double)report->brick_bytes);
+	else
+		gw_report_effect(report, "bricks", NULL, "nothing looks light up in coarser levels");
+}
+
 /* What rays have found out beside what was known without them. */
 static void add_reasons(const pilot *p, const gw_forecast *f, gw_report *report)
 {
@@ -239,6 +292,7 @@ static void put_back(pilot *p)
 	gw_lighting_drop_map(p->lighting);
 	gw_scene_drop_records(s);
 	s->options = p->asked;
+	memcpy(s->passes.device_seconds, p->passes_before, sizeof p->passes_before);
 }
 
 /* Where lamps alone shine, nothing is gathered; what is wrong is told by what they lit. */
@@ -247,6 +301,7 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	const gw_scene *s = p->lighting->scene;
 	if (p->lighting->plan.error)
 		GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
+	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	*f = (gw_forecast){ .seconds = done + p->estimate.seconds,
 						.done_seconds = done,
 						.device_bytes = gw_gpu_read_account(s->gpu).peak_bytes,
@@ -256,18 +311,23 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	return GW_OK;
 }
 
-gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_forecast *forecast,
+gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *plan,
 						   gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
+	gw_forecast *forecast = &report->forecast;
 	double start = gw_seconds();
 	pilot p = { .lighting = lighting,
+				.plan = plan,
 				.asked = s->options,
 				.report = gw_allocate_zeros(1, sizeof *p.report),
+				.ratio = 1.0,
+				.point_ratio = 1.0,
 				.before = gw_gpu_read_account(s->gpu).bytes };
 	if (!p.report)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+	memcpy(p.passes_before, s->passes.device_seconds, sizeof p.passes_before);
 	s->report = p.report;
 	gw_status status =
 		lighting->plan.records ? run_stages(&p, error) : foretell_lamps(&p, done, forecast, error);
@@ -275,6 +335,10 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_forecast *fore
 		foretell(&p, done, forecast);
 	if (status == GW_OK && lighting->plan.records)
 		add_reasons(&p, forecast, report);
+	if (status == GW_OK) {
+		describe_octree(&p, report);
+		foretell_prices(&p);
+	}
 	s->report = report;
 	put_back(&p);
 	forecast->own_seconds = gw_seconds() - start;

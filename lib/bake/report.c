@@ -42,6 +42,14 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 
+void gw_report_add_stage(gw_report *report, const char *name, double seconds)
+{
+	assert(report->stage_count < GW_REPORT_STAGES);
+	gw_stage *stage = &report->stage[report->stage_count++];
+	*stage = (gw_stage){ .seconds = seconds };
+	snprintf(stage->name, sizeof stage->name, "%s", name);
+}
+
 double gw_report_seconds(const gw_report *report, const char *stage)
 {
 	double seconds = 0.0;
@@ -66,6 +74,13 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 	va_start(arguments, reason);
 	vsnprintf(effect->reason, sizeof effect->reason, reason, arguments);
 	va_end(arguments);
+}
+
+void gw_report_price(gw_report *report, const char *name, double seconds)
+{
+	for (uint32_t i = 0; i < report->effect_count; i++)
+		if (strcmp(report->effect[i].name, name) == 0)
+			report->effect[i].seconds = seconds;
 }
 
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)

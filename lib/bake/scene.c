@@ -43,6 +43,11 @@ static bool forbids(const gw_bake_options *o, gw_effect_kind effect)
 	return o->effects_forbidden & 1u << effect;
 }
 
+static bool forces(const gw_bake_options *o, gw_effect_kind effect)
+{
+	return o->effects_forced & 1u << effect;
+}
+
 gw_bake_options gw_options_effective(const gw_bake_options *options)
 {
 	gw_bake_options o = *options;
@@ -52,6 +57,12 @@ gw_bake_options gw_options_effective(const gw_bake_options *options)
 		o.bounces = 1;
 	if (forbids(&o, GW_EFFECT_ERROR))
 		o.estimate_points = 0;
+	if (forces(&o, GW_EFFECT_NORMALS))
+		o.normals = GW_NORMALS_ESTIMATE;
+	if (forbids(&o, GW_EFFECT_NORMALS))
+		o.normals = GW_NORMALS_GIVEN;
+	if (forces(&o, GW_EFFECT_COLUMNS))
+		o.lamps = true;
 	return o;
 }
 
@@ -75,6 +86,10 @@ static gw_status check_effects(const gw_bake_options *o, gw_error *error)
 		  "is forbidden, but the bake is to go on until an error or a time is reached" },
 		{ o->effects_forbidden, GW_EFFECT_GAPS, o->gaps != GW_GAPS_OPEN || o->unknown,
 		  "is forbidden, but gaps are to be closed or written" },
+		{ o->effects_forbidden, GW_EFFECT_NORMALS, o->normals == GW_NORMALS_ESTIMATE,
+		  "is forbidden, but all normals are to be estimated" },
+		{ o->effects_forbidden, GW_EFFECT_COLUMNS, o->lamps,
+		  "is forbidden, but the light of each lamp is asked for" },
 		{ o->effects_forbidden, GW_EFFECT_OCTREE, true,
 		  "is forbidden; there is none where shadows, emitters, sky and bounces are" },
 	};
@@ -270,6 +285,14 @@ static uint64_t count_invisible(const gw_points *points)
 	return invisible;
 }
 
+static uint64_t count_foliage(const gw_surfels *s)
+{
+	uint64_t foliage = 0;
+	for (size_t i = 0; i < s->count; i++)
+		foliage += s->two_sided[i] == GW_SIDE_FOLIAGE;
+	return foliage;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
@@ -302,6 +325,8 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"--normals given takes them");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
 					"points whose normal cannot be trusted: lit from both sides");
+	gw_report_count(r, "foliage", count_foliage(s),
+					"points fill space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
 }
@@ -329,16 +354,25 @@ gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error
 	return GW_OK;
 }
 
+gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lights, size_t count)
+{
+	const gw_bake_options *o = &scene->options;
+	return (gw_surfels_options){ .threads = o->threads,
+								 .lights = lights,
+								 .light_count = count,
+								 .normals = o->normals,
+								 .memory = o->memory,
+								 .backs = true,
+								 .effects_forced = o->effects_forced,
+								 .effects_forbidden = o->effects_forbidden,
+								 .cancelled = gw_scene_stopped,
+								 .user = scene };
+}
+
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
-	gw_surfels_options options = { .threads = scene->options.threads,
-								   .lights = from->lights,
-								   .light_count = from->light_count,
-								   .normals = scene->options.normals,
-								   .memory = scene->options.memory,
-								   .backs = true,
-								   .cancelled = gw_scene_stopped,
-								   .user = scene };
+	const gw_surfels_options options =
+		gw_scene_surfels_options(scene, from->lights, from->light_count);
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
 	return GW_OK;
@@ -376,10 +410,13 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 										&scene->octree, error)
 			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
+	double seconds[GW_PASS_COUNT];
+	memcpy(seconds, scene->passes.device_seconds, sizeof seconds);
 	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
 	if (scene->passes.gpu == NULL)
 		gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
+	memcpy(scene->passes.device_seconds, seconds, sizeof seconds);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	if (o->method == GW_METHOD_CONES)
@@ -585,7 +622,6 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_read_back_clear(&scene->read_back);
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
 	gw_check_point_hits_clear(&scene->check_points);
-	memset(scene->passes.device_seconds, 0, sizeof scene->passes.device_seconds);
 }
 
 void gw_scene_drop_octree(gw_scene *scene)
