@@ -18,8 +18,8 @@
 #include <string.h>
 
 /* Surfels in the 27 cells around a cell as wide as its surface is sparse. A plane passes nine of
- * them, and the width of cells goes by twos. */
-#define POINTS_LEAST 9u
+ * them, the width of cells goes by twos, and random points are fewer at times. */
+#define POINTS_LEAST 5u
 #define POINTS_MOST 36u
 
 /* Of these cells so many have to hold some: along a wire there are fewer. */
@@ -28,8 +28,9 @@
 /* Levels above that of leaves: as sparse as that, no leaf would do. */
 #define LEVELS_ABOVE 2u
 
-/* Cells from a sparse one to the voids that it closes. */
-#define REACH 2
+/* Cells from a sparse one to the voids that it closes. Beside denser surface cells do not tell that
+ * theirs is sparse: others close what lies there. */
+#define REACH 3
 
 #define COUNT_MOST 255u
 

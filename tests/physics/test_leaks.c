@@ -213,6 +213,9 @@ static void unevenly_sampled_ones_as_well(void **state)
 	b.about_x = b.about_z = 0.0;
 	b.dense = 20.0;
 	expect_dark_box(b, 35.0);
+	b.count = 10000; /* the sparse half is no wider than four of its spacings */
+	b.dense = 30.0;
+	expect_dark_box(b, 35.0);
 }
 
 static void sky_and_lamps_stay_outside(void **state)
