@@ -101,16 +101,15 @@ static void beer_and_lambert(void **state)
 {
 	(void)state;
 	const double depth[] = { 0.3, 0.7, 1.5 }, degrees[] = { 0.0, 50.0 };
-	for (uint64_t seed = 1; seed <= 2; seed++)
-		for (int d = 0; d < 3; d++)
-			for (int a = 0; a < 2; a++) {
-				wood w;
-				make_wood(&w, depth[d], seed);
-				double along = depth[d] / cos(degrees[a] * SCENE_PI / 180.0);
-				double met = -log(share_below(&w, degrees[a]));
-				assert_true(met > 0.92 * along && met < 1.06 * along);
-				clear(&w);
-			}
+	for (int d = 0; d < 3; d++)
+		for (int a = 0; a < 2; a++) {
+			wood w;
+			make_wood(&w, depth[d], 1 + (uint64_t)(a + d) % 2);
+			double along = depth[d] / cos(degrees[a] * SCENE_PI / 180.0);
+			double met = -log(share_below(&w, degrees[a]));
+			assert_true(met > 0.92 * along && met < 1.06 * along);
+			clear(&w);
+		}
 }
 
 static size_t count_foliage(const gw_points *points)
