@@ -27,7 +27,7 @@
 #define RANK 3
 
 /* Foliage has more neighbours that fill space, too, than this share of them. */
-#define FOLIAGE 0.7f
+#define FOLIAGE 0.9f
 
 /* A disc of random direction shows half of its area, a thing as much from everywhere; but the
  * discs of most face the scanner or lie as their thing does. */
