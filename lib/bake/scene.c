@@ -410,10 +410,13 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 										&scene->octree, error)
 			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
+	double seconds[GW_PASS_COUNT];
+	memcpy(seconds, scene->passes.device_seconds, sizeof seconds);
 	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
 	if (scene->passes.gpu == NULL)
 		gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
+	memcpy(scene->passes.device_seconds, seconds, sizeof seconds);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	if (o->method == GW_METHOD_CONES)
@@ -619,7 +622,6 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_read_back_clear(&scene->read_back);
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
 	gw_check_point_hits_clear(&scene->check_points);
-	memset(scene->passes.device_seconds, 0, sizeof scene->passes.device_seconds);
 }
 
 void gw_scene_drop_octree(gw_scene *scene)

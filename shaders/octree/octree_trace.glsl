@@ -186,8 +186,10 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 			pass_foliage(2u * leaf, stretch.enter, stretch.leave, hit);
 		return;
 	}
-	if (TRACE_DISCS && !stretch.covered)
+	if (TRACE_DISCS && !stretch.covered && !again) {
 		doubt.from = min(doubt.from, stretch.enter);
+		doubt.to = stretch.enter;
+	}
 	if (again) {
 		if (!stretch.covered)
 			meet_discs(ray, leaf, stretch.centre, doubt, hit);
@@ -297,8 +299,8 @@ void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
  * a distance of GW_NEAR has gone into the rock.
  *
  * A ray that leaves the scene past surface that does not fill its cell may have slipped through
- * where facets of neighbouring cells do not meet. It is walked once more from there on, against the
- * discs themselves.
+ * where facets of neighbouring cells do not meet. It is walked once more from the first such leaf to
+ * the last, against the discs themselves.
  */
 Hit trace_octree(IN(Ray) ray)
 {
@@ -308,10 +310,10 @@ Hit trace_octree(IN(Ray) ray)
 	float t = max(walk_start(), largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
 	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
-	Doubt doubt = { GW_FAR, vec3(0.0f), vec3(0.0f), GW_FAR };
+	Doubt doubt = { GW_FAR, 0.0f, vec3(0.0f), vec3(0.0f), GW_FAR };
 	bool near_start = walk_start() < GW_NEAR, again = false;
 	for (uint step = 0u; step < GW_WALK_STEPS && hit.facet == GW_NONE; step++) {
-		if (t >= t_end) {
+		if (again ? t > doubt.to : t >= t_end) {
 			if (again || doubt.from >= t_end)
 				break;
 			again = true;
