@@ -27,16 +27,18 @@
 #define RANK 3
 
 /* Foliage has more neighbours that fill space, too, than this share of them. */
-#define FOLIAGE 0.7f
+#define FOLIAGE 0.9f
 
 /* A disc of random direction shows half of its area, a thing as much from everywhere; but the
  * discs of most face the scanner or lie as their thing does. */
 #define TURNED 1.5
+#define AT_RANDOM 2.0
 
 typedef struct filled_step {
 	const gw_surfels *surfels;
 	float *thickness;   /* count */
 	const float *share; /* count or NULL, of the beams that stopped */
+	const float *own;   /* count or NULL, what things cover */
 	uint8_t *filled, *foliage;
 } filled_step;
 
@@ -146,6 +148,18 @@ static void judge_around(void *user, size_t surfel, const gw_neighbour_list *lis
 	step->foliage[surfel] |= step->filled[surfel] && (float)filled > FOLIAGE * (float)list->count;
 }
 
+/* A thing that has them as a quarter of its neighbours is one of them, at their rim or where they
+ * lie in a plane by chance. Marked by another bit: those beside it look at the first. */
+static void judge_beside(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const filled_step *step = user;
+	uint32_t foliage = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		foliage += step->foliage[list->index[j]] & 1u;
+	if (step->own[surfel] > 0.0f && 4 * foliage > list->count)
+		step->foliage[surfel] |= 2u;
+}
+
 /* What each surfel is by itself, if it is a thing. */
 typedef struct thing_step {
 	const float *own;        /* count, m^2, seen from the scanner; 0: none */
@@ -200,8 +214,13 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 	thing_step step = { own, scanner, lone->area };
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, share_thing, &step, error);
-	for (size_t i = 0; i < n && status == GW_OK; i++)
+	filled_step beside = { .own = own, .foliage = lone->foliage };
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, judge_beside, &beside, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++) {
 		lone->filled[i] |= lone->area[i] > 0.0f;
+		lone->area[i] *= lone->foliage[i] ? (float)(AT_RANDOM / TURNED) : 1.0f;
+	}
 	free(own);
 	free(scanner);
 	return status;
@@ -255,10 +274,10 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 	if (status == GW_OK && points->beam_share && !points->own_area)
 		status = look_at_beams(points, search, &step, lone, error);
 	free(step.thickness);
-	if (status == GW_OK && points->own_area)
-		status = find_things(points, search, surfels, lone, error);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, judge_around, &step, error);
+	if (status == GW_OK && points->own_area)
+		status = find_things(points, search, surfels, lone, error);
 	if (status != GW_OK)
 		gw_lone_points_clear(lone);
 	return status;

@@ -325,6 +325,100 @@ static void test_ends(void **state)
 	clear(&s);
 }
 
+/* What is forbidden is missing by as much as is known: then nothing gets through a sheet of opacity
+ * 0.3. Shadow maps, which cannot show it, are not made. */
+static void test_other_ways(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	add_sheet(&s, 0.5, -1, 0.0, 0.3f);
+	gw_points points = points_of(&s);
+	gw_bake_options plain = plain_options(), maps = plain, opaque = plain;
+	const gw_light sun = sun_at(0.0);
+	const size_t middle = FLOOR * (FLOOR / 2) + FLOOR / 2;
+	maps.shadows = GW_SHADOWS_MAPS;
+	opaque.effects_forbidden = 1u << GW_EFFECT_TRANSMISSION;
+	gw_bake_result *traced = scene_bake(&points, &sun, 1, &plain);
+	gw_bake_result *mapped = scene_bake(&points, &sun, 1, &maps);
+	gw_bake_result *dark = scene_bake(&points, &sun, 1, &opaque);
+	assert_true(fabsf(traced->direct_irradiance[3 * middle] - 0.7f) < 1e-4f);
+	assert_same(traced, mapped, points.count);
+	assert_string_equal(scene_effect(&mapped->report, "shadows")->method, "traced");
+	assert_true(dark->direct_irradiance[3 * middle] == 0.0f);
+	gw_bake_result_destroy(&traced);
+	gw_bake_result_destroy(&mapped);
+	gw_bake_result_destroy(&dark);
+	clear(&s);
+}
+
+/* The mean irradiance of the cellar's floor under a sky, with a ceiling of some opacity below. */
+static double below_a_hole(float opacity, bool *portal)
+{
+	clear_scene s = { .opacity = NULL };
+	scene_make_cellar(&s.scene);
+	give(&s, 0, 1.0f);
+	if (opacity > 0.0f)
+		add_patch(&s, (double[]){ 0, 0, 0.6 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, 32,
+				  0.5f, opacity);
+	gw_points points = points_of(&s);
+	gw_bake_options options = plain_options();
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
+	double mean = scene_mean(result->direct_irradiance, 32 * 32, 0);
+	*portal = scene_effect(&result->report, "portals")->called_for;
+	gw_bake_result_destroy(&result);
+	clear(&s);
+	return mean;
+}
+
+/* Through a portal as through anything. Some hundred records of 12 % scatter each, twice. */
+static void test_portal(void **state)
+{
+	(void)state;
+	bool with, without;
+	double open = below_a_hole(0.0f, &without), half = below_a_hole(0.5f, &with);
+	assert_true(with && without);
+	assert_true(fabs(half / open - 0.5) < 0.05);
+}
+
+/* A sheet that moves over an opaque floor: each frame has the light of a bake of its own. */
+static void test_frames(void **state)
+{
+	(void)state;
+	clear_scene s = { .opacity = NULL };
+	add_floor(&s);
+	gw_mover mover = { .first = s.scene.count };
+	add_sheet(&s, 0.5, -1, 0.0, 0.3f);
+	mover.count = s.scene.count - mover.first;
+	gw_points points = points_of(&s);
+	double matrix[32] = {
+		[0] = 1, [5] = 1, [10] = 1, [15] = 1, [16] = 1, [21] = 1, [26] = 1, [27] = 0.4, [31] = 1
+	};
+	const gw_motion motion = {
+		.mover = &mover, .mover_count = 1, .frame_count = 2, .matrix = matrix
+	};
+	gw_bake_options options = plain_options();
+	scene_choose_passes(&options.passes, &options.validate);
+	const gw_light sun = sun_at(20.0);
+	gw_frames *frames = NULL;
+	gw_error error;
+	assert_int_equal(gw_frames_open(&(gw_moving_scene){ { &points, &sun, 1 }, &motion }, &options,
+									&(gw_frames_options){ .rebuild = false }, NULL, &frames,
+									&error),
+					 GW_OK);
+	for (size_t f = 0; f < 2; f++) {
+		gw_bake_result *result;
+		assert_int_equal(gw_frames_bake(frames, f, &sun, 1, &result, &error), GW_OK);
+		size_t middle = FLOOR * (FLOOR / 2) + FLOOR / 2;
+		double share = (double)result->direct_irradiance[3 * middle] / cos(20 * SCENE_PI / 180.0);
+		assert_true(fabs(share - 0.7) < 1e-4);
+		gw_bake_result_destroy(&result);
+	}
+	gw_frames_close(&frames);
+	clear(&s);
+}
+
 typedef struct bytes {
 	unsigned char *data;
 	size_t length;
@@ -396,7 +490,8 @@ int main(void)
 		cmocka_unit_test(test_rough),    cmocka_unit_test(test_roof),
 		cmocka_unit_test(test_emitters), cmocka_unit_test(test_energy),
 		cmocka_unit_test(test_ends),     cmocka_unit_test(test_transport),
-		cmocka_unit_test(test_bad),
+		cmocka_unit_test(test_bad),      cmocka_unit_test(test_other_ways),
+		cmocka_unit_test(test_portal),   cmocka_unit_test(test_frames),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
