@@ -17,7 +17,7 @@
 
 void bake_plan_apply_effects(settings *s)
 {
-	if (s->bake.effects_forced & 1u << GW_EFFECT_COLUMNS)
+	if (s->bake.effects_forced & 1u << GW_EFFECT_COLUMNS && !(s->fields & SETTINGS_FIELDS_OF_LAMPS))
 		s->fields |= 1u << SETTINGS_FIELD_LIGHTS;
 }
 

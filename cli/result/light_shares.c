@@ -9,6 +9,7 @@
 #define PLANNED_LINES 12u /* of a plan */
 #define FAR_EXTENTS 3.0   /* extents of the cloud from which on a lamp is called far away */
 #define NOTHING 1e-6      /* share of the light that is as good as none */
+#define DOUBTFUL 0.01 /* of what such a lamp gives: more is no leak, however wrong the light is */
 #define NAME 96
 
 /* Box around the points that are part of a surface, and its diagonal. */
@@ -126,6 +127,36 @@ static void print_dark(const light_shares *f, const extent *e)
 		fprintf(stderr, "glowworm: note: so do %zu more; --report names them\n", dark - LINES);
 }
 
+/* Flux of a lamp that stands somewhere; 0 where it is not known by its intensity alone. */
+static double flux_of(const gw_light *l)
+{
+	double degree = acos(-1.0) / 180.0, inner = (double)l->inner_angle * degree;
+	double outer = (double)l->outer_angle * degree, share = 2.0;
+	if (l->type == GW_LIGHT_SUN || l->type == GW_LIGHT_ENVIRONMENT || l->distribution)
+		return 0.0;
+	if (l->type == GW_LIGHT_SPOT)
+		share = 1.0 - 0.5 * (cos(inner) + cos(outer));
+	else if (l->type == GW_LIGHT_DISC || l->type == GW_LIGHT_RECTANGLE)
+		share = 0.5;
+	return share * gw_relative_luminance((double)l->intensity[0], (double)l->intensity[1],
+										 (double)l->intensity[2]);
+}
+
+/* Whether a lamp gives so little, beside what others give for their flux, that it may be the error
+ * alone: light that leaks to it from under the floor. */
+static bool is_doubtful(const light_shares *f, size_t i)
+{
+	const gw_bake_result *r = f->result;
+	double flux = 0.0, share = 0.0, own = flux_of(light_of(f, i));
+	for (size_t k = 0; k < r->given_count; k++) {
+		double other = flux_of(light_of(f, k));
+		flux += other;
+		share += other > 0.0 && r->given[k].share > 0.0 ? r->given[k].share : 0.0;
+	}
+	double bound = fmin(r->report.error.relative_rms, DOUBTFUL);
+	return own > 0.0 && shines(&r->given[i]) && r->given[i].share / share < bound * own / flux;
+}
+
 /* A line of one that shines. */
 static void print_share(const light_shares *f, const extent *e, size_t i)
 {
@@ -136,6 +167,8 @@ static void print_share(const light_shares *f, const extent *e, size_t i)
 				 text_percent(f->result->given[i].share, percent));
 	if (away > FAR_EXTENTS * e->diagonal)
 		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
+	else if (is_doubtful(f, i))
+		fprintf(stderr, "; so little for its power is within the error: it may light nothing");
 	fputc('\n', stderr);
 }
 
@@ -247,6 +280,7 @@ void light_shares_write(json_writer *json, const light_shares *f)
 		json_put_real(json, "share", f->result->given[i].share);
 		json_put_text(json, "fate", fate[f->result->given[i].fate]);
 		json_put_real(json, "outside", outside(&e, light));
+		json_put_bool(json, "doubtful", is_doubtful(f, i));
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');

@@ -23,6 +23,26 @@ for i in 1 2 3 4 5 6 7; do
 	set -- "$@" --light "point at 0.5,0.5,0.5 intensity $i" --light 'point at 1,1,1 intensity 0'
 done
 bake "$@"
+echo == doubtful
+# A lamp under the floor, as strong as the one above it, on a few points there; a wall throws a
+# shadow of which the edge has an error.
+{
+	echo x y z nx ny nz
+	awk 'BEGIN {
+		for (i = 0; i < 10000; i++)
+			print i % 100 / 50, int(i / 100) / 50, (i * 7919 % 13 - 6) / 500, 0, 0, 1
+		for (i = 0; i < 100; i++)
+			print i % 10 / 50, int(i / 10) / 50, -0.5, 0, 0, -1
+		for (i = 0; i < 1000; i++)
+			print 0.5 + i % 20 / 50, 0.8, 0.1 + int(i / 20) / 100, 0, 1, 0
+	}'
+} >floor.xyz
+glowworm bake floor.xyz -o lit.ply -f --albedo constant:0.5 --normals given --report report.json \
+	--light 'point at 1,1,1 intensity 10 name above' \
+	--light 'point at 1.9,1.9,-0.55 intensity 10 name below' \
+	--light 'point at 1,1,1 intensity 0.0001 name weak' 2>&1 |
+	sed -n "s/.*light '\([a-z]*\)': [0-9.e-]* %/\1: N %/p"
+grep -c '"doubtful": true' report.json
 echo == alone
 bake --light 'point at 0.5,0.5,0.5 intensity 1'
 bake --quiet "$@"
