@@ -17,14 +17,14 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 9u
+#define VERSION 10u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
 
 /* What was baked: a hash each. */
 typedef struct identity {
-	uint64_t position, normal, albedo, opacity, scanner, stray, emission;
+	uint64_t position, normal, albedo, opacity, scanner, stray, emission, area;
 } identity;
 
 /* Settings that change what a transport holds. */
@@ -73,6 +73,8 @@ static identity identify(const gw_points *p)
 		.scanner = scanner ^ hash_array(p->scanner_of, p->count, sizeof *p->scanner_of),
 		.stray = p->keep_strays ? 1 : hash_array(p->stray, p->count, 1),
 		.emission = hash_array(p->emission, p->count, 3 * sizeof *p->emission),
+		.area = hash_array(p->own_area, p->count, sizeof *p->own_area) ^
+				3 * hash_array(p->beam_share, p->count, sizeof *p->beam_share),
 	};
 }
 
@@ -209,6 +211,7 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 					   : kept->opacity != own->opacity    ? "other opacities"
 					   : kept->scanner != own->scanner    ? "other places of scanners"
 					   : kept->stray != own->stray        ? "other strays"
+					   : kept->area != own->area          ? "other areas of points or shares of pulses"
 														  : NULL;
 	if (what == NULL)
 		return GW_OK;

@@ -435,7 +435,8 @@ static gw_status keep(void *user, const void *data, size_t length, gw_error *err
 	return GW_OK;
 }
 
-/* A transport holds what lets light through, and knows other opacities from its own. */
+/* A transport holds what lets light through, and knows other opacities, and other shares of what
+ * pulses met, from its own. */
 static void test_transport(void **state)
 {
 	(void)state;
@@ -460,6 +461,11 @@ static void test_transport(void **state)
 	gw_error error;
 	assert_int_equal(gw_bake(&what, &options, NULL, &second, &error), GW_ERROR_DATA);
 	assert_non_null(strstr(error.text, "other opacities"));
+	give(&s, (size_t)FLOOR * FLOOR, 0.3f);
+	points = points_of(&s);
+	points.beam_share = points.opacity;
+	assert_int_equal(gw_bake(&what, &options, NULL, &second, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "shares of pulses"));
 	free(kept.data);
 	clear(&s);
 }
