@@ -1,7 +1,9 @@
 /*
- * bake.c - gw_bake: the data's way from points to lit points, see glowworm.h. Its steps are in
- * scene.h, lighting.h and result.h; here is their order, and what is done again to refine.
+ * bake.c - the data's way from points to lit points, see bake.h. Its steps are in scene.h,
+ * lighting.h and result.h; here is their order, and what is done again to refine.
  */
+#include "bake/bake.h"
+
 #include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "bake/effect_seconds.h"
@@ -20,6 +22,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Records that would become less than so many times as many stand as close as they may. */
 #define GROWTH_LEAST 1.02
@@ -28,9 +31,6 @@
  * and what sets their draw apart. */
 #define CONFIRM_POINTS 3u
 #define CONFIRM_SEED 0x7feb352du
-
-/* What a bake of all points is of the time where halves of them follow. */
-#define WHOLE_SHARE 0.57
 
 /* All that one bake holds. */
 typedef struct bake {
@@ -316,11 +316,18 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 
 /* ------------------------------------------------------------------------------------ rounds */
 
+/* What the passes took is told of the last round. */
+static void forget_seconds(bake *b)
+{
+	memset(b->scene.passes.device_seconds, 0, sizeof b->scene.passes.device_seconds);
+}
+
 static void drop_records(bake *b)
 {
 	gw_record_density_clear(&b->density);
 	gw_lighting_drop_gathered(&b->light);
 	gw_scene_drop_records(&b->scene);
+	forget_seconds(b);
 }
 
 static void drop_octree(bake *b)
@@ -328,6 +335,7 @@ static void drop_octree(bake *b)
 	gw_record_density_clear(&b->density);
 	gw_lighting_clear(&b->light);
 	gw_scene_drop_octree(&b->scene);
+	forget_seconds(b);
 }
 
 static void book_round(bake *b, double seconds, const char *why)
@@ -622,10 +630,9 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
 	return status;
 }
 
-/* Bakes, or only plans to: then the result holds a report alone. */
-static gw_status bake_as_given(const gw_scene_description *scene, const gw_bake_options *options,
-							   bool planning, const gw_bake_callbacks *callbacks,
-							   gw_bake_result **result, gw_error *error)
+gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options *options,
+					   bool planning, const gw_bake_callbacks *callbacks, gw_bake_result **result,
+					   gw_error *error)
 {
 	gw_scaled_scene scaled;
 	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
@@ -639,143 +646,6 @@ static gw_status bake_as_given(const gw_scene_description *scene, const gw_bake_
 	return status;
 }
 
-/* ------------------------------------------------------------------------------ half the points */
-
-/* The callbacks of the whole, for a part of it. */
-typedef struct part {
-	const gw_bake_callbacks *whole; /* NULL: nobody listens */
-	double from, share;             /* of the progress */
-	const char *name;               /* NULL: that of each stage */
-} part;
-
-/* A bake takes as long as its points are many: where halves will follow, so much is left of it. */
-static const part parts[] = { { .from = 0.0, .share = WHOLE_SHARE },
-							  { .from = 0.57, .share = 0.29, .name = "half the points" },
-							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
-
-static void progress_of_part(void *user, const char *stage, double done)
-{
-	const part *p = user;
-	if (p->whole->progress)
-		p->whole->progress(p->whole->user, p->name ? p->name : stage, p->from + p->share * done);
-}
-
-static bool part_is_cancelled(void *user)
-{
-	const part *p = user;
-	return p->whole->cancelled && p->whole->cancelled(p->whole->user);
-}
-
-static void whole_is_planned(void *user, const gw_bake_result *plan)
-{
-	const part *p = user;
-	p->whole->planned(p->whole->user, plan);
-}
-
-/* Only the first part tells what is planned. */
-static gw_bake_callbacks callbacks_of(part *p, const gw_bake_callbacks *whole)
-{
-	bool planned = whole && whole->planned && p->from <= 0.0;
-	p->whole = whole;
-	return whole ? (gw_bake_callbacks){ progress_of_part, part_is_cancelled, p,
-										planned ? whole_is_planned : NULL }
-				 : (gw_bake_callbacks){ .user = NULL };
-}
-
-/* A bake of which only the light is wanted, with the settings that the whole one began with. */
-static gw_status bake_half(const gw_scene_description *all, const gw_half_sample *half,
-						   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
-						   gw_bake_result **result, gw_error *error)
-{
-	const gw_scene_description scene = { &half->points, all->lights, all->light_count };
-	gw_bake_options plain = *options;
-	plain.estimate_points = 0;
-	plain.max_error = plain.time_limit = 0.0f;
-	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
-	plain.bent_normals = false;
-	return half->points.count > 0
-			   ? bake_as_given(&scene, &plain, false, callbacks, result, error)
-			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
-}
-
-/* The difference to half of the points, and where more is known from it, of half of that half. */
-static gw_status compare_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								const gw_bake_callbacks *callbacks, gw_bake_result *result,
-								gw_error *error)
-{
-	gw_half_sample half, quarter = { .from = NULL };
-	part second_part = parts[1], third_part = parts[2];
-	const gw_bake_callbacks of_second = callbacks_of(&second_part, callbacks);
-	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
-	gw_bake_result *of_half = NULL, *of_quarter = NULL;
-	const gw_report *r = &result->report;
-	gw_half_difference first = { 0 }, second = { 0 };
-	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
-	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
-	if (status == GW_OK)
-		status = bake_half(scene, &half, options, &of_second, &of_half, error);
-	if (status == GW_OK)
-		first = gw_half_sample_difference(&half, of_half, result);
-	bool more = status == GW_OK && gw_half_difference_all(&first) > r->error.relative_rms;
-	if (more)
-		status = gw_half_sample_make(&half.points, 1, &quarter, error);
-	if (more && status == GW_OK)
-		status = bake_half(scene, &quarter, options, &of_third, &of_quarter, error);
-	if (more && status == GW_OK)
-		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
-	if (status == GW_OK)
-		gw_half_sample_add(&first, &second, gathered, &result->report.error);
-	gw_bake_result_destroy(&of_half);
-	gw_bake_result_destroy(&of_quarter);
-	gw_half_sample_clear(&half);
-	gw_half_sample_clear(&quarter);
-	return status;
-}
-
-/* What bakes of half of the points say of the surface; nothing where half of them is no cloud. */
-static gw_status check_by_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								 const gw_bake_callbacks *callbacks, gw_bake_result *result,
-								 gw_error *error)
-{
-	gw_report *r = &result->report;
-	gw_report_stage(r, NULL, "half the points");
-	gw_status status = compare_halves(scene, options, callbacks, result, error);
-	gw_report_stage(r, NULL, NULL);
-	double wanted = (double)options->max_error;
-	if (status == GW_OK && wanted > 0.0 && r->error.relative_rms > wanted && !r->missed) {
-		r->missed = true;
-		r->goal = GW_GOAL_EXHAUSTED;
-	}
-	if (r->price.error > 0.0 && r->price.error < r->error.halves)
-		r->price = (gw_price){ 0 };
-	return status == GW_ERROR_DATA ? GW_OK : status;
-}
-
-gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *options,
-				  const gw_bake_callbacks *callbacks, gw_bake_result **result, gw_error *error)
-{
-	const gw_bake_options ordinary = gw_bake_options_default();
-	double start = gw_seconds();
-	*result = NULL;
-	options = options ? options : &ordinary;
-	GW_TRY(gw_options_check(options, scene, error));
-	const gw_bake_options effective = gw_options_effective(options);
-	options = &effective;
-	part first = parts[0];
-	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
-	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
-	GW_TRY(bake_as_given(scene, options, false, &of_first, result, error));
-	/* Two smaller bakes take less than twice as long as this one did. */
-	bool in_time =
-		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (!in_time || !gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
-		return GW_OK;
-	gw_status status = check_by_halves(scene, options, callbacks, *result, error);
-	if (status != GW_OK)
-		gw_bake_result_destroy(result);
-	return status;
-}
-
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
 					   const gw_bake_callbacks *callbacks, gw_bake_result **plan, gw_error *error)
 {
@@ -784,32 +654,5 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
 	const gw_bake_options effective = gw_options_effective(options);
-	return bake_as_given(scene, &effective, true, callbacks, plan, error);
-}
-
-void gw_bake_result_destroy(gw_bake_result **result)
-{
-	gw_bake_result *r = *result;
-	if (r == NULL)
-		return;
-	free(r->radiance);
-	free(r->direct_irradiance);
-	free(r->indirect_irradiance);
-	free(r->normal);
-	free(r->albedo);
-	for (size_t i = 0; r->lamp && i < r->lamp_count; i++)
-		free(r->lamp[i]);
-	free(r->lamp);
-	free(r->rest);
-	free(r->ambient_occlusion);
-	free(r->bent_normal);
-	free(r->error);
-	free(r->unknown);
-	free(r->roi);
-	free(r->stray);
-	free(r->given);
-	gw_voxels_clear(&r->voxels);
-	free(r->report.bounce);
-	free(r);
-	*result = NULL;
+	return gw_bake_once(scene, &effective, true, callbacks, plan, error);
 }

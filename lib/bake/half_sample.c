@@ -106,6 +106,7 @@ static bool copy_all(const gw_points *all, gw_half_sample *half)
 	p->emission = half->emission = copy_rows(half, all->emission, 3 * sizeof(float), &good);
 	p->opacity = half->opacity = copy_rows(half, all->opacity, sizeof(float), &good);
 	p->own_area = half->own_area = copy_rows(half, all->own_area, sizeof(float), &good);
+	p->beam_share = half->beam_share = copy_rows(half, all->beam_share, sizeof(float), &good);
 	p->scanner_of = half->scanner_of = copy_rows(half, all->scanner_of, sizeof(uint32_t), &good);
 	p->stray = half->stray = copy_rows(half, all->stray, 1, &good);
 	p->image = half->image;
@@ -139,6 +140,7 @@ void gw_half_sample_clear(gw_half_sample *half)
 	free(half->emission);
 	free(half->opacity);
 	free(half->own_area);
+	free(half->beam_share);
 	free(half->scanner_of);
 	free(half->image_cell);
 	free(half->image);

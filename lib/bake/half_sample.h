@@ -35,7 +35,8 @@ typedef struct gw_half_sample {
 	gw_points points; /* refers to the arrays below, and for the rest to what was given */
 	size_t *from;     /* points.count: which point of all each is */
 	double *position;
-	float *normal, *albedo, *emission, *opacity, *own_area; /* NULL where all have none */
+	float *normal, *albedo, *emission; /* NULL where all have none, and so the next */
+	float *opacity, *own_area, *beam_share;
 	uint32_t *scanner_of, *image_cell;
 	gw_range_image *image;
 	uint8_t *stray;

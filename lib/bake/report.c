@@ -42,6 +42,14 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 
+void gw_report_add_stage(gw_report *report, const char *name, double seconds)
+{
+	assert(report->stage_count < GW_REPORT_STAGES);
+	gw_stage *stage = &report->stage[report->stage_count++];
+	*stage = (gw_stage){ .seconds = seconds };
+	snprintf(stage->name, sizeof stage->name, "%s", name);
+}
+
 double gw_report_seconds(const gw_report *report, const char *stage)
 {
 	double seconds = 0.0;

@@ -283,3 +283,30 @@ gw_status gw_result_collect_voxels(gw_lighting *lighting, gw_bake_result *result
 							.facet_direct = &lighting->facet_direct };
 	return gw_voxels_collect(&task, &result->voxels, error);
 }
+
+void gw_bake_result_destroy(gw_bake_result **result)
+{
+	gw_bake_result *r = *result;
+	if (r == NULL)
+		return;
+	free(r->radiance);
+	free(r->direct_irradiance);
+	free(r->indirect_irradiance);
+	free(r->normal);
+	free(r->albedo);
+	for (size_t i = 0; r->lamp && i < r->lamp_count; i++)
+		free(r->lamp[i]);
+	free(r->lamp);
+	free(r->rest);
+	free(r->ambient_occlusion);
+	free(r->bent_normal);
+	free(r->error);
+	free(r->unknown);
+	free(r->roi);
+	free(r->stray);
+	free(r->given);
+	gw_voxels_clear(&r->voxels);
+	free(r->report.bounce);
+	free(r);
+	*result = NULL;
+}

@@ -24,7 +24,6 @@
 #define PLACES "once a bake, for each record a few steps"
 #define SAMPLER "the driver's sampler filters images, which a loop would have to do itself"
 #define PIXELS "for glossy pictures, which few ask for"
-#define PORTALS "few scenes have portals to a sky, and there it is a small part of a bake"
 
 #define BATCHES_OF(samples)                                                                        \
 	.batch = (samples), .batch_at = (uint32_t)offsetof(gw_record_push, batch_first)
@@ -87,9 +86,9 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 	[GW_PASS_RECORD_SKY] = { "record_sky", "tttttttsssttttttttt", sizeof(gw_record_push), 4096,
 							 BATCHES_OF(LIGHT_BATCH), .cpu = gw_cpu_record_sky },
 	[GW_PASS_RECORD_PORTALS] = { "record_portals", "ttttttttstttttttt", sizeof(gw_record_push),
-								 4096, .why = PORTALS },
+								 4096, .cpu = gw_cpu_record_portals },
 	[GW_PASS_PORTAL_LIGHT] = { "portal_light", "ttttsss", sizeof(gw_record_push), 4096,
-							   BATCHES_OF(PORTAL_BATCH), .why = PORTALS },
+							   BATCHES_OF(PORTAL_BATCH), .cpu = gw_cpu_portal_light },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096,
 							   .cpu = gw_cpu_record_first },
 	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096,

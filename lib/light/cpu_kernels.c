@@ -72,6 +72,22 @@ void gw_cpu_record_sky(gw_passes *passes, const gw_binding *b, const void *push,
 				   count, chunk_of(CHUNK, p->sky_samples));
 }
 
+void gw_cpu_record_portals(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_PORTALS,
+		(gw_kernel_run){ .kernel = gw_kernel_record_portals, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK, GW_PORTAL_SAMPLES));
+}
+
+void gw_cpu_portal_light(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_PORTAL_LIGHT,
+				   (gw_kernel_run){ .kernel = gw_kernel_portal_light, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK, p->rays));
+}
+
 void gw_cpu_record_first(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
 	const gw_record_push *p = push;

@@ -459,6 +459,21 @@ static way_end follow(const gw_scanned_space *space, const gw_way *way)
 	return end;
 }
 
+/* Where a way comes near holes, and where it leaves them. */
+static void find_stretch(const gw_scanned_space *space, const gw_way *way, float *from, float *to)
+{
+	const float p[3] = { way->from.x, way->from.y, way->from.z };
+	const float d[3] = { way->direction.x, way->direction.y, way->direction.z };
+	*from = 0.0f;
+	*to = way->length;
+	for (int k = 0; k < 3; k++) {
+		float a = (space->holes_low[k] - p[k]) / d[k];
+		float b = (space->holes_high[k] - p[k]) / d[k];
+		*from = fmaxf(*from, fminf(a, b));
+		*to = fminf(*to, fmaxf(a, b));
+	}
+}
+
 /* Whether a way passes a hole. One that leaves the scene may pass its rim, and one that ends is
  * looked at but for its ends, which may lie beside a hole. */
 static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
@@ -466,7 +481,12 @@ static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
 	bool leaves = !isfinite(way->length);
 	float margin = (leaves ? 1.0f : HOLE_MARGIN) * space->cell;
 	uint32_t at[3];
-	for (float t = margin; leaves || t < way->length - margin; t += STEP * space->cell) {
+	float from, to;
+	find_stretch(space, way, &from, &to);
+	for (float t = margin; t <= to && (leaves || t < way->length - margin);
+		 t += STEP * space->cell) {
+		if (t > margin && t < from)
+			continue;
 		gw_vec3 place = gw_plus(way->from, gw_times(way->direction, t));
 		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
 			break;

@@ -55,6 +55,7 @@ typedef struct gw_scanned_space {
 	 * extent and its middle, metres in the surfels' frame. */
 	uint32_t holes;
 	float hole_width, hole_place[3];
+	float holes_low[3], holes_high[3]; /* around all of them, metres likewise */
 } gw_scanned_space;
 
 /* Makes the grid around surfels, so many cells along its longest side or fewer of that width, all

@@ -218,6 +218,13 @@ static void extend(extent *e, gw_vec3 p)
 	e->high = (gw_vec3){ fmaxf(e->high.x, p.x), fmaxf(e->high.y, p.y), fmaxf(e->high.z, p.z) };
 }
 
+static void widen(extent *e, float by)
+{
+	const gw_vec3 off = { by, by, by };
+	e->low = gw_minus(e->low, off);
+	e->high = gw_plus(e->high, off);
+}
+
 static float width_of(const extent *e)
 {
 	gw_vec3 d = gw_minus(e->high, e->low);
@@ -445,16 +452,18 @@ static hole measure(const gw_scanned_space *space, const uint32_t *cell, size_t 
 	return h;
 }
 
-/* Counts a hole; one of too few cells is none. */
-static void count_hole(gw_scanned_space *space, const hole *h)
+/* Counts a hole, and extends what all are in; one of too few cells is none. */
+static void count_hole(gw_scanned_space *space, const hole *h, extent *all)
 {
 	if (h->cells < HOLE_CELLS || h->width < RIM_CELLS * space->cell) {
 		for (size_t i = 0; i < h->cells; i++)
 			space->state[h->cell[i]] = GW_SPACE_FREE;
 		return;
 	}
-	for (size_t i = 0; i < h->cells; i++)
+	for (size_t i = 0; i < h->cells; i++) {
 		go_around(space, h->cell[i], make_rim, NULL, 0);
+		extend(all, middle_of(space, h->cell[i]));
+	}
 	space->holes++;
 	if (h->width <= space->hole_width)
 		return;
@@ -467,6 +476,7 @@ static bool count_holes(const work *w)
 {
 	gw_scanned_space *space = w->space;
 	size_t seen = 0;
+	extent all = nowhere;
 	for (size_t c = 0; c < w->cells; c++)
 		if (space->state[c] != GW_SPACE_SURFACE) {
 			bool own = atomic_load(&w->seen[c]) != 0;
@@ -481,8 +491,11 @@ static bool count_holes(const work *w)
 		if (top == 0)
 			continue;
 		hole h = measure(space, stack, top);
-		count_hole(space, &h);
+		count_hole(space, &h, &all);
 	}
+	widen(&all, 2.0f * space->cell); /* their rims are beside them */
+	memcpy(space->holes_low, &all.low, sizeof all.low);
+	memcpy(space->holes_high, &all.high, sizeof all.high);
 	free(stack);
 	return stack != NULL;
 }

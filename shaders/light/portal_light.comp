@@ -5,32 +5,18 @@
  * heuristic shares it out. One invocation takes a batch of a record's rays, and with the first of
  * them its samples.
  */
-#version 460
-
+#include "base/pass.glsl"
 #include "light/transport_layout.h"
 #include "base/sampling.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer hit_facet;
-layout(binding = 1) uniform usamplerBuffer sky_seen;
-layout(binding = 2) uniform samplerBuffer portal;
-layout(binding = 3) uniform samplerBuffer sky_texel;
-layout(binding = 4) readonly buffer Position
-{
-	vec4 record_position[];
-};
-layout(binding = 5) readonly buffer Normal
-{
-	vec4 record_normal[];
-};
-layout(binding = 6) buffer Sum
-{
-	vec4 record_sampled[];
-};
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+TEXELS(0, uint, hit_facet);
+TEXELS(1, uint, sky_seen);
+TEXELS(2, vec4, portal);
+TEXELS(3, vec4, sky_texel);
+BUFFER(4, readonly, vec4, record_position);
+BUFFER(5, readonly, vec4, record_normal);
+BUFFER(6, readwrite, vec4, record_sampled);
+PUSH(gw_record_push);
 
 #include "light/portals.glsl"
 #include "light/record_ray.glsl"
@@ -39,14 +25,14 @@ layout(push_constant) uniform Push
 /* Radiance from a direction over how densely all that may find it do. */
 vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 {
-	float cosine = max(0.0, dot(normal, direction));
+	float cosine = max(0.0f, dot(normal, direction));
 	float density = float(push.rays) * cosine / GW_PI +
 					float(GW_PORTAL_SAMPLES) * portals_density(g, normal, direction, total);
-	vec3 sum = push.sky.xyz / max(density, 1e-30);
+	vec3 sum = push.sky.xyz / max(density, 1e-30f);
 	if (push.sky_width != 0u) {
 		vec3 radiance = texelFetch(sky_texel, sky_texel_at(direction)).xyz;
 		density += float(push.sky_samples) * luminance(radiance) / push.sky_total;
-		sum += radiance / max(density, 1e-30);
+		sum += radiance / max(density, 1e-30f);
 	}
 	return sum * cosine;
 }
@@ -54,12 +40,12 @@ vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
-	if (i >= push.count || record_sampled[i].w > 0.5)
+	if (i >= push.count || record_sampled[i].w > 0.5f)
 		return;
 	uint record = push.first + i;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
-	float total = portals_weight(g, normal), passed = 0.0;
-	vec3 sum = vec3(0.0);
+	float total = portals_weight(g, normal), passed = 0.0f;
+	vec3 sum = vec3(0.0f);
 	for (uint k = push.batch_first; k < push.batch_first + push.batch_count; k++) {
 		if (texelFetch(hit_facet, int(record * push.rays + k)).x != GW_NONE)
 			continue;

@@ -2,37 +2,27 @@
  * record_portals.comp - which of the samples that a record takes of the portals leave
  * the scene: a bit each. Like hits they serve every sky.
  */
-#version 460
-
 #include "light/transport_layout.h"
 #include "octree/octree_walk.glsl"
-#include "base/sampling.glsl"
 
-layout(local_size_x_id = 0) in;
-layout(binding = 0) uniform usamplerBuffer ray_directory;
-layout(binding = 1) uniform usamplerBuffer node;
-layout(binding = 2) uniform usamplerBuffer leaf_tile;
-layout(binding = 3) uniform samplerBuffer facet_plane;
-layout(binding = 4) uniform samplerBuffer facet_centre;
-layout(binding = 5) uniform samplerBuffer record_position;
-layout(binding = 6) uniform samplerBuffer record_normal;
-layout(binding = 7) uniform samplerBuffer portal;
-layout(binding = 8) writeonly buffer Through
-{
-	uint sky_seen[];
-};
-layout(binding = 9) uniform usamplerBuffer leaf_fragment;
-layout(binding = 10) uniform usamplerBuffer fragment_surfel;
-layout(binding = 11) uniform samplerBuffer surfel_place;
-layout(binding = 12) uniform samplerBuffer surfel_facing;
-layout(binding = 13) uniform samplerBuffer surfel_disc;
-layout(binding = 14) uniform samplerBuffer surfel_clip;
-layout(binding = 15) uniform usamplerBuffer disc_tree;
-layout(binding = 16) uniform samplerBuffer facet_albedo;
-layout(push_constant) uniform Push
-{
-	gw_record_push push;
-};
+TEXELS(0, uint, ray_directory);
+TEXELS(1, uint, node);
+TEXELS(2, uvec2, leaf_tile);
+TEXELS(3, vec4, facet_plane);
+TEXELS(4, vec4, facet_centre);
+TEXELS(5, vec4, record_position);
+TEXELS(6, vec4, record_normal);
+TEXELS(7, vec4, portal);
+BUFFER(8, writeonly, uint, sky_seen);
+TEXELS(9, uint, leaf_fragment);
+TEXELS(10, uint, fragment_surfel);
+TEXELS(11, vec4, surfel_place);
+TEXELS(12, vec4, surfel_facing);
+TEXELS(13, vec4, surfel_disc);
+TEXELS(14, vec4, surfel_clip);
+TEXELS(15, uvec4, disc_tree);
+TEXELS(16, vec4, facet_albedo);
+PUSH(gw_record_push);
 
 #define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
@@ -47,14 +37,14 @@ void main()
 	int record = int(push.first + i);
 	vec3 g = texelFetch(record_position, record).xyz;
 	vec3 normal = texelFetch(record_normal, record).xyz;
-	float total = portals_weight(g, normal), passed = 0.0;
+	float total = portals_weight(g, normal), passed = 0.0f;
 	uint own = portals_random(g), seen = 0u;
 	int j = 0;
-	for (uint m = 0u; m < GW_PORTAL_SAMPLES && total > 0.0; m++) {
+	for (uint m = 0u; m < GW_PORTAL_SAMPLES && total > 0.0f; m++) {
 		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
 		Ray ray = { g, direction, normal, g, GW_FAR, false };
 		float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), m);
-		if (dot(direction, normal) > 0.0 && trace_through(ray, chance, through).facet == GW_NONE)
+		if (dot(direction, normal) > 0.0f && trace_through(ray, chance, through).facet == GW_NONE)
 			seen |= 1u << m;
 	}
 	sky_seen[i] = seen;

@@ -180,8 +180,16 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
-	if (TRACE_DISCS && !stretch.covered)
+	bool foliage = is_foliage(2u * leaf), more = second && is_foliage(2u * leaf + 1u);
+	if (foliage && (!second || more)) {
+		if (!again)
+			pass_foliage(2u * leaf, stretch.enter, stretch.leave, hit);
+		return;
+	}
+	if (TRACE_DISCS && !stretch.covered && !again) {
 		doubt.from = min(doubt.from, stretch.enter);
+		doubt.to = stretch.enter;
+	}
 	if (again) {
 		if (!stretch.covered)
 			meet_discs(ray, leaf, stretch.centre, doubt, hit);
@@ -191,9 +199,12 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 					  !stops_from_behind(2u * leaf + 1u) &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
-	meet_facet(ray, stretch, 2u * leaf, last, hit);
-	if (second)
+	if (!foliage)
+		meet_facet(ray, stretch, 2u * leaf, last, hit);
+	if (second && !more)
 		meet_facet(ray, stretch, 2u * leaf + 1u, last, hit);
+	if (foliage || more)
+		pass_foliage(2u * leaf + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
 }
 
 /* ------------------------------------------------------------------------------------- walking */
@@ -288,8 +299,8 @@ void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
  * a distance of GW_NEAR has gone into the rock.
  *
  * A ray that leaves the scene past surface that does not fill its cell may have slipped through
- * where facets of neighbouring cells do not meet. It is walked once more from there on, against the
- * discs themselves.
+ * where facets of neighbouring cells do not meet. It is walked once more from the first such leaf to
+ * the last, against the discs themselves.
  */
 Hit trace_octree(IN(Ray) ray)
 {
@@ -299,10 +310,10 @@ Hit trace_octree(IN(Ray) ray)
 	float t = max(walk_start(), largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
 	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
-	Doubt doubt = { GW_FAR, vec3(0.0f), vec3(0.0f), GW_FAR };
+	Doubt doubt = { GW_FAR, 0.0f, vec3(0.0f), vec3(0.0f), GW_FAR };
 	bool near_start = walk_start() < GW_NEAR, again = false;
 	for (uint step = 0u; step < GW_WALK_STEPS && hit.facet == GW_NONE; step++) {
-		if (t >= t_end) {
+		if (again ? t > doubt.to : t >= t_end) {
 			if (again || doubt.from >= t_end)
 				break;
 			again = true;

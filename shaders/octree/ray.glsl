@@ -20,7 +20,7 @@ struct Hit {
 
 /* What makes a ray that leaves the scene doubtful. */
 struct Doubt {
-	float from;         /* where it came near surface that does not fill its cell, or GW_FAR */
+	float from, to;     /* where it first and last came near surface that does not fill its cell */
 	vec3 place, normal; /* of the disc that it last passed beside */
 	float t;            /* where, or GW_FAR */
 };

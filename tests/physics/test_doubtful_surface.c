@@ -1,6 +1,7 @@
 /* Points that are no such surface as is made of them: the bake has to say how wrong that makes the
  * light, and clean points take no longer and state no more. */
 #include "base/luminance.h"
+#include "glowworm_host.h"
 #include "random_numbers.h"
 #include "scenes.h"
 
@@ -45,6 +46,17 @@ static double true_error(const scene *s, const gw_bake_result *r, const gw_bake_
 	return sqrt(square * (double)used) / sum;
 }
 
+/* Stages follow each other, so that all of them take no longer than the bake. */
+static void check_stages(const gw_report *r, double bake_seconds)
+{
+	double sum = 0.0;
+	for (uint32_t i = 0; i < r->stage_count; i++) {
+		assert_true(r->stage[i].seconds >= 0.0);
+		sum += r->stage[i].seconds;
+	}
+	assert_true(sum <= bake_seconds);
+}
+
 /* A little noise, and no normals: no ray tells that what it meets is no wall, nor
  * that normals are off by which light is gathered. */
 static void noise_is_stated(void **state)
@@ -59,7 +71,9 @@ static void noise_is_stated(void **state)
 	for (size_t i = 0; i < 3 * s.count; i++)
 		s.position[i] += 0.004 * random_normal(&seed);
 	points.normal = NULL;
+	double start = gw_seconds();
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	check_stages(&result->report, gw_seconds() - start);
 	const gw_error_estimate *e = &result->report.error;
 	double is = true_error(&s, result, truth);
 	print_message("noise: stated %.3g %%, by halves %.3g %%, true %.3g %%\n", 100 * e->relative_rms,

@@ -159,17 +159,45 @@ static double luminance(double r, double g, double b)
 	return 0.2126 * r + 0.7152 * g + 0.0722 * b;
 }
 
+enum { WANTED = 1000, PATHS = 64 };
+
+/* Places on the surface of a scene, and the light there: traced once for all bakes of these. */
+typedef struct truth {
+	size_t count;
+	double place[3 * WANTED];
+	uint32_t triangle[WANTED];
+	reference_light light[WANTED];
+} truth;
+
+static truth truths[MESH_KINDS];
+
+static const truth *truth_of(mesh_kind kind, const mesh_scene *s, const double *place,
+							 const uint32_t *triangle, size_t count)
+{
+	truth *t = &truths[kind];
+	reference_tracer *tracer;
+	gw_error error = { 0 };
+	if (t->count == count && memcmp(t->place, place, 3 * count * sizeof *place) == 0)
+		return t;
+	t->count = count;
+	memcpy(t->place, place, 3 * count * sizeof *place);
+	memcpy(t->triangle, triangle, count * sizeof *triangle);
+	if (reference_tracer_create(s, &tracer, &error) != GW_OK)
+		fail_msg("%s", error.text);
+	reference_tracer_light(tracer, t->place, t->triangle, count, PATHS, 3, 0, t->light, NULL);
+	reference_tracer_destroy(&tracer);
+	return t;
+}
+
 /* Compares every n-th point that does not emit; *noise receives the RMS of the truth's own standard
  * error as a share of its mean. */
-static gw_comparison compare(const mesh_scene *s, const mesh_points *p,
+static gw_comparison compare(mesh_kind kind, const mesh_scene *s, const mesh_points *p,
 							 const gw_bake_result *result, double *noise)
 {
-	enum { WANTED = 1000, PATHS = 64 };
 	size_t step = p->count / WANTED + 1, n = 0;
-	double found[WANTED], truth[WANTED], place[3 * WANTED], squares = 0.0;
+	double found[WANTED], wanted[WANTED], place[3 * WANTED], squares = 0.0;
 	uint32_t triangle[WANTED];
 	size_t point[WANTED];
-	static reference_light light[WANTED];
 	for (size_t i = 0; i < p->count; i += step) {
 		if (s->triangle[p->triangle[i]].emission[1] > 0.0f)
 			continue;
@@ -177,23 +205,19 @@ static gw_comparison compare(const mesh_scene *s, const mesh_points *p,
 		triangle[n] = p->triangle[i];
 		point[n++] = i;
 	}
-	reference_tracer *tracer;
+	const reference_light *light = truth_of(kind, s, place, triangle, n)->light;
 	gw_error error = { 0 };
 	gw_comparison c;
-	if (reference_tracer_create(s, &tracer, &error) != GW_OK)
-		fail_msg("%s", error.text);
-	reference_tracer_light(tracer, place, triangle, n, PATHS, 3, 0, light, NULL);
-	reference_tracer_destroy(&tracer);
 	for (size_t i = 0; i < n; i++) {
 		const float *rho = s->triangle[triangle[i]].albedo, *l = &result->radiance[3 * point[i]];
 		double own[3];
 		for (size_t k = 0; k < 3; k++)
 			own[k] = (double)rho[k] / SCENE_PI * (light[i].direct[k] + light[i].indirect[k]);
 		found[i] = luminance((double)l[0], (double)l[1], (double)l[2]);
-		truth[i] = luminance(own[0], own[1], own[2]);
+		wanted[i] = luminance(own[0], own[1], own[2]);
 		squares += light[i].error * light[i].error;
 	}
-	if (gw_compare(found, truth, n, &c, &error) != GW_OK)
+	if (gw_compare(found, wanted, n, &c, &error) != GW_OK)
 		fail_msg("%s", error.text);
 	*noise = sqrt(squares / (double)n) / c.truth_mean;
 	return c;
@@ -211,7 +235,7 @@ static void check(const expectation *e)
 		fail_msg("%s", error.text);
 	gw_bake_result *result = bake(&s, &points, e);
 	double noise;
-	gw_comparison c = compare(&s, &points, result, &noise);
+	gw_comparison c = compare(e->kind, &s, &points, result, &noise);
 	print_message("%s, %zu points%s, %s: relRMSE %.2f %%, best 99 %% %.2f %%, bias %+.2f %%; truth "
 				  "known to %.2f %%\n",
 				  mesh_kind_name((int)e->kind), points.count, e->bare ? " without normals" : "",

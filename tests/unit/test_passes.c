@@ -46,6 +46,7 @@
  *   +  floats, sums of `terms`
  *   l  floats, light that rays bring: all together may be off by the share that strayed
  *   v  the same, but for what is marked as hidden by a crease
+ *   b  bits, each what a ray says
  *   h  what a ray hit, and d how far that is, negative if a back was seen on the way
  *   r  rows of `terms` records, up to GW_NONE, and w their weights */
 static const struct {
@@ -62,6 +63,8 @@ static const struct {
 	[GW_PASS_RECORD_AGAIN] = { "hd", 0 },
 	[GW_PASS_RECORD_EMITTERS] = { "==l", 0 },
 	[GW_PASS_RECORD_SKY] = { "==l", 0 },
+	[GW_PASS_RECORD_PORTALS] = { "b", 0 },
+	[GW_PASS_PORTAL_LIGHT] = { "==l", 0 },
 	[GW_PASS_RECORD_FIRST] = { "===l", 0 },
 	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
 	[GW_PASS_RECORD_ADD] = { "==", 0 },
@@ -133,6 +136,14 @@ static void compare_hits(const pair *p)
 	compare_shares(p, strayed, p->count, 1.0);
 }
 
+static void compare_bits(const pair *p)
+{
+	size_t strayed = 0;
+	for (size_t i = 0; i < p->count; i++)
+		strayed += (size_t)__builtin_popcount(word_of(p->a[i]) ^ word_of(p->b[i]));
+	compare_shares(p, strayed, p->count, 32.0);
+}
+
 static void compare_distances(const pair *p)
 {
 	size_t strayed = 0;
@@ -174,6 +185,9 @@ static void compare_output(char letter, const pair *p, const pair *before, doubl
 	case 'l':
 	case 'v':
 		compare_light(p, letter == 'v');
+		break;
+	case 'b':
+		compare_bits(p);
 		break;
 	case 'h':
 		compare_hits(p);
