@@ -41,9 +41,18 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
+	f->made = status == GW_OK;
+	f->shared_seconds += gw_seconds() - start;
+	return status;
+}
+
+static gw_status find_gaps(gw_frames *f, gw_error *error)
+{
+	double start = gw_seconds();
+	gw_status status = stage(f, "gaps", 0.08, error);
 	if (status == GW_OK)
 		status = gw_scene_find_space(&f->scene, f->points, error);
-	f->made = status == GW_OK;
+	f->looked = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;
 }
@@ -132,18 +141,21 @@ static bool same_place(const gw_frames *f, size_t frame)
 
 static gw_status build(gw_frames *f, size_t frame, gw_error *error)
 {
-	if (same_place(f, frame)) {
+	bool tree = f->light.plan.octree;
+	if (same_place(f, frame) && (f->tree || !tree)) {
 		gw_scene_report_octree(&f->scene);
 		return GW_OK;
 	}
 	gw_frames_drop_geometry(f);
 	f->built = false;
 	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->scene.surfels);
-	if (shares(f) && !f->prepared)
+	if (tree && shares(f) && !f->prepared)
 		GW_TRY(prepare_still(f, error));
 	GW_TRY(stage(f, "octree", 0.2, error));
-	GW_TRY(gw_scene_build_octree(&f->scene, error));
+	GW_TRY(tree ? gw_scene_build_octree(&f->scene, error)
+				: gw_scene_do_without_octree(&f->scene, error));
 	f->built = true;
+	f->tree = tree;
 	f->built_frame = frame;
 	return GW_OK;
 }
@@ -213,6 +225,8 @@ gw_status gw_frames_light(gw_frames *f, size_t frame, gw_error *error)
 	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
 	gw_scene_report_space(&f->scene);
 	gw_lighting_plan(&f->light);
+	if (f->light.plan.gaps && !f->looked)
+		GW_TRY(find_gaps(f, error));
 	GW_TRY(build(f, frame, error));
 	GW_TRY(stage(f, "direct light", 0.35, error));
 	return gw_lighting_direct(&f->light, error);
@@ -238,7 +252,7 @@ void gw_frames_forget(gw_frames *f)
 	gw_surfel_parts_clear(&f->parts);
 	free(f->carried);
 	f->carried = NULL;
-	f->made = f->prepared = false;
+	f->made = f->prepared = f->looked = false;
 }
 
 /* A frame, by lights in the units of the frames, into a result in metres. */

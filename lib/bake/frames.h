@@ -22,10 +22,12 @@ struct gw_frames {
 	gw_surfel_parts parts;
 	bool alone;    /* frames are baked by themselves: nothing is prepared for others */
 	bool made;     /* the surfels are there */
+	bool looked;   /* gaps have been looked for */
 	bool prepared; /* what stands still is; of its hits, when records were called for */
 	gw_kept_hits hits;
 	gw_changed_box *box; /* of each mover, GW_CHANGED_BOXES at most */
-	bool built;          /* the octree is that of built_frame */
+	bool built;          /* the octree is that of built_frame, */
+	bool tree;           /* and has a tree; where nothing is traced, it has none */
 	bool placed;         /* and so are the records */
 	size_t built_frame;
 	float *carried; /* NULL, or 4 a surfel: reflected light of the last frame */

@@ -217,6 +217,37 @@ static void test_parts_leave_each_other_alone(void **state)
 	scene_clear(&p.scene);
 }
 
+/* Where nothing is traced there is no octree in frames either, and the light is the same. */
+static void test_no_octree_without_need(void **state)
+{
+	stage_play p;
+	gw_error error = { 0 };
+	(void)state;
+	make_play(&p, 10, true);
+	const gw_moving_scene moving = { { &p.points, p.light, 1 }, &p.motion };
+	for (size_t frame = 0; frame < 2; frame++) {
+		gw_bake_result *result[2] = { NULL };
+		for (int forced = 0; forced < 2; forced++) {
+			gw_frames *frames;
+			gw_bake_options options = options_of();
+			options.effects_forbidden =
+				1u << GW_EFFECT_SHADOWS | 1u << GW_EFFECT_BOUNCES | 1u << GW_EFFECT_EMITTERS;
+			options.effects_forced = forced ? 1u << GW_EFFECT_OCTREE : 0;
+			assert_ok(
+				gw_frames_open(&moving, &options, &(gw_frames_options){ 0 }, NULL, &frames, &error),
+				&error);
+			assert_ok(gw_frames_bake(frames, frame, p.light, 1, &result[forced], &error), &error);
+			gw_frames_close(&frames);
+			assert_true((result[forced]->report.leaves > 0) == (forced != 0));
+			assert_false(scene_has_stage(&result[forced]->report, "gaps"));
+		}
+		assert_memory_equal(result[0]->radiance, result[1]->radiance,
+							3 * result[0]->count * sizeof *result[0]->radiance);
+		destroy_all(result, 2);
+	}
+	scene_clear(&p.scene);
+}
+
 /* Whoever plans frames and bakes them afterwards has the same bytes; and what is counted is
  * foretold as it comes: records to the last one, and memory to a fifth of it, as for one bake. */
 static void test_plan(void **state)
@@ -297,6 +328,7 @@ int main(void)
 		cmocka_unit_test(test_carries_light),
 		cmocka_unit_test(test_lamps_alone),
 		cmocka_unit_test(test_parts_leave_each_other_alone),
+		cmocka_unit_test(test_no_octree_without_need),
 		cmocka_unit_test(test_plan),
 		cmocka_unit_test(test_refuses),
 	};
