@@ -158,9 +158,9 @@ typedef struct scan_points {
 	float *normal;
 	float *albedo;
 	float *emission;
-	float *opacity; /* NULL where all are opaque */
+	float *opacity;    /* NULL where all are opaque */
 	float *beam_share; /* NULL where no beam met several points */
-	uint8_t *stray; /* owned */
+	uint8_t *stray;    /* owned */
 } scan_points;
 
 /*
