@@ -9,12 +9,14 @@
 #include "program/text_quote.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MEGABYTE 1e6
 #define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
 #define PART_SHARE 0.25  /* and of the whole error */
+#define DOUBT_LEAST 0.1  /* share of the mean radiance that hangs on guesses: is said first */
 #define PARTS_TOLD 2     /* so many of them */
 #define DARK 0.001       /* of the mean radiance: less is dark, */
 #define DARK_SHARE 0.75  /* and worth a word from this share of the points on */
@@ -312,6 +314,75 @@ static bool is_large(const gw_report *r, double part)
 	return part > PART_LEAST && !(part < PART_SHARE * r->error.relative_rms);
 }
 
+/* What the largest doubt is about. */
+typedef enum doubt { DOUBT_NONE, DOUBT_GEOMETRY, DOUBT_SIDES, DOUBT_GAPS, DOUBT_SURFACE } doubt;
+
+/* Where one stood: what tells most, if nobody told it yet. */
+static const char *or_scanner(const settings *s, const gw_report *r)
+{
+	return s->scanner_count > 0 || r->gaps.scanners > 0 ? ""
+														: "--scanner X,Y,Z, where one stood, or ";
+}
+
+static void tell_gaps(const gw_report *r, const char *lead)
+{
+	const double *at = r->gaps.hole_place;
+	if (r->gaps.scanners > 0)
+		fprintf(stderr,
+				"%sof gaps that no scanner looked at; --gaps black or --gaps mean closes them, "
+				"--fields unknown says where they are\n",
+				lead);
+	else
+		fprintf(stderr,
+				"%snobody knows which of %" PRIu32 " holes of the surface are windows, the widest "
+				"%.3g m at %.6g,%.6g,%.6g; --scanner X,Y,Z, where one stood, tells it, --gaps "
+				"black or --gaps mean closes all\n",
+				lead, r->gaps.holes, r->gaps.hole_width, at[0], at[1], at[2]);
+}
+
+static double doubt_size(const gw_report *r, doubt which)
+{
+	const gw_error_estimate *e = &r->error;
+	const double part[] = { 0.0, e->geometry, e->sides, e->gaps, e->halves };
+	return part[which];
+}
+
+static doubt largest_doubt(const gw_report *r)
+{
+	doubt most = DOUBT_NONE;
+	for (doubt i = DOUBT_GEOMETRY; i <= DOUBT_SURFACE; i++)
+		if (doubt_size(r, i) > fmax(doubt_size(r, most), DOUBT_LEAST))
+			most = i;
+	return is_large(r, doubt_size(r, most)) ? most : DOUBT_NONE;
+}
+
+/* Before all others, what the light hangs on most, and what settles it. */
+static doubt note_largest_doubt(const settings *s, const gw_report *r)
+{
+	char lead[96], percent[TEXT_PERCENT];
+	doubt most = largest_doubt(r);
+	snprintf(lead, sizeof lead, "glowworm: note: above all: the light is %s %% in doubt because ",
+			 text_percent(doubt_size(r, most), percent));
+	if (most == DOUBT_GEOMETRY)
+		fprintf(stderr,
+				"%sthe octree and the points themselves disagree: surfaces leak or lie elsewhere "
+				"in it; another --depth or --leaf-spacing may mend that\n",
+				lead);
+	if (most == DOUBT_SIDES)
+		fprintf(stderr,
+				"%sabout %s %% of the points may face the wrong way, by what their two sides see "
+				"of the others; %snormals in the file settle it\n",
+				lead, text_percent(r->error.sides_share, percent), or_scanner(s, r));
+	if (most == DOUBT_GAPS)
+		tell_gaps(r, lead);
+	if (most == DOUBT_SURFACE)
+		fprintf(stderr,
+				"%shalf of the points make another surface: they are few or noisy for what they "
+				"show; more of them, %snormals in the file settle it\n",
+				lead, or_scanner(s, r));
+	return most;
+}
+
 static void note_geometry(const gw_report *r)
 {
 	char percent[TEXT_PERCENT];
@@ -432,6 +503,7 @@ static void note_dark(const gw_bake_result *result)
 void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
+	doubt told = note_largest_doubt(f->settings, r);
 	for (uint32_t i = 0; i < r->count_count; i++)
 		if (is_notable(&r->count[i], f->result->count))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
@@ -439,9 +511,12 @@ void bake_report_notes(const bake_facts *f)
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	if (f->settings->bake.bounces != 0)
 		note_dark(f->result);
-	note_geometry(r);
-	note_sides(r);
-	note_gaps(f->settings, r);
+	if (told != DOUBT_GEOMETRY)
+		note_geometry(r);
+	if (told != DOUBT_SIDES)
+		note_sides(r);
+	if (told != DOUBT_GAPS)
+		note_gaps(f->settings, r);
 	note_no_scanner(f->settings, r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
