@@ -278,6 +278,15 @@ typedef enum gw_effect_kind {
 	GW_EFFECT_GAPS,     /* what scanners did not see, and holes of surfaces */
 	GW_EFFECT_ERROR,    /* how wrong the light is */
 	GW_EFFECT_OCTREE,   /* what most of these need; it cannot be forbidden */
+	/* of the surface: */
+	GW_EFFECT_TRANSMISSION, /* points that are less than opaque let light through; forced where all
+							   are opaque, rays meet them in another way, and light differs by
+							   less than its error */
+	GW_EFFECT_NORMALS,      /* estimated; forced as with GW_NORMALS_ESTIMATE, forbidden as with
+							   GW_NORMALS_GIVEN: this does change the light */
+	GW_EFFECT_NOISE,        /* smoothed where points scatter about their surface */
+	/* of what is asked for: */
+	GW_EFFECT_COLUMNS, /* the light of each lamp by itself; forced, they are in the result */
 	GW_EFFECT_KIND_COUNT
 } gw_effect_kind;
 
@@ -386,7 +395,7 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
  * more are needed, with as many rays as they will need in the end. */
 void gw_bake_options_set_start(gw_bake_options *options);
 
-struct gw_report;
+struct gw_bake_result;
 
 /* What to call while work runs. All may be NULL. Called when a stage begins, and within stages some
  * ten times a second. */
@@ -398,9 +407,9 @@ typedef struct gw_bake_callbacks {
 	 * where nothing else keeps the machine busy. */
 	bool (*cancelled)(void *user);
 	void *user;
-	/* Called once, of gw_bake: what is going to be computed and why, and what it will take, both in
-	 * the report. Foretelling takes time of its own; the light is the same. */
-	void (*planned)(void *user, const struct gw_report *report);
+	/* Called once, of gw_bake: what is going to be computed and why, and what it will take, as
+	 * gw_plan_bake tells it. Foretelling takes time of its own; the light is the same. */
+	void (*planned)(void *user, const struct gw_bake_result *plan);
 } gw_bake_callbacks;
 
 /* ------------------------------------------------------------------------------------- report */
@@ -421,6 +430,8 @@ typedef struct gw_effect {
 	bool called_for;
 	char reason[240]; /* one sentence */
 	char method[64];  /* empty when not called for */
+	double seconds;   /* what a bake without it alone would save: foretold in a plan, of the first
+						 round in the report of a bake. 0: nothing, or not known */
 } gw_effect;
 
 /* One reflection of light. */
@@ -637,7 +648,7 @@ typedef struct gw_bake_result {
 	float *roi;               /* count, side of the region of influence in leaf cells */
 	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
-	gw_light_given *given;    /* given_count, in the order of the lights; NULL without bounces */
+	gw_light_given *given;    /* given_count, in the order of the lights; NULL with 0 bounces */
 	size_t given_count;
 	double gathered_share; /* of such light, what environments and points that emit give */
 	gw_report report;
@@ -672,13 +683,14 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
  * the octree and lights the lamps, the larger part of most bakes, and gathers at a few places.
  *   options      with a transport, nothing is foretold
  *   callbacks    NULL or see gw_bake_callbacks; planned is called, too
- *   report       receives the effects, what the points and the octree are, and the forecast; all
- *                that a bake finds out later is 0, and nothing of it is to be freed
+ *   plan         receives a result without points: its report has the effects, what the points and
+ *                the octree are, and the forecast; given what each light will give, that of an
+ *                environment as the few places found it. All that a bake finds out later is 0
  *
  * Returns and fails as gw_bake.
  */
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
-					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error);
+					   const gw_bake_callbacks *callbacks, gw_bake_result **plan, gw_error *error);
 
 /* Frees a result and sets *result to NULL; an empty handle is accepted. */
 void gw_bake_result_destroy(gw_bake_result **result);

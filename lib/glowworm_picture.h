@@ -115,6 +115,8 @@ typedef struct gw_surfels_options {
 	bool rough_area;            /* area is the disc's, shared among the points that it reaches to;
 								   a picture needs no better */
 	bool backs;                 /* what may face either way has surfels of both sides */
+	uint32_t effects_forced, effects_forbidden; /* of gw_bake_options: what of the surface is made
+												   whatever the points call for */
 	bool (*cancelled)(void *user);
 	void *user;
 } gw_surfels_options;

@@ -215,15 +215,22 @@ static gw_status set_fields(const option *o, settings *s, const char *text, gw_e
 	return GW_OK;
 }
 
+/* Effects that change what was asked for, or light by more than nothing, are forced by their own
+ * names alone; and lists without signs are of light, so that the surface stays what it is. */
+#define EFFECTS ((1u << GW_EFFECT_KIND_COUNT) - 1)
+#define OF_SURFACE (1u << GW_EFFECT_TRANSMISSION | 1u << GW_EFFECT_NORMALS | 1u << GW_EFFECT_NOISE)
+#define NOT_OF_ALL                                                                                 \
+	(1u << GW_EFFECT_TRANSMISSION | 1u << GW_EFFECT_NORMALS | 1u << GW_EFFECT_COLUMNS)
+#define NOT_OF_LISTS (OF_SURFACE | 1u << GW_EFFECT_COLUMNS | 1u << GW_EFFECT_OCTREE)
+
 /* One word of a list of effects. *alone: names without a sign so far. */
 static bool set_effect(const option *o, gw_bake_options *bake, const char *word, uint32_t *alone)
 {
-	const uint32_t every = (1u << GW_EFFECT_KIND_COUNT) - 1;
 	char sign = *word == '+' || *word == '-' ? *word++ : '\0';
 	if (!sign && strcmp(word, "auto") == 0)
 		return true;
 	if (!sign && strcmp(word, "all") == 0) {
-		bake->effects_forced = every;
+		bake->effects_forced = EFFECTS & ~NOT_OF_ALL;
 		return true;
 	}
 	for (int i = 0; o->choice(i); i++) {
@@ -269,8 +276,7 @@ static gw_status set_effects(const option *o, settings *s, const char *text, gw_
 	}
 	/* Those named, and whatever they need. */
 	if (alone)
-		bake->effects_forbidden |= ((1u << GW_EFFECT_KIND_COUNT) - 1) & ~alone &
-								   ~bake->effects_forced & ~(1u << GW_EFFECT_OCTREE);
+		bake->effects_forbidden |= EFFECTS & ~alone & ~bake->effects_forced & ~NOT_OF_LISTS;
 	return GW_OK;
 }
 

@@ -436,10 +436,13 @@ const option options[] = {
 	  .help = "how lights are hidden by surfaces" },
 	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, .choice = effect_name,
 	  .group = "Light",
-	  .help = "which effects are computed, with commas between them: auto is those that the scene "
-			  "calls for, as `glowworm plan` tells; all is every one; names alone are those and no "
-			  "others; +NAME forces one, -NAME forbids one. Names are lamps, shadows, emitters, "
-			  "sky, portals, bounces, gaps, error and octree" },
+	  .help =
+		  "which effects are computed, with commas between them: auto is those that the scene "
+		  "calls for, as `glowworm plan` tells; all is every one that leaves the light as it is; "
+		  "names alone are those and none else that is of light; +NAME forces one, -NAME "
+		  "forbids one. Of light are lamps, shadows, emitters, sky, portals, bounces, gaps, "
+		  "error and octree; of the surface transmission, normals (+ estimates all, - takes "
+		  "the given ones) and noise; columns are those of `--fields lights`" },
 	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN), .scene = true, AT(bake.gaps),
 	  .choice = gaps_name, .group = "Light",
 	  .help = "what gathered light finds where no scanner looked, because something stood in front "

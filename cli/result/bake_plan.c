@@ -1,4 +1,5 @@
 #include "result/bake_plan.h"
+#include "result/light_shares.h"
 #include "program/text_quote.h"
 #include "points/scan_color.h"
 #include "scene/glossy_points.h"
@@ -10,6 +11,15 @@
 #include <unistd.h>
 
 #define MEGABYTE 1e6
+
+/* Seconds of an effect that are worth a word. */
+#define PRICE_LEAST 0.005
+
+void bake_plan_apply_effects(settings *s)
+{
+	if (s->bake.effects_forced & 1u << GW_EFFECT_COLUMNS)
+		s->fields |= 1u << SETTINGS_FIELD_LIGHTS;
+}
 
 gw_bake_options bake_plan_options(const settings *s)
 {
@@ -46,10 +56,6 @@ static size_t count_glossy(const loaded_scene *scene)
 void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
 {
 	char reason[sizeof r->effect->reason];
-	bool columns = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
-	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for", s->light_count);
-	add(r, "columns", columns ? "solved again for each light" : NULL,
-		columns ? reason : "no light is asked for by itself");
 	size_t glossy = count_glossy(scene);
 	snprintf(reason, sizeof reason, "%zu points are glossy: light bounces on with all they reflect",
 			 glossy);
@@ -78,12 +84,16 @@ static uint64_t resident_now(void)
 	return known ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : bake_plan_peak();
 }
 
-bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_seconds, size_t points,
+bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *scene,
+									  const gw_bake_result *plan, double read_seconds,
 									  size_t row_bytes)
 {
-	uint64_t peak = bake_plan_peak();
-	uint64_t later = resident_now() + report->forecast.host_bytes + (uint64_t)points * row_bytes;
-	return (bake_plan_forecast){ .report = report,
+	const gw_report *report = &plan->report;
+	uint64_t peak = bake_plan_peak(), rows = (uint64_t)scene->points.points.count * row_bytes;
+	uint64_t later = resident_now() + report->forecast.host_bytes + rows;
+	return (bake_plan_forecast){ .settings = s,
+								 .scene = scene,
+								 .plan = plan,
 								 .read_seconds = read_seconds,
 								 .host_bytes = later > peak ? later : peak,
 								 .device_bytes = report->forecast.device_bytes };
@@ -91,13 +101,16 @@ bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_secon
 
 /* ------------------------------------------------------------------------------ for people */
 
-static void print_effects(const gw_report *r, FILE *out)
+void bake_plan_print_effects(const gw_report *r, FILE *out)
 {
 	for (uint32_t i = 0; i < r->effect_count; i++) {
 		const gw_effect *e = &r->effect[i];
-		fprintf(out, "%-12s %-15s %s%s%s%s\n", e->name,
-				e->called_for ? "called for" : "not called for", e->reason, *e->method ? " [" : "",
-				e->method, *e->method ? "]" : "");
+		char price[32] = "";
+		if (e->seconds >= PRICE_LEAST)
+			snprintf(price, sizeof price, "%.2f s", e->seconds);
+		fprintf(out, "%-12s %-14s %7s  %s%s%s%s\n", e->name,
+				e->called_for ? "called for" : "not called for", price, e->reason,
+				*e->method ? " [" : "", e->method, *e->method ? "]" : "");
 	}
 }
 
@@ -123,8 +136,9 @@ static void print_light(double error, double spread, uint32_t bounces, double re
 
 void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 {
-	const gw_forecast *f = &p->report->forecast;
-	print_effects(p->report, out);
+	const gw_forecast *f = &p->plan->report.forecast;
+	bake_plan_print_effects(&p->plan->report, out);
+	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan }, out);
 	if (!(f->seconds > 0.0))
 		return;
 	print_figures("foretold", p->read_seconds + f->seconds, p->host_bytes, p->device_bytes, out);
@@ -154,6 +168,7 @@ void bake_plan_write_effects(json_writer *json, const gw_report *r)
 		json_put_bool(json, "called_for", r->effect[i].called_for);
 		json_put_text(json, "reason", r->effect[i].reason);
 		json_put_text(json, "method", r->effect[i].method);
+		json_put_real(json, "seconds", r->effect[i].seconds);
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');
@@ -161,7 +176,7 @@ void bake_plan_write_effects(json_writer *json, const gw_report *r)
 
 void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
 {
-	const gw_forecast *f = &p->report->forecast;
+	const gw_forecast *f = &p->plan->report.forecast;
 	json_put_open_flat(json, "forecast", '{');
 	json_put_real(json, "seconds", p->read_seconds + f->seconds);
 	json_put_real(json, "done_seconds", p->read_seconds + f->done_seconds);

@@ -8,31 +8,41 @@
 #include "scene/loaded_scene.h"
 #include "program/json_writer.h"
 
+/* Asks for the columns of lamps where their effect is forced. */
+void bake_plan_apply_effects(settings *settings);
+
 /* The library's options for a bake by these settings: columns and grids call for some of them. */
 gw_bake_options bake_plan_options(const settings *settings);
 
-/* Adds the effects to a report that its library does not know of: columns, gloss and motion. */
+/* Adds the effects to a report that its library does not know of: gloss and motion. */
 void bake_plan_add_scene(gw_report *report, const settings *settings, const loaded_scene *scene);
 
 /* What is foretold of the whole program, reading included and writing not. */
 typedef struct bake_plan_forecast {
-	const gw_report *report;
+	const settings *settings;
+	const loaded_scene *scene;
+	const gw_bake_result *plan; /* of gw_plan_bake, or what the library plans; with the effects of
+								   bake_plan_add_scene */
 	double read_seconds;
 	uint64_t host_bytes;   /* resident memory of the process at its highest */
 	uint64_t device_bytes; /* likewise of the device */
 } bake_plan_forecast;
 
 /* To be called when the library says that it has planned.
- *   points       of the scene, whose columns are written
  *   row_bytes    of a written point, 0 where none is written */
-bake_plan_forecast bake_plan_foretell(const gw_report *report, double read_seconds, size_t points,
+bake_plan_forecast bake_plan_foretell(const settings *settings, const loaded_scene *scene,
+									  const gw_bake_result *plan, double read_seconds,
 									  size_t row_bytes);
 
 /* Resident memory of this process at its highest so far, bytes. */
 uint64_t bake_plan_peak(void);
 
-/* Prints which effects are called for, why and how; and what is foretold. */
+/* Prints which effects are called for, at what price, why and how; what each light gives; and what
+ * is foretold of the whole. */
 void bake_plan_print(const bake_plan_forecast *forecast, FILE *out);
+
+/* Prints the effects alone. */
+void bake_plan_print_effects(const gw_report *report, FILE *out);
 
 /* Prints what came of a bake, when it is done: the figures of bake_plan_print, in their order.
  *   seconds   of reading and baking, without what foretelling took */

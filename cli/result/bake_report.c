@@ -243,7 +243,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	write_counts(&json, r);
 	write_strays(&json, r);
 	bake_plan_write_effects(&json, r);
-	if (f->forecast.report)
+	if (f->forecast.plan)
 		bake_plan_write_forecast(&json, &f->forecast);
 	write_octree(&json, r);
 	write_stages(&json, f);
@@ -251,7 +251,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
-	light_shares_write(&json, f);
+	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result });
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');

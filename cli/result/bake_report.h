@@ -16,7 +16,7 @@ typedef struct bake_facts {
 	double exposure;
 	double read_seconds, bake_seconds, write_seconds; /* wall clock */
 	uint64_t vdb_clamped;
-	bake_plan_forecast forecast; /* of --explain; no report where there is none */
+	bake_plan_forecast forecast; /* of --explain; no plan where there is none */
 } bake_facts;
 
 /* Writes the report as JSON; glowworm-bake(1) describes it. */

@@ -503,12 +503,7 @@ static gw_status bake_frames(frame_run *r, const gw_light *first)
 	const settings *s = r->settings;
 	const gw_frames_options how = { .rebuild = s->rebuild, .independent = s->independent };
 	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, r, NULL };
-	gw_bake_options options = s->bake;
-	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
-	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
-	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
-	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	const gw_bake_options options = bake_plan_options(s);
 	r->lights = calloc(s->light_count + 1, sizeof *r->lights);
 	r->done = calloc(r->last - r->first + 1, sizeof *r->done);
 	if (!r->lights || !r->done)

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LINES 4u        /* for lamps that shine, and for those that do not; the report has all */
-#define FAR_EXTENTS 3.0 /* extents of the cloud from which on a lamp is called far away */
-#define NOTHING 1e-6    /* share of the light that is as good as none */
+#define LINES 4u          /* for lamps that shine, and for those that do not; the report has all */
+#define PLANNED_LINES 12u /* of a plan */
+#define FAR_EXTENTS 3.0   /* extents of the cloud from which on a lamp is called far away */
+#define NOTHING 1e-6      /* share of the light that is as good as none */
 #define NAME 96
 
 /* Box around the points that are part of a surface, and its diagonal. */
@@ -15,11 +16,11 @@ typedef struct extent {
 	double low[3], high[3], diagonal;
 } extent;
 
-static extent find_extent(const bake_facts *f)
+static extent find_extent(const light_shares *f)
 {
 	extent e = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY }, 0.0 };
 	const double *position = f->scene->points.points.position;
-	for (size_t i = 0; position && i < f->result->count; i++) {
+	for (size_t i = 0; position && i < f->scene->points.points.count; i++) {
 		const double *p = position + 3 * i;
 		if ((f->result->stray && f->result->stray[i]) ||
 			!(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])))
@@ -48,7 +49,7 @@ static double outside(const extent *e, const gw_light *light)
 	return sqrt(squared);
 }
 
-static const gw_light *light_of(const bake_facts *f, size_t i)
+static const gw_light *light_of(const light_shares *f, size_t i)
 {
 	return f->scene->light ? &f->scene->light[i] : &f->settings->light[i].light;
 }
@@ -59,7 +60,7 @@ static const char *type_of(const gw_light *light)
 }
 
 /* "lamp 'torch'", or "light 2, a spot". */
-static void name_light(const bake_facts *f, size_t i, char name[NAME])
+static void name_light(const light_shares *f, size_t i, char name[NAME])
 {
 	const gw_light *light = light_of(f, i);
 	if (light->name[0])
@@ -96,7 +97,7 @@ static const char *reason(const gw_light *light, gw_light_fate fate, double away
 				  : "all that faces it lies in shadow";
 }
 
-static void print_nothing(const bake_facts *f, const extent *e, size_t i)
+static void print_nothing(const light_shares *f, const extent *e, size_t i)
 {
 	const gw_light_given *given = &f->result->given[i];
 	char name[NAME];
@@ -113,7 +114,7 @@ static void print_nothing(const bake_facts *f, const extent *e, size_t i)
 					 reason(light_of(f, i), given->fate, away));
 }
 
-static void print_dark(const bake_facts *f, const extent *e)
+static void print_dark(const light_shares *f, const extent *e)
 {
 	size_t dark = 0;
 	for (size_t i = 0; i < f->result->given_count; i++) {
@@ -126,7 +127,7 @@ static void print_dark(const bake_facts *f, const extent *e)
 }
 
 /* A line of one that shines. */
-static void print_share(const bake_facts *f, const extent *e, size_t i)
+static void print_share(const light_shares *f, const extent *e, size_t i)
 {
 	char name[NAME], percent[TEXT_PERCENT];
 	double away = outside(e, light_of(f, i));
@@ -152,7 +153,7 @@ static int compare_ranks(const void *a, const void *b)
 	return (x->light > y->light) - (x->light < y->light);
 }
 
-static void print_shining(const bake_facts *f, const extent *e)
+static void print_shining(const light_shares *f, const extent *e)
 {
 	const gw_bake_result *r = f->result;
 	ranked *rank = calloc(r->given_count + 1, sizeof *rank);
@@ -184,7 +185,7 @@ static void print_shining(const bake_facts *f, const extent *e)
 	free(rank);
 }
 
-void light_shares_print(const bake_facts *f)
+void light_shares_print(const light_shares *f)
 {
 	const gw_bake_result *r = f->result;
 	if (r->given_count == 0)
@@ -198,7 +199,38 @@ void light_shares_print(const bake_facts *f)
 	print_dark(f, &e);
 }
 
-void light_shares_write(json_writer *json, const bake_facts *f)
+/* "called for" or not, and why, of a light in a plan. */
+static void print_planned(const light_shares *f, const extent *e, size_t i, FILE *out)
+{
+	const gw_light *light = light_of(f, i);
+	const gw_light_given *given = &f->result->given[i];
+	char number[32], percent[TEXT_PERCENT];
+	snprintf(number, sizeof number, "light %zu", i + 1);
+	text_message(out, "%-12s %-14s %7s  %s%s%sa %s", number,
+				 shines(given) ? "called for" : "not called for", "", light->name[0] ? "'" : "",
+				 light->name, light->name[0] ? "', " : "", type_of(light));
+	if (given->fate == GW_LIGHT_LEFT_OUT)
+		fprintf(out, ": it is forbidden\n");
+	else if (!shines(given))
+		fprintf(out, ": %s\n", reason(light, given->fate, outside(e, light)));
+	else if (isnan(given->share))
+		fprintf(out, ": gathered with the other skies, or with what glows\n");
+	else
+		fprintf(out, ": %s %% of the light before it is reflected\n",
+				text_percent(given->share, percent));
+}
+
+void light_shares_print_plan(const light_shares *f, FILE *out)
+{
+	extent e = find_extent(f);
+	size_t count = f->result->given_count;
+	for (size_t i = 0; i < count && i < PLANNED_LINES; i++)
+		print_planned(f, &e, i, out);
+	if (count > PLANNED_LINES)
+		fprintf(out, "%-12s %zu more; --json has them all\n", "", count - PLANNED_LINES);
+}
+
+void light_shares_write(json_writer *json, const light_shares *f)
 {
 	static const char *const fate[] = { [GW_LIGHT_SHINES] = "shines",
 										[GW_LIGHT_BLACK] = "no power",

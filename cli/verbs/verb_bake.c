@@ -36,7 +36,7 @@ typedef struct bake {
 	scan lit;
 	progress progress;
 	bake_facts facts;
-	gw_report planned; /* what was foretold with --explain */
+	gw_bake_result planned; /* what was foretold with --explain; owns nothing */
 	gw_error *error;
 } bake;
 
@@ -255,17 +255,19 @@ static void on_progress(void *user, const char *stage, double done)
 }
 
 /* Before what takes long: what is going to be done. */
-static void on_planned(void *user, const gw_report *report)
+static void on_planned(void *user, const gw_bake_result *plan)
 {
 	bake *b = user;
 	size_t columns, row = b->format ? lit_scan_row_bytes(&b->scene, b->settings, &columns) : 0;
 	progress_clear(&b->progress);
-	b->planned = *report;
-	bake_plan_add_scene(&b->planned, b->settings, &b->scene);
+	b->planned = *plan;
+	bake_plan_add_scene(&b->planned.report, b->settings, &b->scene);
 	b->facts.forecast =
-		bake_plan_foretell(&b->planned, b->facts.read_seconds, b->scene.cloud.count, row);
+		bake_plan_foretell(b->settings, &b->scene, &b->planned, b->facts.read_seconds, row);
 	if (b->settings->explain)
 		bake_plan_print(&b->facts.forecast, stderr);
+	b->planned.given = NULL; /* the bake goes on to fill it */
+	b->planned.given_count = 0;
 }
 
 static bool on_cancelled(void *user)
@@ -436,6 +438,7 @@ static gw_status run(bake *b)
 {
 	GW_TRY(scene_read_all(b->settings, b->error));
 	quality_preset_apply(b->settings);
+	bake_plan_apply_effects(b->settings);
 	GW_TRY(check(b));
 	if (b->settings->print_scene)
 		return print_scene(b);
@@ -459,17 +462,17 @@ static gw_status say_results(const bake *b)
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
 	if (!s->quiet)
-		light_shares_print(&b->facts);
+		light_shares_print(&(light_shares){ s, &b->scene, b->result });
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
-	if (s->explain && !b->facts.forecast.report) /* of frames nothing is foretold */
-		bake_plan_print(&(bake_plan_forecast){ .report = &b->result->report }, stderr);
-	if (s->explain && b->facts.forecast.report)
+	if (s->explain && !b->facts.forecast.plan) /* of frames nothing is foretold */
+		bake_plan_print_effects(&b->result->report, stderr);
+	if (s->explain && b->facts.forecast.plan)
 		bake_plan_print_outcome(&b->result->report,
 								b->facts.read_seconds + b->facts.bake_seconds -
-									b->planned.forecast.own_seconds,
+									b->planned.report.forecast.own_seconds,
 								stderr);
 	if (s->profile)
 		bake_report_profile(&b->result->report);

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "result/bake_plan.h"
+#include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "scene/file_roles.h"
 #include "scene/glossy_points.h"
@@ -17,7 +18,7 @@ typedef struct plan {
 	loaded_scene scene;
 	gw_light *light;
 	gw_drivers *drivers;
-	gw_report report;
+	gw_bake_result *result;
 	double read_seconds;
 	progress progress;
 	gw_error *error;
@@ -40,6 +41,7 @@ static gw_status read_scene(plan *p)
 	double start = gw_seconds();
 	GW_TRY(scene_read_all(s, p->error));
 	quality_preset_apply(s);
+	bake_plan_apply_effects(s);
 	if (s->input_count == 0)
 		return gw_fail(p->error, GW_ERROR_USAGE,
 					   "what to plan for? Name an input, or - for standard input");
@@ -57,7 +59,7 @@ static gw_status make(plan *p)
 	gw_bake_options options = bake_plan_options(s);
 	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, p, NULL };
 	const gw_scene_description scene = { &p->scene.points.points, p->light, s->light_count };
-	gw_status status = gw_plan_bake(&scene, &options, &callbacks, &p->report, p->error);
+	gw_status status = gw_plan_bake(&scene, &options, &callbacks, &p->result, p->error);
 	progress_clear(&p->progress);
 	return status;
 }
@@ -66,16 +68,17 @@ static void print(plan *p)
 {
 	const settings *s = p->settings;
 	size_t columns, row = lit_scan_row_bytes(&p->scene, s, &columns);
-	bake_plan_add_scene(&p->report, s, &p->scene);
+	bake_plan_add_scene(&p->result->report, s, &p->scene);
 	const bake_plan_forecast forecast =
-		bake_plan_foretell(&p->report, p->read_seconds, p->scene.cloud.count, s->output ? row : 0);
+		bake_plan_foretell(s, &p->scene, p->result, p->read_seconds, s->output ? row : 0);
 	if (!s->json) {
 		bake_plan_print(&forecast, stdout);
 		return;
 	}
 	json_writer json = { .out = stdout, .lines = true };
 	json_put_open(&json, NULL, '{');
-	bake_plan_write_effects(&json, &p->report);
+	bake_plan_write_effects(&json, &p->result->report);
+	light_shares_write(&json, &(light_shares){ s, &p->scene, p->result });
 	bake_plan_write_forecast(&json, &forecast);
 	json_put_close(&json, '}');
 	putchar('\n');
@@ -93,6 +96,7 @@ gw_status verb_plan(settings *s, gw_error *error)
 	if (status == GW_OK)
 		print(&p);
 	s->bake.drivers = NULL;
+	gw_bake_result_destroy(&p.result);
 	gw_drivers_release(&p.drivers);
 	loaded_scene_clear(&p.scene);
 	free(p.light);

@@ -6,6 +6,7 @@
 
 #include "glowworm_host.h"
 #include "light/direct_light.h"
+#include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/forecast.h"
 #include "bake/half_sample.h"
@@ -131,11 +132,11 @@ static gw_status foretell(bake *b, gw_error *error)
 	double done = 0.0;
 	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
 		done += r->stage[i].seconds;
-	GW_TRY(gw_forecast_make(&b->light, done, &r->forecast, error));
+	GW_TRY(gw_forecast_make(&b->light, done, b->result, error));
 	if (gw_half_sample_is_wanted(b->points, &b->scene.options, r))
 		add_halves(b);
 	if (b->scene.callbacks.planned)
-		b->scene.callbacks.planned(b->scene.callbacks.user, r);
+		b->scene.callbacks.planned(b->scene.callbacks.user, b->result);
 	return GW_OK;
 }
 
@@ -578,6 +579,10 @@ static gw_status run(bake *b, gw_error *error)
 	if (status == GW_OK)
 		set_price(b, &first, ray);
 	report_profile(&b->scene.passes, b->report);
+	if (status == GW_OK) {
+		const gw_stage_seconds spent = gw_stage_seconds_of(b->report, &b->scene.passes);
+		gw_effect_seconds_set(&b->light.plan, &spent, b->report);
+	}
 	if (b->scene.gpu)
 		b->report->peak_bytes = gw_gpu_read_account(b->scene.gpu).peak_bytes;
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
@@ -633,19 +638,12 @@ gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options 
 }
 
 gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options *options,
-					   const gw_bake_callbacks *callbacks, gw_report *report, gw_error *error)
+					   const gw_bake_callbacks *callbacks, gw_bake_result **plan, gw_error *error)
 {
 	const gw_bake_options ordinary = gw_bake_options_default();
-	gw_bake_result *result = NULL;
+	*plan = NULL;
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
 	const gw_bake_options effective = gw_options_effective(options);
-	gw_status status = gw_bake_once(scene, &effective, true, callbacks, &result, error);
-	if (status == GW_OK) {
-		*report = result->report;
-		report->bounce = NULL;
-		report->bounce_count = 0;
-	}
-	gw_bake_result_destroy(&result);
-	return status;
+	return gw_bake_once(scene, &effective, true, callbacks, plan, error);
 }

@@ -8,13 +8,17 @@
  */
 #include "bake/forecast.h"
 
+#include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/report.h"
+#include "bake/result.h"
 #include "base/memory.h"
 #include "glowworm_host.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Records of the pilot: a share of what the bake will have, and at least so many. */
 #define PILOT_SHARE (1.0 / 12.0)
@@ -41,11 +45,13 @@ typedef struct spent {
 /* All that the pilot measures. */
 typedef struct pilot {
 	gw_lighting *lighting;
-	gw_bake_options asked; /* of the bake */
-	gw_report *report;     /* scratch */
-	uint64_t records;      /* that the bake will have */
-	double ratio;          /* of these to the pilot's */
-	double point_ratio;    /* likewise of points that are solved again */
+	gw_bake_result *plan;
+	gw_bake_options asked;               /* of the bake */
+	gw_report *report;                   /* scratch */
+	double passes_before[GW_PASS_COUNT]; /* seconds of the passes until then */
+	uint64_t records;                    /* that the bake will have */
+	double ratio;                        /* of these to the pilot's */
+	double point_ratio;                  /* likewise of points that are solved again */
 	spent place, first, bounce, read_back, estimate;
 	uint64_t before, grown; /* bytes on the device; and by how much they will be more */
 } pilot;
@@ -128,6 +134,7 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_gather_first, &p->first, error));
 	GW_TRY(measure(p, gw_lighting_bounce, &p->bounce, error));
 	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
+	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
 	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)bytes_of_records(s));
 	if (!p->lighting->plan.error)
@@ -212,6 +219,51 @@ static void foretell(const pilot *p, double done, gw_forecast *f)
 	f->seconds = refined_seconds(p, f, round);
 }
 
+/* Of what the plan calls for, with the stages before as they were. */
+static void foretell_prices(const pilot *p)
+{
+	gw_report *report = &p->plan->report;
+	gw_stage_seconds price = { .emitters = 0.0 };
+	gw_stage_seconds_read(&p->lighting->scene->passes, p->passes_before, &price);
+	price.emitters *= p->ratio;
+	price.sky *= p->ratio;
+	price.portals *= p->ratio;
+	price.direct_light = gw_report_seconds(report, "direct light");
+	price.gaps = gw_report_seconds(report, "gaps");
+	price.octree = gw_report_seconds(report, "octree");
+	price.gather =
+		scaled(&p->place, p->ratio) + scaled(&p->first, p->ratio) + scaled(&p->read_back, p->ratio);
+	price.bounces = scaled(&p->bounce, p->ratio);
+	price.estimate = scaled(&p->estimate, p->point_ratio);
+	if (p->asked.lamps)
+		price.columns = (scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
+						 scaled(&p->read_back, p->ratio)) *
+						(double)p->lighting->light_count;
+	gw_effect_seconds_set(&p->lighting->plan, &price, report);
+}
+
+/* What the octree has become, and whether light is kept in bricks of its tiles. */
+static void describe_octree(const pilot *p, gw_report *report)
+{
+	const gw_octree *octree = &p->lighting->scene->octree;
+	bool cones = p->lighting->plan.records && p->asked.method == GW_METHOD_CONES;
+	if (octree->leaf_count == 0)
+		return;
+	for (uint32_t i = 0; i < report->effect_count; i++) {
+		gw_effect *e = &report->effect[i];
+		size_t length = strlen(e->reason);
+		if (strcmp(e->name, gw_effect_name(GW_EFFECT_OCTREE)) == 0)
+			snprintf(e->reason + length, sizeof e->reason - length, "; %u leaves at depth %u",
+					 octree->leaf_count, octree->depth);
+	}
+	if (cones)
+		gw_report_effect(report, "bricks", "filled anew with each reflection",
+						 "cones look light up in %u of them, %.3g MB with their coarser levels",
+						 octree->tile_count, 1e-6 * (double)report->brick_bytes);
+	else
+		gw_report_effect(report, "bricks", NULL, "nothing looks light up in coarser levels");
+}
+
 /* What rays have found out beside what was known without them. */
 static void add_reasons(const pilot *p, const gw_forecast *f, gw_report *report)
 {
@@ -239,6 +291,7 @@ static void put_back(pilot *p)
 	gw_lighting_drop_map(p->lighting);
 	gw_scene_drop_records(s);
 	s->options = p->asked;
+	memcpy(s->passes.device_seconds, p->passes_before, sizeof p->passes_before);
 }
 
 /* Where lamps alone shine, nothing is gathered; what is wrong is told by what they lit. */
@@ -247,6 +300,7 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	const gw_scene *s = p->lighting->scene;
 	if (p->lighting->plan.error)
 		GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
+	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	*f = (gw_forecast){ .seconds = done + p->estimate.seconds,
 						.done_seconds = done,
 						.device_bytes = gw_gpu_read_account(s->gpu).peak_bytes,
@@ -256,18 +310,23 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	return GW_OK;
 }
 
-gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_forecast *forecast,
+gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *plan,
 						   gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
+	gw_forecast *forecast = &report->forecast;
 	double start = gw_seconds();
 	pilot p = { .lighting = lighting,
+				.plan = plan,
 				.asked = s->options,
 				.report = gw_allocate_zeros(1, sizeof *p.report),
+				.ratio = 1.0,
+				.point_ratio = 1.0,
 				.before = gw_gpu_read_account(s->gpu).bytes };
 	if (!p.report)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+	memcpy(p.passes_before, s->passes.device_seconds, sizeof p.passes_before);
 	s->report = p.report;
 	gw_status status =
 		lighting->plan.records ? run_stages(&p, error) : foretell_lamps(&p, done, forecast, error);
@@ -275,6 +334,10 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_forecast *fore
 		foretell(&p, done, forecast);
 	if (status == GW_OK && lighting->plan.records)
 		add_reasons(&p, forecast, report);
+	if (status == GW_OK) {
+		describe_octree(&p, report);
+		foretell_prices(&p);
+	}
 	s->report = report;
 	put_back(&p);
 	forecast->own_seconds = gw_seconds() - start;

@@ -59,14 +59,8 @@ static gw_status stage(gw_frames *f, const char *name, double done, gw_error *er
 static gw_status make_surfels(gw_frames *f, gw_error *error)
 {
 	double start = gw_seconds();
-	const gw_surfels_options options = { .threads = f->scene.options.threads,
-										 .lights = f->first_lights,
-										 .light_count = f->first_light_count,
-										 .normals = f->scene.options.normals,
-										 .memory = f->scene.options.memory,
-										 .backs = true,
-										 .cancelled = gw_scene_stopped,
-										 .user = &f->scene };
+	const gw_surfels_options options =
+		gw_scene_surfels_options(&f->scene, f->first_lights, f->first_light_count);
 	gw_status status = stage(f, "surfels", 0.05, error);
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,

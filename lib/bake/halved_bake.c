@@ -36,10 +36,10 @@ static bool part_is_cancelled(void *user)
 	return p->whole->cancelled && p->whole->cancelled(p->whole->user);
 }
 
-static void whole_is_planned(void *user, const gw_report *report)
+static void whole_is_planned(void *user, const gw_bake_result *plan)
 {
 	const part *p = user;
-	p->whole->planned(p->whole->user, report);
+	p->whole->planned(p->whole->user, plan);
 }
 
 /* Only the first part tells what is planned. */

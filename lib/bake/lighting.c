@@ -76,8 +76,8 @@ static const gw_scanned_space *closed_space(const gw_scene *scene)
 			   : NULL;
 }
 
-/* What is known of the lights before they shine: those that have no power, or reach nothing. */
-static gw_status list_lights(gw_lighting *lighting, gw_error *error)
+/* Those that have no power, or reach nothing. */
+gw_status gw_lighting_list_lights(gw_lighting *lighting, gw_error *error)
 {
 	const gw_scene *scene = lighting->scene;
 	free(lighting->given);
@@ -115,7 +115,7 @@ gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
 	uint64_t slots = 2 * (uint64_t)scene->octree.leaf_count;
-	GW_TRY(list_lights(lighting, error));
+	GW_TRY(gw_lighting_list_lights(lighting, error));
 	if (!lighting->plan.lamps) {
 		drop_direct(lighting);
 		return GW_OK;

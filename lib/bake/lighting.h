@@ -51,6 +51,9 @@ void gw_lighting_plan(gw_lighting *lighting);
 /* Decides the same as the whole for a part: for these lights, and the emission of points or not. */
 void gw_lighting_plan_part(gw_lighting *part, bool emission);
 
+/* What is known of the lights before they shine, into given. */
+gw_status gw_lighting_list_lights(gw_lighting *lighting, gw_error *error);
+
 /* Light of lamps at every surfel and facet. */
 gw_status gw_lighting_direct(gw_lighting *lighting, gw_error *error);
 

@@ -7,6 +7,7 @@
 #include "light/lamp_reach.h"
 #include "bake/report.h"
 
+#include <math.h>
 #include <stdio.h>
 
 #define FORCED "it is forced"
@@ -199,7 +200,8 @@ static void plan_rest(const gw_plan_task *task, gw_plan *plan, gw_report *report
 	plan->error = decide(task, error, report);
 	bool open = o->ambient_occlusion || o->bent_normals;
 	bool kept = o->transport && o->transport->write;
-	const call octree = { GW_EFFECT_OCTREE, hidden || kept || o->voxels || open,
+	plan->octree_asked = kept || o->voxels || open;
+	const call octree = { GW_EFFECT_OCTREE, hidden || plan->octree_asked,
 						  plan->records   ? "light is gathered by rays or cones"
 						  : plan->shadows ? "shadows are traced through it"
 						  : kept          ? "a transport has one"
@@ -210,25 +212,49 @@ static void plan_rest(const gw_plan_task *task, gw_plan *plan, gw_report *report
 	plan->octree = decide(task, octree, report);
 }
 
-static void report_normals(const gw_surfels *s, gw_report *report)
+/* What was decided when the surface was made; points that need it are told of all the same. */
+static void report_surface(const gw_plan_task *task, call c, const char *not_needed,
+						   gw_report *report)
 {
-	uint64_t estimated = s->normals_estimated;
-	if (estimated > 0)
-		gw_report_effect(report, "normals", "planes through neighbours",
-						 "%.3g %% of the points come without one that can be trusted",
-						 100.0 * (double)estimated / (double)s->count);
+	bool forced = gw_effect_forced(task->options, c.effect);
+	bool forbidden = gw_effect_forbidden(task->options, c.effect);
+	const char *name = gw_effect_name(c.effect);
+	if (c.wanted)
+		gw_report_effect(report, name, c.method, "%s%s", c.reason, forced ? ", and " FORCED : "");
 	else
-		gw_report_effect(report, "normals", NULL, "all points have their own");
-	if (s->shading_normal)
-		gw_report_effect(report, "noise", "normals of a smoothed surface",
-						 "the points scatter about their surface");
-	else
-		gw_report_effect(report, "noise", NULL, "the points lie on their surface");
-	if (s->transparency)
-		gw_report_effect(report, "transmission", "attenuated once a surface",
-						 "some points are less than opaque");
-	else
-		gw_report_effect(report, "transmission", NULL, "all points are opaque");
+		gw_report_effect(report, name, NULL, "%s", forbidden ? FORBIDDEN : not_needed);
+}
+
+static void plan_surface(const gw_plan_task *task, gw_report *report)
+{
+	const gw_surfels *s = task->surfels;
+	char reason[sizeof report->effect->reason];
+	bool all = gw_effect_forced(task->options, GW_EFFECT_NOISE) && s->shading_normal;
+	snprintf(reason, sizeof reason, "%.3g %% of the points come without one that can be trusted",
+			 100.0 * (double)s->normals_estimated / fmax((double)s->count, 1.0));
+	const call transmission = { GW_EFFECT_TRANSMISSION, s->transparency != NULL,
+								"some points are less than opaque", "attenuated once a surface" };
+	const call noise = { GW_EFFECT_NOISE, s->shading_normal != NULL,
+						 all ? "the points are looked at for it"
+							 : "the points scatter about "
+							   "their surface",
+						 "normals of a smoothed surface" };
+	const call normals = { GW_EFFECT_NORMALS, s->normals_estimated > 0, reason,
+						   "planes through neighbours" };
+	report_surface(task, normals, "all points have their own", report);
+	report_surface(task, noise, "the points lie on their surface", report);
+	report_surface(task, transmission, "all points are opaque", report);
+}
+
+static void plan_columns(const gw_plan_task *task, gw_report *report)
+{
+	char reason[sizeof report->effect->reason];
+	snprintf(reason, sizeof reason, "a column for each of %zu lights is asked for",
+			 task->light_count);
+	const call columns = { GW_EFFECT_COLUMNS, task->options->lamps,
+						   task->options->lamps ? reason : "no light is asked for by itself",
+						   "solved again for each light" };
+	decide(task, columns, report);
 }
 
 void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report)
@@ -240,5 +266,6 @@ void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 	plan_bounces(task, plan, report);
 	plan->records = plan->emitters || plan->sky || plan->portals || plan->bounces;
 	plan_rest(task, plan, report);
-	report_normals(task->surfels, report);
+	plan_surface(task, report);
+	plan_columns(task, report);
 }

@@ -22,6 +22,7 @@ typedef struct gw_plan {
 	bool gaps;             /* what nobody scanned is looked for */
 	bool error;            /* the error is estimated */
 	bool octree;           /* any of these needs it */
+	bool octree_asked;     /* it is needed for something else than light */
 	float sky_radiance[3]; /* sum of the environment lights without a map */
 	uint32_t limit;        /* reflections, or GW_BOUNCES_AUTO */
 } gw_plan;

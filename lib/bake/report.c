@@ -76,6 +76,13 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 	va_end(arguments);
 }
 
+void gw_report_price(gw_report *report, const char *name, double seconds)
+{
+	for (uint32_t i = 0; i < report->effect_count; i++)
+		if (strcmp(report->effect[i].name, name) == 0)
+			report->effect[i].seconds = seconds;
+}
+
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
 {
 	uint32_t i = 0;

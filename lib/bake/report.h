@@ -17,6 +17,9 @@ void gw_report_add_stage(gw_report *report, const char *name, double seconds);
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
 					  ...) __attribute__((format(printf, 4, 5)));
 
+/* Sets the seconds of an effect that the report has; of others it does nothing. */
+void gw_report_price(gw_report *report, const char *name, double seconds);
+
 /* Adds a number of points with its meaning; nothing when points is 0. */
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning);
 

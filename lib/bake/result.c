@@ -105,13 +105,17 @@ static double gathered_flux(const gw_lighting *lighting)
 	return flux;
 }
 
-/* Shares of the light from what each lamp gives. */
-static gw_status share_light(const gw_lighting *lighting, gw_bake_result *result, gw_error *error)
+gw_status gw_result_share_light(gw_lighting *lighting, gw_bake_result *result, gw_error *error)
 {
 	size_t count = lighting->light_count, skies = 0;
 	double gathered = gathered_flux(lighting), all = gathered;
-	if (!lighting->given || lighting->scene->options.bounces == 0)
+	if (lighting->scene->options.bounces == 0)
 		return GW_OK;
+	if (!lighting->given)
+		GW_TRY(gw_lighting_list_lights(lighting, error));
+	if (!lighting->given) /* a part of another lighting */
+		return GW_OK;
+	free(result->given);
 	result->given = gw_allocate_zeros(count + 1, sizeof *result->given);
 	if (!result->given)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", count);
@@ -159,7 +163,7 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 		status = collect_strays(&job, error);
 	}
 	free(direct);
-	return status == GW_OK ? share_light(lighting, result, error) : status;
+	return status == GW_OK ? gw_result_share_light(lighting, result, error) : status;
 }
 
 /* L of the points, or of a part of the light. */

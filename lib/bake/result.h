@@ -9,6 +9,10 @@
 /* Fills in the arrays of points, and counts those without light. */
 gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_error *error);
 
+/* What each light gives, into given; again when it was told before. Skies and what emits are known
+ * after the read back, until then they give nothing. */
+gw_status gw_result_share_light(gw_lighting *lighting, gw_bake_result *result, gw_error *error);
+
 /* L of the points alone: 3 * point_count floats. */
 gw_status gw_result_radiance(gw_lighting *lighting, float *radiance, gw_error *error);
 

@@ -181,7 +181,10 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 {
 	*scaled = (gw_scaled_scene){ .scene = *scene, .points = *scene->points, .options = *options };
 	if (scaled->points.opacity) {
-		GW_TRY(take_opacity(scaled, error));
+		if (options->effects_forbidden & 1u << GW_EFFECT_TRANSMISSION)
+			scaled->points.opacity = NULL;
+		else
+			GW_TRY(take_opacity(scaled, error));
 		scaled->scene.points = &scaled->points;
 	}
 	const gw_points given = scaled->points, *points = &given;

@@ -43,6 +43,11 @@ static bool forbids(const gw_bake_options *o, gw_effect_kind effect)
 	return o->effects_forbidden & 1u << effect;
 }
 
+static bool forces(const gw_bake_options *o, gw_effect_kind effect)
+{
+	return o->effects_forced & 1u << effect;
+}
+
 gw_bake_options gw_options_effective(const gw_bake_options *options)
 {
 	gw_bake_options o = *options;
@@ -52,6 +57,12 @@ gw_bake_options gw_options_effective(const gw_bake_options *options)
 		o.bounces = 1;
 	if (forbids(&o, GW_EFFECT_ERROR))
 		o.estimate_points = 0;
+	if (forces(&o, GW_EFFECT_NORMALS))
+		o.normals = GW_NORMALS_ESTIMATE;
+	if (forbids(&o, GW_EFFECT_NORMALS))
+		o.normals = GW_NORMALS_GIVEN;
+	if (forces(&o, GW_EFFECT_COLUMNS))
+		o.lamps = true;
 	return o;
 }
 
@@ -75,6 +86,10 @@ static gw_status check_effects(const gw_bake_options *o, gw_error *error)
 		  "is forbidden, but the bake is to go on until an error or a time is reached" },
 		{ o->effects_forbidden, GW_EFFECT_GAPS, o->gaps != GW_GAPS_OPEN || o->unknown,
 		  "is forbidden, but gaps are to be closed or written" },
+		{ o->effects_forbidden, GW_EFFECT_NORMALS, o->normals == GW_NORMALS_ESTIMATE,
+		  "is forbidden, but all normals are to be estimated" },
+		{ o->effects_forbidden, GW_EFFECT_COLUMNS, o->lamps,
+		  "is forbidden, but the light of each lamp is asked for" },
 		{ o->effects_forbidden, GW_EFFECT_OCTREE, true,
 		  "is forbidden; there is none where shadows, emitters, sky and bounces are" },
 	};
@@ -329,16 +344,25 @@ gw_status gw_scene_find_space(gw_scene *scene, const gw_points *points, gw_error
 	return GW_OK;
 }
 
+gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lights, size_t count)
+{
+	const gw_bake_options *o = &scene->options;
+	return (gw_surfels_options){ .threads = o->threads,
+								 .lights = lights,
+								 .light_count = count,
+								 .normals = o->normals,
+								 .memory = o->memory,
+								 .backs = true,
+								 .effects_forced = o->effects_forced,
+								 .effects_forbidden = o->effects_forbidden,
+								 .cancelled = gw_scene_stopped,
+								 .user = scene };
+}
+
 gw_status gw_scene_make_surfels(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
-	gw_surfels_options options = { .threads = scene->options.threads,
-								   .lights = from->lights,
-								   .light_count = from->light_count,
-								   .normals = scene->options.normals,
-								   .memory = scene->options.memory,
-								   .backs = true,
-								   .cancelled = gw_scene_stopped,
-								   .user = scene };
+	const gw_surfels_options options =
+		gw_scene_surfels_options(scene, from->lights, from->light_count);
 	GW_TRY(gw_surfels_make(from->points, &options, &scene->surfels, error));
 	gw_report_surfels(scene->report, &scene->surfels, from->points);
 	return GW_OK;

@@ -114,6 +114,9 @@ bool gw_options_record_fields(const gw_bake_options *options);
 /* Opens the device that the options name. */
 gw_status gw_scene_open_device(gw_scene *scene, gw_error *error);
 
+/* How surfels of the scene are made, in the light of some lights. */
+gw_surfels_options gw_scene_surfels_options(gw_scene *scene, const gw_light *lights, size_t count);
+
 /*
  * Makes the surfels of the points. The lights orient estimated normals when nobody knows where the
  * scanner stood.

@@ -29,7 +29,7 @@ typedef struct identity {
 
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
-	double method, depth, leaf_spacing, rays, record_spacing, seed, normals;
+	double method, depth, leaf_spacing, rays, record_spacing, seed, normals, noise;
 } fixed_settings;
 
 typedef struct head {
@@ -78,14 +78,16 @@ static identity identify(const gw_points *p)
 
 static fixed_settings settle(const gw_bake_options *o)
 {
-	return (fixed_settings){ .method = o->method,
-							 .depth = o->depth,
-							 .leaf_spacing =
-								 o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
-							 .rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
-							 .record_spacing = (double)o->record_spacing,
-							 .seed = (double)o->seed,
-							 .normals = o->normals };
+	return (fixed_settings){
+		.method = o->method,
+		.depth = o->depth,
+		.leaf_spacing = o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
+		.rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
+		.record_spacing = (double)o->record_spacing,
+		.seed = (double)o->seed,
+		.normals = o->normals,
+		.noise = (o->effects_forced | o->effects_forbidden << 1) >> GW_EFFECT_NOISE & 3u
+	};
 }
 
 /* To where the next part begins. */
@@ -229,6 +231,7 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		{ "record spacing", kept->record_spacing, own.record_spacing },
 		{ "seed", kept->seed, own.seed },
 		{ "choice of normals", kept->normals, own.normals },
+		{ "choice of noise", kept->noise, own.noise },
 	};
 	if (kept->method != own.method)
 		return gw_fail(error, GW_ERROR_USAGE,

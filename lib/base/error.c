@@ -91,7 +91,9 @@ const char *gw_effect_name(gw_effect_kind effect)
 		[GW_EFFECT_EMITTERS] = "emitters", [GW_EFFECT_SKY] = "sky",
 		[GW_EFFECT_PORTALS] = "portals",   [GW_EFFECT_BOUNCES] = "bounces",
 		[GW_EFFECT_GAPS] = "gaps",         [GW_EFFECT_ERROR] = "error",
-		[GW_EFFECT_OCTREE] = "octree",
+		[GW_EFFECT_OCTREE] = "octree",     [GW_EFFECT_TRANSMISSION] = "transmission",
+		[GW_EFFECT_NORMALS] = "normals",   [GW_EFFECT_NOISE] = "noise",
+		[GW_EFFECT_COLUMNS] = "columns",
 	};
 	static_assert(sizeof name / sizeof *name == GW_EFFECT_KIND_COUNT, "every effect has a name");
 	assert((unsigned)effect < GW_EFFECT_KIND_COUNT);

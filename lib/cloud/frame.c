@@ -348,9 +348,11 @@ static void merge_points(frame *f)
 	}
 }
 
-/* Is one of the points that are there less than opaque? */
-static bool is_clear_anywhere(const gw_points *points)
+/* Is one of the points that are there less than opaque, or is it to be made so? */
+static bool is_clear_anywhere(const gw_points *points, const gw_surfels_options *options)
 {
+	if (options->effects_forced & 1u << GW_EFFECT_TRANSMISSION)
+		return true;
 	for (size_t i = 0; points->opacity && i < points->count; i++)
 		if (points->opacity[i] < 1.0f && is_there(points, i))
 			return true;
@@ -358,9 +360,8 @@ static bool is_clear_anywhere(const gw_points *points)
 }
 
 /* Arrays are made for all finite points; merging then uses a part, and the rest is given back. */
-static bool allocate_arrays(gw_surfels *s, const gw_points *points, size_t finite)
+static bool allocate_arrays(gw_surfels *s, const gw_points *points, bool clear, size_t finite)
 {
-	bool clear = is_clear_anywhere(points);
 	s->surfel_of_point = gw_allocate_array(points->count, sizeof *s->surfel_of_point);
 	s->position = gw_allocate_array(finite, 3 * sizeof *s->position);
 	s->normal = gw_allocate_zeros(finite, 3 * sizeof *s->normal);
@@ -436,7 +437,8 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	surfels->point_count = points->count;
 	surfels->non_finite = points->count - f.finite;
 	f.order = gw_allocate_array(f.finite, sizeof *f.order);
-	if (!f.order || !allocate_arrays(surfels, points, f.finite)) {
+	if (!f.order ||
+		!allocate_arrays(surfels, points, is_clear_anywhere(points, options), f.finite)) {
 		free(f.order);
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", f.finite);
 	}

@@ -196,10 +196,15 @@ static gw_status clean_normals(gw_neighbours *search, gw_surfels *s,
 	return status;
 }
 
-gw_status gw_surfels_smooth(gw_neighbours *search, const uint8_t *filled, gw_surfels *surfels,
-							bool *smoothed, gw_error *error)
+gw_status gw_surfels_smooth(const gw_surfels_options *options, gw_neighbours *search,
+							const uint8_t *filled, gw_surfels *surfels, bool *smoothed,
+							gw_error *error)
 {
+	const uint32_t effect = 1u << GW_EFFECT_NOISE;
 	size_t n = surfels->count;
+	*smoothed = false;
+	if (options->effects_forbidden & effect)
+		return GW_OK;
 	float *position = gw_allocate_array(n, 3 * sizeof *position), *spare = NULL, *normal = NULL;
 	float *level = gw_allocate_array(n / REGION + 1, sizeof *level);
 	smooth_step step = { .surfels = surfels,
@@ -209,12 +214,11 @@ gw_status gw_surfels_smooth(gw_neighbours *search, const uint8_t *filled, gw_sur
 						 .filled = filled,
 						 .out = position };
 	gw_status status = GW_OK;
-	*smoothed = false;
 	if (!position || !level)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", n);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, measure_noise, &step, error);
-	if (status == GW_OK && find_levels(position, n, level)) {
+	if (status == GW_OK && (find_levels(position, n, level) || options->effects_forced & effect)) {
 		spare = gw_allocate_array(n, 3 * sizeof *spare);
 		normal = gw_allocate_array(n, 3 * sizeof *normal);
 		step.own = gw_allocate_array(n, sizeof *step.own);

@@ -14,7 +14,8 @@ lamp='point name lamp at 1,1,1 intensity 5'
 away='spot name away at 1,1,3 to 1,1,9 intensity 5 inner 10 outer 20'
 # The words of a plan; figures are another machine's.
 plan() {
-	glowworm plan corner.ply --albedo constant:0.5 "$@" | sed -E '/^foretold|^  /d; s/ +/ /g'
+	glowworm plan corner.ply --albedo constant:0.5 "$@" |
+		sed -E '/^foretold|^  /d; s/ +[0-9.]+ s  / /; s/ +/ /g'
 }
 echo "-- plan"
 plan --light "$lamp" --light "$away" --bounces 1

@@ -142,7 +142,8 @@ static void spots_that_miss(void **state)
 
 /* --------------------------------------------------------------- forced, and forbidden */
 
-/* All that is forced where the scene does not call for it adds nothing: the same bytes. */
+/* All that is forced where the scene does not call for it adds nothing: the same bytes. Normals
+ * that are estimated are others. */
 static void forced_changes_nothing(void **state)
 {
 	(void)state;
@@ -154,6 +155,8 @@ static void forced_changes_nothing(void **state)
 		gw_bake_options options = coarse();
 		gw_bake_result *plain = scene_bake(&points, lights, 2, &options);
 		for (int effect = 0; effect < GW_EFFECT_KIND_COUNT; effect++) {
+			if (effect == GW_EFFECT_NORMALS)
+				continue;
 			options.effects_forced = 1u << effect;
 			gw_bake_result *forced = scene_bake(&points, lights, 2, &options);
 			assert_true(
@@ -220,6 +223,72 @@ static void forbidden_is_missing(void **state)
 			assert_true(dark->direct_irradiance[k] == 0.0f && dark->indirect_irradiance[k] == 0.0f);
 		gw_bake_result_destroy(&alone);
 		gw_bake_result_destroy(&dark);
+	}
+	scene_clear(&s);
+}
+
+/* What is forbidden of the surface is not made, where the points call for it: half of them are
+ * clear, all scatter, and none has a normal of its own. */
+static void forbidden_of_surface(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	float *opacity = malloc(s.count * sizeof *opacity);
+	for (size_t i = 0; i < s.count; i++) {
+		opacity[i] = i % 2 ? 1.0f : 0.5f;
+		for (size_t k = 0; k < 3; k++) /* a third of the spacing of 1/16, evenly distributed */
+			s.position[3 * i + k] += (double)((i * 2654435761u >> (8 * k)) & 255) / 255 / 48;
+	}
+	gw_points points = scene_points(&s);
+	points.opacity = opacity;
+	gw_light light = spot(0.5, 0.5, 1.5, -1.0);
+	const gw_effect_kind effect[] = { GW_EFFECT_TRANSMISSION, GW_EFFECT_NOISE };
+	for (size_t i = 0; i < 2; i++) {
+		gw_bake_options options = coarse();
+		const char *name = gw_effect_name(effect[i]);
+		gw_bake_result *wanted = scene_bake(&points, &light, 1, &options);
+		options.effects_forbidden = 1u << effect[i];
+		gw_bake_result *without = scene_bake(&points, &light, 1, &options);
+		assert_true(scene_effect(&wanted->report, name)->called_for);
+		assert_false(scene_effect(&without->report, name)->called_for);
+		assert_memory_not_equal(wanted->radiance, without->radiance,
+								3 * s.count * sizeof *wanted->radiance);
+		if (effect[i] == GW_EFFECT_TRANSMISSION) {
+			gw_points opaque = points;
+			opaque.opacity = NULL;
+			options.effects_forbidden = 0;
+			gw_bake_result *same = scene_bake(&opaque, &light, 1, &options);
+			assert_same_light(without, same);
+			gw_bake_result_destroy(&same);
+		}
+		gw_bake_result_destroy(&wanted);
+		gw_bake_result_destroy(&without);
+	}
+	free(opacity);
+	scene_clear(&s);
+}
+
+/* Forced, normals are those that are estimated; forbidden, those that were given, as by the option
+ * of their own. */
+static void chosen_normals(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = spot(0.5, 0.5, 1.5, -1.0);
+	for (int forced = 0; forced < 2; forced++) {
+		gw_bake_options by_effect = coarse(), by_option = coarse();
+		by_effect.effects_forced = forced ? 1u << GW_EFFECT_NORMALS : 0;
+		by_effect.effects_forbidden = forced ? 0 : 1u << GW_EFFECT_NORMALS;
+		by_option.normals = forced ? GW_NORMALS_ESTIMATE : GW_NORMALS_GIVEN;
+		gw_bake_result *a = scene_bake(&points, &light, 1, &by_effect);
+		gw_bake_result *b = scene_bake(&points, &light, 1, &by_option);
+		assert_same_light(a, b);
+		assert_true(scene_effect(&a->report, "normals")->called_for == (forced != 0));
+		gw_bake_result_destroy(&a);
+		gw_bake_result_destroy(&b);
 	}
 	scene_clear(&s);
 }
@@ -296,12 +365,25 @@ typedef struct planned {
 	uint32_t effects;
 } planned;
 
-static void on_planned(void *user, const gw_report *report)
+static void on_planned(void *user, const gw_bake_result *plan)
 {
 	planned *p = user;
 	p->calls++;
-	p->forecast = report->forecast;
-	p->effects = report->effect_count;
+	p->forecast = plan->report.forecast;
+	p->effects = plan->report.effect_count;
+}
+
+/* What is computed has a price, and what is not has none; no effect takes longer than all. */
+static void assert_prices(const gw_report *report, double whole)
+{
+	for (uint32_t i = 0; i < report->effect_count; i++) {
+		const gw_effect *e = &report->effect[i];
+		assert_true(e->seconds >= 0.0 && e->seconds <= whole);
+		assert_true(e->called_for || e->seconds == 0.0);
+	}
+	assert_true(scene_effect(report, "bounces")->seconds > 0.0);
+	assert_true(scene_effect(report, "octree")->seconds > 0.0);
+	assert_true(scene_effect(report, "lamps")->seconds > 0.0);
 }
 
 /* A bake that tells what it will take gives the same light, and a plan without the bake tells the
@@ -333,14 +415,22 @@ static void foretold(void **state)
 	/* Memory is counted: within a fifth, as what stands on the device is known by then. */
 	assert_true(fabs((double)p.forecast.device_bytes - (double)told->report.peak_bytes) <
 				0.2 * (double)told->report.peak_bytes);
-	gw_report *report = calloc(1, sizeof *report);
-	assert_int_equal(gw_plan_bake(&described, &options, NULL, report, &error), GW_OK);
+	gw_bake_result *plan = NULL;
+	assert_int_equal(gw_plan_bake(&described, &options, NULL, &plan, &error), GW_OK);
+	const gw_report *report = &plan->report;
 	assert_int_equal(report->forecast.places, p.forecast.places);
 	assert_int_equal(report->forecast.device_bytes, p.forecast.device_bytes);
 	assert_true(report->forecast.error == p.forecast.error);
 	assert_int_equal(report->forecast.bounces, p.forecast.bounces);
 	assert_false(scene_has_stage(report, "records"));
-	free(report);
+	assert_int_equal(plan->count, 0);
+	assert_int_equal(plan->given_count, 1);
+	assert_int_equal(plan->given[0].fate, GW_LIGHT_SHINES);
+	/* What emits is gathered at few places, as all light that the error is foretold of. */
+	assert_true(fabs(plan->given[0].share - told->given[0].share) < report->forecast.error);
+	assert_prices(report, report->forecast.seconds);
+	assert_prices(&told->report, 1e9);
+	gw_bake_result_destroy(&plan);
 	gw_bake_result_destroy(&told);
 	gw_bake_result_destroy(&plain);
 	scene_clear(&s);
@@ -355,6 +445,8 @@ int main(void)
 		cmocka_unit_test(forced_changes_nothing),
 		cmocka_unit_test(forced_is_computed),
 		cmocka_unit_test(forbidden_is_missing),
+		cmocka_unit_test(forbidden_of_surface),
+		cmocka_unit_test(chosen_normals),
 		cmocka_unit_test(contradictions),
 		cmocka_unit_test(order_of_points),
 		cmocka_unit_test(foretold),
