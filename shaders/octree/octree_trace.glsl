@@ -290,8 +290,8 @@ void leave_start(IN(Passage) last, float t, INOUT(Hit) hit)
  * a distance of GW_NEAR has gone into the rock.
  *
  * A ray that leaves the scene past surface that does not fill its cell may have slipped through
- * where facets of neighbouring cells do not meet. It is walked once more from the first such leaf to
- * the last, against the discs themselves.
+ * where facets of neighbouring cells do not meet. It is walked once more from the first such leaf
+ * to the last, against the discs themselves.
  */
 Hit trace_octree(IN(Ray) ray)
 {
