@@ -124,15 +124,18 @@ typedef struct gw_points {
 	const uint32_t *image_cell; /* count or NULL: of points of an image, row * columns + column.
 								   Normals that are missing come from the neighbours there, and
 								   noise along the rays is smoothed */
-	const float *own_area; /* count or NULL, m^2: of points that are a thing by themselves, such
-							  as a wire or a leaf that a beam met, what that covers as their
-							  scanner sees it; 0: a point of a surface */
-	const uint8_t *stray;  /* count or NULL: 0, or 1 + the gw_stray_kind of points of which it is
-							  known that they belong to no surface */
-	bool keep_strays;      /* all are taken for points of surfaces, these too, and none is looked
-							  for */
-	char up;               /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
-							  point down; 0: z. Tells sides of surface where nothing else does */
+	const float *own_area;   /* count or NULL, m^2: of points that are a thing by themselves, such
+								as a wire or a leaf that a beam met, what that covers as their
+								scanner sees it; 0: a point of a surface */
+	const float *beam_share; /* count or NULL: 1; above 0, at most 1: share of the beam that met a
+								point which stopped there. Where beams go on behind most points and
+								these lie in no plane, they are leaves */
+	const uint8_t *stray;    /* count or NULL: 0, or 1 + the gw_stray_kind of points of which it is
+								known that they belong to no surface */
+	bool keep_strays;        /* all are taken for points of surfaces, these too, and none is looked
+								for */
+	char up;                 /* axis that points up: 'x', 'y', 'z', or 'X', 'Y', 'Z' for those that
+								point down; 0: z. Tells sides of surface where nothing else does */
 } gw_points;
 
 /* Points that belong to no surface are strays. They get the light of the surface nearest to them,
@@ -165,7 +168,8 @@ typedef enum gw_light_type {
 	GW_LIGHT_SUN,         /* direction, irradiance, angle */
 	GW_LIGHT_ENVIRONMENT, /* radiance, the same from everywhere, or map times radiance */
 	GW_LIGHT_SPHERE,      /* position, intensity, radius: a ball of even radiance */
-	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side */
+	GW_LIGHT_DISC,        /* position, direction, intensity, radius: shines to one side;
+							 distribution */
 	GW_LIGHT_RECTANGLE,   /* position, direction, across, intensity, size: likewise */
 	GW_LIGHT_TYPE_COUNT
 } gw_light_type;
@@ -198,14 +202,14 @@ typedef struct gw_light {
 	float rotation; /* degrees */
 	bool map_y_up;
 
-	/* How the intensity of a point light depends on direction, as luminaires are measured, or NULL:
-	 * it is the same in all. First vertical_count angles from `direction`, degrees, ascending,
-	 * within 0 and 180; then horizontal_count angles around it, ascending: either one, then all
-	 * around is the same, or from 0, which lies toward `across`, to 360; 90 lies toward across x
-	 * direction. Then for each angle around as many shares of `intensity` as there are angles from
-	 * the axis, finite, at least 0. Between angles it is linear, beyond the first and last from the
-	 * axis dark. The caller's; has to stay as long as the bake or the handle to which the light is
-	 * given. */
+	/* How the intensity of a point light, or of each piece of a disc or rectangle, depends on
+	 * direction, as luminaires are measured, or NULL: it is the same in all, or as Lambert's
+	 * cosine. First vertical_count angles from `direction`, degrees, ascending, within 0 and 180;
+	 * then horizontal_count angles around it, ascending: either one, then all around is the same,
+	 * or from 0, which lies toward `across`, to 360; 90 lies toward across x direction. Then for
+	 * each angle around as many shares of `intensity` as there are angles from the axis, finite, at
+	 * least 0. Between angles it is linear, beyond the first and last from the axis dark. The
+	 * caller's; has to stay as long as the bake or the handle to which the light is given. */
 	const float *distribution;
 	uint32_t vertical_count;   /* 2..65536 */
 	uint32_t horizontal_count; /* 1..65536; the product of both at most 2^26 */
@@ -534,6 +538,7 @@ typedef struct gw_forecast {
 	double seconds;        /* of gw_bake, from its call to its return */
 	double done_seconds;   /* of these, what is done by then, without the forecast itself */
 	double own_seconds;    /* that the forecast took */
+	double frame_seconds;  /* of frames: that each one after the first takes; else 0 */
 	uint64_t device_bytes; /* device memory at its highest */
 	uint64_t host_bytes;   /* of the host, on top of what the process holds by then: the light, and
 							  what comes on the device where that shares the host's memory */
@@ -831,6 +836,18 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
  */
 gw_status gw_frames_bake(gw_frames *frames, size_t frame, const gw_light *lights,
 						 size_t light_count, gw_bake_result **result, gw_error *error);
+
+/*
+ * Says what bakes of frames would do and what they would take, as gw_plan_bake does for one bake:
+ * bakes two of them with few records. Afterwards the frames are as when they were opened.
+ *   frame    two of them: the first that will be baked, and one that stands for all others. Where
+ *            they are the same, one alone will be
+ *   lights   light_count lights of each of the two
+ *   plan     as of gw_plan_bake for the first frame; seconds of its forecast are until that is
+ *            done, frame_seconds of each one that follows
+ */
+gw_status gw_frames_plan(gw_frames *frames, const size_t frame[2], const gw_light *const lights[2],
+						 size_t light_count, gw_bake_result **plan, gw_error *error);
 
 /* Seconds that went into what all frames share, so far. */
 double gw_frames_shared_seconds(const gw_frames *frames);

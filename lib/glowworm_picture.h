@@ -40,6 +40,12 @@ typedef struct gw_stray {
 #define GW_SIDE_UNCLEAR 2
 #define GW_SIDE_BACK 3
 
+/* Foliage: small things that fill space, such as leaves, of which nobody knows how each lies. Lit
+ * from both sides at once. Its disc is twice as large as the thing, half of it is clear, and only
+ * the sum of them counts (shaders/octree/opacity.glsl). */
+#define GW_SIDE_FOLIAGE 4
+#define GW_FOLIAGE_TRANSPARENCY 0.5f
+
 typedef struct gw_surfels {
 	size_t count;     /* distinct finite positions, and backs */
 	char up;          /* as gw_points has it */
@@ -73,7 +79,7 @@ typedef struct gw_surfels {
 	uint8_t *creased; /* count or NULL, 1 where all cuts are at creases with other surfaces, whose
 						 place is known from both sides */
 	uint8_t *two_sided; /* count, 1 where the normal cannot be trusted: lit from both sides at once;
-						   or GW_SIDE_UNCLEAR or GW_SIDE_BACK; else 0 */
+						   or GW_SIDE_UNCLEAR, GW_SIDE_BACK or GW_SIDE_FOLIAGE; else 0 */
 	float *noise;       /* count, metres, RMS distance of the neighbours as they were given to the
 						   fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
@@ -309,6 +315,9 @@ gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *
  * Where discs that glow lie among others, a sample shows the kind that weighs more, so that a lamp
  * ends where its points end, not where the last of its discs does.
  *
+ * Where the nearest surface lets light through, all of that is repeated behind it, until no more
+ * than 1/256 of what lies behind is seen: each surface once, in the order of their depth.
+ *
  * A disc smaller than a sample is widened until it meets one, and weighs as much less as it grew,
  * so that points below a sample's size neither vanish nor outweigh others.
  *
@@ -328,13 +337,14 @@ gw_status gw_viewpoint_find(const gw_surfels *surfels, const gw_viewpoint_wish *
 /* Discs to draw; all arrays belong to the caller and stay unchanged. */
 typedef struct gw_raster_discs {
 	size_t count;
-	const float *position;    /* 3 * count, metres in the local frame */
-	const float *normal;      /* 3 * count, unit */
-	const float *radius;      /* count, metres; 0: not drawn */
-	const float *clip;        /* 6 * count or NULL: half-planes as in gw_surfels.clip */
-	const uint8_t *two_sided; /* count or NULL: 1 where the normal's sign means nothing */
-	const uint8_t *glows;     /* count or NULL: 1 for those that are not blended with others */
-	const float *channel;     /* channel_count * count, what is blended */
+	const float *position;     /* 3 * count, metres in the local frame */
+	const float *normal;       /* 3 * count, unit */
+	const float *radius;       /* count, metres; 0: not drawn */
+	const float *clip;         /* 6 * count or NULL: half-planes as in gw_surfels.clip */
+	const uint8_t *two_sided;  /* count or NULL: 1 where the normal's sign means nothing */
+	const uint8_t *glows;      /* count or NULL: 1 for those that are not blended with others */
+	const float *transparency; /* count or NULL: 0; share of what lies behind that is seen */
+	const float *channel;      /* channel_count * count, what is blended */
 } gw_raster_discs;
 
 /* Triangles to draw, as an indexed mesh; all arrays belong to the caller and stay unchanged. */
@@ -367,14 +377,16 @@ typedef struct gw_raster_options {
 /* What is seen in each pixel. Rows run from the top to the bottom of the picture. */
 typedef struct gw_gbuffer {
 	uint32_t width, height, channel_count;
-	float *coverage; /* width * height, share of the pixel that something covers, 0..1 */
+	float *coverage; /* width * height, share of the pixel that something covers, 0..1; times its
+						opacity, with all that is behind it */
 	float *depth;    /* width * height, metres along the camera's forward axis, of the nearest
 						sample; infinity where there is nothing */
 	float *facing;  /* width * height, mean of the covered samples' |cosine| between normal and ray:
 					   more than the mean normal tells where surfaces meet; 0 for nothing */
 	float *normal;  /* 3 * width * height, unit, in the world's axes; 0, 0, 0 for nothing */
 	float *channel; /* channel_count * width * height, mean over what is covered (not multiplied
-					   by the coverage); 0 for nothing */
+					   by the coverage), each surface by how much of it is seen; 0 for nothing.
+					   All else is of the nearest */
 	uint32_t *id;   /* width * height, of the nearest primitive: a disc's index, or the number of
 					   discs plus a triangle's index; GW_RASTER_NOTHING */
 	uint64_t drawn; /* primitives that reach into the picture */

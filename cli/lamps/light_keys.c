@@ -26,17 +26,18 @@
 const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_POSITION] = { "at", "position", LIGHT_VALUE_VECTOR, POINT | SPOT | AREA,
 							 POINT | SPOT | AREA,
-							 "X,Y,Z: where it is, in the input's coordinates; or scanner:N" },
+							 "X,Y,Z: where it is, in the input's coordinates; or scanner:N, "
+							 "floor:N" },
 	[LIGHT_KEY_TARGET] = { "to", NULL, LIGHT_VALUE_VECTOR, POINT | SPOT | DISC | RECTANGLE, 0,
-						   "X,Y,Z: a point on its axis" },
+						   "X,Y,Z: a point on its axis; or scanner:N, floor:N" },
 	[LIGHT_KEY_DIRECTION] = { "toward", "direction", LIGHT_VALUE_VECTOR,
 							  POINT | SPOT | SUN | DISC | RECTANGLE, 0,
 							  "X,Y,Z: the way the light travels" },
-	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT, 0,
-						"IES or EULUMDAT file: how a luminaire shines; points down unless aimed" },
-	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT | RECTANGLE, 0,
+	[LIGHT_KEY_IES] = { NULL, "ies", LIGHT_VALUE_PATH, POINT | DISC | RECTANGLE, 0,
+						"IES or EULUMDAT file: how it shines, and its size; down unless aimed" },
+	[LIGHT_KEY_ROLL] = { NULL, "roll", LIGHT_VALUE_ANGLE, POINT | DISC | RECTANGLE, 0,
 						 "degrees it is turned clockwise, seen from behind; 0: C 0, W is right" },
-	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT, 0,
+	[LIGHT_KEY_SCALE] = { NULL, "scale", LIGHT_VALUE_NUMBER, POINT | DISC | RECTANGLE, 0,
 						  "times the light that the file says; 1" },
 	[LIGHT_KEY_SKY] = { "from", "from", LIGHT_VALUE_SKY, SUN | SKY, 0,
 						"AZIMUTH,ELEVATION of the sun, degrees clockwise from +y, up" },
@@ -74,6 +75,9 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						  "degrees from the axis up to which it is at its full; 0" },
 	[LIGHT_KEY_OUTER] = { "outer", "outer_angle", LIGHT_VALUE_NUMBER, SPOT, 0,
 						  "degrees from the axis at which it ends; 45" },
+	[LIGHT_KEY_DISTANCE] = { NULL, "distance", LIGHT_VALUE_NUMBER, SPOT, 0,
+							 "metres at which its middle gives 0.25 lx; with lumens it has a "
+							 "cone" },
 	[LIGHT_KEY_RADIUS] = { NULL, "radius", LIGHT_VALUE_NUMBER, POINT | SPOT | SPHERE | DISC,
 						   SPHERE | DISC, "metres; makes soft shadows; 0" },
 	[LIGHT_KEY_SIZE] = { NULL, "size", LIGHT_VALUE_SIZE, RECTANGLE, RECTANGLE,
@@ -82,6 +86,8 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 						  "degrees, its diameter in the sky; 0.53" },
 	[LIGHT_KEY_NAME] = { NULL, "name", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY | AREA, 0,
 						 "one word, for the report" },
+	[LIGHT_KEY_GROUP] = { NULL, "group", LIGHT_VALUE_NAME, POINT | SPOT | SUN | SKY | AREA, 0,
+						  "one word: lamps that mix --group dims together" },
 };
 
 lamp light_default(gw_light_type type)
@@ -133,11 +139,14 @@ static void set_vector(double vector[3], const double *values)
 static gw_status set_amount(lamp *light, light_key_id key, const double *values, size_t count,
 							gw_error *error)
 {
-	if (light->measure != LIGHT_KEY_COUNT && light->measure != key)
+	bool preset = light->measure != LIGHT_KEY_COUNT && light->preset & 1u << light->measure;
+	if (light->measure != LIGHT_KEY_COUNT && light->measure != key && !preset)
 		return gw_fail(error, GW_ERROR_USAGE, "'%s' has said how much light already",
 					   light_keys[light->measure].name);
 	light->measure = key;
 	light->white = count == 1;
+	if (preset && !light->white) /* a colour takes the place of the preset's own */
+		light->kelvin = 0.0;
 	for (size_t k = 0; k < 3; k++)
 		light->amount[k] = values[count == 3 ? k : 0];
 	return GW_OK;
@@ -146,7 +155,8 @@ static gw_status set_amount(lamp *light, light_key_id key, const double *values,
 /* Photometric or not, from a unit or from the key itself; all numbers of a light agree. */
 static gw_status take_units(lamp *light, light_key_id key, light_units said, gw_error *error)
 {
-	bool photometric = key == LIGHT_KEY_LUMENS || key == LIGHT_KEY_ILLUMINANCE;
+	bool photometric =
+		key == LIGHT_KEY_LUMENS || key == LIGHT_KEY_ILLUMINANCE || key == LIGHT_KEY_DISTANCE;
 	light_units own = photometric              ? LIGHT_UNITS_PHOTOMETRIC
 					  : key == LIGHT_KEY_WATTS ? LIGHT_UNITS_RADIOMETRIC
 											   : said;
@@ -207,11 +217,12 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	GW_TRY(take_units(light, key, LIGHT_UNITS_UNSAID, error));
 	switch (key) {
 	case LIGHT_KEY_POSITION:
-		light->scanner = 0;
+		light->stand.kind = LIGHT_PLACE_NONE;
 		set_vector(l->position, values);
 		break;
 	case LIGHT_KEY_TARGET:
 		light->aimed = true;
+		light->aim.kind = LIGHT_PLACE_NONE;
 		set_vector(light->target, values);
 		break;
 	case LIGHT_KEY_DIRECTION:
@@ -252,6 +263,9 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_OUTER:
 		l->outer_angle = (float)values[0];
 		break;
+	case LIGHT_KEY_DISTANCE:
+		light->distance = values[0];
+		break;
 	case LIGHT_KEY_RADIUS:
 		l->radius = (float)values[0];
 		break;
@@ -276,6 +290,7 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 	case LIGHT_KEY_MODEL:
 	case LIGHT_KEY_MAP:
 	case LIGHT_KEY_NAME:
+	case LIGHT_KEY_GROUP:
 	case LIGHT_KEY_COUNT:
 		break;
 	}
@@ -307,23 +322,50 @@ const char *light_value_expected(light_value value)
 	return shape[value].expected;
 }
 
-/* scanner:N, the N-th that info lists; where that is shows when the inputs are read. */
-static gw_status set_scanner(lamp *light, const char *number, gw_error *error)
+/* scanner:N and floor:N, the N-th that info --places lists, or floor:N+H, so high above it. */
+static bool read_place(const char *text, light_place *place)
 {
-	double value = 0.0;
-	size_t length = strlen(number);
-	if (length == 0 || number_read(number, length, &value) != length || value != floor(value) ||
-		!(value >= 1.0 && value <= 1e9))
-		return gw_fail(error, GW_ERROR_USAGE,
-					   "it wants the number of a scanner, as scanner:1 for the first");
-	light->scanner = (size_t)value;
+	static const char *const name[] = {
+		[LIGHT_PLACE_SCANNER] = "scanner:", [LIGHT_PLACE_FLOOR] = "floor:"
+	};
+	bool floor_place = strncmp(text, name[LIGHT_PLACE_FLOOR], 6) == 0;
+	light_place_kind kind = floor_place ? LIGHT_PLACE_FLOOR : LIGHT_PLACE_SCANNER;
+	double value = 0.0, height = LIGHT_FLOOR_HEIGHT;
+	if (strncmp(text, name[kind], strlen(name[kind])) != 0)
+		return false;
+	text += strlen(name[kind]);
+	size_t used = number_read(text, strcspn(text, "+"), &value);
+	if (used == 0 || value != floor(value) || !(value >= 1.0 && value <= 1e9))
+		return false;
+	text += used;
+	if (*text == '+' && floor_place) {
+		text++;
+		used = number_read(text, strlen(text), &height);
+		text += used;
+		if (used == 0 || !(height >= 0.0 && height <= 1e9))
+			return false;
+	}
+	*place = (light_place){ kind, (size_t)value, height };
+	return *text == '\0';
+}
+
+static gw_status set_place(lamp *light, light_key_id key, const char *text, gw_error *error)
+{
+	light_place *place = key == LIGHT_KEY_POSITION ? &light->stand : &light->aim;
+	if (key == LIGHT_KEY_DIRECTION || !read_place(text, place))
+		return gw_fail(
+			error, GW_ERROR_USAGE, "it wants X,Y,Z%s",
+			key == LIGHT_KEY_DIRECTION
+				? ""
+				: ", scanner:N, floor:N or floor:N+HEIGHT; glowworm info --places lists them");
+	light->aimed = light->aimed || key == LIGHT_KEY_TARGET;
 	return GW_OK;
 }
 
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
-	if (key == LIGHT_KEY_POSITION && strncmp(text, "scanner:", 8) == 0)
-		return set_scanner(light, text + 8, error);
+	if (light_keys[key].value == LIGHT_VALUE_VECTOR && strchr(text, ':'))
+		return set_place(light, key, text, error);
 	char word[WORD_MAX];
 	double values[3] = { 0 };
 	light_quantity quantity = light_key_quantity(key);
@@ -355,7 +397,10 @@ static gw_status set_model(lamp *light, const char *text, gw_error *error)
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
 	bool path = light_keys[key].value == LIGHT_VALUE_PATH;
-	char *to = key == LIGHT_KEY_MAP ? light->map : path ? light->ies : light->light.name;
+	char *to = key == LIGHT_KEY_MAP     ? light->map
+			   : path                   ? light->ies
+			   : key == LIGHT_KEY_GROUP ? light->group
+										: light->light.name;
 	size_t room = path ? LIGHT_MAP_PATH : sizeof light->light.name;
 	if (!*text)
 		return gw_fail(error, GW_ERROR_USAGE, "it must not be empty");
@@ -363,6 +408,8 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 		return sun_time_read(text, &light->moment.seconds, error);
 	if (key == LIGHT_KEY_MODEL)
 		return set_model(light, text, error);
+	if (key == LIGHT_KEY_GROUP && strcmp(text, "rest") == 0)
+		return gw_fail(error, GW_ERROR_USAGE, "that is the name of light that is no lamp's");
 	if (strlen(text) >= room)
 		return gw_fail(error, GW_ERROR_USAGE, "it is too long; %zu bytes are the most", room - 1);
 	memcpy(to, text, strlen(text) + 1);
@@ -370,6 +417,15 @@ gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_err
 }
 
 /* ------------------------------------------------------------------------- the whole light */
+
+/* Cosine of the half angle of a cone that falls off from its axis on, and gives its lumens with the
+ * intensity by which it reaches so far: see solid_angle. */
+static double beam_cosine(const lamp *light)
+{
+	const double *a = light->amount;
+	double lumens = gw_relative_luminance(a[0], a[1], a[2]) * light->scale;
+	return 1.0 - lumens / (LIGHT_BEAM_END * light->distance * light->distance) / PI;
+}
 
 static bool is_area(gw_light_type type)
 {
@@ -393,7 +449,7 @@ static gw_status check_direction(const lamp *light, unsigned given, bool scene, 
 		return gw_fail(error, GW_ERROR_USAGE, "a %s takes one of '%s'%s %s%s, not both", type, name,
 					   given & BIT(PLACE) ? "," : " and", other,
 					   given & BIT(PLACE) ? " and 'place'" : "");
-	if (light->aimed && light->scanner == 0 &&
+	if (light->aimed && !light->stand.kind && !light->aim.kind &&
 		memcmp(light->target, light->light.position, sizeof light->target) == 0)
 		return gw_fail(error, GW_ERROR_USAGE, "a %s cannot shine to the place where it is", type);
 	return GW_OK;
@@ -404,11 +460,11 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 {
 	gw_light_type type = light->light.type;
 	const char *name = gw_light_type_name(type);
-	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] &&
+	if (light->measure == LIGHT_KEY_COUNT && !light->ies[0] && !(given & BIT(DISTANCE)) &&
 		(type == GW_LIGHT_POINT || type == GW_LIGHT_SPOT))
 		return gw_fail(error, GW_ERROR_USAGE, "a %s light needs 'intensity', 'lumens' or 'watts'",
 					   name);
-	if (light->measure == LIGHT_KEY_COUNT && is_area(type))
+	if (light->measure == LIGHT_KEY_COUNT && is_area(type) && !light->ies[0])
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a %s light needs 'intensity', 'lumens', 'watts' or 'radiance'", name);
 	if (light->measure == LIGHT_KEY_COUNT && type == GW_LIGHT_SUN)
@@ -420,6 +476,41 @@ static gw_status check_amount(const lamp *light, unsigned given, gw_error *error
 	if (light->kelvin > 0.0 && light->measure != LIGHT_KEY_COUNT && !light->white)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a colour and 'kelvin' do not go together; give one number");
+	return GW_OK;
+}
+
+/* Its intensity comes from how far it reaches, its cone from its lumens. */
+static gw_status check_beam(const lamp *light, unsigned given, gw_error *error)
+{
+	if (!(given & BIT(DISTANCE)))
+		return GW_OK;
+	if (!(light->distance > 0.0))
+		return gw_fail(error, GW_ERROR_USAGE, "'distance' must be above 0");
+	if (light->measure != LIGHT_KEY_COUNT && light->measure != LIGHT_KEY_LUMENS)
+		return gw_fail(error, GW_ERROR_USAGE, "'distance' says how strong it is; '%s' does so too",
+					   light_keys[light->measure].name);
+	if (light->measure == LIGHT_KEY_LUMENS && given & (BIT(INNER) | BIT(OUTER)))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "'lumens' and 'distance' say how wide it is; leave out its angles");
+	if (light->measure == LIGHT_KEY_LUMENS && !(beam_cosine(light) >= -1.0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "so many lumens fill no cone that gives 0.25 lx no further than %g m away",
+					   light->distance);
+	return GW_OK;
+}
+
+/* What a preset cannot know. */
+static gw_status check_wanted(const lamp *light, unsigned given, gw_error *error)
+{
+	char missing[256] = "";
+	for (int k = 0; k < LIGHT_KEY_COUNT; k++) {
+		size_t used = strlen(missing);
+		if (light->wanted & 1u << k)
+			snprintf(missing + used, sizeof missing - used, "%s'%s'", used ? " and " : "",
+					 light_keys[k].name);
+	}
+	if (light->wanted & ~given)
+		return gw_fail(error, GW_ERROR_USAGE, "this lamp needs %s", missing);
 	return GW_OK;
 }
 
@@ -488,6 +579,22 @@ static gw_status check_point(const lamp *light, unsigned given, bool scene, gw_e
 	return GW_OK;
 }
 
+/* Discs and rectangles, with what only those of luminaires have. */
+static gw_status check_opening(const lamp *light, unsigned given, bool scene, gw_error *error)
+{
+	bool rectangle = light->light.type == GW_LIGHT_RECTANGLE;
+	unsigned own = BIT(SCALE) | (rectangle ? 0 : BIT(ROLL));
+	if (!light->ies[0] && given & own)
+		return gw_fail(
+			error, GW_ERROR_USAGE, "only a %s with 'ies', the file of a luminaire, has '%s'",
+			gw_light_type_name(light->light.type), given & BIT(SCALE) ? "scale" : "roll");
+	if (light->ies[0] && given & BIT(RADIANCE))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a luminaire is as bright as its file says, from each side; 'scale', "
+					   "'intensity' or 'lumens' change that");
+	return check_direction(light, given, scene, error);
+}
+
 /* What the physical sky has is luminance; what luminaires are measured in, candela. */
 static gw_status settle_units(lamp *light, gw_error *error)
 {
@@ -516,14 +623,18 @@ static gw_status check_angles(const gw_light *l, gw_error *error)
 	return GW_OK;
 }
 
-gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error)
+gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error)
 {
 	gw_light_type type = light->light.type;
+	unsigned given = said | light->preset;
 	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
-		if (light_keys[k].needed & 1u << type && !(given & 1u << k))
+		if (light_keys[k].needed & 1u << type && !(given & 1u << k) &&
+			!(light->ies[0] && (k == LIGHT_KEY_RADIUS || k == LIGHT_KEY_SIZE)))
 			return gw_fail(error, GW_ERROR_USAGE, "a %s light needs '%s'", gw_light_type_name(type),
 						   scene || !light_keys[k].word ? light_keys[k].name : light_keys[k].word);
+	GW_TRY(check_wanted(light, given, error));
 	GW_TRY(check_amount(light, given, error));
+	GW_TRY(check_beam(light, given, error));
 	GW_TRY(check_angles(&light->light, error));
 	if (type == GW_LIGHT_ENVIRONMENT)
 		GW_TRY(check_sky(light, given, error));
@@ -532,13 +643,34 @@ gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *erro
 	if (type == GW_LIGHT_POINT)
 		GW_TRY(check_point(light, given, scene, error));
 	if (type == GW_LIGHT_DISC || type == GW_LIGHT_RECTANGLE)
-		GW_TRY(check_direction(light, given, scene, error));
-	if ((type == GW_LIGHT_SPHERE || type == GW_LIGHT_DISC) && !(light->light.radius > 0.0f))
+		GW_TRY(check_opening(light, given, scene, error));
+	bool own_size = !light->ies[0] || given & BIT(RADIUS);
+	if ((type == GW_LIGHT_SPHERE || type == GW_LIGHT_DISC) && own_size &&
+		!(light->light.radius > 0.0f))
 		return gw_fail(error, GW_ERROR_USAGE, "the radius of a %s must be above 0",
 					   gw_light_type_name(type));
 	light->hangs = (light->ies[0] || is_area(type)) && !(given & (BIT(DIRECTION) | BIT(TARGET)));
 	GW_TRY(place_sun(light, given, error));
 	return settle_units(light, error);
+}
+
+gw_status light_check_luminaire(const lamp *light, gw_error *error)
+{
+	const luminaire *l = light->luminaire;
+	bool disc = light->light.type == GW_LIGHT_DISC;
+	bool area = disc || light->light.type == GW_LIGHT_RECTANGLE;
+	bool said = disc ? light->light.radius > 0.0f : light->light.size[0] > 0.0f;
+	if (!area || said)
+		return GW_OK;
+	const char *type = gw_light_type_name(light->light.type);
+	if (!(l->size[0] > 0.0 && l->size[1] > 0.0))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "%s does not say how large its opening is; give its '%s', or take a point",
+					   light->ies, disc ? "radius" : "size");
+	if (l->round != disc)
+		return gw_fail(error, GW_ERROR_USAGE, "the opening of %s is no %s; take a %s", light->ies,
+					   type, disc ? "rectangle" : "disc");
+	return GW_OK;
 }
 
 gw_status lights_agree(const lamp *lights, size_t count, light_units *scene, gw_error *error)
@@ -616,10 +748,26 @@ static void resolve_measured(lamp *light)
 		light->light.intensity[k] = (float)(light->luminaire->candela * tint[k] * light->scale);
 }
 
+/* By how far it reaches. */
+static void resolve_beam(lamp *light)
+{
+	gw_light *l = &light->light;
+	double tint[3];
+	find_tint(light, tint);
+	for (int k = 0; k < 3; k++)
+		l->intensity[k] = (float)(LIGHT_BEAM_END * light->distance * light->distance * tint[k]);
+	if (light->measure != LIGHT_KEY_LUMENS)
+		return;
+	l->inner_angle = 0.0f;
+	l->outer_angle = (float)(acos(beam_cosine(light)) / DEGREE);
+}
+
 static void resolve_amount(lamp *light)
 {
 	gw_light *l = &light->light;
 	light_key_id measure = light->measure;
+	if (light->distance > 0.0)
+		resolve_beam(light);
 	if (measure == LIGHT_KEY_COUNT && light->luminaire)
 		resolve_measured(light);
 	if (measure == LIGHT_KEY_COUNT)
@@ -679,6 +827,10 @@ static void resolve_luminaire(lamp *light, double tilt)
 	gw_light *l = &light->light;
 	for (int k = 0; k < 3 && light->measure == LIGHT_KEY_COUNT; k++)
 		l->intensity[k] *= (float)luminaire_tilt_factor(light->luminaire, tilt);
+	if (l->type == GW_LIGHT_DISC && !(l->radius > 0.0f))
+		l->radius = (float)(0.25 * (light->luminaire->size[0] + light->luminaire->size[1]));
+	for (int k = 0; k < 2 && l->type == GW_LIGHT_RECTANGLE && !(l->size[1] > 0.0f); k++)
+		l->size[k] = (float)light->luminaire->size[k];
 	l->distribution = light->luminaire->distribution;
 	l->vertical_count = light->luminaire->verticals;
 	l->horizontal_count = light->luminaire->horizontals;

@@ -1,12 +1,15 @@
 #include "lamps/light_text.h"
+#include "lamps/light_preset.h"
 
 #include "program/nearest_name.h"
 #include "program/words.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 
-gw_light_type light_type_by_name(const char *word)
+/* The type called `word` ("sky" is an environment); GW_LIGHT_TYPE_COUNT when there is none. */
+static gw_light_type type_by_name(const char *word)
 {
 	if (strcmp(word, "sky") == 0)
 		return GW_LIGHT_ENVIRONMENT;
@@ -23,12 +26,26 @@ static void list_name(char *text, size_t size, const char *name)
 		snprintf(text + used, size - used, "%s%s", used ? ", " : "", name);
 }
 
-void light_list_types(char *text, size_t size)
+size_t light_names(const char *name[LIGHT_NAMES_MAX])
 {
-	text[0] = '\0';
+	size_t count = 0;
 	for (int type = 0; type < GW_LIGHT_TYPE_COUNT; type++)
-		list_name(text, size, gw_light_type_name((gw_light_type)type));
-	list_name(text, size, "sky");
+		name[count++] = gw_light_type_name((gw_light_type)type);
+	name[count++] = "sky";
+	for (const light_preset *p = light_presets; p->name; p++) {
+		assert(count < LIGHT_NAMES_MAX);
+		name[count++] = p->name;
+	}
+	return count;
+}
+
+void light_list_names(char *text, size_t size)
+{
+	const char *name[LIGHT_NAMES_MAX];
+	size_t count = light_names(name);
+	text[0] = '\0';
+	for (size_t i = 0; i < count; i++)
+		list_name(text, size, name[i]);
 }
 
 static const char *key_name(const light_key *key, bool scene)
@@ -97,18 +114,15 @@ static light_key_id find_key(const words *w, gw_light_type type)
 	return LIGHT_KEY_COUNT;
 }
 
-static gw_status find_type(words *w, gw_light_type *type)
+static gw_status find_type(words *w, lamp *out)
 {
-	char sentence[GW_ERROR_TEXT], known[128], hint[NEAREST_NAME_HINT];
-	const char *name[GW_LIGHT_TYPE_COUNT + 1] = { [GW_LIGHT_TYPE_COUNT] = "sky" };
+	char sentence[GW_ERROR_TEXT], known[256], hint[NEAREST_NAME_HINT];
+	const char *name[LIGHT_NAMES_MAX];
 	bool any = words_next(w);
-	*type = light_type_by_name(w->word);
-	if (*type != GW_LIGHT_TYPE_COUNT)
+	if (light_begin(w->word, out))
 		return GW_OK;
-	for (int t = 0; t < GW_LIGHT_TYPE_COUNT; t++)
-		name[t] = gw_light_type_name((gw_light_type)t);
-	light_list_types(known, sizeof known);
-	nearest_name_hint(hint, w->word, "", name, GW_LIGHT_TYPE_COUNT + 1);
+	light_list_names(known, sizeof known);
+	nearest_name_hint(hint, w->word, "", name, light_names(name));
 	if (any)
 		snprintf(sentence, sizeof sentence, "there is no light '%.60s'; there are %s%s", w->word,
 				 known, hint);
@@ -117,15 +131,43 @@ static gw_status find_type(words *w, gw_light_type *type)
 	return words_fail(w, sentence);
 }
 
+/* What a preset says stands in its table and is right. */
+static void take_preset(const light_preset *preset, lamp *light)
+{
+	gw_error error = { 0 };
+	words w = words_of("--light", preset->keys, &error);
+	while (words_next(&w)) {
+		char key[WORD_MAX];
+		memcpy(key, w.word, sizeof key);
+		light_key_id id = find_key(&w, preset->type);
+		gw_status status =
+			id == LIGHT_KEY_COUNT ? GW_ERROR_USAGE : set_from_word(&w, light, id, key);
+		assert(status == GW_OK);
+		(void)status;
+		light->preset |= 1u << id;
+	}
+	light->wanted = preset->needed;
+}
+
+bool light_begin(const char *word, lamp *light)
+{
+	const light_preset *preset = light_preset_find(word);
+	gw_light_type type = preset ? preset->type : type_by_name(word);
+	if (type == GW_LIGHT_TYPE_COUNT)
+		return false;
+	*light = light_default(type);
+	if (preset)
+		take_preset(preset, light);
+	return true;
+}
+
 gw_status light_from_text(const char *text, lamp *out, gw_error *error)
 {
 	words w = words_of("--light", text, error);
-	gw_light_type type;
 	unsigned given = 0;
-	GW_TRY(find_type(&w, &type));
-	*out = light_default(type);
+	GW_TRY(find_type(&w, out));
 	while (words_next(&w)) {
-		light_key_id id = find_key(&w, type);
+		light_key_id id = find_key(&w, out->light.type);
 		if (id == LIGHT_KEY_COUNT)
 			return GW_ERROR_USAGE;
 		if (given & 1u << id)

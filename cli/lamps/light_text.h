@@ -14,6 +14,16 @@
 
 #define LIGHT_MAP_PATH 1024
 
+/* Illuminance at the end of a beam, lx: that of a full moon, by ANSI/PLATO FL 1. */
+#define LIGHT_BEAM_END 0.25
+
+/* How high a light is above a place of the floor when nothing else is said, metres: about where a
+ * headlamp is. */
+#define LIGHT_FLOOR_HEIGHT 1.5
+
+/* Names that lights can begin with: types, sky, presets. */
+#define LIGHT_NAMES_MAX 32
+
 /* What stands behind a key. */
 typedef enum light_value {
 	LIGHT_VALUE_VECTOR, /* three numbers */
@@ -54,12 +64,27 @@ typedef enum light_key_id {
 	LIGHT_KEY_ROTATION,
 	LIGHT_KEY_INNER,
 	LIGHT_KEY_OUTER,
+	LIGHT_KEY_DISTANCE,
 	LIGHT_KEY_RADIUS,
 	LIGHT_KEY_SIZE,
 	LIGHT_KEY_ANGLE,
 	LIGHT_KEY_NAME,
+	LIGHT_KEY_GROUP,
 	LIGHT_KEY_COUNT
 } light_key_id;
+
+/* Places that have names; where they are shows when the inputs are read. */
+typedef enum light_place_kind {
+	LIGHT_PLACE_NONE, /* it is said in coordinates */
+	LIGHT_PLACE_SCANNER,
+	LIGHT_PLACE_FLOOR,
+} light_place_kind;
+
+typedef struct light_place {
+	light_place_kind kind;
+	size_t number; /* from 1 */
+	double height; /* metres above the floor */
+} light_place;
 
 /* A light, with what can only be worked out when all its keys are known, and which way is up. */
 typedef struct lamp {
@@ -68,13 +93,16 @@ typedef struct lamp {
 	double amount[3];     /* what it says, linear RGB */
 	bool white;           /* it was one number */
 	light_units units;
-	double kelvin; /* colour temperature; 0: none */
+	unsigned preset; /* 1 << light_key_id for what its name as a preset has said so far */
+	unsigned wanted; /* likewise: what has to be said for that preset */
+	double kelvin;   /* colour temperature; 0: none */
 
-	size_t scanner;   /* it stands where the scanner of that number stood; 0: at its position */
-	bool from_sky;    /* its direction comes from azimuth and elevation */
-	double azimuth;   /* degrees clockwise from north, of the sun */
-	double elevation; /* degrees above the horizon */
-	double north;     /* degrees clockwise from +y in which north lies */
+	light_place stand; /* where it is, in place of its position */
+	light_place aim;   /* where it shines, in place of its target */
+	bool from_sky;     /* its direction comes from azimuth and elevation */
+	double azimuth;    /* degrees clockwise from north, of the sun */
+	double elevation;  /* degrees above the horizon */
+	double north;      /* degrees clockwise from +y in which north lies */
 	sun_moment moment;
 	bool aimed; /* its direction leads from its position to the target */
 	double target[3];
@@ -84,8 +112,10 @@ typedef struct lamp {
 	double flux;                /* lumens that it gives by that file */
 	double roll;                /* degrees clockwise, seen from behind */
 	double scale;               /* times what the file or a key says */
+	double distance;            /* metres at which it gives LIGHT_BEAM_END; 0: not said */
 	bool hangs;                 /* it shines straight down */
 
+	char group[64];           /* "" for none */
 	size_t motion;            /* 0: it stands still; else its path, settings.path[motion - 1] */
 	char map[LIGHT_MAP_PATH]; /* file with the map of an environment; "" for none */
 	sky_model model;          /* in place of a map */
@@ -104,11 +134,17 @@ typedef struct light_key {
 
 extern const light_key light_keys[LIGHT_KEY_COUNT];
 
-/* The type called `word` ("sky" is an environment); GW_LIGHT_TYPE_COUNT when there is none. */
-gw_light_type light_type_by_name(const char *word);
+/*
+ * Begins a light called by its type, as sky, or by a preset, of which it takes the keys; false when
+ * there is none of that name.
+ */
+bool light_begin(const char *word, lamp *light);
 
-/* Writes the names of the types, for messages. */
-void light_list_types(char *text, size_t size);
+/* All names that light_begin knows; returns how many. */
+size_t light_names(const char *name[LIGHT_NAMES_MAX]);
+
+/* Writes them, for messages. */
+void light_list_names(char *text, size_t size);
 
 /* A light of that type with the values that its keys have when they are not given: outer angle 45
  * degrees, a sun of 0.53 degrees, an environment of radiance 1 (if it has a map), turbidity 3. */
@@ -133,15 +169,20 @@ gw_status light_set(lamp *light, light_key_id key, const double *values, size_t 
 /* The same for a NAME, a PATH, a TIME or a MODEL. */
 gw_status light_set_text(lamp *light, light_key_id key, const char *text, gw_error *error);
 
-/* The same for numbers with commas between them, a unit behind them: "40cd", "1,0.8,0.5". */
+/* The same for numbers with commas between them, a unit behind them: "40cd", "1,0.8,0.5"; and for
+ * places by name: "scanner:2", "floor:1+0.5". */
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error);
 
 /*
- * When all keys are set: works out where the sun is. given: 1 << light_key_id for each that was
+ * When all keys are set: works out where the sun is. said: 1 << light_key_id for each that was
  * set; scene: whose names the message uses. GW_ERROR_USAGE when a needed key is missing or two do
  * not go together.
  */
-gw_status light_complete(lamp *light, unsigned given, bool scene, gw_error *error);
+gw_status light_complete(lamp *light, unsigned said, bool scene, gw_error *error);
+
+/* GW_ERROR_USAGE when a light is to be as large as its luminaire, which was read, and that has
+ * another shape. */
+gw_status light_check_luminaire(const lamp *light, gw_error *error);
 
 /* GW_ERROR_USAGE when some lights have photometric units, others radiometric ones, or others than
  * the scene, whose units become theirs. */

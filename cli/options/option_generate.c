@@ -4,6 +4,7 @@
  */
 #include "program/exit_code.h"
 #include "table/format_table.h"
+#include "lamps/light_preset.h"
 #include "options/option_text.h"
 
 #include <string.h>
@@ -63,6 +64,23 @@ static void write_manual_option(FILE *out, const option *o, const settings *defa
 	}
 }
 
+/* Lamps that have names, and from where their numbers are. */
+static void write_manual_presets(FILE *out)
+{
+	fputs(".SS Lamps by name\n"
+		  "These stand in place of a type, on the command line and as \"type\" in scene files.\n"
+		  "They are the type with keys that are known; whatever is said behind them wins:\n"
+		  ".B candle at 1,2,3 kelvin 2000\n.\n",
+		  out);
+	for (const light_preset *p = light_presets; p->name; p++) {
+		fprintf(out, ".TP\n.B %s\n", p->name);
+		write_roff(out, p->about);
+		fprintf(out, "; %s %s.\nSource: ", gw_light_type_name(p->type), p->keys);
+		write_roff(out, p->source);
+		fputs(".\n", out);
+	}
+}
+
 static void write_manual_lights(FILE *out)
 {
 	fputs(".SH LIGHTS\n", out);
@@ -98,6 +116,7 @@ static void write_manual_lights(FILE *out)
 			fputs(key->needed & 1u << t ? "; needed.\n" : ".\n", out);
 		}
 	}
+	write_manual_presets(out);
 }
 
 static void write_manual_verb(verb v, FILE *out)

@@ -1,6 +1,7 @@
 /*
  * --help.
  */
+#include "lamps/light_preset.h"
 #include "options/option_text.h"
 
 #include <string.h>
@@ -79,6 +80,9 @@ static void write_lights(FILE *out)
 				fprintf(out, "    %-14s %s\n", key->word ? key->word : key->name, key->help);
 		}
 	}
+	fprintf(out, "\nLamps by name, in place of a type; what is said behind them wins\n");
+	for (const light_preset *p = light_presets; p->name; p++)
+		fprintf(out, "  %-16s %s\n", p->name, p->about);
 }
 
 void option_text_help(verb v, FILE *out)

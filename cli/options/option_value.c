@@ -280,9 +280,9 @@ static gw_status set_effects(const option *o, settings *s, const char *text, gw_
 	return GW_OK;
 }
 
-static gw_status set_gain(settings *s, const char *text, gw_error *error)
+static gw_status set_gain(settings *s, const char *text, bool group, gw_error *error)
 {
-	settings_gain gain;
+	settings_gain gain = { .group = group };
 	const char *equals = strrchr(text, '='), *at = equals ? equals + 1 : text;
 	double value = NAN;
 	int count = 0;
@@ -342,7 +342,9 @@ gw_status option_set(const option *o, settings *s, const char *text, gw_error *e
 	case OPTION_SCANNER:
 		return scanner_text_add(s, text, error);
 	case OPTION_GAIN:
-		return set_gain(s, text, error);
+		return set_gain(s, text, false, error);
+	case OPTION_GROUP:
+		return set_gain(s, text, true, error);
 	case OPTION_ALBEDO:
 		return set_albedo(o, s, text, error);
 	case OPTION_FIELDS:

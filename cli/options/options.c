@@ -166,6 +166,7 @@ static const char *field_name(int i)
 										[SETTINGS_FIELD_ERROR] = "error",
 										[SETTINGS_FIELD_UNKNOWN] = "unknown",
 										[SETTINGS_FIELD_LIGHTS] = "lights",
+										[SETTINGS_FIELD_GROUPS] = "groups",
 										[SETTINGS_FIELD_COUNT] = NULL };
 	return name[i];
 }
@@ -274,6 +275,8 @@ const option options[] = {
 	{ "gain", 'g', "NAME=FACTOR", OPTION_GAIN, FOR(MIX), .group = "Lamps",
 	  .help = "make a lamp so many times as strong as it is; 0 switches it off, R,G,B dyes it. May "
 			  "be given many times; the name rest is all light that belongs to no lamp" },
+	{ "group", 0, "NAME=FACTOR", OPTION_GROUP, FOR(MIX), .group = "Lamps",
+	  .help = "the same for all lamps of a group" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(LAMP), AT(output), .group = "Output",
 	  .help = "draw its light there as a polar picture, PNG or EXR by the name's extension" },
 	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(RENDER), AT(output), .group = "Output",
@@ -485,11 +488,11 @@ const option options[] = {
 	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
 	  AT(bake.seed), .group = "Light", .help = "of all random numbers" },
 
-	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(frames), .group = "Frames",
+	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(frames), .group = "Frames",
 	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
 			  "gets a file of its own: FILE-0007.ply, or the number where FILE has %04d. Without "
 			  "this, frame 0 is baked" },
-	{ "independent", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(independent), .group = "Frames",
+	{ "independent", 0, NULL, OPTION_FLAG, FOR(BAKE | PLAN), AT(independent), .group = "Frames",
 	  .help = "let no frame begin with the light of the one before: slower, but the same bytes "
 			  "whichever frames are asked for" },
 
@@ -508,7 +511,7 @@ const option options[] = {
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
-	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE), AT(rebuild), .group = "For developers",
+	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE | PLAN), AT(rebuild), .group = "For developers",
 	  .help = "bake every frame from scratch, to check and to compare" },
 	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
 	  AT(bake.validate), .choice = validation_name, .group = "For developers",
@@ -523,6 +526,9 @@ const option options[] = {
 
 	{ "devices", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(devices), .group = "Messages",
 	  .help = "list the Vulkan devices instead of files" },
+	{ "places", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(places), .group = "Messages",
+	  .help = "list the places that lamps can be at by name: scanners, and floor that is free to "
+			  "head height, the most open first. They are those of a scene with this one input" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE), AT(json),
@@ -560,7 +566,8 @@ const option *option_find(verb v, const char *name, size_t length)
 
 bool option_repeats(const option *o)
 {
-	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_SCANNER;
+	return o->type == OPTION_LIGHT || o->type == OPTION_GAIN || o->type == OPTION_GROUP ||
+		   o->type == OPTION_SCANNER;
 }
 
 void option_key(const option *o, char key[64])
@@ -606,26 +613,28 @@ const char *verb_summary(verb v)
 										   "show what error costs in seconds and memory",
 										   "take the light out of photographed colours",
 										   "say whether this machine can bake, and what is wrong",
-										   "show how a luminaire shines",
+										   "show how a luminaire shines, or list lamps by name",
 										   "read the light on a piece of surface" };
 	return summary[v];
 }
 
 const char *verb_synopsis(verb v)
 {
-	static const char *const synopsis[] = { "bake INPUT... --light LIGHT... -o OUTPUT [option]...",
-											"plan INPUT... --light LIGHT... [option]...",
-											"info FILE... [--json] | info --devices [--json]",
-											"compare RESULT TRUTH [option]...",
-											"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
-											"sample MESH -o POINTS [option]...",
-											"convert INPUT OUTPUT [option]...",
-											"render INPUT... -o PICTURE [option]...",
-											"tradeoff INPUT... --light LIGHT... [option]...",
-											"albedo SCAN... -o POINTS [option]...",
-											"doctor [--device NAME] [--json]",
-											"lamp LUMINAIRE [-o PICTURE] [--json]",
-											"measure LIT [--box BOX] [--path PLACES] [option]..." };
+	static const char *const synopsis[] = {
+		"bake INPUT... --light LIGHT... -o OUTPUT [option]...",
+		"plan INPUT... --light LIGHT... [option]...",
+		"info FILE... [--places] [--json] | info --devices [--json]",
+		"compare RESULT TRUTH [option]...",
+		"mix LIT --gain NAME=FACTOR... -o OUTPUT [option]...",
+		"sample MESH -o POINTS [option]...",
+		"convert INPUT OUTPUT [option]...",
+		"render INPUT... -o PICTURE [option]...",
+		"tradeoff INPUT... --light LIGHT... [option]...",
+		"albedo SCAN... -o POINTS [option]...",
+		"doctor [--device NAME] [--json]",
+		"lamp [LUMINAIRE] [-o PICTURE] [--json]",
+		"measure LIT [--box BOX] [--path PLACES] [option]..."
+	};
 	return synopsis[v];
 }
 

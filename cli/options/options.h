@@ -22,6 +22,7 @@ typedef enum option_type {
 	OPTION_ALBEDO,  /* source of the albedo */
 	OPTION_SCANNER, /* X,Y,Z or @FILE, added to the scanners */
 	OPTION_GAIN,    /* NAME=FACTOR, added to the gains */
+	OPTION_GROUP,   /* the same for a group of lamps */
 	OPTION_FIELDS,  /* uint32_t, 1 << choice, a list with commas */
 	OPTION_EFFECTS, /* bake.effects_forced and effects_forbidden: auto, all, NAME, +NAME, -NAME */
 } option_type;

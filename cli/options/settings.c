@@ -123,6 +123,8 @@ gw_status settings_read_luminaires(settings *s, gw_error *error)
 		if (light->ies[0] && !light->luminaire)
 			GW_TRY(read_luminaire(s, light->ies, &light->luminaire, error));
 		if (light->luminaire)
+			GW_TRY(light_check_luminaire(light, error));
+		if (light->luminaire)
 			light->flux = luminaire_lumens(light->luminaire);
 	}
 	return GW_OK;

@@ -99,13 +99,18 @@ typedef enum settings_field {
 	SETTINGS_FIELD_ERROR,        /* how far records disagree */
 	SETTINGS_FIELD_UNKNOWN,      /* share of what is gathered that comes through gaps */
 	SETTINGS_FIELD_LIGHTS,       /* radiance by lamp */
+	SETTINGS_FIELD_GROUPS,       /* radiance by group of lamps, and by those of none */
 	SETTINGS_FIELD_COUNT
 } settings_field;
 
+/* Those for which light is told apart by its lamp. */
+#define SETTINGS_FIELDS_OF_LAMPS (1u << SETTINGS_FIELD_LIGHTS | 1u << SETTINGS_FIELD_GROUPS)
+
 /* How much stronger one lamp shall be. */
 typedef struct settings_gain {
-	const char *name; /* of the lamp, or "rest" */
+	const char *name; /* of the lamp, or "rest"; or of a group */
 	float factor[3];
+	bool group;
 } settings_gain;
 /* What a picture shows. */
 typedef enum settings_view {
@@ -208,6 +213,7 @@ typedef struct settings {
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
 	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;
+	bool places;
 	bool help;
 	const char *csv, *svg;                     /* of tradeoff */
 	const char *worst, *json_file;             /* of compare */

@@ -206,11 +206,10 @@ static gw_status make_shadow(settings *s, render_scene *scene, const octree_view
 {
 	lamp light = s->light[v->lamp];
 	size_t count = scene->surfels.count, stride = scene->raster.channel_count;
-	if (light.scanner > 0)
+	if (light.stand.kind || light.aim.kind)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "where scanner %zu stood is not known here; give the light's X,Y,Z, which "
-					   "glowworm info prints",
-					   light.scanner);
+					   "where scanners and floors are is not known here; give the light's X,Y,Z, "
+					   "which glowworm info --places prints");
 	float *share = calloc(count, sizeof *share);
 	if (!share)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for shadows on %zu points", count);

@@ -231,6 +231,7 @@ static void point_to_surfels(render_scene *scene)
 											 .clip = s->clip,
 											 .two_sided = s->two_sided,
 											 .glows = scene->glows,
+											 .transparency = s->transparency,
 											 .channel = scene->channel };
 }
 

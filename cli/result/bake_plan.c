@@ -29,7 +29,7 @@ gw_bake_options bake_plan_options(const settings *s)
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;
 	options.unknown = s->fields & 1u << SETTINGS_FIELD_UNKNOWN;
-	options.lamps = s->fields & 1u << SETTINGS_FIELD_LIGHTS;
+	options.lamps = s->fields & SETTINGS_FIELDS_OF_LAMPS;
 	return options;
 }
 
@@ -61,8 +61,8 @@ void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *sc
 			 glossy);
 	add(r, "gloss", glossy > 0 ? "as matt; `render` shows reflections" : NULL,
 		glossy > 0 ? reason : "no point is glossy");
-	snprintf(reason, sizeof reason, "%zu inputs move in %u frames: this is the plan of frame 0",
-			 s->path_count, s->frame_count);
+	snprintf(reason, sizeof reason, "%zu paths are followed in %u frames", s->path_count,
+			 s->frame_count);
 	add(r, "motion", s->frame_count > 0 ? "what stands still is kept between frames" : NULL,
 		s->frame_count > 0 ? reason : "nothing moves");
 }
@@ -86,7 +86,7 @@ static uint64_t resident_now(void)
 
 bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *scene,
 									  const gw_bake_result *plan, double read_seconds,
-									  size_t row_bytes)
+									  size_t row_bytes, uint32_t following)
 {
 	const gw_report *report = &plan->report;
 	uint64_t peak = bake_plan_peak(), rows = (uint64_t)scene->points.points.count * row_bytes;
@@ -94,6 +94,7 @@ bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *sce
 	return (bake_plan_forecast){ .settings = s,
 								 .scene = scene,
 								 .plan = plan,
+								 .following = following,
 								 .read_seconds = read_seconds,
 								 .host_bytes = later > peak ? later : peak,
 								 .device_bytes = report->forecast.device_bytes };
@@ -101,7 +102,7 @@ bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *sce
 
 /* ------------------------------------------------------------------------------ for people */
 
-void bake_plan_print_effects(const gw_report *r, FILE *out)
+static void print_effects(const gw_report *r, FILE *out)
 {
 	for (uint32_t i = 0; i < r->effect_count; i++) {
 		const gw_effect *e = &r->effect[i];
@@ -134,16 +135,25 @@ static void print_light(double error, double spread, uint32_t bounces, double re
 	fputc('\n', out);
 }
 
+double bake_plan_seconds(const bake_plan_forecast *p)
+{
+	const gw_forecast *f = &p->plan->report.forecast;
+	return p->read_seconds + f->seconds + p->following * f->frame_seconds;
+}
+
 void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
-	bake_plan_print_effects(&p->plan->report, out);
+	print_effects(&p->plan->report, out);
 	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan }, out);
 	if (!(f->seconds > 0.0))
 		return;
-	print_figures("foretold", p->read_seconds + f->seconds, p->host_bytes, p->device_bytes, out);
+	print_figures("foretold", bake_plan_seconds(p), p->host_bytes, p->device_bytes, out);
 	print_light(f->error, f->spread, f->bounces, f->remaining, out);
-	if (f->places > 0)
+	if (p->following > 0)
+		fprintf(out, "%-12s the first frame by %.2f s, each of %" PRIu32 " more in %.2f s\n", "",
+				p->read_seconds + f->seconds, p->following, f->frame_seconds);
+	else if (f->places > 0)
 		fprintf(out,
 				"%-12s by light gathered at %" PRIu32 " of %" PRIu64
 				" places, which took %.2f s; %.2f s were done by then\n",
@@ -178,7 +188,11 @@ void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
 	json_put_open_flat(json, "forecast", '{');
-	json_put_real(json, "seconds", p->read_seconds + f->seconds);
+	json_put_real(json, "seconds", bake_plan_seconds(p));
+	if (p->following > 0) {
+		json_put_real(json, "first_frame_seconds", p->read_seconds + f->seconds);
+		json_put_real(json, "frame_seconds", f->frame_seconds);
+	}
 	json_put_real(json, "done_seconds", p->read_seconds + f->done_seconds);
 	json_put_real(json, "own_seconds", f->own_seconds);
 	json_put_count(json, "host_bytes", p->host_bytes);

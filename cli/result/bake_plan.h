@@ -23,16 +23,21 @@ typedef struct bake_plan_forecast {
 	const loaded_scene *scene;
 	const gw_bake_result *plan; /* of gw_plan_bake, or what the library plans; with the effects of
 								   bake_plan_add_scene */
+	uint32_t following;         /* frames after the first */
 	double read_seconds;
 	uint64_t host_bytes;   /* resident memory of the process at its highest */
 	uint64_t device_bytes; /* likewise of the device */
 } bake_plan_forecast;
 
 /* To be called when the library says that it has planned.
- *   row_bytes    of a written point, 0 where none is written */
+ *   row_bytes    of a written point, 0 where none is written
+ *   following    frames after the one that is planned */
 bake_plan_forecast bake_plan_foretell(const settings *settings, const loaded_scene *scene,
 									  const gw_bake_result *plan, double read_seconds,
-									  size_t row_bytes);
+									  size_t row_bytes, uint32_t following);
+
+/* Of reading and baking, all frames together. */
+double bake_plan_seconds(const bake_plan_forecast *forecast);
 
 /* Resident memory of this process at its highest so far, bytes. */
 uint64_t bake_plan_peak(void);
@@ -40,9 +45,6 @@ uint64_t bake_plan_peak(void);
 /* Prints which effects are called for, at what price, why and how; what each light gives; and what
  * is foretold of the whole. */
 void bake_plan_print(const bake_plan_forecast *forecast, FILE *out);
-
-/* Prints the effects alone. */
-void bake_plan_print_effects(const gw_report *report, FILE *out);
 
 /* Prints what came of a bake, when it is done: the figures of bake_plan_print, in their order.
  *   seconds   of reading and baking, without what foretelling took */

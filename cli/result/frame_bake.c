@@ -276,6 +276,72 @@ gw_status frame_bake_first(settings *s, loaded_scene *scene, const gw_bake_optio
 	return status;
 }
 
+/* ------------------------------------------------------------------------------------- a plan */
+
+/* Which two frames stand for all. */
+typedef struct frame_plan_task {
+	size_t first, second;
+	const gw_bake_callbacks *callbacks;
+	gw_bake_result **plan;
+	gw_error *error;
+} frame_plan_task;
+
+/* The frames that are asked for: those of settings->frames, else frame 0. */
+static gw_status asked_frames(const settings *s, uint32_t *first, uint32_t *last, gw_error *error)
+{
+	*first = *last = 0;
+	return s->frames ? find_range(s, first, last, error) : GW_OK;
+}
+
+uint32_t frame_bake_following(const settings *s)
+{
+	uint32_t first, last;
+	return s->frame_count > 0 && asked_frames(s, &first, &last, NULL) == GW_OK ? last - first : 0;
+}
+
+/* lights: of the frame by which normals are oriented, and of the two that are planned. */
+static gw_status plan_frames(const settings *s, const loaded_scene *scene, const movers *m,
+							 gw_light *const lights[3], const frame_plan_task *task)
+{
+	const gw_bake_options options = bake_plan_options(s);
+	const gw_frames_options how = { .rebuild = s->rebuild || !s->frames,
+									.independent = s->independent };
+	const gw_moving_scene moving = { { &scene->points.points, lights[0], s->light_count },
+									 &m->motion };
+	gw_frames *frames = NULL;
+	GW_TRY(gw_frames_open(&moving, &options, &how, task->callbacks, &frames, task->error));
+	gw_status status = gw_frames_plan(frames, (size_t[2]){ task->first, task->second },
+									  (const gw_light *const[2]){ lights[1], lights[2] },
+									  s->light_count, task->plan, task->error);
+	gw_frames_close(&frames);
+	return status;
+}
+
+gw_status frame_bake_plan(const settings *s, const loaded_scene *scene,
+						  const gw_bake_callbacks *callbacks, gw_bake_result **plan,
+						  gw_error *error)
+{
+	frame_plan_task task = { .callbacks = callbacks, .plan = plan, .error = error };
+	uint32_t first, last;
+	movers m;
+	gw_light *lights[3] = { NULL };
+	*plan = NULL;
+	GW_TRY(asked_frames(s, &first, &last, error));
+	task.first = first;
+	task.second = first + (last - first + 1) / 2;
+	GW_TRY(make_movers(s, scene, &m, error));
+	const uint32_t at[3] = { 0, first, (uint32_t)task.second };
+	gw_status status = GW_OK;
+	for (int i = 0; status == GW_OK && i < 3; i++)
+		status = make_lights(s, scene, at[i], &lights[i], error);
+	if (status == GW_OK)
+		status = plan_frames(s, scene, &m, lights, &task);
+	for (int i = 0; i < 3; i++)
+		free(lights[i]);
+	clear_movers(&m);
+	return status;
+}
+
 /* -------------------------------------------------------------------------------- all of them */
 
 /* What one frame took, for the report. */
@@ -530,6 +596,19 @@ static gw_status run(frame_run *r)
 	return status;
 }
 
+/* All frames together, beside what was foretold. */
+static void print_outcome(const frame_run *r)
+{
+	gw_report all = r->done[0].report; /* it has the error */
+	double seconds = r->facts->read_seconds + r->shared_seconds;
+	for (uint32_t i = 0; i <= r->last - r->first; i++) {
+		seconds += r->done[i].bake_seconds;
+		if (r->done[i].report.peak_bytes > all.peak_bytes)
+			all.peak_bytes = r->done[i].report.peak_bytes;
+	}
+	bake_plan_print_outcome(&all, seconds, stderr);
+}
+
 gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
 						 const frame_outputs *to, gw_error *error)
 {
@@ -548,6 +627,8 @@ gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
 		progress_clear(to->shown);
 		fprintf(stderr, "glowworm: note: %u frames\n", r.last - r.first + 1);
 	}
+	if (status == GW_OK && facts->forecast.plan)
+		print_outcome(&r);
 	clear_movers(&r.movers);
 	for (uint32_t i = 0; r.done && i <= r.last - r.first; i++)
 		free(r.done[i].file);

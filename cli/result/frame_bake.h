@@ -27,6 +27,17 @@ typedef struct frame_outputs {
 gw_status frame_bake_all(bake_facts *facts, settings *settings, loaded_scene *scene,
 						 const frame_outputs *to, gw_error *error);
 
+/*
+ * Says what frame_bake_all, or without settings->frames frame_bake_first, would take.
+ *   plan   as of gw_frames_plan
+ */
+gw_status frame_bake_plan(const settings *settings, const loaded_scene *scene,
+						  const gw_bake_callbacks *callbacks, gw_bake_result **plan,
+						  gw_error *error);
+
+/* How many frames follow the first that is baked. */
+uint32_t frame_bake_following(const settings *settings);
+
 /* Bakes frame 0 as gw_bake bakes a scene that stands still, and moves the scene's points there. */
 gw_status frame_bake_first(settings *settings, loaded_scene *scene, const gw_bake_options *options,
 						   const gw_bake_callbacks *callbacks, gw_bake_result **result,

@@ -232,7 +232,7 @@ static gw_status share_out(const scan *cloud, const double *area, light_measure 
 	for (size_t c = 0; c < cloud->column_count; c++) {
 		const char *own = cloud->column[c].name;
 		size_t length = strlen(own), head = sizeof prefix - 1;
-		char name[96];
+		char name[256];
 		light_columns light;
 		if (strncmp(own, prefix, head) != 0 || length < head + 3 ||
 			strcmp(own + length - 2, "_r") != 0)

@@ -97,35 +97,67 @@ static gw_status find_lamps(mix *m)
 	return GW_OK;
 }
 
-static gw_status fail_unknown(const mix *m, const char *name)
+/* Adds a name to a list of those that there are, unless it stands there. */
+static void list_name(const char **names, size_t *count, const char *name, size_t length)
+{
+	for (size_t i = 0; i < *count; i++)
+		if (strncmp(names[i], name, length) == 0 && strcspn(names[i], ".") == length)
+			return;
+	names[(*count)++] = name;
+}
+
+static gw_status fail_unknown(const mix *m, const settings_gain *gain)
 {
 	char hint[NEAREST_NAME_HINT], known[512] = "";
-	const char **names = calloc(m->count, sizeof *names);
-	for (size_t i = 0; i < m->count; i++) {
-		if (names)
-			names[i] = m->lamp[i].name;
+	const char **names = calloc(m->count + 1, sizeof *names);
+	const char *kind = gain->group ? "group" : "lamp";
+	size_t count = 0;
+	for (size_t i = 0; names && i < m->count; i++) {
+		size_t length = strcspn(m->lamp[i].name, ".");
+		if (!gain->group)
+			names[count++] = m->lamp[i].name;
+		else if (m->lamp[i].name[length])
+			list_name(names, &count, m->lamp[i].name, length);
+	}
+	for (size_t i = 0; i < count; i++) {
 		size_t used = strlen(known);
-		if (used + strlen(m->lamp[i].name) + 8 < sizeof known)
-			snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", m->lamp[i].name);
+		int length = (int)(gain->group ? strcspn(names[i], ".") : strlen(names[i]));
+		if (used + (size_t)length + 8 < sizeof known)
+			snprintf(known + used, sizeof known - used, "%s%.*s", i ? ", " : "", length, names[i]);
 		else if (strcmp(known + used - 4, " ...") != 0)
 			snprintf(known + used, sizeof known - used, " ...");
 	}
-	nearest_name_hint(hint, name, "", names, names ? m->count : 0);
+	nearest_name_hint(hint, gain->name, "", names, gain->group ? 0 : count);
 	free(names);
-	return gw_fail(m->error, GW_ERROR_USAGE, "the cloud has no lamp '%.60s'; it has %s%s", name,
-				   known, hint);
+	return gw_fail(m->error, GW_ERROR_USAGE, "the cloud has no %s '%.60s'; it has %s%s", kind,
+				   gain->name, *known ? known : "none", hint);
+}
+
+/* Whether a lamp, GROUP.NAME or NAME, is meant; a group may stand in one column of its name. */
+static bool is_meant(const mix_lamp *of, const settings_gain *gain)
+{
+	size_t length = strcspn(of->name, ".");
+	if (strcmp(of->name, gain->name) == 0)
+		return true;
+	if (!of->name[length])
+		return false;
+	return gain->group ? strlen(gain->name) == length && strncmp(of->name, gain->name, length) == 0
+					   : strcmp(of->name + length + 1, gain->name) == 0;
 }
 
 static gw_status set_gains(mix *m, const settings_gain *gain, size_t count)
 {
 	for (size_t i = 0; i < count; i++) {
-		size_t at = 0;
-		while (at < m->count && strcmp(m->lamp[at].name, gain[i].name) != 0)
-			at++;
-		if (at == m->count)
-			return fail_unknown(m, gain[i].name);
-		for (size_t k = 0; k < 3; k++)
-			m->lamp[at].factor[k] *= (double)gain[i].factor[k];
+		bool found = false;
+		for (size_t l = 0; l < m->count; l++) {
+			if (!is_meant(&m->lamp[l], &gain[i]))
+				continue;
+			found = true;
+			for (size_t k = 0; k < 3; k++)
+				m->lamp[l].factor[k] *= (double)gain[i].factor[k];
+		}
+		if (!found)
+			return fail_unknown(m, &gain[i]);
 	}
 	return GW_OK;
 }

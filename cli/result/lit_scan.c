@@ -249,7 +249,7 @@ static gw_status make_fields(maker *m)
 		GW_TRY(add_floats(m, "scalar_error", m->result->error, 1));
 	if (fields & 1u << SETTINGS_FIELD_UNKNOWN)
 		GW_TRY(add_floats(m, "scalar_unknown", m->result->unknown, 1));
-	if (fields & 1u << SETTINGS_FIELD_LIGHTS)
+	if (fields & SETTINGS_FIELDS_OF_LAMPS)
 		GW_TRY(lamp_columns_add(m->lit, m->result, m->settings, m->error));
 	return GW_OK;
 }

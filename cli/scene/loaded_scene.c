@@ -1,5 +1,7 @@
 #include "scene/loaded_scene.h"
+#include "scene/floor_places.h"
 #include "scene/sky_light.h"
+#include "glowworm_picture.h"
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
@@ -390,6 +392,19 @@ static gw_status append_strays(scan_points *to, size_t count, const scan_points 
 	return GW_OK;
 }
 
+/* What is 1 where it is not known. */
+static gw_status append_shares(float **to, size_t count, const float *from, size_t n,
+							   gw_error *error)
+{
+	bool any = *to || from, whole = !*to;
+	GW_TRY(append_floats(to, count, from, n, error));
+	for (size_t i = 0; any && whole && i < count; i++)
+		(*to)[i] = 1.0f;
+	for (size_t i = 0; any && !from && i < n; i++)
+		(*to)[count + i] = 1.0f;
+	return GW_OK;
+}
+
 static gw_status append_points(scan_points *to, size_t count, const scan_points *from,
 							   gw_error *error)
 {
@@ -402,13 +417,9 @@ static gw_status append_points(scan_points *to, size_t count, const scan_points 
 	GW_TRY(append_floats(&to->normal, 3 * count, from->normal, n, error));
 	GW_TRY(append_floats(&to->albedo, 3 * count, from->albedo, n, error));
 	GW_TRY(append_floats(&to->emission, 3 * count, from->emission, n, error));
-	bool clear = to->opacity || from->opacity, whole = !to->opacity;
 	n = from->points.count;
-	GW_TRY(append_floats(&to->opacity, count, from->opacity, n, error));
-	for (size_t i = 0; clear && whole && i < count; i++)
-		to->opacity[i] = 1.0f;
-	for (size_t i = 0; clear && !from->opacity && i < n; i++)
-		to->opacity[count + i] = 1.0f;
+	GW_TRY(append_shares(&to->opacity, count, from->opacity, n, error));
+	GW_TRY(append_shares(&to->beam_share, count, from->beam_share, n, error));
 	return append_strays(to, count, from, error);
 }
 
@@ -696,6 +707,7 @@ gw_status loaded_scene_read(const settings *s, loaded_scene *scene, gw_error *er
 							 .albedo = p->albedo,
 							 .emission = p->emission,
 							 .opacity = p->opacity,
+							 .beam_share = p->beam_share,
 							 .stray = p->stray,
 							 .keep_strays = s->strays == SETTINGS_STRAYS_KEEP,
 							 .up = scene->up,
@@ -735,20 +747,62 @@ void loaded_scene_place(const coordinates *place, char up, lamp *light)
 	light_resolve(light, up);
 }
 
+/* Places by name, found when the first light asks for one of the floor. */
+typedef struct named_places {
+	const loaded_scene *scene;
+	double floor[3 * FLOOR_PLACES_MAX]; /* metres */
+	size_t floors;
+	bool looked;
+} named_places;
+
+static gw_status find_floor(named_places *p, gw_error *error)
+{
+	const loaded_scene *scene = p->scene;
+	if (p->looked)
+		return GW_OK;
+	p->looked = true;
+	return floor_places_find(scene->points.position, scene->cloud.count, scene->up, p->floor,
+							 &p->floors, error);
+}
+
+/* Puts the coordinates of a place into to; light: for messages, from 0. */
+static gw_status name_place(named_places *p, const light_place *place, size_t light, double to[3],
+							gw_error *error)
+{
+	const scan *cloud = &p->scene->cloud;
+	double axis[3][3];
+	if (place->kind == LIGHT_PLACE_NONE)
+		return GW_OK;
+	if (place->kind == LIGHT_PLACE_SCANNER) {
+		if (place->number > cloud->scanner_count)
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu is for scanner %zu, but the inputs tell of %zu; glowworm "
+						   "info --places lists them, --scanner adds one",
+						   light + 1, place->number, cloud->scanner_count);
+		memcpy(to, cloud->scanner + 3 * (place->number - 1), 3 * sizeof *to);
+		return GW_OK;
+	}
+	GW_TRY(find_floor(p, error));
+	if (place->number > p->floors)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "light %zu is for floor %zu, but %zu places with free floor were found; "
+					   "glowworm info --places lists them",
+					   light + 1, place->number, p->floors);
+	gw_camera_stand(p->scene->up, axis[0], axis[1], axis[2]);
+	for (int k = 0; k < 3; k++)
+		to[k] = p->floor[3 * (place->number - 1) + (size_t)k] + place->height * axis[2][k];
+	coordinates_from_metres(&p->scene->place, to);
+	return GW_OK;
+}
+
 gw_status loaded_scene_name_places(const loaded_scene *scene, settings *s, gw_error *error)
 {
-	size_t count = scene->cloud.scanner_count;
+	named_places places = { .scene = scene };
 	for (size_t i = 0; i < s->light_count; i++) {
 		lamp *light = &s->light[i];
-		if (light->scanner > count)
-			return gw_fail(error, GW_ERROR_USAGE,
-						   "light %zu is at scanner %zu, but the inputs tell of %zu; glowworm info "
-						   "lists them, --scanner adds one",
-						   i + 1, light->scanner, count);
-		if (light->scanner > 0)
-			memcpy(light->light.position, scene->cloud.scanner + 3 * (light->scanner - 1),
-				   sizeof light->light.position);
-		light->scanner = 0;
+		GW_TRY(name_place(&places, &light->stand, i, light->light.position, error));
+		GW_TRY(name_place(&places, &light->aim, i, light->target, error));
+		light->stand.kind = light->aim.kind = LIGHT_PLACE_NONE;
 		if (light->aimed && memcmp(light->target, light->light.position, sizeof light->target) == 0)
 			return gw_fail(error, GW_ERROR_USAGE, "light %zu cannot shine to the place where it is",
 						   i + 1);

@@ -65,7 +65,8 @@ gw_status loaded_scene_mesh_count(const mesh *mesh, double density, const char *
 /* A lamp's place and target in metres, and its direction. */
 void loaded_scene_place(const coordinates *place, char up, lamp *light);
 
-/* Puts lights that stand at scanners there. GW_ERROR_USAGE when there is no such scanner. */
+/* Puts lights that stand at scanners or on free floor there, and aims them. GW_ERROR_USAGE when
+ * there is no such place. */
 gw_status loaded_scene_name_places(const loaded_scene *scene, settings *settings, gw_error *error);
 
 /* The lights as the bake takes them, with directions from the sky resolved; *lights is the caller's

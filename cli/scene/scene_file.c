@@ -468,6 +468,18 @@ static gw_status take_light_number(const reader *r, json_t *value, light_key_id 
 	return GW_OK;
 }
 
+/* A name may be empty, and have blanks, which a word cannot. */
+static gw_status take_light_name(const reader *r, json_t *value, light_key_id id, lamp *light)
+{
+	const char *name = json_string_value(value);
+	gw_error reason = { 0 };
+	if (!name || strlen(name) >= sizeof light->light.name)
+		return fail_here(r, "a text of at most 63 bytes is needed");
+	if (*name && light_set_text(light, id, name, &reason) != GW_OK)
+		return fail_here(r, "%.600s", reason.text);
+	return GW_OK;
+}
+
 static gw_status take_light_key(const reader *r, const char *key, json_t *value, lamp *light,
 								unsigned *given)
 {
@@ -478,34 +490,26 @@ static gw_status take_light_key(const reader *r, const char *key, json_t *value,
 	if (id == LIGHT_KEY_COUNT)
 		return fail_light_key(r, light->light.type);
 	*given |= 1u << id;
-	if (id == LIGHT_KEY_NAME) {
-		const char *name = json_string_value(value);
-		if (!name || strlen(name) >= sizeof light->light.name)
-			return fail_here(r, "a text of at most 63 bytes is needed");
-		snprintf(light->light.name, sizeof light->light.name, "%s", name);
-		return GW_OK;
-	}
+	if (light_keys[id].value == LIGHT_VALUE_NAME)
+		return take_light_name(r, value, (light_key_id)id, light);
 	if (light_keys[id].value == LIGHT_VALUE_PATH)
 		return take_light_file(r, value, (light_key_id)id, light);
 	return take_light_number(r, value, (light_key_id)id, light);
 }
 
-static gw_status find_light_type(reader *r, json_t *object, gw_light_type *type)
+static gw_status begin_light(reader *r, json_t *object, lamp *light)
 {
 	const char *word = json_string_value(json_object_get(object, "type"));
-	char known[128], hint[NEAREST_NAME_HINT];
-	const char *name[GW_LIGHT_TYPE_COUNT];
-	for (int t = 0; t < GW_LIGHT_TYPE_COUNT; t++)
-		name[t] = gw_light_type_name((gw_light_type)t);
-	light_list_types(known, sizeof known);
-	*type = word ? light_type_by_name(word) : GW_LIGHT_TYPE_COUNT;
+	char known[256], hint[NEAREST_NAME_HINT];
+	const char *name[LIGHT_NAMES_MAX];
+	light_list_names(known, sizeof known);
 	if (!word)
 		return fail_here(r, "a light needs 'type': %s", known);
-	if (*type != GW_LIGHT_TYPE_COUNT)
+	if (light_begin(word, light))
 		return GW_OK;
 	enter_key(r, "type");
 	gw_status status = fail_here(r, "there is no light '%.60s'; there are %s%s", word, known,
-								 nearest_name_hint(hint, word, "", name, GW_LIGHT_TYPE_COUNT));
+								 nearest_name_hint(hint, word, "", name, light_names(name)));
 	leave(r);
 	return status;
 }
@@ -533,11 +537,10 @@ static gw_status take_light_keys(reader *r, json_t *object, motion_path *path, l
 
 static gw_status take_light(reader *r, json_t *object)
 {
-	gw_light_type type;
+	lamp light = light_default(GW_LIGHT_POINT);
 	if (!json_is_object(object))
 		return fail_here(r, "a light is an object with \"type\"");
-	GW_TRY(find_light_type(r, object, &type));
-	lamp light = light_default(type);
+	GW_TRY(begin_light(r, object, &light));
 	motion_path path = { 0 };
 	gw_status status = take_light_keys(r, object, &path, &light);
 	motion_path_clear(&path);

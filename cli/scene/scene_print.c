@@ -119,6 +119,10 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 		if (l->name[0])
 			json_put_text(json, name, l->name);
 		break;
+	case LIGHT_KEY_GROUP:
+		if (light->group[0])
+			json_put_text(json, name, light->group);
+		break;
 	case LIGHT_KEY_TARGET: /* what these say, others have: directions and colours */
 	case LIGHT_KEY_PLACE:
 	case LIGHT_KEY_TIME:
@@ -127,6 +131,7 @@ static void write_key(json_writer *json, const lamp *light, light_key_id id)
 	case LIGHT_KEY_WATTS:
 	case LIGHT_KEY_KELVIN:
 	case LIGHT_KEY_SCALE:
+	case LIGHT_KEY_DISTANCE:
 	case LIGHT_KEY_COUNT:
 		break;
 	}

@@ -263,7 +263,8 @@ static void on_planned(void *user, const gw_bake_result *plan)
 	b->planned = *plan;
 	bake_plan_add_scene(&b->planned.report, b->settings, &b->scene);
 	b->facts.forecast =
-		bake_plan_foretell(b->settings, &b->scene, &b->planned, b->facts.read_seconds, row);
+		bake_plan_foretell(b->settings, &b->scene, &b->planned, b->facts.read_seconds, row,
+						   frame_bake_following(b->settings));
 	if (b->settings->explain)
 		bake_plan_print(&b->facts.forecast, stderr);
 	b->planned.given = NULL; /* the bake goes on to fill it */
@@ -274,6 +275,19 @@ static bool on_cancelled(void *user)
 {
 	(void)user;
 	return signals_pending() != 0;
+}
+
+/* Frames are planned by themselves, before the first of them. */
+static gw_status explain_frames(bake *b)
+{
+	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, b, NULL };
+	gw_bake_result *plan = NULL;
+	gw_status status = frame_bake_plan(b->settings, &b->scene, &callbacks, &plan, b->error);
+	if (status == GW_OK)
+		on_planned(b, plan);
+	b->planned.report.forecast.own_seconds = 0.0; /* of none of the bakes */
+	gw_bake_result_destroy(&plan);
+	return status;
 }
 
 static gw_status write_transport(void *user, const void *bytes, size_t length, gw_error *error)
@@ -422,7 +436,7 @@ static gw_status print_scene(bake *b)
 		ask = ask || ((s->light[i].from_sky || s->light[i].ies[0] || s->light[i].hangs) &&
 					  s->up == SETTINGS_UP_AUTO);
 	for (size_t i = 0; i < s->light_count; i++)
-		ask = ask || s->light[i].scanner > 0;
+		ask = ask || s->light[i].stand.kind || s->light[i].aim.kind;
 	if (ask) {
 		GW_TRY(read_inputs(b));
 		GW_TRY(loaded_scene_name_places(&b->scene, s, b->error));
@@ -449,6 +463,8 @@ static gw_status run(bake *b)
 	if (b->settings->transport)
 		GW_TRY(input_file_open_as(&b->reused, b->settings->transport, UINT64_MAX, 0, b->error));
 	GW_TRY(loaded_scene_lights(&b->scene, b->settings, &b->light, b->error));
+	if (b->settings->explain && b->settings->frame_count > 0)
+		GW_TRY(explain_frames(b));
 	if (b->settings->frames)
 		return light_frames(b);
 	GW_TRY(light_points(b));
@@ -467,8 +483,6 @@ static gw_status say_results(const bake *b)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)
 		bake_report_error(&b->facts);
-	if (s->explain && !b->facts.forecast.plan) /* of frames nothing is foretold */
-		bake_plan_print_effects(&b->result->report, stderr);
 	if (s->explain && b->facts.forecast.plan)
 		bake_plan_print_outcome(&b->result->report,
 								b->facts.read_seconds + b->facts.bake_seconds -

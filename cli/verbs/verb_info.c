@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
+#include "scene/floor_places.h"
 #include "scene/loaded_scene.h"
 #include "table/format_table.h"
 
@@ -218,6 +219,53 @@ static void print_text(const facts *f)
 	print_columns(f);
 }
 
+/* ---------------------------------------------------------------------------------- places */
+
+static void print_place(const settings *s, json_writer *json, const char *kind, size_t number,
+						const double at[3])
+{
+	char name[64];
+	snprintf(name, sizeof name, "%s:%zu", kind, number);
+	if (!s->json) {
+		printf("  %-12s %.12g %.12g %.12g\n", name, at[0], at[1], at[2]);
+		return;
+	}
+	json_put_open_flat(json, NULL, '{');
+	json_put_text(json, "name", name);
+	json_put_reals(json, "position", at, 3);
+	json_put_close(json, '}');
+}
+
+/* Scanners, and floor where somebody can stand, in the file's coordinates. */
+static gw_status list_places(const settings *s, facts *f, const double *position, gw_error *error)
+{
+	double floor_at[3 * FLOOR_PLACES_MAX];
+	size_t floors;
+	json_writer json = { .out = stdout };
+	GW_TRY(floor_places_find(position, f->cloud->count, f->up, floor_at, &floors, error));
+	if (s->json) {
+		json_put_open(&json, NULL, '{');
+		json_put_text(&json, "file", f->name);
+		json_put_open(&json, "places", '[');
+	} else {
+		text_message(stdout, "%s\n", f->name);
+	}
+	for (size_t i = 0; i < f->cloud->scanner_count; i++)
+		print_place(s, &json, "scanner", i + 1, f->cloud->scanner + 3 * i);
+	for (size_t i = 0; i < floors; i++) {
+		coordinates_from_metres(f->place, floor_at + 3 * i);
+		print_place(s, &json, "floor", i + 1, floor_at + 3 * i);
+	}
+	if (s->json) {
+		json_put_close(&json, ']');
+		json_put_close(&json, '}');
+		putchar('\n');
+	} else if (f->cloud->scanner_count + floors == 0) {
+		printf("  none: no scanner is known, and no floor is free to %g m\n", FLOOR_HEAD);
+	}
+	return GW_OK;
+}
+
 /* --------------------------------------------------------------------------------- the verb */
 
 static gw_status describe(const settings *s, facts *f, gw_error *error)
@@ -229,15 +277,19 @@ static gw_status describe(const settings *s, facts *f, gw_error *error)
 		f->up = scan_up(f->cloud, points.position, &f->up_doubtful);
 		for (size_t i = 0; i < f->cloud->count && f->place->changes; i++)
 			coordinates_to_metres(f->place, points.position + 3 * i);
-		status = gw_measure(&points.points, s->bake.threads, &f->statistics, &reason);
+		if (s->places)
+			status = list_places(s, f, points.position, &reason);
+		else
+			status = gw_measure(&points.points, s->bake.threads, &f->statistics, &reason);
 		f->points = &points;
-		find_means(f);
+		if (!s->places)
+			find_means(f);
 	}
 	if (status != GW_OK)
 		gw_fail(error, status, "%s: %.900s", f->name, reason.text);
-	else if (s->json)
+	else if (s->json && !s->places)
 		print_json(f);
-	else
+	else if (!s->places)
 		print_text(f);
 	f->points = NULL;
 	scan_points_clear(&points);
@@ -304,8 +356,8 @@ static gw_status list_devices(const settings *s, gw_error *error)
 
 gw_status verb_info(const settings *s, gw_error *error)
 {
-	if (s->devices && s->input_count > 0)
-		return gw_fail(error, GW_ERROR_USAGE, "--devices takes no files");
+	if (s->devices && (s->input_count > 0 || s->places))
+		return gw_fail(error, GW_ERROR_USAGE, "--devices takes no files and lists no places");
 	if (s->devices)
 		return list_devices(s, error);
 	if (s->input_count == 0)

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "files/output_file.h"
+#include "lamps/light_preset.h"
 #include "lamps/polar_picture.h"
 #include "luminaires/luminaire_reader.h"
 #include "program/json_writer.h"
@@ -27,7 +28,8 @@ static gw_status check(lamp_show *w)
 	const settings *s = w->settings;
 	if (s->input_count != 1)
 		return gw_fail(w->error, GW_ERROR_USAGE,
-					   "which lamp? Name one IES (LM-63) or EULUMDAT file");
+					   "which lamp? Name one IES (LM-63) or EULUMDAT file%s",
+					   s->output ? "" : ", or none for a list of lamps that have names");
 	w->path = s->input[0].path;
 	const char *dot = s->output ? strrchr(s->output, '.') : NULL;
 	w->exr = dot && strcasecmp(dot, ".exr") == 0;
@@ -43,13 +45,17 @@ static gw_status check(lamp_show *w)
  * scene file alone. */
 static void write_words(const lamp_show *w, FILE *out)
 {
+	const luminaire *l = &w->lamp;
 	bool scene = strpbrk(w->path, " \t") != NULL || strcmp(w->path, "-") == 0;
-	const char *form = w->lamp.photometry == 'C' ? "" : " to X,Y,Z";
+	bool area = l->size[0] > 0.0 && l->size[1] > 0.0;
+	const char *form = l->photometry == 'C' ? "" : " to X,Y,Z";
 	if (scene)
 		fprintf(out,
 				"in a scene file: {\"type\": \"point\", \"position\": [X, Y, Z], \"ies\": FILE}");
 	else
 		fprintf(out, "--light 'point at X,Y,Z ies %s%s'", w->path, form);
+	if (area)
+		fprintf(out, "; %s in place of point for its size", l->round ? "disc" : "rectangle");
 }
 
 /* Lumens that the file states, and of what. */
@@ -141,6 +147,45 @@ static void write_json(const lamp_show *w, FILE *out)
 	fputc('\n', out);
 }
 
+/* ------------------------------------------------------------------------------------- names */
+
+/* Where the lamp is to be, which no name says, and what else is needed. */
+static void write_preset_words(const light_preset *p, FILE *out)
+{
+	fprintf(out, "--light '%s at X,Y,Z%s", p->name, p->type == GW_LIGHT_SPOT ? " to X,Y,Z" : "");
+	for (int k = 0; k < LIGHT_KEY_COUNT; k++)
+		if (p->needed & 1u << k)
+			fprintf(out, " %s N", light_keys[k].name);
+	fprintf(out, "'");
+}
+
+static void write_presets(FILE *out)
+{
+	for (const light_preset *p = light_presets; p->name; p++) {
+		fprintf(out, "%s: %s\n  is         %s%s%s\n  use        ", p->name, p->about,
+				gw_light_type_name(p->type), *p->keys ? " " : "", p->keys);
+		write_preset_words(p, out);
+		fprintf(out, "\n  source     %s\n", p->source);
+	}
+}
+
+static void write_presets_json(FILE *out)
+{
+	json_writer json = { .out = out };
+	json_put_open(&json, NULL, '[');
+	for (const light_preset *p = light_presets; p->name; p++) {
+		json_put_open(&json, NULL, '{');
+		json_put_text(&json, "name", p->name);
+		json_put_text(&json, "type", gw_light_type_name(p->type));
+		json_put_text(&json, "keys", p->keys);
+		json_put_text(&json, "about", p->about);
+		json_put_text(&json, "source", p->source);
+		json_put_close(&json, '}');
+	}
+	json_put_close(&json, ']');
+	fputc('\n', out);
+}
+
 /* ----------------------------------------------------------------------------------- picture */
 
 static gw_status draw(lamp_show *w)
@@ -153,6 +198,10 @@ static gw_status draw(lamp_show *w)
 static gw_status run(lamp_show *w)
 {
 	const settings *s = w->settings;
+	if (s->input_count == 0 && !s->output) {
+		s->json ? write_presets_json(stdout) : write_presets(stdout);
+		return GW_OK;
+	}
 	GW_TRY(check(w));
 	if (s->output)
 		GW_TRY(output_file_create(&w->out, s->output, s->force, w->error));

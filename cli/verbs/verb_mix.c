@@ -32,7 +32,8 @@ static gw_status check(mixing *m)
 		return gw_fail(m->error, GW_ERROR_USAGE, "mix what? Name one lit cloud, or -");
 	if (s->gain_count == 0)
 		return gw_fail(m->error, GW_ERROR_USAGE,
-					   "change which lamp? Give --gain NAME=FACTOR, such as --gain lamp=2");
+					   "change which lamp? Give --gain NAME=FACTOR, such as --gain lamp=2, or "
+					   "--group NAME=FACTOR");
 	if (!s->output)
 		return gw_fail(m->error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");

@@ -1,5 +1,6 @@
 #include "verbs/verbs.h"
 #include "result/bake_plan.h"
+#include "result/frame_bake.h"
 #include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "scene/file_roles.h"
@@ -59,7 +60,9 @@ static gw_status make(plan *p)
 	gw_bake_options options = bake_plan_options(s);
 	const gw_bake_callbacks callbacks = { on_progress, on_cancelled, p, NULL };
 	const gw_scene_description scene = { &p->scene.points.points, p->light, s->light_count };
-	gw_status status = gw_plan_bake(&scene, &options, &callbacks, &p->result, p->error);
+	gw_status status = s->frame_count > 0
+						   ? frame_bake_plan(s, &p->scene, &callbacks, &p->result, p->error)
+						   : gw_plan_bake(&scene, &options, &callbacks, &p->result, p->error);
 	progress_clear(&p->progress);
 	return status;
 }
@@ -69,8 +72,8 @@ static void print(plan *p)
 	const settings *s = p->settings;
 	size_t columns, row = lit_scan_row_bytes(&p->scene, s, &columns);
 	bake_plan_add_scene(&p->result->report, s, &p->scene);
-	const bake_plan_forecast forecast =
-		bake_plan_foretell(s, &p->scene, p->result, p->read_seconds, s->output ? row : 0);
+	const bake_plan_forecast forecast = bake_plan_foretell(
+		s, &p->scene, p->result, p->read_seconds, s->output ? row : 0, frame_bake_following(s));
 	if (!s->json) {
 		bake_plan_print(&forecast, stdout);
 		return;

@@ -159,6 +159,7 @@ typedef struct scan_points {
 	float *albedo;
 	float *emission;
 	float *opacity; /* NULL where all are opaque */
+	float *beam_share; /* NULL where no beam met several points */
 	uint8_t *stray; /* owned */
 } scan_points;
 

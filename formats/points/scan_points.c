@@ -268,6 +268,27 @@ static gw_status check_options(const scan_points_options *options, gw_error *err
 	return GW_OK;
 }
 
+/* A pulse of an airborne laser that met several things has a point for each: as much of it stopped
+ * at each, for want of better. None where all pulses met one. */
+static gw_status make_beam_shares(const scan *cloud, scan_points *out, gw_error *error)
+{
+	const scan_column *returns = scan_find_scalar(cloud, "number_of_returns");
+	bool several = false;
+	for (size_t i = 0; returns && i < cloud->count && !several; i++)
+		several = scan_value(returns, i) > 1.0;
+	if (!several)
+		return GW_OK;
+	out->beam_share = reallocarray(NULL, cloud->count, sizeof *out->beam_share);
+	if (!out->beam_share)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the beams of %zu points",
+					   cloud->count);
+	for (size_t i = 0; i < cloud->count; i++) {
+		double count = scan_value(returns, i);
+		out->beam_share[i] = count > 1.0 ? (float)(1.0 / count) : 1.0f;
+	}
+	return GW_OK;
+}
+
 static gw_status make_all(const scan *cloud, const scan_points_options *options, scan_points *out,
 						  gw_error *error)
 {
@@ -281,6 +302,7 @@ static gw_status make_all(const scan *cloud, const scan_points_options *options,
 	bool all = scan_find_triple(cloud, emission_names, column);
 	if (all || column[0] || column[1] || column[2])
 		GW_TRY(gather(&out->emission, column, cloud->count, error));
+	GW_TRY(make_beam_shares(cloud, out, error));
 	return scan_opacity_make(cloud, &out->opacity, error);
 }
 
@@ -301,6 +323,7 @@ gw_status scan_points_make(const scan *cloud, const scan_points_options *options
 							   .albedo = out->albedo,
 							   .emission = out->emission,
 							   .opacity = out->opacity,
+							   .beam_share = out->beam_share,
 							   .stray = out->stray,
 							   .scanner = cloud->scanner,
 							   .scanner_count = cloud->scanner_count,
@@ -318,6 +341,7 @@ void scan_points_clear(scan_points *points)
 	free(points->albedo);
 	free(points->emission);
 	free(points->opacity);
+	free(points->beam_share);
 	free(points->stray);
 	memset(points, 0, sizeof *points);
 }

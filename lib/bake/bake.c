@@ -22,6 +22,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Records that would become less than so many times as many stand as close as they may. */
 #define GROWTH_LEAST 1.02
@@ -315,11 +316,18 @@ static gw_status run_steps(bake *b, size_t first, size_t last, gw_error *error)
 
 /* ------------------------------------------------------------------------------------ rounds */
 
+/* What the passes took is told of the last round. */
+static void forget_seconds(bake *b)
+{
+	memset(b->scene.passes.device_seconds, 0, sizeof b->scene.passes.device_seconds);
+}
+
 static void drop_records(bake *b)
 {
 	gw_record_density_clear(&b->density);
 	gw_lighting_drop_gathered(&b->light);
 	gw_scene_drop_records(&b->scene);
+	forget_seconds(b);
 }
 
 static void drop_octree(bake *b)
@@ -327,6 +335,7 @@ static void drop_octree(bake *b)
 	gw_record_density_clear(&b->density);
 	gw_lighting_clear(&b->light);
 	gw_scene_drop_octree(&b->scene);
+	forget_seconds(b);
 }
 
 static void book_round(bake *b, double seconds, const char *why)

@@ -28,9 +28,12 @@ typedef struct gw_price_task {
 /* What of an error stays whatever is paid: that of shadows' edges, normals and emitters' power. */
 double gw_error_floor(const gw_error_estimate *error);
 
-/* What of gathered light would be wrong with so many times as many records: noise of the rays
- * stays, the rest falls. */
-double gw_error_with_records(const gw_error_estimate *error, double times);
+/*
+ * What of gathered light would be wrong with so many times as many records, spread evenly as those
+ * of the error: noise of the rays stays, the rest falls.
+ *   spread   receives by how much scenes differ in that
+ */
+double gw_error_with_records(const gw_error_estimate *error, double times, double *spread);
 
 /* What half of the error would cost, or where edges of shadows do not allow that, half of the
  * error of gathered light. All 0 where that would be hardly less, or nothing is known. */

@@ -30,10 +30,6 @@
 /* Points that the pilot solves again. */
 #define PILOT_POINTS 100u
 
-/* Of the foretold error, beside what the pilot's own says: how far the power by which it falls is
- * off between scenes; a share of the error. */
-#define POWER_SPREAD 0.3
-
 /* Errors below this are not told apart: the scatter of a pilot of some hundred places. */
 #define SPREAD_LEAST 5e-4
 
@@ -56,13 +52,14 @@ typedef struct pilot {
 	uint64_t before, grown; /* bytes on the device; and by how much they will be more */
 } pilot;
 
-static double seconds_of_records(const gw_passes *passes)
+double gw_pilot_record_seconds(const gw_passes *passes)
 {
-	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,      GW_PASS_RECORD_EMITTERS,
-											 GW_PASS_RECORD_SKY,       GW_PASS_RECORD_PORTALS,
-											 GW_PASS_PORTAL_LIGHT,     GW_PASS_RECORD_FIRST,
-											 GW_PASS_RECORD_GATHER,    GW_PASS_RECORD_CONES,
-											 GW_PASS_RECORD_DIRECTIONS };
+	static const gw_pass_id of_records[] = { GW_PASS_RECORD_RAYS,       GW_PASS_RECORD_EMITTERS,
+											 GW_PASS_RECORD_SKY,        GW_PASS_RECORD_PORTALS,
+											 GW_PASS_PORTAL_LIGHT,      GW_PASS_RECORD_FIRST,
+											 GW_PASS_RECORD_GATHER,     GW_PASS_RECORD_CONES,
+											 GW_PASS_RECORD_DIRECTIONS, GW_PASS_RECORD_AGAIN,
+											 GW_PASS_RECORD_KEEP };
 	double seconds = 0.0;
 	for (size_t i = 0; i < sizeof of_records / sizeof *of_records; i++)
 		seconds += passes->device_seconds[of_records[i]];
@@ -79,10 +76,10 @@ static gw_status measure(pilot *p, gw_status (*stage)(gw_lighting *, gw_error *)
 						 gw_error *error)
 {
 	const gw_passes *passes = &p->lighting->scene->passes;
-	double start = gw_seconds(), before = seconds_of_records(passes);
+	double start = gw_seconds(), before = gw_pilot_record_seconds(passes);
 	GW_TRY(stage(p->lighting, error));
 	sum->seconds += gw_seconds() - start;
-	sum->of_records += seconds_of_records(passes) - before;
+	sum->of_records += gw_pilot_record_seconds(passes) - before;
 	return GW_OK;
 }
 
@@ -93,6 +90,15 @@ static double scaled(const spent *s, double ratio)
 	return s->seconds - of_records + ratio * of_records;
 }
 
+float gw_pilot_spacing(uint64_t records, float spacing)
+{
+	double wanted = fmax(PILOT_SHARE * (double)records, PILOT_LEAST);
+	if (!(wanted < (double)records))
+		return spacing;
+	double wider = pow((double)records / wanted, 1.0 / RECORDS_POWER);
+	return fminf((float)(fmax((double)spacing, 1.0) * wider), 64.0f);
+}
+
 /* How many records there will be, and the spacing that leaves few of them. */
 static gw_status choose_records(pilot *p, gw_error *error)
 {
@@ -101,18 +107,13 @@ static gw_status choose_records(pilot *p, gw_error *error)
 	GW_TRY(gw_records_place(&on, p->asked.record_spacing, p->asked.seed, error));
 	p->records = s->records.count;
 	gw_scene_drop_records(s);
-	double wanted = fmax(PILOT_SHARE * (double)p->records, PILOT_LEAST);
-	double spacing = fmax((double)p->asked.record_spacing, 1.0);
-	if (wanted < (double)p->records)
-		s->options.record_spacing =
-			fminf((float)(spacing * pow((double)p->records / wanted, 1.0 / RECORDS_POWER)), 64.0f);
+	s->options.record_spacing = gw_pilot_spacing(p->records, p->asked.record_spacing);
 	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
 	return GW_OK;
 }
 
-/* Bytes of what grows with the records: themselves, and what their rays hit. */
-static uint64_t bytes_of_records(const gw_scene *s)
+uint64_t gw_pilot_record_bytes(const gw_scene *s)
 {
 	const gw_records *r = &s->records;
 	const gw_buffer *const buffer[] = { &r->position,   &r->normal,        &r->block_record,
@@ -136,7 +137,7 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
 	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
-	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)bytes_of_records(s));
+	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s));
 	if (!p->lighting->plan.error)
 		return GW_OK;
 	GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
@@ -150,20 +151,20 @@ static gw_status run_stages(pilot *p, gw_error *error)
 static void foretell_error(const pilot *p, gw_forecast *f)
 {
 	const gw_error_estimate *e = &p->report->error;
-	double rest = gw_error_with_records(e, p->ratio);
+	double power, rest = gw_error_with_records(e, p->ratio, &power);
 	double others = e->relative_rms * e->relative_rms - e->gathered * e->gathered;
 	f->error = sqrt(rest * rest + fmax(others, 0.0));
 	if (!(f->error > 0.0))
 		return;
 	double own = e->spread * rest / fmax(e->gathered, 1e-30);
-	f->spread = hypot(own, POWER_SPREAD * f->error + SPREAD_LEAST);
+	f->spread = hypot(own, power + SPREAD_LEAST);
 }
 
 /* Seconds with which a bake that refines reaches its error, or its time is up. */
 static double refined_seconds(const pilot *p, const gw_forecast *f, double round)
 {
 	const gw_bake_options *o = &p->asked;
-	double seconds = f->seconds, limit = (double)o->time_limit;
+	double seconds = f->seconds, limit = (double)o->time_limit, spread;
 	double rays = (double)p->records * o->rays;
 	gw_price_task task = { .error = p->report->error,
 						   .rays = o->rays,
@@ -172,7 +173,7 @@ static double refined_seconds(const pilot *p, const gw_forecast *f, double round
 						   .fixed_seconds = f->seconds - round,
 						   .round_seconds = round - p->ratio * p->place.of_records,
 						   .ray_seconds = p->ratio * p->place.of_records / fmax(rays, 1.0) };
-	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio);
+	task.error.gathered = gw_error_with_records(&p->report->error, p->ratio, &spread);
 	if (o->max_error > 0.0f && f->error > (double)o->max_error)
 		seconds = fmax(seconds, gw_price_of(&task, (double)o->max_error).seconds);
 	return limit > 0.0 && (seconds > limit || !(o->max_error > 0.0f)) ? fmax(limit, f->seconds)

@@ -9,11 +9,10 @@
 #include "glowworm_host.h"
 #include "light/direct_light.h"
 #include "base/memory.h"
+#include "bake/frames.h"
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
-#include "bake/scaled_scene.h"
-#include "surfels/surfel_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,29 +23,6 @@
 
 /* Of a frame, so that stages do not run into the next: the least that lies between two of them. */
 #define STAGE_SHARE 0.02
-
-struct gw_frames {
-	gw_scaled_scene units; /* that all below is in */
-	const gw_points *points;
-	gw_motion own_motion; /* in these units; without a matrix where they are metres */
-	double *matrix;       /* of it */
-	const gw_motion *motion;
-	const gw_light *first_lights; /* first_light_count: they orient normals */
-	size_t first_light_count;
-	gw_frames_options how;
-	gw_scene scene;
-	gw_lighting light;
-	gw_surfel_parts parts;
-	bool made;     /* the surfels are there */
-	bool prepared; /* what stands still is; of its hits, when records were called for */
-	gw_kept_hits hits;
-	gw_changed_box *box; /* of each mover, GW_CHANGED_BOXES at most */
-	bool built;          /* the octree is that of built_frame */
-	bool placed;         /* and so are the records */
-	size_t built_frame;
-	float *carried; /* NULL, or 4 a surfel: reflected light of the last frame */
-	double shared_seconds;
-};
 
 static gw_status stage(gw_frames *f, const char *name, double done, gw_error *error)
 {
@@ -65,16 +41,25 @@ static gw_status make_surfels(gw_frames *f, gw_error *error)
 	if (status == GW_OK)
 		status = gw_surfel_parts_make(f->points, f->motion, &options, &f->parts, &f->scene.surfels,
 									  error);
+	f->made = status == GW_OK;
+	f->shared_seconds += gw_seconds() - start;
+	return status;
+}
+
+static gw_status find_gaps(gw_frames *f, gw_error *error)
+{
+	double start = gw_seconds();
+	gw_status status = stage(f, "gaps", 0.08, error);
 	if (status == GW_OK)
 		status = gw_scene_find_space(&f->scene, f->points, error);
-	f->made = status == GW_OK;
+	f->looked = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;
 }
 
 static bool shares(const gw_frames *f)
 {
-	return !f->how.rebuild && f->motion->mover_count > 0 && f->parts.still > 0;
+	return !f->how.rebuild && !f->alone && f->motion->mover_count > 0 && f->parts.still > 0;
 }
 
 static bool needs_places(const gw_frames *f)
@@ -82,7 +67,7 @@ static bool needs_places(const gw_frames *f)
 	return f->light.plan.records || gw_options_record_fields(&f->scene.options);
 }
 
-static void drop_geometry(gw_frames *f)
+void gw_frames_drop_geometry(gw_frames *f)
 {
 	gw_lighting_clear(&f->light);
 	gw_scene_drop_records(&f->scene);
@@ -104,7 +89,7 @@ static gw_status prepare_still(gw_frames *f, gw_error *error)
 	if (status == GW_OK && needs_places(f))
 		status = gw_scene_keep_hits(s, &f->hits, error);
 	s->surfels.count = all;
-	drop_geometry(f);
+	gw_frames_drop_geometry(f);
 	f->prepared = status == GW_OK;
 	f->shared_seconds += gw_seconds() - start;
 	return status;
@@ -156,18 +141,21 @@ static bool same_place(const gw_frames *f, size_t frame)
 
 static gw_status build(gw_frames *f, size_t frame, gw_error *error)
 {
-	if (same_place(f, frame)) {
+	bool tree = f->light.plan.octree;
+	if (same_place(f, frame) && (f->tree || !tree)) {
 		gw_scene_report_octree(&f->scene);
 		return GW_OK;
 	}
-	drop_geometry(f);
+	gw_frames_drop_geometry(f);
 	f->built = false;
 	gw_surfel_parts_move(&f->parts, f->motion, frame, &f->scene.surfels);
-	if (shares(f) && !f->prepared)
+	if (tree && shares(f) && !f->prepared)
 		GW_TRY(prepare_still(f, error));
 	GW_TRY(stage(f, "octree", 0.2, error));
-	GW_TRY(gw_scene_build_octree(&f->scene, error));
+	GW_TRY(tree ? gw_scene_build_octree(&f->scene, error)
+				: gw_scene_do_without_octree(&f->scene, error));
 	f->built = true;
+	f->tree = tree;
 	f->built_frame = frame;
 	return GW_OK;
 }
@@ -227,7 +215,7 @@ static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
+gw_status gw_frames_light(gw_frames *f, size_t frame, gw_error *error)
 {
 	GW_TRY(stage(f, "device", 0.0, error));
 	if (!f->scene.gpu)
@@ -237,9 +225,16 @@ static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_er
 	gw_report_surfels(f->scene.report, &f->scene.surfels, f->points);
 	gw_scene_report_space(&f->scene);
 	gw_lighting_plan(&f->light);
+	if (f->light.plan.gaps && !f->looked)
+		GW_TRY(find_gaps(f, error));
 	GW_TRY(build(f, frame, error));
 	GW_TRY(stage(f, "direct light", 0.35, error));
-	GW_TRY(gw_lighting_direct(&f->light, error));
+	return gw_lighting_direct(&f->light, error);
+}
+
+gw_status gw_frames_solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
+{
+	GW_TRY(gw_frames_light(f, frame, error));
 	if (needs_places(f))
 		GW_TRY(place_records(f, error));
 	if (f->light.plan.records)
@@ -247,25 +242,24 @@ static gw_status solve(gw_frames *f, size_t frame, gw_bake_result *result, gw_er
 	return collect(f, result, error);
 }
 
-/* Forgets all but what was asked for. */
-static void forget(gw_frames *f)
+void gw_frames_forget(gw_frames *f)
 {
 	if (f->scene.gpu) {
-		drop_geometry(f);
+		gw_frames_drop_geometry(f);
 		gw_kept_hits_destroy(f->scene.gpu, &f->hits);
 	}
 	gw_scene_close(&f->scene);
 	gw_surfel_parts_clear(&f->parts);
 	free(f->carried);
 	f->carried = NULL;
-	f->made = f->prepared = false;
+	f->made = f->prepared = f->looked = false;
 }
 
 /* A frame, by lights in the units of the frames, into a result in metres. */
 static gw_status bake_in_units(gw_frames *f, size_t frame, gw_bake_result *result, gw_error *error)
 {
 	f->scene.report = &result->report;
-	gw_status status = solve(f, frame, result, error);
+	gw_status status = gw_frames_solve(f, frame, result, error);
 	gw_report_stage(&result->report, f->scene.gpu, NULL);
 	if (f->scene.gpu)
 		result->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
@@ -293,7 +287,7 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	}
 	if (f->how.rebuild)
-		forget(f);
+		gw_frames_forget(f);
 	f->light.lights = own;
 	f->light.light_count = light_count;
 	status = bake_in_units(f, frame, r, error);
@@ -393,7 +387,7 @@ void gw_frames_close(gw_frames **frames)
 	gw_frames *f = *frames;
 	if (f == NULL)
 		return;
-	forget(f);
+	gw_frames_forget(f);
 	gw_scaled_scene_clear(&f->units);
 	free(f->matrix);
 	free(f->box);

@@ -106,6 +106,7 @@ static bool copy_all(const gw_points *all, gw_half_sample *half)
 	p->emission = half->emission = copy_rows(half, all->emission, 3 * sizeof(float), &good);
 	p->opacity = half->opacity = copy_rows(half, all->opacity, sizeof(float), &good);
 	p->own_area = half->own_area = copy_rows(half, all->own_area, sizeof(float), &good);
+	p->beam_share = half->beam_share = copy_rows(half, all->beam_share, sizeof(float), &good);
 	p->scanner_of = half->scanner_of = copy_rows(half, all->scanner_of, sizeof(uint32_t), &good);
 	p->stray = half->stray = copy_rows(half, all->stray, 1, &good);
 	p->image = half->image;
@@ -139,6 +140,7 @@ void gw_half_sample_clear(gw_half_sample *half)
 	free(half->emission);
 	free(half->opacity);
 	free(half->own_area);
+	free(half->beam_share);
 	free(half->scanner_of);
 	free(half->image_cell);
 	free(half->image);
@@ -156,30 +158,62 @@ static bool counts(const gw_half_sample *half, const gw_bake_result *all, size_t
 		   !(all->stray && all->stray[of_all]) && isfinite(half->position[3 * i]);
 }
 
-double gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
-								 const gw_bake_result *of_all)
+/* Whether a point shows one side in the half and the other one among all. */
+static bool is_turned(const gw_half_sample *half, const gw_bake_result *of_half,
+					  const gw_bake_result *of_all, size_t i)
 {
-	double square = 0.0, mean = 0.0;
+	const float *n = of_half->normal, *m = of_all->normal;
+	if (!n || !m)
+		return false;
+	n += 3 * i;
+	m += 3 * half->from[i];
+	return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < 0.0f;
+}
+
+gw_half_difference gw_half_sample_difference(const gw_half_sample *half,
+											 const gw_bake_result *of_half,
+											 const gw_bake_result *of_all)
+{
+	double square[2] = { 0 }, mean = 0.0, mean_of_half = 0.0;
 	size_t used = 0;
 	for (size_t i = 0; i < half->points.count; i++) {
 		if (!counts(half, of_all, i))
 			continue;
 		double found = gw_luminance(of_all->radiance + 3 * half->from[i]);
 		double other = gw_luminance(of_half->radiance + 3 * i);
-		square += (other - found) * (other - found);
+		square[is_turned(half, of_half, of_all, i)] += (other - found) * (other - found);
 		mean += found;
+		mean_of_half += other;
 		used++;
 	}
-	return mean > 0.0 ? sqrt(square * (double)used) / mean : 0.0;
+	double most = fmax(mean, mean_of_half);
+	double scale = most > 0.0 ? sqrt((double)used) / most : 0.0;
+	return (gw_half_difference){ .rest = scale * sqrt(square[0]),
+								 .turned = scale * sqrt(square[1]) };
 }
 
-void gw_half_sample_add(double first, double second, double gathered, gw_error_estimate *estimate)
+double gw_half_difference_all(const gw_half_difference *difference)
 {
-	double growth = first > 0.0 ? second / first : 0.0;
+	return hypot(difference->rest, difference->turned);
+}
+
+/* Of what differs by faults of both, what all points have of it. */
+static double of_sides(double first, double second)
+{
+	double growth = first > 0.0 ? fmax(second / first, 1.0) : 1.0;
+	return first / sqrt(1.0 + growth * growth);
+}
+
+void gw_half_sample_add(const gw_half_difference *first, const gw_half_difference *second,
+						double gathered, gw_error_estimate *estimate)
+{
+	double all_first = gw_half_difference_all(first);
+	double growth = all_first > 0.0 ? gw_half_difference_all(second) / all_first : 0.0;
 	/* The two have noise of their own, which is a part of the estimate already. */
-	double surface = sqrt(fmax(first * first - 2.0 * gathered * gathered, 0.0));
+	double surface = sqrt(fmax(first->rest * first->rest - 2.0 * gathered * gathered, 0.0));
 	if (growth > M_SQRT2)
 		surface /= sqrt(growth * growth - 1.0);
+	surface = hypot(surface, of_sides(first->turned, second->turned));
 	estimate->halves = surface;
 	double all = hypot(surface, hypot(estimate->gathered, estimate->gaps));
 	estimate->relative_rms = fmax(estimate->relative_rms, all);

@@ -14,6 +14,14 @@
  * half of it, it is d / sqrt(Q^2 - 1). Where they fall more slowly nobody knows by how much,
  * because faults that stay whatever is left out do not show at all; d is taken as it is.
  *
+ * A side that is guessed is right or wrong, and another guess it is with other points. Points that
+ * show one side among all and the other one in the half are wrong in one of both, as likely in
+ * either at the most: their square differences d^2 are the sum of two squares of errors, of which
+ * that of all points is d^2 / (1 + Q^2), Q at least 1.
+ *
+ * Where points are few, light gets in that all points together shut out, and the half may be many
+ * times as bright as all: differences are held against the brighter of the two.
+ *
  * Of points in rows and columns every other column is left, so that they are rows and columns
  * still; of others those that their places' hash says, whatever their order.
  */
@@ -27,7 +35,8 @@ typedef struct gw_half_sample {
 	gw_points points; /* refers to the arrays below, and for the rest to what was given */
 	size_t *from;     /* points.count: which point of all each is */
 	double *position;
-	float *normal, *albedo, *emission, *opacity, *own_area; /* NULL where all have none */
+	float *normal, *albedo, *emission; /* NULL where all have none, and so the next */
+	float *opacity, *own_area, *beam_share;
 	uint32_t *scanner_of, *image_cell;
 	gw_range_image *image;
 	uint8_t *stray;
@@ -53,19 +62,28 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_s
 							  gw_error *error);
 void gw_half_sample_clear(gw_half_sample *half);
 
-/*
- * Root mean square difference between the radiance of the half and what the same points have in the
- * whole, over the mean of these; of points that neither emit nor stray.
- */
-double gw_half_sample_difference(const gw_half_sample *half, const gw_bake_result *of_half,
-								 const gw_bake_result *of_all);
+/* Root mean square differences of radiance, over its mean; the squares of both parts add up. */
+typedef struct gw_half_difference {
+	double turned; /* at points that show the one side here and the other one there */
+	double rest;   /* at all others */
+} gw_half_difference;
+
+/* Between the half and what the same points have in the whole, of points that neither emit nor
+ * stray. */
+gw_half_difference gw_half_sample_difference(const gw_half_sample *half,
+											 const gw_bake_result *of_half,
+											 const gw_bake_result *of_all);
+
+/* Both parts together. */
+double gw_half_difference_all(const gw_half_difference *difference);
 
 /*
  * Takes the error of the surface up into an estimate.
  *   first     difference between all points and half of them
- *   second    the same between that half and half of it; 0: not known
+ *   second    the same between that half and half of it; zeros: not known
  *   gathered  error of gathered light in the bakes of halves
  */
-void gw_half_sample_add(double first, double second, double gathered, gw_error_estimate *estimate);
+void gw_half_sample_add(const gw_half_difference *first, const gw_half_difference *second,
+						double gathered, gw_error_estimate *estimate);
 
 #endif

@@ -82,14 +82,14 @@ static gw_status compare_halves(const gw_scene_description *scene, const gw_bake
 	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
 	gw_bake_result *of_half = NULL, *of_quarter = NULL;
 	const gw_report *r = &result->report;
-	double first = 0.0, second = 0.0;
+	gw_half_difference first = { 0 }, second = { 0 };
 	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
 	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
 	if (status == GW_OK)
 		status = bake_half(scene, &half, options, &of_second, &of_half, error);
 	if (status == GW_OK)
 		first = gw_half_sample_difference(&half, of_half, result);
-	bool more = status == GW_OK && first > r->error.relative_rms;
+	bool more = status == GW_OK && gw_half_difference_all(&first) > r->error.relative_rms;
 	if (more)
 		status = gw_half_sample_make(&half.points, 1, &quarter, error);
 	if (more && status == GW_OK)
@@ -97,7 +97,7 @@ static gw_status compare_halves(const gw_scene_description *scene, const gw_bake
 	if (more && status == GW_OK)
 		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
 	if (status == GW_OK)
-		gw_half_sample_add(first, second, gathered, &result->report.error);
+		gw_half_sample_add(&first, &second, gathered, &result->report.error);
 	gw_bake_result_destroy(&of_half);
 	gw_bake_result_destroy(&of_quarter);
 	gw_half_sample_clear(&half);

@@ -69,6 +69,21 @@ static void name_left_out(const gw_plan_task *task, size_t first, size_t count, 
 		snprintf(text, room, "; %s %s", light->name[0] ? light->name : number, why);
 }
 
+/* Maps show what is solid. */
+static gw_shadows shadows_made(const gw_plan_task *task)
+{
+	gw_shadows asked = task->options->shadows;
+	return asked == GW_SHADOWS_MAPS && task->surfels->transparency ? GW_SHADOWS_TRACED : asked;
+}
+
+static uint64_t count_clear(const gw_surfels *s)
+{
+	uint64_t count = 0;
+	for (size_t i = 0; s->transparency && i < s->count; i++)
+		count += s->transparency[i] > 0.0f;
+	return count;
+}
+
 static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 {
 	size_t lamps = 0, reaching = 0, first_out = 0;
@@ -97,8 +112,11 @@ static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *repor
 						  none          ? "none are asked for"
 						  : plan->lamps ? "points hide lamps from each other"
 										: "no lamp shines on points",
-						  gw_shadows_name(task->options->shadows) };
+						  gw_shadows_name(shadows_made(task)) };
 	plan->shadows = decide(task, shadow, report);
+	if (plan->shadows && shadows_made(task) != task->options->shadows)
+		gw_report_count(report, "shadows_traced", count_clear(task->surfels),
+						"points let light through, which maps cannot show: shadows are traced");
 }
 
 static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *report)
@@ -232,8 +250,12 @@ static void plan_surface(const gw_plan_task *task, gw_report *report)
 	bool all = gw_effect_forced(task->options, GW_EFFECT_NOISE) && s->shading_normal;
 	snprintf(reason, sizeof reason, "%.3g %% of the points come without one that can be trusted",
 			 100.0 * (double)s->normals_estimated / fmax((double)s->count, 1.0));
-	const call transmission = { GW_EFFECT_TRANSMISSION, s->transparency != NULL,
-								"some points are less than opaque", "attenuated once a surface" };
+	char through[sizeof report->effect->reason];
+	snprintf(through, sizeof through,
+			 "%.3g %% of the points are less than opaque, or fill space as leaves do",
+			 100.0 * (double)count_clear(s) / fmax((double)s->count, 1.0));
+	const call transmission = { GW_EFFECT_TRANSMISSION, s->transparency != NULL, through,
+								"attenuated once a surface" };
 	const call noise = { GW_EFFECT_NOISE, s->shading_normal != NULL,
 						 all ? "the points are looked at for it"
 							 : "the points scatter about "

@@ -285,6 +285,14 @@ static uint64_t count_invisible(const gw_points *points)
 	return invisible;
 }
 
+static uint64_t count_foliage(const gw_surfels *s)
+{
+	uint64_t foliage = 0;
+	for (size_t i = 0; i < s->count; i++)
+		foliage += s->two_sided[i] == GW_SIDE_FOLIAGE;
+	return foliage;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
@@ -317,6 +325,8 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"--normals given takes them");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
 					"points whose normal cannot be trusted: lit from both sides");
+	gw_report_count(r, "foliage", count_foliage(s),
+					"points fill space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
 }
@@ -400,10 +410,13 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 										&scene->octree, error)
 			   : gw_octree_build(scene->gpu, &scene->surfels, o->depth, &scene->octree, error));
 	/* Octrees that keep what they can are all of one shape, but for large discs. */
+	double seconds[GW_PASS_COUNT];
+	memcpy(seconds, scene->passes.device_seconds, sizeof seconds);
 	if (scene->passes.gpu != NULL && !gw_octree_passes_fit(&scene->passes, &scene->octree))
 		gw_passes_destroy(&scene->passes);
 	if (scene->passes.gpu == NULL)
 		gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
+	memcpy(scene->passes.device_seconds, seconds, sizeof seconds);
 	scene->passes.threads = o->threads;
 	gw_scene_report_octree(scene);
 	if (o->method == GW_METHOD_CONES)
@@ -609,7 +622,6 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_read_back_clear(&scene->read_back);
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
 	gw_check_point_hits_clear(&scene->check_points);
-	memset(scene->passes.device_seconds, 0, sizeof scene->passes.device_seconds);
 }
 
 void gw_scene_drop_octree(gw_scene *scene)

@@ -59,6 +59,12 @@ void gw_distribution_frame(const gw_light *light, gw_vec3 *axis, gw_vec3 *across
 	*across = (gw_vec3){ (float)b[0], (float)b[1], (float)b[2] };
 }
 
+bool gw_distribution_counts(const gw_light *light)
+{
+	return light->distribution && (light->type == GW_LIGHT_POINT || light->type == GW_LIGHT_DISC ||
+								   light->type == GW_LIGHT_RECTANGLE);
+}
+
 size_t gw_distribution_length(const gw_light *light)
 {
 	size_t verticals = light->vertical_count, horizontals = light->horizontal_count;
@@ -68,12 +74,13 @@ size_t gw_distribution_length(const gw_light *light)
 float gw_distribution_towards(const gw_light *light, gw_vec3 way)
 {
 	gw_vec3 axis, across;
-	if (light->type == GW_LIGHT_DISC || light->type == GW_LIGHT_RECTANGLE) {
+	bool has = gw_distribution_counts(light);
+	if (!has && (light->type == GW_LIGHT_DISC || light->type == GW_LIGHT_RECTANGLE)) {
 		const double *d = light->direction;
 		double along = d[0] * (double)way.x + d[1] * (double)way.y + d[2] * (double)way.z;
 		return (float)fmax(along / length_of(d), 0.0);
 	}
-	if (light->type != GW_LIGHT_POINT || !light->distribution)
+	if (!has)
 		return 1.0f;
 	gw_distribution_frame(light, &axis, &across);
 	gw_vec3 up = { across.y * axis.z - across.z * axis.y, across.z * axis.x - across.x * axis.z,

@@ -21,6 +21,9 @@ bool gw_light_shines(const gw_light *light);
  * count from, both unit. */
 void gw_distribution_frame(const gw_light *light, gw_vec3 *axis, gw_vec3 *across);
 
+/* Whether a light has one, and is of a type that can. */
+bool gw_distribution_counts(const gw_light *light);
+
 /* How many numbers a light's distribution has; 0: it has none. */
 size_t gw_distribution_length(const gw_light *light);
 

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Points whose ways to the lamps are looked at. */
+/* Lit points whose ways to the lamps are looked at. */
 #define LAMP_POINTS 512u
 
 /* Directions in which it is looked where a lamp's light goes. */
@@ -37,7 +37,9 @@ typedef struct work {
 	double contrast; /* of reflected light: root mean square over mean */
 	double lost;     /* of the light that lamps send: is as likely to be missing */
 	bool guessed;    /* gaps are holes, which may as well be windows */
-	bool sky_shines; /* through some of them, so that they are */
+	bool sky_shines; /* through some of them, so that one of them is */
+	/* Light of suns through gaps, reflected once, and its square: means over the points. */
+	double passing, passing_square;
 } work;
 
 static const double reciprocal_pi = 0.31830988618379067;
@@ -121,6 +123,32 @@ static double reflections(const work *w)
 	return limit == GW_BOUNCES_AUTO ? 1.0 / (1.0 - kept) : (1.0 - pow(kept, limit)) / (1.0 - kept);
 }
 
+/* Each of so many holes is as likely a window as none, but where light comes through them one of
+ * them has to be: somebody set up that light to be seen. */
+static double chance_of_none(uint32_t holes)
+{
+	double none = ldexp(1.0, -(int)(holes < 64 ? holes : 64));
+	return holes > 0 ? (0.5 - none) / (1.0 - none) : 0.0;
+}
+
+/* Light of the sky through holes, and what its rays bring of others, is wrong where they are none;
+ * that each is none by itself makes their sum surer. Held against the mean that is likely then. */
+static double doubt_of_windows(const work *w)
+{
+	double none = chance_of_none(w->task->space->holes), mean = w->passing;
+	double square = w->passing_square;
+	for (size_t r = 0; r < w->task->on.records->count && w->task->options->gaps == GW_GAPS_OPEN;
+		 r++) {
+		double sky = gw_luminance(w->task->gap[r].sky);
+		mean += w->mean[r] * sky;
+		square += w->square[r] * sky * sky;
+	}
+	double part = none * none + none * (1.0 - none) / w->task->space->holes;
+	double single = fmax(none * square - part * mean * mean, 0.0);
+	double lost = fmin(reflections(w) * mean / w->radiance, 1.0);
+	return hypot(sqrt(part) * lost, sqrt(single) / w->radiance) / (1.0 - none * lost);
+}
+
 static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate *estimate)
 {
 	double sky = 0.0, through = 0.0, black = 0.0, bright = 0.0, mean = 0.0, square = 0.0;
@@ -149,6 +177,8 @@ static void sum_records(const work *w, gw_gap_report *report, gw_error_estimate 
 	report->black = fmax(1.0 + more * black, 0.0);
 	report->bright = fmax(1.0 + more * bright, 0.0);
 	estimate->gaps = hypot(w->contrast * (more * mean + missing), sqrt(single) / w->radiance);
+	if (w->guessed)
+		estimate->gaps = hypot(estimate->gaps, doubt_of_windows(w));
 }
 
 /* -------------------------------------------------------------------------------------- lamps */
@@ -170,24 +200,52 @@ static double lamp_at(const work *w, const gw_lamp *lamp, size_t surfel, bool *p
 	return light;
 }
 
-static double share_of_lamps(const work *w, const gw_lamp *lamp, size_t lamps)
+/* Share of what lamps send to a surfel that passes gaps; of suns, which shine from outside, goes to
+ * *of_suns. */
+static double share_passing(const work *w, const gw_lamp *lamp, size_t lamps, size_t surfel,
+							double *of_suns)
+{
+	double all = 0.0, passing = 0.0, suns = 0.0;
+	for (size_t l = 0; l < lamps; l++) {
+		bool passes;
+		double light = lamp_at(w, &lamp[l], surfel, &passes);
+		all += light;
+		passing += passes ? light : 0.0;
+		suns += passes && lamp[l].push.type == GW_PUSH_SUN ? light : 0.0;
+	}
+	*of_suns = all > 0.0 ? suns / all : 0.0;
+	return all > 0.0 ? passing / all : 0.0;
+}
+
+static double radiance_of_lamps(const work *w, size_t surfel)
 {
 	const gw_gap_error_task *t = w->task;
-	const gw_surfels *s = t->surfels;
-	size_t step = s->count / LAMP_POINTS + 1;
-	double sum = 0.0, through = 0.0;
-	for (size_t i = 0; i < s->count; i += step) {
-		double found = gw_luminance(s->albedo + 3 * i) * gw_luminance(t->direct + 4 * i);
-		double all = 0.0, passing = 0.0;
-		for (size_t l = 0; l < lamps && found > 0.0; l++) {
-			bool passes;
-			double light = lamp_at(w, &lamp[l], i, &passes);
-			all += light;
-			passing += passes ? light : 0.0;
-		}
+	double light = gw_luminance(t->direct + 4 * surfel);
+	return reciprocal_pi * gw_luminance(t->surfels->albedo + 3 * surfel) * light;
+}
+
+/* Spots of sun are small, so that it is looked at lit points alone. Returns the share of the light
+ * of all lamps that passes gaps. */
+static double add_passing(work *w, const gw_lamp *lamp, size_t lamps)
+{
+	size_t count = w->task->surfels->count, lit = 0, number = 0, looked = 0;
+	double sum = 0.0, through = 0.0, of_suns;
+	for (size_t i = 0; i < count; i++)
+		lit += radiance_of_lamps(w, i) > 0.0;
+	size_t step = lit / LAMP_POINTS + 1;
+	for (size_t i = 0; i < count; i++) {
+		double found = radiance_of_lamps(w, i);
+		if (!(found > 0.0) || number++ % step > 0)
+			continue;
 		sum += found;
-		through += all > 0.0 ? found * passing / all : 0.0;
+		through += found * share_passing(w, lamp, lamps, i, &of_suns);
+		w->passing += found * of_suns;
+		w->passing_square += found * of_suns * found * of_suns;
+		looked++;
 	}
+	double each = looked > 0 ? (double)lit / (double)looked / (double)count : 0.0;
+	w->passing *= each;
+	w->passing_square *= each;
 	return sum > 0.0 ? through / sum : 0.0;
 }
 
@@ -254,7 +312,7 @@ static gw_status follow_lamps(work *w, gw_error *error)
 	return GW_OK;
 }
 
-static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *error)
+static gw_status look_at_lamps(work *w, gw_gap_report *report, gw_error *error)
 {
 	const gw_gap_error_task *t = w->task;
 	size_t lamps = 0;
@@ -266,13 +324,17 @@ static gw_status look_at_lamps(const work *w, gw_gap_report *report, gw_error *e
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
 			lamp[lamps++] = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
-	report->lamps = share_of_lamps(w, lamp, lamps);
-	/* Of black gaps, and of bright ones, no lamp shines through. */
+	report->lamps = add_passing(w, lamp, lamps);
+	free(lamp);
+	return GW_OK;
+}
+
+/* Of black gaps, and of bright ones, no lamp shines through. */
+static void take_lamps_off(const work *w, gw_gap_report *report)
+{
 	double lost = w->radiance > 0.0 ? reflections(w) * report->lamps * w->shone / w->radiance : 0.0;
 	report->black = fmax(report->black - lost, 0.0);
 	report->bright = fmax(report->bright - lost, 0.0);
-	free(lamp);
-	return GW_OK;
 }
 
 gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
@@ -297,10 +359,12 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 		weigh(&w);
 		status = follow_lamps(&w, error);
 	}
+	if (status == GW_OK)
+		status = look_at_lamps(&w, report, error);
 	if (status == GW_OK && w.radiance > 0.0)
 		sum_records(&w, report, estimate);
 	if (status == GW_OK)
-		status = look_at_lamps(&w, report, error);
+		take_lamps_off(&w, report);
 	estimate->relative_rms = hypot(estimate->relative_rms, estimate->gaps);
 	free(room);
 	return status;

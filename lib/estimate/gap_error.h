@@ -11,7 +11,10 @@
  * there to shine, nobody knows whether that is a window or a surface that sent nothing back. As one
  * is as likely as the other, the error is sqrt(1/2) of what a surface would bring.
  *
- * The same holds for gaps where no scanner is known, which are holes of the surface.
+ * The same holds for gaps where no scanner is known, which are holes of the surface. Where a sky
+ * shines through them, one of them at least is a window: with k of them each is none with a
+ * probability of (1/2 - 2^-k) / (1 - 2^-k), and then what comes through it, from sky, lamps and
+ * suns, should not be there.
  *
  * What a lamp sends to such places is missing in all that is reflected. No point would tell, so
  * rays go out from the lamps, through the points' discs (check_discs.h).

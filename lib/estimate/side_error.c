@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/shared_math.h"
 #include "estimate/check_point_choice.h"
+#include "estimate/side_pieces.h"
 #include "light/direct_light.h"
 #include "light/shader_functions.h"
 
@@ -41,6 +42,9 @@
  * logarithm of a factor. */
 #define SEEN_ODDS 6.0
 
+/* Pieces of surface are not asked for where a smaller share of the points is likely to be wrong. */
+#define WRONG_LEAST 5e-4
+
 /* Where no ray differs there may still be one in so many. */
 #define SHARE_LEAST 1e-6
 
@@ -63,6 +67,7 @@ typedef struct check {
 	uint32_t step;    /* one of so many of them is looked at */
 	side (*found)[2]; /* choice.count: front, back; all 0 where nobody looked */
 	double *value[2]; /* choice.count: see below */
+	double *wrong;    /* choice.count: probability that a point faces the wrong way */
 	atomic_bool stopped;
 } check;
 
@@ -272,23 +277,91 @@ static void list_unknown(check *c, size_t i, double p)
 	c->value[1][i] = (1.0 - p) * off[0][0] * off[0][1] + p * off[1][0] * off[1][1];
 }
 
+static bool is_unknown(const check *c, size_t i)
+{
+	return c->task->surfels->two_sided[c->choice.point[i]];
+}
+
 /* What each point is off by, and its square without noise, on average; returns the share of points
  * that face the wrong way. */
-static double list_errors(check *c, double w)
+static double list_errors(check *c)
 {
 	double wrong = 0.0;
 	for (size_t i = 0; i < c->choice.count; i++) {
 		const side *of = c->found[i];
-		bool unknown = c->task->surfels->two_sided[c->choice.point[i]];
-		double p = probability(c, of, unknown, w);
+		double p = c->wrong[i];
 		double more[2] = { of[1].light[0] - of[0].light[0], of[1].light[1] - of[0].light[1] };
-		wrong += c->choice.weight[i] * (unknown ? fmin(p, 1.0 - p) : p);
+		wrong += c->choice.weight[i] * (is_unknown(c, i) ? fmin(p, 1.0 - p) : p);
 		c->value[0][i] = p * (more[0] + more[1]);
 		c->value[1][i] = p * 4.0 * more[0] * more[1];
-		if (unknown)
+		if (is_unknown(c, i))
 			list_unknown(c, i, p);
 	}
 	return wrong;
+}
+
+/* ------------------------------------------------------------------------------------- pieces */
+
+/* What the points of a piece of surface say together. */
+typedef struct opinion {
+	double differs, all; /* rays */
+	double wrong, points;
+} opinion;
+
+static void add_opinion(const check *c, size_t i, opinion *to)
+{
+	const side *of = c->found[i];
+	to->all += of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
+	to->differs += of[0].differs + of[1].differs;
+	to->wrong += c->wrong[i];
+	to->points += 1.0;
+}
+
+/* By what is wrong of a piece at most, over what its points say one by one. As w of all points are
+ * wrong, of a piece with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ. */
+static double part_of(const opinion *piece, double w)
+{
+	double differs = piece->all > 0.0 ? piece->differs / piece->all : 1.0;
+	double most = fmin(fmax((differs - w) / fmax(1.0 - 2.0 * w, SHARE_LEAST), 0.0), 1.0);
+	return piece->wrong > 0.0 ? fmin(most * piece->points / piece->wrong, 1.0) : 1.0;
+}
+
+/* Where a few points of a piece see backs and the others do not, something is missing elsewhere,
+ * as the underside of what stands on a floor. */
+static void limit_by_pieces(check *c, const uint32_t *piece, opinion *said, double w)
+{
+	for (size_t i = 0; i < c->choice.count; i++)
+		if (!is_unknown(c, i))
+			add_opinion(c, i, &said[piece[c->choice.point[i]]]);
+	for (size_t i = 0; i < c->choice.count; i++)
+		if (!is_unknown(c, i))
+			c->wrong[i] *= part_of(&said[piece[c->choice.point[i]]], w);
+}
+
+static gw_status ask_pieces(check *c, double w, gw_error *error)
+{
+	size_t count = c->task->surfels->count;
+	uint32_t *piece = gw_allocate_array(count, sizeof *piece);
+	opinion *said = gw_allocate_zeros(count, sizeof *said);
+	gw_status status =
+		piece && said
+			? gw_side_pieces_find(c->task->surfels, c->task->threads, piece, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for pieces of %zu points", count);
+	if (status == GW_OK)
+		limit_by_pieces(c, piece, said, w);
+	free(piece);
+	free(said);
+	return status;
+}
+
+static gw_status find_wrong(check *c, gw_error *error)
+{
+	double w = share_wrong(share_differing(c)), wrong = 0.0;
+	for (size_t i = 0; i < c->choice.count; i++) {
+		c->wrong[i] = probability(c, c->found[i], is_unknown(c, i), w);
+		wrong += is_unknown(c, i) ? 0.0 : c->choice.weight[i] * c->wrong[i];
+	}
+	return wrong > WRONG_LEAST ? ask_pieces(c, w, error) : GW_OK;
 }
 
 /* What is off on average is so in each reflection: 1 + kept + kept^2 and so on. */
@@ -305,7 +378,7 @@ static double reflections(const check *c)
 
 static void conclude(check *c, gw_side_finding *found)
 {
-	found->share = list_errors(c, share_wrong(share_differing(c)));
+	found->share = list_errors(c);
 	gw_check_point_mean off = gw_check_point_average(&c->choice, c->value[0]);
 	gw_check_point_mean square = gw_check_point_average(&c->choice, c->value[1]);
 	double single = fmax(square.mean - off.mean * off.mean, 0.0);
@@ -348,7 +421,7 @@ static bool any_unknown(const check *c)
 {
 	bool any = false;
 	for (size_t i = 0; i < c->choice.count && !any; i++)
-		any = c->task->surfels->two_sided[c->choice.point[i]];
+		any = is_unknown(c, i);
 	return any;
 }
 
@@ -362,9 +435,11 @@ static gw_status look_and_conclude(check *c, gw_side_finding *found, gw_error *e
 	if (status != GW_OK || (sure && (share_of_rays(c) < SUSPECT || share_differing(c) > SHEETS)))
 		return status;
 	status = look_at(c, 1, error);
-	if (status == GW_OK && (share_differing(c) > 0.0 || any_unknown(c)))
-		conclude(c, found);
-	return status;
+	if (status != GW_OK || !(share_differing(c) > 0.0 || any_unknown(c)))
+		return status;
+	GW_TRY(find_wrong(c, error));
+	conclude(c, found);
+	return GW_OK;
 }
 
 gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_error *error)
@@ -375,8 +450,9 @@ gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_err
 	uint32_t count = c.choice.count;
 	c.lamp = gw_allocate_array(task->light_count + 1, sizeof *c.lamp);
 	c.found = gw_allocate_zeros(count + 1, sizeof *c.found);
-	c.value[0] = gw_allocate_array(count + 1, 2 * sizeof *c.value[0]);
+	c.value[0] = gw_allocate_array(count + 1, 3 * sizeof *c.value[0]);
 	c.value[1] = c.value[0] ? c.value[0] + count : NULL;
+	c.wrong = c.value[0] ? c.value[0] + 2 * (size_t)count : NULL;
 	if (status == GW_OK && (!c.lamp || !c.found || !c.value[0]))
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to look from %u points", count);
 	if (status == GW_OK && count > 1) {

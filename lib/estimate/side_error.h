@@ -7,6 +7,10 @@
  * go out on both sides, through the points' discs by themselves (check_discs.h). A ray that leaves
  * a front and meets a back, or the other way round, says that one of the two points is wrong.
  *
+ * A ray may also meet a back because the front above it was not scanned, as through the underside
+ * of what stands on a floor. Then the points beside know better: of a smooth piece of surface
+ * (side_pieces.h) no more points are wrong than all of its rays together say.
+ *
  * If a share w of the points is wrong wherever they are, a share 2 w (1 - w) of all rays says so,
  * which gives w. A point is wrong with a probability that puts together w and what its own rays
  * say. What that costs is the difference between the light of its two sides, both found by the same

@@ -73,9 +73,10 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 							 "give degrees from 0 to the outer angle", error);
 		GW_TRY(check_direction(index, light, error));
 	}
-	if (light->type == GW_LIGHT_POINT && light->distribution && gw_distribution_fault(light))
-		return gw_fail(error, GW_ERROR_USAGE, "light %zu (point%s%s): %s", index + 1,
-					   light->name[0] ? " " : "", light->name, gw_distribution_fault(light));
+	if (gw_distribution_counts(light) && gw_distribution_fault(light))
+		return gw_fail(error, GW_ERROR_USAGE, "light %zu (%s%s%s): %s", index + 1,
+					   gw_light_type_name(light->type), light->name[0] ? " " : "", light->name,
+					   gw_distribution_fault(light));
 	return check_color(index, light, "intensity", light->intensity, error);
 }
 
@@ -180,7 +181,7 @@ static void put_area(const gw_light *light, double cell, gw_light_push *push)
 		push->across =
 			(vec4){ along.x, along.y, along.z, (float)(0.5 * (double)light->size[0] / cell) };
 		push->half_height = (float)(0.5 * (double)light->size[1] / cell);
-	} else if (light->type == GW_LIGHT_DISC) {
+	} else if (light->type == GW_LIGHT_DISC && push->verticals == 0) {
 		gw_tangent_frame(direction, across, other);
 		push->across = (vec4){ across[0], across[1], across[2], 0.0f };
 	}
@@ -216,7 +217,7 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 							 (float)((double)power[2] * unit), 0.0f };
 	if ((sun && light->angle > 0.0f) || (!sun && light->radius > 0.0f))
 		push.samples = PENUMBRA_RAYS;
-	if (light->type == GW_LIGHT_POINT && light->distribution)
+	if (gw_distribution_counts(light))
 		put_distribution(light, &push);
 	if (push.type >= GW_PUSH_SPHERE)
 		put_area(light, cell, &push);
@@ -251,7 +252,9 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 			memcpy(chunk + 4 * i, own + 3 * s, 3 * sizeof *chunk);
 			if (off)
 				gw_normal_turn(surfels, s, chunk + 4 * i);
-			chunk[4 * i + 3] = surfels->two_sided[s] == 1 ? 1.0f : 0.0f;
+			chunk[4 * i + 3] =
+				(surfels->two_sided[s] == 1 || surfels->two_sided[s] == GW_SIDE_FOLIAGE) ? 1.0f
+																						 : 0.0f;
 		}
 		status =
 			gw_buffer_upload(gpu, normal, 16 * (uint64_t)first, chunk, 16 * (uint64_t)count, error);

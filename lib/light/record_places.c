@@ -158,7 +158,7 @@ static size_t list_darts(const gw_place_task *task, dart *darts)
 			continue;
 		uint64_t turn = turn_of(task->centre, task->plane, slot, task->seed);
 		darts[count++] = (dart){ turn, (uint32_t)slot };
-		if (task->albedo && task->albedo[4 * slot + 3] >= GW_FACET_UNCLEAR)
+		if (task->albedo && floorf(task->albedo[4 * slot + 3]) == GW_FACET_UNCLEAR)
 			darts[count++] = (dart){ turn, (uint32_t)slot | GW_RECORD_BACK };
 	}
 	return count;

@@ -3,8 +3,9 @@
  *
  * First each surfel by itself: a step along its normal, out of the cells of its own surface, that
  * goes behind no other surface on the way. In creases such steps find nothing, and noise puts
- * single surfels behind their own wall; so then all surfels decide together with those beside them
- * that face about the same way. What is still not known learns it from what lies in front of it.
+ * single surfels behind their own wall or beyond its edge; so then all surfels decide together with
+ * those beside them on the same sheet. What is still not known learns it from what lies in front of
+ * it.
  */
 #include "octree/compartments_steps.h"
 
@@ -35,15 +36,21 @@
 /* Leaf cells: how far noise may put one of two surfels behind the other that it sees. */
 #define BEHIND_MOST 0.25f
 
-/* How often surfels ask others; in all but the first only those that are not known yet. */
-#define ROUNDS 5
+/* And how far from its sheet. */
+#define SHEET_MOST 1.5f
+
+/* How often surfels ask others; but for the first ones only those that are not known yet. */
+#define SHEET_ROUNDS 3
+#define ROUNDS 7
 
 #define CHUNK 4096u
 #define LABELS 6u /* of which one is chosen */
 
-/* Whom places ask: surfels of their cell that face like them; and for those that are not known
- * then, of the cells around as well those that they see, or all, if these are of one opinion. */
-enum asking { THOSE_ALIKE, THOSE_IN_SIGHT, ALL_NEAR };
+/* Whom places ask. At first all surfels ask those around them on their sheet, not themselves: where
+ * noise puts one beyond the edge of its wall, it looks past the next one. Other places ask those of
+ * their cell that face like them. What is not known then asks of the cells around as well those
+ * that it sees, or all, if these are of one opinion. */
+enum asking { SAME_SHEET, THOSE_ALIKE, THOSE_IN_SIGHT, ALL_NEAR };
 
 typedef struct sight {
 	gw_compartments *c;
@@ -90,19 +97,26 @@ static void cell_of(const float place[3], int32_t cell[3])
 		cell[k] = (int32_t)fminf(fmaxf(floorf(place[k]), CELL_LEAST), CELL_MOST);
 }
 
-/* Does a place lie behind surface in a cell, other than that which faces along a normal? */
-static bool is_behind(const sight *s, const int32_t cell[3], const float normal[3],
-					  const float place[3])
+/* Cosine between normals of the two sides of a wall. */
+#define OPPOSITE (-0.7f)
+
+/* Does a step along a normal go behind surface in a cell, other than that which faces the same
+ * way? The other side of its own wall it is behind from the beginning. */
+static bool goes_behind(const sight *s, const int32_t cell[3], const float normal[3],
+						const float from[3], const float to[3])
 {
 	uint32_t leaf = leaf_of(s, cell);
 	if (leaf == GW_WALL)
 		return false;
 	for (uint32_t slot = 2 * leaf; slot < 2 * leaf + 2; slot++) {
 		const float *plane = s->plane + 4 * (size_t)slot;
-		float off[3];
-		for (int k = 0; k < 3; k++)
-			off[k] = place[k] - (float)cell[k] - 0.5f;
-		if (dot(plane, plane) > 0.5f && dot(plane, normal) < 0.7f && dot(plane, off) < plane[3])
+		float before[3], after[3], facing = dot(plane, normal);
+		for (int k = 0; k < 3; k++) {
+			before[k] = from[k] - (float)cell[k] - 0.5f;
+			after[k] = to[k] - (float)cell[k] - 0.5f;
+		}
+		bool apart = facing > OPPOSITE || dot(plane, before) >= plane[3];
+		if (dot(plane, plane) > 0.5f && facing < 0.7f && apart && dot(plane, after) < plane[3])
 			return true;
 	}
 	return false;
@@ -128,7 +142,7 @@ static uint32_t look_along(const sight *s, const float from[3], const float norm
 		for (int j = 0; j < i; j++) {
 			step_along(from, normal, step * (float)j, passed);
 			cell_of(passed, cell);
-			if (is_behind(s, cell, normal, place))
+			if (goes_behind(s, cell, normal, from, place))
 				return GW_COMPARTMENT_UNKNOWN;
 		}
 		return label;
@@ -191,6 +205,13 @@ static bool see_each_other(const float p[3], const float n[3], const float q[3],
 	return dot(n, m) > -ALIKE && dot(way, n) > -BEHIND_MOST && dot(way, m) < BEHIND_MOST;
 }
 
+/* Do two places lie on the same sheet of surface, as far as noise lets tell? */
+static bool same_sheet(const float p[3], const float n[3], const float q[3], const float m[3])
+{
+	const float way[3] = { q[0] - p[0], q[1] - p[1], q[2] - p[2] };
+	return dot(n, m) > ALIKE && fabsf(dot(way, n)) < SHEET_MOST;
+}
+
 /* Adds what the surfels of a cell say of a place. */
 static void ask_cell(const sight *s, const int32_t cell[3], const float place[3],
 					 const float normal[3], int side, votes *v)
@@ -201,7 +222,8 @@ static void ask_cell(const sight *s, const int32_t cell[3], const float place[3]
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
 		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
-		bool asked = s->asking == THOSE_ALIKE ? dot(normal, m) > ALIKE
+		bool asked = s->asking == THOSE_ALIKE  ? dot(normal, m) > ALIKE
+					 : s->asking == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)
 					 : s->asking == THOSE_IN_SIGHT
 						 ? side == 0 && see_each_other(place, normal, q, m)
 						 : side == 0;
@@ -233,10 +255,10 @@ static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 	for (size_t i = first; i < last; i++) {
 		for (int side = 0; side < 2; side++) {
 			uint32_t own = s->known[2 * i + (size_t)side];
-			bool ask = s->asking == THOSE_ALIKE || own == GW_COMPARTMENT_UNKNOWN;
+			bool ask = s->asking == SAME_SHEET || own == GW_COMPARTMENT_UNKNOWN;
 			ask = ask && (side == 0 || s->normal[4 * i + 3] > 0.5f);
-			s->to[2 * i + (size_t)side] =
-				ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
+			uint32_t told = ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
+			s->to[2 * i + (size_t)side] = told == GW_COMPARTMENT_UNKNOWN ? own : told;
 		}
 	}
 }
@@ -286,7 +308,9 @@ static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *side
 	for (int round = 0; round<ROUNDS && * several> 1; round++) {
 		s->known = sides;
 		s->to = other;
-		s->asking = round == 0 ? THOSE_ALIKE : round < ROUNDS - 1 ? THOSE_IN_SIGHT : ALL_NEAR;
+		s->asking = round < SHEET_ROUNDS ? SAME_SHEET
+					: round < ROUNDS - 1 ? THOSE_IN_SIGHT
+										 : ALL_NEAR;
 		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
 		memcpy(sides, other, 2 * surfels * sizeof *sides);
 	}
@@ -372,7 +396,7 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 		s.known = octree->compartments->sides;
 		for (size_t i = 0; i < count; i++) {
 			label[i] = GW_COMPARTMENT_UNKNOWN;
-			for (int a = 0; a < 3 && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
+			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.asking = (enum asking)a;
 				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
 			}

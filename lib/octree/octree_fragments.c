@@ -5,7 +5,9 @@
 #include "octree/octree_steps.h"
 
 #include "base/memory.h"
+#include "octree/trace_constants.h"
 
+#include <assert.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -59,9 +61,10 @@ static void choose_cube(const gw_surfels *surfels, double leaf_size, gw_octree *
 /* What a surfel's normal carries besides: gw_octree.surfel_normal. */
 static float mark_of(const gw_surfels *s, size_t i)
 {
-	static const float of_sides[4] = { 0, 1, GW_MARK_UNCLEAR, GW_MARK_BACK };
+	static const float of_sides[] = { 0, 1, GW_MARK_UNCLEAR, GW_MARK_BACK, GW_MARK_FOLIAGE };
+	assert(GW_FOLIAGE_TRANSPARENCY == GW_FOLIAGE_CLEAR);
 	if (s->two_sided[i])
-		return of_sides[s->two_sided[i] & 3];
+		return of_sides[s->two_sided[i] % (sizeof of_sides / sizeof *of_sides)];
 	return s->creased && s->creased[i] ? GW_MARK_CREASED : 0;
 }
 

@@ -117,6 +117,9 @@ static void free_scratch(gw_raster_scratch *scratch, uint32_t threads)
 		free(scratch[t].far);
 		free(scratch[t].entry);
 		free(scratch[t].order);
+		free(scratch[t].left);
+		free(scratch[t].start);
+		free(scratch[t].blend);
 	}
 	free(scratch);
 }
@@ -141,12 +144,18 @@ static gw_raster_scratch *make_scratch(const gw_raster_view *v, size_t longest, 
 	for (uint32_t t = 0; t < threads && good; t++) {
 		gw_raster_scratch *s = scratch + t;
 		for (int l = 0; l < 2 && good; l++)
-			good = make_layer(s->layer + l, samples, 4u + v->scene->channel_count,
+			good = make_layer(s->layer + l, samples, GW_RASTER_FIXED + v->scene->channel_count,
 							  v->scene->discs.glows != NULL);
 		s->floor = gw_allocate_array(samples, sizeof *s->floor);
 		s->far = gw_allocate_array(blocks, sizeof *s->far);
 		s->entry = gw_allocate_array(longest, sizeof *s->entry);
 		s->order = gw_allocate_array(longest, sizeof *s->order);
+		if (v->scene->discs.transparency) {
+			s->left = gw_allocate_array(samples, sizeof *s->left);
+			s->start = gw_allocate_array(samples, sizeof *s->start);
+			s->blend = gw_allocate_array(samples, (1u + v->scene->channel_count) * sizeof(float));
+			good = good && s->left && s->start && s->blend;
+		}
 		good = good && s->floor && s->far && s->entry && s->order;
 	}
 	if (good)

@@ -73,7 +73,7 @@ gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cove
 	for (size_t i = 0; i < pixels && good; i++) {
 		bool between = __builtin_popcount(above[i] & below[i]) >= LEAST_LINES;
 		unsigned covered = cover[i].sure + (between ? (unsigned)cover[i].beyond : 0u);
-		g->coverage[i] = (float)covered / (float)all;
+		g->coverage[i] *= (float)covered / (float)all;
 		if (covered == 0)
 			empty_pixel(g, i);
 	}

@@ -130,13 +130,16 @@ typedef struct gw_raster_entry {
 /* Samples a side of a block, of which the furthest depth is kept. */
 #define GW_RASTER_BLOCK 8u
 
+#define GW_RASTER_FIXED 5u /* floats of a sum before the channels: weight, normal, opacity */
+
 /* The surface that is seen at each sample of a tile. */
 typedef struct gw_raster_layer {
 	float *depth;  /* of the nearest; infinity */
 	uint32_t *id;  /* of the nearest */
 	float *normal; /* 3 a sample, of the nearest, in the camera's frame */
-	float *sum;  /* 4 + channel_count a sample: weight, and weighted sums of normal and channels */
-	float *glow; /* likewise of discs that glow, until one sum is chosen; NULL when none do */
+	float *sum;    /* GW_RASTER_FIXED + channel_count a sample: weight, and weighted sums of normal,
+					  opacity and channels */
+	float *glow;   /* likewise of discs that glow, until one sum is chosen; NULL when none do */
 } gw_raster_layer;
 
 /* A thread's memory while it draws a tile: tile * tile samples. */
@@ -146,6 +149,9 @@ typedef struct gw_raster_scratch {
 	float *far;               /* of each block, the furthest of its depths, or further */
 	gw_raster_entry *entry;   /* of the tile, then of the tile from near to far */
 	gw_raster_entry *order;
+	/* Only where discs let light through: of each sample, how much of what is behind is seen, from
+	 * which depth on; and opacity and channels of what is in front, blended. */
+	float *left, *start, *blend;
 } gw_raster_scratch;
 
 /* How many samples of a pixel are covered for sure, and how many more by what lies beyond edges at
@@ -154,15 +160,15 @@ typedef struct gw_raster_cover {
 	uint8_t sure, beyond;
 } gw_raster_cover;
 
-/* Draws one tile into the pixels of the G-buffer that it covers, all but their coverage.
+/* Draws one tile into the pixels of the G-buffer that it covers; their coverage is yet
+ * the opacity of what is covered.
  *   cover   of the whole picture, width * height */
 void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins, size_t tile,
 						 gw_raster_scratch *scratch, gw_raster_cover *cover, gw_gbuffer *gbuffer);
 
 /*
- * Once all tiles are there: decides which holes are closed, fills the coverage, and empties pixels
- * of which nothing is left.
- * Fails with GW_ERROR_MEMORY.
+ * Once all tiles are there: decides which holes are closed, completes the coverage, and empties
+ * pixels of which nothing is left. Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_raster_holes_close(const gw_raster_view *view, const gw_raster_cover *cover,
 								gw_gbuffer *gbuffer, gw_error *error);

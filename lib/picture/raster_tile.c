@@ -19,7 +19,11 @@
 #define BUCKETS 1024u /* of depth, into which a tile's primitives are sorted */
 #define BATCH 32u     /* primitives between two looks at how far a tile reaches */
 
-#define FIXED 4u /* floats of a sum before the channels: weight and normal */
+#define FIXED GW_RASTER_FIXED
+
+/* Of what lies behind, so little is not seen; and so many surfaces one behind the other at most. */
+#define LEFT_LEAST (1.0f / 256.0f)
+#define SURFACES_MOST 64
 
 /* One tile being drawn. */
 typedef struct tile_job {
@@ -149,9 +153,11 @@ static void add_disc(const tile_job *job, const gw_raster_shape *s, uint32_t id,
 {
 	uint32_t channels = job->view->scene->channel_count;
 	const float *channel = job->view->scene->discs.channel + (size_t)channels * id;
+	const float *clear = job->view->scene->discs.transparency;
 	sum[0] += weight;
 	for (int k = 0; k < 3; k++)
 		sum[1 + k] += weight * s->normal[k];
+	sum[4] += clear ? weight * (1.0f - clear[id]) : weight;
 	for (uint32_t c = 0; c < channels; c++)
 		sum[FIXED + c] += weight * channel[c];
 }
@@ -173,6 +179,7 @@ static void add_triangle(const tile_job *job, const gw_raster_shape *s, size_t t
 			sum[FIXED + c] += share * mesh->channel[channels * vertex + c];
 	}
 	gw_camera_turn(job->view->camera, world, turned);
+	sum[4] += weight;
 	for (int k = 0; k < 3; k++)
 		sum[1 + k] += mesh->normal ? (float)turned[k] : weight * s->normal[k];
 }
@@ -269,6 +276,7 @@ static void store_pixel(const gw_raster_view *view, const pixel_sum *pixel, gw_g
 	const float *n = pixel->normal;
 	float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 	float share = pixel->covered ? 1.0f / (float)pixel->covered : 0.0f;
+	g->coverage[at] = 1.0f;
 	g->depth[at] = pixel->depth;
 	g->facing[at] = share * pixel->facing;
 	g->id[at] = pixel->id;
@@ -399,15 +407,18 @@ static void draw_layer(tile_job *job, int layer, size_t count)
 	choose_glow(job);
 }
 
+/* Opens the first layer, behind what has been blended, where that lets anything be seen. */
 static void clear_first(const tile_job *job)
 {
-	const gw_raster_layer *layer = job->scratch->layer;
+	const gw_raster_scratch *scratch = job->scratch;
+	const gw_raster_layer *layer = scratch->layer;
 	size_t samples = (size_t)job->view->tile * job->view->tile;
 	size_t stride = FIXED + job->view->scene->channel_count;
 	for (size_t i = 0; i < samples; i++) {
-		layer->depth[i] = INFINITY;
+		bool open = !scratch->left || scratch->left[i] > LEFT_LEAST;
+		layer->depth[i] = open ? INFINITY : 0.0f;
 		layer->id[i] = GW_RASTER_NOTHING;
-		job->scratch->floor[i] = 0.0f;
+		scratch->floor[i] = scratch->start ? scratch->start[i] : 0.0f;
 	}
 	for (int l = 0; l < 2; l++) {
 		memset(layer[l].sum, 0, samples * stride * sizeof *layer->sum);
@@ -427,16 +438,115 @@ static bool clear_second(const tile_job *job)
 	bool any = false;
 	for (size_t i = 0; i < samples; i++) {
 		bool empty = first->id[i] == GW_RASTER_NOTHING;
-		bool open = empty || first->sum[i * stride] < SOLID;
+		bool closed = empty && first->depth[i] == 0.0f;
+		bool open = !closed && (empty || first->sum[i * stride] < SOLID);
 		any |= open;
 		second->depth[i] = open ? INFINITY : 0.0f;
 		second->id[i] = GW_RASTER_NOTHING;
-		job->scratch->floor[i] = empty ? 0.0f : first->depth[i];
+		float start = job->scratch->start ? job->scratch->start[i] : 0.0f;
+		job->scratch->floor[i] = empty ? start : first->depth[i];
 		if (open && first->id[i] < discs->count)
 			job->scratch->floor[i] +=
 				discs->radius[first->id[i]] * job->view->options->radius_scale;
 	}
 	return any;
+}
+
+static void draw_layers(tile_job *job, size_t count)
+{
+	clear_first(job);
+	draw_layer(job, 0, count);
+	if (clear_second(job))
+		draw_layer(job, 1, count);
+}
+
+/* ------------------------------------------------------------------- surface that is seen through
+ */
+
+static void clear_blend(const tile_job *job)
+{
+	const gw_raster_scratch *scratch = job->scratch;
+	size_t samples = (size_t)job->view->tile * job->view->tile;
+	for (size_t i = 0; i < samples; i++) {
+		scratch->left[i] = 1.0f;
+		scratch->start[i] = 0.0f;
+	}
+	memset(scratch->blend, 0, samples * (1 + job->view->scene->channel_count) * sizeof(float));
+}
+
+/* Behind which depth all is of another surface than the one that is nearest there. */
+static float end_of_surface(const tile_job *job, const gw_raster_layer *layer, size_t slot,
+							int32_t x, int32_t y)
+{
+	uint32_t id = layer->id[slot];
+	if (id >= job->view->scene->discs.count)
+		return layer->depth[slot];
+	const float *n = layer->normal + 3 * slot;
+	float slope =
+		fabsf(n[0] * gw_raster_ray_x(job->view, x) + n[1] * gw_raster_ray_y(job->view, y) + n[2]);
+	float tolerance = gw_raster_tolerance(job->view, id);
+	return layer->depth[slot] + fminf(DEEPEST * tolerance, tolerance / fmaxf(slope, 1e-6f));
+}
+
+/* Puts what is shown at a sample behind what has been blended there; false when nothing behind that
+ * can be seen. What lies beyond edges is there for holes in what is solid. */
+static bool blend_sample(const tile_job *job, int32_t x, int32_t y)
+{
+	const gw_raster_scratch *scratch = job->scratch;
+	uint32_t channels = job->view->scene->channel_count;
+	size_t slot = slot_of(job, x, y);
+	shown_layer shown = choose_layer(job, slot);
+	float *left = scratch->left + slot, *blend = scratch->blend + slot * (1 + channels);
+	if (!(*left > LEFT_LEAST) || shown == SHOWN_NOTHING || shown == SHOWN_BEYOND) {
+		*left = 0.0f;
+		return false;
+	}
+	const gw_raster_layer *layer = scratch->layer + (shown != SHOWN_FIRST);
+	const float *sum = layer->sum + slot * (FIXED + channels);
+	float opacity = fminf(sum[4] / sum[0], 1.0f);
+	blend[0] += *left * opacity;
+	for (uint32_t c = 0; c < channels; c++)
+		blend[1 + c] += *left * opacity * sum[FIXED + c] / sum[0];
+	*left *= 1.0f - opacity;
+	scratch->start[slot] = end_of_surface(job, layer, slot, x, y);
+	return *left > LEFT_LEAST;
+}
+
+/* The same of all samples; false when none is left. */
+static bool blend_layers(const tile_job *job)
+{
+	bool any = false;
+	for (int32_t y = job->y0; y <= job->y1; y++)
+		for (int32_t x = job->x0; x <= job->x1; x++)
+			any |= blend_sample(job, x, y);
+	return any;
+}
+
+/* Channels and opacity of a pixel, from the samples where anything is. */
+static void resolve_blend_pixel(const tile_job *job, int32_t x, int32_t y, gw_gbuffer *g)
+{
+	uint32_t channels = g->channel_count;
+	int32_t samples = (int32_t)job->view->options->samples;
+	size_t at = (size_t)(y / samples) * g->width + (size_t)(x / samples);
+	float sum[1 + GW_RASTER_CHANNELS_MAX] = { 0.0f };
+	for (int32_t i = 0; i < samples * samples; i++) {
+		size_t slot = slot_of(job, x + i % samples, y + i / samples);
+		for (uint32_t c = 0; c <= channels; c++)
+			sum[c] += job->scratch->blend[slot * (1 + channels) + c];
+	}
+	if (!(sum[0] > 0.0f))
+		return;
+	for (uint32_t c = 0; c < channels; c++)
+		g->channel[channels * at + c] = sum[1 + c] / sum[0];
+	g->coverage[at] = fminf(sum[0] / (float)job->cover[at].sure, 1.0f);
+}
+
+static void resolve_blend(const tile_job *job, gw_gbuffer *g)
+{
+	int32_t samples = (int32_t)job->view->options->samples;
+	for (int32_t y = job->y0; y <= job->y1; y += samples)
+		for (int32_t x = job->x0; x <= job->x1; x += samples)
+			resolve_blend_pixel(job, x, y, g);
 }
 
 void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins, size_t tile,
@@ -454,10 +564,14 @@ void gw_raster_tile_draw(const gw_raster_view *view, const gw_raster_bins *bins,
 					 .x1 = (int32_t)right - 1,
 					 .y0 = (int32_t)top,
 					 .y1 = (int32_t)bottom - 1 };
-	clear_first(&job);
+	if (scratch->left)
+		clear_blend(&job);
 	size_t count = sort_primitives(&job, bins, tile);
-	draw_layer(&job, 0, count);
-	if (clear_second(&job))
-		draw_layer(&job, 1, count);
+	draw_layers(&job, count);
 	resolve(&job, gbuffer);
+	if (!scratch->left)
+		return;
+	for (int surface = 1; blend_layers(&job) && surface < SURFACES_MOST; surface++)
+		draw_layers(&job, count);
+	resolve_blend(&job, gbuffer);
 }

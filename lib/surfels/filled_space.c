@@ -2,6 +2,7 @@
 #include "surfels/filled_space.h"
 
 #include "base/memory.h"
+#include "surfels/beam_area.h"
 #include "surfels/surfel_plane.h"
 
 #include <math.h>
@@ -14,6 +15,9 @@
  */
 #define FILLED 0.15f
 
+/* The same of points behind most of which a beam went on: that happens to few on surfaces. */
+#define SPLIT 0.05f
+
 /* Where those that face the same way lie in a plane all the same, there is a surface and others
  * near it: so far they may be from it, RMS, of the distance to the furthest neighbour. */
 #define IN_PLANE 0.06
@@ -22,14 +26,18 @@
 #define RADIUS 0.5f
 #define RANK 3
 
+/* Foliage has more neighbours that fill space, too, than this share of them. */
+#define FOLIAGE 0.7f
+
 /* A disc of random direction shows half of its area, a thing as much from everywhere; but the
  * discs of most face the scanner or lie as their thing does. */
 #define TURNED 1.5
 
 typedef struct filled_step {
 	const gw_surfels *surfels;
-	float *thickness; /* count */
-	uint8_t *filled;
+	float *thickness;   /* count */
+	const float *share; /* count or NULL, of the beams that stopped */
+	uint8_t *filled, *foliage;
 } filled_step;
 
 /* Sums of squares and products of the neighbours' offsets from their middle, the surfel's too. */
@@ -102,6 +110,21 @@ static bool lies_in_plane(const gw_surfels *s, size_t surfel, const gw_neighbour
 	return count >= 3 && squares / n - sum * sum / (n * n) < IN_PLANE * IN_PLANE * reach * reach;
 }
 
+/* Beams went on behind most of those around, and these lie in no plane. */
+static void judge_beams(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const filled_step *step = user;
+	uint32_t split = step->share[surfel] < 1.0f;
+	float sum = step->thickness[surfel];
+	for (uint32_t j = 0; j < list->count; j++) {
+		split += step->share[list->index[j]] < 1.0f;
+		sum += step->thickness[list->index[j]];
+	}
+	if (list->count == GW_NEIGHBOURS && 2 * split > list->count + 1 &&
+		sum > SPLIT * (float)(list->count + 1))
+		step->filled[surfel] = step->foliage[surfel] = 1;
+}
+
 static void judge(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const filled_step *step = user;
@@ -111,6 +134,16 @@ static void judge(void *user, size_t surfel, const gw_neighbour_list *list)
 	step->filled[surfel] = list->count == GW_NEIGHBOURS &&
 						   sum > FILLED * (float)(list->count + 1) &&
 						   !lies_in_plane(step->surfels, surfel, list);
+}
+
+/* Noise of a surface may look like a filled space here and there. */
+static void judge_around(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const filled_step *step = user;
+	uint32_t filled = 0;
+	for (uint32_t j = 0; j < list->count; j++)
+		filled += step->filled[list->index[j]];
+	step->foliage[surfel] |= step->filled[surfel] && (float)filled > FOLIAGE * (float)list->count;
 }
 
 /* What each surfel is by itself, if it is a thing. */
@@ -174,9 +207,31 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 	return status;
 }
 
+/* Finds more of them, and what each covers: half of their area shows from everywhere. */
+static gw_status look_at_beams(const gw_points *points, gw_neighbours *search, filled_step *step,
+							   gw_lone_points *lone, gw_error *error)
+{
+	size_t n = step->surfels->count;
+	float *share = gw_allocate_array(n, sizeof *share);
+	lone->area = gw_allocate_array(n, sizeof *lone->area);
+	gw_status status = GW_OK;
+	if (!share || !lone->area)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the beams of %zu points", n);
+	if (status == GW_OK)
+		status = gw_beam_areas(points, step->surfels, share, lone->area, error);
+	step->share = share;
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, judge_beams, step, error);
+	for (size_t i = 0; i < n && status == GW_OK; i++)
+		lone->area[i] = lone->filled[i] ? 2.0f * lone->area[i] : 0.0f;
+	free(share);
+	return status;
+}
+
 void gw_lone_points_clear(gw_lone_points *lone)
 {
 	free(lone->filled);
+	free(lone->foliage);
 	free(lone->area);
 	*lone = (gw_lone_points){ 0 };
 }
@@ -188,17 +243,22 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 	*lone = (gw_lone_points){ 0 };
 	step.thickness = gw_allocate_array(surfels->count, sizeof *step.thickness);
 	step.filled = lone->filled = gw_allocate_zeros(surfels->count, 1);
+	step.foliage = lone->foliage = gw_allocate_zeros(surfels->count, 1);
 	gw_status status = GW_OK;
-	if (!step.thickness || !step.filled)
+	if (!step.thickness || !step.filled || !step.foliage)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the extent of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, measure, &step, error);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, judge, &step, error);
+	if (status == GW_OK && points->beam_share && !points->own_area)
+		status = look_at_beams(points, search, &step, lone, error);
 	free(step.thickness);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);
+	if (status == GW_OK)
+		status = gw_neighbours_visit(search, judge_around, &step, error);
 	if (status != GW_OK)
 		gw_lone_points_clear(lone);
 	return status;

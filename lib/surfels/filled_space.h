@@ -12,15 +12,17 @@
 
 /* Points that stand by themselves. */
 typedef struct gw_lone_points {
-	uint8_t *filled; /* count, owned, 1: it is such a point */
-	float *area;     /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
-						leave */
+	uint8_t *filled;  /* count, owned, 1: it is such a point */
+	uint8_t *foliage; /* count, owned, 1: and most of those around it are, too */
+	float *area;      /* count or NULL, owned, m^2: what its disc has to have; 0: as those around it
+						 leave */
 } gw_lone_points;
 
 /*
  * Finds them. Near creases and in corners neighbours fill space, too, but not those of most
  * neighbours; noise of half a spacing is thinner.
- *   points    those of the surfels; with own_area, these stand by themselves, too, with the area
+ *   points    those of the surfels; with beam_share, those of leaves have the area that beams tell
+ *             (beam_area.h); with own_area, these stand by themselves, too, with the area
  *             that is left to each when all scanners that saw the thing are taken together
  *   search    of the surfels, where points say that they are
  *   surfels   with normals

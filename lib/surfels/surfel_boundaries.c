@@ -1,7 +1,7 @@
 /*
  * surfel_boundaries.c - where surfaces end that border on nothing.
  *
- * Random points leave voids, but hardly one that a circle of some two spacings' radius fits into.
+ * Random points leave voids, but hardly one that a circle of 2.5 spacings' radius fits into.
  * So in the plane of a surfel near a boundary, such a circle is rolled up to it from all around.
  * Where it comes nearest the disc is cut, across the way to the circle's centre: at the side of a
  * sheet as at the boundary of a hole, into whose corners a straight edge that all points are behind
@@ -25,24 +25,28 @@
 #define SUPPORT 3 /* surfels in a neighbourhood that have to see a boundary */
 
 /* Radius of the circle: of the surfel's reach, and of the mean radius of the discs around it where
- * that is more, as in a cluster of points. In spacings at least 2 inside a surface and 2.9 at a
- * straight boundary, from where 16 neighbours reach further. */
+ * that is more, as in a cluster of points. In spacings about 2 inside a surface; from a straight
+ * boundary 16 neighbours reach further. */
 #define CIRCLE_OF_REACH 0.9
 #define CIRCLE_OF_DISCS 1.4
+
+/* Spacings, the mean ones around: the circle's radius at most. Hardly one place in a hundred
+ * million is free for a circle as large, and a window that is twice as wide and a little has room
+ * for it. */
+#define CIRCLE_MOST 2.5
 
 /* Of the circle's radius: distances that differ by less are the same. */
 #define TIE 0.02
 
-/* Random points leave one place in a hundred thousand free for the circle, but none in millions for
- * one so much larger. Where that finds no room a void ends, and no surface. Where surface surrounds
- * a corner of a hole, it stays behind by up to half as much; of the circle's radius. */
-#define WIDER 1.3
+/* Random points leave one place in a hundred thousand free for smaller circles. Where the largest
+ * finds no room then, a void ends, and no surface. Where surface surrounds a corner of a hole, it
+ * stays behind by up to half as much; of the circle's radius. */
 #define WIDER_BEHIND 0.5
 
 /* How far the surface goes on beyond the circle, in spacings: with it sheets of random points end
  * where they do (measured, tests/physics/test_boundaries.c). Regular points are half their distance
  * from the edge. */
-#define MARGIN 0.41
+#define MARGIN 0.48
 
 /* Boundaries of neighbours are the same when the cosine between them is at least the one, and they
  * lie as near to each other as the other, in reaches. */
@@ -74,6 +78,7 @@ typedef struct surrounding {
 	gw_half_plane edge[2]; /* its creases, then the boundaries that were found */
 	uint32_t creases, edges;
 	uint32_t creases_found; /* among the edges, instead of boundaries */
+	double widest;          /* radius of circles at most */
 } surrounding;
 
 /* Adds a place and its mirror images. */
@@ -184,9 +189,11 @@ static uint32_t add_far(const boundary_step *step, size_t surfel, const double w
 static bool is_void(const boundary_step *step, size_t surfel, const double way[2], double distance,
 					double circle, surrounding *around)
 {
-	double more = (WIDER - 1) * circle;
+	double more = around->widest - circle;
+	if (more <= 0)
+		return false;
 	uint32_t before = add_far(step, surfel, way, distance + more, around);
-	double there = find_room(around, way, WIDER * circle, INFINITY);
+	double there = find_room(around, way, around->widest, INFINITY);
 	around->count = before;
 	return there > distance + more + WIDER_BEHIND * circle;
 }
@@ -261,23 +268,37 @@ static uint32_t count_boundaries(const boundary_step *step, size_t surfel,
 	return boundaries;
 }
 
-/* Over a neighbourhood, the mean radius of the discs and the margin of a boundary. */
-static void describe(const gw_surfels *s, size_t surfel, const gw_flat_point *kept, uint32_t count,
-					 double *radius, double *margin)
+/* What a neighbourhood is like. */
+typedef struct likeness {
+	double radius, spacing; /* means, of discs */
+	double margin;          /* of a boundary */
+} likeness;
+
+static likeness describe(const gw_surfels *s, size_t surfel, const gw_flat_point *kept,
+						 uint32_t count)
 {
 	float area[GW_NEIGHBOURS + 1]; /* sorted */
-	double nearest = 0;
-	*radius = 0;
+	double nearest = 0, radius = 0, mean_area = 0;
 	for (uint32_t j = 0; j <= count; j++) {
 		size_t other = j < count ? kept[j].index : surfel;
 		uint32_t at = j;
-		*radius += (double)s->radius[other] / (count + 1);
+		radius += (double)s->radius[other] / (count + 1);
+		mean_area += (double)s->area[other] / (count + 1);
 		nearest += (double)s->nearest[other] / (count + 1);
 		for (; at > 0 && s->area[other] < area[at - 1]; at--)
 			area[at] = area[at - 1];
 		area[at] = s->area[other];
 	}
-	*margin = fmax(MARGIN * sqrt((double)area[(count + 1) / 2]), 0.5 * nearest);
+	return (likeness){ radius, sqrt(mean_area),
+					   fmax(MARGIN * sqrt((double)area[(count + 1) / 2]), 0.5 * nearest) };
+}
+
+/* Radius of the circle for a surfel of some reach, and the largest. */
+static double circle_of(const likeness *like, double reach, double *widest)
+{
+	double least = CIRCLE_OF_DISCS * like->radius;
+	*widest = fmax(CIRCLE_MOST * like->spacing, least);
+	return fmin(fmax(CIRCLE_OF_REACH * reach, least), *widest);
 }
 
 static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
@@ -286,7 +307,7 @@ static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
 	gw_surfels *s = step->surfels;
 	gw_flat_point kept[GW_NEIGHBOURS];
 	surrounding around;
-	double noise, radius, margin;
+	double noise;
 	uint8_t near_boundary = step->boundary[surfel];
 	step->area[surfel] = s->area[surfel];
 	for (uint32_t j = 0; j < list->count; j++)
@@ -296,11 +317,11 @@ static void settle(void *user, size_t surfel, const gw_neighbour_list *list)
 	if (count < 3 || boundaries == 0)
 		return;
 	double reach = kept[count - 1].distance;
-	describe(s, surfel, kept, count, &radius, &margin);
+	likeness like = describe(s, surfel, kept, count);
 	surround(step, surfel, kept, count, &around);
+	double circle = circle_of(&like, reach, &around.widest);
 	if (boundaries >= SUPPORT)
-		find_boundaries(step, surfel, reach,
-						fmax(CIRCLE_OF_REACH * reach, CIRCLE_OF_DISCS * radius), margin, &around);
+		find_boundaries(step, surfel, reach, circle, like.margin, &around);
 	gw_plane_store_clips(s, surfel, around.edge, around.edges);
 	s->creased[surfel] =
 		around.edges > 0 && around.edges == around.creases + around.creases_found &&

@@ -10,6 +10,7 @@
  */
 #include "surfels/surfel_disc.h"
 
+#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "surfels/filled_space.h"
@@ -308,6 +309,42 @@ static void make_disc(void *user, size_t surfel, const gw_neighbour_list *all)
 	gw_plane_store_clips(s, surfel, edge, edges);
 }
 
+/* Leaves whose sides nobody said, or which a beam told. Those that emit light are to be seen as
+ * they are. */
+static bool is_foliage(const disc_step *step, size_t surfel)
+{
+	const gw_surfels *s = step->surfels;
+	bool told = step->lone->area && step->lone->area[surfel] > 0.0f;
+	return step->lone->foliage[surfel] && !step->isolated[surfel] &&
+		   (told || s->normals_given < s->count) &&
+		   !(s->emission && gw_luminance(s->emission + 3 * surfel) > 0.0);
+}
+
+/* A leaf of an opacity is as much smaller. */
+static void make_foliage(gw_surfels *s, size_t surfel)
+{
+	float larger = (1.0f - s->transparency[surfel]) / (1.0f - GW_FOLIAGE_TRANSPARENCY);
+	s->two_sided[surfel] = GW_SIDE_FOLIAGE;
+	s->transparency[surfel] = GW_FOLIAGE_TRANSPARENCY;
+	s->radius[surfel] = fmaxf(s->radius[surfel] * sqrtf(larger), FLT_MIN);
+	s->area[surfel] = fmaxf(s->area[surfel] * larger, FLT_MIN);
+}
+
+/* Makes room for it, where there is any. */
+static gw_status find_foliage(const disc_step *step, gw_error *error)
+{
+	gw_surfels *s = step->surfels;
+	size_t first = 0;
+	while (first < s->count && !is_foliage(step, first))
+		first++;
+	if (first == s->count || s->transparency)
+		return GW_OK;
+	s->transparency = gw_allocate_zeros(s->count, sizeof *s->transparency);
+	return s->transparency ? GW_OK
+						   : gw_fail(error, GW_ERROR_MEMORY,
+									 "no memory for the foliage of %zu points", s->count);
+}
+
 /* Isolated surfels are no larger than the median of the others. They are lit from both sides, but
  * for those whose normal was given and that have others all around: they lie in creases, and what
  * is behind them is rock. Leaves are lit from both sides, too, unless their sides were given. */
@@ -333,6 +370,8 @@ static gw_status finish(disc_step *step, gw_error *error)
 		}
 		if (step->lone->filled[i] && s->normals_given < s->count)
 			s->two_sided[i] = 1;
+		if (s->transparency && is_foliage(step, i))
+			make_foliage(s, i);
 		s->given_area += (double)s->area[i];
 		width[i] = sqrtf(s->area[i]);
 	}
@@ -350,6 +389,7 @@ static gw_status make_discs(disc_step *step, gw_error *error)
 	GW_TRY(gw_neighbours_visit(step->search, make_disc, step, error));
 	GW_TRY(gw_disc_widths_bound(step->search, s, step->rough_area, error));
 	GW_TRY(gw_boundaries_settle(step->search, s, step->rough_area, step->boundary, error));
+	GW_TRY(find_foliage(step, error));
 	return finish(step, error);
 }
 

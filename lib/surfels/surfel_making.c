@@ -92,6 +92,8 @@ static gw_status make_discs(const sorted_points *p, const gw_surfels_options *op
 	GW_TRY(gw_given_normals_mend(&p->rest, options, *search, surfels, error));
 	GW_TRY(complete_normals(&p->rest, options, *search, p->by_grid, surfels, error));
 	GW_TRY(gw_filled_space_find(&p->rest, *search, surfels, &lone, error));
+	if (options->effects_forbidden & 1u << GW_EFFECT_TRANSMISSION)
+		memset(lone.foliage, 0, surfels->count);
 	gw_status status = gw_surfels_smooth(options, *search, lone.filled, surfels, &smoothed, error);
 	if (smoothed) {
 		gw_neighbours_close(*search);

@@ -98,12 +98,12 @@ gw_status gw_motion_check(const gw_points *points, const gw_motion *motion, gw_e
 /* Some of the points, copied or lent. */
 typedef struct some_points {
 	gw_points points;
-	void *owned[8];
+	void *owned[9];
 } some_points;
 
 static void clear_some(some_points *some)
 {
-	for (size_t i = 0; i < 8; i++)
+	for (size_t i = 0; i < sizeof some->owned / sizeof *some->owned; i++)
 		free(some->owned[i]);
 }
 
@@ -139,7 +139,8 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 		copy_still(points->scanner_of, sizeof(uint32_t), n, motion, still, &some->owned[4]) &&
 		copy_still(points->stray, 1, n, motion, still, &some->owned[5]) &&
 		copy_still(points->own_area, sizeof(float), n, motion, still, &some->owned[6]) &&
-		copy_still(points->opacity, sizeof(float), n, motion, still, &some->owned[7]);
+		copy_still(points->opacity, sizeof(float), n, motion, still, &some->owned[7]) &&
+		copy_still(points->beam_share, sizeof(float), n, motion, still, &some->owned[8]);
 	some->points.position = some->owned[0];
 	some->points.normal = some->owned[1];
 	some->points.albedo = some->owned[2];
@@ -148,6 +149,7 @@ static gw_status take_still(const gw_points *points, const gw_motion *motion, si
 	some->points.stray = some->owned[5];
 	some->points.own_area = some->owned[6];
 	some->points.opacity = some->owned[7];
+	some->points.beam_share = some->owned[8];
 	if (good)
 		return GW_OK;
 	clear_some(some);
@@ -167,6 +169,7 @@ static some_points take_mover(const gw_points *points, const gw_mover *mover)
 	some.points.stray = points->stray ? points->stray + first : NULL;
 	some.points.own_area = points->own_area ? points->own_area + first : NULL;
 	some.points.opacity = points->opacity ? points->opacity + first : NULL;
+	some.points.beam_share = points->beam_share ? points->beam_share + first : NULL;
 	return some;
 }
 

@@ -1,7 +1,7 @@
 /*
  * area_light.glsl - what spheres, discs and rectangles of even radiance send to a place, and rays
  * to them. Uses `push`, a gw_light_push of such a light: discs and rectangles shine to the side of
- * push.direction.
+ * push.direction; those of luminaires have a `distribution`, by which each piece of them shines.
  */
 #ifndef AREA_LIGHT_GLSL
 #define AREA_LIGHT_GLSL
@@ -105,9 +105,73 @@ float area_factor(vec3 g, vec3 normal)
 	return 0.5f * polygon_factor(to, normal) / area;
 }
 
+/* Pieces that a luminaire's area is taken for. */
+#define GW_LUMINAIRE_PIECES 64u
+
+bool is_luminaire_area()
+{
+	return is_area_light() && push.verticals > 0u;
+}
+
+/* The middle of a piece, from the middle of all: of a disc four rings, of a rectangle rows of
+ * pieces that are about as long as wide. All are as large. */
+vec3 luminaire_piece(uint s)
+{
+	vec3 across = push.across.xyz, up = cross(across, push.direction.xyz);
+	if (push.type == GW_PUSH_DISC) {
+		uint ring = uint(0.5f * sqrt(float(s) + 0.25f));
+		float r = float(ring), count = 8.0f * r + 4.0f;
+		float turn = 2.0f * GW_PI * (float(s) - 4.0f * r * r + 0.5f) / count;
+		float radius = 0.25f * push.position.w * sqrt(r * r + r + 0.5f);
+		return (across * cos(turn) + up * sin(turn)) * radius;
+	}
+	uint columns = 8u;
+	float ratio = push.across.w / push.half_height;
+	for (; ratio > 2.0f && columns < GW_LUMINAIRE_PIECES; ratio *= 0.25f)
+		columns *= 2u;
+	for (; ratio < 0.5f && columns > 1u; ratio *= 4.0f)
+		columns /= 2u;
+	uint rows = GW_LUMINAIRE_PIECES / columns;
+	float x = (2.0f * float(s % columns) + 1.0f) / float(columns) - 1.0f;
+	float y = (2.0f * float(s / columns) + 1.0f) / float(rows) - 1.0f;
+	return across * (x * push.across.w) + up * (y * push.half_height);
+}
+
+/* Share of its intensity that a luminaire sends that way, over the squared distance. `aim` leads
+ * from the place to a piece of it. */
+float luminaire_sends(vec3 aim, float piece)
+{
+	vec3 axis = push.direction.xyz, across = push.across.xyz, up = cross(across, axis);
+	float squared = max(dot(aim, aim), max(piece, 1e-12f));
+	vec3 way = aim * (-1.0f / sqrt(squared));
+	return distribution_share(push.verticals, push.horizontals,
+							  vec3(dot(way, across), dot(way, up), dot(way, axis))) /
+		   squared;
+}
+
+/* As area_received, of a luminaire: the sum over its pieces. Nearer than a piece is wide, the
+ * distance stops falling. */
+float luminaire_received(vec3 g, vec4 normal)
+{
+	vec3 to = push.position.xyz - g;
+	float radius = push.position.w, sum = 0.0f;
+	float area = push.type == GW_PUSH_DISC ? GW_PI * radius * radius
+										   : 4.0f * push.across.w * push.half_height;
+	for (uint s = 0u; s < GW_LUMINAIRE_PIECES; s++) {
+		vec3 aim = to + luminaire_piece(s);
+		float cosine = dot(normal.xyz, aim) / max(length(aim), 1e-6f);
+		cosine = normal.w > 0.5f ? abs(cosine) : max(cosine, 0.0f);
+		if (cosine > 0.0f)
+			sum += cosine * luminaire_sends(aim, area / float(GW_LUMINAIRE_PIECES));
+	}
+	return sum / float(GW_LUMINAIRE_PIECES);
+}
+
 /* Both sides of a surface whose normal is not trusted. */
 float area_received(vec3 g, vec4 normal)
 {
+	if (is_luminaire_area())
+		return luminaire_received(g, normal);
 	float front = area_factor(g, normal.xyz);
 	return normal.w > 0.5f ? front + area_factor(g, normal.xyz * -1.0f) : front;
 }
@@ -140,20 +204,29 @@ vec3 rectangle_place(vec3 to, float u, float v)
 }
 
 /* Aims the s-th ray, of push.samples, at the light: of spheres and rectangles even in solid angle,
- * of discs in area, for which `weight` makes up. turn: by how much places are turned, in turns. */
+ * of discs and luminaires in area, for which `weight` makes up. turn: by how much places are
+ * turned, in turns. */
 void aim_at_area(uint s, float turn, vec3 g, INOUT(Ray) ray, OUT(float) weight)
 {
 	vec3 to = push.position.xyz - g, t, b, aim = to;
 	float distance = max(length(to), 1e-6f), n = float(push.samples);
 	weight = 1.0f;
-	if (push.type == GW_PUSH_RECTANGLE) {
+	if (push.type == GW_PUSH_RECTANGLE && is_luminaire_area()) {
+		vec3 across = push.across.xyz, up = cross(across, push.direction.xyz);
+		float x = (2.0f * float(s) + 1.0f) / n - 1.0f;
+		float y = 2.0f * fract((float(s) + 0.5f) * 0.618033988749895f + turn) - 1.0f;
+		aim = to + across * (x * push.across.w) + up * (y * push.half_height);
+		weight = luminaire_sends(aim, 0.0f);
+	} else if (push.type == GW_PUSH_RECTANGLE) {
 		aim = rectangle_place(to, (float(s) + 0.5f) / n,
 							  fract((float(s) + 0.5f) * 0.618033988749895f + turn));
 	} else if (push.type == GW_PUSH_DISC) {
 		vec2 p = spiral_disc(s, push.samples, 0.5f, turn) * push.position.w;
 		aim = to + push.across.xyz * p.x + cross(push.across.xyz, push.direction.xyz) * p.y;
 		float squared = max(dot(aim, aim), 1e-12f);
-		weight = max(-dot(aim, push.direction.xyz), 0.0f) / (squared * sqrt(squared));
+		weight = is_luminaire_area()
+					 ? luminaire_sends(aim, 0.0f)
+					 : max(-dot(aim, push.direction.xyz), 0.0f) / (squared * sqrt(squared));
 	} else {
 		/* Within the cone that touches it; the height over its middle's direction is even. */
 		float least = push.position.w / max(distance, push.position.w * 1.0001f);

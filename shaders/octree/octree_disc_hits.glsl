@@ -114,7 +114,7 @@ void meet_discs(IN(Ray) ray, uint leaf, vec3 cell_centre, INOUT(Doubt) doubt, IN
 	for (uint f = texelFetch(leaf_fragment, int(leaf)).x; f < last; f++) {
 		uint word = texelFetch(fragment_surfel, int(f)).x, slot = 2u * leaf + (word >> 30 & 1u);
 		DiscPassage passage;
-		if (word >> 31 != 0u ||
+		if (word >> 31 != 0u || is_foliage(slot) ||
 			!passes_disc(int(word & 0x3fffffffu), ray, min(hit.t, ray.t_max - GW_NEAR), passage))
 			continue;
 		bool met = abs(doubt.t - passage.t) < GW_NEAR &&

@@ -2,14 +2,15 @@
  * octree_facets.comp - the second step: adds up the disc fragments of each facet.
  *
  * Fragments whose normal is within 60 degrees of the seed's join the first facet, others the
- * second. Slots hold sums until octree_finish.comp: of normals, centroids relative to the cell's
- * centre (both times area), transparencies, areas, albedos, the area of two-sided surfels, and
- * emission.
+ * second; foliage joins no other surface, as long as there are no more than two. Slots hold sums
+ * until octree_finish.comp: of normals, centroids relative to the cell's centre (both times area),
+ * transparencies, areas, albedos, the area of two-sided surfels, and emission.
  */
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
 #include "octree/octree_layout.h"
+#include "octree/trace_constants.h"
 #include "base/sampling.glsl"
 
 layout(local_size_x_id = 0) in;
@@ -61,7 +62,8 @@ void main()
 	end = min(end, begin + GW_REDUCE_RUN);
 	uvec3 cell = texelFetch(leaf_cell, int(leaf)).xyz;
 	int seed_surfel = int(fragment_surfel[start.x - 1u] & GW_FRAGMENT_SURFEL);
-	vec3 seed_normal = texelFetch(surfel_normal, seed_surfel).xyz;
+	vec4 seed_normal = texelFetch(surfel_normal, seed_surfel);
+	bool seed_foliage = seed_normal.w == GW_MARK_FOLIAGE;
 	vec4 plane[2] = vec4[2](vec4(0.0), vec4(0.0)), centre[2] = plane, albedo[2] = plane;
 	vec3 emission[2] = vec3[2](vec3(0.0), vec3(0.0));
 	for (uint i = begin; i < end; i++) {
@@ -71,11 +73,18 @@ void main()
 		int s = int(word & GW_FRAGMENT_SURFEL);
 		float area = texelFetch(fragment_weight, int(i)).x;
 		vec4 normal = texelFetch(surfel_normal, s);
-		bool second = dot(normal.xyz, seed_normal) < 0.5;
+		bool foliage = normal.w == GW_MARK_FOLIAGE;
+		bool second = dot(normal.xyz, seed_normal.xyz) < 0.5;
+		if (foliage || seed_foliage)
+			second = foliage != seed_foliage;
+		if (foliage && !seed_foliage)
+			area *= GW_FOLIAGE_WEIGHT;
 		vec3 c = patch_centroid(i, cell, texelFetch(surfel_position, s).xyz,
 								texelFetch(surfel_bend, s).xyz, normal.xyz);
 		vec2 share = second ? vec2(0.0, area) : vec2(area, 0.0);
 		vec4 rho = texelFetch(surfel_albedo, s);
+		if (foliage)
+			rho.w = 0.0;
 		for (int k = 0; k < 2; k++) {
 			plane[k] += share[k] * vec4(normal.xyz, rho.w);
 			centre[k] += share[k] * vec4(c, 1.0);

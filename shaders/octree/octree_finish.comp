@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "octree/octree_layout.h"
+#include "octree/trace_constants.h"
 
 layout(local_size_x_id = 0) in;
 
@@ -47,13 +48,15 @@ float area_in_cell(vec3 n, float c)
 
 /* Returns whether the facet fills its cell. `first`: a fragment of the facet, for facets without
  * area or whose normals cancel. */
-bool finish_facet(uint slot, uvec3 cell, uint first)
+bool finish_facet(uint slot, uvec3 cell, uint first, bool seed_foliage)
 {
 	int surfel = int(texelFetch(fragment_surfel, int(first)).x & GW_FRAGMENT_SURFEL);
 	vec3 sum = facet_plane[slot].xyz;
 	float clear = facet_plane[slot].w;
 	vec4 centre = facet_centre[slot], albedo = facet_albedo[slot];
 	float area = centre.w, length_of_sum = length(sum);
+	/* Rounding aside it is all or not. */
+	bool foliage = area > 0.0 && albedo.w > 0.999 * GW_MARK_FOLIAGE * area;
 	/* 1e-6 of the area is what rounding leaves of normals that cancel. */
 	vec3 normal = length_of_sum > 1e-6 * area ? sum / length_of_sum
 	                                          : texelFetch(surfel_normal, surfel).xyz;
@@ -61,12 +64,16 @@ bool finish_facet(uint slot, uvec3 cell, uint first)
 	vec3 c = clamp(centre.xyz * scale, -0.5, 0.5);
 	float offset = dot(normal, area > 0.0 ? centre.xyz * scale : c);
 	facet_plane[slot] = vec4(normal, offset);
-	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area);
+	float weight = foliage && !seed_foliage ? GW_FOLIAGE_WEIGHT : 1.0;
+	facet_centre[slot] = vec4(vec3(cell) + 0.5 + c, area / weight);
 	float sides = 2.0 * albedo.w > area ? 1.0 : albedo.w > 0.0 ? GW_FACET_UNCLEAR : 0.0;
-	facet_albedo[slot] = vec4(albedo.xyz * scale, sides + min(clear * scale, CLEAREST));
+	vec2 kind = vec2(sides, min(clear * scale, CLEAREST));
+	if (foliage)
+		kind = vec2(GW_FACET_FOLIAGE, GW_FOLIAGE_CLEAR);
+	facet_albedo[slot] = vec4(albedo.xyz * scale, kind.x + kind.y);
 	if (push.emissive != 0u)
 		facet_emission[slot] = vec4(facet_emission[slot].xyz * scale, 0.0);
-	return area >= FILLED * area_in_cell(normal, offset);
+	return !foliage && area >= FILLED * area_in_cell(normal, offset);
 }
 
 void main()
@@ -80,10 +87,12 @@ void main()
 	if (start.x == 0u)
 		return;
 	uint bits = 1u << (8u + octant);
-	bool filled = finish_facet(2u * local, cell.xyz, start.x - 1u);
+	int surfel = int(texelFetch(fragment_surfel, int(start.x - 1u)).x & GW_FRAGMENT_SURFEL);
+	bool foliage = texelFetch(surfel_normal, surfel).w == GW_MARK_FOLIAGE;
+	bool filled = finish_facet(2u * local, cell.xyz, start.x - 1u, foliage);
 	if (start.z != 0u) {
 		bits |= 1u << (16u + octant);
-		if (!finish_facet(2u * local + 1u, cell.xyz, start.z - 1u))
+		if (!finish_facet(2u * local + 1u, cell.xyz, start.z - 1u, foliage))
 			filled = false;
 	}
 	if (filled)

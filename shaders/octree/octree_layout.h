@@ -25,10 +25,12 @@
 #define GW_FRAGMENT_ROI 0x80000000u
 
 /* What w of a surfel's normal says, besides 1: all its cuts are at creases; nobody knows which side
- * is its front, which counts less than half of what w = 1 does; it is the back of such a one. */
+ * is its front, which counts less than half of what w = 1 does; it is the back of such a one; it is
+ * foliage, which makes a facet foliage where all of it is that. */
 #define GW_MARK_CREASED -1.0f
 #define GW_MARK_UNCLEAR 0.25f
 #define GW_MARK_BACK -2.0f
+#define GW_MARK_FOLIAGE 4.0f
 
 /* What w of a facet's albedo is at least, besides 0 and 1, where some of it may face either way. */
 #define GW_FACET_UNCLEAR 2.0f

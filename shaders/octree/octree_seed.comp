@@ -22,6 +22,9 @@ layout(binding = 6) buffer Geometry { vec4 leaf_geometry[]; };
 
 layout(push_constant) uniform Push { gw_leaves_push push; };
 
+/* Foliage is no seed where there is anything else. */
+const float GW_FOLIAGE_SEED = 1e-9;
+
 void main()
 {
 	uint local = gl_GlobalInvocationID.x, leaf = push.first + local;
@@ -44,8 +47,11 @@ void main()
 			float solid = weight * (1.0 - rho.w);
 			albedo += solid * vec4(rho.xyz, 1.0);
 			normal += solid * texelFetch(surfel_normal, s).xyz;
-		} else if (best.x == 0u || weight > uintBitsToFloat(best.y)) {
-			best.xy = uvec2(i + 1u, floatBitsToUint(weight));
+		} else {
+			if (texelFetch(surfel_normal, int(surfel)).w == GW_MARK_FOLIAGE)
+				weight *= GW_FOLIAGE_SEED;
+			if (best.x == 0u || weight > uintBitsToFloat(best.y))
+				best.xy = uvec2(i + 1u, floatBitsToUint(weight));
 		}
 	}
 	seed[local] = best;

@@ -180,6 +180,12 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
+	bool foliage = is_foliage(2u * leaf), more = second && is_foliage(2u * leaf + 1u);
+	if (foliage && (!second || more)) {
+		if (!again)
+			pass_foliage(2u * leaf, stretch.enter, stretch.leave, hit);
+		return;
+	}
 	if (TRACE_DISCS && !stretch.covered && !again) {
 		doubt.from = min(doubt.from, stretch.enter);
 		doubt.to = stretch.enter;
@@ -193,9 +199,12 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 					  !stops_from_behind(2u * leaf + 1u) &&
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
-	meet_facet(ray, stretch, 2u * leaf, last, hit);
-	if (second)
+	if (!foliage)
+		meet_facet(ray, stretch, 2u * leaf, last, hit);
+	if (second && !more)
 		meet_facet(ray, stretch, 2u * leaf + 1u, last, hit);
+	if (foliage || more)
+		pass_foliage(2u * leaf + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
 }
 
 /* ------------------------------------------------------------------------------------- walking */

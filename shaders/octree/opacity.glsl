@@ -8,6 +8,11 @@
  * goes on behind what it has passed; what is left of the same sheet does not count again: facets of
  * neighbouring cells reach beyond these, and discs lie over each other. Sheets that face alike and
  * are closer than points lie apart cannot be told from one that is rough.
+ *
+ * Foliage is what fills space, of which nobody knows how a single leaf lies. In a leaf cell with
+ * leaves of an area A a ray is stopped over a length l with the probability 1 - exp(-A l / 2): half
+ * of the area of leaves that lie at random is seen from everywhere (Beer and Lambert's law). The
+ * cell that a ray starts in does not count: there it would be stopped by the leaf that it leaves.
  */
 #ifndef OPACITY_GLSL
 #define OPACITY_GLSL
@@ -20,6 +25,10 @@
 /* One more than the slot that rays find which are stopped from behind; 0: all surface is opaque,
  * and nothing here costs anything. */
 CONSTANT(5, uint, dark_slot, 0u);
+
+/* What of the ray is left; where foliage leaves no more than `until`, it is stopped. */
+float ray_left = 1.0f, ray_until = 0.0f;
+bool stopped_by_foliage = false;
 
 /* The sheet that the ray has passed last: its normal, where on the ray, and within which height of
  * that place it may lie. */
@@ -35,7 +44,30 @@ float transparency_of(uint facet)
 /* Is most of a facet met from both sides? One that may face either way is not (octree.h). */
 bool is_two_sided(uint facet)
 {
-	return floor(texelFetch(facet_albedo, int(facet)).w) == 1.0f;
+	float sides = floor(texelFetch(facet_albedo, int(facet)).w);
+	return sides == 1.0f || sides == GW_FACET_FOLIAGE;
+}
+
+/* Is it foliage, and none whose leaves are larger than cells? */
+bool is_foliage(uint facet)
+{
+	return dark_slot != 0u && floor(texelFetch(facet_albedo, int(facet)).w) == GW_FACET_FOLIAGE &&
+		   texelFetch(facet_centre, int(facet)).w <= GW_FACET_LARGE;
+}
+
+/* A ray's way through the foliage of a cell, as far as it gets. */
+void pass_foliage(uint facet, float enter, float leave, INOUT(Hit) hit)
+{
+	float length = min(leave, hit.t) - enter;
+	if (enter <= 0.0f || !(length > 0.0f))
+		return;
+	float area = (1.0f - GW_FOLIAGE_CLEAR) * texelFetch(facet_centre, int(facet)).w;
+	ray_left *= exp(-0.5f * area * length);
+	if (ray_left > ray_until)
+		return;
+	hit.facet = facet;
+	hit.t = enter;
+	stopped_by_foliage = true;
 }
 
 /* What of its light a facet sends out, and stops. */
@@ -81,6 +113,15 @@ void pass_sheet(IN(Hit) hit)
 bool stops_from_behind(uint)
 {
 	return false;
+}
+
+bool is_foliage(uint)
+{
+	return false;
+}
+
+void pass_foliage(uint, float, float, INOUT(Hit))
+{
 }
 
 bool is_passed(IN(Ray), vec3, float)

@@ -40,21 +40,24 @@ Hit trace(IN(Ray) ray)
 Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 {
 	passed_t = -1.0f;
-	through = 1.0f;
+	through = ray_left = 1.0f;
+	ray_until = until;
+	stopped_by_foliage = false;
 	Hit hit = trace(ray);
 	if (dark_slot == 0u)
 		return hit;
 	bool back = hit.passed_back_face;
-	for (uint s = 0u; s < GW_SHEETS_MOST && hit.facet != GW_NONE; s++) {
-		float left = through * transparency_of(hit.facet);
+	for (uint s = 0u; s < GW_SHEETS_MOST && hit.facet != GW_NONE && !stopped_by_foliage; s++) {
+		float left = ray_left * transparency_of(hit.facet);
 		if (left <= until)
 			break;
-		through = left;
+		ray_left = left;
 		pass_sheet(hit);
 		hit = trace(ray);
 		back = back || hit.passed_back_face;
 	}
 	hit.passed_back_face = back;
+	through = ray_left;
 	if (hit.facet == GW_NONE || ray.both_sides)
 		return hit;
 	vec4 plane = texelFetch(facet_plane, int(hit.facet));

@@ -96,6 +96,13 @@
 #define GW_SHEET_CELLS 1.0f
 #define GW_SHEET_SPACINGS 1.5f
 
+/* What w of the albedo of a facet that is foliage is, without its clear share, which all foliage
+ * has: its area is so much more than that of its leaves. In cells that have other surface, too, it
+ * weighs so little that it does not turn or move that, unless the facet is all foliage. */
+#define GW_FACET_FOLIAGE 3.0f
+#define GW_FOLIAGE_CLEAR 0.5f
+#define GW_FOLIAGE_WEIGHT 1e-3f
+
 /* Set the random numbers of a record's samples apart from those of its rays. */
 #define GW_EMITTER_SEED 0x68bc21ebu
 #define GW_SKY_SEED 0x5851f42du

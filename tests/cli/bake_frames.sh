@@ -22,6 +22,9 @@ bake --frames all --independent -o same-%d.ply
 bake --frames all --rebuild -o scratch-%02d.ply
 bake --frames all -o carried.ply --report frames.json
 bake -o first.ply
+bake --frames all --independent --explain -o same-%d.ply --force 2>&1 |
+	grep -c '^foretold\|^came\|each of 3 more'
+glowworm plan box.scene.json --frames 1..2 --json | grep -c '"frame_seconds"'
 echo *.ply
 body() { # The points alone: the header quotes the command.
 	sed '1,/^end_header/d' "$1" | cksum

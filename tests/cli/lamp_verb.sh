@@ -17,7 +17,7 @@ try() {
 	glowworm lamp "$@" 2>&1
 	echo "$?"
 }
-try
+try -o polar.png
 try lambert.ies lambert.ies
 try none.ies
 try lambert.ies -o polar.jpg

@@ -42,3 +42,17 @@ for bad in nan more less; do
 done
 glowworm bake gone.ply --opacity 2 --light 'sky radiance 1' -o x.ply 2>&1 || echo "exit $?"
 glowworm bake gone.ply --opacity 0 --light 'sky radiance 1' --force -o x.ply 2>&1 || echo "exit $?"
+
+# What is invisible is in no picture, and what is less than opaque shows what lies behind.
+picture() {
+	glowworm bake "$1" --light 'sky radiance 1' --albedo constant:0.5 --estimate-points 0 \
+		--bounces 1 --force -o lit.ply 2>notes >/dev/null
+	glowworm render lit.ply --camera 'at 4,4,20 to 4,5,0 fov 20' --up y --size 40x40 --exposure 0 \
+		--force -o "$2" 2>>notes >/dev/null
+}
+sed -e 's/^element vertex 200/element vertex 100/' -e '/ 4 0 0 -1 /d' gone.ply >floor.ply
+picture gone.ply gone.png
+picture floor.ply floor.png
+picture quarter.ply quarter.png
+cmp gone.png floor.png && echo same
+cmp -s quarter.png floor.png || echo other

@@ -89,7 +89,7 @@ static void count_point(edge_count *straight, double *corners, const double dept
  * Of the holes' sides 612 spacings are looked at. An edge is off by 0.24 spacings in the mean, so
  * 147 points are wrong, +- 12; and parts of it five apart tell nothing about each other: 122 of
  * them are off by 0.3 as an RMS, +- 17 points. Both make 0.03 spacings, times 4. At a corner a
- * circle of three spacings' radius leaves 0.21 of its square, 1.9 points, and 0.7 more are wrong
+ * circle of 2.5 spacings' radius leaves 0.21 of its square, 1.3 points, and 0.7 more are wrong
  * where sides are off by 0.12 as far as they are looked at. Voids may look like edges: 3 points.
  * Where discs ended as far as they reach, sides were off by 0.22 and corners by 4.
  */

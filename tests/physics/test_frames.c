@@ -217,6 +217,76 @@ static void test_parts_leave_each_other_alone(void **state)
 	scene_clear(&p.scene);
 }
 
+/* Where nothing is traced there is no octree in frames either, and the light is the same. */
+static void test_no_octree_without_need(void **state)
+{
+	stage_play p;
+	gw_error error = { 0 };
+	(void)state;
+	make_play(&p, 10, true);
+	const gw_moving_scene moving = { { &p.points, p.light, 1 }, &p.motion };
+	for (size_t frame = 0; frame < 2; frame++) {
+		gw_bake_result *result[2] = { NULL };
+		for (int forced = 0; forced < 2; forced++) {
+			gw_frames *frames;
+			gw_bake_options options = options_of();
+			options.effects_forbidden =
+				1u << GW_EFFECT_SHADOWS | 1u << GW_EFFECT_BOUNCES | 1u << GW_EFFECT_EMITTERS;
+			options.effects_forced = forced ? 1u << GW_EFFECT_OCTREE : 0;
+			assert_ok(
+				gw_frames_open(&moving, &options, &(gw_frames_options){ 0 }, NULL, &frames, &error),
+				&error);
+			assert_ok(gw_frames_bake(frames, frame, p.light, 1, &result[forced], &error), &error);
+			gw_frames_close(&frames);
+			assert_true((result[forced]->report.leaves > 0) == (forced != 0));
+			assert_false(scene_has_stage(&result[forced]->report, "gaps"));
+		}
+		assert_memory_equal(result[0]->radiance, result[1]->radiance,
+							3 * result[0]->count * sizeof *result[0]->radiance);
+		destroy_all(result, 2);
+	}
+	scene_clear(&p.scene);
+}
+
+/* Whoever plans frames and bakes them afterwards has the same bytes; and what is counted is
+ * foretold as it comes: records to the last one, and memory to a fifth of it, as for one bake. */
+static void test_plan(void **state)
+{
+	stage_play p;
+	gw_bake_result *plain[2], *planned, *plan;
+	gw_frames *frames;
+	gw_error error = { 0 };
+	const size_t frame[2] = { 0, 1 };
+	const gw_bake_options options = options_of();
+	(void)state;
+	make_play(&p, 15, true);
+	play(&p, (gw_frames_options){ .independent = true }, in_order, 2, plain);
+	const gw_moving_scene moving = { { &p.points, p.light, 1 }, &p.motion };
+	const gw_light *const lights[2] = { &p.light[0], &p.light[1] };
+	assert_ok(gw_frames_open(&moving, &options, &(gw_frames_options){ .independent = true }, NULL,
+							 &frames, &error),
+			  &error);
+	assert_ok(gw_frames_plan(frames, frame, lights, 1, &plan, &error), &error);
+	for (size_t i = 0; i < 2; i++) {
+		assert_ok(gw_frames_bake(frames, i, &p.light[i], 1, &planned, &error), &error);
+		assert_memory_equal(planned->radiance, plain[i]->radiance,
+							3 * planned->count * sizeof *planned->radiance);
+		gw_bake_result_destroy(&planned);
+	}
+	const gw_forecast *f = &plan->report.forecast;
+	double most = fmax((double)plain[0]->report.peak_bytes, (double)plain[1]->report.peak_bytes);
+	assert_int_equal(f->records, plain[0]->report.records);
+	assert_true(f->seconds > 0.0 && f->frame_seconds > 0.0);
+	assert_true(fabs((double)f->device_bytes - most) < 0.2 * most);
+	assert_int_equal(plan->given_count, 1);
+	const size_t beyond[2] = { 0, FRAMES };
+	assert_int_equal(gw_frames_plan(frames, beyond, lights, 1, &planned, &error), GW_ERROR_USAGE);
+	gw_frames_close(&frames);
+	gw_bake_result_destroy(&plan);
+	destroy_all(plain, 2);
+	scene_clear(&p.scene);
+}
+
 static void expect(const stage_play *p, gw_status status, const char *words)
 {
 	gw_error error = { 0 };
@@ -258,6 +328,8 @@ int main(void)
 		cmocka_unit_test(test_carries_light),
 		cmocka_unit_test(test_lamps_alone),
 		cmocka_unit_test(test_parts_leave_each_other_alone),
+		cmocka_unit_test(test_no_octree_without_need),
+		cmocka_unit_test(test_plan),
 		cmocka_unit_test(test_refuses),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -127,7 +127,27 @@ static void compares_what_is_lit(void **state)
 		of_half.radiance[i] = i / 3 % 2 ? 2.5f : 1.5f;
 	all.stray[half.from[7]] = 1;
 	of_half.radiance[3 * 7] = 1e6f;
-	assert_float_equal(gw_half_sample_difference(&half, &of_half, &all), 0.25, 1e-6);
+	gw_half_difference d = gw_half_sample_difference(&half, &of_half, &all);
+	assert_float_equal(d.rest, 0.25, 1e-6);
+	assert_float_equal(d.turned, 0.0, 1e-12);
+	/* Those of a quarter of the half show the other side there. */
+	all.normal = calloc(3 * COUNT, sizeof(float));
+	of_half.normal = calloc(3 * count, sizeof(float));
+	assert_true(all.normal && of_half.normal);
+	for (size_t i = 0; i < COUNT; i++)
+		all.normal[3 * i + 2] = 1.0f;
+	for (size_t i = 0; i < count; i++)
+		of_half.normal[3 * i + 2] = i % 4 == 0 ? -1.0f : 1.0f;
+	d = gw_half_sample_difference(&half, &of_half, &all);
+	assert_float_equal(d.turned, 0.125, 1e-3);
+	assert_float_equal(gw_half_difference_all(&d), 0.25, 1e-6);
+	/* Light that only the half lets in counts as much as all that it has. */
+	for (size_t i = 0; i < 3 * count; i++)
+		of_half.radiance[i] = 200.0f;
+	d = gw_half_sample_difference(&half, &of_half, &all);
+	assert_float_equal(gw_half_difference_all(&d), 0.99, 1e-6);
+	free(all.normal);
+	free(of_half.normal);
 	free(all.radiance);
 	free(all.stray);
 	free(of_half.radiance);
@@ -137,8 +157,26 @@ static void compares_what_is_lit(void **state)
 static gw_error_estimate added(double first, double second, double gathered, double stated)
 {
 	gw_error_estimate e = { .relative_rms = stated, .gathered = gathered };
-	gw_half_sample_add(first, second, gathered, &e);
+	gw_half_sample_add(&(gw_half_difference){ .rest = first },
+					   &(gw_half_difference){ .rest = second }, gathered, &e);
 	return e;
+}
+
+static double of_turned(double first, double second)
+{
+	gw_error_estimate e = { 0 };
+	gw_half_sample_add(&(gw_half_difference){ .turned = first },
+					   &(gw_half_difference){ .turned = second }, 0.0, &e);
+	return e.halves;
+}
+
+/* Both guess: of as many wrong sides in both half is that of all, of more in fewer points less. */
+static void sides_are_wrong_in_both(void **state)
+{
+	(void)state;
+	assert_float_equal(of_turned(0.1, 0.0), 0.0707106781, 1e-7);
+	assert_float_equal(of_turned(0.1, 0.05), 0.0707106781, 1e-7);
+	assert_float_equal(of_turned(0.1, 0.2), 0.0447213595, 1e-7);
 }
 
 /* Errors that fall as 1 / sqrt(n) show as they are, those that fall as 1 / n by more. */
@@ -163,6 +201,7 @@ int main(void)
 		cmocka_unit_test(does_not_care_for_the_order),
 		cmocka_unit_test(leaves_every_other_column),
 		cmocka_unit_test(compares_what_is_lit),
+		cmocka_unit_test(sides_are_wrong_in_both),
 		cmocka_unit_test(says_how_wrong_all_points_are),
 	};
 	return cmocka_run_group_tests_name("half_sample", tests, NULL, NULL);

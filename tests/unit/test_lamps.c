@@ -1,9 +1,10 @@
 /* What lamps say: the sun by place and time, skies, units and colour temperatures. */
-#include "lamps/light_text.h"
+#include "lamps/light_preset.h"
 
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -268,6 +269,53 @@ static void test_units_of_a_scene(void **state)
 	assert_int_equal(lights_agree(lights, 2, &units, &error), GW_ERROR_USAGE);
 }
 
+/* Each name stands for a light, and what is said behind it wins. */
+static void test_presets(void **state)
+{
+	(void)state;
+	for (const light_preset *p = light_presets; p->name; p++) {
+		char text[256];
+		snprintf(text, sizeof text, "%s at 0,0,0%s", p->name,
+				 p->needed ? " to 1,0,0 lumens 300 distance 100" : "");
+		lamp named = read_lamp(text);
+		assert_int_equal(named.light.type, p->type);
+		assert_int_equal(named.units, LIGHT_UNITS_PHOTOMETRIC);
+		assert_true(named.light.intensity[0] > 0.0f);
+		assert_true(strlen(p->source) > 0);
+	}
+	const float *i = NULL;
+	lamp bright = read_lamp("candle at 0,0,0 lumens 125.663706");
+	i = bright.light.intensity;
+	assert_near(gw_relative_luminance((double)i[0], (double)i[1], (double)i[2]), 10.0, 1e-5);
+	assert_true(i[0] > i[2]);
+	lamp dyed = read_lamp("candle at 0,0,0 intensity 1,2,3");
+	for (int k = 0; k < 3; k++)
+		assert_near((double)dyed.light.intensity[k], k + 1.0, 0.0);
+}
+
+/* What stands on a lamp's box: 0.25 lx at the distance in the middle of the beam, and all its
+ * lumens within the cone. The sum over 100,000 rings is exact to their width. */
+static void test_beam(void **state)
+{
+	(void)state;
+	static const double box[][2] = { { 300, 100 }, { 1000, 50 }, { 30, 10 } };
+	for (size_t b = 0; b < sizeof box / sizeof *box; b++) {
+		char text[128];
+		snprintf(text, sizeof text, "headlamp at 0,0,0 toward 1,0,0 lumens %g distance %g",
+				 box[b][0], box[b][1]);
+		lamp light = read_lamp(text);
+		double peak = (double)light.light.intensity[0], sum = 0.0;
+		assert_near(peak / (box[b][1] * box[b][1]), 0.25, 1e-6);
+		double outer = cos((double)light.light.outer_angle * PI / 180.0);
+		const int rings = 100000;
+		for (int r = 0; r < rings; r++) {
+			double t = (r + 0.5) / rings;
+			sum += peak * t * t * (3.0 - 2.0 * t) * 2.0 * PI * (1.0 - outer) / rings;
+		}
+		assert_near(sum / box[b][0], 1.0, 1e-4);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -277,6 +325,7 @@ int main(void)
 		cmocka_unit_test(test_physical_sky),  cmocka_unit_test(test_flux),
 		cmocka_unit_test(test_kelvin),        cmocka_unit_test(test_illuminance),
 		cmocka_unit_test(test_north),         cmocka_unit_test(test_units_of_a_scene),
+		cmocka_unit_test(test_presets),       cmocka_unit_test(test_beam),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -73,9 +73,9 @@ static void lamps_add_up(void **state)
 {
 	(void)state;
 	scan cloud = make_cloud();
-	const settings_gain gain[] = { { "a_b", { 2, 0, 1 } },
-								   { "r", { 3, 3, 3 } },
-								   { "r", { 0.5f, 0.5f, 0.5f } } };
+	const settings_gain gain[] = { { "a_b", { 2, 0, 1 }, false },
+								   { "r", { 3, 3, 3 }, false },
+								   { "r", { 0.5f, 0.5f, 0.5f }, false } };
 	const double factor[3][3] = { { 2, 0, 1 }, { 1.5, 1.5, 1.5 }, { 1, 1, 1 } };
 	float *radiance;
 	size_t removed;
@@ -111,8 +111,8 @@ static void mixes_can_be_undone(void **state)
 	scan cloud = make_cloud();
 	float *first, *second, *third;
 	size_t removed;
-	const settings_gain same = { "r", { 1, 1, 1 } }, twice = { "r", { 2, 2, 2 } },
-						half = { "r", { 0.5f, 0.5f, 0.5f } };
+	const settings_gain same = { "r", { 1, 1, 1 }, false }, twice = { "r", { 2, 2, 2 }, false },
+						half = { "r", { 0.5f, 0.5f, 0.5f }, false };
 	assert_int_equal(light_mix_apply(&cloud, &same, 1, &first, &removed, NULL), GW_OK);
 	assert_int_equal(light_mix_apply(&cloud, &twice, 1, &second, &removed, NULL), GW_OK);
 	assert_int_equal(light_mix_apply(&cloud, &half, 1, &third, &removed, NULL), GW_OK);
@@ -126,7 +126,7 @@ static void mixes_can_be_undone(void **state)
 
 static void assert_refused(scan *cloud, const char *name, gw_status status, const char *part)
 {
-	const settings_gain gain = { name, { 1, 1, 1 } };
+	const settings_gain gain = { name, { 1, 1, 1 }, false };
 	float *radiance;
 	size_t removed;
 	gw_error error = { 0 };

@@ -154,6 +154,82 @@ static void test_depth_order(void **state)
 	}
 }
 
+#define PLATE 41 /* discs a side of a plate */
+
+/* Plates one behind the other, each of overlapping discs that scatter about it by less than they
+ * are one surface, in any order; the last one is half as wide, and its edge in the picture. */
+static discs make_plates(size_t plates, const float *opacity, const float *value, float *clear)
+{
+	discs d = make_discs(plates * PLATE * PLATE);
+	uint32_t random = 7;
+	for (size_t i = 0; i < d.scene.discs.count; i++) {
+		size_t plate = i % plates, at = i / plates;
+		random = random * 1664525u + 1013904223u;
+		float shift = ((float)(random >> 8) / 16777216.0f - 0.5f) * 0.01f;
+		float step = plate + 1 == plates ? 0.05f : 0.1f;
+		set_disc(&d, i, ((float)(at % PLATE) - PLATE / 2) * step, 2 + 0.3f * (float)plate + shift,
+				 ((float)(at / PLATE) - PLATE / 2) * step, 1.6f * step, value[plate]);
+		clear[i] = 1 - opacity[plate];
+	}
+	d.scene.discs.transparency = clear;
+	return d;
+}
+
+/* One plate over a background, two and three: front to back, each once. At the picture's edge there
+ * are all but the last. Weighted means cancel to some rounding. */
+static void test_plates_blend(void **state)
+{
+	(void)state;
+	const float opacity[] = { 0.5f, 0.3f, 0.8f }, value[] = { 4, 10, 2 };
+	for (size_t plates = 1; plates <= 3; plates++) {
+		float *clear = malloc(plates * PLATE * PLATE * sizeof *clear);
+		discs d = make_plates(plates, opacity, value, clear);
+		gw_gbuffer g = draw(&d.scene, 120, 2, 1, false), again = draw(&d.scene, 120, 2, 3, false);
+		double alpha[2] = { 0, 0 }, sum[2] = { 0, 0 }, left = 1;
+		for (size_t i = 0; i < plates; i++) {
+			for (size_t at = 0; at < 2 && (at == 0 || i + 1 < plates); at++) {
+				alpha[at] += left * (double)opacity[i];
+				sum[at] += left * (double)(opacity[i] * value[i]);
+			}
+			left *= 1 - (double)opacity[i];
+		}
+		for (size_t at = 0; at < (plates > 1 ? 2u : 1u); at++)
+			for (size_t y = 52; y < 68; y++)
+				for (size_t x = at ? 4 : 52; x < (at ? 10 : 68); x++) {
+					size_t i = y * 120 + x;
+					assert_true(fabs((double)g.coverage[i] - alpha[at]) < 1e-5);
+					assert_true(fabs((double)g.channel[i] - sum[at] / alpha[at]) < 1e-4);
+					assert_true(fabs((double)g.depth[i] - 2) < 0.01);
+				}
+		assert_memory_equal(g.coverage, again.coverage, 120 * 120 * sizeof(float));
+		assert_memory_equal(g.channel, again.channel, 120 * 120 * sizeof(float));
+		gw_gbuffer_clear(&g);
+		gw_gbuffer_clear(&again);
+		free_discs(&d);
+		free(clear);
+	}
+}
+
+/* All opaque, the same picture as without transparencies, but for roundings of means. */
+static void test_opaque_is_opaque(void **state)
+{
+	(void)state;
+	const float opacity[] = { 1, 1 }, value[] = { 4, 10 };
+	float *clear = malloc(2 * PLATE * PLATE * sizeof *clear);
+	discs d = make_plates(2, opacity, value, clear);
+	gw_gbuffer with = draw(&d.scene, 90, 2, 1, false);
+	d.scene.discs.transparency = NULL;
+	gw_gbuffer without = draw(&d.scene, 90, 2, 1, false);
+	for (size_t i = 0; i < 90 * 90; i++) {
+		assert_true(fabs((double)(with.channel[i] - without.channel[i])) < 1e-5);
+		assert_true(with.coverage[i] == without.coverage[i] && with.id[i] == without.id[i]);
+	}
+	gw_gbuffer_clear(&with);
+	gw_gbuffer_clear(&without);
+	free_discs(&d);
+	free(clear);
+}
+
 /* A plane of 101 x 101 discs, 0.05 apart, each with the radius of a spacing, which the outermost
  * ones reach over the picture's edge; and one channel that is constant. */
 static discs make_plane(float distance, float jitter)
@@ -258,6 +334,8 @@ static size_t close_gap(gap what, size_t *missing)
 	g.normal = calloc(3 * pixels, sizeof *g.normal);
 	for (size_t i = 0; i < pixels; i++)
 		lay_gap(&what, (double)(i % SLOT_SIDE) - 80, (double)(i / SLOT_SIDE) - 80, cover + i);
+	for (size_t i = 0; i < pixels; i++)
+		g.coverage[i] = 1.0f;
 	const gw_raster_options options = { .samples = 1 };
 	const gw_raster_view view = { .options = &options };
 	assert_int_equal(gw_raster_holes_close(&view, cover, &g, NULL), GW_OK);
@@ -627,6 +705,8 @@ int main(void)
 		cmocka_unit_test(test_area_of_disc),
 		cmocka_unit_test(test_area_of_tilted_disc),
 		cmocka_unit_test(test_depth_order),
+		cmocka_unit_test(test_plates_blend),
+		cmocka_unit_test(test_opaque_is_opaque),
 		cmocka_unit_test(test_plane_has_no_holes),
 		cmocka_unit_test(test_noisy_plane_has_no_holes),
 		cmocka_unit_test(test_holes_are_filled),
