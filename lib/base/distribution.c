@@ -39,6 +39,12 @@ bool gw_light_has_place(const gw_light *light)
 	return light->type != GW_LIGHT_SUN && light->type != GW_LIGHT_ENVIRONMENT;
 }
 
+bool gw_light_shines(const gw_light *light)
+{
+	const float *power = light->type == GW_LIGHT_SUN ? light->irradiance : light->intensity;
+	return light->type != GW_LIGHT_ENVIRONMENT && (power[0] > 0 || power[1] > 0 || power[2] > 0);
+}
+
 bool gw_distribution_has_frame(const gw_light *light)
 {
 	double axis[3], across[3];

@@ -14,6 +14,9 @@ extern "C" {
 /* Whether a light is somewhere: all but suns and skies. */
 bool gw_light_has_place(const gw_light *light);
 
+/* Whether a light is a lamp or a sun, and is not black. */
+bool gw_light_shines(const gw_light *light);
+
 /* The axis of a light that has a distribution, and at right angles to it where the angles around it
  * count from, both unit. */
 void gw_distribution_frame(const gw_light *light, gw_vec3 *axis, gw_vec3 *across);

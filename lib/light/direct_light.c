@@ -149,12 +149,6 @@ gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error)
 	return GW_OK;
 }
 
-bool gw_light_shines(const gw_light *light)
-{
-	const float *power = light->type == GW_LIGHT_SUN ? light->irradiance : light->intensity;
-	return light->type != GW_LIGHT_ENVIRONMENT && (power[0] > 0 || power[1] > 0 || power[2] > 0);
-}
-
 static void put_distribution(const gw_light *light, gw_light_push *push)
 {
 	gw_vec3 axis, across;
@@ -470,8 +464,9 @@ static gw_status add_lights(const gw_lit_cloud *cloud, const gw_light *lights, s
 		GW_TRY(put_on_device(cloud, &lights[i], &lamp, error));
 		gw_status status = add_light(cloud, &lamp, normals, &b->visibility, to, error);
 		gw_buffer_destroy(gpu, &lamp.distribution);
+		const gw_lamp shone = { lamp.push, lights[i].distribution };
 		if (status == GW_OK && reaches && to->given)
-			status = gw_given_book(cloud, &lights[i], to->surfels, &to->given[i], &b->given, error);
+			status = gw_given_book(cloud, &shone, to->surfels, &to->given[i], &b->given, error);
 		GW_TRY(status);
 	}
 	if (cloud->octree->leaf_count == 0)

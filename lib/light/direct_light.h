@@ -5,6 +5,7 @@
 #ifndef DIRECT_LIGHT_H
 #define DIRECT_LIGHT_H
 
+#include "base/distribution.h"
 #include "light/shadow_map.h"
 #include "light/shader_functions.h"
 #include "light/transport_layout.h"
@@ -12,9 +13,6 @@
 /* Checks that lights make sense: finite numbers, nothing negative, angles in order, a direction.
  * The sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
 gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error);
-
-/* Whether a light of these is of a type that direct_light computes and is not black. */
-bool gw_light_shines(const gw_light *light);
 
 /* A light as passes get it, in grid coordinates: an intensity in W/sr becomes one per leaf cell
  * squared. */

@@ -3,8 +3,8 @@
  */
 #include "light/lamp_reach.h"
 
+#include "base/distribution.h"
 #include "base/parallel.h"
-#include "light/direct_light.h"
 
 #include <math.h>
 #include <stdatomic.h>

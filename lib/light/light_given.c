@@ -5,16 +5,15 @@
 
 #include "base/luminance.h"
 #include "base/memory.h"
-#include "light/direct_light.h"
+#include "light/shader_functions.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /* Does any surfel face the light, in its beam? */
-static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_light *light)
+static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_lamp *lamp)
 {
 	const gw_surfels *s = cloud->surfels;
-	const gw_lamp lamp = gw_lamp_of(light, cloud->octree, s, cloud->options);
 	const float *low = cloud->octree->cube_minimum;
 	const gw_vec3 corner = { low[0], low[1], low[2] };
 	for (size_t i = 0; i < s->count; i++) {
@@ -22,17 +21,16 @@ static gw_light_fate fate_of(const gw_lit_cloud *cloud, const gw_light *light)
 							 1.0f / cloud->octree->leaf_size);
 		gw_vec3 own = gw_xyz((s->shading_normal ? s->shading_normal : s->normal) + 3 * i), towards;
 		float distance;
-		if (gw_lamp_received(&lamp, g, own, &towards, &distance) > 0.0f ||
+		if (gw_lamp_received(lamp, g, own, &towards, &distance) > 0.0f ||
 			(s->two_sided[i] &&
-			 gw_lamp_received(&lamp, g, gw_times(own, -1.0f), &towards, &distance) > 0.0f))
+			 gw_lamp_received(lamp, g, gw_times(own, -1.0f), &towards, &distance) > 0.0f))
 			return GW_LIGHT_HIDDEN;
 	}
 	return GW_LIGHT_AVERTED;
 }
 
-gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light *light,
-						const gw_buffer *irradiance, gw_light_given *given, gw_given_sum *sum,
-						gw_error *error)
+gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_lamp *lamp, const gw_buffer *irradiance,
+						gw_light_given *given, gw_given_sum *sum, gw_error *error)
 {
 	size_t count = cloud->surfels->count;
 	double flux = 0.0;
@@ -46,7 +44,7 @@ gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light *light,
 	for (size_t i = 0; i < count; i++)
 		flux += (double)cloud->surfels->area[i] * gw_luminance(sum->host + 4 * i);
 	given->share = fmax(flux - sum->before, 0.0);
-	given->fate = flux > sum->before ? GW_LIGHT_SHINES : fate_of(cloud, light);
+	given->fate = flux > sum->before ? GW_LIGHT_SHINES : fate_of(cloud, lamp);
 	sum->before = flux;
 	return GW_OK;
 }

@@ -4,6 +4,7 @@
 #ifndef LIGHT_GIVEN_H
 #define LIGHT_GIVEN_H
 
+#include "light/shader_functions.h"
 #include "light/shadow_map.h"
 
 /* Adds up what lamps give, one after the other. */
@@ -20,9 +21,8 @@ typedef struct gw_given_sum {
  *                what became of it
  *   sum          zeroed before the first light; freed by gw_given_sum_clear
  */
-gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_light *light,
-						const gw_buffer *irradiance, gw_light_given *given, gw_given_sum *sum,
-						gw_error *error);
+gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_lamp *lamp, const gw_buffer *irradiance,
+						gw_light_given *given, gw_given_sum *sum, gw_error *error);
 void gw_given_sum_clear(gw_given_sum *sum);
 
 #endif

@@ -1,5 +1,9 @@
 /* Direct light against closed forms: point lights, spot lights, the sun, and what closed rooms
  * receive of them. */
+#include "glowworm_picture.h"
+#include "picture/render_octree.h"
+#include "cloud/surfels.h"
+#include "expected.h"
 #include "scenes.h"
 
 #include <math.h>
@@ -882,6 +886,104 @@ static void noise_of_normals_is_in_the_estimate(void **state)
 	assert_near(said, 0, 0, 0);
 }
 
+/* -------------------------------------------------------------------------- shares of one light
+ */
+
+/* A floor at z = 0, a plate over its half below x = 0, and a lamp like a ball over the plate's
+ * edge. Metres. */
+#define PLATE_HEIGHT 0.5
+#define LAMP_HEIGHT 1.5
+#define LAMP_RADIUS 0.4
+
+/* Share of the lamp's disc that a place on the floor sees past the edge: it lies beyond a chord. */
+static double share_past_edge(double x)
+{
+	double chord = x * (1.0 - LAMP_HEIGHT / PLATE_HEIGHT) / LAMP_RADIUS;
+	chord = fmin(fmax(chord, -1.0), 1.0);
+	return (acos(chord) - chord * sqrt(1.0 - chord * chord)) / SCENE_PI;
+}
+
+/* Its mean over so far to each side. */
+static double mean_past_edge(double x, double half)
+{
+	const int steps = 64;
+	double sum = 0.0;
+	for (int i = 0; i < steps; i++)
+		sum += share_past_edge(x + half * (2.0 * (i + 0.5) / steps - 1.0));
+	return sum / steps;
+}
+
+static void find_shares(const scene *s, gw_surfels *surfels, float **share)
+{
+	const gw_points points = scene_points(s);
+	const gw_bake_options options = gw_bake_options_default();
+	gw_light lamp = scene_point_light(0.0, 0.0, LAMP_HEIGHT, 1.0f);
+	gw_render_octree_options how = { .leaf_spacing = GW_LEAF_SPACING };
+	gw_render_octree *octree = NULL;
+	gw_error error = { 0 };
+	lamp.radius = (float)LAMP_RADIUS;
+	scene_choose_passes(&how.passes, &how.validate);
+	assert_int_equal(gw_surfels_make(&points, &(gw_surfels_options){ 0 }, surfels, &error), GW_OK);
+	float *radiance = calloc(surfels->count, 3 * sizeof *radiance);
+	*share = calloc(surfels->count, sizeof **share);
+	assert_true(radiance && *share);
+	assert_ok(gw_render_octree_create(surfels, radiance, &how, &octree, &error), &error);
+	assert_int_equal(gw_render_octree_shadow(octree, surfels, &lamp, &options, *share, &error),
+					 GW_OK);
+	gw_render_octree_destroy(&octree);
+	free(radiance);
+}
+
+/*
+ * In bands across the shadow's edge. A place is off by the spread of its 16 rays, whose share is
+ * 1/2 at most: sqrt(1/4 / 16); that adds up over a band as over all independent rays, and 4.5 of it
+ * are allowed. Besides, the plate's edge is known to half a spacing, and the way from there to the
+ * floor moves the shadow by half as much more.
+ */
+static void edge_hides_part_of_ball(void **state)
+{
+	(void)state;
+	enum { BANDS = 10, ACROSS = 140 };
+	const double side = 1.0, spacing = 2.0 * side / ACROSS, width = 0.3;
+	double sum[BANDS] = { 0 }, places[BANDS] = { 0 };
+	scene s = { 0 };
+	gw_surfels surfels;
+	float *share;
+	scene_add_patch(&s, (double[3]){ -side, -side, 0 }, (double[3]){ 2 * side, 0, 0 },
+					(double[3]){ 0, 2 * side, 0 }, ACROSS, ACROSS, 0.5f);
+	scene_add_patch(&s, (double[3]){ -side, -side, PLATE_HEIGHT }, (double[3]){ 0, 2 * side, 0 },
+					(double[3]){ side, 0, 0 }, ACROSS, ACROSS / 2, 0.5f);
+	find_shares(&s, &surfels, &share);
+	for (size_t i = 0; i < surfels.count; i++) {
+		const float *p = surfels.position + 3 * i;
+		double x = (double)p[0] + surfels.origin[0], y = (double)p[1] + surfels.origin[1];
+		double z = (double)p[2] + surfels.origin[2];
+		int band = (int)floor((x / width + 1.0) / 2.0 * BANDS);
+		if (z > 0.5 * PLATE_HEIGHT || fabs(y) > 0.5 * side || band < 0 || band >= BANDS)
+			continue;
+		sum[band] += (double)share[i];
+		places[band] += 1.0;
+	}
+	for (int band = 0; band < BANDS; band++) {
+		double x = width * (2.0 * (band + 0.5) / BANDS - 1.0), half = width / BANDS;
+		double edge = 0.5 * spacing * (1.0 + PLATE_HEIGHT / (LAMP_HEIGHT - PLATE_HEIGHT));
+		double low = mean_past_edge(x - edge, half), high = mean_past_edge(x + edge, half);
+		double chance = 4.5 * 0.125 / sqrt(places[band]), found = sum[band] / places[band];
+		assert_true(places[band] > 50.0);
+		if (!(found >= low - chance && found <= high + chance))
+			fail_msg("at %.3g m a share of %.4f is seen, not %.4f to %.4f +- %.2g", x, found, low,
+					 high, chance);
+		/* Out of the half shadow nothing is left to chance. */
+		if (!(high > 0.0))
+			assert_true(found == 0.0);
+		if (low >= 1.0)
+			assert_true(found == 1.0);
+	}
+	free(share);
+	gw_surfels_clear(&surfels);
+	scene_clear(&s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -896,6 +998,7 @@ int main(void)
 		cmocka_unit_test(horizons_cut_areas),
 		cmocka_unit_test(flux_of_areas),
 		cmocka_unit_test(plate_hides_part_of_rectangle),
+		cmocka_unit_test(edge_hides_part_of_ball),
 		cmocka_unit_test(luminaires_have_areas),
 		cmocka_unit_test(sun_on_tilted_planes),
 		cmocka_unit_test(open_plane_has_no_shadow),
