@@ -211,7 +211,7 @@ static gw_status check_points(const gw_transport *t, const head *h, const identi
 					   : kept->opacity != own->opacity    ? "other opacities"
 					   : kept->scanner != own->scanner    ? "other places of scanners"
 					   : kept->stray != own->stray        ? "other strays"
-					   : kept->area != own->area          ? "other areas of points or shares of pulses"
+					   : kept->area != own->area          ? "other areas or shares of pulses"
 														  : NULL;
 	if (what == NULL)
 		return GW_OK;
