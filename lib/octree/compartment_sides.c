@@ -59,9 +59,14 @@ typedef struct sight {
 	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
+	uint32_t *opinion; /* a leaf: what all of its surfels that know of one hold, MANY, or NONE */
 	enum asking asking;
+	size_t leaves;
 	int steps; /* along normals */
 } sight;
+
+#define MANY (GW_COMPARTMENT_UNKNOWN - 1u)
+#define NONE GW_COMPARTMENT_UNKNOWN
 
 typedef struct views {
 	gw_view position, normal, size, plane, leaf_tile, leaf_fragment, fragment_surfel;
@@ -248,6 +253,37 @@ static uint32_t ask_around(const sight *s, const float place[3], const float nor
 	return s->asking == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 
+/* What the fronts of a leaf's surfels hold. */
+static void hear_some(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sight *s = user;
+	(void)worker;
+	for (size_t leaf = first; leaf < last; leaf++) {
+		uint32_t opinion = NONE;
+		for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
+			uint32_t label = s->known[2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu)];
+			if (label != GW_COMPARTMENT_UNKNOWN)
+				opinion = opinion == NONE || opinion == label ? label : MANY;
+		}
+		s->opinion[leaf] = opinion;
+	}
+}
+
+/* Is nobody around of another opinion than its own? */
+static bool all_agree(const sight *s, const float place[3], uint32_t own)
+{
+	int32_t cell[3];
+	cell_of(place, cell);
+	for (int32_t i = 0; i < 27; i++) {
+		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
+								  cell[2] + i / 9 - 1 };
+		uint32_t leaf = leaf_of(s, near);
+		if (leaf != GW_WALL && s->opinion[leaf] != NONE && s->opinion[leaf] != own)
+			return false;
+	}
+	return true;
+}
+
 static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
@@ -257,6 +293,8 @@ static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 			uint32_t own = s->known[2 * i + (size_t)side];
 			bool ask = s->asking == SAME_SHEET || own == GW_COMPARTMENT_UNKNOWN;
 			ask = ask && (side == 0 || s->normal[4 * i + 3] > 0.5f);
+			if (ask && side == 0 && own != GW_COMPARTMENT_UNKNOWN)
+				ask = !all_agree(s, s->position + 4 * i, own);
 			uint32_t told = ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
 			s->to[2 * i + (size_t)side] = told == GW_COMPARTMENT_UNKNOWN ? own : told;
 		}
@@ -295,6 +333,30 @@ static gw_status count_those_that_matter(gw_compartments *c, uint32_t *sides, si
 	return GW_OK;
 }
 
+/* Whom surfels ask in a round. */
+static enum asking asking_in(int round)
+{
+	return round < SHEET_ROUNDS ? SAME_SHEET : round < ROUNDS - 1 ? THOSE_IN_SIGHT : ALL_NEAR;
+}
+
+/* Rounds in which surfels ask others. Where none of them changes its mind, none will by asking the
+ * same ones once more. */
+static void ask_others(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other)
+{
+	bool settled = false; /* among those who are asked now */
+	for (int round = 0; round < ROUNDS; round++) {
+		if (settled && s->asking == asking_in(round))
+			continue;
+		s->known = sides;
+		s->to = other;
+		s->asking = asking_in(round);
+		gw_parallel_for(threads, s->leaves, CHUNK, hear_some, s);
+		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
+		settled = memcmp(sides, other, 2 * surfels * sizeof *sides) == 0;
+		memcpy(sides, other, 2 * surfels * sizeof *sides);
+	}
+}
+
 /* All of it with what the octree holds at hand. `sides` and `other` take turns. */
 static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other,
 					  uint32_t *several, gw_error *error)
@@ -305,15 +367,8 @@ static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *side
 	GW_TRY(count_those_that_matter(s->c, sides, surfels, several, error));
 	if (*several > 1) /* Through the bubbles. */
 		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
-	for (int round = 0; round<ROUNDS && * several> 1; round++) {
-		s->known = sides;
-		s->to = other;
-		s->asking = round < SHEET_ROUNDS ? SAME_SHEET
-					: round < ROUNDS - 1 ? THOSE_IN_SIGHT
-										 : ALL_NEAR;
-		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
-		memcpy(sides, other, 2 * surfels * sizeof *sides);
-	}
+	if (*several > 1)
+		ask_others(s, surfels, threads, sides, other);
 	s->to = sides;
 	s->steps = STEPS_FAR;
 	if (*several > 1)
@@ -349,9 +404,10 @@ static void close_views(views *v)
 		gw_view_close(all[i]);
 }
 
-static sight sight_of(gw_compartments *c, const views *v)
+static sight sight_of(gw_compartments *c, const gw_octree *octree, const views *v)
 {
 	return (sight){ .c = c,
+					.leaves = octree->leaf_count,
 					.position = v->position.bytes,
 					.normal = v->normal.bytes,
 					.size = v->size.bytes,
@@ -367,16 +423,19 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 {
 	views v = { 0 };
 	uint32_t several = 0, *other = gw_allocate_array(surfels, 2 * sizeof *other);
+	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, sizeof *opinion);
 	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
-	gw_status status = other && c->sides
+	gw_status status = other && opinion && c->sides
 						   ? open_views(gpu, octree, &v, error)
 						   : gw_fail(error, GW_ERROR_MEMORY,
 									 "no host memory for the sides of %zu surfels", surfels);
 	if (status == GW_OK) {
-		sight s = sight_of(c, &v);
+		sight s = sight_of(c, octree, &v);
+		s.opinion = opinion;
 		status = find(&s, surfels, threads, c->sides, other, &several, error);
 	}
 	close_views(&v);
+	free(opinion);
 	free(other);
 	if (status != GW_OK || several < 2) {
 		free(c->sides);
@@ -392,7 +451,7 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 	views v = { 0 };
 	gw_status status = open_views(gpu, octree, &v, error);
 	if (status == GW_OK) {
-		sight s = sight_of(octree->compartments, &v);
+		sight s = sight_of(octree->compartments, octree, &v);
 		s.known = octree->compartments->sides;
 		for (size_t i = 0; i < count; i++) {
 			label[i] = GW_COMPARTMENT_UNKNOWN;
