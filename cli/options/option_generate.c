@@ -70,7 +70,7 @@ static void write_manual_presets(FILE *out)
 	fputs(".SS Lamps by name\n"
 		  "These stand in place of a type, on the command line and as \"type\" in scene files.\n"
 		  "They are the type with keys that are known; whatever is said behind them wins:\n"
-		  ".B candle at 1,2,3 kelvin 2000\n.\n",
+		  ".B candle at 1,2,3 kelvin 2000\n",
 		  out);
 	for (const light_preset *p = light_presets; p->name; p++) {
 		fprintf(out, ".TP\n.B %s\n", p->name);

@@ -5,8 +5,8 @@
 #   tests/bench/effects_table.sh [SCENE-FILE]...
 #
 # Without scene files it makes those of the table: a cave with two spots, a ruin under sun and sky,
-# the Cornell box, a glossy box, and a lamp over a plane of which light is wanted that nothing hides
-# or reflects (--effects lamps,error).
+# the Cornell box, a glossy box, six frames of a cube that moves in the Cornell box, and a lamp over
+# a plane of which light is wanted that nothing hides or reflects (--effects lamps,error).
 #
 # Environment: GLOWWORM (build/glowworm), TURNS, how often each is baked, in turns (3); the least
 # seconds count.
@@ -30,7 +30,7 @@ make_scenes() {
 		 "outer_angle": 40}]}
 	END
 	printf '%s\n' cave.scene.json ruin.scene.json cornell.scene.json glossy_box.scene.json \
-		lamp_alone.scene.json
+		cornell_frames.scene.json lamp_alone.scene.json
 }
 
 # Seconds, MB of the host and of the device, error and spread, of a line of --explain.
@@ -42,8 +42,10 @@ figures() {
 # Least seconds and the memory of bakes with --effects.
 bake() {
 	: >"$work/$2.runs"
+	frames=
+	[ "$(basename "$1")" != cornell_frames.scene.json ] || frames="--frames 0..5"
 	for _ in $(seq "$turns"); do
-		"$glowworm" bake "$1" --effects "$2" --progress none --explain --force \
+		"$glowworm" bake "$1" --effects "$2" $frames --progress none --explain --force \
 			-o "$work/lit.ply" 2>"$work/$2.txt"
 		figures came "$work/$2.txt" >>"$work/$2.runs"
 	done
