@@ -49,6 +49,7 @@ typedef struct sparse {
 	gw_compartments *c;
 	const float *place, *normal; /* 4 a surfel, leaf cells */
 	uint8_t *count;              /* a node: surfels below it, COUNT_MOST at most */
+	uint8_t *leaves;             /* a node: likewise of foliage */
 	uint32_t *first;             /* a node: the first of these */
 	closing *closing;
 	size_t closings, room;
@@ -135,34 +136,48 @@ static bool descend(const gw_compartments *c, const float *place, cell *of, uint
 	return true;
 }
 
+static bool is_within(const sparse *s, size_t i)
+{
+	bool within = true;
+	for (size_t k = 0; k < 3; k++)
+		within = within && s->place[4 * i + k] >= 0.0f &&
+				 s->place[4 * i + k] < (float)(1u << s->c->depth);
+	return within;
+}
+
 /* Does a surfel count? What lets light through is no wall, backs are where their fronts are, and
  * strays may lie beyond the grid. */
 static bool is_wall(const sparse *s, const gw_surfels *surfels, size_t i)
 {
-	bool within = true, clear = surfels->transparency && surfels->transparency[i] > 0.0f;
-	for (size_t k = 0; k < 3; k++)
-		within = within && s->place[4 * i + k] >= 0.0f &&
-				 s->place[4 * i + k] < (float)(1u << s->c->depth);
-	return within && !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
+	bool clear = surfels->transparency && surfels->transparency[i] > 0.0f;
+	return is_within(s, i) && !clear && s->normal[4 * i + 3] != GW_MARK_BACK;
+}
+
+static void count_surfel(sparse *s, size_t i, uint8_t *count)
+{
+	uint32_t node = 0;
+	for (cell of = { 0 }; descend(s->c, s->place + 4 * i, &of, &node);) {
+		if (count == s->count && count[node] == 0)
+			s->first[node] = (uint32_t)i;
+		if (count[node] < COUNT_MOST)
+			count[node]++;
+	}
 }
 
 static void count_surfels(sparse *s, const gw_surfels *surfels)
 {
-	uint32_t node = 0;
-	for (size_t i = 0; i < surfels->count; i++)
-		for (cell of = { 0 };
-			 is_wall(s, surfels, i) && descend(s->c, s->place + 4 * i, &of, &node);) {
-			if (s->count[node] == 0)
-				s->first[node] = (uint32_t)i;
-			if (s->count[node] < COUNT_MOST)
-				s->count[node]++;
-		}
+	for (size_t i = 0; i < surfels->count; i++) {
+		if (is_wall(s, surfels, i))
+			count_surfel(s, i, s->count);
+		else if (surfels->two_sided[i] == GW_SIDE_FOLIAGE && is_within(s, i))
+			count_surfel(s, i, s->leaves);
+	}
 }
 
-/* Is the surface in a cell about as sparse as it is wide? */
+/* Is the surface in a cell about as sparse as it is wide? Single discs among leaves are none. */
 static bool is_sparse(const sparse *s, const cell *of)
 {
-	uint32_t points = 0, holding = 0;
+	uint32_t points = 0, leaves = 0, holding = 0;
 	for (int32_t i = 0; i < 27 && points <= POINTS_MOST; i++) {
 		cell near = *of;
 		bool wall;
@@ -173,9 +188,11 @@ static bool is_sparse(const sparse *s, const cell *of)
 		if (node == GW_COMPARTMENT_UNKNOWN)
 			continue;
 		points += s->count[node];
+		leaves += s->leaves[node];
 		holding += s->count[node] > 0;
 	}
-	return points >= POINTS_LEAST && points <= POINTS_MOST && holding >= HOLDING_LEAST;
+	return points >= POINTS_LEAST && points <= POINTS_MOST && holding >= HOLDING_LEAST &&
+		   leaves < points;
 }
 
 static void add_closing(sparse *s, const cell *of, uint32_t surfel)
@@ -239,8 +256,9 @@ static bool close_all(sparse *s, const gw_surfels *surfels)
 	gw_walls w = { s->c, s->c->first / 8, false };
 	const cell root = { 0 };
 	s->count = gw_allocate_zeros(s->c->first, sizeof *s->count);
+	s->leaves = gw_allocate_zeros(s->c->first, sizeof *s->leaves);
 	s->first = gw_allocate_array(s->c->first, sizeof *s->first);
-	if (!s->count || !s->first)
+	if (!s->count || !s->leaves || !s->first)
 		return false;
 	count_surfels(s, surfels);
 	find_voids(s, &root, 0);
@@ -272,6 +290,7 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	free(s.count);
+	free(s.leaves);
 	free(s.first);
 	free(s.closing);
 	return status;

@@ -33,6 +33,10 @@ PUSH(gw_record_push);
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
 
+/* Facets that a sample finds less densely have no light to speak of beside the others, and numbers
+ * that nothing can be divided by. */
+#define DENSITY_LEAST 1e-30f
+
 /* The facet that sample m of push.light_samples stands for. The emitters lie in Morton order, so
  * that a stretch of the table for each sample spreads the samples over them. */
 int choose_emitter(uint m, uint random)
@@ -70,6 +74,8 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
 		return vec3(0.0f);
 	float emission = luminance(texelFetch(facet_emission, facet).xyz);
 	float density = emission / push.emitter_power * squared / cosine_emitter;
+	if (density < DENSITY_LEAST)
+		return vec3(0.0f);
 	float by_samples = float(push.light_samples) * density;
 	float by_rays = push.use_hits != 0u ? float(push.rays) * cosine / GW_PI : 0.0f;
 	return texelFetch(facet_part, facet).xyz *

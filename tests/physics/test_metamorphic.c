@@ -467,11 +467,12 @@ static void density_does_not_brighten(void **state)
 
 /* ------------------------------------------------------------------- only what is called for */
 
-/* Is an effect of the points themselves, which neither the box nor the hall call for? */
+/* Is an effect of the points themselves, which neither the box nor the hall call for, or one that
+ * nobody asked for? */
 static bool is_of_points(const gw_effect *effect)
 {
 	return strcmp(effect->name, "normals") == 0 || strcmp(effect->name, "noise") == 0 ||
-		   strcmp(effect->name, "transmission") == 0;
+		   strcmp(effect->name, "transmission") == 0 || strcmp(effect->name, "columns") == 0;
 }
 
 /* One reflection of a lamp: no records are placed, and no effect but direct light is computed. */
