@@ -1,4 +1,5 @@
 # Asked to stop: the first signal ends the work within a second, with its status and no files left.
+# alone: yes
 stop() { # signal
 	mkfifo pipe
 	sleep 60 >pipe &
