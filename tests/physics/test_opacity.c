@@ -178,6 +178,21 @@ static void test_rough(void **state)
 	}
 }
 
+/* The mean irradiance of the first 32 x 32 points, a floor, under an even sky; uses up the scene.
+ */
+static double floor_under_sky(clear_scene *s, bool *portal)
+{
+	gw_points points = points_of(s);
+	gw_bake_options options = plain_options();
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
+	double mean = scene_mean(result->direct_irradiance, 32 * 32, 0);
+	*portal = scene_effect(&result->report, "portals")->called_for;
+	gw_bake_result_destroy(&result);
+	clear(s);
+	return mean;
+}
+
 /* A black box of 1 m whose lid has an opacity, or is missing, and what of a sky gets to its floor:
  * pi times the form factor of two opposite sides of a cube, 0.19982. */
 static double sky_in_box(float opacity)
@@ -192,14 +207,8 @@ static double sky_in_box(float opacity)
 	};
 	for (size_t i = 0; i < (opacity > 0.0f ? 6 : 5); i++)
 		add_patch(&s, patch[i].corner, patch[i].u, patch[i].v, 32, 0.0f, i < 5 ? 1.0f : opacity);
-	gw_points points = points_of(&s);
-	gw_bake_options options = plain_options();
-	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
-	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
-	double mean = scene_mean(result->direct_irradiance, 32 * 32, 0);
-	gw_bake_result_destroy(&result);
-	clear(&s);
-	return mean;
+	bool portal;
+	return floor_under_sky(&s, &portal);
 }
 
 /* Rays that leave: some 1000 records of 64 rays of which a tenth do, so 0.4 % of noise each, and 2
@@ -361,15 +370,7 @@ static double below_a_hole(float opacity, bool *portal)
 	if (opacity > 0.0f)
 		add_patch(&s, (double[]){ 0, 0, 0.6 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, 32,
 				  0.5f, opacity);
-	gw_points points = points_of(&s);
-	gw_bake_options options = plain_options();
-	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
-	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
-	double mean = scene_mean(result->direct_irradiance, 32 * 32, 0);
-	*portal = scene_effect(&result->report, "portals")->called_for;
-	gw_bake_result_destroy(&result);
-	clear(&s);
-	return mean;
+	return floor_under_sky(&s, portal);
 }
 
 /* Through a portal as through anything. Some hundred records of 12 % scatter each, twice. */
