@@ -20,6 +20,10 @@
 #define STOPPED_MOST 0.95
 #define COVER_MOST 3.0
 
+/* Shares are taken in such parts, of which sums of floats are exact: points that share a place
+ * count the same in any order. */
+#define SHARE_PARTS 65536.0f
+
 /* A point in its column; sorted by column, then from below. */
 typedef struct placed {
 	uint64_t column;
@@ -89,7 +93,8 @@ static void find_shares(const gw_points *points, const gw_surfels *s, float *sha
 		if (surfel == UINT32_MAX)
 			continue;
 		float part = points->beam_share[i];
-		share[surfel] += part > 0.0f && part < 1.0f ? part : 1.0f;
+		share[surfel] +=
+			part > 0.0f && part < 1.0f ? ceilf(part * SHARE_PARTS) / SHARE_PARTS : 1.0f;
 	}
 	for (size_t i = 0; i < s->count; i++)
 		share[i] = share[i] > 0.0f ? share[i] : 1.0f;
