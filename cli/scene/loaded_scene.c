@@ -5,6 +5,7 @@
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
+#include "points/scan_rows.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
@@ -256,6 +257,7 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
+	GW_TRY(scan_find_rows(cloud, error));
 	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
 }
 
