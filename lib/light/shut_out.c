@@ -143,14 +143,48 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
 	uint32_t *record, *facet, *hit; /* hit: what each ray hit */
-	uint32_t empty;
+	uint32_t outside, empty;
 } hit_labels;
+
+/* Has a ray from a compartment slipped through rock? */
+static bool slipped(const hit_labels *l, uint32_t from, uint32_t hit)
+{
+	return gw_compartments_apart(from, hit == GW_NONE ? l->outside : l->facet[hit]);
+}
+
+/* What the ray nearest to ray k of a record hit without slipping through, or nothing to be seen. */
+static uint32_t instead_of(const hit_labels *l, uint32_t from, const uint32_t *hit, uint32_t rays,
+						   uint32_t k)
+{
+	for (uint32_t off = 1; off < rays; off++) {
+		if (k >= off && !slipped(l, from, hit[k - off]))
+			return hit[k - off];
+		if (k + off < rays && !slipped(l, from, hit[k + off]))
+			return hit[k + off];
+	}
+	return hit[k] == GW_NONE ? GW_NONE : l->empty;
+}
+
+/* Puts right what a record's rays hit. Returns how many of them slipped through. Those before a ray
+ * are right already, or as dark as it will be. */
+static uint32_t turn_record(const hit_labels *l, uint32_t from, uint32_t *hit, uint32_t rays)
+{
+	uint32_t turned = 0;
+	for (uint32_t k = 0; k < rays; k++) {
+		if (!slipped(l, from, hit[k]))
+			continue;
+		hit[k] = instead_of(l, from, hit, rays, k);
+		turned++;
+	}
+	return turned;
+}
 
 static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
 						   hit_labels *l, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	size_t slots = 2 * (size_t)on->octree->leaf_count, count = on->records->count, turned = 0;
+	l->outside = gw_compartment_outside(on->octree);
 	l->facet = gw_allocate_array(slots, sizeof *l->facet);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->facet || !l->hit)
@@ -159,13 +193,8 @@ static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 	GW_TRY(gw_shut_out_label(on, &l->record, error));
 	GW_TRY(gw_compartments_of_facets(gpu, on->octree, l->facet, error));
 	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
-	for (size_t i = 0; i < rays * count && l->empty != GW_COMPARTMENT_UNKNOWN; i++) {
-		if (l->hit[i] == GW_NONE ||
-			!gw_compartments_apart(l->record[i / rays], l->facet[l->hit[i]]))
-			continue;
-		l->hit[i] = l->empty;
-		turned++;
-	}
+	for (size_t i = 0; i < count; i++)
+		turned += turn_record(l, l->record[i], l->hit + rays * i, rays);
 	return turned > 0 ? gw_buffer_upload(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error)
 					  : GW_OK;
 }

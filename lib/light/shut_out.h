@@ -30,8 +30,9 @@ gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_er
 gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_error *error);
 
 /*
- * Turns hits of rays on surface in another compartment than their record's to a facet that sends
- * out nothing.
+ * Puts right the rays that slipped through rock: out of a compartment that is closed, or to surface
+ * in another one. They take what the ray of their record hit that comes next in the order of rays,
+ * so that what is closed loses no light; where all slipped through, they see none.
  *   rays    a record
  *   facet   R32_UINT, rays * records: what each ray hit
  */
