@@ -54,12 +54,12 @@ static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbou
 			sum[k] += d[k];
 		}
 		for (int r = 0; r < 3; r++)
-			for (int k = 0; k < 3; k++)
+			for (int k = 0; k <= r; k++)
 				c[r][k] += d[r] * d[k];
 	}
 	for (int r = 0; r < 3; r++)
-		for (int k = 0; k < 3; k++)
-			c[r][k] -= sum[r] * sum[k] / n;
+		for (int k = 0; k <= r; k++)
+			c[k][r] = c[r][k] -= sum[r] * sum[k] / n;
 }
 
 /*
@@ -213,10 +213,10 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 	}
 	thing_step step = { own, scanner, lone->area };
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, share_thing, &step, error);
+		status = gw_neighbours_visit_reach(search, share_thing, &step, error);
 	filled_step beside = { .own = own, .foliage = lone->foliage };
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_beside, &beside, error);
+		status = gw_neighbours_visit_reach(search, judge_beside, &beside, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++) {
 		lone->filled[i] |= lone->area[i] > 0.0f;
 		lone->area[i] *= lone->foliage[i] ? (float)(AT_RANDOM / TURNED) : 1.0f;
@@ -240,7 +240,7 @@ static gw_status look_at_beams(const gw_points *points, gw_neighbours *search, f
 		status = gw_beam_areas(points, step->surfels, share, lone->area, error);
 	step->share = share;
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_beams, step, error);
+		status = gw_neighbours_visit_reach(search, judge_beams, step, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++)
 		lone->area[i] = lone->filled[i] ? 2.0f * lone->area[i] : 0.0f;
 	free(share);
@@ -268,14 +268,14 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the extent of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, measure, &step, error);
+		status = gw_neighbours_visit_reach(search, measure, &step, error);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge, &step, error);
+		status = gw_neighbours_visit_reach(search, judge, &step, error);
 	if (status == GW_OK && points->beam_share && !points->own_area)
 		status = look_at_beams(points, search, &step, lone, error);
 	free(step.thickness);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_around, &step, error);
+		status = gw_neighbours_visit_reach(search, judge_around, &step, error);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);
 	if (status != GW_OK)
