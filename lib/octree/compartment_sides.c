@@ -98,8 +98,22 @@ static uint32_t leaf_of(const sight *s, const int32_t cell[3])
 
 static void cell_of(const float place[3], int32_t cell[3])
 {
-	for (int k = 0; k < 3; k++)
-		cell[k] = (int32_t)fminf(fmaxf(floorf(place[k]), CELL_LEAST), CELL_MOST);
+	for (int k = 0; k < 3; k++) {
+		float within = place[k] > CELL_LEAST ? place[k] : CELL_LEAST;
+		within = within < CELL_MOST ? within : CELL_MOST;
+		cell[k] = (int32_t)within - ((float)(int32_t)within > within);
+	}
+}
+
+/* Moves a cell to that of a place; false: it is there already. */
+static bool enter_cell(const float place[3], int32_t cell[3])
+{
+	int32_t to[3];
+	cell_of(place, to);
+	if (to[0] == cell[0] && to[1] == cell[1] && to[2] == cell[2])
+		return false;
+	memcpy(cell, to, sizeof to);
+	return true;
 }
 
 /* Cosine between normals of the two sides of a wall. */
@@ -133,24 +147,32 @@ static void step_along(const float from[3], const float way[3], float t, float t
 		to[k] = from[k] + t * way[k];
 }
 
+/* Does a way of so many steps go behind surface? */
+static bool passes_behind(const sight *s, const float from[3], const float normal[3], float step,
+						  int steps)
+{
+	float place[3], passed[3];
+	int32_t cell[3] = { INT32_MIN };
+	step_along(from, normal, step * (float)steps, place);
+	for (int i = 0; i < steps; i++) {
+		step_along(from, normal, step * (float)i, passed);
+		if (enter_cell(passed, cell) && goes_behind(s, cell, normal, from, place))
+			return true;
+	}
+	return false;
+}
+
 /* The first empty cell along a normal. */
 static uint32_t look_along(const sight *s, const float from[3], const float normal[3], float step)
 {
+	int32_t cell[3] = { INT32_MIN };
 	for (int i = 0; i <= s->steps; i++) {
-		float place[3], passed[3];
-		int32_t cell[3];
+		float place[3];
 		step_along(from, normal, step * (float)i, place);
-		cell_of(place, cell);
-		uint32_t label = gw_compartment_of_cell(s->c, cell);
-		if (label == GW_COMPARTMENT_UNKNOWN)
-			continue;
-		for (int j = 0; j < i; j++) {
-			step_along(from, normal, step * (float)j, passed);
-			cell_of(passed, cell);
-			if (goes_behind(s, cell, normal, from, place))
-				return GW_COMPARTMENT_UNKNOWN;
-		}
-		return label;
+		uint32_t label =
+			enter_cell(place, cell) ? gw_compartment_of_cell(s->c, cell) : GW_COMPARTMENT_UNKNOWN;
+		if (label != GW_COMPARTMENT_UNKNOWN)
+			return passes_behind(s, from, normal, step, i) ? GW_COMPARTMENT_UNKNOWN : label;
 	}
 	return GW_COMPARTMENT_UNKNOWN;
 }
