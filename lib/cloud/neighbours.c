@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define CHUNK 1024u                  /* surfels searched by one call */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
@@ -309,13 +310,13 @@ static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_
 static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
 {
 	const uint32_t *stored = search->stored + surfel * search->per_surfel;
-	list->count = 0;
-	for (uint32_t j = 0; j < search->per_surfel; j++) {
-		uint32_t other = stored[j] & ~WIDENED;
-		if (other == NO_NEIGHBOUR)
-			break;
-		list->index[list->count++] = other;
-	}
+	uint32_t count = search->per_surfel;
+	while (count > 0 && stored[count - 1] == NO_NEIGHBOUR)
+		count--;
+	memcpy(list->index, stored, count * sizeof *stored);
+	for (uint32_t j = 0; j < 2 && j < count; j++)
+		list->index[j] &= ~WIDENED;
+	list->count = count;
 	bool widened = list->count > 0 && (stored[0] & WIDENED);
 	bool scaled = widened && (stored[1] & WIDENED);
 	list->complete = scaled ? GW_SCALED_NEAREST : widened ? NEAREST_KEPT : list->count;

@@ -59,7 +59,8 @@ typedef struct sight {
 	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
-	uint32_t *opinion; /* a leaf: what all of its surfels that know of one hold, MANY, or NONE */
+	uint32_t *opinion;     /* a leaf: what the fronts of its surfels that know of one hold, MANY, or
+							* NONE; or NULL */
 	enum asking asking;
 	size_t leaves;
 	int steps; /* along normals */
@@ -244,10 +245,12 @@ static void ask_cell(const sight *s, const int32_t cell[3], const float place[3]
 					 const float normal[3], int side, votes *v)
 {
 	uint32_t leaf = leaf_of(s, cell);
-	if (leaf == GW_WALL)
+	if (leaf == GW_WALL || (side == 0 && s->opinion && s->opinion[leaf] == NONE))
 		return;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
+		if (s->known[2 * (size_t)j + (size_t)side] == GW_COMPARTMENT_UNKNOWN)
+			continue;
 		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
 		bool asked = s->asking == THOSE_ALIKE  ? dot(normal, m) > ALIKE
 					 : s->asking == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)

@@ -46,20 +46,30 @@ typedef struct filled_step {
 static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
 						   double c[3][3])
 {
-	double sum[3] = { 0 }, d[3], n = list->count + 1.0;
+	const float *at = s->position + 3 * surfel;
+	double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+	double n = list->count + 1.0;
 	for (uint32_t j = 0; j < list->count; j++) {
-		for (size_t k = 0; k < 3; k++) {
-			d[k] = (double)s->position[3 * (size_t)list->index[j] + k] -
-				   (double)s->position[3 * surfel + k];
-			sum[k] += d[k];
-		}
-		for (int r = 0; r < 3; r++)
-			for (int k = 0; k <= r; k++)
-				c[r][k] += d[r] * d[k];
+		const float *to = s->position + 3 * (size_t)list->index[j];
+		double a = (double)to[0] - (double)at[0];
+		double b = (double)to[1] - (double)at[1];
+		double d = (double)to[2] - (double)at[2];
+		x += a;
+		y += b;
+		z += d;
+		xx += a * a;
+		xy += a * b;
+		xz += a * d;
+		yy += b * b;
+		yz += b * d;
+		zz += d * d;
 	}
-	for (int r = 0; r < 3; r++)
-		for (int k = 0; k <= r; k++)
-			c[k][r] = c[r][k] -= sum[r] * sum[k] / n;
+	c[0][0] = xx - x * x / n;
+	c[1][1] = yy - y * y / n;
+	c[2][2] = zz - z * z / n;
+	c[0][1] = c[1][0] = xy - x * y / n;
+	c[0][2] = c[2][0] = xz - x * z / n;
+	c[1][2] = c[2][1] = yz - y * z / n;
 }
 
 /*
@@ -69,7 +79,7 @@ static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbou
  */
 static double thickness(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
 {
-	double c[3][3] = { { 0 } }, squares = 0, determinant = 0;
+	double c[3][3], squares = 0, determinant = 0;
 	measure_spread(s, surfel, list, c);
 	double mean = (c[0][0] + c[1][1] + c[2][2]) / 3;
 	if (!(mean > 0))
