@@ -240,13 +240,10 @@ static bool same_sheet(const float p[3], const float n[3], const float q[3], con
 	return dot(n, m) > ALIKE && fabsf(dot(way, n)) < SHEET_MOST;
 }
 
-/* Adds what the surfels of a cell say of a place. */
-static void ask_cell(const sight *s, const int32_t cell[3], const float place[3],
-					 const float normal[3], int side, votes *v)
+/* Adds what the surfels of a leaf say of a place. */
+static void ask_leaf(const sight *s, uint32_t leaf, const float place[3], const float normal[3],
+					 int side, votes *v)
 {
-	uint32_t leaf = leaf_of(s, cell);
-	if (leaf == GW_WALL || (side == 0 && s->opinion && s->opinion[leaf] == NONE))
-		return;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
 		if (s->known[2 * (size_t)j + (size_t)side] == GW_COMPARTMENT_UNKNOWN)
@@ -262,68 +259,83 @@ static void ask_cell(const sight *s, const int32_t cell[3], const float place[3]
 	}
 }
 
-/* What the surfels in the cell of a place say of it, or in the cells around that as well. */
-static uint32_t ask_around(const sight *s, const float place[3], const float normal[3], int side)
+/* The leaves that are asked of a place, and what they hold all together: as `opinion` of sight. */
+typedef struct company {
+	uint32_t leaf[27], leaves, opinion;
+} company;
+
+/* That of the cell of a place, or of the cells around it as well; those of no opinion are not
+ * there. */
+static company find_company(const sight *s, const float place[3], int side)
 {
-	votes v = { { 0 }, { 0 }, 0 };
-	int32_t cell[3];
+	company c = { .opinion = s->opinion ? NONE : MANY };
+	int32_t cell[3], first = s->asking == THOSE_ALIKE ? 13 : 0;
 	cell_of(place, cell);
-	if (s->asking == THOSE_ALIKE)
-		ask_cell(s, cell, place, normal, side, &v);
-	for (int32_t i = 0; i < 27 && s->asking != THOSE_ALIKE; i++) {
+	for (int32_t i = first; i < 27 - first; i++) {
 		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
 								  cell[2] + i / 9 - 1 };
-		ask_cell(s, near, place, normal, side, &v);
+		uint32_t leaf = leaf_of(s, near);
+		uint32_t own = leaf == GW_WALL ? NONE : MANY;
+		if (own == MANY && s->opinion)
+			own = s->opinion[2 * (size_t)leaf + (size_t)side];
+		if (own == NONE)
+			continue;
+		c.opinion = c.opinion == NONE || c.opinion == own ? own : MANY;
+		c.leaf[c.leaves++] = leaf;
 	}
+	return c;
+}
+
+/* What a company says of a place. Where it is of one opinion, the first to speak speaks for all. */
+static uint32_t ask(const sight *s, const company *c, const float place[3], const float normal[3],
+					int side)
+{
+	votes v = { { 0 }, { 0 }, 0 };
+	for (uint32_t i = 0; i < c->leaves && (c->opinion == MANY || v.used == 0); i++)
+		ask_leaf(s, c->leaf[i], place, normal, side, &v);
 	return s->asking == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 
-/* What the fronts of a leaf's surfels hold. */
+/* What a leaf's surfels hold. */
 static void hear_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
 	for (size_t leaf = first; leaf < last; leaf++) {
-		uint32_t opinion = NONE;
+		uint32_t opinion[2] = { NONE, NONE };
 		for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
-			uint32_t label = s->known[2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu)];
-			if (label != GW_COMPARTMENT_UNKNOWN)
-				opinion = opinion == NONE || opinion == label ? label : MANY;
+			const uint32_t *label = s->known + 2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu);
+			for (int side = 0; side < 2; side++)
+				if (label[side] != GW_COMPARTMENT_UNKNOWN)
+					opinion[side] =
+						opinion[side] == NONE || opinion[side] == label[side] ? label[side] : MANY;
 		}
-		s->opinion[leaf] = opinion;
+		memcpy(s->opinion + 2 * leaf, opinion, sizeof opinion);
 	}
 }
 
-/* Is nobody around of another opinion than its own? */
-static bool all_agree(const sight *s, const float place[3], uint32_t own)
+/* What a side of a surfel learns from others; backs only of those on their sheet. */
+static uint32_t learn(const sight *s, size_t surfel, int side)
 {
-	int32_t cell[3];
-	cell_of(place, cell);
-	for (int32_t i = 0; i < 27; i++) {
-		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
-								  cell[2] + i / 9 - 1 };
-		uint32_t leaf = leaf_of(s, near);
-		if (leaf != GW_WALL && s->opinion[leaf] != NONE && s->opinion[leaf] != own)
-			return false;
-	}
-	return true;
+	const float *place = s->position + 4 * surfel, *normal = s->normal + 4 * surfel;
+	uint32_t own = s->known[2 * surfel + (size_t)side];
+	if ((s->asking != SAME_SHEET && (own != GW_COMPARTMENT_UNKNOWN || side != 0)) ||
+		(side != 0 && !(normal[3] > 0.5f)))
+		return own;
+	company c = find_company(s, place, side);
+	if (c.opinion == NONE || c.opinion == own)
+		return own;
+	uint32_t told = ask(s, &c, place, normal, side);
+	return told == GW_COMPARTMENT_UNKNOWN ? own : told;
 }
 
 static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		for (int side = 0; side < 2; side++) {
-			uint32_t own = s->known[2 * i + (size_t)side];
-			bool ask = s->asking == SAME_SHEET || own == GW_COMPARTMENT_UNKNOWN;
-			ask = ask && (side == 0 || s->normal[4 * i + 3] > 0.5f);
-			if (ask && side == 0 && own != GW_COMPARTMENT_UNKNOWN)
-				ask = !all_agree(s, s->position + 4 * i, own);
-			uint32_t told = ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
-			s->to[2 * i + (size_t)side] = told == GW_COMPARTMENT_UNKNOWN ? own : told;
-		}
-	}
+	for (size_t i = first; i < last; i++)
+		for (int side = 0; side < 2; side++)
+			s->to[2 * i + (size_t)side] = learn(s, i, side);
 }
 
 /* Forgets bubbles: compartments that few look into, but for what lies around the scene. */
@@ -448,7 +460,7 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 {
 	views v = { 0 };
 	uint32_t several = 0, *other = gw_allocate_array(surfels, 2 * sizeof *other);
-	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, sizeof *opinion);
+	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, 2 * sizeof *opinion);
 	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
 	gw_status status = other && opinion && c->sides
 						   ? open_views(gpu, octree, &v, error)
@@ -482,7 +494,8 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const 
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.asking = (enum asking)a;
-				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
+				company c = find_company(&s, place + 4 * i, 0);
+				label[i] = ask(&s, &c, place + 4 * i, normal + 4 * i, 0);
 			}
 		}
 	}
