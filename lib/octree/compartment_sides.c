@@ -62,7 +62,8 @@ typedef struct sight {
 	uint32_t *opinion;     /* a leaf: what the fronts of its surfels that know of one hold, MANY, or
 							* NONE; or NULL */
 	enum asking asking;
-	size_t leaves;
+	size_t leaves, surfels;
+	uint32_t threads;
 	int steps; /* along normals */
 } sight;
 
@@ -378,8 +379,9 @@ static enum asking asking_in(int round)
 
 /* Rounds in which surfels ask others. Where none of them changes its mind, none will by asking the
  * same ones once more. */
-static void ask_others(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other)
+static void ask_others(sight *s, uint32_t *sides, uint32_t *other)
 {
+	size_t bytes = 2 * s->surfels * sizeof *sides;
 	bool settled = false; /* among those who are asked now */
 	for (int round = 0; round < ROUNDS; round++) {
 		if (settled && s->asking == asking_in(round))
@@ -387,29 +389,29 @@ static void ask_others(sight *s, size_t surfels, uint32_t threads, uint32_t *sid
 		s->known = sides;
 		s->to = other;
 		s->asking = asking_in(round);
-		gw_parallel_for(threads, s->leaves, CHUNK, hear_some, s);
-		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
-		settled = memcmp(sides, other, 2 * surfels * sizeof *sides) == 0;
-		memcpy(sides, other, 2 * surfels * sizeof *sides);
+		gw_parallel_for(s->threads, s->leaves, CHUNK, hear_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, ask_some, s);
+		settled = memcmp(sides, other, bytes) == 0;
+		memcpy(sides, other, bytes);
 	}
 }
 
 /* All of it with what the octree holds at hand. `sides` and `other` take turns. */
-static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other,
-					  uint32_t *several, gw_error *error)
+static gw_status find(sight *s, uint32_t *sides, uint32_t *other, uint32_t *several,
+					  gw_error *error)
 {
-	memset(sides, 0xff, 2 * surfels * sizeof *sides);
+	memset(sides, 0xff, 2 * s->surfels * sizeof *sides);
 	s->to = sides;
-	gw_parallel_for(threads, surfels, CHUNK, look_some, s);
-	GW_TRY(count_those_that_matter(s->c, sides, surfels, several, error));
+	gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
+	GW_TRY(count_those_that_matter(s->c, sides, s->surfels, several, error));
 	if (*several > 1) /* Through the bubbles. */
-		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
 	if (*several > 1)
-		ask_others(s, surfels, threads, sides, other);
+		ask_others(s, sides, other);
 	s->to = sides;
 	s->steps = STEPS_FAR;
 	if (*several > 1)
-		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
 	return GW_OK;
 }
 
@@ -469,7 +471,9 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	if (status == GW_OK) {
 		sight s = sight_of(c, octree, &v);
 		s.opinion = opinion;
-		status = find(&s, surfels, threads, c->sides, other, &several, error);
+		s.surfels = surfels;
+		s.threads = threads;
+		status = find(&s, c->sides, other, &several, error);
 	}
 	close_views(&v);
 	free(opinion);
@@ -481,21 +485,21 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	return status;
 }
 
-gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const float *place,
-									const float *normal, size_t count, uint32_t *label,
-									gw_error *error)
+gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
+									const gw_surface_places *of, uint32_t *label, gw_error *error)
 {
 	views v = { 0 };
 	gw_status status = open_views(gpu, octree, &v, error);
 	if (status == GW_OK) {
 		sight s = sight_of(octree->compartments, octree, &v);
 		s.known = octree->compartments->sides;
-		for (size_t i = 0; i < count; i++) {
+		for (size_t i = 0; i < of->count; i++) {
+			const float *place = of->place + 4 * i, *normal = of->normal + 4 * i;
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.asking = (enum asking)a;
-				company c = find_company(&s, place + 4 * i, 0);
-				label[i] = ask(&s, &c, place + 4 * i, normal + 4 * i, 0);
+				company c = find_company(&s, place, 0);
+				label[i] = ask(&s, &c, place, normal, 0);
 			}
 		}
 	}
