@@ -13,7 +13,7 @@
 #include <stdlib.h>
 
 /* Points that are looked at, at most, and at least. */
-#define POINTS_MOST 100000u
+#define POINTS_MOST 30000u
 #define POINTS_LEAST 300u
 
 /* Share of the points beyond each end, which may be strays. */

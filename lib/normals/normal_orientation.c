@@ -491,7 +491,7 @@ static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_
 						gw_error *error)
 {
 	GW_TRY(allocate(w, error));
-	GW_TRY(gw_neighbours_visit(search, find_pairs, w, error));
+	GW_TRY(gw_neighbours_visit_reach(search, find_pairs, w, error));
 	join_smooth(w);
 	number_patches(w);
 	return orient_patches(w, estimated, error);
