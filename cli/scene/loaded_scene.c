@@ -472,9 +472,9 @@ static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *err
 		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
 	if (doubtful)
 		return scan_add_comment(&scene->cloud,
-								SCAN_NOTE "nothing says which axis points up, and z is taken; a "
-										  "floor and a ceiling seem to lie across y: if y points "
-										  "up, say --up y",
+								SCAN_NOTE "nothing says which axis points up, and z is taken; the "
+										  "points lie as if it were y, with a floor and a ceiling "
+										  "across it or open below: if y points up, say --up y",
 								error);
 	return said || scene->up == scene->cloud.up
 			   ? GW_OK
