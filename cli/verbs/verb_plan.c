@@ -43,12 +43,13 @@ static gw_status read_scene(plan *p)
 	GW_TRY(scene_read_all(s, p->error));
 	quality_preset_apply(s);
 	bake_plan_apply_effects(s);
+	GW_TRY(bake_plan_apply_motion(s, p->error));
 	if (s->input_count == 0)
 		return gw_fail(p->error, GW_ERROR_USAGE,
 					   "what to plan for? Name an input, or - for standard input");
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
-	glossy_points_apply(&p->scene);
+	glossy_points_apply(s, &p->scene);
 	GW_TRY(loaded_scene_lights(&p->scene, s, &p->light, p->error));
 	p->read_seconds = gw_seconds() - start;
 	return GW_OK;
