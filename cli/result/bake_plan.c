@@ -185,7 +185,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
 	print_effects(&p->plan->report, out);
-	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan }, out);
+	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan, 0 }, out);
 	if (!(f->seconds > 0.0))
 		return;
 	print_figures("foretold", bake_plan_seconds(p), p->host_bytes, p->device_bytes, out);

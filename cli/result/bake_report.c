@@ -262,7 +262,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
-	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result });
+	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result, 0 });
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');

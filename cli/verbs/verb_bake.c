@@ -479,7 +479,7 @@ static gw_status say_results(const bake *b)
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
 	if (!s->quiet)
-		light_shares_print(&(light_shares){ s, &b->scene, b->result });
+		light_shares_print(&(light_shares){ s, &b->scene, b->result, 0 });
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)

@@ -82,7 +82,7 @@ static void print(plan *p)
 	json_writer json = { .out = stdout, .lines = true };
 	json_put_open(&json, NULL, '{');
 	bake_plan_write_effects(&json, &p->result->report);
-	light_shares_write(&json, &(light_shares){ s, &p->scene, p->result });
+	light_shares_write(&json, &(light_shares){ s, &p->scene, p->result, 0 });
 	bake_plan_write_forecast(&json, &forecast);
 	json_put_close(&json, '}');
 	putchar('\n');
