@@ -122,7 +122,7 @@ gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *opt
 		place[3 * i] = NAN;
 	if (status == GW_OK)
 		*moved = join(&step, place);
-	for (size_t i = 0; i<surfels->point_count && * moved> 0; i++) {
+	for (size_t i = 0; *moved > 0 && i < surfels->point_count; i++) {
 		uint32_t surfel = surfels->surfel_of_point[i];
 		if (surfel != UINT32_MAX && !isnan(place[3 * (size_t)surfel]))
 			memcpy(position + 3 * i, place + 3 * (size_t)surfel, 3 * sizeof *position);

@@ -16,6 +16,10 @@
 #include "octree/octree_tiles.glsl"
 #include "octree/trace.glsl"
 
+/* What a buried record counts beside one that is not: one that lies in a crevice of noise says
+ * nothing of the surface, and only where all around are buried there is something solid. */
+#define BURIED_WEIGHT 1e-3f
+
 uint row, used; /* how many of the row are filled */
 float reach;    /* how far the point looks for records, leaf cells */
 
@@ -94,9 +98,10 @@ void weigh_block(IN(Seeker) seeker, uvec2 span)
 		vec3 off = seeker.g - position.xyz;
 		if (dot(off, off) >= reach * reach)
 			continue;
-		vec3 facing = texelFetch(record_normal, int(record)).xyz;
-		float weight = record_weight(seeker, off, facing);
-		if (weight > 0.0f && record_visible(seeker, position, facing))
+		vec4 facing = texelFetch(record_normal, int(record));
+		float weight = record_weight(seeker, off, facing.xyz);
+		weight *= facing.w > 0.0f ? 1.0f : BURIED_WEIGHT;
+		if (weight > 0.0f && record_visible(seeker, position, facing.xyz))
 			use_record(record, weight);
 	}
 }

@@ -95,8 +95,9 @@ static double share_below(const wood *w, double degrees)
 }
 
 /* The optical depth, not the light, is compared, so that dense leaves count as well. Leaves of a
- * cell hide each other no less than those of others: that takes some 3 %. A few at the rim pass for
- * small plates, and chance, by 4000 leaves, adds or takes 2 %. */
+ * cell hide each other no less than those of others: that takes up to 3 %, and at 1.5 and more gives
+ * 1 back. Chance, by where 4000 leaves are, has a standard deviation of 2 % (ten woods), of which
+ * three are allowed. */
 static void beer_and_lambert(void **state)
 {
 	(void)state;
@@ -107,7 +108,7 @@ static void beer_and_lambert(void **state)
 			make_wood(&w, depth[d], 1 + (uint64_t)(a + d) % 2);
 			double along = depth[d] / cos(degrees[a] * SCENE_PI / 180.0);
 			double met = -log(share_below(&w, degrees[a]));
-			assert_true(met > 0.92 * along && met < 1.06 * along);
+			assert_true(met > 0.93 * along && met < 1.09 * along);
 			clear(&w);
 		}
 }
