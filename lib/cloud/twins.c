@@ -27,6 +27,7 @@
 
 typedef struct join_step {
 	const gw_surfels *surfels;
+	float near;     /* of the distance to the neighbour of RANK */
 	uint32_t *twin; /* count: the nearest, if it is as near as that, or NO_TWIN */
 } join_step;
 
@@ -78,7 +79,7 @@ static void find_twin(void *user, size_t surfel, const gw_neighbour_list *list)
 	if (list->count < RANK || emits(step->surfels, surfel))
 		return;
 	size_t other = list->index[0];
-	if (list->distance[0] < NEAR * list->distance[RANK - 1] && !emits(step->surfels, other) &&
+	if (list->distance[0] < step->near * list->distance[RANK - 1] && !emits(step->surfels, other) &&
 		faces_as(step->surfels, surfel, other))
 		step->twin[surfel] = (uint32_t)other;
 }
@@ -102,9 +103,9 @@ static size_t join(const join_step *step, double *place)
 }
 
 gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *options,
-						double *position, size_t *moved, gw_error *error)
+						gw_twins_kind kind, double *position, size_t *moved, gw_error *error)
 {
-	join_step step = { .surfels = surfels };
+	join_step step = { .surfels = surfels, .near = kind == GW_TWINS_ALL ? INFINITY : NEAR };
 	gw_neighbours *search = NULL;
 	*moved = 0;
 	step.twin = gw_allocate_array(surfels->count, sizeof *step.twin);

@@ -11,6 +11,9 @@
 
 #include "cloud/surfels.h"
 
+/* Which are joined: twins, or whatever is each other's nearest neighbour. */
+typedef enum gw_twins_kind { GW_TWINS_NEAR, GW_TWINS_ALL } gw_twins_kind;
+
 /*
  * Puts the points of such surfels in one place, half way, so that a frame made anew takes them for
  * one. Those whose normals differ, as of two sides of a sheet, and those that emit stay.
@@ -20,7 +23,7 @@
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *options,
-						double *position, size_t *moved, gw_error *error);
+						gw_twins_kind kind, double *position, size_t *moved, gw_error *error);
 
 /* Whether a cloud has so many twins that they matter, by the order of the surfels alone. */
 bool gw_twins_are_many(const gw_surfels *surfels);

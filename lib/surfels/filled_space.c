@@ -42,18 +42,17 @@ typedef struct filled_step {
 	uint8_t *filled, *foliage;
 } filled_step;
 
-/* Sums of squares and products of the neighbours' offsets from their middle, the surfel's too. */
-static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
-						   double c[3][3])
+/* Sums of squares and products of the neighbours' offsets from their middle, the place's too. */
+static void measure_spread(const gw_surfels *s, const double place[3],
+						   const gw_neighbour_list *list, double c[3][3])
 {
-	const float *at = s->position + 3 * surfel;
 	double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
 	double n = list->count + 1.0;
 	for (uint32_t j = 0; j < list->count; j++) {
 		const float *to = s->position + 3 * (size_t)list->index[j];
-		double a = (double)to[0] - (double)at[0];
-		double b = (double)to[1] - (double)at[1];
-		double d = (double)to[2] - (double)at[2];
+		double a = (double)to[0] - place[0];
+		double b = (double)to[1] - place[1];
+		double d = (double)to[2] - place[2];
 		x += a;
 		y += b;
 		z += d;
@@ -72,15 +71,12 @@ static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbou
 	c[1][2] = c[2][1] = yz - y * z / n;
 }
 
-/*
- * The least share that a direction has in the squares of the neighbours' distances from their
- * middle: 0 where they lie in a plane, a third where they fill a ball. It is the least eigenvalue
- * of their covariance, from the cosine of a third of an angle.
- */
-static double thickness(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
+/* The least eigenvalue of their covariance, from the cosine of a third of an angle. */
+double gw_filled_space_thickness(const gw_surfels *s, const double place[3],
+								 const gw_neighbour_list *list)
 {
 	double c[3][3], squares = 0, determinant = 0;
-	measure_spread(s, surfel, list, c);
+	measure_spread(s, place, list, c);
 	double mean = (c[0][0] + c[1][1] + c[2][2]) / 3;
 	if (!(mean > 0))
 		return 0;
@@ -105,8 +101,11 @@ static double thickness(const gw_surfels *s, size_t surfel, const gw_neighbour_l
 static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const filled_step *step = user;
+	const float *p = step->surfels->position + 3 * surfel;
+	const double place[3] = { (double)p[0], (double)p[1], (double)p[2] };
+	bool full = list->count == GW_NEIGHBOURS;
 	step->thickness[surfel] =
-		list->count == GW_NEIGHBOURS ? (float)thickness(step->surfels, surfel, list) : 0;
+		full ? (float)gw_filled_space_thickness(step->surfels, place, list) : 0.0f;
 }
 
 static bool lies_in_plane(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)

@@ -33,6 +33,13 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 							   const gw_surfels *surfels, gw_lone_points *lone, gw_error *error);
 void gw_lone_points_clear(gw_lone_points *lone);
 
+/*
+ * The least share that a direction has in the squares of the distances of a place and its
+ * neighbours from their middle: 0 where they lie in a plane, a third where they fill a ball.
+ */
+double gw_filled_space_thickness(const gw_surfels *surfels, const double place[3],
+								 const gw_neighbour_list *list);
+
 /* The disc of such a point: metres from it to where what is around begins, about. Evenly filled
  * space is seen through for some three times the distance between points. */
 float gw_filled_space_radius(const gw_neighbour_list *list);

@@ -11,6 +11,7 @@
 #include "normals/normals.h"
 #include "normals/plane_error.h"
 #include "surfels/filled_space.h"
+#include "surfels/surface_layers.h"
 #include "surfels/surfel_backs.h"
 #include "surfels/surfel_disc.h"
 #include "surfels/surfel_smooth.h"
@@ -74,21 +75,29 @@ static gw_status make_frame_anew(const gw_surfels_options *options, sorted_point
 	return gw_frame_make(&p->rest, options, surfels, error);
 }
 
+/* The rest of the points gets places of its own, as it has them now; the old ones are returned. */
+static gw_status copy_places(sorted_points *p, double **old, gw_error *error)
+{
+	*old = p->position;
+	p->position = gw_allocate_array(p->all->count, 3 * sizeof *p->position);
+	if (!p->position)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
+					   p->all->count);
+	memcpy(p->position, p->rest.position, 3 * p->all->count * sizeof *p->position);
+	p->rest.position = p->position;
+	return GW_OK;
+}
+
 /* Makes points one that stand hardly off each other, where there are many. */
 static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
 							gw_surfels *surfels, gw_error *error)
 {
-	size_t moved = 1, bytes = 3 * p->all->count * sizeof(double);
+	size_t moved = 1;
+	double *old;
 	for (int round = 0; round < TWIN_ROUNDS && moved > 0 && gw_twins_are_many(surfels); round++) {
-		if (!p->position) {
-			p->position = gw_allocate_array(p->all->count, 3 * sizeof(double));
-			if (!p->position)
-				return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
-							   p->all->count);
-			memcpy(p->position, p->all->position, bytes);
-			p->rest.position = p->position;
-		}
-		GW_TRY(gw_twins_join(surfels, options, p->position, &moved, error));
+		if (!p->position)
+			GW_TRY(copy_places(p, &old, error));
+		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_NEAR, p->position, &moved, error));
 		if (moved > 0)
 			GW_TRY(make_frame_anew(options, p, surfels, error));
 	}
@@ -112,6 +121,59 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 		GW_TRY(make_frame_anew(options, p, surfels, error));
 	}
 	return join_twins(options, p, surfels, error);
+}
+
+/* Layers are joined where the surface is thicker than this, until it is thinner than that, so many
+ * times at most; what is not half as thick then is none in layers. Few points have none to lose. */
+#define LAYERS_THICK 0.02
+#define LAYERS_THIN 0.008
+#define LAYERS_ROUNDS 5
+#define LAYERS_POINTS 10000u
+
+static gw_status join_often(sorted_points *p, const gw_surfels_options *options,
+							gw_neighbours **search, gw_surfels *surfels, double *thickness,
+							gw_error *error)
+{
+	size_t moved = 1;
+	double first = *thickness;
+	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && *thickness > LAYERS_THIN; round++) {
+		if (round > 1 && *thickness > 0.8 * first)
+			return GW_OK; /* it does not get thinner */
+		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_ALL, p->position, &moved, error));
+		gw_neighbours_close(*search);
+		*search = NULL;
+		GW_TRY(make_frame_anew(options, p, surfels, error));
+		GW_TRY(gw_neighbours_open(surfels, options, search, error));
+		*thickness = gw_surface_thickness(surfels, *search);
+	}
+	return GW_OK;
+}
+
+/* Of points of which no more is known than where they are. search is opened anew. */
+static gw_status join_layers(sorted_points *p, const gw_surfels_options *options,
+							 gw_neighbours **search, gw_surfels *surfels, gw_error *error)
+{
+	double *old = NULL, before, after;
+	if (options->choose || p->by_grid || surfels->normals_given > 0 || p->all->own_area ||
+		p->all->beam_share || surfels->count < LAYERS_POINTS)
+		return GW_OK;
+	before = after = gw_surface_thickness(surfels, *search);
+	if (!(before > LAYERS_THICK))
+		return GW_OK;
+	const double *places = p->rest.position;
+	GW_TRY(copy_places(p, &old, error));
+	gw_status status = join_often(p, options, search, surfels, &after, error);
+	if (status != GW_OK || after < 0.5 * before) {
+		free(old);
+		return status;
+	}
+	free(p->position);
+	p->position = old;
+	p->rest.position = places;
+	gw_neighbours_close(*search);
+	*search = NULL;
+	GW_TRY(make_frame_anew(options, p, surfels, error));
+	return gw_neighbours_open(surfels, options, search, error);
 }
 
 /* search is opened anew when the points are moved. */
@@ -139,7 +201,7 @@ static gw_status make_discs(const sorted_points *p, const gw_surfels_options *op
 	return status;
 }
 
-static gw_status make_surface(const sorted_points *p, const gw_surfels_options *options,
+static gw_status make_surface(sorted_points *p, const gw_surfels_options *options,
 							  gw_surfels *surfels, float **gap, gw_error *error)
 {
 	gw_neighbours *search = NULL;
@@ -151,7 +213,9 @@ static gw_status make_surface(const sorted_points *p, const gw_surfels_options *
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
 	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
-	gw_status status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
+	gw_status status = join_layers(p, options, &search, surfels, error);
+	if (status == GW_OK)
+		status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
 	return status;
 }

@@ -391,6 +391,38 @@ static void twins_become_one(void **state)
 	clear_cloud(&c);
 }
 
+/* Ground of which several scans tell, each off by about as much as the points are apart, and a ball
+ * full of points, which no joining makes a surface. */
+static void layers_become_one(void **state)
+{
+	(void)state;
+	static const double height[] = { 0.0, 0.09, -0.07 };
+	cloud c = make_cloud(24000, false);
+	for (size_t i = 0; i < c.count; i++)
+		set_point(&c, i, 15 * uniform(), 15 * uniform(), height[i % 3]);
+	gw_surfels s = make(&c);
+	double level = 0.0, off = 0.0;
+	for (size_t i = 0; i < s.count; i++) {
+		level += fabs((double)s.normal[3 * i + 2]) > cos(10 * PI / 180);
+		off += pow((double)s.position[3 * i + 2] - (double)s.position[2], 2.0);
+	}
+	print_message("%zu surfels of layers, %.1f %% within 10 degrees, heights scatter by %.3f m\n",
+				  s.count, 100 * level / (double)s.count, sqrt(off / (double)s.count));
+	assert_true(level > 0.99 * (double)s.count);
+	assert_true(s.count < 12000);
+	assert_sane(&s);
+	gw_surfels_clear(&s);
+	for (size_t i = 0; i < c.count; i++) {
+		double x = gaussian(), y = gaussian(), z = gaussian();
+		double r = cbrt(uniform()) / sqrt(x * x + y * y + z * z);
+		set_point(&c, i, r * x, r * y, r * z);
+	}
+	s = make(&c);
+	assert_int_equal(s.count, c.count);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 static void points_that_are_not_finite_are_left_out(void **state)
 {
 	(void)state;
@@ -2001,6 +2033,7 @@ int main(void)
 		cmocka_unit_test(order_and_threads_change_no_bit),
 		cmocka_unit_test(points_at_one_place_become_one),
 		cmocka_unit_test(twins_become_one),
+		cmocka_unit_test(layers_become_one),
 		cmocka_unit_test(points_that_are_not_finite_are_left_out),
 		cmocka_unit_test(attributes_are_repaired_and_counted),
 		cmocka_unit_test(neighbours_are_the_nearest),
