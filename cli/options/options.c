@@ -39,6 +39,14 @@ static const char *capture_name(int i)
 	return name[i];
 }
 
+static const char *remainder_name(int i)
+{
+	static const char *const name[] = { [SETTINGS_REMAINDER_ALBEDO] = "albedo",
+										[SETTINGS_REMAINDER_LIGHT] = "light",
+										[SETTINGS_REMAINDER_COUNT] = NULL };
+	return name[i];
+}
+
 static const char *normals_name(int i)
 {
 	static const char *const name[] = { [GW_NORMALS_AUTO] = "auto",
@@ -365,6 +373,11 @@ const option options[] = {
 	  .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "colour, linear and up to 1, that radiance 1 has in the photographs; auto finds it: "
 			  "the brightest surfaces then have an albedo of 0.8" },
+	{ "remainder", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(remainder), .choice = remainder_name,
+	  .group = "Scene",
+	  .help = "what still varies smoothly along a surface when that light is divided out: light "
+			  "takes it for light that nobody named and divides it out too, and with it what "
+			  "paint and stone vary slowly; edges and patterns stay" },
 	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
 	  .scene = true, AT(bake.normals), .choice = normals_name, .group = "Scene",
 	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "

@@ -76,6 +76,13 @@ typedef enum settings_capture {
 	SETTINGS_CAPTURE_COUNT
 } settings_capture;
 
+/* What still varies smoothly along a surface when the light of the capture was divided out. */
+typedef enum settings_remainder {
+	SETTINGS_REMAINDER_ALBEDO, /* the albedo does */
+	SETTINGS_REMAINDER_LIGHT,  /* light does that nobody named */
+	SETTINGS_REMAINDER_COUNT
+} settings_remainder;
+
 typedef enum settings_progress {
 	SETTINGS_PROGRESS_AUTO,
 	SETTINGS_PROGRESS_JSON,
@@ -219,6 +226,7 @@ typedef struct settings {
 	uint32_t count;                  /* points for all meshes without a density together */
 	int capture;                     /* a settings_capture */
 	float capture_scale;             /* colour, linear, of radiance 1; 0: unknown */
+	int remainder;                   /* a settings_remainder */
 	int quality;                     /* a gw_quality */
 	float opacity;                   /* of all points, 0..1; -1: as columns say */
 	float exposure;                  /* EV; NAN: from the picture */

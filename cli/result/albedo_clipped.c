@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The last value but one of 8 bits as sRGB is 0.991, the first but none 0.0003. */
 #define WHITE_LEAST 0.9999f
@@ -13,12 +12,6 @@
 
 /* Places are twice as wide each time that one has none to ask, so often. */
 #define WIDENINGS 4
-
-/* A point in its place. */
-typedef struct member {
-	int32_t at[3];
-	size_t point;
-} member;
 
 size_t albedo_clipped_find(const float *photo, size_t count, uint8_t *ends)
 {
@@ -35,31 +28,15 @@ size_t albedo_clipped_find(const float *photo, size_t count, uint8_t *ends)
 	return found;
 }
 
-static int compare(const void *a, const void *b)
-{
-	const member *x = a, *y = b;
-	for (int k = 0; k < 3; k++)
-		if (x->at[k] != y->at[k])
-			return x->at[k] < y->at[k] ? -1 : 1;
-	return (x->point > y->point) - (x->point < y->point);
-}
-
 static size_t list_members(const gw_points *p, const uint8_t *known, const double low[3],
-						   double width, member *list)
+						   double width, albedo_member *list)
 {
 	size_t used = 0;
 	for (size_t i = 0; i < p->count; i++) {
-		member m = { .point = i };
-		bool good = known[i];
-		for (size_t k = 0; k < 3 && good; k++) {
-			double cell = (p->position[3 * i + k] - low[k]) / width;
-			good = cell >= 0.0 && cell < 0x1p30;
-			m.at[k] = good ? (int32_t)cell : 0;
-		}
-		if (good)
-			list[used++] = m;
+		list[used] = (albedo_member){ .point = i };
+		used += known[i] && albedo_place_find(p->position + 3 * i, low, width, list[used].at);
 	}
-	qsort(list, used, sizeof *list, compare);
+	albedo_members_sort(list, used);
 	return used;
 }
 
@@ -87,7 +64,7 @@ static void fill_point(float *level, const float mean[3], unsigned ends)
 }
 
 /* One place: the mean of those whose values are known, for those whose are not. */
-static void fill_place(const member *list, size_t count, const uint8_t *ends, float *level,
+static void fill_place(const albedo_member *list, size_t count, const uint8_t *ends, float *level,
 					   uint8_t *filled)
 {
 	double sum[3] = { 0 };
@@ -114,15 +91,13 @@ gw_status albedo_clipped_fill(const gw_points *points, const uint8_t *ends, cons
 							  float *level, gw_error *error)
 {
 	double low[3], width = albedo_place_width(points, low);
-	member *list = reallocarray(NULL, points->count, sizeof *list);
+	albedo_member *list = reallocarray(NULL, points->count, sizeof *list);
 	uint8_t *filled = calloc(points->count, 1);
 	bool good = list && filled;
 	for (int round = 0; round < WIDENINGS && good && width > 0.0; round++, width *= 2.0) {
 		size_t used = list_members(points, known, low, width, list);
 		for (size_t first = 0, last; first < used; first = last) {
-			for (last = first + 1;
-				 last < used && memcmp(list[first].at, list[last].at, sizeof list->at) == 0; last++)
-				continue;
+			last = albedo_members_end(list, first, used);
 			fill_place(list + first, last - first, ends, level, filled);
 		}
 	}

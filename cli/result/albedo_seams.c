@@ -5,89 +5,102 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define SWEEPS 200
 
-/* A point in its place. */
-typedef struct member {
-	int32_t at[3];
-	uint32_t input;
-	size_t point;
-} member;
+/* So many points of a station in a place have a level. */
+#define MEMBERS_LEAST 3
 
-/* Pairs of inputs: how often they meet, and by how much the first is brighter, in logarithms. */
+/* A scanner on a tripod stood at so many places at most; more are the way of one that was carried,
+   whose camera kept its exposure. */
+#define STATIONS_MOST 64
+
+/* Pairs of stations: how often they meet, and by how much the first is brighter, in logarithms. */
 typedef struct meeting {
 	double places, more[3];
 } meeting;
 
-static int compare(const void *a, const void *b)
-{
-	const member *x = a, *y = b;
-	for (int k = 0; k < 3; k++)
-		if (x->at[k] != y->at[k])
-			return x->at[k] < y->at[k] ? -1 : 1;
-	if (x->input != y->input)
-		return x->input < y->input ? -1 : 1;
-	return (x->point > y->point) - (x->point < y->point);
-}
-
-static size_t list_members(const loaded_scene *scene, const uint8_t *ends, const float *level,
-						   member *list)
+static size_t station_count(const loaded_scene *scene)
 {
 	const gw_points *p = &scene->points.points;
-	double low[3], width = albedo_place_width(p, low);
-	size_t used = 0, point = 0;
+	bool known = p->scanner_of && p->scanner_count <= STATIONS_MOST;
+	return scene->input_count + (known ? p->scanner_count : 0);
+}
+
+/* From which station each point was photographed: its scanner, or without one its input. */
+static void find_stations(const loaded_scene *scene, size_t stations, uint32_t *station)
+{
+	const uint32_t *scanner_of = scene->points.points.scanner_of;
+	size_t point = 0, scanners = stations - scene->input_count;
 	for (uint32_t input = 0; input < scene->input_count; input++)
 		for (size_t end = point + scene->input[input].points; point < end; point++) {
-			const float *v = level + 3 * point;
-			const double *at = p->position + 3 * point;
-			member m = { .input = input, .point = point };
-			bool known = !ends[point] && v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
-			for (int k = 0; k < 3 && known; k++) {
-				double cell = (at[k] - low[k]) / width;
-				known = cell >= 0.0 && cell < 0x1p30;
-				m.at[k] = known ? (int32_t)cell : 0;
-			}
-			if (known)
-				list[used++] = m;
+			bool known = scanners > 0 && scanner_of[point] < scanners;
+			station[point] = known ? (uint32_t)scene->input_count + scanner_of[point] : input;
 		}
-	qsort(list, used, sizeof *list, compare);
+}
+
+static size_t list_members(const gw_points *p, const uint8_t *ends, const float *level,
+						   const uint32_t *station, albedo_member *list)
+{
+	double low[3], width = albedo_place_width(p, low);
+	size_t used = 0;
+	for (size_t i = 0; i < p->count; i++) {
+		const float *v = level + 3 * i;
+		list[used] = (albedo_member){ .group = station[i], .point = i };
+		bool known = !ends[i] && v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
+		used += known && albedo_place_find(p->position + 3 * i, low, width, list[used].at);
+	}
+	albedo_members_sort(list, used);
 	return used;
 }
 
-/* One place: the mean logarithm of each input in it, then all pairs of inputs. */
-static void meet(const member *list, size_t count, const float *level, size_t inputs, double *mean,
-				 meeting *meetings)
+/* What the points of one station have in one place, in logarithms. */
+typedef struct presence {
+	uint32_t station;
+	double mean[3];
+} presence;
+
+/* The stations with points enough in one place. Returns how many. */
+static size_t list_presences(const albedo_member *list, size_t count, const float *level,
+							 presence *here)
 {
-	memset(mean, 0, 4 * inputs * sizeof *mean);
-	for (size_t i = 0; i < count; i++) {
-		double *m = mean + 4 * list[i].input;
-		for (size_t k = 0; k < 3; k++)
-			m[k] += log((double)level[3 * list[i].point + k]);
-		m[3]++;
+	size_t used = 0;
+	for (size_t first = 0, last; first < count; first = last) {
+		double sum[3] = { 0 };
+		for (last = first; last < count && list[last].group == list[first].group; last++)
+			for (size_t k = 0; k < 3; k++)
+				sum[k] += log((double)level[3 * list[last].point + k]);
+		here[used].station = list[first].group;
+		for (int k = 0; k < 3; k++)
+			here[used].mean[k] = sum[k] / (double)(last - first);
+		used += last - first >= MEMBERS_LEAST;
 	}
-	for (size_t a = 0; a < inputs; a++)
-		for (size_t b = 0; b < inputs; b++) {
-			const double *x = mean + 4 * a, *y = mean + 4 * b;
-			meeting *to = &meetings[a * inputs + b];
-			if (a == b || x[3] < 3 || y[3] < 3)
+	return used;
+}
+
+/* One place: all pairs of its stations. */
+static void meet(const presence *here, size_t count, size_t stations, meeting *meetings)
+{
+	for (size_t a = 0; a < count; a++)
+		for (size_t b = 0; b < count; b++) {
+			meeting *to = &meetings[here[a].station * stations + here[b].station];
+			if (a == b)
 				continue;
 			to->places++;
 			for (int k = 0; k < 3; k++)
-				to->more[k] += x[k] / x[3] - y[k] / y[3];
+				to->more[k] += here[a].mean[k] - here[b].mean[k];
 		}
 }
 
-/* Gauss and Seidel: each input is moved to where those that it meets want it; the first stays. */
-static void settle(const meeting *meetings, size_t inputs, double *shift)
+/* Gauss and Seidel: each station is moved to where those that it meets want it; the first stays. */
+static void settle(const meeting *meetings, size_t stations, size_t first, double *shift)
 {
 	for (int sweep = 0; sweep < SWEEPS; sweep++)
-		for (size_t a = 1; a < inputs; a++)
-			for (size_t k = 0; k < 3; k++) {
+		for (size_t a = 0; a < stations; a++)
+			for (size_t k = 0; k < 3 && a != first; k++) {
 				double sum = 0, places = 0;
-				for (size_t b = 0; b < inputs; b++) {
-					const meeting *m = &meetings[a * inputs + b];
+				for (size_t b = 0; b < stations; b++) {
+					const meeting *m = &meetings[a * stations + b];
 					sum += m->places * shift[3 * b + k] - m->more[k];
 					places += m->places;
 				}
@@ -96,39 +109,53 @@ static void settle(const meeting *meetings, size_t inputs, double *shift)
 			}
 }
 
-static void apply(const loaded_scene *scene, const double *shift, float *level)
+static void apply(const gw_points *p, const uint32_t *station, const double *shift, float *level)
 {
-	size_t point = 0;
-	for (size_t input = 0; input < scene->input_count; input++)
-		for (size_t end = point + scene->input[input].points; point < end; point++)
-			for (size_t k = 0; k < 3; k++)
-				level[3 * point + k] *= (float)exp(shift[3 * input + k]);
+	for (size_t i = 0; i < 3 * p->count; i++)
+		level[i] *= (float)exp(shift[3 * station[i / 3] + i % 3]);
+}
+
+/* Memory for all of it. */
+typedef struct seams {
+	albedo_member *list; /* count */
+	uint32_t *station;   /* count */
+	meeting *meetings;   /* stations squared */
+	presence *here;      /* stations + 1 */
+	double *shift;       /* 3 * stations */
+} seams;
+
+static void level_stations(const gw_points *p, const uint8_t *ends, size_t stations, seams *w,
+						   float *level)
+{
+	size_t used = list_members(p, ends, level, w->station, w->list);
+	for (size_t first = 0, last; first < used; first = last) {
+		last = albedo_members_end(w->list, first, used);
+		size_t here = list_presences(w->list + first, last - first, level, w->here);
+		meet(w->here, here, stations, w->meetings);
+	}
+	settle(w->meetings, stations, p->count ? w->station[0] : 0, w->shift);
+	apply(p, w->station, w->shift, level);
 }
 
 gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, float *level,
 							 gw_error *error)
 {
-	size_t inputs = scene->input_count, count = scene->cloud.count;
-	if (inputs < 2)
+	size_t stations = station_count(scene), count = scene->cloud.count;
+	if (stations < 2)
 		return GW_OK;
-	member *list = reallocarray(NULL, count, sizeof *list);
-	meeting *meetings = calloc(inputs * inputs, sizeof *meetings);
-	double *mean = calloc(inputs, 4 * sizeof *mean), *shift = calloc(inputs, 3 * sizeof *shift);
-	bool good = list && meetings && mean && shift;
-	size_t used = good ? list_members(scene, ends, level, list) : 0;
-	for (size_t first = 0, last; first < used; first = last) {
-		for (last = first + 1;
-			 last < used && memcmp(list[first].at, list[last].at, sizeof list->at) == 0; last++)
-			continue;
-		meet(list + first, last - first, level, inputs, mean, meetings);
-	}
+	seams w = { reallocarray(NULL, count, sizeof *w.list),
+				reallocarray(NULL, count, sizeof *w.station),
+				calloc(stations * stations, sizeof *w.meetings),
+				calloc(stations + 1, sizeof *w.here), calloc(stations, 3 * sizeof *w.shift) };
+	bool good = w.list && w.station && w.meetings && w.here && w.shift;
 	if (good) {
-		settle(meetings, inputs, shift);
-		apply(scene, shift, level);
+		find_stations(scene, stations, w.station);
+		level_stations(&scene->points.points, ends, stations, &w, level);
 	}
-	free(list);
-	free(meetings);
-	free(mean);
-	free(shift);
+	free(w.list);
+	free(w.station);
+	free(w.meetings);
+	free(w.here);
+	free(w.shift);
 	return good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for the seams");
 }

@@ -1,6 +1,7 @@
 /*
  * albedo_seams.h - several scans of one place, each photographed at an exposure of its own: their
- * levels are made the same where they overlap.
+ * levels are made the same where they overlap. A scan is what one scanner saw from one place, be it
+ * one of many in a file, or, where nobody says who saw a point, an input.
  */
 #ifndef ALBEDO_SEAMS_H
 #define ALBEDO_SEAMS_H
@@ -8,9 +9,9 @@
 #include "scene/loaded_scene.h"
 
 /*
- * Multiplies the values of each input but the first by one factor a channel, so that in places with
- * points of two inputs both have the same level, as well as can be (least squares of logarithms).
- * Inputs that overlap with no other keep their level.
+ * Multiplies the values of each scan but that of the first point by one factor a channel, so that
+ * in places with points of two scans both have the same level, as well as can be (least squares of
+ * logarithms). Scans that overlap with no other keep their level.
  *   ends    count: points with any bit are left out, as they are clipped (albedo_clipped.h)
  *   level   3 * count, in the order of the scene's points; 0 where nothing is known
  * GW_ERROR_MEMORY.

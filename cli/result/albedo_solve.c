@@ -4,6 +4,7 @@
 #include "points/scan_intensity.h"
 #include "program/signals.h"
 #include "result/albedo_clipped.h"
+#include "result/albedo_remainder.h"
 #include "result/albedo_seams.h"
 
 #include <math.h>
@@ -47,6 +48,7 @@ typedef struct solve {
 	float *photo;  /* 3 * count, linear colours, owned */
 	float *level;  /* 3 * count: irradiance, then pi times the colour over it; owned */
 	float *sorted; /* count, scratch; owned */
+	float *normal; /* 3 * count, of the last bake; owned */
 	uint8_t *dark; /* count: LIT, DIM or DARK; owned */
 	uint8_t *ends; /* count: which values are clipped (albedo_clipped.h); owned */
 	albedo_facts *facts;
@@ -142,6 +144,8 @@ static gw_status bake_light(solve *w)
 		gw_bake(&scene, &options, &(gw_bake_callbacks){ .cancelled = NULL }, &r, w->error);
 	for (size_t i = 0; status == GW_OK && i < count_of(w); i++)
 		take_irradiance(w, r, i, w->level + 3 * i);
+	if (status == GW_OK)
+		memcpy(w->normal, r->normal, 3 * count_of(w) * sizeof *w->normal);
 	gw_bake_result_destroy(&r);
 	return status == GW_OK ? signals_check(w->error) : status;
 }
@@ -241,6 +245,9 @@ static gw_status run_rounds(solve *w)
 			GW_TRY(find_dark(w));
 		divide(w);
 		GW_TRY(albedo_seams_level(w->scene, w->ends, w->level, w->error));
+		if (w->settings->remainder == SETTINGS_REMAINDER_LIGHT)
+			GW_TRY(albedo_remainder_divide(&w->scene->points.points, w->normal, w->ends, w->level,
+										   &w->facts->remainder, w->error));
 		w->facts->scale = find_scale(w);
 		GW_TRY(fill_clipped(w));
 		w->facts->change = take_step(w, round == 0 ? 1.0 : STEP);
@@ -259,8 +266,9 @@ static gw_status start(solve *w)
 	w->photo = reallocarray(NULL, n, sizeof *w->photo);
 	w->level = reallocarray(NULL, n, sizeof *w->level);
 	w->sorted = reallocarray(NULL, count_of(w), sizeof *w->sorted);
+	w->normal = reallocarray(NULL, n, sizeof *w->normal);
 	w->ends = calloc(count_of(w), 1);
-	if (!w->photo || !w->level || !w->sorted || !w->ends)
+	if (!w->photo || !w->level || !w->sorted || !w->normal || !w->ends)
 		return gw_fail(w->error, GW_ERROR_MEMORY, "no memory for the light of %zu points",
 					   count_of(w));
 	float *albedo = w->scene->points.albedo;
@@ -274,6 +282,7 @@ static void finish(solve *w)
 	free(w->photo);
 	free(w->level);
 	free(w->sorted);
+	free(w->normal);
 	free(w->dark);
 	free(w->ends);
 }

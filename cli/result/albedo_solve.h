@@ -19,6 +19,7 @@ typedef struct albedo_facts {
 	char how[120];  /* what was done to the laser's intensity, a phrase, or "" */
 	double scale;   /* colour, 0 to 1 and linear, of radiance 1 in the photographs */
 	double change;  /* mean relative change of the albedo in the last round */
+	double remainder; /* by what share of itself light that nobody named changed it, the mean */
 	int rounds;
 } albedo_facts;
 

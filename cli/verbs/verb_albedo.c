@@ -144,6 +144,11 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 					 "glowworm: note: %zu points brighter than white in that light: their albedo "
 					 "is %g\n",
 					 facts.clipped, (double)ALBEDO_SOLVE_MOST);
+	if (s->remainder == SETTINGS_REMAINDER_LIGHT)
+		text_message(stderr,
+					 "glowworm: light that nobody named: %.2g %% of the light of the capture, in "
+					 "the mean\n",
+					 100.0 * facts.remainder);
 	text_message(stderr,
 				 "glowworm: radiance 1 is colour %.4g; the albedo changed by %.2g %% in round %d, "
 				 "the last\n",

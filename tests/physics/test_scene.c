@@ -288,31 +288,43 @@ static gw_points plain_points(const scene *box)
 	return points;
 }
 
+/* The longest time that this bake goes without a question, as a share of all, but for the tenth of
+   a second that it leaves between two of them. */
+static double longest_share(const scene *box)
+{
+	gw_points points = plain_points(box);
+	gw_light lamp = scene_point_light(2.0, 1.5, 1.5, 5.0f);
+	watch w = { .left = -1 };
+	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w, NULL };
+	gw_bake_result *result = NULL;
+	gw_error error = { 0 };
+	double begin = thread_seconds();
+	assert_ok(
+		gw_bake(&(gw_scene_description){ &points, &lamp, 1 }, NULL, &callbacks, &result, &error),
+		&error);
+	gw_bake_result_destroy(&result);
+	double seconds = thread_seconds() - begin;
+	/* Within stages, too: somebody who watches hears of a bake twice a second. */
+	assert_true(w.told > w.stages && w.told > 2.0 * seconds);
+	return (w.longest - 0.1) / seconds;
+}
+
 /*
- * 100,000 points without normals, whose surface takes the longest. Whoever waits for all threads is
- * asked at least every third of what 300,000 points may take, half a second; the tenth between two
- * questions included.
+ * 100,000 points without normals, whose surface takes the longest: some 2.5 seconds of the thread
+ * that asks, 7.5 for 300,000, of which half a second between two questions is a fifteenth. A share,
+ * because slow machines are slow at all of it; and the least of three, because what else a machine
+ * does can only make a pause longer.
  */
 static void it_asks_and_tells_all_the_time(void **state)
 {
 	(void)state;
 	scene box = { 0 };
 	scene_add_box(&box, (const double[3]){ 0, 0, 0 }, (const double[3]){ 4, 3, 2.5 }, 42.0, 0.6f);
-	gw_points points = plain_points(&box);
-	gw_light lamp = scene_point_light(2.0, 1.5, 1.5, 5.0f);
-	watch w = { .left = -1 };
-	gw_bake_callbacks callbacks = { see_progress, ask_to_stop, &w, NULL };
-	gw_bake_result *result = NULL;
-	gw_error error = { 0 };
-	assert_true(points.count > 90000);
-	double begin = thread_seconds();
-	assert_ok(
-		gw_bake(&(gw_scene_description){ &points, &lamp, 1 }, NULL, &callbacks, &result, &error),
-		&error);
-	/* Within stages, too: somebody who watches hears of a bake twice a second. */
-	assert_true(w.told > w.stages && w.told > 2.0 * (thread_seconds() - begin));
-	assert_true(w.longest < 0.5 / 3.0 + 0.1);
-	gw_bake_result_destroy(&result);
+	assert_true(box.count > 90000);
+	double share = longest_share(&box);
+	for (int again = 0; again < 2 && share >= 1.0 / 15.0; again++)
+		share = fmin(share, longest_share(&box));
+	assert_true(share < 1.0 / 15.0);
 	scene_clear(&box);
 }
 
