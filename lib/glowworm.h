@@ -284,8 +284,7 @@ typedef enum gw_effect_kind {
 	GW_EFFECT_OCTREE,   /* what most of these need; it cannot be forbidden */
 	/* of the surface: */
 	GW_EFFECT_TRANSMISSION, /* points that are less than opaque let light through; forced where all
-							   are opaque, rays meet them in another way, and light differs by
-							   less than its error */
+							   are opaque, light stays as it is, by cones but for 0.5 % */
 	GW_EFFECT_NORMALS,      /* estimated; forced as with GW_NORMALS_ESTIMATE, forbidden as with
 							   GW_NORMALS_GIVEN: this does change the light */
 	GW_EFFECT_NOISE,        /* smoothed where points scatter about their surface */

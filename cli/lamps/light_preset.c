@@ -3,7 +3,14 @@
 #include <string.h>
 
 /* Flames are points that shine alike to all sides; who wants soft shadows gives a radius. What they
- * were measured in are candles: one international candle is 1/1.02 cd. */
+ * were measured in are candles: one international candle is 1/1.02 cd.
+ *
+ * What kind of sources these are: candle and carbide rest on handbooks of the years around 1905;
+ * that half of the gas is the burner's share is worked out, not measured on a lamp. The torch is an
+ * experiment of 2021, five torches of ivy, juniper, oak, birch and pine resin against lamps that
+ * burn marrow, of which the ratio is published; its absolute figure is that ratio times two
+ * fat-lamps. The fat-lamp is said to be like a candle, by authors who do not say how they measured.
+ * The headlamp is a standard. */
 const light_preset light_presets[] = {
 	{ "candle", GW_LIGHT_POINT, "intensity 1.2cd kelvin 1930", 0, "a candle of wax or paraffin",
 	  "1.145 to 1.298 candles, whatever its size (F. H. Leeds, W. J. A. Butterfield, Acetylene, "
