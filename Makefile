@@ -40,17 +40,20 @@ CFLAGS   += -std=c17 -D_GNU_SOURCE $(OPT) $(WARN_C) -fPIC -pthread -ffp-contract
 CXXFLAGS += -std=c++17 -D_GNU_SOURCE -D_GLIBCXX_ASSERTIONS $(OPT) $(WARN) -fPIC -pthread -ffp-contract=off $(INCLUDE) \
             -isystem /usr/include/pcl-1.13 -isystem /usr/include/eigen3 -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
 LDFLAGS  += $(OPT) -pthread -Wl,--as-needed -Wl,-z,relro,-z,now,-z,noexecstack
-LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lproj -lpng -lOpenEXRCore -lOpenEXR -lm
+LDLIBS   += -lvulkan -llz4 -ljansson -lexpat -llzf -lpng -lOpenEXRCore -lOpenEXR -lm
 
 comma    := ,
 
-# OpenVDB takes 40 ms to load, so it is a shared object that is opened when a grid is written. The
-# run path is the old kind, which is also seen when a sanitizer calls dlopen for us.
+# OpenVDB takes 40 ms to load and PROJ 6, so that each is a shared object that is opened when a grid
+# is written or a file names a coordinate system. The run path is the old kind, which is also seen
+# when a sanitizer calls dlopen for us.
 VDB_SOURCE      := formats/grids/vdb_grids.cpp
-VDB_RUN_PATH    := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
+PROJ_SOURCE     := formats/units/proj_system.c
+PLUGINS         := $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm-proj.so
+PLUGIN_RUN_PATH := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
 LIB_SOURCES     := $(filter-out lib/light/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
-FORMATS_SOURCES := $(filter-out $(VDB_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
+FORMATS_SOURCES := $(filter-out $(VDB_SOURCE) $(PROJ_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*/*.c)
 PUBLIC_HEADERS  := $(wildcard lib/*.h)
 objects          = $(addprefix $(BUILD)/,$(addsuffix .o,$(basename $(1))))
@@ -94,14 +97,17 @@ MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
 .PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
-all: $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
+all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
 $(BUILD)/glowworm: $(call objects,$(CLI_SOURCES) $(FORMATS_SOURCES)) $(BUILD)/libglowworm.a
-	$(CXX) $(LDFLAGS) -pie $(VDB_RUN_PATH) -o $@ $^ $(LDLIBS)
+	$(CXX) $(LDFLAGS) -pie $(PLUGIN_RUN_PATH) -o $@ $^ $(LDLIBS)
 
 $(BUILD)/libglowworm-vdb.so: $(call objects,$(VDB_SOURCE))
 	$(CXX) $(LDFLAGS) -shared -o $@ $^ -lopenvdb -ltbb
+
+$(BUILD)/libglowworm-proj.so: $(call objects,$(PROJ_SOURCE))
+	$(CC) $(LDFLAGS) -shared -o $@ $^ -lproj -lm
 
 $(BUILD)/libglowworm.a: $(LIB_OBJECTS)
 	@rm -f $@
@@ -287,7 +293,7 @@ $(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shade
 analysis: $(ANALYSED) $(KERNELS_ANALYSED)
 
 lint: deps  ## style, layers, symbols, hardening, the analyzer's findings, the folders' READMEs
-	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/libglowworm.so $(BUILD)/glowworm $(BUILD)/libglowworm-vdb.so analysis
+	@$(build_quietly) $(BUILD)/libglowworm.a $(BUILD)/libglowworm.so $(BUILD)/glowworm $(PLUGINS) analysis
 	@tests/suite.sh $(BUILD):lint
 
 bench: all $(BENCH_PROGRAMS) $(TOOL_PROGRAMS)  ## measure speed and error
@@ -327,7 +333,7 @@ SAMPLES          = $(wildcard $(addprefix samples/,*.scene.json *.obj *.mtl *.sh
 
 install: all  ## install under PREFIX (/usr/local), below DESTDIR if that is given
 	install -D -t $(bin) $(BUILD)/glowworm $(SAMPLE_PROGRAMS)
-	install -D -m 644 -t $(plugin) $(BUILD)/libglowworm-vdb.so
+	install -D -m 644 -t $(plugin) $(PLUGINS)
 	install -D -m 644 -t $(lib) $(BUILD)/$(SHARED) $(BUILD)/libglowworm.a
 	ln -sf $(SHARED) $(lib)/$(SONAME)
 	ln -sf $(SONAME) $(lib)/libglowworm.so

@@ -1,13 +1,12 @@
 /*
  * Opens libglowworm-vdb.so and lends it a checked output: OpenVDB itself reports success on a full
  * disk. All of that happens in a child process, because OpenVDB and what it is linked to end the
- * process when memory is short or a thread cannot be started. The linker's run path names the
- * folders where the shared object may lie.
+ * process when memory is short or a thread cannot be started.
  */
 #include "files/output_file.h"
+#include "files/plugin.h"
 #include "grids/vdb_grids.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <signal.h>
 #include <string.h>
@@ -31,27 +30,14 @@ typedef struct verdict {
 } verdict;
 
 /* dlsym returns a pointer to data; ISO C has no cast from that to a function. */
-static bool find_function(void *library, const char *name, void *function, size_t size)
-{
-	void *address = dlsym(library, name);
-	memcpy(function, &address, size);
-	return address != NULL;
-}
-
 static gw_status load(plugin *vdb, gw_error *error)
 {
-	void *library = dlopen("libglowworm-vdb.so", RTLD_NOW | RTLD_LOCAL);
-	const char *reason = library ? NULL : dlerror();
-	/* The loader has only words for it. */
-	if (reason && (strstr(reason, "cannot allocate") || strstr(reason, "failed to map") ||
-				   strstr(reason, "Cannot allocate")))
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to load OpenVDB: %s", reason);
-	if (!library || !find_function(library, "vdb_encode", &vdb->encode, sizeof vdb->encode) ||
-		!find_function(library, "vdb_verify", &vdb->verify, sizeof vdb->verify))
-		return gw_fail(error, GW_ERROR_INTERNAL,
-					   "OpenVDB grids need libglowworm-vdb.so, which is installed beside "
-					   "glowworm or in its library folder: %s",
-					   reason ? reason : dlerror());
+	static const char file[] = "libglowworm-vdb.so", purpose[] = "OpenVDB grids need";
+	const void *address = NULL;
+	GW_TRY(plugin_find(file, "vdb_encode", purpose, &address, error));
+	memcpy(&vdb->encode, &address, sizeof vdb->encode);
+	GW_TRY(plugin_find(file, "vdb_verify", purpose, &address, error));
+	memcpy(&vdb->verify, &address, sizeof vdb->verify);
 	return GW_OK;
 }
 

@@ -124,17 +124,7 @@ static void choose_planes(const ldt_head *head, size_t *first, size_t *count)
 
 static gw_status read_list(luminaire_lines *lines, const char *what, size_t count, double **values)
 {
-	size_t left = lines->in->length - lines->at;
-	if (count > left / 2 + 1)
-		return luminaire_lines_fail(
-			lines, "%zu numbers should follow, each %s, but the file has only %zu bytes left",
-			count, what, left);
-	*values = reallocarray(NULL, count, sizeof **values);
-	if (!*values)
-		return gw_fail(lines->error, GW_ERROR_MEMORY, "no memory for %zu numbers", count);
-	for (size_t i = 0; i < count; i++)
-		GW_TRY(luminaire_lines_value(lines, what, *values + i));
-	return GW_OK;
+	return luminaire_lines_numbers(lines, luminaire_lines_value, what, count, values);
 }
 
 static gw_status check_end(luminaire_lines *lines)
@@ -180,14 +170,5 @@ static gw_status read_all(luminaire_lines *lines, luminaire_planes *planes, lumi
 
 gw_status luminaire_eulumdat_read(const input_file *in, luminaire *l, gw_error *error)
 {
-	luminaire_lines lines = luminaire_lines_of(in, error);
-	luminaire_planes planes = { .vertical = NULL };
-	*l = (luminaire){ .distribution = NULL };
-	gw_status status = read_all(&lines, &planes, l);
-	if (status == GW_OK)
-		status = luminaire_from_planes(in->name, &planes, l, error);
-	luminaire_planes_clear(&planes);
-	if (status != GW_OK)
-		luminaire_clear(l);
-	return status;
+	return luminaire_planes_read(in, read_all, l, error);
 }

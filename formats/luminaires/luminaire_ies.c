@@ -184,14 +184,17 @@ static gw_status check_end(luminaire_lines *lines)
 	return GW_OK;
 }
 
+static gw_status read_list(luminaire_lines *lines, const char *what, size_t count, double **values)
+{
+	return luminaire_lines_numbers(lines, luminaire_lines_number, what, count, values);
+}
+
 static gw_status read_planes(luminaire_lines *lines, double factor, luminaire_planes *planes)
 {
 	size_t count = planes->verticals * planes->horizontals;
-	GW_TRY(
-		luminaire_lines_numbers(lines, "a vertical angle", planes->verticals, &planes->vertical));
-	GW_TRY(luminaire_lines_numbers(lines, "a horizontal angle", planes->horizontals,
-								   &planes->horizontal));
-	GW_TRY(luminaire_lines_numbers(lines, "an intensity", count, &planes->candela));
+	GW_TRY(read_list(lines, "a vertical angle", planes->verticals, &planes->vertical));
+	GW_TRY(read_list(lines, "a horizontal angle", planes->horizontals, &planes->horizontal));
+	GW_TRY(read_list(lines, "an intensity", count, &planes->candela));
 	for (size_t i = 0; i < count; i++)
 		planes->candela[i] *= factor;
 	return check_end(lines);
@@ -217,14 +220,5 @@ static gw_status read_all(luminaire_lines *lines, luminaire_planes *planes, lumi
 
 gw_status luminaire_ies_read(const input_file *in, luminaire *l, gw_error *error)
 {
-	luminaire_lines lines = luminaire_lines_of(in, error);
-	luminaire_planes planes = { .vertical = NULL };
-	*l = (luminaire){ .distribution = NULL };
-	gw_status status = read_all(&lines, &planes, l);
-	if (status == GW_OK)
-		status = luminaire_from_planes(in->name, &planes, l, error);
-	luminaire_planes_clear(&planes);
-	if (status != GW_OK)
-		luminaire_clear(l);
-	return status;
+	return luminaire_planes_read(in, read_all, l, error);
 }

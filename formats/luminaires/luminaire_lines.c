@@ -168,8 +168,8 @@ gw_status luminaire_lines_count(luminaire_lines *lines, const char *what, double
 	return GW_OK;
 }
 
-gw_status luminaire_lines_numbers(luminaire_lines *lines, const char *what, size_t count,
-								  double **values)
+gw_status luminaire_lines_numbers(luminaire_lines *lines, luminaire_lines_take *take,
+								  const char *what, size_t count, double **values)
 {
 	size_t left = lines->in->length - lines->at;
 	*values = NULL;
@@ -183,7 +183,7 @@ gw_status luminaire_lines_numbers(luminaire_lines *lines, const char *what, size
 		return gw_fail(lines->error, GW_ERROR_MEMORY, "no memory for %zu numbers", count);
 	gw_status status = GW_OK;
 	for (size_t i = 0; i < count && status == GW_OK; i++)
-		status = luminaire_lines_number(lines, what, *values + i);
+		status = take(lines, what, *values + i);
 	if (status != GW_OK) {
 		free(*values);
 		*values = NULL;

@@ -32,13 +32,15 @@ gw_status luminaire_lines_number(luminaire_lines *lines, const char *what, doubl
 gw_status luminaire_lines_count(luminaire_lines *lines, const char *what, double least, double most,
 								size_t *count);
 
-/* The same for so many numbers; *values is the caller's, for free(). Counts that are more than the
- * bytes that are left could hold fail before anything is allocated. */
-gw_status luminaire_lines_numbers(luminaire_lines *lines, const char *what, size_t count,
-								  double **values);
-
 /* The number that a whole line has; a comma may stand for its point. */
 gw_status luminaire_lines_value(luminaire_lines *lines, const char *what, double *value);
+
+/* So many numbers, one after the other by a function such as those two; *values is the caller's,
+ * for free(). Counts that are more than the bytes that are left could hold fail before anything is
+ * allocated. */
+typedef gw_status luminaire_lines_take(luminaire_lines *lines, const char *what, double *value);
+gw_status luminaire_lines_numbers(luminaire_lines *lines, luminaire_lines_take *take,
+								  const char *what, size_t count, double **values);
 
 /* Fails with the file, the line and a sentence. */
 gw_status luminaire_lines_fail(const luminaire_lines *lines, const char *form, ...)

@@ -231,3 +231,18 @@ gw_status luminaire_from_planes(const char *name, const luminaire_planes *planes
 	return planes->photometry == 'C' ? fill_type_c(name, planes, l, error)
 									 : fill_other(name, planes, l, error);
 }
+
+gw_status luminaire_planes_read(const input_file *in, luminaire_planes_body *read, luminaire *l,
+								gw_error *error)
+{
+	luminaire_lines lines = luminaire_lines_of(in, error);
+	luminaire_planes planes = { .vertical = NULL };
+	*l = (luminaire){ .distribution = NULL };
+	gw_status status = read(&lines, &planes, l);
+	if (status == GW_OK)
+		status = luminaire_from_planes(in->name, &planes, l, error);
+	luminaire_planes_clear(&planes);
+	if (status != GW_OK)
+		luminaire_clear(l);
+	return status;
+}

@@ -4,7 +4,7 @@
 #ifndef LUMINAIRE_PLANES_H
 #define LUMINAIRE_PLANES_H
 
-#include "luminaires/luminaire.h"
+#include "luminaires/luminaire_lines.h"
 
 /* Angles of one kind, and of luminaires, are no more than this. */
 #define LUMINAIRE_ANGLES 8192
@@ -29,6 +29,15 @@ void luminaire_planes_clear(luminaire_planes *planes);
  * intensity is negative, or all are 0. GW_ERROR_MEMORY.
  */
 gw_status luminaire_from_planes(const char *name, const luminaire_planes *planes, luminaire *l,
+								gw_error *error);
+
+/*
+ * Reads a file: its words and planes by a function that knows its format, then the distribution.
+ *   l   on success the caller's; empty on failure
+ */
+typedef gw_status luminaire_planes_body(luminaire_lines *lines, luminaire_planes *planes,
+										luminaire *l);
+gw_status luminaire_planes_read(const input_file *in, luminaire_planes_body *read, luminaire *l,
 								gw_error *error);
 
 #endif

@@ -1,10 +1,11 @@
 /* coordinates.c - feet and degrees as metres; see coordinates.h. */
 #include "units/coordinates.h"
 
+#include "files/plugin.h"
 #include "las/las_notes.h"
+#include "units/proj_system.h"
 
 #include <math.h>
-#include <proj.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,15 +45,14 @@ coordinates coordinates_metres(void)
 
 void coordinates_clear(coordinates *c)
 {
-	proj_destroy(c->projection);
-	if (c->context)
-		proj_context_destroy(c->context);
+	if (c->system)
+		c->proj->destroy(c->system);
 	*c = coordinates_metres();
 }
 
 bool coordinates_agree(const coordinates *a, const coordinates *b)
 {
-	return memcmp(a->scale, b->scale, sizeof a->scale) == 0 && !a->projection == !b->projection;
+	return memcmp(a->scale, b->scale, sizeof a->scale) == 0 && a->projected == b->projected;
 }
 
 /* ----------------------------------------------------------------------- what a file says */
@@ -94,50 +94,6 @@ static gw_status name_by_keys(const scan *cloud, system_name *name, gw_error *er
 	return GW_OK;
 }
 
-/* Metres of one unit of an axis; 0 when that is an angle or not known. */
-static double axis_unit(PJ_CONTEXT *context, const PJ *system, int axis)
-{
-	double factor = 0.0;
-	const char *name = NULL;
-	PJ *axes = system ? proj_crs_get_coordinate_system(context, system) : NULL;
-	if (axes && axis < proj_cs_get_axis_count(context, axes) &&
-		!proj_cs_get_axis_info(context, axes, axis, NULL, NULL, NULL, &factor, &name, NULL, NULL))
-		factor = 0.0;
-	if (axes && name && strstr(name, "degree"))
-		factor = 0.0;
-	proj_destroy(axes);
-	return factor;
-}
-
-static bool is_geographic(const PJ *system)
-{
-	PJ_TYPE type = proj_get_type(system);
-	return type == PJ_TYPE_GEOGRAPHIC_2D_CRS || type == PJ_TYPE_GEOGRAPHIC_3D_CRS;
-}
-
-/* The units of a system: its parts are replaced by the one that lies flat. */
-static PJ *take_units(PJ_CONTEXT *context, PJ *system, double scale[3])
-{
-	double height = 0.0;
-	if (system && proj_get_type(system) == PJ_TYPE_COMPOUND_CRS) {
-		PJ *upright = proj_crs_get_sub_crs(context, system, 1);
-		height = axis_unit(context, upright, 0);
-		proj_destroy(upright);
-		PJ *flat = proj_crs_get_sub_crs(context, system, 0);
-		proj_destroy(system);
-		system = flat;
-	}
-	if (system && proj_get_type(system) == PJ_TYPE_BOUND_CRS) {
-		PJ *source = proj_get_source_crs(context, system);
-		proj_destroy(system);
-		system = source;
-	}
-	double flat = system && !is_geographic(system) ? axis_unit(context, system, 0) : 0.0;
-	scale[0] = scale[1] = flat > 0.0 ? flat : 1.0;
-	scale[2] = height > 0.0 ? height : scale[0];
-	return system;
-}
-
 /* -------------------------------------------------------------------------------- degrees */
 
 typedef struct bounds {
@@ -175,25 +131,14 @@ static bool look_like_degrees(const bounds *b)
 		   away > DEGREES_AWAY && height > DEGREES_HIGH * width && height < DEGREES_HIGHEST;
 }
 
-/* A projection to metres around the middle, in which lengths are right to one in a thousand within
- * 200 km. */
-static gw_status project(const PJ *system, const bounds *b, coordinates *to, gw_error *error)
+/* Lengths are right to one in a thousand within 200 km of the middle. */
+static gw_status project(const bounds *b, coordinates *to, gw_error *error)
 {
-	char local[160];
 	double middle[2];
 	for (int k = 0; k < 2; k++)
 		middle[k] = round(50.0 * (b->low[k] + b->high[k])) / 100.0;
-	snprintf(local, sizeof local,
-			 "+proj=tmerc +lat_0=%.2f +lon_0=%.2f +datum=WGS84 +units=m +type=crs", middle[1],
-			 middle[0]);
-	PJ *target = proj_create(to->context, local), *whole = NULL;
-	if (target)
-		whole = proj_create_crs_to_crs_from_pj(to->context, system, target, NULL, NULL);
-	if (whole)
-		to->projection = proj_normalize_for_visualization(to->context, whole);
-	proj_destroy(target);
-	proj_destroy(whole);
-	if (!to->projection)
+	to->projected = to->proj->project(to->system, middle);
+	if (!to->projected)
 		return gw_fail(error, GW_ERROR_DATA,
 					   "x and y are degrees, and PROJ has no way to project them (is the package "
 					   "proj-data installed?); project them with another program");
@@ -223,33 +168,38 @@ static void name_scale(coordinates *c)
 				 c->scale[2]);
 }
 
+static gw_status look_up(const char *name, coordinates *to, gw_error *error)
+{
+	const void *address = NULL;
+	GW_TRY(plugin_find(PROJ_SYSTEM_FILE, PROJ_SYSTEM_SYMBOL, "coordinate systems need", &address,
+					   error));
+	to->proj = address;
+	to->system = to->proj->create(name, to->scale);
+	if (!to->system)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a coordinate system");
+	return GW_OK;
+}
+
 static gw_status find_by_system(scan *cloud, const system_name *name, const bounds *b,
 								coordinates *to, gw_error *error)
 {
-	to->context = proj_context_create();
-	if (!to->context)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a coordinate system");
-	proj_log_level(to->context, PJ_LOG_NONE);
-	PJ *system = name->text ? proj_create(to->context, name->text) : NULL;
-	system = take_units(to->context, system, to->scale);
-	gw_status status = GW_OK;
-	if (system && is_geographic(system) && can_be_degrees(b)) {
-		status = project(system, b, to, error);
-	} else {
-		if (system && is_geographic(system))
-			status = scan_add_comment(cloud,
-									  SCAN_NOTE "its header claims degrees, which its coordinates "
-												"cannot be; they are taken as metres, but for "
-												"--units",
-									  error);
-		if (name->linear > 0.0)
-			to->scale[0] = to->scale[1] = to->scale[2] = name->linear;
-		if (name->vertical > 0.0)
-			to->scale[2] = name->vertical;
-		name_scale(to);
+	if (name->text)
+		GW_TRY(look_up(name->text, to, error));
+	if (to->system && to->proj->is_geographic(to->system)) {
+		if (can_be_degrees(b))
+			return project(b, to, error);
+		GW_TRY(scan_add_comment(cloud,
+								SCAN_NOTE "its header claims degrees, which its coordinates "
+										  "cannot be; they are taken as metres, but for "
+										  "--units",
+								error));
 	}
-	proj_destroy(system);
-	return status;
+	if (name->linear > 0.0)
+		to->scale[0] = to->scale[1] = to->scale[2] = name->linear;
+	if (name->vertical > 0.0)
+		to->scale[2] = name->vertical;
+	name_scale(to);
+	return GW_OK;
 }
 
 static gw_status find_by_file(scan *cloud, const bounds *b, coordinates *to, gw_error *error)
@@ -299,26 +249,25 @@ gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, 
 
 void coordinates_to_metres(const coordinates *c, double place[3])
 {
-	if (!c->projection) {
+	if (!c->projected) {
 		for (int k = 0; k < 3; k++)
 			place[k] *= c->scale[k];
 		return;
 	}
-	PJ_COORD at = proj_trans(c->projection, PJ_FWD, proj_coord(place[0], place[1], 0, 0));
-	place[0] = isfinite(place[0]) ? at.xy.x : place[0];
-	place[1] = isfinite(place[1]) ? at.xy.y : place[1];
+	double at[2] = { place[0], place[1] };
+	c->proj->move(c->system, false, at);
+	for (int k = 0; k < 2; k++)
+		place[k] = isfinite(place[k]) ? at[k] : place[k];
 	place[2] *= c->scale[2];
 }
 
 void coordinates_from_metres(const coordinates *c, double place[3])
 {
-	if (!c->projection) {
+	if (!c->projected) {
 		for (int k = 0; k < 3; k++)
 			place[k] /= c->scale[k];
 		return;
 	}
-	PJ_COORD at = proj_trans(c->projection, PJ_INV, proj_coord(place[0], place[1], 0, 0));
-	place[0] = at.xy.x;
-	place[1] = at.xy.y;
+	c->proj->move(c->system, true, place);
 	place[2] /= c->scale[2];
 }

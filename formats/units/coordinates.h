@@ -25,12 +25,13 @@ typedef enum coordinates_unit {
 const char *coordinates_unit_name(coordinates_unit unit);
 
 typedef struct coordinates {
-	double scale[3];  /* metres of one of them; not of degrees */
-	void *projection; /* owned; of degrees, to metres around their middle, or NULL */
-	void *context;    /* owned; with it */
-	char name[120];   /* a phrase for messages: "feet (0.3048 m)" */
-	bool changes;     /* they are not metres */
-	bool by_file;     /* who says so */
+	double scale[3];                   /* metres of one of them; not of degrees */
+	const struct proj_functions *proj; /* with what the system is looked up, or NULL */
+	struct proj_system *system;        /* owned: the system that a name stands for, or NULL */
+	bool projected;                    /* they are degrees, which `system` takes to metres */
+	char name[120];                    /* a phrase for messages: "feet (0.3048 m)" */
+	bool changes;                      /* they are not metres */
+	bool by_file;                      /* who says so */
 } coordinates;
 
 /* Coordinates that are metres. */

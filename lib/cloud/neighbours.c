@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define CHUNK 1024u                  /* surfels searched by one call */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
@@ -71,14 +72,16 @@ typedef struct visit {
 	gw_neighbours *search;
 	gw_neighbours_visitor *function;
 	void *user;
+	bool measured; /* with all distances */
 } visit;
 
 static double distance_between(const gw_surfels *s, size_t a, size_t b)
 {
-	double d[3];
-	for (size_t k = 0; k < 3; k++)
-		d[k] = (double)s->position[3 * a + k] - (double)s->position[3 * b + k];
-	return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+	const float *p = s->position + 3 * a, *q = s->position + 3 * b;
+	double x = (double)p[0] - (double)q[0];
+	double y = (double)p[1] - (double)q[1];
+	double z = (double)p[2] - (double)q[2];
+	return sqrt(x * x + y * y + z * z);
 }
 
 static double maximum_norm_between(const gw_surfels *s, size_t a, size_t b)
@@ -307,18 +310,24 @@ static void store_list(gw_neighbours *search, size_t surfel, const gw_neighbour_
 static void restore_list(const gw_neighbours *search, size_t surfel, gw_neighbour_list *list)
 {
 	const uint32_t *stored = search->stored + surfel * search->per_surfel;
-	list->count = 0;
-	for (uint32_t j = 0; j < search->per_surfel; j++) {
-		uint32_t other = stored[j] & ~WIDENED;
-		if (other == NO_NEIGHBOUR)
-			break;
-		list->index[j] = other;
-		list->distance[j] = (float)distance_between(search->surfels, surfel, other);
-		list->count++;
-	}
+	uint32_t count = search->per_surfel;
+	while (count > 0 && stored[count - 1] == NO_NEIGHBOUR)
+		count--;
+	memcpy(list->index, stored, count * sizeof *stored);
+	for (uint32_t j = 0; j < 2 && j < count; j++)
+		list->index[j] &= ~WIDENED;
+	list->count = count;
 	bool widened = list->count > 0 && (stored[0] & WIDENED);
 	bool scaled = widened && (stored[1] & WIDENED);
 	list->complete = scaled ? GW_SCALED_NEAREST : widened ? NEAREST_KEPT : list->count;
+}
+
+/* The distances of the neighbours from number `first` on. */
+static void measure_list(const gw_surfels *s, size_t surfel, uint32_t first,
+						 gw_neighbour_list *list)
+{
+	for (uint32_t j = first; j < list->count; j++)
+		list->distance[j] = (float)distance_between(s, surfel, list->index[j]);
 }
 
 /* To be called on the thread that called the library. */
@@ -355,6 +364,8 @@ static void visit_chunk(void *user, size_t first, size_t last, uint32_t worker)
 				widen_list(search, i, &result->wide, &list);
 		} else {
 			restore_list(search, i, &list);
+			measure_list(search->surfels, i, v->measured || list.count == 0 ? 0 : list.count - 1,
+						 &list);
 		}
 		if (searching && search->stored)
 			store_list(search, i, &list);
@@ -367,10 +378,9 @@ void gw_neighbours_run_short(gw_neighbours *search)
 	atomic_store(&search->out_of_memory, true);
 }
 
-gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
-							  gw_error *error)
+static gw_status visit_all(gw_neighbours *search, visit v, gw_error *error)
 {
-	visit v = { .search = search, .function = function, .user = user };
+	v.search = search;
 	atomic_store(&search->stopped, asks_to_stop(search));
 	gw_parallel_for(search->threads, search->surfels->count, CHUNK, visit_chunk, &v);
 	if (atomic_load(&search->stopped))
@@ -379,6 +389,19 @@ gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *func
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to search for neighbours");
 	search->is_stored = true;
 	return GW_OK;
+}
+
+gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *function, void *user,
+							  gw_error *error)
+{
+	return visit_all(search, (visit){ .function = function, .user = user, .measured = true },
+					 error);
+}
+
+gw_status gw_neighbours_visit_reach(gw_neighbours *search, gw_neighbours_visitor *function,
+									void *user, gw_error *error)
+{
+	return visit_all(search, (visit){ .function = function, .user = user }, error);
 }
 
 /* Searches k neighbours of one surfel; the least distance in the maximum norm goes to *nearest and

@@ -50,6 +50,10 @@ void gw_neighbours_run_short(gw_neighbours *search);
 gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
 							  gw_error *error);
 
+/* The same in less time: of the distances only the last one of each list is sure to be there. */
+gw_status gw_neighbours_visit_reach(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
+									gw_error *error);
+
 /*
  * The exact distance of a surfel to the nearest other one in the maximum norm, metres; infinity
  * when there is no other. Thread-safe; when memory for a longer search is short, the next visit's

@@ -199,7 +199,7 @@ static void note_links(void *user, size_t surfel, const gw_neighbour_list *list)
 static gw_status find_pieces(check *c, gw_error *error)
 {
 	size_t count = c->surfels->count;
-	GW_TRY(gw_neighbours_visit(c->search, note_links, c, error));
+	GW_TRY(gw_neighbours_visit_reach(c->search, note_links, c, error));
 	for (uint32_t i = 0; i < count; i++)
 		c->parent[i] = i;
 	for (uint32_t i = 0; i < count; i++)

@@ -246,7 +246,7 @@ static void choose_plane(void *user, size_t surfel, const gw_neighbour_list *lis
 static gw_status choose_planes(normal_step *step, gw_error *error)
 {
 	for (int round = 0; round < PLANE_ROUNDS; round++) {
-		GW_TRY(gw_neighbours_visit(step->search, choose_plane, step, error));
+		GW_TRY(gw_neighbours_visit_reach(step->search, choose_plane, step, error));
 		float *swap = step->plane;
 		step->plane = step->better;
 		step->better = swap;
@@ -310,7 +310,7 @@ static void vote(void *user, size_t surfel, const gw_neighbour_list *list)
 static gw_status run_votes(normal_step *step, gw_error *error)
 {
 	for (int round = 0; round < VOTES; round++) {
-		GW_TRY(gw_neighbours_visit(step->search, vote, step, error));
+		GW_TRY(gw_neighbours_visit_reach(step->search, vote, step, error));
 		uint8_t *swap = step->state;
 		step->state = step->next;
 		step->next = swap;
@@ -357,7 +357,7 @@ static gw_status complete(normal_step *step, const gw_points *points,
 	if (!step->state || !step->next || !step->plane || !step->better ||
 		!find_scanners(step, points))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to estimate %zu normals", surfels->count);
-	GW_TRY(gw_neighbours_visit(step->search, estimate_normal, step, error));
+	GW_TRY(gw_neighbours_visit_reach(step->search, estimate_normal, step, error));
 	GW_TRY(choose_planes(step, error));
 	if (step->scanner_of)
 		GW_TRY(gw_scanners_assign(

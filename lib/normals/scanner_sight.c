@@ -102,7 +102,7 @@ static gw_status measure(sight *w, gw_neighbours *search, gw_error *error)
 	w->reach = gw_allocate_array(samples, sizeof *w->reach);
 	if (!w->reach)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to see %zu points", count);
-	gw_status status = gw_neighbours_visit(search, note_reach, w, error);
+	gw_status status = gw_neighbours_visit_reach(search, note_reach, w, error);
 	if (status == GW_OK)
 		w->width = CELL_REACHES * (double)gw_nth_element(w->reach, samples,
 														 (size_t)(REACH_SHARE * (double)samples));
@@ -283,7 +283,7 @@ gw_status gw_scanners_assign(gw_neighbours *search, const gw_surfels *surfels,
 	if (status == GW_OK && w.width > 0 && isfinite(w.width))
 		status = fill_grid(&w, error);
 	if (status == GW_OK && w.table)
-		status = gw_neighbours_visit(search, choose_scanner, &w, error);
+		status = gw_neighbours_visit_reach(search, choose_scanner, &w, error);
 	free(w.reach);
 	free(w.table);
 	return status;

@@ -59,9 +59,11 @@ typedef struct sight {
 	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
-	uint32_t *opinion; /* a leaf: what all of its surfels that know of one hold, MANY, or NONE */
+	uint32_t *opinion;     /* a leaf: what the fronts of its surfels that know of one hold, MANY, or
+							* NONE; or NULL */
 	enum asking asking;
-	size_t leaves;
+	size_t leaves, surfels;
+	uint32_t threads;
 	int steps; /* along normals */
 } sight;
 
@@ -98,8 +100,22 @@ static uint32_t leaf_of(const sight *s, const int32_t cell[3])
 
 static void cell_of(const float place[3], int32_t cell[3])
 {
-	for (int k = 0; k < 3; k++)
-		cell[k] = (int32_t)fminf(fmaxf(floorf(place[k]), CELL_LEAST), CELL_MOST);
+	for (int k = 0; k < 3; k++) {
+		float within = place[k] > CELL_LEAST ? place[k] : CELL_LEAST;
+		within = within < CELL_MOST ? within : CELL_MOST;
+		cell[k] = (int32_t)within - ((float)(int32_t)within > within);
+	}
+}
+
+/* Moves a cell to that of a place; false: it is there already. */
+static bool enter_cell(const float place[3], int32_t cell[3])
+{
+	int32_t to[3];
+	cell_of(place, to);
+	if (to[0] == cell[0] && to[1] == cell[1] && to[2] == cell[2])
+		return false;
+	memcpy(cell, to, sizeof to);
+	return true;
 }
 
 /* Cosine between normals of the two sides of a wall. */
@@ -133,24 +149,32 @@ static void step_along(const float from[3], const float way[3], float t, float t
 		to[k] = from[k] + t * way[k];
 }
 
+/* Does a way of so many steps go behind surface? */
+static bool passes_behind(const sight *s, const float from[3], const float normal[3], float step,
+						  int steps)
+{
+	float place[3], passed[3];
+	int32_t cell[3] = { INT32_MIN };
+	step_along(from, normal, step * (float)steps, place);
+	for (int i = 0; i < steps; i++) {
+		step_along(from, normal, step * (float)i, passed);
+		if (enter_cell(passed, cell) && goes_behind(s, cell, normal, from, place))
+			return true;
+	}
+	return false;
+}
+
 /* The first empty cell along a normal. */
 static uint32_t look_along(const sight *s, const float from[3], const float normal[3], float step)
 {
+	int32_t cell[3] = { INT32_MIN };
 	for (int i = 0; i <= s->steps; i++) {
-		float place[3], passed[3];
-		int32_t cell[3];
+		float place[3];
 		step_along(from, normal, step * (float)i, place);
-		cell_of(place, cell);
-		uint32_t label = gw_compartment_of_cell(s->c, cell);
-		if (label == GW_COMPARTMENT_UNKNOWN)
-			continue;
-		for (int j = 0; j < i; j++) {
-			step_along(from, normal, step * (float)j, passed);
-			cell_of(passed, cell);
-			if (goes_behind(s, cell, normal, from, place))
-				return GW_COMPARTMENT_UNKNOWN;
-		}
-		return label;
+		uint32_t label =
+			enter_cell(place, cell) ? gw_compartment_of_cell(s->c, cell) : GW_COMPARTMENT_UNKNOWN;
+		if (label != GW_COMPARTMENT_UNKNOWN)
+			return passes_behind(s, from, normal, step, i) ? GW_COMPARTMENT_UNKNOWN : label;
 	}
 	return GW_COMPARTMENT_UNKNOWN;
 }
@@ -217,15 +241,14 @@ static bool same_sheet(const float p[3], const float n[3], const float q[3], con
 	return dot(n, m) > ALIKE && fabsf(dot(way, n)) < SHEET_MOST;
 }
 
-/* Adds what the surfels of a cell say of a place. */
-static void ask_cell(const sight *s, const int32_t cell[3], const float place[3],
-					 const float normal[3], int side, votes *v)
+/* Adds what the surfels of a leaf say of a place. */
+static void ask_leaf(const sight *s, uint32_t leaf, const float place[3], const float normal[3],
+					 int side, votes *v)
 {
-	uint32_t leaf = leaf_of(s, cell);
-	if (leaf == GW_WALL)
-		return;
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
+		if (s->known[2 * (size_t)j + (size_t)side] == GW_COMPARTMENT_UNKNOWN)
+			continue;
 		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
 		bool asked = s->asking == THOSE_ALIKE  ? dot(normal, m) > ALIKE
 					 : s->asking == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)
@@ -237,68 +260,83 @@ static void ask_cell(const sight *s, const int32_t cell[3], const float place[3]
 	}
 }
 
-/* What the surfels in the cell of a place say of it, or in the cells around that as well. */
-static uint32_t ask_around(const sight *s, const float place[3], const float normal[3], int side)
+/* The leaves that are asked of a place, and what they hold all together: as `opinion` of sight. */
+typedef struct company {
+	uint32_t leaf[27], leaves, opinion;
+} company;
+
+/* That of the cell of a place, or of the cells around it as well; those of no opinion are not
+ * there. */
+static company find_company(const sight *s, const float place[3], int side)
 {
-	votes v = { { 0 }, { 0 }, 0 };
-	int32_t cell[3];
+	company c = { .opinion = s->opinion ? NONE : MANY };
+	int32_t cell[3], first = s->asking == THOSE_ALIKE ? 13 : 0;
 	cell_of(place, cell);
-	if (s->asking == THOSE_ALIKE)
-		ask_cell(s, cell, place, normal, side, &v);
-	for (int32_t i = 0; i < 27 && s->asking != THOSE_ALIKE; i++) {
+	for (int32_t i = first; i < 27 - first; i++) {
 		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
 								  cell[2] + i / 9 - 1 };
-		ask_cell(s, near, place, normal, side, &v);
+		uint32_t leaf = leaf_of(s, near);
+		uint32_t own = leaf == GW_WALL ? NONE : MANY;
+		if (own == MANY && s->opinion)
+			own = s->opinion[2 * (size_t)leaf + (size_t)side];
+		if (own == NONE)
+			continue;
+		c.opinion = c.opinion == NONE || c.opinion == own ? own : MANY;
+		c.leaf[c.leaves++] = leaf;
 	}
+	return c;
+}
+
+/* What a company says of a place. Where it is of one opinion, the first to speak speaks for all. */
+static uint32_t ask(const sight *s, const company *c, const float place[3], const float normal[3],
+					int side)
+{
+	votes v = { { 0 }, { 0 }, 0 };
+	for (uint32_t i = 0; i < c->leaves && (c->opinion == MANY || v.used == 0); i++)
+		ask_leaf(s, c->leaf[i], place, normal, side, &v);
 	return s->asking == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 
-/* What the fronts of a leaf's surfels hold. */
+/* What a leaf's surfels hold. */
 static void hear_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
 	for (size_t leaf = first; leaf < last; leaf++) {
-		uint32_t opinion = NONE;
+		uint32_t opinion[2] = { NONE, NONE };
 		for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
-			uint32_t label = s->known[2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu)];
-			if (label != GW_COMPARTMENT_UNKNOWN)
-				opinion = opinion == NONE || opinion == label ? label : MANY;
+			const uint32_t *label = s->known + 2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu);
+			for (int side = 0; side < 2; side++)
+				if (label[side] != GW_COMPARTMENT_UNKNOWN)
+					opinion[side] =
+						opinion[side] == NONE || opinion[side] == label[side] ? label[side] : MANY;
 		}
-		s->opinion[leaf] = opinion;
+		memcpy(s->opinion + 2 * leaf, opinion, sizeof opinion);
 	}
 }
 
-/* Is nobody around of another opinion than its own? */
-static bool all_agree(const sight *s, const float place[3], uint32_t own)
+/* What a side of a surfel learns from others; backs only of those on their sheet. */
+static uint32_t learn(const sight *s, size_t surfel, int side)
 {
-	int32_t cell[3];
-	cell_of(place, cell);
-	for (int32_t i = 0; i < 27; i++) {
-		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
-								  cell[2] + i / 9 - 1 };
-		uint32_t leaf = leaf_of(s, near);
-		if (leaf != GW_WALL && s->opinion[leaf] != NONE && s->opinion[leaf] != own)
-			return false;
-	}
-	return true;
+	const float *place = s->position + 4 * surfel, *normal = s->normal + 4 * surfel;
+	uint32_t own = s->known[2 * surfel + (size_t)side];
+	if ((s->asking != SAME_SHEET && (own != GW_COMPARTMENT_UNKNOWN || side != 0)) ||
+		(side != 0 && !(normal[3] > 0.5f)))
+		return own;
+	company c = find_company(s, place, side);
+	if (c.opinion == NONE || c.opinion == own)
+		return own;
+	uint32_t told = ask(s, &c, place, normal, side);
+	return told == GW_COMPARTMENT_UNKNOWN ? own : told;
 }
 
 static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
-	for (size_t i = first; i < last; i++) {
-		for (int side = 0; side < 2; side++) {
-			uint32_t own = s->known[2 * i + (size_t)side];
-			bool ask = s->asking == SAME_SHEET || own == GW_COMPARTMENT_UNKNOWN;
-			ask = ask && (side == 0 || s->normal[4 * i + 3] > 0.5f);
-			if (ask && side == 0 && own != GW_COMPARTMENT_UNKNOWN)
-				ask = !all_agree(s, s->position + 4 * i, own);
-			uint32_t told = ask ? ask_around(s, s->position + 4 * i, s->normal + 4 * i, side) : own;
-			s->to[2 * i + (size_t)side] = told == GW_COMPARTMENT_UNKNOWN ? own : told;
-		}
-	}
+	for (size_t i = first; i < last; i++)
+		for (int side = 0; side < 2; side++)
+			s->to[2 * i + (size_t)side] = learn(s, i, side);
 }
 
 /* Forgets bubbles: compartments that few look into, but for what lies around the scene. */
@@ -341,8 +379,9 @@ static enum asking asking_in(int round)
 
 /* Rounds in which surfels ask others. Where none of them changes its mind, none will by asking the
  * same ones once more. */
-static void ask_others(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other)
+static void ask_others(sight *s, uint32_t *sides, uint32_t *other)
 {
+	size_t bytes = 2 * s->surfels * sizeof *sides;
 	bool settled = false; /* among those who are asked now */
 	for (int round = 0; round < ROUNDS; round++) {
 		if (settled && s->asking == asking_in(round))
@@ -350,29 +389,29 @@ static void ask_others(sight *s, size_t surfels, uint32_t threads, uint32_t *sid
 		s->known = sides;
 		s->to = other;
 		s->asking = asking_in(round);
-		gw_parallel_for(threads, s->leaves, CHUNK, hear_some, s);
-		gw_parallel_for(threads, surfels, CHUNK, ask_some, s);
-		settled = memcmp(sides, other, 2 * surfels * sizeof *sides) == 0;
-		memcpy(sides, other, 2 * surfels * sizeof *sides);
+		gw_parallel_for(s->threads, s->leaves, CHUNK, hear_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, ask_some, s);
+		settled = memcmp(sides, other, bytes) == 0;
+		memcpy(sides, other, bytes);
 	}
 }
 
 /* All of it with what the octree holds at hand. `sides` and `other` take turns. */
-static gw_status find(sight *s, size_t surfels, uint32_t threads, uint32_t *sides, uint32_t *other,
-					  uint32_t *several, gw_error *error)
+static gw_status find(sight *s, uint32_t *sides, uint32_t *other, uint32_t *several,
+					  gw_error *error)
 {
-	memset(sides, 0xff, 2 * surfels * sizeof *sides);
+	memset(sides, 0xff, 2 * s->surfels * sizeof *sides);
 	s->to = sides;
-	gw_parallel_for(threads, surfels, CHUNK, look_some, s);
-	GW_TRY(count_those_that_matter(s->c, sides, surfels, several, error));
+	gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
+	GW_TRY(count_those_that_matter(s->c, sides, s->surfels, several, error));
 	if (*several > 1) /* Through the bubbles. */
-		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
 	if (*several > 1)
-		ask_others(s, surfels, threads, sides, other);
+		ask_others(s, sides, other);
 	s->to = sides;
 	s->steps = STEPS_FAR;
 	if (*several > 1)
-		gw_parallel_for(threads, surfels, CHUNK, look_some, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
 	return GW_OK;
 }
 
@@ -423,7 +462,7 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 {
 	views v = { 0 };
 	uint32_t several = 0, *other = gw_allocate_array(surfels, 2 * sizeof *other);
-	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, sizeof *opinion);
+	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, 2 * sizeof *opinion);
 	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
 	gw_status status = other && opinion && c->sides
 						   ? open_views(gpu, octree, &v, error)
@@ -432,7 +471,9 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	if (status == GW_OK) {
 		sight s = sight_of(c, octree, &v);
 		s.opinion = opinion;
-		status = find(&s, surfels, threads, c->sides, other, &several, error);
+		s.surfels = surfels;
+		s.threads = threads;
+		status = find(&s, c->sides, other, &several, error);
 	}
 	close_views(&v);
 	free(opinion);
@@ -444,20 +485,21 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	return status;
 }
 
-gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const float *place,
-									const float *normal, size_t count, uint32_t *label,
-									gw_error *error)
+gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
+									const gw_surface_places *of, uint32_t *label, gw_error *error)
 {
 	views v = { 0 };
 	gw_status status = open_views(gpu, octree, &v, error);
 	if (status == GW_OK) {
 		sight s = sight_of(octree->compartments, octree, &v);
 		s.known = octree->compartments->sides;
-		for (size_t i = 0; i < count; i++) {
+		for (size_t i = 0; i < of->count; i++) {
+			const float *place = of->place + 4 * i, *normal = of->normal + 4 * i;
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.asking = (enum asking)a;
-				label[i] = ask_around(&s, place + 4 * i, normal + 4 * i, 0);
+				company c = find_company(&s, place, 0);
+				label[i] = ask(&s, &c, place, normal, 0);
 			}
 		}
 	}

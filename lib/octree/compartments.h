@@ -61,13 +61,17 @@ uint32_t gw_compartment_at(const gw_octree *octree, const float g[3]);
  * several. */
 uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back);
 
-/* That which other places on the surface look into along a normal. There are several.
- *   place     4 * count, grid coordinates
- *   normal    4 * count, unit
- *   label     count, receives them */
-gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree, const float *place,
-									const float *normal, size_t count, uint32_t *label,
-									gw_error *error);
+/* Places on the surface. */
+typedef struct gw_surface_places {
+	size_t count;
+	const float *place;  /* 4 * count, grid coordinates */
+	const float *normal; /* 4 * count, unit */
+} gw_surface_places;
+
+/* That which places look into along their normals. There are several.
+ *   label     of->count, receives them */
+gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
+									const gw_surface_places *of, uint32_t *label, gw_error *error);
 
 /* That which facets face. There are several.
  *   label     2 * leaves, receives them; unknown for those with two sides */

@@ -90,7 +90,7 @@ gw_status gw_disc_widths_bound(gw_neighbours *search, gw_surfels *surfels, bool 
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the widths of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, bound, &step, error);
+		status = gw_neighbours_visit_reach(search, bound, &step, error);
 	if (status != GW_OK) {
 		free(step.radius);
 		free(step.area);

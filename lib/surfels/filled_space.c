@@ -46,20 +46,30 @@ typedef struct filled_step {
 static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list,
 						   double c[3][3])
 {
-	double sum[3] = { 0 }, d[3], n = list->count + 1.0;
+	const float *at = s->position + 3 * surfel;
+	double x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+	double n = list->count + 1.0;
 	for (uint32_t j = 0; j < list->count; j++) {
-		for (size_t k = 0; k < 3; k++) {
-			d[k] = (double)s->position[3 * (size_t)list->index[j] + k] -
-				   (double)s->position[3 * surfel + k];
-			sum[k] += d[k];
-		}
-		for (int r = 0; r < 3; r++)
-			for (int k = 0; k < 3; k++)
-				c[r][k] += d[r] * d[k];
+		const float *to = s->position + 3 * (size_t)list->index[j];
+		double a = (double)to[0] - (double)at[0];
+		double b = (double)to[1] - (double)at[1];
+		double d = (double)to[2] - (double)at[2];
+		x += a;
+		y += b;
+		z += d;
+		xx += a * a;
+		xy += a * b;
+		xz += a * d;
+		yy += b * b;
+		yz += b * d;
+		zz += d * d;
 	}
-	for (int r = 0; r < 3; r++)
-		for (int k = 0; k < 3; k++)
-			c[r][k] -= sum[r] * sum[k] / n;
+	c[0][0] = xx - x * x / n;
+	c[1][1] = yy - y * y / n;
+	c[2][2] = zz - z * z / n;
+	c[0][1] = c[1][0] = xy - x * y / n;
+	c[0][2] = c[2][0] = xz - x * z / n;
+	c[1][2] = c[2][1] = yz - y * z / n;
 }
 
 /*
@@ -69,7 +79,7 @@ static void measure_spread(const gw_surfels *s, size_t surfel, const gw_neighbou
  */
 static double thickness(const gw_surfels *s, size_t surfel, const gw_neighbour_list *list)
 {
-	double c[3][3] = { { 0 } }, squares = 0, determinant = 0;
+	double c[3][3], squares = 0, determinant = 0;
 	measure_spread(s, surfel, list, c);
 	double mean = (c[0][0] + c[1][1] + c[2][2]) / 3;
 	if (!(mean > 0))
@@ -213,10 +223,10 @@ static gw_status find_things(const gw_points *points, gw_neighbours *search,
 	}
 	thing_step step = { own, scanner, lone->area };
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, share_thing, &step, error);
+		status = gw_neighbours_visit_reach(search, share_thing, &step, error);
 	filled_step beside = { .own = own, .foliage = lone->foliage };
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_beside, &beside, error);
+		status = gw_neighbours_visit_reach(search, judge_beside, &beside, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++) {
 		lone->filled[i] |= lone->area[i] > 0.0f;
 		lone->area[i] *= lone->foliage[i] ? (float)(AT_RANDOM / TURNED) : 1.0f;
@@ -240,7 +250,7 @@ static gw_status look_at_beams(const gw_points *points, gw_neighbours *search, f
 		status = gw_beam_areas(points, step->surfels, share, lone->area, error);
 	step->share = share;
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_beams, step, error);
+		status = gw_neighbours_visit_reach(search, judge_beams, step, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++)
 		lone->area[i] = lone->filled[i] ? 2.0f * lone->area[i] : 0.0f;
 	free(share);
@@ -268,14 +278,14 @@ gw_status gw_filled_space_find(const gw_points *points, gw_neighbours *search,
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the extent of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, measure, &step, error);
+		status = gw_neighbours_visit_reach(search, measure, &step, error);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge, &step, error);
+		status = gw_neighbours_visit_reach(search, judge, &step, error);
 	if (status == GW_OK && points->beam_share && !points->own_area)
 		status = look_at_beams(points, search, &step, lone, error);
 	free(step.thickness);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, judge_around, &step, error);
+		status = gw_neighbours_visit_reach(search, judge_around, &step, error);
 	if (status == GW_OK && points->own_area)
 		status = find_things(points, search, surfels, lone, error);
 	if (status != GW_OK)

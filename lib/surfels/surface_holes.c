@@ -38,6 +38,11 @@
 #define RIM_LEAST 4u
 #define RIM_CELLS 2.5f
 
+/* Places on a rim that are beside each other lie no further apart than this part of its extent, or
+ * so many cells: else something is seen through the hole. */
+#define JUMP_MOST 0.25f
+#define JUMP_CELLS 4.0f
+
 #define SWEEPS 64    /* of the membrane */
 #define HOLE_CELLS 4 /* at least */
 #define DISC_STEPS 48.0f
@@ -46,25 +51,52 @@
 #define GRID_CELLS 192.0f
 #define CELL_SPACINGS 2.0f
 
+/* Cells along the side of a block, a power of two; the most blocks that are known to be empty, and
+ * how far a ray is moved over a border, in cells. */
+#define BLOCK_BITS 1
+#define BLOCK (1 << BLOCK_BITS)
+#define EMPTY_MOST 254u
+#define GRID_NUDGE 1e-3f
+
 /* A cell where some eye has put a membrane, until it is known to be of a hole. */
 #define SEEN 255u
+
+/* What eyes put into cells: membranes of a rim that is seen well, in so many directions within it,
+ * and whole, and of others. */
+#define BY_WHOLE_RIM 1u
+#define BY_OTHERS 2u
+#define SEEN_WELL 16u
+
+/* Where one in so many eyes is in the open, only whole rims are those of holes. */
+#define OPEN_EYES 4u
 
 typedef struct eye {
 	gw_vec3 place;
 	float width;                /* extent of what it sees, metres */
+	bool open;                  /* hardly anything is around it */
+	uint8_t mark;               /* how membranes are marked now */
 	float depth[DIRECTIONS];    /* metres to what is met; below 0: nothing */
 	float inverse[DIRECTIONS];  /* of the depth, of the membrane too */
 	uint8_t piece[DIRECTIONS];  /* 1: of some piece already, or its rim */
 	uint32_t stack[DIRECTIONS]; /* directions of the piece */
 } eye;
 
+/* Blocks of cells, and one more on each side of the grid. */
+typedef struct hollow {
+	uint32_t blocks[3];
+	uint8_t *empty; /* one a block: how many blocks it is to one with surface, or fewer; 0: here */
+	int32_t stride[3], block_stride[3]; /* from one to the next along each axis */
+} hollow;
+
 typedef struct work {
 	const gw_surfels *surfels;
 	gw_scanned_space *space;
+	hollow hollow;
 	gw_vec3 *place;        /* EYES */
 	gw_vec3 *way;          /* DIRECTIONS */
-	_Atomic uint8_t *seen; /* cells: 1 where an eye has put a membrane */
-	size_t cells;
+	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where an eye has put a membrane */
+	_Atomic uint32_t *open_eyes;
+	size_t cells, eyes;
 } work;
 
 static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
@@ -105,53 +137,137 @@ static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
 		}
 }
 
-/* From cell to cell, without a branch on the axis, which nobody could foretell: the other two go on
- * by nothing. next: how far it is to the next cell along an axis. */
-static float walk_to_surface(const uint8_t *state, const float next[3], const float step[3],
-							 const int32_t left[3], const ptrdiff_t go[3])
+/* Of each block the larger of its own number and one more than the least of those beside it that
+ * come before it, or with -1 after it. What lies beside a row's end is another row's: the number
+ * may become less than it should be, which does no harm. */
+static void spread(hollow *h, ptrdiff_t sign)
 {
-	float x = next[0], y = next[1], z = next[2];
-	int32_t left_x = left[0], left_y = left[1], left_z = left[2];
-	for (;;) {
-		float first = x < y ? x : y;
-		int32_t by_z = !(first < z), by_x = (x < y) & !by_z, by_y = !(x < y) & !by_z;
-		float t = by_z ? z : first;
-		left_x -= by_x;
-		left_y -= by_y;
-		left_z -= by_z;
-		if ((left_x | left_y | left_z) < 0)
-			return -1.0f;
-		x += by_x ? step[0] : 0.0f;
-		y += by_y ? step[1] : 0.0f;
-		z += by_z ? step[2] : 0.0f;
-		state +=
-			(go[0] & -(ptrdiff_t)by_x) + (go[1] & -(ptrdiff_t)by_y) + (go[2] & -(ptrdiff_t)by_z);
-		if (*state == GW_SPACE_SURFACE)
-			return t;
+	const ptrdiff_t row = (ptrdiff_t)h->blocks[0], layer = row * (ptrdiff_t)h->blocks[1];
+	const ptrdiff_t count = layer * (ptrdiff_t)h->blocks[2], reach = layer + row + 1;
+	ptrdiff_t before[13];
+	for (ptrdiff_t k = 0; k < 13; k++)
+		before[k] = -sign * ((1 - k / 9) * layer + (1 - k / 3 % 3) * row + (1 - k % 3));
+	for (ptrdiff_t i = reach; i < count - reach; i++) {
+		uint8_t *own = h->empty + (sign > 0 ? i : count - 1 - i);
+		unsigned least = EMPTY_MOST;
+		for (int k = 0; k < 13; k++)
+			least = own[before[k]] < least ? own[before[k]] : least;
+		*own = least + 1 < *own ? (uint8_t)(least + 1) : *own;
 	}
 }
 
-/* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. */
-static float look(const gw_scanned_space *space, gw_vec3 from, gw_vec3 way)
+static size_t block_of(const hollow *h, const uint32_t at[3])
 {
-	const float p[3] = { from.x, from.y, from.z }, d[3] = { way.x, way.y, way.z };
-	const ptrdiff_t stride[3] = { 1, (ptrdiff_t)space->cells[0],
-								  (ptrdiff_t)space->cells[0] * (ptrdiff_t)space->cells[1] };
+	return ((size_t)(at[2] / BLOCK + 1) * h->blocks[1] + (at[1] / BLOCK + 1)) * h->blocks[0] +
+		   (at[0] / BLOCK + 1);
+}
+
+/* Finds out how far it is empty around each block. */
+static bool make_hollow(const gw_scanned_space *space, hollow *h)
+{
+	size_t count = 1;
+	for (int k = 0; k < 3; k++) {
+		h->blocks[k] = (space->cells[k] + BLOCK - 1) / BLOCK + 2;
+		h->stride[k] = k == 0 ? 1 : h->stride[k - 1] * (int32_t)space->cells[k - 1];
+		h->block_stride[k] = (int32_t)count;
+		count *= h->blocks[k];
+	}
+	h->empty = gw_allocate_array(count, 1);
+	if (!h->empty)
+		return false;
+	memset(h->empty, EMPTY_MOST, count);
+	size_t cell = 0;
 	uint32_t at[3];
-	int32_t left[3]; /* cells before the grid's end */
-	float next[3], step[3];
-	ptrdiff_t go[3];
+	for (at[2] = 0; at[2] < space->cells[2]; at[2]++)
+		for (at[1] = 0; at[1] < space->cells[1]; at[1]++)
+			for (at[0] = 0; at[0] < space->cells[0]; at[0]++, cell++)
+				if (space->state[cell] == GW_SPACE_SURFACE)
+					h->empty[block_of(h, at)] = 0;
+	spread(h, 1);
+	spread(h, -1);
+	return true;
+}
+
+/* A ray through the grid, in cells. Along axes that it goes down the grid is mirrored, so that it
+ * goes up along all of them. */
+typedef struct grid_ray {
+	float origin[3], inverse[3], direction[3];
+	float next[3]; /* where it leaves its first cell */
+	float end;     /* how far it is to where it leaves the grid */
+	const uint8_t *state, *empty;
+	int32_t stride[3], block_stride[3]; /* of these */
+} grid_ray;
+
+static void mirror_axis(const gw_scanned_space *space, const hollow *h, int k, grid_ray *ray)
+{
+	int32_t blocks = (int32_t)h->blocks[k] - 2, width = BLOCK * blocks, up = ray->direction[k] > 0;
+	float way = up ? ray->direction[k] : -ray->direction[k];
+	ray->direction[k] = way < 1e-9f ? 1e-9f : way;
+	ray->inverse[k] = 1.0f / ray->direction[k];
+	ray->origin[k] = up ? ray->origin[k] : (float)width - ray->origin[k];
+	ray->next[k] = (float)((int32_t)ray->origin[k] + 1);
+	ray->state += up ? 0 : (width - 1) * h->stride[k];
+	ray->stride[k] = up ? h->stride[k] : -h->stride[k];
+	ray->empty += (up ? 1 : blocks) * h->block_stride[k];
+	ray->block_stride[k] = up ? h->block_stride[k] : -h->block_stride[k];
+	float end = (float)(up ? (int32_t)space->cells[k] : width) - ray->origin[k];
+	end *= ray->inverse[k];
+	ray->end = end < ray->end ? end : ray->end;
+}
+
+static float leave_box(const grid_ray *ray, float x, float y, float z)
+{
+	x = (x - ray->origin[0]) * ray->inverse[0];
+	y = (y - ray->origin[1]) * ray->inverse[1];
+	z = (z - ray->origin[2]) * ray->inverse[2];
+	float first = x < y ? x : y;
+	return first < z ? first : z;
+}
+
+/* From one empty box to the next, to a cell with surface; a box is that cell itself in a block
+ * that is not empty. */
+static float walk_to_surface(const grid_ray *ray)
+{
+	float t = leave_box(ray, ray->next[0], ray->next[1], ray->next[2]);
+	float within;
+	while ((within = t + GRID_NUDGE) < ray->end) {
+		int32_t x = (int32_t)(ray->origin[0] + ray->direction[0] * within);
+		int32_t y = (int32_t)(ray->origin[1] + ray->direction[1] * within);
+		int32_t z = (int32_t)(ray->origin[2] + ray->direction[2] * within);
+		int32_t a = x >> BLOCK_BITS, b = y >> BLOCK_BITS, c = z >> BLOCK_BITS;
+		int32_t empty = ray->empty[a * ray->block_stride[0] + b * ray->block_stride[1] +
+								   c * ray->block_stride[2]];
+		if (empty == 0 &&
+			ray->state[x * ray->stride[0] + y * ray->stride[1] + z * ray->stride[2]] ==
+				GW_SPACE_SURFACE)
+			return t;
+		float leave = empty == 0
+						  ? leave_box(ray, (float)(x + 1), (float)(y + 1), (float)(z + 1))
+						  : leave_box(ray, (float)((a + empty) * BLOCK),
+									  (float)((b + empty) * BLOCK), (float)((c + empty) * BLOCK));
+		t = leave > within ? leave : within;
+	}
+	return -1.0f;
+}
+
+/* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. */
+static float look(const work *w, gw_vec3 from, gw_vec3 way)
+{
+	const gw_scanned_space *space = w->space;
+	const float p[3] = { from.x, from.y, from.z };
+	grid_ray ray = { .direction = { way.x, way.y, way.z },
+					 .end = INFINITY,
+					 .state = space->state,
+					 .empty = w->hollow.empty };
+	uint32_t at[3];
 	if (!gw_scanned_space_cell(space, p, at))
 		return -1.0f;
 	for (int k = 0; k < 3; k++) {
-		bool up = d[k] > 0.0f;
-		float in = (p[k] - space->low[k]) / space->cell - (float)at[k];
-		step[k] = space->cell / fmaxf(fabsf(d[k]), 1e-9f);
-		next[k] = (up ? 1.0f - in : in) * step[k];
-		left[k] = (int32_t)(up ? space->cells[k] - 1 - at[k] : at[k]);
-		go[k] = up ? stride[k] : -stride[k];
+		ray.origin[k] = (p[k] - space->low[k]) / space->cell;
+		mirror_axis(space, &w->hollow, k, &ray);
 	}
-	return walk_to_surface(space->state + cell_at(space, at), next, step, left, go);
+	float t = walk_to_surface(&ray);
+	return t < 0.0f ? t : t * space->cell;
 }
 
 /* -------------------------------------------------------------------------------------- the eyes
@@ -172,7 +288,7 @@ static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
 	for (int i = 0; i < EYE_WAYS; i++) {
 		gw_vec3 way =
 			gw_unit(gw_plus(n, gw_plus(gw_times(u, aslant[i][0]), gw_times(v, aslant[i][1]))));
-		float free = look(w->space, from, way);
+		float free = look(w, from, way);
 		*place = gw_plus(from, gw_times(way, 0.5f * free));
 		if (free > 2.0f * EYE_ROOM * cell)
 			return true;
@@ -238,7 +354,7 @@ static bool look_around(const work *w, eye *e)
 	float open = 0.0f;
 	for (uint32_t i = 0; i < DIRECTIONS && open < (float)OPEN_MOST; i++) {
 		gw_vec3 way = w->way[i];
-		e->depth[i] = look(w->space, e->place, way);
+		e->depth[i] = look(w, e->place, way);
 		e->inverse[i] = e->depth[i] > 0.0f ? 1.0f / e->depth[i] : 0.0f;
 		e->piece[i] = 0;
 		if (e->depth[i] < 0.0f)
@@ -247,7 +363,8 @@ static bool look_around(const work *w, eye *e)
 			extend(&all, gw_plus(e->place, gw_times(way, e->depth[i])));
 	}
 	e->width = width_of(&all);
-	return open > 0.0f && open < (float)OPEN_MOST;
+	e->open = open >= (float)OPEN_MOST;
+	return open > 0.0f && !e->open;
 }
 
 /* ------------------------------------------------------------------------------------ the pieces
@@ -303,6 +420,41 @@ static piece find_piece(const work *w, eye *e, uint32_t first)
 	return p;
 }
 
+static gw_vec3 seen_at(const work *w, const eye *e, uint32_t number)
+{
+	return gw_times(w->way[number], e->depth[number]);
+}
+
+/* Whether two directions meet surface so far apart. */
+static bool is_jump(const work *w, const eye *e, const uint32_t number[2], float most)
+{
+	if (e->depth[number[0]] < 0.0f || e->depth[number[1]] < 0.0f)
+		return false;
+	gw_vec3 off = gw_minus(seen_at(w, e, number[0]), seen_at(w, e, number[1]));
+	return gw_dot(off, off) > most * most;
+}
+
+/* Whether there is a jump within the rim of the piece on the stack. Of the eight directions around
+ * one of its own, those in the corners are beside two others each. */
+static bool has_jump(const work *w, const eye *e, const piece *p)
+{
+	float most = fmaxf(JUMP_MOST * width_of(&p->rim_extent), JUMP_CELLS * w->space->cell);
+	for (uint32_t i = 0; i < p->count; i++) {
+		uint32_t row = e->stack[i] / COLUMNS, beside[4], corner[4];
+		list_beside(e->stack[i], beside);
+		if (row == 0 || row + 1 == ROWS)
+			continue;
+		for (int k = 0; k < 4; k++) {
+			list_beside(beside[k % 2], corner);
+			const uint32_t by_row[2] = { beside[k % 2], corner[2 + k / 2] };
+			const uint32_t by_column[2] = { beside[2 + k / 2], corner[2 + k / 2] };
+			if (is_jump(w, e, by_row, most) || is_jump(w, e, by_column, most))
+				return true;
+		}
+	}
+	return false;
+}
+
 static bool is_hole(const work *w, const eye *e, const piece *p)
 {
 	float width = width_of(&p->rim_extent);
@@ -333,14 +485,14 @@ static void mark_direction(const work *w, const eye *e, uint32_t number)
 	for (int a = 0; a < n * n; a++) {
 		gw_vec3 way = direction_at((float)(number / COLUMNS) + ((float)(a / n) + 0.5f) / (float)n,
 								   (float)(number % COLUMNS) + ((float)(a % n) + 0.5f) / (float)n);
-		if (look(space, e->place, way) >= 0.0f)
+		if (look(w, e->place, way) >= 0.0f)
 			continue;
 		for (int side = -1; side <= 1; side++) {
 			size_t cell;
 			float t = depth + 0.5f * (float)side * space->cell;
 			if (find_cell(space, gw_plus(e->place, gw_times(way, t)), &cell) &&
 				space->state[cell] != GW_SPACE_SURFACE)
-				atomic_store(&w->seen[cell], 1);
+				atomic_fetch_or(&w->seen[cell], e->mark);
 		}
 	}
 }
@@ -358,20 +510,27 @@ static void mark_with_rim(const work *w, eye *e, uint32_t number)
 		}
 }
 
-static void look_from(const work *w, eye *e)
+static void mark_piece(const work *w, eye *e, const piece *p)
+{
+	e->mark = p->count < SEEN_WELL || has_jump(w, e, p) ? BY_OTHERS : BY_WHOLE_RIM;
+	stretch_membrane(e, p);
+	for (uint32_t k = 0; k < p->count; k++)
+		mark_with_rim(w, e, e->stack[k]);
+}
+
+/* Whether an eye is in the open. */
+static bool look_from(const work *w, eye *e)
 {
 	if (!look_around(w, e))
-		return;
+		return e->open;
 	for (uint32_t i = 0; i < DIRECTIONS; i++) {
 		if (e->depth[i] >= 0.0f || e->piece[i])
 			continue;
 		piece p = find_piece(w, e, i);
-		if (!is_hole(w, e, &p))
-			continue;
-		stretch_membrane(e, &p);
-		for (uint32_t k = 0; k < p.count; k++)
-			mark_with_rim(w, e, e->stack[k]);
+		if (is_hole(w, e, &p))
+			mark_piece(w, e, &p);
 	}
+	return false;
 }
 
 static void look_from_all(void *user, size_t first, size_t last, uint32_t worker)
@@ -381,7 +540,8 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	for (size_t i = first; i < last; i++) {
 		eye e;
 		e.place = w->place[i];
-		look_from(w, &e);
+		if (look_from(w, &e))
+			atomic_fetch_add(w->open_eyes, 1);
 	}
 }
 
@@ -476,10 +636,11 @@ static bool count_holes(const work *w)
 {
 	gw_scanned_space *space = w->space;
 	size_t seen = 0;
+	uint8_t marks = OPEN_EYES * *w->open_eyes > w->eyes ? BY_WHOLE_RIM : BY_WHOLE_RIM | BY_OTHERS;
 	extent all = nowhere;
 	for (size_t c = 0; c < w->cells; c++)
 		if (space->state[c] != GW_SPACE_SURFACE) {
-			bool own = atomic_load(&w->seen[c]) != 0;
+			bool own = (atomic_load(&w->seen[c]) & marks) != 0;
 			space->state[c] = own ? SEEN : GW_SPACE_FREE;
 			seen += own;
 		}
@@ -503,7 +664,8 @@ static bool count_holes(const work *w)
 gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 								gw_scanned_space *space, gw_error *error)
 {
-	work w = { .surfels = surfels, .space = space };
+	_Atomic uint32_t open_eyes = 0;
+	work w = { .surfels = surfels, .space = space, .open_eyes = &open_eyes };
 	*space = (gw_scanned_space){ .scanners = 0 };
 	if (!(surfels->maximum[0] > surfels->minimum[0]))
 		return GW_OK;
@@ -518,9 +680,14 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	if (made) {
 		for (size_t i = 0; i < surfels->count; i++)
 			mark_disc(space, surfels, i);
-		gw_parallel_for(threads, place_eyes(&w), 1, look_from_all, &w);
+		made = make_hollow(space, &w.hollow);
+	}
+	if (made) {
+		w.eyes = place_eyes(&w);
+		gw_parallel_for(threads, w.eyes, 1, look_from_all, &w);
 		made = count_holes(&w);
 	}
+	free(w.hollow.empty);
 	free(w.way);
 	free(w.place);
 	free(w.seen);

@@ -415,9 +415,9 @@ gw_status gw_boundaries_settle(gw_neighbours *search, gw_surfels *surfels, bool 
 	if (!step.settled || !step.clip || !step.area)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the edges of %zu points", n);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, settle, &step, error);
+		status = gw_neighbours_visit_reach(search, settle, &step, error);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, agree, &step, error);
+		status = gw_neighbours_visit_reach(search, agree, &step, error);
 	free(step.settled);
 	if (status != GW_OK) {
 		free(step.clip);

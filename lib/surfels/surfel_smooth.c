@@ -161,12 +161,12 @@ static gw_status smooth(gw_neighbours *search, smooth_step *step, float **a, flo
 						float *normal, gw_error *error)
 {
 	step->out = normal;
-	GW_TRY(gw_neighbours_visit(search, turn_normal, step, error));
+	GW_TRY(gw_neighbours_visit_reach(search, turn_normal, step, error));
 	step->normal = normal;
 	for (int round = 0; round < ROUNDS; round++) {
 		float *swap = *a;
 		step->out = *b;
-		GW_TRY(gw_neighbours_visit(search, move_point, step, error));
+		GW_TRY(gw_neighbours_visit_reach(search, move_point, step, error));
 		step->position = *b;
 		step->noise = NULL;
 		*a = *b;
@@ -217,7 +217,7 @@ gw_status gw_surfels_smooth(const gw_surfels_options *options, gw_neighbours *se
 	if (!position || !level)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the noise of %zu points", n);
 	if (status == GW_OK)
-		status = gw_neighbours_visit(search, measure_noise, &step, error);
+		status = gw_neighbours_visit_reach(search, measure_noise, &step, error);
 	if (status == GW_OK && (find_levels(position, n, level) || options->effects_forced & effect)) {
 		spare = gw_allocate_array(n, 3 * sizeof *spare);
 		normal = gw_allocate_array(n, 3 * sizeof *normal);

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The program and its plugin are built so that a fault of ours is hard to use: position independent,
-# no code on the stack, addresses of functions read-only once it runs, guarded stacks, checked
-# copies, and on x86 landing pads for indirect calls. Looks at BUILD/glowworm and
-# BUILD/libglowworm-vdb.so, BUILD being build unless set; a sanitized build is no release.
+# The program and its plugins are built so that a fault of ours is hard to use: position
+# independent, no code on the stack, addresses of functions read-only once it runs, guarded stacks,
+# checked copies, and on x86 landing pads for indirect calls. Looks at BUILD/glowworm and
+# BUILD/libglowworm-*.so, BUILD being build unless set; a sanitized build is no release.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 build=${BUILD:-build}
@@ -53,7 +53,7 @@ if gcc -O2 -D_FORTIFY_SOURCE=3 -Werror -include stdio.h -fsyntax-only -x c /dev/
 	level=3
 fi
 
-for file in "$build/glowworm" "$build/libglowworm-vdb.so"; do
+for file in "$build"/glowworm "$build"/libglowworm-{vdb,proj}.so; do
 	if [ ! -f "$file" ]; then
 		echo "$file is not there; build it with make"
 		exit 66
@@ -62,7 +62,7 @@ done
 if nm -D "$build/glowworm" | grep -q __asan_init; then
 	exit 0
 fi
-for file in "$build/glowworm" "$build/libglowworm-vdb.so"; do
+for file in "$build"/glowworm "$build"/libglowworm-{vdb,proj}.so; do
 	complain < <(check_linked "$file")
 	complain < <(check_compiled "$file")
 done

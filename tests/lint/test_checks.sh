@@ -46,7 +46,8 @@ build_program() { # compiling linking
 	END
 	# shellcheck disable=SC2086
 	gcc -DFLAGS="\"$safe $1\"" $safe $1 -pie $linked $2 -o build/glowworm cli/main.c 2>/dev/null &&
-		gcc -DFLAGS='""' $safe $linked -shared -o build/libglowworm-vdb.so cli/main.c
+		gcc -DFLAGS='""' $safe $linked -shared -o build/libglowworm-vdb.so cli/main.c &&
+		cp build/libglowworm-vdb.so build/libglowworm-proj.so
 }
 
 run_check() { # check

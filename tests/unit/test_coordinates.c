@@ -124,7 +124,7 @@ static void degrees_are_noticed(void **state)
 	assert_non_null(strstr(error.text, "--units degrees"));
 	assert_non_null(strstr(error.text, "--units m"));
 	c = find(&cloud, NULL, COORDINATES_DEGREES);
-	assert_true(c.changes && c.projection);
+	assert_true(c.changes && c.projected);
 	coordinates_clear(&c);
 	c = find(&cloud, NULL, COORDINATES_M);
 	assert_false(c.changes);
