@@ -131,6 +131,24 @@ gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights
 	return copy;
 }
 
+/* Lamps that shine on things of 1e-300 m from as near are beyond all numbers. */
+static bool fit(const gw_light *lights, size_t count)
+{
+	bool fits = true;
+	for (size_t i = 0; lights && i < count; i++)
+		for (int k = 0; k < 3; k++)
+			fits = fits && isfinite(lights[i].intensity[k]) && isfinite(lights[i].irradiance[k]) &&
+				   isfinite(lights[i].radiance[k]);
+	return fits;
+}
+
+static gw_status fail_bright(gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA,
+				   "the light on the points is more than 3.4e38, which is all that a 32-bit "
+				   "number holds: use weaker lamps, or check the unit of lengths");
+}
+
 float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count)
 {
 	return scaled_light(emission, count, scaled->light);
@@ -209,6 +227,8 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 		(points->emission && !p->emission) || (points->own_area && !p->own_area))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
+	if (!fit(scaled->lights, scene->light_count))
+		return fail_bright(error);
 	scaled->options.ambient_occlusion_distance =
 		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
 	scaled->options.gap_radiance = ldexpf(options->gap_radiance, scaled->light);
@@ -244,13 +264,6 @@ static bool undo_light(float *values, size_t count, int exponent)
 		fits = fits && isfinite(values[i]);
 	}
 	return fits;
-}
-
-static gw_status fail_bright(gw_error *error)
-{
-	return gw_fail(error, GW_ERROR_DATA,
-				   "the light on the points is more than 3.4e38, which is all that a 32-bit "
-				   "number holds: use weaker lamps, or check the unit of lengths");
 }
 
 static void undo_report(const gw_scaled_scene *scaled, gw_report *r)

@@ -390,14 +390,15 @@ static void light_of_any_strength(void **state)
 	with_hall(compare_blinding);
 }
 
-/* Light that is more than a float32 holds is an error with a sentence. */
-static void light_beyond_numbers(void **state)
+/* A hall so many metres long for each of its own that a lamp in it is too bright. */
+static void expect_too_bright(double scale, float intensity)
 {
-	(void)state;
 	scene hall = { 0 };
 	scene_make_hall(&hall);
+	for (size_t i = 0; i < 3 * hall.count; i++)
+		hall.position[i] *= scale;
 	gw_points points = scene_points(&hall);
-	gw_light light = scene_point_light(2.0, 1.5, 0.5, 3e38f);
+	gw_light light = scene_point_light(2.0 * scale, 1.5 * scale, 0.5 * scale, intensity);
 	gw_bake_options options = options_of(GW_METHOD_RAYS);
 	gw_bake_result *result = NULL;
 	gw_error error = { 0 };
@@ -409,6 +410,14 @@ static void light_beyond_numbers(void **state)
 	assert_non_null(strstr(error.text, "weaker lamps"));
 	assert_null(result);
 	scene_clear(&hall);
+}
+
+/* Light that is more than a float32 holds is an error with a sentence. */
+static void light_beyond_numbers(void **state)
+{
+	(void)state;
+	expect_too_bright(1.0, 3e38f);
+	expect_too_bright(1e-300, 1.0f);
 }
 
 static void compare_sum(gw_method method, const scene *hall, const gw_light *lights,
