@@ -14,7 +14,7 @@
 /*
  * Numbers the components. The result does not depend on threads. Fails with GW_ERROR_MEMORY.
  *   threads     0: one a processor
- *   component   surfels->count, receives numbers below that count, the same for all of one component
+ *   component   surfels->count, receives numbers below that count, the same for one component
  */
 gw_status gw_side_components_find(const gw_surfels *surfels, uint32_t threads, uint32_t *component,
 								  gw_error *error);
