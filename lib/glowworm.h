@@ -428,6 +428,13 @@ typedef struct gw_stage {
 	uint64_t dispatches;
 } gw_stage;
 
+/* One compute pass that ran on the bake's device, for frames and scenes since that was opened. */
+typedef struct gw_pass_count {
+	char name[32];     /* of its shader */
+	uint64_t runs;     /* by its shader or by the loop of the processor that does the same */
+	uint32_t compiled; /* pipelines made of its shader: 0 where the processor did it all */
+} gw_pass_count;
+
 /* One effect: whether the scene calls for it, why, and how it was computed. */
 typedef struct gw_effect {
 	char name[32];
@@ -549,6 +556,7 @@ typedef struct gw_forecast {
 } gw_forecast;
 
 #define GW_REPORT_STAGES 24
+#define GW_REPORT_PASSES 48
 #define GW_REPORT_EFFECTS 24
 #define GW_REPORT_COUNTS 24
 #define GW_REPORT_ROUNDS 16
@@ -558,6 +566,8 @@ typedef struct gw_forecast {
 typedef struct gw_report {
 	gw_stage stage[GW_REPORT_STAGES];
 	uint32_t stage_count;
+	gw_pass_count pass[GW_REPORT_PASSES]; /* those that ran, and no others */
+	uint32_t pass_count;
 	gw_effect effect[GW_REPORT_EFFECTS];
 	uint32_t effect_count;
 	gw_count count[GW_REPORT_COUNTS];
@@ -719,7 +729,9 @@ typedef struct gw_scene gw_scene;
  *   options      as of gw_bake; NULL: the defaults. max_error and time_limit are refused: what is
  *                fine enough depends on the light, and a scene is there for many; bake once with
  *                the hardest light, and make the scene with the settings of the last gw_round in
- *                its report. So is transport, which is a scene on disk
+ *                its report. So is transport, which is a scene on disk. What effects_forbidden,
+ *                shadows and bounces leave no light a use for is not made: no octree for lamps that
+ *                nothing hides or reflects
  *   callbacks    NULL, or called during all calls for the scene and its lightings; copied
  *   scene        on success to be given back with gw_scene_destroy; NULL on failure
  * Fails as gw_bake.

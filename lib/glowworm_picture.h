@@ -189,9 +189,11 @@ void gw_camera_up(char up, double axis[3]);
 
 /*
  * Whether points of which nobody said so look as if y pointed up, where z is the custom: they have
- * a floor and a ceiling across y, or stand on a base there.
+ * a floor and a ceiling across y, or stand on a base there, or are open there alone, as a thing is
+ * whose base was not scanned.
  *   position   3 * count, of any unit
- *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor
+ *   sure       receives whether it is a base; floor and ceiling may be the walls of a corridor, and
+ *              what is open may be a niche
  * Returns 'y', or 0: nothing speaks against z.
  */
 char gw_likely_up(const double *position, size_t count, bool *sure);

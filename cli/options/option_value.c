@@ -215,60 +215,78 @@ static gw_status set_fields(const option *o, settings *s, const char *text, gw_e
 	return GW_OK;
 }
 
-/* Effects that change what was asked for, or light by more than nothing, are forced by their own
- * names alone; and lists without signs are of light, so that the surface stays what it is. */
-#define EFFECTS ((1u << GW_EFFECT_KIND_COUNT) - 1)
-#define OF_SURFACE (1u << GW_EFFECT_TRANSMISSION | 1u << GW_EFFECT_NORMALS | 1u << GW_EFFECT_NOISE)
-#define NOT_OF_ALL                                                                                 \
-	(1u << GW_EFFECT_TRANSMISSION | 1u << GW_EFFECT_NORMALS | 1u << GW_EFFECT_COLUMNS)
-#define NOT_OF_LISTS (OF_SURFACE | 1u << GW_EFFECT_COLUMNS | 1u << GW_EFFECT_OCTREE)
+/* Effects that change what was asked for, or the light by more than nothing, are forced by their
+ * own names alone; and lists without signs are of light, so that the surface stays what it is. */
+#define OF_SURFACE                                                                                 \
+	(1u << GW_EFFECT_TRANSMISSION | 1u << GW_EFFECT_NORMALS | 1u << GW_EFFECT_NOISE |              \
+	 1u << SETTINGS_EFFECT_GLOSS)
+#define OF_RESULT (1u << GW_EFFECT_COLUMNS | 1u << SETTINGS_EFFECT_MOTION)
+#define NOT_OF_ALL (1u << GW_EFFECT_NORMALS | OF_RESULT)
+#define NOT_OF_LISTS (OF_SURFACE | OF_RESULT | 1u << GW_EFFECT_OCTREE)
+#define OF_LIBRARY ((1u << GW_EFFECT_KIND_COUNT) - 1)
+
+/* That of a name; 0: there is none. Options may offer a part of them. */
+static uint32_t effect_called(const option *o, const char *word)
+{
+	bool offered = false;
+	for (int i = 0; o->choice(i); i++)
+		offered |= strcmp(o->choice(i), word) == 0;
+	for (int i = 0; offered && i < SETTINGS_EFFECT_COUNT; i++)
+		if (strcmp(settings_effect_name(i), word) == 0)
+			return 1u << i;
+	return 0;
+}
+
+static uint32_t effects_offered(const option *o)
+{
+	uint32_t all = 0;
+	for (int i = 0; o->choice(i); i++)
+		all |= effect_called(o, o->choice(i));
+	return all;
+}
 
 /* One word of a list of effects. *alone: names without a sign so far. */
-static bool set_effect(const option *o, gw_bake_options *bake, const char *word, uint32_t *alone)
+static bool set_effect(const option *o, settings_effects *e, const char *word, uint32_t *alone)
 {
 	char sign = *word == '+' || *word == '-' ? *word++ : '\0';
 	if (!sign && strcmp(word, "auto") == 0)
 		return true;
 	if (!sign && strcmp(word, "all") == 0) {
-		bake->effects_forced = EFFECTS & ~NOT_OF_ALL;
+		e->forced = effects_offered(o) & ~NOT_OF_ALL;
 		return true;
 	}
-	for (int i = 0; o->choice(i); i++) {
-		if (strcmp(o->choice(i), word) != 0)
-			continue;
-		uint32_t effect = 1u << i;
-		bake->effects_forced = (bake->effects_forced & ~effect) | (sign == '+' ? effect : 0);
-		bake->effects_forbidden = (bake->effects_forbidden & ~effect) | (sign == '-' ? effect : 0);
-		*alone |= sign ? 0 : effect;
-		return true;
-	}
-	return false;
+	uint32_t effect = effect_called(o, word);
+	e->forced = (e->forced & ~effect) | (sign == '+' ? effect : 0);
+	e->forbidden = (e->forbidden & ~effect) | (sign == '-' ? effect : 0);
+	*alone |= sign ? 0 : effect;
+	return effect != 0;
 }
 
 static gw_status fail_effect(const option *o, const char *word, gw_error *error)
 {
 	char hint[NEAREST_NAME_HINT] = "", names[OPTION_VALUE];
-	const char *name[GW_EFFECT_KIND_COUNT];
-	for (int i = 0; i < GW_EFFECT_KIND_COUNT; i++)
-		name[i] = o->choice(i);
+	const char *name[SETTINGS_EFFECT_COUNT];
+	size_t count = 0;
+	for (; o->choice((int)count); count++)
+		name[count] = o->choice((int)count);
 	option_legal(o, names);
-	nearest_name_hint(hint, word + (*word == '+' || *word == '-'), "", name, GW_EFFECT_KIND_COUNT);
+	nearest_name_hint(hint, word + (*word == '+' || *word == '-'), "", name, count);
 	return gw_fail(error, GW_ERROR_USAGE,
-				   "has '%.80s', but takes auto, all, and the effects %s, alone or with + or - "
-				   "before them%s",
-				   word, names, hint);
+				   "has '%.80s', but takes auto, all, and %s %s, alone or with + or - "
+				   "before %s%s",
+				   word, count > 1 ? "the effects" : "the effect", names, count > 1 ? "them" : "it",
+				   hint);
 }
 
 static gw_status set_effects(const option *o, settings *s, const char *text, gw_error *error)
 {
 	uint32_t alone = 0;
-	gw_bake_options *bake = &s->bake;
+	settings_effects all = { 0 };
 	char word[OPTION_VALUE];
-	bake->effects_forced = bake->effects_forbidden = 0;
 	for (const char *at = text;; at++) {
 		size_t length = strcspn(at, ",");
 		snprintf(word, sizeof word, "%.*s", (int)length, at);
-		if (!set_effect(o, bake, word, &alone))
+		if (!set_effect(o, &all, word, &alone))
 			return fail_effect(o, word, error);
 		at += length;
 		if (!*at)
@@ -276,7 +294,13 @@ static gw_status set_effects(const option *o, settings *s, const char *text, gw_
 	}
 	/* Those named, and whatever they need. */
 	if (alone)
-		bake->effects_forbidden |= EFFECTS & ~alone & ~bake->effects_forced & ~NOT_OF_LISTS;
+		all.forbidden |= effects_offered(o) & ~alone & ~all.forced & ~NOT_OF_LISTS;
+	*(settings_effects *)place_of(o, s) =
+		(settings_effects){ all.forced & ~OF_LIBRARY, all.forbidden & ~OF_LIBRARY };
+	if (effects_offered(o) & OF_LIBRARY) {
+		s->bake.effects_forced = all.forced & OF_LIBRARY;
+		s->bake.effects_forbidden = all.forbidden & OF_LIBRARY;
+	}
 	return GW_OK;
 }
 
@@ -390,10 +414,15 @@ static void print_fields(const option *o, uint32_t fields, char *text)
 					 o->choice(i));
 }
 
-static void print_effects(const option *o, const gw_bake_options *bake, char *text)
+static void print_effects(const option *o, const settings *s, char text[OPTION_VALUE])
 {
+	const settings_effects *own = (const void *)((const char *)s + o->offset);
+	bool library = effects_offered(o) & OF_LIBRARY;
+	uint32_t all_forced = own->forced | (library ? s->bake.effects_forced : 0);
+	uint32_t all_forbidden = own->forbidden | (library ? s->bake.effects_forbidden : 0);
 	for (int i = 0; o->choice(i); i++) {
-		bool forced = bake->effects_forced & 1u << i, forbidden = bake->effects_forbidden & 1u << i;
+		uint32_t effect = effect_called(o, o->choice(i));
+		bool forced = all_forced & effect, forbidden = all_forbidden & effect;
 		if (forced || forbidden)
 			snprintf(text + strlen(text), OPTION_VALUE - strlen(text), "%s%c%s", *text ? "," : "",
 					 forced ? '+' : '-', o->choice(i));
@@ -425,7 +454,7 @@ bool option_print(const option *o, const settings *s, char text[OPTION_VALUE])
 	else if (o->type == OPTION_FIELDS)
 		print_fields(o, *(const uint32_t *)place, text);
 	else if (o->type == OPTION_EFFECTS)
-		print_effects(o, &s->bake, text);
+		print_effects(o, s, text);
 	else if (o->automatic && same)
 		snprintf(text, OPTION_VALUE, "%s", o->automatic);
 	else if (o->type == OPTION_REAL)

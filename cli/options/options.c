@@ -179,9 +179,9 @@ static const char *field_name(int i)
 	return name[i];
 }
 
-static const char *effect_name(int i)
+static const char *picture_effect_name(int i)
 {
-	return i < GW_EFFECT_KIND_COUNT ? gw_effect_name((gw_effect_kind)i) : NULL;
+	return i == 0 ? settings_effect_name(SETTINGS_EFFECT_GLOSS) : NULL;
 }
 
 static const char *format_name(int i)
@@ -344,6 +344,10 @@ const option options[] = {
 	  .group = "Light",
 	  .help = "how glossy points (column specular) of a lit cloud reflect what is around them: by "
 			  "rays; by one cone a pixel, free of noise but blurred and leaky; or not" },
+	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(RENDER), AT(render.effects),
+	  .choice = picture_effect_name, .group = "Picture",
+	  .help = "-gloss shows glossy points by the light that a bake gave them, as `--glossy off` "
+			  "does; +gloss shows their gloss although a scene file forbids it" },
 	{ "glossy-rays", 0, "N", OPTION_COUNT, FOR(RENDER), AT(render.glossy_rays), RANGE(1.0, 1024.0),
 	  .group = "Light",
 	  .help = "rays a pixel that shows a rough glossy point; a mirror takes one" },
@@ -450,15 +454,16 @@ const option options[] = {
 	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
 	  .scene = true, AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
-	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, .choice = effect_name,
-	  .group = "Light",
+	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, AT(effects),
+	  .choice = settings_effect_name, .group = "Light",
 	  .help =
 		  "which effects are computed, with commas between them: auto is those that the scene "
 		  "calls for, as `glowworm plan` tells; all is every one that leaves the light as it is; "
 		  "names alone are those and none else that is of light; +NAME forces one, -NAME "
 		  "forbids one. Of light are lamps, shadows, emitters, sky, portals, bounces, gaps, "
 		  "error and octree; of the surface transmission, normals (+ estimates all, - takes "
-		  "the given ones) and noise; columns are those of `--fields lights`" },
+		  "the given ones), noise and gloss (- takes glossy points for matt ones); columns are "
+		  "those of `--fields lights`; -motion leaves everything where it is without its path" },
 	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN), .scene = true, AT(bake.gaps),
 	  .choice = gaps_name, .group = "Light",
 	  .help = "what gathered light finds where no scanner looked, because something stood in front "

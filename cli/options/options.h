@@ -24,7 +24,7 @@ typedef enum option_type {
 	OPTION_GAIN,    /* NAME=FACTOR, added to the gains */
 	OPTION_GROUP,   /* the same for a group of lamps */
 	OPTION_FIELDS,  /* uint32_t, 1 << choice, a list with commas */
-	OPTION_EFFECTS, /* bake.effects_forced and effects_forbidden: auto, all, NAME, +NAME, -NAME */
+	OPTION_EFFECTS, /* a settings_effects, and those of bake: auto, all, NAME, +NAME, -NAME */
 } option_type;
 
 /* What an option has to do with what comes out. */

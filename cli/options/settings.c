@@ -5,6 +5,28 @@
 #include <math.h>
 #include <string.h>
 
+const char *settings_effect_name(int effect)
+{
+	if (effect < GW_EFFECT_KIND_COUNT)
+		return gw_effect_name((gw_effect_kind)effect);
+	return effect == SETTINGS_EFFECT_GLOSS    ? "gloss"
+		   : effect == SETTINGS_EFFECT_MOTION ? "motion"
+											  : NULL;
+}
+
+bool settings_bakes_gloss(const settings *s)
+{
+	return (s->effects.forbidden & 1u << SETTINGS_EFFECT_GLOSS) == 0;
+}
+
+bool settings_shows_gloss(const settings *s)
+{
+	const uint32_t gloss = 1u << SETTINGS_EFFECT_GLOSS;
+	bool own = (s->render.effects.forced | s->render.effects.forbidden) & gloss;
+	bool forbidden = (own ? s->render.effects.forbidden : s->effects.forbidden) & gloss;
+	return s->render.glossy != SETTINGS_GLOSSY_OFF && !forbidden;
+}
+
 settings settings_default(void)
 {
 	settings s = { .bake = gw_bake_options_default(),

@@ -113,6 +113,19 @@ typedef enum settings_field {
 /* Those for which light is told apart by its lamp. */
 #define SETTINGS_FIELDS_OF_LAMPS (1u << SETTINGS_FIELD_LIGHTS | 1u << SETTINGS_FIELD_GROUPS)
 
+/* Effects that the program knows of, after those of the library (gw_effect_kind). */
+typedef enum settings_effect {
+	SETTINGS_EFFECT_GLOSS = GW_EFFECT_KIND_COUNT, /* points reflect by their gloss, too */
+	SETTINGS_EFFECT_MOTION,                       /* inputs and lamps follow their paths */
+	SETTINGS_EFFECT_COUNT
+} settings_effect;
+
+/* 1 << settings_effect of those that are forced, or forbidden; those of the library are in
+ * gw_bake_options. */
+typedef struct settings_effects {
+	uint32_t forced, forbidden;
+} settings_effects;
+
 /* How much stronger one lamp shall be. */
 typedef struct settings_gain {
 	const char *name; /* of the lamp, or "rest"; or of a group */
@@ -172,6 +185,7 @@ typedef struct settings_render {
 	int glossy;         /* settings_glossy */
 	int radiance;       /* settings_radiance */
 	uint32_t glossy_rays;
+	settings_effects effects; /* of pictures: gloss */
 	bool false_color, cull, row;
 } settings_render;
 
@@ -207,6 +221,7 @@ typedef struct settings {
 	int up, colors, gamma, progress; /* values of enums and choices */
 	int strays;                      /* settings_strays */
 	uint32_t fields;                 /* 1 << settings_field */
+	settings_effects effects;        /* of bakes: gloss and motion */
 	float density;                   /* of meshes, points/m^2; 0: see settings.count */
 	uint32_t count;                  /* points for all meshes without a density together */
 	int capture;                     /* a settings_capture */
@@ -241,6 +256,13 @@ typedef struct settings {
  * "-y". */
 char settings_up_axis(int up);
 const char *settings_up_name(char axis);
+
+/* The name of an effect, of the library or a settings_effect; NULL beyond them. */
+const char *settings_effect_name(int effect);
+
+/* Whether glossy points are glossy in a bake; and in a picture, which may have its own say. */
+bool settings_bakes_gloss(const settings *settings);
+bool settings_shows_gloss(const settings *settings);
 
 settings settings_default(void);
 void settings_clear(settings *settings);

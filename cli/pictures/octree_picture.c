@@ -20,7 +20,7 @@ typedef struct asked {
 
 uint32_t octree_picture_channels(const settings *s)
 {
-	if (s->render.glossy == SETTINGS_GLOSSY_OFF)
+	if (!settings_shows_gloss(s))
 		return 0;
 	return 1u << RENDER_SPECULAR | 1u << RENDER_ROUGHNESS | 1u << RENDER_ALBEDO |
 		   1u << RENDER_EMISSION;
@@ -64,7 +64,7 @@ gw_status octree_picture_open(const settings *s, const render_scene *scene, octr
 						   .reflection = { .rays = s->render.glossy_rays,
 										   .cancelled = is_cancelled,
 										   .cone = s->render.glossy == SETTINGS_GLOSSY_CONES } };
-	p->glossy = s->render.glossy != SETTINGS_GLOSSY_OFF && is_glossy(scene);
+	p->glossy = settings_shows_gloss(s) && is_glossy(scene);
 	p->reflection.cone = p->reflection.cone && p->glossy;
 	if (!p->glossy && !p->voxels)
 		return GW_OK;

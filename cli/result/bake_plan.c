@@ -21,6 +21,20 @@ void bake_plan_apply_effects(settings *s)
 		s->fields |= 1u << SETTINGS_FIELD_LIGHTS;
 }
 
+gw_status bake_plan_apply_motion(settings *s, gw_error *error)
+{
+	const uint32_t motion = 1u << SETTINGS_EFFECT_MOTION;
+	if (s->effects.forced & motion && s->frame_count == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the effect 'motion' is forced, but there are no frames in which anything "
+					   "could move: a scene file says how many, \"frames\": N");
+	for (size_t i = 0; i < s->input_count && s->effects.forbidden & motion; i++)
+		s->input[i].motion = 0;
+	for (size_t i = 0; i < s->light_count && s->effects.forbidden & motion; i++)
+		s->light[i].motion = 0;
+	return GW_OK;
+}
+
 gw_bake_options bake_plan_options(const settings *s)
 {
 	gw_bake_options options = s->bake;
@@ -53,18 +67,44 @@ static size_t count_glossy(const loaded_scene *scene)
 	return glossy;
 }
 
+static size_t count_moving(const settings *s)
+{
+	size_t moving = 0;
+	for (size_t i = 0; i < s->input_count; i++)
+		moving += s->input[i].motion > 0;
+	for (size_t i = 0; i < s->light_count; i++)
+		moving += s->light[i].motion > 0;
+	return s->frame_count > 0 ? moving : 0;
+}
+
+/* One of the program's own effects; `wanted` by the scene. */
+static void decide(gw_report *r, const settings *s, settings_effect effect, bool wanted,
+				   const char *method, const char *reason)
+{
+	char text[sizeof r->effect->reason];
+	bool forced = s->effects.forced & 1u << effect;
+	if (s->effects.forbidden & 1u << effect) {
+		add(r, settings_effect_name(effect), NULL, "it is forbidden");
+		return;
+	}
+	snprintf(text, sizeof text, "%s%s", reason, forced && !wanted ? ", but it is forced" : "");
+	add(r, settings_effect_name(effect), wanted || forced ? method : NULL, text);
+}
+
 void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *scene)
 {
-	char reason[sizeof r->effect->reason];
-	size_t glossy = count_glossy(scene);
-	snprintf(reason, sizeof reason, "%zu points are glossy: light bounces on with all they reflect",
-			 glossy);
-	add(r, "gloss", glossy > 0 ? "as matt; `render` shows reflections" : NULL,
-		glossy > 0 ? reason : "no point is glossy");
-	snprintf(reason, sizeof reason, "%zu paths are followed in %u frames", s->path_count,
-			 s->frame_count);
-	add(r, "motion", s->frame_count > 0 ? "what stands still is kept between frames" : NULL,
-		s->frame_count > 0 ? reason : "nothing moves");
+	char reason[sizeof r->effect->reason] = "no point is glossy";
+	size_t glossy = count_glossy(scene), moving = count_moving(s);
+	if (glossy > 0)
+		snprintf(reason, sizeof reason,
+				 "%zu points are glossy: light bounces on with all they reflect", glossy);
+	decide(r, s, SETTINGS_EFFECT_GLOSS, glossy > 0, "as matt; `render` shows reflections", reason);
+	snprintf(reason, sizeof reason, "nothing moves");
+	if (moving > 0)
+		snprintf(reason, sizeof reason, "%zu paths are followed in %u frames", moving,
+				 s->frame_count);
+	decide(r, s, SETTINGS_EFFECT_MOTION, moving > 0, "what stands still is kept between frames",
+		   reason);
 }
 
 uint64_t bake_plan_peak(void)
@@ -145,7 +185,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
 	print_effects(&p->plan->report, out);
-	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan }, out);
+	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan, 0 }, out);
 	if (!(f->seconds > 0.0))
 		return;
 	print_figures("foretold", bake_plan_seconds(p), p->host_bytes, p->device_bytes, out);

@@ -11,6 +11,10 @@
 /* Asks for the columns of lamps where their effect is forced. */
 void bake_plan_apply_effects(settings *settings);
 
+/* Leaves all where it is without its path where motion is forbidden. GW_ERROR_USAGE where it is
+ * forced and there are no frames for it. */
+gw_status bake_plan_apply_motion(settings *settings, gw_error *error);
+
 /* The library's options for a bake by these settings: columns and grids call for some of them. */
 gw_bake_options bake_plan_options(const settings *settings);
 

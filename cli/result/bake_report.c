@@ -89,6 +89,15 @@ static void write_stages(json_writer *json, const bake_facts *f)
 		json_put_close(json, '}');
 	}
 	json_put_close(json, ']');
+	json_put_open(json, "pass_runs", '[');
+	for (uint32_t i = 0; i < r->pass_count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", r->pass[i].name);
+		json_put_count(json, "runs", r->pass[i].runs);
+		json_put_count(json, "compiled", r->pass[i].compiled);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
 	json_put_open_flat(json, "seconds", '{');
 	json_put_real(json, "read", f->read_seconds);
 	json_put_real(json, "bake", f->bake_seconds);
@@ -253,7 +262,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 	if (r->goal != GW_GOAL_NONE)
 		write_rounds(&json, r);
 	write_luminance(&json, f);
-	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result });
+	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result, 0 });
 	if (f->settings->vdb)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');

@@ -1,6 +1,7 @@
 #include "result/frame_bake.h"
 #include "scene/file_roles.h"
 #include "program/json_writer.h"
+#include "result/light_shares.h"
 #include "result/lit_scan.h"
 #include "files/number_text.h"
 #include "scene/octree_note.h"
@@ -350,7 +351,10 @@ typedef struct frame_facts {
 	char *file; /* owned, or NULL */
 	double bake_seconds, write_seconds;
 	double mean_luminance;
-	gw_report report; /* without its bounces */
+	gw_report report;      /* without its bounces */
+	gw_light_given *given; /* owned; given_count, or NULL */
+	size_t given_count;
+	double gathered_share;
 } frame_facts;
 
 /* A run over frames. */
@@ -477,6 +481,10 @@ static gw_status bake_frame(frame_run *r)
 	r->shared_seconds += shared;
 	f->report = result->report;
 	f->report.bounce = NULL;
+	f->given = result->given;
+	f->given_count = result->given_count;
+	f->gathered_share = result->gathered_share;
+	result->given = NULL;
 	f->mean_luminance = mean_luminance(result);
 	start = now();
 	if (s->output && !(f->file = name_frame(s->output, r->at)))
@@ -512,6 +520,10 @@ static void put_frame(json_writer *json, const frame_facts *f)
 	json_put_close(json, '}');
 	if (r->error.points)
 		json_put_real(json, "relative_rms", r->error.relative_rms);
+	json_put_open_flat(json, "light_shares", '[');
+	for (size_t i = 0; i < f->given_count; i++)
+		json_put_real(json, NULL, f->given[i].share);
+	json_put_close(json, ']');
 	json_put_close(json, '}');
 }
 
@@ -609,6 +621,30 @@ static void print_outcome(const frame_run *r)
 	bake_plan_print_outcome(&all, seconds, stderr);
 }
 
+/* What each lamp gives in the mean of all frames; one that gives nothing in any of them has what
+ * keeps it from it in the first. */
+static void print_shares(const frame_run *r)
+{
+	size_t count = r->done[0].given_count;
+	uint32_t frames = r->last - r->first + 1;
+	gw_bake_result mean = { .given = calloc(count + 1, sizeof *mean.given), .given_count = count };
+	mean.report.error = r->done[0].report.error;
+	if (!mean.given)
+		return;
+	for (size_t i = 0; i < count; i++)
+		mean.given[i].fate = r->done[0].given[i].fate;
+	for (uint32_t f = 0; f < frames; f++) {
+		mean.gathered_share += r->done[f].gathered_share / frames;
+		for (size_t i = 0; i < count && r->done[f].given; i++) {
+			mean.given[i].share += r->done[f].given[i].share / frames;
+			if (r->done[f].given[i].fate == GW_LIGHT_SHINES)
+				mean.given[i].fate = GW_LIGHT_SHINES;
+		}
+	}
+	light_shares_print(&(light_shares){ r->settings, r->scene, &mean, frames });
+	free(mean.given);
+}
+
 gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
 						 const frame_outputs *to, gw_error *error)
 {
@@ -627,11 +663,15 @@ gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
 		progress_clear(to->shown);
 		fprintf(stderr, "glowworm: note: %u frames\n", r.last - r.first + 1);
 	}
+	if (status == GW_OK && !s->quiet)
+		print_shares(&r);
 	if (status == GW_OK && facts->forecast.plan)
 		print_outcome(&r);
 	clear_movers(&r.movers);
-	for (uint32_t i = 0; r.done && i <= r.last - r.first; i++)
+	for (uint32_t i = 0; r.done && i <= r.last - r.first; i++) {
 		free(r.done[i].file);
+		free(r.done[i].given);
+	}
 	free(r.done);
 	free(r.lights);
 	return status;

@@ -224,6 +224,36 @@ static gw_status sum_up(const light_columns *light, const double *area, size_t c
 	return GW_OK;
 }
 
+static gw_status add_lamp(measure_lamp **list, size_t *count, const char *name, size_t length,
+						  gw_error *error)
+{
+	measure_lamp *grown = growing_table_room(*list, *count, sizeof *grown);
+	*list = grown ? grown : *list;
+	char *kept = grown ? strndup(name, length) : NULL;
+	if (!kept)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a list of lamps");
+	(*list)[(*count)++] = (measure_lamp){ kept, 0.0 };
+	return GW_OK;
+}
+
+/* What lamps called GROUP.NAME give together, group by group. */
+static gw_status sum_groups(light_measure *m, gw_error *error)
+{
+	for (size_t i = 0; i < m->lamp_count; i++) {
+		const char *name = m->lamp[i].name;
+		size_t length = strcspn(name, "."), g = 0;
+		if (!name[length])
+			continue;
+		while (g < m->group_count &&
+			   (strncmp(m->group[g].name, name, length) != 0 || m->group[g].name[length] != '\0'))
+			g++;
+		if (g == m->group_count)
+			GW_TRY(add_lamp(&m->group, &m->group_count, name, length, error));
+		m->group[g].share += m->lamp[i].share;
+	}
+	return GW_OK;
+}
+
 /* What each lamp gives of the radiance, where a bake wrote that (--fields lights). */
 static gw_status share_out(const scan *cloud, const double *area, light_measure *m, gw_error *error)
 {
@@ -240,19 +270,15 @@ static gw_status share_out(const scan *cloud, const double *area, light_measure 
 		snprintf(name, sizeof name, "light_%.*s", (int)(length - head - 2), own + head);
 		if (!find_three(cloud, name, &light))
 			continue;
-		measure_lamp *grown = growing_table_room(m->lamp, m->lamp_count, sizeof *grown);
-		m->lamp = grown ? grown : m->lamp;
-		char *kept = grown ? strndup(own + head, length - head - 2) : NULL;
-		if (!kept)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for a list of lamps");
-		m->lamp[m->lamp_count] = (measure_lamp){ kept, 0.0 };
+		GW_TRY(add_lamp(&m->lamp, &m->lamp_count, own + head, length - head - 2, error));
+		measure_lamp *shown = &m->lamp[m->lamp_count - 1];
 		for (size_t i = 0; i < cloud->count; i++)
-			m->lamp[m->lamp_count].share += area[i] * luminance_of(&light, i);
-		all += m->lamp[m->lamp_count++].share;
+			shown->share += area[i] * luminance_of(&light, i);
+		all += shown->share;
 	}
 	for (size_t i = 0; i < m->lamp_count && all > 0.0; i++)
 		m->lamp[i].share /= all;
-	return GW_OK;
+	return sum_groups(m, error);
 }
 
 gw_status light_measure_make(const settings *s, const loaded_scene *scene,
@@ -277,6 +303,9 @@ void light_measure_clear(light_measure *measure)
 {
 	for (size_t i = 0; i < measure->lamp_count; i++)
 		free(measure->lamp[i].name);
+	for (size_t i = 0; i < measure->group_count; i++)
+		free(measure->group[i].name);
 	free(measure->lamp);
+	free(measure->group);
 	*measure = (light_measure){ .points = 0 };
 }

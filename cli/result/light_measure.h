@@ -33,6 +33,8 @@ typedef struct light_measure {
 	double mean, least, most;
 	measure_lamp *lamp; /* owned; lamp_count; none without columns of lamps */
 	size_t lamp_count;
+	measure_lamp *group; /* owned; group_count: those of lamps of which the columns name a group */
+	size_t group_count;
 } light_measure;
 
 /*

@@ -1,7 +1,9 @@
 #include "result/light_shares.h"
 #include "program/text_quote.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,6 +167,8 @@ static void print_share(const light_shares *f, const extent *e, size_t i)
 	name_light(f, i, name);
 	text_message(stderr, "glowworm: %s: %s %% of the light before it is reflected", name,
 				 text_percent(f->result->given[i].share, percent));
+	if (f->frames > 0)
+		fprintf(stderr, ", in the mean of %" PRIu32 " frames", f->frames);
 	if (away > FAR_EXTENTS * e->diagonal)
 		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
 	else if (is_doubtful(f, i))

@@ -13,6 +13,7 @@ typedef struct light_shares {
 	const settings *settings;
 	const loaded_scene *scene;
 	const gw_bake_result *result; /* of a bake, or of a plan */
+	uint32_t frames;              /* over which shares are the mean; 0: it is a single bake */
 } light_shares;
 
 /* Prints the lines to standard error: of the strongest lamps, and of those that light nothing. */

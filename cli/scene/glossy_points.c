@@ -15,8 +15,12 @@ float glossy_points_albedo(float albedo, float specular)
 	return fminf(albedo + gloss * (1.0f - albedo), fmaxf(albedo, GW_ALBEDO_MAX));
 }
 
-void glossy_points_apply(loaded_scene *scene)
+void glossy_points_apply(const settings *s, loaded_scene *scene)
 {
+	if (!settings_bakes_gloss(s)) {
+		scan_remove_column(&scene->cloud, "specular");
+		scan_remove_column(&scene->cloud, "roughness");
+	}
 	const scan_column *specular = scan_find_scalar(&scene->cloud, "specular");
 	for (size_t i = 0; specular && i < scene->cloud.count; i++) {
 		float share = glossy_points_share(scan_value(specular, i), 0.0f);

@@ -15,7 +15,8 @@ float glossy_points_albedo(float albedo, float specular);
 /* A column's value as one from 0 to 1; what is no number counts as `otherwise`. */
 float glossy_points_share(double value, float otherwise);
 
-/* Gives each glossy point of a scene that albedo, so that light bounces on with all its energy. */
-void glossy_points_apply(loaded_scene *scene);
+/* Gives each glossy point of a scene that albedo, so that light bounces on with all its energy.
+ * Where gloss is forbidden, forgets it instead. */
+void glossy_points_apply(const settings *settings, loaded_scene *scene);
 
 #endif

@@ -5,6 +5,7 @@
 #include "files/growing_table.h"
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
+#include "points/scan_rows.h"
 #include "points/scan_intensity.h"
 #include "points/scan_join.h"
 #include "program/signals.h"
@@ -256,6 +257,7 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
+	GW_TRY(scan_find_rows(cloud, error));
 	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
 }
 
@@ -470,9 +472,9 @@ static gw_status notice_up(const settings *s, loaded_scene *scene, gw_error *err
 		scene->up = scan_up(&scene->cloud, scene->points.position, &doubtful);
 	if (doubtful)
 		return scan_add_comment(&scene->cloud,
-								SCAN_NOTE "nothing says which axis points up, and z is taken; a "
-										  "floor and a ceiling seem to lie across y: if y points "
-										  "up, say --up y",
+								SCAN_NOTE "nothing says which axis points up, and z is taken; the "
+										  "points lie as if it were y, with a floor and a ceiling "
+										  "across it or open below: if y points up, say --up y",
 								error);
 	return said || scene->up == scene->cloud.up
 			   ? GW_OK

@@ -206,7 +206,7 @@ static gw_status read_inputs(bake *b)
 	progress_show(&b->progress, "read", 0.0);
 	gw_status status = loaded_scene_read(b->settings, &b->scene, b->error);
 	if (status == GW_OK)
-		glossy_points_apply(&b->scene);
+		glossy_points_apply(b->settings, &b->scene);
 	progress_clear(&b->progress);
 	if (status == GW_OK && !b->settings->quiet)
 		note_inputs(b);
@@ -456,6 +456,7 @@ static gw_status run(bake *b)
 	GW_TRY(check(b));
 	if (b->settings->print_scene)
 		return print_scene(b);
+	GW_TRY(bake_plan_apply_motion(b->settings, b->error));
 	GW_TRY(open_outputs(b));
 	b->settings->bake.drivers = b->drivers = gw_drivers_load();
 	GW_TRY(read_inputs(b));
@@ -478,7 +479,7 @@ static gw_status say_results(const bake *b)
 	if (!s->quiet)
 		bake_report_notes(&b->facts);
 	if (!s->quiet)
-		light_shares_print(&(light_shares){ s, &b->scene, b->result });
+		light_shares_print(&(light_shares){ s, &b->scene, b->result, 0 });
 	if (s->verbose)
 		bake_report_summary(&b->facts);
 	if (!s->quiet && !b->result->report.missed)

@@ -1,6 +1,7 @@
 #include "verbs/verbs.h"
 #include "program/json_writer.h"
 #include "program/text_quote.h"
+#include "points/scan_rows.h"
 #include "scene/floor_places.h"
 #include "scene/loaded_scene.h"
 #include "table/format_table.h"
@@ -302,6 +303,8 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 	facts f = { .name = loaded_scene_input_name(path), .cloud = &cloud };
 	format_options options = { s->format, s->columns, s->bake.threads };
 	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
+	if (status == GW_OK)
+		status = scan_find_rows(&cloud, error);
 	coordinates place = coordinates_metres();
 	gw_error reason = { 0 };
 	f.place = &place;

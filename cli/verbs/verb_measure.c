@@ -17,6 +17,21 @@ static void print(const light_measure *m, FILE *out)
 			m->mean > 0.0 ? m->least / m->mean : 0.0, m->most > 0.0 ? m->least / m->most : 0.0);
 	for (size_t i = 0; i < m->lamp_count; i++)
 		fprintf(out, "%-12s %s %%\n", m->lamp[i].name, text_percent(m->lamp[i].share, percent));
+	for (size_t i = 0; i < m->group_count; i++)
+		fprintf(out, "%-12s %s %%, all of the group\n", m->group[i].name,
+				text_percent(m->group[i].share, percent));
+}
+
+static void write_lamps(json_writer *json, const char *name, const measure_lamp *list, size_t count)
+{
+	json_put_open(json, name, '[');
+	for (size_t i = 0; i < count; i++) {
+		json_put_open_flat(json, NULL, '{');
+		json_put_text(json, "name", list[i].name);
+		json_put_real(json, "share", list[i].share);
+		json_put_close(json, '}');
+	}
+	json_put_close(json, ']');
 }
 
 static void write_json(const light_measure *m, FILE *out)
@@ -32,14 +47,8 @@ static void write_json(const light_measure *m, FILE *out)
 	json_put_real(&json, "most", m->most);
 	json_put_real(&json, "least_over_mean", m->mean > 0.0 ? m->least / m->mean : 0.0);
 	json_put_real(&json, "least_over_most", m->most > 0.0 ? m->least / m->most : 0.0);
-	json_put_open(&json, "lamps", '[');
-	for (size_t i = 0; i < m->lamp_count; i++) {
-		json_put_open_flat(&json, NULL, '{');
-		json_put_text(&json, "name", m->lamp[i].name);
-		json_put_real(&json, "share", m->lamp[i].share);
-		json_put_close(&json, '}');
-	}
-	json_put_close(&json, ']');
+	write_lamps(&json, "lamps", m->lamp, m->lamp_count);
+	write_lamps(&json, "groups", m->group, m->group_count);
 	json_put_close(&json, '}');
 	fputc('\n', out);
 }

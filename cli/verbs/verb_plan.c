@@ -43,12 +43,13 @@ static gw_status read_scene(plan *p)
 	GW_TRY(scene_read_all(s, p->error));
 	quality_preset_apply(s);
 	bake_plan_apply_effects(s);
+	GW_TRY(bake_plan_apply_motion(s, p->error));
 	if (s->input_count == 0)
 		return gw_fail(p->error, GW_ERROR_USAGE,
 					   "what to plan for? Name an input, or - for standard input");
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
-	glossy_points_apply(&p->scene);
+	glossy_points_apply(s, &p->scene);
 	GW_TRY(loaded_scene_lights(&p->scene, s, &p->light, p->error));
 	p->read_seconds = gw_seconds() - start;
 	return GW_OK;
@@ -81,7 +82,7 @@ static void print(plan *p)
 	json_writer json = { .out = stdout, .lines = true };
 	json_put_open(&json, NULL, '{');
 	bake_plan_write_effects(&json, &p->result->report);
-	light_shares_write(&json, &(light_shares){ s, &p->scene, p->result });
+	light_shares_write(&json, &(light_shares){ s, &p->scene, p->result, 0 });
 	bake_plan_write_forecast(&json, &forecast);
 	json_put_close(&json, '}');
 	putchar('\n');

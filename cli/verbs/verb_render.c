@@ -215,8 +215,18 @@ static gw_status check_numbers(render *r)
 	return s->isolux ? isolux_read(s->isolux, &r->look.lines, r->error) : GW_OK;
 }
 
+static gw_status check_gloss(const render *r)
+{
+	bool forced = r->settings->render.effects.forced & 1u << SETTINGS_EFFECT_GLOSS;
+	if (forced && r->settings->render.glossy == SETTINGS_GLOSSY_OFF)
+		return gw_fail(r->error, GW_ERROR_USAGE,
+					   "the effect 'gloss' is forced, but --glossy off forbids it");
+	return GW_OK;
+}
+
 static gw_status check(render *r)
 {
+	GW_TRY(check_gloss(r));
 	GW_TRY(check_inputs(r));
 	GW_TRY(check_size(r));
 	GW_TRY(check_background(r));

@@ -172,7 +172,7 @@ static gw_status run(sweep *w)
 	GW_TRY(scene_read_all(s, w->error));
 	GW_TRY(check(w));
 	GW_TRY(loaded_scene_read(s, &w->scene, w->error));
-	glossy_points_apply(&w->scene);
+	glossy_points_apply(s, &w->scene);
 	GW_TRY(loaded_scene_lights(&w->scene, s, &w->light, w->error));
 	/* Each run has its settings from the start, and says how wrong it is. */
 	gw_bake_options base = s->bake;

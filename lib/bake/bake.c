@@ -592,8 +592,7 @@ static gw_status run(bake *b, gw_error *error)
 		const gw_stage_seconds spent = gw_stage_seconds_of(b->report, &b->scene.passes);
 		gw_effect_seconds_set(&b->light.plan, &spent, b->report);
 	}
-	if (b->scene.gpu)
-		b->report->peak_bytes = gw_gpu_read_account(b->scene.gpu).peak_bytes;
+	gw_report_device(b->report, b->scene.gpu);
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 

@@ -261,8 +261,7 @@ static gw_status bake_in_units(gw_frames *f, size_t frame, gw_bake_result *resul
 	f->scene.report = &result->report;
 	gw_status status = gw_frames_solve(f, frame, result, error);
 	gw_report_stage(&result->report, f->scene.gpu, NULL);
-	if (f->scene.gpu)
-		result->report.peak_bytes = gw_gpu_read_account(f->scene.gpu).peak_bytes;
+	gw_report_device(&result->report, f->scene.gpu);
 	if (status == GW_OK)
 		status = gw_scene_check_validation(&f->scene, error);
 	f->scene.report = NULL;

@@ -36,15 +36,21 @@ static gw_status end(gw_scene *scene, gw_status status, gw_error *error)
 
 /* -------------------------------------------------------------------------------------- scenes */
 
+/* All that any light may call for, as far as the options let it. */
 static gw_status prepare(gw_scene *scene, const gw_scene_description *from, gw_error *error)
 {
+	const gw_bake_options *o = &scene->options;
+	bool gathers = gw_plan_may_gather(o), traces = gw_plan_may_trace(o);
 	GW_TRY(begin(scene, "device", 0.0, 0.01, error));
 	GW_TRY(gw_scene_open_device(scene, error));
 	GW_TRY(begin(scene, "surfels", 0.01, 0.45, error));
 	GW_TRY(gw_scene_make_surfels(scene, from, error));
-	GW_TRY(gw_scene_find_space(scene, from->points, error));
+	if (traces || o->unknown || gw_effect_forced(o, GW_EFFECT_GAPS))
+		GW_TRY(gw_scene_find_space(scene, from->points, error));
 	GW_TRY(begin(scene, "octree", 0.46, 0.3, error));
-	GW_TRY(gw_scene_build_octree(scene, error));
+	GW_TRY(traces ? gw_scene_build_octree(scene, error) : gw_scene_do_without_octree(scene, error));
+	if (!gathers)
+		return GW_OK;
 	GW_TRY(begin(scene, "records", 0.76, 0.24, error));
 	return gw_scene_place_records(scene, error);
 }
@@ -291,7 +297,7 @@ static gw_status collect(gw_lighting *lighting, gw_bake_result *result, gw_error
 	GW_TRY(gw_result_collect(lighting, result, error));
 	if (o->lamps)
 		GW_TRY(gw_result_collect_lamps(lighting, result, error));
-	scene->report->peak_bytes = gw_gpu_read_account(scene->gpu).peak_bytes;
+	gw_report_device(scene->report, scene->gpu);
 	GW_TRY(copy_report(scene->report, &result->report, error));
 	return gw_scaled_scene_undo(&scene->units, result, error);
 }

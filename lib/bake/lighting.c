@@ -5,14 +5,13 @@
 #include "bake/report.h"
 
 #include "light/bounces.h"
+#include "light/cones_apart.h"
 #include "light/direct_light.h"
 #include "estimate/error_estimate.h"
 #include "estimate/gap_error.h"
 #include "light/gap_light.h"
 #include "light/lamp_reach.h"
 #include "base/luminance.h"
-#include "light/shut_out.h"
-#include "octree/compartments.h"
 #include "base/memory.h"
 #include "surfels/surfel_backs.h"
 
@@ -201,41 +200,6 @@ static gw_status add_gathered(gw_scene *s, gw_error *error)
 						error);
 }
 
-/* What emitters in voxels bring to the records where the sky is shut out. */
-static gw_status gather_unlit(gw_lighting *lighting, gw_facet_radiance radiance, float **unlit,
-							  gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	const float black[3] = { 0 };
-	uint64_t count = s->records.count;
-	GW_TRY(gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error));
-	*unlit = gw_allocate_array(count, 4 * sizeof **unlit);
-	if (*unlit == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records",
-					   s->records.count);
-	return gw_buffer_download(s->gpu, &s->records.gathered, 0, *unlit, 16 * count, error);
-}
-
-/* Cones find ways through rock as rays do, and through what is coarse. */
-static gw_status gather_with_sky(gw_lighting *lighting, gw_facet_radiance radiance, bool emitters,
-								 gw_error *error)
-{
-	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	float *unlit = NULL;
-	gw_status status = GW_OK;
-	if (emitters && gw_compartments_several(&s->octree))
-		status = gather_unlit(lighting, radiance, &unlit, error);
-	if (status == GW_OK)
-		status = gw_cone_gather_bounce(&on, &s->cones, radiance, lighting->plan.sky_radiance,
-									   &s->records.gathered, error);
-	if (status == GW_OK)
-		status = gw_shut_out_gathered(&on, unlit, &s->records.gathered, error);
-	free(unlit);
-	return status;
-}
-
 /* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
 static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 {
@@ -259,9 +223,8 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 	const gw_facet_radiance radiance = { in_voxels ? &s->octree.facet_emission
 												   : &lighting->facet_radiance,
 										 in_voxels ? largest_emission(&s->surfels) : 1.0f };
-	GW_TRY(
-		seen ? gather_with_sky(lighting, radiance, in_voxels, error)
-			 : gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error));
+	GW_TRY(gw_cones_apart_bounce(&on, &s->cones, radiance, seen ? sky : black, &s->records.gathered,
+								 error));
 	return add_gathered(s, error);
 }
 
@@ -323,13 +286,13 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	uint64_t slots = 2 * (uint64_t)s->octree.leaf_count;
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance", &lighting->facet_radiance,
 				  error));
+	GW_TRY(gw_scene_find_compartments(s, error));
 	gw_emitters_destroy(s->gpu, &lighting->emitters);
 	lighting->emitters.radiance = &s->octree.facet_emission;
 	if (lighting->plan.emitters)
 		GW_TRY(gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
 								&lighting->emitters, error));
 	GW_TRY(make_map(lighting, error));
-	GW_TRY(gw_scene_find_compartments(s, error));
 	GW_TRY(s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
 											   : first_by_cones(lighting, error));
 	return see_gaps(lighting, error);
@@ -417,7 +380,7 @@ static gw_status gather_by_cones(void *self, const gw_buffer *facet_radiance, fl
 	const float black[3] = { 0 };
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_facet_radiance radiance = { facet_radiance, largest };
-	return gw_cone_gather_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error);
+	return gw_cones_apart_bounce(&on, &s->cones, radiance, black, &s->records.gathered, error);
 }
 
 /* The guess at the surfels' light, as the mean over each facet. */

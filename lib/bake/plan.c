@@ -3,6 +3,7 @@
  */
 #include "bake/plan.h"
 
+#include "cloud/frame.h"
 #include "light/direct_light.h"
 #include "light/lamp_reach.h"
 #include "bake/report.h"
@@ -73,15 +74,8 @@ static void name_left_out(const gw_plan_task *task, size_t first, size_t count, 
 static gw_shadows shadows_made(const gw_plan_task *task)
 {
 	gw_shadows asked = task->options->shadows;
-	return asked == GW_SHADOWS_MAPS && task->surfels->transparency ? GW_SHADOWS_TRACED : asked;
-}
-
-static uint64_t count_clear(const gw_surfels *s)
-{
-	uint64_t count = 0;
-	for (size_t i = 0; s->transparency && i < s->count; i++)
-		count += s->transparency[i] > 0.0f;
-	return count;
+	return asked == GW_SHADOWS_MAPS && gw_surfels_count_clear(task->surfels) > 0 ? GW_SHADOWS_TRACED
+																				 : asked;
 }
 
 static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *report)
@@ -115,7 +109,7 @@ static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *repor
 						  gw_shadows_name(shadows_made(task)) };
 	plan->shadows = decide(task, shadow, report);
 	if (plan->shadows && shadows_made(task) != task->options->shadows)
-		gw_report_count(report, "shadows_traced", count_clear(task->surfels),
+		gw_report_count(report, "shadows_traced", gw_surfels_count_clear(task->surfels),
 						"points let light through, which maps cannot show: shadows are traced");
 }
 
@@ -253,7 +247,7 @@ static void plan_surface(const gw_plan_task *task, gw_report *report)
 	char through[sizeof report->effect->reason];
 	snprintf(through, sizeof through,
 			 "%.3g %% of the points are less than opaque, or fill space as leaves do",
-			 100.0 * (double)count_clear(s) / fmax((double)s->count, 1.0));
+			 100.0 * (double)gw_surfels_count_clear(s) / fmax((double)s->count, 1.0));
 	const call transmission = { GW_EFFECT_TRANSMISSION, s->transparency != NULL, through,
 								"attenuated once a surface" };
 	const call noise = { GW_EFFECT_NOISE, s->shading_normal != NULL,
@@ -277,6 +271,27 @@ static void plan_columns(const gw_plan_task *task, gw_report *report)
 						   task->options->lamps ? reason : "no light is asked for by itself",
 						   "solved again for each light" };
 	decide(task, columns, report);
+}
+
+bool gw_plan_may_gather(const gw_bake_options *o)
+{
+	const gw_effect_kind gathered[] = { GW_EFFECT_EMITTERS, GW_EFFECT_SKY, GW_EFFECT_PORTALS,
+										GW_EFFECT_BOUNCES };
+	bool may = false;
+	for (size_t i = 0; i < sizeof gathered / sizeof *gathered; i++)
+		may |= gw_effect_forced(o, gathered[i]);
+	bool first =
+		!gw_effect_forbidden(o, GW_EFFECT_EMITTERS) || !gw_effect_forbidden(o, GW_EFFECT_SKY);
+	return may || (o->bounces > 0 && first) || o->bounces > 1 || o->ambient_occlusion ||
+		   o->bent_normals;
+}
+
+bool gw_plan_may_trace(const gw_bake_options *o)
+{
+	bool lamps = gw_effect_forced(o, GW_EFFECT_LAMPS) ||
+				 (o->bounces > 0 && !gw_effect_forbidden(o, GW_EFFECT_LAMPS));
+	return gw_plan_may_gather(o) || (lamps && o->shadows != GW_SHADOWS_NONE) || o->voxels ||
+		   gw_effect_forced(o, GW_EFFECT_SHADOWS) || gw_effect_forced(o, GW_EFFECT_OCTREE);
 }
 
 void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report)

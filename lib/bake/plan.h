@@ -38,6 +38,11 @@ typedef struct gw_plan_task {
 /* Decides, and writes the decisions and their reasons into the report. */
 void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report);
 
+/* Whether any light could call for something that is gathered, and for an octree, by what the
+ * options forbid: for scenes whose lights are not known yet. Options as of gw_options_effective. */
+bool gw_plan_may_gather(const gw_bake_options *options);
+bool gw_plan_may_trace(const gw_bake_options *options);
+
 /* Whether an effect is forced, or forbidden. */
 bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect);
 bool gw_effect_forbidden(const gw_bake_options *options, gw_effect_kind effect);

@@ -4,6 +4,7 @@
  */
 #include "bake/report.h"
 
+#include "device/passes.h"
 #include "glowworm_host.h"
 
 #include <assert.h>
@@ -48,6 +49,22 @@ void gw_report_add_stage(gw_report *report, const char *name, double seconds)
 	gw_stage *stage = &report->stage[report->stage_count++];
 	*stage = (gw_stage){ .seconds = seconds };
 	snprintf(stage->name, sizeof stage->name, "%s", name);
+}
+
+static_assert(GW_PASS_COUNT <= GW_REPORT_PASSES, "every pass has room in the report");
+
+void gw_report_device(gw_report *report, const gw_gpu *gpu)
+{
+	report->peak_bytes = account_of(gpu).peak_bytes;
+	report->pass_count = 0;
+	for (int id = 0; gpu && id < GW_PASS_COUNT; id++) {
+		gw_pass_count *pass = &report->pass[report->pass_count];
+		pass->runs = gw_passes_runs(gpu, (gw_pass_id)id, &pass->compiled);
+		if (pass->runs == 0)
+			continue;
+		snprintf(pass->name, sizeof pass->name, "%s", gw_pass_row_of((gw_pass_id)id)->shader);
+		report->pass_count++;
+	}
 }
 
 double gw_report_seconds(const gw_report *report, const char *stage)

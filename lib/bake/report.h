@@ -13,6 +13,10 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name);
 /* Adds a stage that is over, after gw_report_stage has ended the last one. */
 void gw_report_add_stage(gw_report *report, const char *name, double seconds);
 
+/* Writes what the device has done until now: which passes ran, and its memory at its highest. gpu
+ * may be NULL. */
+void gw_report_device(gw_report *report, const gw_gpu *gpu);
+
 /* Adds an effect; method NULL: not called for. reason is a printf format. */
 void gw_report_effect(gw_report *report, const char *name, const char *method, const char *reason,
 					  ...) __attribute__((format(printf, 4, 5)));

@@ -305,7 +305,7 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points with a coordinate beyond 1e12 m: left out, written as dark");
 	report_strays(r, s, points);
 	gw_report_count(r, "duplicates_merged", s->duplicates,
-					"points at the place of another: they share its light");
+					"points at the place of another, or hardly off it: they share its light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
 					"points whose albedo was outside 0 to 0.99");
 	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,

@@ -452,3 +452,11 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	free(f.order);
 	return status;
 }
+
+size_t gw_surfels_count_clear(const gw_surfels *s)
+{
+	size_t count = 0;
+	for (size_t i = 0; s->transparency && i < s->count; i++)
+		count += s->transparency[i] > 0.0f;
+	return count;
+}

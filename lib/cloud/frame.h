@@ -26,4 +26,7 @@ double gw_normal_length(const float normal[3]);
 gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
 						gw_surfels *surfels, gw_error *error);
 
+/* How many surfels let light through. */
+size_t gw_surfels_count_clear(const gw_surfels *surfels);
+
 #endif

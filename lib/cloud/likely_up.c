@@ -3,7 +3,8 @@
  *
  * Levels show as slabs that hold many of the points: thin ones where a thing's base ends, wide ones
  * where a floor or a ceiling is not quite level. One wall says nothing: seen from the side it is
- * what ground is from above.
+ * what ground is from above. Of a thing whose base was not scanned most lines along the axis that
+ * it stood on meet one sheet, and along the others two.
  */
 #include "glowworm_picture.h"
 
@@ -36,6 +37,18 @@
 #define LEVEL_LEAST 0.1
 #define LEVEL_TIMES 2.0
 #define LEVEL_APART 0.1 /* of the longest extent: between the two, at least */
+
+/* A thing that is open below: at least so many of the columns along y hold one sheet, and at most
+ * this share of that along the others. */
+#define OPEN_LEAST 0.35
+#define OPEN_OTHERS 0.5
+
+/* Points that are looked at in columns, at most; how many are in one, and what counts at least;
+ * sheets are so many widths of a column apart. */
+#define COLUMN_MOST 60000u
+#define COLUMN_POINTS 20.0
+#define COLUMN_LEAST 4
+#define SHEETS_APART 3.0
 
 /* One axis: its points in order, and between which of them lies all but strays. */
 typedef struct axis_points {
@@ -111,6 +124,78 @@ static bool has_levels(const axis_points a[3], double longest)
 		   height < a[0].high - a[0].low && height < a[2].high - a[2].low;
 }
 
+/* -------------------------------------------------------------------------------------- columns */
+
+typedef struct column_point {
+	uint64_t column;
+	double height;
+} column_point;
+
+static int by_column(const void *left, const void *right)
+{
+	const column_point *a = left, *b = right;
+	return a->column != b->column ? (a->column > b->column) - (a->column < b->column)
+								  : (a->height > b->height) - (a->height < b->height);
+}
+
+/* The points within what has no strays, by the columns along an axis that they lie in. Returns how
+ * many; *width receives a column's. */
+static size_t list_columns(const double *position, size_t count, const axis_points a[3], int axis,
+						   column_point *point, double *width)
+{
+	int u = (axis + 1) % 3, v = (axis + 2) % 3;
+	size_t step = count / COLUMN_MOST + 1, kept = 0;
+	double across = (a[u].high - a[u].low) * (a[v].high - a[v].low);
+	*width = sqrt(across * COLUMN_POINTS * (double)step / (double)count);
+	for (size_t i = 0; *width > 0.0 && i < count; i += step) {
+		const double *p = position + 3 * i;
+		bool within = true;
+		for (int k = 0; k < 3; k++)
+			within = within && p[k] >= a[k].low && p[k] <= a[k].high;
+		if (within)
+			point[kept++] = (column_point){
+				(uint64_t)((p[u] - a[u].low) / *width) << 32 |
+					(uint64_t)((p[v] - a[v].low) / *width),
+				p[axis],
+			};
+	}
+	qsort(point, kept, sizeof *point, by_column);
+	return kept;
+}
+
+/* The share of the columns along an axis that hold a single sheet. */
+static double single_share(const double *position, size_t count, const axis_points a[3], int axis,
+						   column_point *point)
+{
+	double width;
+	size_t kept = list_columns(position, count, a, axis, point, &width);
+	size_t columns = 0, single = 0;
+	for (size_t first = 0, last = 0; first < kept; first = last) {
+		bool apart = false;
+		for (last = first + 1; last < kept && point[last].column == point[first].column; last++)
+			apart |= point[last].height - point[last - 1].height > SHEETS_APART * width;
+		columns += last - first >= COLUMN_LEAST;
+		single += last - first >= COLUMN_LEAST && !apart;
+	}
+	return columns > 0 ? (double)single / (double)columns : 0.0;
+}
+
+/* Is it open below along y alone, and nothing stands on an end of z? */
+static bool has_open_base(const double *position, size_t count, const axis_points a[3],
+						  double longest)
+{
+	for (int high = 0; high < 2; high++)
+		if (share_at_end(&a[2], BASE_WIDTH * longest, BASE_END, high != 0) >= BASE_LEAST)
+			return false;
+	column_point *point = gw_allocate_array(count / (count / COLUMN_MOST + 1) + 1, sizeof *point);
+	double single = point ? single_share(position, count, a, 1, point) : 0.0;
+	bool open = single >= OPEN_LEAST && a[1].high - a[1].low >= BASE_EXTENT * longest;
+	for (int k = 0; open && k < 3; k += 2)
+		open = single_share(position, count, a, k, point) <= OPEN_OTHERS * single;
+	free(point);
+	return open;
+}
+
 char gw_likely_up(const double *position, size_t count, bool *sure)
 {
 	axis_points a[3] = { { .at = NULL } };
@@ -123,7 +208,7 @@ char gw_likely_up(const double *position, size_t count, bool *sure)
 	}
 	if (listed && longest > 0.0) {
 		*sure = has_base(a, longest);
-		found = *sure || has_levels(a, longest);
+		found = *sure || has_levels(a, longest) || has_open_base(position, count, a, longest);
 	}
 	for (int k = 0; k < 3; k++)
 		free(a[k].at);

@@ -52,6 +52,9 @@ typedef struct gw_staging {
 	uint64_t allocated;
 } gw_staging;
 
+/* Room for the passes of pass_table.h, which this does not know. */
+#define GW_GPU_PASSES 48
+
 struct gw_gpu {
 	gw_instance instance;
 	gw_messages messages;
@@ -80,6 +83,8 @@ struct gw_gpu {
 	void *user;
 	bool stopped; /* it said so once */
 	gw_gpu_account account;
+	uint64_t pass_runs[GW_GPU_PASSES]; /* of pass_table.h, by shader or by kernel */
+	uint32_t pass_compiled[GW_GPU_PASSES];
 	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
 	bool lost;
 	char lost_text[GW_ERROR_TEXT];

@@ -33,6 +33,8 @@ static gw_binding_kind binding_kind(char letter)
 	}
 }
 
+static_assert(GW_PASS_COUNT <= GW_GPU_PASSES, "devices count the runs of every pass");
+
 static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 {
 	const gw_pass_row *row = gw_pass_row_of(id);
@@ -40,6 +42,7 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 	gw_binding_kind kinds[BINDINGS];
 	uint32_t count = (uint32_t)strlen(row->bindings);
 	assert(count <= BINDINGS);
+	passes->gpu->pass_compiled[id]++;
 	for (uint32_t i = 0; i < count; i++)
 		kinds[i] = binding_kind(row->bindings[i]);
 	return gw_pass_create(passes->gpu,
@@ -88,6 +91,7 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 {
 	if (passes->pass[id] == NULL)
 		GW_TRY(create(passes, id, error));
+	passes->gpu->pass_runs[id]++;
 	double before = passes->gpu->account.device_seconds;
 	GW_TRY(gw_pass_row_of(id)->batch > 0
 			   ? run_batches(passes, id, bindings, push, count, error)
@@ -99,7 +103,14 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						  const void *push, uint64_t count)
 {
+	passes->gpu->pass_runs[id]++;
 	gw_pass_row_of(id)->cpu(passes, bindings, push, count);
+}
+
+uint64_t gw_passes_runs(const gw_gpu *gpu, gw_pass_id id, uint32_t *compiled)
+{
+	*compiled = gpu->pass_compiled[id];
+	return gpu->pass_runs[id];
 }
 
 gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,

@@ -48,6 +48,9 @@ gw_status gw_passes_run_shader(gw_passes *passes, gw_pass_id id, const gw_bindin
 void gw_passes_run_kernel(gw_passes *passes, gw_pass_id id, const gw_binding *bindings,
 						  const void *push, uint64_t count);
 
+/* How often a pass has run on a device, either way, and how often its shader was made ready. */
+uint64_t gw_passes_runs(const gw_gpu *gpu, gw_pass_id id, uint32_t *compiled);
+
 /* Bindings of whole buffers and of windows with `bytes` an element. */
 static inline gw_binding gw_whole(const gw_buffer *buffer)
 {

@@ -7,6 +7,7 @@
 #include "base/distribution.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "cloud/frame.h"
 #include "normals/normal_error.h"
 #include "light/lamp_reach.h"
 #include "light/light_given.h"
@@ -308,7 +309,7 @@ static gw_status find_visibility(const gw_lit_cloud *cloud, const light_on_devic
 {
 	/* Maps show planes in cells, and of large discs no more than that. */
 	bool maps = cloud->options->shadows == GW_SHADOWS_MAPS && cloud->octree->tree_discs == 0 &&
-				cloud->octree->dark_slot == 0;
+				gw_surfels_count_clear(cloud->surfels) == 0;
 	if (maps)
 		return gw_shadow_map_visibility(cloud, &lamp->push, visibility, error);
 	if (cloud->options->shadows != GW_SHADOWS_NONE)

@@ -6,6 +6,7 @@
 #include "base/alias_table.h"
 #include "base/luminance.h"
 #include "base/memory.h"
+#include "octree/compartments.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,7 @@ typedef struct emitter_row {
 	uint32_t facet;
 	uint32_t alias;
 	float probability;
-	uint32_t zero;
+	uint32_t mark;
 } emitter_row;
 
 /* What a table of emitters is made from, emitters->count each. */
@@ -41,6 +42,23 @@ static uint32_t list_emitters(const float *radiance, const float *centre, size_t
 	return n;
 }
 
+/* Marks those that rock may keep apart from records. */
+static gw_status mark_rows(gw_gpu *gpu, const gw_octree *octree, uint32_t n, emitter_row *rows,
+						   gw_error *error)
+{
+	if (!gw_compartments_several(octree))
+		return GW_OK;
+	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
+	if (label == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the compartments of %u leaves",
+					   octree->leaf_count);
+	gw_status status = gw_compartments_of_facets(gpu, octree, label, error);
+	for (uint32_t i = 0; i < n && status == GW_OK; i++)
+		rows[i].mark = gw_compartment_mark(label[rows[i].facet]);
+	free(label);
+	return status;
+}
+
 static gw_status make_table(gw_gpu *gpu, const table_room *room, uint32_t n, gw_emitters *emitters,
 							gw_error *error)
 {
@@ -57,8 +75,8 @@ static gw_status make_table(gw_gpu *gpu, const table_room *room, uint32_t n, gw_
 	return gw_buffer_upload(gpu, &emitters->table, 0, room->rows, bytes, error);
 }
 
-static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *centre, size_t slots,
-							  gw_emitters *emitters, gw_error *error)
+static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float *radiance,
+							  const float *centre, gw_emitters *emitters, gw_error *error)
 {
 	const table_room room = { gw_allocate_zeros(emitters->count, sizeof *room.rows),
 							  gw_allocate_array(emitters->count, sizeof *room.share),
@@ -68,9 +86,11 @@ static gw_status upload_table(gw_gpu *gpu, const float *radiance, const float *c
 		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u emitters", emitters->count);
 	} else {
 		double total;
-		uint32_t n = list_emitters(radiance, centre, slots, &room, &total);
+		uint32_t n = list_emitters(radiance, centre, 2 * (size_t)octree->leaf_count, &room, &total);
 		emitters->power = (float)total;
-		status = make_table(gpu, &room, n, emitters, error);
+		status = mark_rows(gpu, octree, n, room.rows, error);
+		if (status == GW_OK)
+			status = make_table(gpu, &room, n, emitters, error);
 	}
 	free(room.rows);
 	free(room.share);
@@ -110,7 +130,7 @@ gw_status gw_emitters_make(gw_gpu *gpu, const gw_octree *octree, const gw_buffer
 	if (status == GW_OK)
 		count_emitters(values.bytes, centre.bytes, slots, emitters);
 	if (status == GW_OK && emitters->count > 0 && (always || gw_emitters_are_small(emitters)))
-		status = upload_table(gpu, values.bytes, centre.bytes, slots, emitters, error);
+		status = upload_table(gpu, octree, values.bytes, centre.bytes, emitters, error);
 	gw_view_close(&values);
 	gw_view_close(&centre);
 	return status;

@@ -14,8 +14,8 @@ typedef struct gw_emitters {
 	double area_share;         /* of the whole surface, 0..1 */
 	double evenness; /* share of the whole surface that, glowing evenly, would be as easily
 						missed by rays: (sum L a)^2 / (sum L^2 a sum a), 0..1 */
-	gw_buffer table; /* R32G32B32A32_UINT, count rows: facet, alias row, probability (float bits), 0
-						(alias method, Walker 1977, Vose 1991) */
+	gw_buffer table; /* R32G32B32A32_UINT, count rows: facet, alias row, probability (float bits),
+						mark of its compartment (alias method, Walker 1977, Vose 1991) */
 } gw_emitters;
 
 /* Lists the facets of an octree that send out light; count is 0 and the table empty when none does.

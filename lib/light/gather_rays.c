@@ -155,7 +155,7 @@ typedef struct gathering {
 	const gw_record_context *on;
 	const gw_ray_gather *gather;
 	const gw_sampled_sources *sources;
-	gw_buffer sampled; /* what samples bring, vec4 a record; w: 1 where the sky is shut out */
+	gw_buffer sampled; /* what samples bring, vec4 a record; w: mark of its compartment */
 } gathering;
 
 /* Adds samples of the emitters to what is sampled. */
@@ -312,8 +312,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
 								  16 * (uint64_t)on->records->count, "sampled irradiance" },
 		&g.sampled, error);
-	if (status == GW_OK && shines)
-		status = gw_shut_out_sky(on, &g.sampled, error);
+	if (status == GW_OK && (shines || push.light_samples > 0))
+		status = gw_shut_out_mark(on, &g.sampled, error);
 	if (status == GW_OK)
 		status = gather_all(&g, push, irradiance, error);
 	gw_buffer_destroy(on->passes->gpu, &g.sampled);

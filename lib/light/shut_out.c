@@ -84,8 +84,7 @@ gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *ligh
 	return status;
 }
 
-/* The compartments that records look into. */
-static gw_status label_records(const gw_record_context *on, uint32_t **label, gw_error *error)
+gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	uint64_t bytes = 16 * (uint64_t)on->records->count;
@@ -108,57 +107,21 @@ static gw_status label_records(const gw_record_context *on, uint32_t **label, gw
 	return status;
 }
 
-static bool apart(uint32_t label, uint32_t other)
-{
-	return label != other && label != GW_COMPARTMENT_UNKNOWN && other != GW_COMPARTMENT_UNKNOWN;
-}
-
-gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error)
+gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_error *error)
 {
 	uint32_t count = on->records->count, *label = NULL;
 	if (!gw_compartments_several(on->octree))
 		return GW_OK;
-	GW_TRY(label_records(on, &label, error));
+	GW_TRY(gw_shut_out_label(on, &label, error));
 	float *mark = gw_allocate_zeros(count, 4 * sizeof *mark);
 	gw_status status =
 		mark ? GW_OK
 			 : gw_fail(error, GW_ERROR_MEMORY, "no host memory for marks of %u records", count);
 	for (size_t i = 0; i < count && mark; i++)
-		mark[4 * i + 3] = apart(label[i], gw_compartment_outside(on->octree)) ? 1.0f : 0.0f;
+		mark[4 * i + 3] = (float)gw_compartment_mark(label[i]);
 	if (status == GW_OK)
 		status = gw_buffer_upload(on->passes->gpu, marks, 0, mark, 16 * (uint64_t)count, error);
 	free(mark);
-	free(label);
-	return status;
-}
-
-/* label: of the records. */
-static gw_status take_sky_off(const gw_record_context *on, const uint32_t *label,
-							  const float *unlit, gw_buffer *gathered, gw_error *error)
-{
-	uint32_t count = on->records->count, outside = gw_compartment_outside(on->octree);
-	uint64_t bytes = 16 * (uint64_t)count;
-	float *light = gw_allocate_array(count, 4 * sizeof *light);
-	if (light == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records", count);
-	gw_status status = gw_buffer_download(on->passes->gpu, gathered, 0, light, bytes, error);
-	for (size_t i = 0; i < 4 * (size_t)count && status == GW_OK; i++)
-		if (apart(label[i / 4], outside))
-			light[i] = unlit ? unlit[i] : 0.0f;
-	if (status == GW_OK)
-		status = gw_buffer_upload(on->passes->gpu, gathered, 0, light, bytes, error);
-	free(light);
-	return status;
-}
-
-gw_status gw_shut_out_gathered(const gw_record_context *on, const float *unlit, gw_buffer *gathered,
-							   gw_error *error)
-{
-	uint32_t *label = NULL;
-	if (!gw_compartments_several(on->octree))
-		return GW_OK;
-	GW_TRY(label_records(on, &label, error));
-	gw_status status = take_sky_off(on, label, unlit, gathered, error);
 	free(label);
 	return status;
 }
@@ -180,28 +143,58 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
 	uint32_t *record, *facet, *hit; /* hit: what each ray hit */
-	uint32_t empty;
+	uint32_t outside, empty;
 } hit_labels;
+
+/* Has a ray from a compartment slipped through rock? */
+static bool slipped(const hit_labels *l, uint32_t from, uint32_t hit)
+{
+	return gw_compartments_apart(from, hit == GW_NONE ? l->outside : l->facet[hit]);
+}
+
+/* What the ray nearest to ray k of a record hit without slipping through, or nothing to be seen. */
+static uint32_t instead_of(const hit_labels *l, uint32_t from, const uint32_t *hit, uint32_t rays,
+						   uint32_t k)
+{
+	for (uint32_t off = 1; off < rays; off++) {
+		if (k >= off && !slipped(l, from, hit[k - off]))
+			return hit[k - off];
+		if (k + off < rays && !slipped(l, from, hit[k + off]))
+			return hit[k + off];
+	}
+	return hit[k] == GW_NONE ? GW_NONE : l->empty;
+}
+
+/* Puts right what a record's rays hit. Returns how many of them slipped through. Those before a ray
+ * are right already, or as dark as it will be. */
+static uint32_t turn_record(const hit_labels *l, uint32_t from, uint32_t *hit, uint32_t rays)
+{
+	uint32_t turned = 0;
+	for (uint32_t k = 0; k < rays; k++) {
+		if (!slipped(l, from, hit[k]))
+			continue;
+		hit[k] = instead_of(l, from, hit, rays, k);
+		turned++;
+	}
+	return turned;
+}
 
 static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
 						   hit_labels *l, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
 	size_t slots = 2 * (size_t)on->octree->leaf_count, count = on->records->count, turned = 0;
+	l->outside = gw_compartment_outside(on->octree);
 	l->facet = gw_allocate_array(slots, sizeof *l->facet);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->facet || !l->hit)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
 	GW_TRY(find_empty_slot(on, &l->empty, error));
-	GW_TRY(label_records(on, &l->record, error));
+	GW_TRY(gw_shut_out_label(on, &l->record, error));
 	GW_TRY(gw_compartments_of_facets(gpu, on->octree, l->facet, error));
 	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
-	for (size_t i = 0; i < rays * count && l->empty != GW_COMPARTMENT_UNKNOWN; i++) {
-		if (l->hit[i] == GW_NONE || !apart(l->record[i / rays], l->facet[l->hit[i]]))
-			continue;
-		l->hit[i] = l->empty;
-		turned++;
-	}
+	for (size_t i = 0; i < count; i++)
+		turned += turn_record(l, l->record[i], l->hit + rays * i, rays);
 	return turned > 0 ? gw_buffer_upload(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error)
 					  : GW_OK;
 }

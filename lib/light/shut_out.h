@@ -2,7 +2,7 @@
  * shut_out.h - what no light can reach, because rock lies all around it: by the compartments of
  * empty space (octree/compartments.h). Rays find the way through it at times.
  *
- * Both do nothing where the octree has one compartment, or was not asked.
+ * But for gw_shut_out_label they do nothing where the octree has one compartment, or was not asked.
  */
 #ifndef SHUT_OUT_H
 #define SHUT_OUT_H
@@ -19,23 +19,20 @@
 gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *light,
 							const gw_buffer *normal, gw_buffer *shut, gw_error *error);
 
-/*
- * Marks records that the sky is shut out from.
- *   marks   4 floats a record: the last receives 1 for such
- */
-gw_status gw_shut_out_sky(const gw_record_context *on, gw_buffer *marks, gw_error *error);
+/* The compartments that records look into. There are several.
+ *   label   receives one a record, the caller's on success */
+gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_error *error);
 
 /*
- * Takes the sky off what records gathered that it is shut out from.
- *   unlit      4 floats a record: what they gather without a sky; NULL: nothing
- *   gathered   vec4 a record
+ * Marks records with the compartments that they look into, for passes that sample emitters and sky.
+ *   marks   4 floats a record: the last receives gw_compartment_mark
  */
-gw_status gw_shut_out_gathered(const gw_record_context *on, const float *unlit, gw_buffer *gathered,
-							   gw_error *error);
+gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_error *error);
 
 /*
- * Turns hits of rays on surface in another compartment than their record's to a facet that sends
- * out nothing.
+ * Puts right the rays that slipped through rock: out of a compartment that is closed, or to surface
+ * in another one. They take what the ray of their record hit that comes next in the order of rays,
+ * so that what is closed loses no light; where all slipped through, they see none.
  *   rays    a record
  *   facet   R32_UINT, rays * records: what each ray hit
  */

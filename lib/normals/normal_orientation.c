@@ -35,6 +35,10 @@
 /* A side counts as the front where this many times the light of the other falls on it. */
 #define CLEAR 2.0
 
+/* What a sky chooses as the front of something open holds while one part in so many of the light
+ * that there is falls straight on it: as much gets into a cave by its mouth. */
+#define REACHED 500.0
+
 /* A point far from all others stands for no more than this many times what most do. */
 #define AREA_MOST 16.0f
 
@@ -63,7 +67,11 @@ typedef struct orientation_work {
 	size_t border_count, border_room;
 	bool alike; /* what borders at creases say is made more like what others say */
 	size_t patch_count;
-	gw_side_light *light; /* the following: patch_count */
+	gw_side_light *light;  /* the following: patch_count */
+	gw_side_light *by_sky; /* likewise of a sky */
+	int8_t *sky_sign;      /* what that chooses: sign, disputed, groups */
+	bool *sky_disputed;
+	patch_group *sky_groups;
 	double *given;        /* normals that were given, for the patch's sign less those against it */
 	double *own;          /* what a patch says by itself */
 	int8_t *sign, *other; /* chosen, and another choice */
@@ -235,7 +243,7 @@ static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_er
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
-	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, error);
+	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, w->by_sky, error);
 }
 
 static bool allocate_patches(orientation_work *w)
@@ -251,8 +259,13 @@ static bool allocate_patches(orientation_work *w)
 	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
 	w->group = gw_allocate_array(count, sizeof *w->group);
 	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
+	w->by_sky = gw_allocate_zeros(count, sizeof *w->by_sky);
+	w->sky_sign = gw_allocate_array(count, sizeof *w->sky_sign);
+	w->sky_disputed = gw_allocate_array(count, sizeof *w->sky_disputed);
+	w->sky_groups = gw_allocate_zeros(count, sizeof *w->sky_groups);
 	return w->light && w->given && w->own && w->sign && w->other && w->by_angle && w->disputed &&
-		   w->ratio && w->group && w->groups;
+		   w->ratio && w->group && w->groups && w->by_sky && w->sky_sign && w->sky_disputed &&
+		   w->sky_groups;
 }
 
 /* ------------------------------------------------------------------------------------- decision */
@@ -261,6 +274,7 @@ static void add_view(const gw_side_view *more, gw_side_view *sum)
 {
 	sum->light += more->light;
 	sum->first += more->first;
+	sum->lit += more->lit;
 	sum->area += more->area;
 	sum->met += more->met;
 	sum->path += more->path;
@@ -327,6 +341,7 @@ static double find_certainty(const orientation_work *w, size_t patch)
 
 static void find_own(orientation_work *w)
 {
+	memset(w->own, 0, w->patch_count * sizeof *w->own);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->own[w->patch[i]] += AGREED * LIGHT_WEIGHT;
 	for (size_t i = 0; i < w->patch_count; i++) {
@@ -373,7 +388,6 @@ static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 {
 	w->alike = alike;
 	w->border_count = 0;
-	memset(w->own, 0, w->patch_count * sizeof *w->own);
 	GW_TRY(collect_borders(w, error));
 	gw_patch_groups *groups =
 		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
@@ -408,16 +422,89 @@ static void settle_disputed(orientation_work *w)
 	sum_groups(w, true);
 }
 
-/* What depends on how much creases say is doubtful: there the two ways of it disagree. */
-static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
+/* Signs by the light as it is. What depends on how much creases say is disputed: there the two ways
+ * of it disagree. */
+static gw_status decide(orientation_work *w, gw_error *error)
 {
-	if (!allocate_patches(w))
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
-	GW_TRY(find_light(w, estimated, error));
 	GW_TRY(choose_signs(w, false, error));
 	memcpy(w->by_angle, w->sign, w->patch_count * sizeof *w->sign);
 	GW_TRY(choose_signs(w, true, error));
 	settle_disputed(w);
+	return GW_OK;
+}
+
+static void swap_lights(orientation_work *w)
+{
+	gw_side_light *light = w->light;
+	w->light = w->by_sky;
+	w->by_sky = light;
+}
+
+/* The same as if a sky shone alone. */
+static gw_status decide_by_sky(orientation_work *w, gw_error *error)
+{
+	size_t count = w->patch_count;
+	swap_lights(w);
+	GW_TRY(decide(w, error));
+	swap_lights(w);
+	memcpy(w->sky_sign, w->sign, count * sizeof *w->sign);
+	memcpy(w->sky_disputed, w->disputed, count * sizeof *w->disputed);
+	memcpy(w->sky_groups, w->groups, count * sizeof *w->groups);
+	return GW_OK;
+}
+
+/* Which of the light that there is falls straight on the sides of groups as a sky chooses them. */
+static void light_sky_groups(orientation_work *w)
+{
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->sky_groups[i].light.side[0].lit = w->sky_groups[i].light.side[1].lit = 0.0;
+	for (size_t i = 0; i < w->patch_count; i++) {
+		patch_group *g = w->sky_groups + w->group[i];
+		int front = w->sky_sign[i] > 0 ? 0 : 1;
+		g->light.side[0].lit += w->light[i].side[front].lit;
+		g->light.side[1].lit += w->light[i].side[1 - front].lit;
+	}
+}
+
+/*
+ * A lamp or the sun lights half of a thing, and tells little of the rest; a sky tells of all of it.
+ * So a group is as a sky chooses, unless that is in doubt and this light is not, or too little of
+ * this light gets there. What the sky calls the outside has to get half as much as the inside
+ * that this light chooses: a lamp stands inside of something on purpose. What it calls the inside
+ * of a room, though, may well be lit from outside alone.
+ */
+static bool is_by_sky(const orientation_work *w, size_t group)
+{
+	const patch_group *g = w->groups + group, *sky = w->sky_groups + group;
+	const gw_side_view *front = g->light.side, *sky_front = sky->light.side;
+	double times = front->met > sky_front->met ? CLEAR : REACHED;
+	return front->lit <= times * sky_front->lit && (g->doubtful || !sky->doubtful);
+}
+
+static void take_sky(orientation_work *w)
+{
+	light_sky_groups(w);
+	for (size_t i = 0; i < w->patch_count; i++)
+		if (is_by_sky(w, w->group[i])) {
+			w->sign[i] = w->sky_sign[i];
+			w->disputed[i] = w->sky_disputed[i];
+		}
+	for (size_t i = 0; i < w->patch_count; i++)
+		if (is_by_sky(w, i))
+			w->groups[i] = w->sky_groups[i];
+}
+
+static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
+{
+	if (!allocate_patches(w))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
+	bool lamps = !gw_side_light_is_sky(w->options, w->surfels);
+	GW_TRY(find_light(w, estimated, error));
+	if (lamps)
+		GW_TRY(decide_by_sky(w, error));
+	GW_TRY(decide(w, error));
+	if (lamps)
+		take_sky(w);
 	return GW_OK;
 }
 
@@ -476,6 +563,10 @@ static void release(orientation_work *w)
 	free(w->patch);
 	free(w->borders);
 	free(w->light);
+	free(w->by_sky);
+	free(w->sky_sign);
+	free(w->sky_disputed);
+	free(w->sky_groups);
 	free(w->given);
 	free(w->own);
 	free(w->sign);

@@ -8,7 +8,8 @@
  * that is the one with which
  *
  *   normals given   most agree, if there are any
- *   light           more falls on the front than on the back (side_light.h), rooms before others
+ *   light           more falls on the front than on the back (side_light.h), rooms before others:
+ *                   that of a sky, unless the lamps of this bake get nowhere by that
  *
  * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
  * turned against it where their light says so and their borders say less.

@@ -40,6 +40,12 @@
  */
 #define ROOM_PATH 0.5
 #define ROOM_FACTOR 300.0
+
+/* Less light gets into what has a smaller opening: where less than this share of the directions,
+ * that of a room with a window, ends in none, it counts by as much more. But so many may pass
+ * between discs. */
+#define WINDOW 0.02
+#define LEAK 0.0003
 /* A ray goes down where it falls by this share of its length. */
 #define DOWN 0.3f
 
@@ -67,6 +73,7 @@ typedef struct place {
 	gw_disc disc;
 	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
 	double first[2];  /* before any reflection */
+	double lit[2];    /* likewise, without light from where nothing was scanned */
 	double total[2];
 	double path[2]; /* sum of the logarithms of the rays' lengths, to what they meet */
 	uint32_t met[2], down[2], down_met[2]; /* rays */
@@ -343,10 +350,12 @@ static void gather(const side_work *w, place *p, double below, double to[2])
 static void reflect(side_work *w)
 {
 	double light = 0.0, area = 0.0;
+	w->ambient = 0.0;
 	for (size_t i = 0; i < w->place_count; i++) {
 		place *p = w->places + i;
-		gather(w, p, 0.0, p->first);
-		light += (double)p->area * fmax(p->first[0], p->first[1]);
+		p->total[0] = p->total[1] = 0.0;
+		gather(w, p, 0.0, p->lit);
+		light += (double)p->area * fmax(p->lit[0], p->lit[1]);
 		area += (double)p->area;
 	}
 	w->ambient = area > 0.0 ? AMBIENT * light / (M_PI * area) : 0.0;
@@ -365,6 +374,7 @@ static void add_place(const place *p, int side, gw_side_view *sum)
 	sum->area += area;
 	sum->light += area * p->total[side];
 	sum->first += area * p->first[side];
+	sum->lit += area * p->lit[side];
 	sum->met += area * p->met[side] / RAYS;
 	sum->path += area * p->path[side] / RAYS;
 	sum->down += area * p->down[side] / RAYS;
@@ -379,7 +389,9 @@ double gw_side_factor(const gw_side_view *side)
 	if (side->down > 0.0)
 		closed = fmin(closed, side->down_met / side->down);
 	double path = pow(exp(side->path / side->met) / ROOM_PATH, 4.0);
-	double factor = ROOM_FACTOR * pow(closed, 16.0) * path / (1.0 + path);
+	double wide = path / (1.0 + path);
+	double factor = ROOM_FACTOR * pow(closed, 16.0) * wide;
+	factor *= fmax(1.0, wide * WINDOW / (1.0 - closed + LEAK));
 	return 1.0 + factor * side->first / side->light;
 }
 
@@ -410,7 +422,28 @@ static void find_frame(side_work *w)
 	w->reach = (float)(1.01 * sqrt(squared));
 }
 
-static gw_status find_light(side_work *w, gw_side_light *light, gw_error *error)
+/* What was found, for each piece. */
+static void add_up(const side_work *w, gw_side_light *light)
+{
+	for (size_t i = 0; i < w->pieces->count; i++)
+		light[i] = (gw_side_light){ 0 };
+	for (size_t i = 0; i < w->place_count; i++)
+		for (int side = 0; side < 2; side++)
+			add_place(w->places + i, side, light[w->places[i].piece].side + side);
+}
+
+/* Leaves nothing of the lights but a sky. */
+static void leave_sky(side_work *w)
+{
+	w->sky = 1.0;
+	for (size_t i = 0; i < w->place_count; i++)
+		w->places[i].direct[0] = w->places[i].direct[1] = 0.0;
+	for (size_t i = 0; i < w->disc_count; i++)
+		w->blocks[i].radiance = 0.0f;
+}
+
+static gw_status find_light(side_work *w, gw_side_light *light, gw_side_light *by_sky,
+							gw_error *error)
 {
 	find_sky(w);
 	find_frame(w);
@@ -418,19 +451,31 @@ static gw_status find_light(side_work *w, gw_side_light *light, gw_error *error)
 	GW_TRY(gw_disc_tree_build(w->disc, w->disc_count, &w->tree, error));
 	GW_TRY(look_around_all(w, error));
 	reflect(w);
-	for (size_t i = 0; i < w->pieces->count; i++)
-		light[i] = (gw_side_light){ 0 };
-	for (size_t i = 0; i < w->place_count; i++)
-		for (int side = 0; side < 2; side++)
-			add_place(w->places + i, side, light[w->places[i].piece].side + side);
+	add_up(w, light);
+	leave_sky(w);
+	reflect(w);
+	add_up(w, by_sky);
 	return GW_OK;
 }
 
+bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels)
+{
+	bool sky = surfels->emission == NULL;
+	for (size_t i = 0; i < options->light_count; i++) {
+		const gw_light *l = options->lights + i;
+		bool lamp = l->type != GW_LIGHT_ENVIRONMENT;
+		const float *power = l->type == GW_LIGHT_SUN ? l->irradiance : l->intensity;
+		sky = sky && !(lamp && gw_luminance(power) > 0.0);
+	}
+	return sky;
+}
+
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_pieces *pieces, gw_side_light *light, gw_error *error)
+							 const gw_pieces *pieces, gw_side_light *light, gw_side_light *by_sky,
+							 gw_error *error)
 {
 	side_work w = { .options = options, .surfels = surfels, .pieces = pieces };
-	gw_status status = find_light(&w, light, error);
+	gw_status status = find_light(&w, light, by_sky, error);
 	gw_disc_tree_clear(&w.tree);
 	free(w.disc);
 	free(w.blocks);

@@ -10,9 +10,10 @@
  *
  * One case is left in which light says the wrong thing: a room with windows is brighter on the
  * outside. There, what looks into a space that is closed nearly all around and large enough for a
- * scanner to stand in has its light multiplied. The sky shines from above the horizon alone here,
- * since ground goes on beyond what was scanned; and a little light comes from wherever nothing was
- * scanned, since what is open can be seen even where the lamps of this bake do not reach.
+ * scanner to stand in has its light multiplied, the more, the smaller its openings are. The sky
+ * shines from above the horizon alone here, since ground goes on beyond what was scanned; and a
+ * little light comes from wherever nothing was scanned, since what is open can be seen even where
+ * the lamps of this bake do not reach.
  *
  * Source: sides told apart by what rays from them see, as for the faces of meshes by Takayama et
  * al., A Simple Method for Correcting Facet Orientations in Polygon Meshes Based on Ray Casting,
@@ -35,6 +36,7 @@ typedef struct gw_pieces {
 typedef struct gw_side_view {
 	double light;          /* irradiance, luminance, in a unit that is the same for all */
 	double first;          /* of that, what was not reflected before */
+	double lit;            /* irradiance straight from lamps, sun, sky and what emits */
 	double area;           /* m^2 */
 	double met;            /* share of the rays that met surface */
 	double path;           /* logarithm of how far away, metres, of these */
@@ -57,9 +59,14 @@ double gw_side_factor(const gw_side_view *side);
  *   surfels   position, normal and emission of all
  *   pieces    with arrays of surfels->count elements
  *   light     pieces->count; receives the result
+ *   by_sky    pieces->count; receives the same as if an even sky shone, and nothing else
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_pieces *pieces, gw_side_light *light, gw_error *error);
+							 const gw_pieces *pieces, gw_side_light *light, gw_side_light *by_sky,
+							 gw_error *error);
+
+/* Does no more shine than an even sky? */
+bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels);
 
 #endif

@@ -70,6 +70,11 @@ bool gw_compartments_several(const gw_octree *octree)
 	return octree->compartments != NULL && octree->compartments->sides != NULL;
 }
 
+uint32_t gw_compartments_count(const gw_octree *octree)
+{
+	return octree->compartments->count;
+}
+
 uint32_t gw_compartment_outside(const gw_octree *octree)
 {
 	return octree->compartments->label[octree->compartments->cells];

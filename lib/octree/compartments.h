@@ -34,7 +34,24 @@ void gw_compartments_destroy(gw_compartments **compartments); /* sets it to NULL
 /* Is there more than one, so that it is worth asking? An octree that was not asked has one. */
 bool gw_compartments_several(const gw_octree *octree);
 
-/* The compartment of all that lies around the scene: the sky's and the sun's. There are several. */
+/* How many there are, numbered from 0. */
+uint32_t gw_compartments_count(const gw_octree *octree);
+
+/* Are two known, and not the same? */
+static inline bool gw_compartments_apart(uint32_t label, uint32_t other)
+{
+	return label != other && label != GW_COMPARTMENT_UNKNOWN && other != GW_COMPARTMENT_UNKNOWN;
+}
+
+/* What passes know a compartment by: 0 where it is not known, GW_MARK_OUTSIDE (transport_layout.h)
+ * of what lies around the scene. */
+static inline uint32_t gw_compartment_mark(uint32_t label)
+{
+	return label == GW_COMPARTMENT_UNKNOWN ? 0 : label + 1;
+}
+
+/* The compartment of all that lies around the scene: the sky's and the sun's. Its number is 0.
+ * There are several. */
 uint32_t gw_compartment_outside(const gw_octree *octree);
 
 /* That of a place. There are several. */

@@ -198,6 +198,32 @@ static gw_status make(const gw_octree *octree, gw_compartments **made, gw_error 
 				   (unsigned long long)cells);
 }
 
+/* Numbers in place of labels: first the space around the scene, then what surfels look into, in
+ * their order, and one for all that none looks into. */
+static gw_status number_them(gw_compartments *c, size_t surfels, gw_error *error)
+{
+	uint32_t *number = gw_allocate_array((size_t)c->cells + 1, sizeof *number);
+	if (number == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u compartments", c->cells);
+	memset(number, 0xff, ((size_t)c->cells + 1) * sizeof *number);
+	number[c->label[c->cells]] = c->count++;
+	for (size_t i = 0; i < 2 * surfels; i++) {
+		uint32_t label = c->sides[i];
+		if (label == GW_COMPARTMENT_UNKNOWN)
+			continue;
+		if (number[label] == GW_COMPARTMENT_UNKNOWN)
+			number[label] = c->count++;
+		c->sides[i] = number[label];
+	}
+	for (uint32_t i = 0; i <= c->cells; i++)
+		if (c->label[i] != GW_COMPARTMENT_UNKNOWN)
+			c->label[i] =
+				number[c->label[i]] == GW_COMPARTMENT_UNKNOWN ? c->count : number[c->label[i]];
+	c->count++;
+	free(number);
+	return GW_OK;
+}
+
 gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 							   gw_octree *octree, gw_error *error)
 {
@@ -218,6 +244,8 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 		status = join_all(octree, c, error);
 	if (status == GW_OK)
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
+	if (status == GW_OK && c->sides != NULL)
+		status = number_them(c, surfels->count, error);
 	if (status != GW_OK) {
 		gw_compartments_destroy(&c);
 		return status;

@@ -23,7 +23,9 @@ struct gw_compartments {
 	uint32_t *child; /* first: pointer (plus one) to the tile of a node's children, 0 where it holds
 						nothing */
 	uint8_t *leaves; /* a leaf tile: which of its leaves there are */
-	uint32_t *label; /* cells + 1: a cell of the compartment, the same for all of it */
+	uint32_t *label; /* cells + 1: a cell of the compartment, the same for all of it; in the end its
+						number */
+	uint32_t count;  /* of numbers */
 	uint32_t *sides; /* 2 * surfels: what the front looks into, and the back; NULL where there are
 						not several compartments */
 };

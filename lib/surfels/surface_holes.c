@@ -38,6 +38,11 @@
 #define RIM_LEAST 4u
 #define RIM_CELLS 2.5f
 
+/* Places on a rim that are beside each other lie no further apart than this part of its extent, or
+ * so many cells: else something is seen through the hole. */
+#define JUMP_MOST 0.25f
+#define JUMP_CELLS 4.0f
+
 #define SWEEPS 64    /* of the membrane */
 #define HOLE_CELLS 4 /* at least */
 #define DISC_STEPS 48.0f
@@ -56,9 +61,20 @@
 /* A cell where some eye has put a membrane, until it is known to be of a hole. */
 #define SEEN 255u
 
+/* What eyes put into cells: membranes of a rim that is seen well, in so many directions within it,
+ * and whole, and of others. */
+#define BY_WHOLE_RIM 1u
+#define BY_OTHERS 2u
+#define SEEN_WELL 16u
+
+/* Where one in so many eyes is in the open, only whole rims are those of holes. */
+#define OPEN_EYES 4u
+
 typedef struct eye {
 	gw_vec3 place;
 	float width;                /* extent of what it sees, metres */
+	bool open;                  /* hardly anything is around it */
+	uint8_t mark;               /* how membranes are marked now */
 	float depth[DIRECTIONS];    /* metres to what is met; below 0: nothing */
 	float inverse[DIRECTIONS];  /* of the depth, of the membrane too */
 	uint8_t piece[DIRECTIONS];  /* 1: of some piece already, or its rim */
@@ -78,8 +94,9 @@ typedef struct work {
 	hollow hollow;
 	gw_vec3 *place;        /* EYES */
 	gw_vec3 *way;          /* DIRECTIONS */
-	_Atomic uint8_t *seen; /* cells: 1 where an eye has put a membrane */
-	size_t cells;
+	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where an eye has put a membrane */
+	_Atomic uint32_t *open_eyes;
+	size_t cells, eyes;
 } work;
 
 static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
@@ -346,7 +363,8 @@ static bool look_around(const work *w, eye *e)
 			extend(&all, gw_plus(e->place, gw_times(way, e->depth[i])));
 	}
 	e->width = width_of(&all);
-	return open > 0.0f && open < (float)OPEN_MOST;
+	e->open = open >= (float)OPEN_MOST;
+	return open > 0.0f && !e->open;
 }
 
 /* ------------------------------------------------------------------------------------ the pieces
@@ -402,6 +420,41 @@ static piece find_piece(const work *w, eye *e, uint32_t first)
 	return p;
 }
 
+static gw_vec3 seen_at(const work *w, const eye *e, uint32_t number)
+{
+	return gw_times(w->way[number], e->depth[number]);
+}
+
+/* Whether two directions meet surface so far apart. */
+static bool is_jump(const work *w, const eye *e, const uint32_t number[2], float most)
+{
+	if (e->depth[number[0]] < 0.0f || e->depth[number[1]] < 0.0f)
+		return false;
+	gw_vec3 off = gw_minus(seen_at(w, e, number[0]), seen_at(w, e, number[1]));
+	return gw_dot(off, off) > most * most;
+}
+
+/* Whether there is a jump within the rim of the piece on the stack. Of the eight directions around
+ * one of its own, those in the corners are beside two others each. */
+static bool has_jump(const work *w, const eye *e, const piece *p)
+{
+	float most = fmaxf(JUMP_MOST * width_of(&p->rim_extent), JUMP_CELLS * w->space->cell);
+	for (uint32_t i = 0; i < p->count; i++) {
+		uint32_t row = e->stack[i] / COLUMNS, beside[4], corner[4];
+		list_beside(e->stack[i], beside);
+		if (row == 0 || row + 1 == ROWS)
+			continue;
+		for (int k = 0; k < 4; k++) {
+			list_beside(beside[k % 2], corner);
+			const uint32_t by_row[2] = { beside[k % 2], corner[2 + k / 2] };
+			const uint32_t by_column[2] = { beside[2 + k / 2], corner[2 + k / 2] };
+			if (is_jump(w, e, by_row, most) || is_jump(w, e, by_column, most))
+				return true;
+		}
+	}
+	return false;
+}
+
 static bool is_hole(const work *w, const eye *e, const piece *p)
 {
 	float width = width_of(&p->rim_extent);
@@ -439,7 +492,7 @@ static void mark_direction(const work *w, const eye *e, uint32_t number)
 			float t = depth + 0.5f * (float)side * space->cell;
 			if (find_cell(space, gw_plus(e->place, gw_times(way, t)), &cell) &&
 				space->state[cell] != GW_SPACE_SURFACE)
-				atomic_store(&w->seen[cell], 1);
+				atomic_fetch_or(&w->seen[cell], e->mark);
 		}
 	}
 }
@@ -457,20 +510,27 @@ static void mark_with_rim(const work *w, eye *e, uint32_t number)
 		}
 }
 
-static void look_from(const work *w, eye *e)
+static void mark_piece(const work *w, eye *e, const piece *p)
+{
+	e->mark = p->count < SEEN_WELL || has_jump(w, e, p) ? BY_OTHERS : BY_WHOLE_RIM;
+	stretch_membrane(e, p);
+	for (uint32_t k = 0; k < p->count; k++)
+		mark_with_rim(w, e, e->stack[k]);
+}
+
+/* Whether an eye is in the open. */
+static bool look_from(const work *w, eye *e)
 {
 	if (!look_around(w, e))
-		return;
+		return e->open;
 	for (uint32_t i = 0; i < DIRECTIONS; i++) {
 		if (e->depth[i] >= 0.0f || e->piece[i])
 			continue;
 		piece p = find_piece(w, e, i);
-		if (!is_hole(w, e, &p))
-			continue;
-		stretch_membrane(e, &p);
-		for (uint32_t k = 0; k < p.count; k++)
-			mark_with_rim(w, e, e->stack[k]);
+		if (is_hole(w, e, &p))
+			mark_piece(w, e, &p);
 	}
+	return false;
 }
 
 static void look_from_all(void *user, size_t first, size_t last, uint32_t worker)
@@ -480,7 +540,8 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	for (size_t i = first; i < last; i++) {
 		eye e;
 		e.place = w->place[i];
-		look_from(w, &e);
+		if (look_from(w, &e))
+			atomic_fetch_add(w->open_eyes, 1);
 	}
 }
 
@@ -575,10 +636,11 @@ static bool count_holes(const work *w)
 {
 	gw_scanned_space *space = w->space;
 	size_t seen = 0;
+	uint8_t marks = OPEN_EYES * *w->open_eyes > w->eyes ? BY_WHOLE_RIM : BY_WHOLE_RIM | BY_OTHERS;
 	extent all = nowhere;
 	for (size_t c = 0; c < w->cells; c++)
 		if (space->state[c] != GW_SPACE_SURFACE) {
-			bool own = atomic_load(&w->seen[c]) != 0;
+			bool own = (atomic_load(&w->seen[c]) & marks) != 0;
 			space->state[c] = own ? SEEN : GW_SPACE_FREE;
 			seen += own;
 		}
@@ -602,7 +664,8 @@ static bool count_holes(const work *w)
 gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 								gw_scanned_space *space, gw_error *error)
 {
-	work w = { .surfels = surfels, .space = space };
+	_Atomic uint32_t open_eyes = 0;
+	work w = { .surfels = surfels, .space = space, .open_eyes = &open_eyes };
 	*space = (gw_scanned_space){ .scanners = 0 };
 	if (!(surfels->maximum[0] > surfels->minimum[0]))
 		return GW_OK;
@@ -620,7 +683,8 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 		made = make_hollow(space, &w.hollow);
 	}
 	if (made) {
-		gw_parallel_for(threads, place_eyes(&w), 1, look_from_all, &w);
+		w.eyes = place_eyes(&w);
+		gw_parallel_for(threads, w.eyes, 1, look_from_all, &w);
 		made = count_holes(&w);
 	}
 	free(w.hollow.empty);

@@ -8,6 +8,10 @@
  * there and lies about as far away on all sides. A membrane is put where the surface would be: the
  * inverse of the distance, which is harmonic for a plane, as the rim has it.
  *
+ * In the open, a rim that jumps from what is near to what is far is that of no hole, as what is far
+ * is seen through it: a door, and the ground behind it. In closed rooms the near part may be
+ * furniture before a hole, or before its own shadow in the scan.
+ *
  * So the front of an open box is no hole, as it is as large as the box; the sky over ground is
  * none, as it is not enclosed; a window is one, and nobody knows whether it is a window.
  */

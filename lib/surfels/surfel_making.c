@@ -6,6 +6,7 @@
 #include "cloud/range_image.h"
 #include "cloud/strays.h"
 #include "cloud/surfel_choice.h"
+#include "cloud/twins.h"
 #include "normals/given_normals.h"
 #include "normals/normals.h"
 #include "normals/plane_error.h"
@@ -62,6 +63,38 @@ typedef struct sorted_points {
 	bool by_grid;     /* their normals are of range images, as far as they are known */
 } sorted_points;
 
+/* Twins are joined until few are left: the more scans of a place there are, the more often. */
+#define TWIN_ROUNDS 4
+
+/* The frame is made anew of points that were moved. */
+static gw_status make_frame_anew(const gw_surfels_options *options, sorted_points *p,
+								 gw_surfels *surfels, gw_error *error)
+{
+	gw_surfels_clear(surfels);
+	return gw_frame_make(&p->rest, options, surfels, error);
+}
+
+/* Makes points one that stand hardly off each other, where there are many. */
+static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
+							gw_surfels *surfels, gw_error *error)
+{
+	size_t moved = 1, bytes = 3 * p->all->count * sizeof(double);
+	for (int round = 0; round < TWIN_ROUNDS && moved > 0 && gw_twins_are_many(surfels); round++) {
+		if (!p->position) {
+			p->position = gw_allocate_array(p->all->count, 3 * sizeof(double));
+			if (!p->position)
+				return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
+							   p->all->count);
+			memcpy(p->position, p->all->position, bytes);
+			p->rest.position = p->position;
+		}
+		GW_TRY(gw_twins_join(surfels, options, p->position, &moved, error));
+		if (moved > 0)
+			GW_TRY(make_frame_anew(options, p, surfels, error));
+	}
+	return GW_OK;
+}
+
 /* The frame of the points that are no strays. It is made anew when more of them are found in it, so
  * that strays have no part in it. */
 static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
@@ -72,13 +105,13 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
 	size_t known = p->strays.count;
 	GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
-	if (p->strays.count == known)
-		return GW_OK;
-	gw_surfels_clear(surfels);
-	free(p->position);
-	p->position = NULL;
-	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
-	return gw_frame_make(&p->rest, options, surfels, error);
+	if (p->strays.count > known) {
+		free(p->position);
+		p->position = NULL;
+		GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+		GW_TRY(make_frame_anew(options, p, surfels, error));
+	}
+	return join_twins(options, p, surfels, error);
 }
 
 /* search is opened anew when the points are moved. */

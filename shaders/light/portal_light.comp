@@ -40,7 +40,7 @@ vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
-	if (i >= push.count || record_sampled[i].w > 0.5f)
+	if (i >= push.count || record_sampled[i].w > GW_MARK_OUTSIDE)
 		return;
 	uint record = push.first + i;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;

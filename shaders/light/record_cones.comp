@@ -39,7 +39,9 @@ void main()
 	if (i >= push.count)
 		return;
 	vec3 normal = record_normal[i].xyz;
-	float open = record_normal[i].w; /* 0 inside something solid */
+	float open = record_normal[i].w; /* 0 inside something solid; GW_RECORD_LEFT: as it is */
+	if (open == GW_RECORD_LEFT)
+		return;
 	vec3 origin = record_position[i].xyz + 0.5 * normal;
 	float turn = unit_float(pcg_hash2(pcg_hash_place(record_position[i].xyz), push.seed));
 	vec3 sum = vec3(0.0);

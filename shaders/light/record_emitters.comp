@@ -14,10 +14,10 @@ TEXELS(2, uvec2, leaf_tile);
 TEXELS(3, vec4, facet_plane);
 TEXELS(4, vec4, facet_centre);
 TEXELS(5, vec4, facet_emission);
-TEXELS(6, uvec4, emitter); /* facet, alias, probability (float bits), 0 */
+TEXELS(6, uvec4, emitter); /* facet, alias, probability (float bits), mark of its compartment */
 BUFFER(7, readonly, vec4, record_position);
 BUFFER(8, readonly, vec4, record_normal);
-BUFFER(9, readwrite, vec4, record_sampled);
+BUFFER(9, readwrite, vec4, record_sampled); /* w: mark of the record's compartment */
 TEXELS(10, vec4, facet_part); /* of facet_emission: what is gathered */
 TEXELS(11, uint, leaf_fragment);
 TEXELS(12, uint, fragment_surfel);
@@ -37,9 +37,9 @@ PUSH(gw_record_push);
  * that nothing can be divided by. */
 #define DENSITY_LEAST 1e-30f
 
-/* The facet that sample m of push.light_samples stands for. The emitters lie in Morton order, so
- * that a stretch of the table for each sample spreads the samples over them. */
-int choose_emitter(uint m, uint random)
+/* The row of the facet that sample m of push.light_samples stands for. The emitters lie in Morton
+ * order, so that a stretch of the table for each sample spreads the samples over them. */
+uvec4 choose_emitter(uint m, uint random)
 {
 	float choice =
 		(float(m) + unit_float(random)) / float(push.light_samples) * float(push.emitters);
@@ -47,12 +47,21 @@ int choose_emitter(uint m, uint random)
 	uvec4 row = texelFetch(emitter, int(entry));
 	if (choice - float(entry) >= uintBitsToFloat(row.z))
 		row = texelFetch(emitter, int(row.y));
-	return int(row.x);
+	return row;
 }
 
-vec3 sample_emitter(vec3 g, vec3 normal, uint m, uint random)
+/* What rock keeps apart from the record is not asked: rays find the way through it at times. */
+bool is_apart(uint mark, uint other)
 {
-	int facet = choose_emitter(m, random);
+	return mark != other && mark != 0u && other != 0u;
+}
+
+vec3 sample_emitter(vec3 g, vec3 normal, uint mark, uint m, uint random)
+{
+	uvec4 row = choose_emitter(m, random);
+	int facet = int(row.x);
+	if (is_apart(mark, row.w))
+		return vec3(0.0f);
 	vec4 centre = texelFetch(facet_centre, facet);
 	vec3 plane = texelFetch(facet_plane, facet).xyz, t, b;
 	tangent_frame(plane, t, b);
@@ -90,7 +99,8 @@ void main()
 		return;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
 	uint own = pcg_hash2(pcg_hash_place(g), push.seed ^ GW_EMITTER_SEED);
+	uint mark = uint(record_sampled[i].w);
 	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
-		sum += sample_emitter(g, normal, m, pcg_hash2(own, m));
+		sum += sample_emitter(g, normal, mark, m, pcg_hash2(own, m));
 	record_sampled[i].xyz += sum / float(push.light_samples);
 }

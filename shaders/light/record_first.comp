@@ -85,7 +85,7 @@ void main()
 		return;
 	int first = int((push.first + i) * push.rays);
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
-	bool shut = record_sampled[i].w > 0.5f;
+	bool shut = record_sampled[i].w > GW_MARK_OUTSIDE;
 	for (uint k = 0u; k < push.rays; k++)
 		sum += light_of_ray(g, normal, shut, k, first + int(k));
 	if (push.looked == 0u)

@@ -69,7 +69,7 @@ vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
-	if (i >= push.count || record_sampled[i].w > 0.5f)
+	if (i >= push.count || record_sampled[i].w > GW_MARK_OUTSIDE)
 		return;
 	vec3 g = record_position[i].xyz;
 	vec3 normal = record_normal[i].xyz;

@@ -20,6 +20,12 @@
 /* Added to the facet of a record that stands on its back. */
 #define GW_RECORD_BACK 0x80000000u
 
+/* Marks of compartments of empty space: 0 where it is not known. */
+#define GW_MARK_OUTSIDE 1.0f /* what lies around the scene */
+
+/* In place of whether a record is open: it is left as it is. */
+#define GW_RECORD_LEFT (-1.0f)
+
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 

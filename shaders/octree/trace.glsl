@@ -35,7 +35,8 @@ Hit trace(IN(Ray) ray)
  * The same, attenuated by what lets light through. The ray ends where no more than `until` of it
  * would be left: at a random number below 1 it ends at each surface as often as that stops light,
  * and at GW_THROUGH_LEAST at what nothing passes. `through` receives how much of it gets to where
- * it ends. A surface that is passed is met from both sides; its back, if it has one, is dark.
+ * it ends. A surface that is passed is met from both sides; its back, if it has one, is dark. That
+ * of what is opaque is met by rays alone that have slipped through it, as where all is opaque.
  */
 Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 {
@@ -61,7 +62,8 @@ Hit trace_through(IN(Ray) ray, float until, OUT(float) through)
 	if (hit.facet == GW_NONE || ray.both_sides)
 		return hit;
 	vec4 plane = texelFetch(facet_plane, int(hit.facet));
-	if (dot(plane.xyz, ray.direction) > 0.0f && !is_two_sided(hit.facet))
+	if (dot(plane.xyz, ray.direction) > 0.0f && stops_from_behind(hit.facet) &&
+		!is_two_sided(hit.facet))
 		hit.facet = dark_slot - 1u;
 	return hit;
 }

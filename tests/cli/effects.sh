@@ -23,6 +23,8 @@ echo "-- dark"
 plan 2>&1
 echo "-- without shadows and bounces"
 plan --light "$lamp" --effects lamps,error
+glowworm bake corner.ply -q --light "$lamp" --effects lamps,error --report report.json -o lit.ply
+sed -nE '/"pass_runs"/,/]/s/.*"name": "([a-z_]*)".*/ran: \1/p' report.json
 # Forced effects and an explained bake give the same light.
 lit --light "$lamp" >plain.txt
 for effects in auto all +gaps,+sky; do

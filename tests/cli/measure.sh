@@ -14,9 +14,9 @@ glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; e
 } >floor.ply
 glowworm bake floor.ply -q --albedo constant:0.5 --bounces 1 --fields illuminance,lights \
 	-o lit.ply \
-	--light 'point name high at 0,0,2 intensity 300cd' \
+	--light 'point name high at 0,0,2 intensity 300cd group visitors' \
 	--light 'point name low at 0,0,-2 intensity 300cd' \
-	--light 'point name far at 0,0,4 intensity 400cd'
+	--light 'point name far at 0,0,4 intensity 400cd group visitors'
 # Below the lamps 300 / 4 + 400 / 16 = 100 lx, and 62.67 at the point that is farthest from them:
 # 300 * 2 / 5.926^1.5 + 400 * 4 / 17.926^1.5.
 figure() { sed -n "s/ *\"$1\": \([0-9.]*\).*/\1/p"; }

@@ -49,6 +49,14 @@ static uint64_t dispatches_of(const gw_report *report, const char *stage)
 	return dispatches;
 }
 
+static const gw_pass_count *pass_of(const gw_report *report, const char *name)
+{
+	for (uint32_t i = 0; i < report->pass_count; i++)
+		if (strcmp(report->pass[i].name, name) == 0)
+			return &report->pass[i];
+	return NULL;
+}
+
 static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b)
 {
 	assert_int_equal(a->count, b->count);
@@ -76,6 +84,8 @@ static void no_octree_without_need(void **state)
 	assert_false(scene_effect(&r->report, "octree")->called_for);
 	assert_int_equal(r->report.leaves, 0);
 	assert_int_equal(dispatches_of(&r->report, "octree"), 0);
+	assert_int_equal(r->report.pass_count, 1);
+	assert_string_equal(r->report.pass[0].name, "light_irradiance");
 	assert_false(scene_has_stage(&r->report, "gaps"));
 	assert_false(scene_has_stage(&r->report, "records"));
 	for (size_t i = 0; i < s.count; i++) {
@@ -108,6 +118,128 @@ static void nothing_without_light(void **state)
 	for (size_t i = 0; i < sizeof stage / sizeof *stage; i++)
 		assert_false(scene_has_stage(&r->report, stage[i]));
 	assert_int_equal(r->report.peak_bytes, 0);
+	assert_int_equal(r->report.pass_count, 0);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
+/* Scenes whose lights are not known yet are made without what none of them may call for, and lit as
+ * by one bake. */
+static void scenes_for_bare_lamps(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.5, 0.5, 0.75, 2.0f);
+	const gw_scene_description described = { &points, &light, 1 };
+	gw_bake_options options = coarse();
+	options.effects_forbidden = 1u << GW_EFFECT_SHADOWS | 1u << GW_EFFECT_BOUNCES |
+								1u << GW_EFFECT_EMITTERS | 1u << GW_EFFECT_SKY;
+	for (int shadows = 0; shadows < 2; shadows++) {
+		gw_scene *handle = NULL;
+		gw_lighting *lighting = NULL;
+		gw_bake_result *lit = NULL, *baked = scene_bake(&points, &light, 1, &options);
+		gw_error error = { 0 };
+		assert_int_equal(gw_scene_create(&described, &options, NULL, &handle, &error), GW_OK);
+		assert_int_equal(gw_lighting_create(handle, &light, 1, &lighting, &error), GW_OK);
+		assert_int_equal(gw_lighting_result(lighting, &lit, &error), GW_OK);
+		assert_same_light(lit, baked);
+		assert_true((lit->report.leaves > 0) == shadows);
+		assert_true((pass_of(&lit->report, "octree_fragments") != NULL) == shadows);
+		assert_null(pass_of(&lit->report, "record_rays"));
+		assert_false(scene_has_stage(&lit->report, "records"));
+		gw_bake_result_destroy(&lit);
+		gw_bake_result_destroy(&baked);
+		gw_lighting_destroy(&lighting);
+		gw_scene_destroy(&handle);
+		options.effects_forbidden &= ~(1u << GW_EFFECT_SHADOWS);
+	}
+	scene_clear(&s);
+}
+
+/* A cellar under a hole in the ground, in which a patch glows and two lamps shine, under a sky that
+ * is a map: it calls for all that has passes. */
+static void make_cellar(scene *s, gw_light lights[3], const float *map)
+{
+	scene_make_cellar(s);
+	size_t first = s->count;
+	scene_add_patch(s, (double[3]){ 0.6, 0.6, 0.3 }, (double[3]){ 0, 0.2, 0 },
+					(double[3]){ 0.2, 0, 0 }, 6, 6, 0.5f);
+	scene_emit(s, first, (float[]){ 1, 1, 1 });
+	lights[0] = scene_point_light(0.3, 0.3, 0.5, 1.0f);
+	lights[1] = scene_point_light(0.7, 0.3, 0.5, 1.0f);
+	lights[2] = (gw_light){ .type = GW_LIGHT_ENVIRONMENT,
+							.radiance = { 1.0f, 1.0f, 1.0f },
+							.map = map,
+							.map_width = 4,
+							.map_height = 2 };
+}
+
+/* Of each effect: the passes that it alone has, and its stage. They are there where it is called
+ * for, and where it is forbidden none of them runs, has a shader made, or a byte more. */
+static void off_is_nothing_done(void **state)
+{
+	(void)state;
+	static const struct {
+		gw_effect_kind effect;
+		const char *pass[2], *stage;
+	} rows[] = {
+		{ GW_EFFECT_LAMPS, { "light_irradiance", "light_visibility" }, "direct light" },
+		{ GW_EFFECT_SHADOWS, { "light_visibility" }, NULL },
+		{ GW_EFFECT_EMITTERS, { "record_emitters" }, NULL },
+		{ GW_EFFECT_SKY, { "record_sky", "record_portals" }, NULL },
+		{ GW_EFFECT_PORTALS, { "record_portals", "portal_light" }, NULL },
+		{ GW_EFFECT_BOUNCES, { "record_gather" }, NULL },
+		{ GW_EFFECT_GAPS, { NULL }, "gaps" },
+		{ GW_EFFECT_ERROR, { NULL }, "estimate" },
+	};
+	static const float map[24] = { 1, 1, 1, 2, 2, 2, 1, 1, 1, 3, 3, 3,
+								   1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1 };
+	scene s = { 0 };
+	gw_light lights[3];
+	make_cellar(&s, lights, map);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = gw_bake_options_default();
+	gw_bake_result *all = scene_bake(&points, lights, 3, &options);
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		options.effects_forbidden = 1u << rows[i].effect;
+		gw_bake_result *without = scene_bake(&points, lights, 3, &options);
+		const char *name = gw_effect_name(rows[i].effect);
+		assert_true(scene_effect(&all->report, name)->called_for);
+		assert_false(scene_effect(&without->report, name)->called_for);
+		for (int k = 0; k < 2 && rows[i].pass[k]; k++) {
+			assert_non_null(pass_of(&all->report, rows[i].pass[k]));
+			assert_null(pass_of(&without->report, rows[i].pass[k]));
+		}
+		assert_true(!rows[i].stage || scene_has_stage(&all->report, rows[i].stage));
+		assert_true(!rows[i].stage || !scene_has_stage(&without->report, rows[i].stage));
+		assert_true(without->report.peak_bytes <= all->report.peak_bytes);
+		gw_bake_result_destroy(&without);
+	}
+	assert_null(pass_of(&all->report, "brick_inject"));
+	assert_int_equal(all->report.brick_bytes, 0);
+	assert_null(all->lamp);
+	gw_bake_result_destroy(&all);
+	scene_clear(&s);
+}
+
+/* On a device that runs all by shaders, only those are compiled that run. */
+static void shaders_are_made_when_run(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_yard(&s, 0.5f);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.5, 0.5, 0.75, 2.0f);
+	gw_bake_options options = coarse();
+	options.passes = GW_PASSES_DEVICE;
+	options.effects_forbidden = 1u << GW_EFFECT_SHADOWS | 1u << GW_EFFECT_BOUNCES;
+	gw_bake_result *r = scene_bake(&points, &light, 1, &options);
+	assert_int_equal(r->report.pass_count, 1);
+	assert_string_equal(r->report.pass[0].name, "light_irradiance");
+	assert_int_equal(r->report.pass[0].runs, 1);
+	assert_int_equal(r->report.pass[0].compiled, 1);
 	gw_bake_result_destroy(&r);
 	scene_clear(&s);
 }
@@ -168,6 +300,31 @@ static void forced_changes_nothing(void **state)
 		gw_bake_result_destroy(&plain);
 		scene_clear(&s);
 	}
+}
+
+/* Rays slip through rough surface here and there and meet it from behind. That is the same whether
+ * or not it is asked of each facet how much it lets through; and maps show it either way. */
+static void forced_transmission(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_make_hall(&s);
+	for (size_t i = 0; i < 3 * s.count; i++) /* up to 0.7 spacings */
+		s.position[i] += 0.12 * (scene_random(&s) - 0.5);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(2.0, 1.5, 2.0, 5.0f);
+	for (int maps = 0; maps < 2; maps++) {
+		gw_bake_options options = coarse();
+		options.shadows = maps ? GW_SHADOWS_MAPS : GW_SHADOWS_TRACED;
+		gw_bake_result *plain = scene_bake(&points, &light, 1, &options);
+		options.effects_forced = 1u << GW_EFFECT_TRANSMISSION;
+		gw_bake_result *forced = scene_bake(&points, &light, 1, &options);
+		assert_true(scene_effect(&forced->report, "transmission")->called_for);
+		assert_same_light(forced, plain);
+		gw_bake_result_destroy(&forced);
+		gw_bake_result_destroy(&plain);
+	}
+	scene_clear(&s);
 }
 
 /* What is forced is computed: black walls are gathered from, and an octree stands in the dark. */
@@ -293,6 +450,60 @@ static void chosen_normals(void **state)
 	scene_clear(&s);
 }
 
+/* The mean irradiance of points that lie in one half of a scene's array, by options. */
+static double mean_of(const scene *s, const gw_light *light, const gw_bake_options *options,
+					  size_t first, size_t count)
+{
+	gw_points points = scene_points(s);
+	gw_bake_result *r = scene_bake(&points, light, light ? 1 : 0, options);
+	double sum = scene_mean(r->direct_irradiance + 3 * first, count, 0) +
+				 scene_mean(r->indirect_irradiance + 3 * first, count, 0);
+	gw_bake_result_destroy(&r);
+	return sum;
+}
+
+/* By how much the light differs without an effect: a sun of 1 W/m^2 straight from above gives the
+ * floor below a plate nothing, and 1 without shadows. A plane whose given normals lean by 60
+ * degrees gets 1/2 with them, and 1 with its own. In a glowing sphere of albedo 1/2 there is twice
+ * what it sends out; by one reflection alone, once. */
+static void forbidden_by_known_amounts(void **state)
+{
+	(void)state;
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .direction = { 0, 0, -1 },
+						   .irradiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_options plain = coarse(), shadows = coarse(), normals = coarse(), bounces = coarse();
+	plain.normals = GW_NORMALS_ESTIMATE;
+	shadows.effects_forbidden = 1u << GW_EFFECT_SHADOWS;
+	normals.effects_forbidden = 1u << GW_EFFECT_NORMALS;
+	bounces.effects_forbidden = 1u << GW_EFFECT_BOUNCES;
+	scene s = { 0 };
+	const double x[3] = { 1, 0, 0 }, y[3] = { 0, 1, 0 };
+	scene_add_patch(&s, (double[3]){ 0, 0, 0 }, x, y, 24, 24, 0.0f);
+	scene_add_patch(&s, (double[3]){ -0.5, -0.5, 0.5 }, (double[3]){ 2, 0, 0 },
+					(double[3]){ 0, 2, 0 }, 48, 48, 0.0f);
+	const gw_bake_options ordinary = coarse();
+	assert_true(mean_of(&s, &sun, &ordinary, 0, 576) == 0.0);
+	assert_float_equal(mean_of(&s, &sun, &shadows, 0, 576), 1.0, 1e-6);
+	scene_clear(&s);
+
+	scene_add_patch(&s, (double[3]){ 0, 0, 0 }, x, y, 24, 24, 0.0f);
+	for (size_t i = 0; i < s.count; i++) {
+		s.normal[3 * i] = 0.8660254f;
+		s.normal[3 * i + 2] = 0.5f;
+	}
+	assert_float_equal(mean_of(&s, &sun, &plain, 0, 576), 1.0, 1e-5);
+	assert_float_equal(mean_of(&s, &sun, &normals, 0, 576), 0.5, 1e-5);
+	scene_clear(&s);
+
+	/* Discs of a sphere lie within 1 % of its radius. */
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 2000, -1, 0.5f);
+	scene_emit(&s, 0, (float[]){ 1, 1, 1 });
+	assert_true(fabs(mean_of(&s, NULL, &ordinary, 0, s.count) / SCENE_PI - 2.0) < 0.02);
+	assert_true(fabs(mean_of(&s, NULL, &bounces, 0, s.count) / SCENE_PI - 1.0) < 0.01);
+	scene_clear(&s);
+}
+
 /* What contradicts other options is refused with a sentence that names the effect. */
 static void contradictions(void **state)
 {
@@ -328,34 +539,79 @@ static void contradictions(void **state)
 
 /* ------------------------------------------------------------------------- the plan itself */
 
-/* What is decided, and why, does not depend on the order of the points. */
+/* A scene in another order: every 7th of its points after each other, which their number is no
+ * multiple of. */
+static void shuffle(const scene *from, const float *opacity, scene *to, float *to_opacity)
+{
+	for (size_t i = 0, k = 0; i < from->count; i++, k = (k + 7) % from->count) {
+		scene_add(to, from->position + 3 * k,
+				  (double[]){ (double)from->normal[3 * k], (double)from->normal[3 * k + 1],
+							  (double)from->normal[3 * k + 2] },
+				  from->albedo[3 * k]);
+		if (from->emission[3 * k] > 0.0f)
+			scene_emit(to, i, from->emission + 3 * k);
+		to_opacity[i] = opacity[k];
+	}
+}
+
+static void assert_same_plan(const gw_bake_result *a, const gw_bake_result *b)
+{
+	assert_int_equal(a->report.effect_count, b->report.effect_count);
+	for (uint32_t i = 0; i < a->report.effect_count; i++) {
+		const gw_effect *left = &a->report.effect[i], *right = &b->report.effect[i];
+		assert_string_equal(left->name, right->name);
+		assert_string_equal(left->reason, right->reason);
+		assert_string_equal(left->method, right->method);
+		assert_int_equal(left->called_for, right->called_for);
+	}
+	assert_int_equal(a->given_count, b->given_count);
+	for (size_t i = 0; i < a->given_count; i++) {
+		assert_int_equal(a->given[i].fate, b->given[i].fate);
+		assert_true(a->given[i].share == b->given[i].share ||
+					(isnan(a->given[i].share) && isnan(b->given[i].share)));
+	}
+	assert_true(a->report.forecast.error == b->report.forecast.error);
+	assert_int_equal(a->report.forecast.device_bytes, b->report.forecast.device_bytes);
+	assert_int_equal(a->report.forecast.records, b->report.forecast.records);
+}
+
+/* What is decided, why, and what is foretold but for seconds does not depend on the order of the
+ * points: of a hall in which a patch glows, a part is clear, lamps shine and miss, under a sky. */
 static void order_of_points(void **state)
 {
 	(void)state;
-	scene s = { 0 }, turned = { 0 };
-	make_yard(&s, 0.5f);
-	for (size_t i = s.count; i-- > 0;)
-		scene_add(&turned, s.position + 3 * i,
-				  (double[]){ (double)s.normal[3 * i], (double)s.normal[3 * i + 1],
-							  (double)s.normal[3 * i + 2] },
-				  s.albedo[3 * i]);
-	const gw_light lights[] = { spot(0.5, 0.5, 1.5, -1.0), spot(0.5, 0.5, 2.0, 1.0) };
-	const gw_points points[] = { scene_points(&s), scene_points(&turned) };
-	gw_report *report = calloc(2, sizeof *report);
+	scene s = { 0 }, other = { 0 };
+	scene_make_hall(&s);
+	float *opacity = malloc(2 * s.count * sizeof *opacity), *shuffled = opacity + s.count;
+	for (size_t i = 0; i < s.count; i++)
+		opacity[i] = i % 5 ? 1.0f : 0.5f;
+	assert_true(s.count % 7 != 0);
+	for (size_t i = 0; i < s.count; i++) /* grey: scene_add takes one number */
+		s.albedo[3 * i] = s.albedo[3 * i + 1] = s.albedo[3 * i + 2];
+	shuffle(&s, opacity, &other, shuffled);
+	gw_light lights[3] = { spot(0.5, 0.5, 1.5, -1.0),
+						   spot(0.5, 0.5, 3.0, 1.0),
+						   { .type = GW_LIGHT_ENVIRONMENT } };
+	for (int c = 0; c < 3; c++)
+		lights[2].radiance[c] = 1.0f;
 	const gw_bake_options options = coarse();
+	gw_bake_result *plan[2];
 	for (int i = 0; i < 2; i++) {
-		gw_bake_result *r = scene_bake(&points[i], lights, 2, &options);
-		report[i] = r->report;
-		gw_bake_result_destroy(&r);
+		gw_points points = scene_points(i ? &other : &s);
+		points.opacity = i ? shuffled : opacity;
+		gw_error error = { 0 };
+		assert_int_equal(gw_plan_bake(&(gw_scene_description){ &points, lights, 3 }, &options, NULL,
+									  &plan[i], &error),
+						 GW_OK);
 	}
-	assert_int_equal(report[0].effect_count, report[1].effect_count);
-	for (uint32_t i = 0; i < report[0].effect_count; i++) {
-		assert_string_equal(report[0].effect[i].name, report[1].effect[i].name);
-		assert_string_equal(report[0].effect[i].reason, report[1].effect[i].reason);
-		assert_int_equal(report[0].effect[i].called_for, report[1].effect[i].called_for);
-	}
-	free(report);
-	scene_clear(&turned);
+	assert_true(scene_effect(&plan[0]->report, "transmission")->called_for);
+	assert_true(scene_effect(&plan[0]->report, "emitters")->called_for);
+	assert_true(scene_effect(&plan[0]->report, "sky")->called_for);
+	assert_same_plan(plan[0], plan[1]);
+	for (int i = 0; i < 2; i++)
+		gw_bake_result_destroy(&plan[i]);
+	free(opacity);
+	scene_clear(&other);
 	scene_clear(&s);
 }
 
@@ -441,12 +697,17 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(no_octree_without_need),
 		cmocka_unit_test(nothing_without_light),
+		cmocka_unit_test(scenes_for_bare_lamps),
+		cmocka_unit_test(off_is_nothing_done),
+		cmocka_unit_test(shaders_are_made_when_run),
 		cmocka_unit_test(spots_that_miss),
 		cmocka_unit_test(forced_changes_nothing),
+		cmocka_unit_test(forced_transmission),
 		cmocka_unit_test(forced_is_computed),
 		cmocka_unit_test(forbidden_is_missing),
 		cmocka_unit_test(forbidden_of_surface),
 		cmocka_unit_test(chosen_normals),
+		cmocka_unit_test(forbidden_by_known_amounts),
 		cmocka_unit_test(contradictions),
 		cmocka_unit_test(order_of_points),
 		cmocka_unit_test(foretold),

@@ -480,6 +480,47 @@ static void what_is_open_has_no_holes(void **state)
 }
 
 /* The parts of lamps add up however gaps are closed. */
+/* The four walls and the top of a block that stands on the ground, or hangs. */
+static void add_block(scene *s, const double low[3], const double high[3])
+{
+	double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
+	size_t n = (size_t)ceil(8.0 * x), m = (size_t)ceil(8.0 * y), k = (size_t)ceil(8.0 * z);
+	const double along_x[3] = { x, 0, 0 }, along_y[3] = { 0, y, 0 }, up[3] = { 0, 0, z };
+	const double far_x[3] = { high[0], low[1], low[2] }, far_y[3] = { low[0], high[1], low[2] };
+	const double top[3] = { low[0], low[1], high[2] };
+	scene_add_patch(s, low, along_x, up, n, k, 0.5f);
+	scene_add_patch(s, low, up, along_y, k, m, 0.5f);
+	scene_add_patch(s, far_x, along_y, up, m, k, 0.5f);
+	scene_add_patch(s, far_y, up, along_x, k, n, 0.5f);
+	scene_add_patch(s, top, along_x, along_y, n, m, 0.5f);
+	if (low[2] > 0.0)
+		scene_add_patch(s, low, along_y, along_x, m, n, 0.5f);
+}
+
+/* Walls of a ruin with a door, through which the ground is seen as far as it goes: no beam that met
+ * it beyond the door was stopped there. */
+static void doors_are_no_holes(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	static const double block[][2][3] = { { { 3, 3, 0 }, { 3.5, 9, 3.2 } },
+										  { { 3.5, 8.5, 0 }, { 5.5, 9, 2.4 } },
+										  { { 6.6, 8.5, 0 }, { 9, 9, 2.4 } },
+										  { { 5.2, 8.5, 2.4 }, { 7, 9, 2.9 } },
+										  { { 8.5, 5.5, 0 }, { 9, 8.5, 1.3 } } };
+	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 12, 0, 0 }, (double[3]){ 0, 12, 0 }, 96, 96,
+					0.5f);
+	for (size_t i = 0; i < sizeof block / sizeof *block; i++)
+		add_block(&s, block[i][0], block[i][1]);
+	gw_bake_result *r = bake_bare(&s, &sky, GW_GAPS_OPEN);
+	print_message("%u holes, stated %.4f, of gaps %.4f\n", r->report.gaps.holes,
+				  r->report.error.relative_rms, r->report.error.gaps);
+	assert_int_equal(r->report.gaps.holes, 0);
+	assert_true(r->report.error.gaps == 0.0);
+	gw_bake_result_destroy(&r);
+	scene_clear(&s);
+}
+
 static void parts_add_up(void **state)
 {
 	(void)state;
@@ -517,6 +558,7 @@ int main(void)
 		cmocka_unit_test(a_window_is_a_hole),
 		cmocka_unit_test(doubt_about_holes),
 		cmocka_unit_test(what_is_open_has_no_holes),
+		cmocka_unit_test(doors_are_no_holes),
 		cmocka_unit_test(parts_add_up),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /*
- * test_leaks.c - suns, lamps and a sky outside of closed rock: no point within sees them.
+ * test_leaks.c - suns, lamps, a sky and what glows outside of closed rock: no point within sees
+ * them.
  *
  * Spheres and boxes of points at random places, seen from within. Whatever light arrives is a leak,
  * so what is expected is zero, without a tolerance. And windows stay open: what is shut out by
@@ -249,6 +250,118 @@ static void cones_see_no_sky(void **state)
 	assert_int_equal(lit, 0);
 }
 
+/* Of the first `count` points those that get light from points that glow, or from a lamp. */
+static size_t count_lit_by_others(const scene *s, size_t count, const gw_light *lamp,
+								  gw_method method)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	options.bounces = 3;
+	options.method = method;
+	gw_bake_result *result = scene_bake(&points, lamp, lamp ? 1 : 0, &options);
+	size_t lit = 0;
+	for (size_t i = 0; i < count; i++)
+		lit += result->direct_irradiance[3 * i] + result->indirect_irradiance[3 * i] > 0.0f;
+	gw_bake_result_destroy(&result);
+	print_message("%zu points, by %s: %zu lit\n", count,
+				  method == GW_METHOD_RAYS ? "rays" : "cones", lit);
+	return lit;
+}
+
+static void expect_no_glow_within(const scene *s, size_t inside, const gw_light *lamp)
+{
+	assert_int_equal(count_lit_by_others(s, inside, lamp, GW_METHOD_RAYS), 0);
+	assert_int_equal(count_lit_by_others(s, inside, lamp, GW_METHOD_CONES), 0);
+}
+
+static const float glow[3] = { 5.0f, 5.0f, 5.0f };
+
+/* Samples of a glowing plate that faces the box find ways through its noise, and cones see more of
+ * its coarse voxels than of the walls before them. */
+static void what_glows_outside_stays_there(void **state)
+{
+	(void)state;
+	box b = { .count = 10000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	for (b.noise = 0.0; b.noise < 0.7; b.noise += 0.5) {
+		scene s = { 0 };
+		add_random_box(&s, b);
+		size_t inside = s.count;
+		scene_add_patch(&s, (double[3]){ 1.6, -0.3, -0.3 }, (double[3]){ 0.0, 0.0, 0.6 },
+						(double[3]){ 0.0, 0.6, 0.0 }, 24, 24, 0.5f);
+		scene_emit(&s, inside, glow);
+		expect_no_glow_within(&s, inside, NULL);
+		scene_clear(&s);
+	}
+}
+
+/* The outside of a wall around a box glows; four spacings of rock lie between. */
+static void nor_through_walls_with_two_sides(void **state)
+{
+	(void)state;
+	box b = { .count = 6000, .width = 1.0, .facing = 1, .about_x = 0.8, .about_z = 0.5 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t inside = s.count;
+	b.width = 1.0 + 8.0 * sqrt(6.0 / (double)b.count);
+	b.count = (size_t)((double)b.count * b.width * b.width);
+	b.facing = -1;
+	add_random_box(&s, b);
+	scene_emit(&s, inside, glow);
+	expect_no_glow_within(&s, inside, NULL);
+	scene_clear(&s);
+}
+
+/* Two rooms beside each other, four spacings apart, a lamp in the second one. */
+static void nor_what_a_lamp_lights_next_door(void **state)
+{
+	(void)state;
+	box b = { .count = 6000, .width = 1.0, .facing = 1 };
+	scene s = { 0 };
+	add_random_box(&s, b);
+	size_t inside = s.count;
+	double off = 1.0 + 4.0 * sqrt(6.0 / (double)b.count);
+	add_random_box(&s, b);
+	for (size_t i = inside; i < s.count; i++)
+		s.position[3 * i] += off;
+	const gw_light lamp = scene_point_light(off, 0.1, 0.2, 10.0f);
+	expect_no_glow_within(&s, inside, &lamp);
+	scene_clear(&s);
+}
+
+/* What a late bounce has of the one before it, over the albedo: 1 where no ray gets lost. */
+static double share_kept(const scene *s)
+{
+	gw_points points = scene_points(s);
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	options.bounces = 40;
+	const gw_light lamp = scene_point_light(0.05, 0.1, 0.0, 10.0f);
+	gw_bake_result *result = scene_bake(&points, &lamp, 1, &options);
+	const gw_report *report = &result->report;
+	assert_true(report->bounce_count == 40);
+	double kept = report->bounce[39].energy / report->bounce[38].energy / 0.98;
+	gw_bake_result_destroy(&result);
+	return kept;
+}
+
+/* Nor does light get out, which white walls would reflect 50 times: a ray in 4,000 that slips
+ * through is a percent of all light. Energies are sums of a few thousand floats. */
+static void white_rooms_keep_their_light(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 0; seed < 4; seed++) {
+		scene s = { .state = 1000003u * seed };
+		add_random_box(&s, (box){ .count = 3000, .width = 1.0, .facing = 1, .about_x = 0.3 });
+		for (size_t i = 0; i < 3 * s.count; i++)
+			s.albedo[i] = 0.98f;
+		double kept = share_kept(&s);
+		print_message("a white room keeps %.6f of its light\n", kept);
+		scene_clear(&s);
+		assert_true(fabs(kept - 1.0) < 2e-5);
+	}
+}
+
 /* Inside and outside of a wall around a box, some spacings apart. Returns how many of the points
  * within get more light than some, about 3 of which falls on those outside. */
 static size_t count_lit_within(double spacings, double turn, float some)
@@ -391,6 +504,10 @@ int main(void)
 		cmocka_unit_test(unevenly_sampled_ones_as_well),
 		cmocka_unit_test(sky_and_lamps_stay_outside),
 		cmocka_unit_test(cones_see_no_sky),
+		cmocka_unit_test(what_glows_outside_stays_there),
+		cmocka_unit_test(nor_through_walls_with_two_sides),
+		cmocka_unit_test(nor_what_a_lamp_lights_next_door),
+		cmocka_unit_test(white_rooms_keep_their_light),
 		cmocka_unit_test(walls_with_two_sides_shut_out),
 		cmocka_unit_test(thin_walls_shut_out_what_they_can),
 		cmocka_unit_test(windows_stay_open),

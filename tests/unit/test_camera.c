@@ -450,6 +450,19 @@ static size_t add_statue(double *at, size_t count, size_t axis)
 	return count;
 }
 
+/* Half of an egg, open across an axis, and a chimney on it. */
+static size_t add_half_egg(double *at, size_t count, size_t axis)
+{
+	for (size_t i = 0; i < count; i++) {
+		double turn = 2.4 * (double)i, height = 1.3 * (double)i / (double)count;
+		double radius = height < 0.99 ? 0.6 * sqrt(1.0 - height * height) : 0.08;
+		at[3 * i + axis] = height;
+		at[3 * i + (axis + 1) % 3] = radius * cos(turn);
+		at[3 * i + (axis + 2) % 3] = 0.8 * radius * sin(turn);
+	}
+	return count;
+}
+
 static char likely_up(const double *at, size_t count, bool wanted)
 {
 	bool sure;
@@ -467,6 +480,9 @@ static void test_likely_up(void **state)
 	assert_int_equal(likely_up(at, add_statue(at, COUNT, 1), true), 'y');
 	assert_int_equal(likely_up(at, add_statue(at, COUNT, 2), false), 0);
 	assert_int_equal(likely_up(at, add_statue(at, COUNT, 0), false), 0);
+	assert_int_equal(likely_up(at, add_half_egg(at, COUNT, 1), false), 'y');
+	assert_int_equal(likely_up(at, add_half_egg(at, COUNT, 2), false), 0);
+	assert_int_equal(likely_up(at, add_half_egg(at, COUNT, 0), false), 0);
 	/* All floor and ceiling, and one wall of each pair, as where rooms are large. */
 	size_t count = add_sides(at, COUNT / 2, y_room, 0x0c);
 	count += add_sides(at + 3 * count, COUNT / 6, y_room, 0x33);

@@ -266,6 +266,50 @@ static void test_open_room(void **state)
 	}
 }
 
+/* A house without its back, into which the sun shines: more falls on what is inside than on the
+ * roof and one wall, but of a sky it is the other way. */
+static void test_house_without_back(void **state)
+{
+	(void)state;
+	static const double from[4][3] = { { 0 }, { 40 }, { 0 }, { 0, 0, 12 } };
+	static const double to[4][3] = { { 0, 10, 12 }, { 40, 10, 12 }, { 40, 0, 12 }, { 40, 10, 12 } };
+	static const int axis[4] = { 0, 0, 1, 2 };
+	const gw_light low = { .type = GW_LIGHT_SUN,
+						   .direction = { 0.2, -0.8, -0.4 },
+						   .irradiance = { 3, 3, 3 } };
+	cloud *c = new_cloud();
+	for (int i = 0; i < 4; i++)
+		add_face(c,
+				 i < 2    ? 1200
+				 : i == 2 ? 4800
+						  : 4000,
+				 from[i], to[i], axis[i], i % 2 || i == 3 ? 1 : -1, false);
+	assert_right(c, &sky, "a house without its back under the sky");
+	assert_right(c, &low, "a house without its back, the sun behind it");
+	free(c);
+}
+
+/* Of the sky's light little gets in by the small mouth of a cave. */
+static void test_cave_with_mouth(void **state)
+{
+	(void)state;
+	const double centre[3] = { 0 };
+	const gw_light lamp = lamp_at(8, 2, 1);
+	cloud *ball = new_cloud(), *c = new_cloud();
+	add_ball(ball, 16000, centre, 2, -1);
+	for (size_t i = 0; i < ball->count; i++)
+		if (ball->normal[3 * i] > -0.99f) {
+			const double n[3] = { (double)ball->normal[3 * i], (double)ball->normal[3 * i + 1],
+								  (double)ball->normal[3 * i + 2] };
+			add(c, ball->position + 3 * i, n);
+		}
+	assert_right(c, &sky, "a cave with a small mouth under the sky");
+	assert_right(c, &sun, "a cave with a small mouth in the sun");
+	assert_right(c, &lamp, "a cave with a small mouth and a lamp in front of it");
+	free(ball);
+	free(c);
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -429,12 +473,20 @@ static void test_patches_join(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_closed_thing), cmocka_unit_test(test_lit_from_within),
-		cmocka_unit_test(test_room),         cmocka_unit_test(test_thing_on_floor),
-		cmocka_unit_test(test_ground),       cmocka_unit_test(test_sheet_is_doubtful),
-		cmocka_unit_test(test_backs),        cmocka_unit_test(test_up),
-		cmocka_unit_test(test_open_room),    cmocka_unit_test(test_given_away_from_scanner),
-		cmocka_unit_test(test_patches_turn), cmocka_unit_test(test_patches_join),
+		cmocka_unit_test(test_closed_thing),
+		cmocka_unit_test(test_lit_from_within),
+		cmocka_unit_test(test_room),
+		cmocka_unit_test(test_thing_on_floor),
+		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_sheet_is_doubtful),
+		cmocka_unit_test(test_backs),
+		cmocka_unit_test(test_up),
+		cmocka_unit_test(test_open_room),
+		cmocka_unit_test(test_cave_with_mouth),
+		cmocka_unit_test(test_house_without_back),
+		cmocka_unit_test(test_given_away_from_scanner),
+		cmocka_unit_test(test_patches_turn),
+		cmocka_unit_test(test_patches_join),
 	};
 	return cmocka_run_group_tests_name("sides", tests, NULL, NULL);
 }

@@ -1,0 +1,310 @@
+/* scan_rows.c - see scan_rows.h. */
+#include "points/scan_rows.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define POINTS_LEAST 2000u
+#define LINES_LEAST 32u /* rows, and columns */
+#define LINES_MOST 65536.0
+#define CELLS_MOST 8.0 /* cells a point */
+#define SAMPLES 8192u  /* points at least that cells are looked for with, and one in so many of */
+#define SAMPLE_OF 16u  /* all, so that each row and column has several */
+#define GAP_LEAST 1e-6 /* share of all values' range that is no gap */
+#define JUMP 8.0       /* between gaps within a row or column, and those from one to the next */
+#define CENTER_OFF 0.1 /* cells by which a row may be off its place, and a point off its row */
+#define POINT_OFF 0.2
+#define REGULAR 0.95     /* share of rows, and of points, that are not */
+#define SHARED_MOST 0.05 /* share of points whose cell another one has */
+#define DEPTHS_LEAST 1.1 /* ratio of far to near depths: else it may be a grid drawn on a wall */
+#define TANGENT_MOST 4.0 /* half the field of view of a camera, and twice over */
+#define ORDERED 0.99 /* share of steps through the file that stay in a row or go to a later one */
+
+/* How directions are counted. */
+typedef struct frame {
+	bool camera;  /* along `axis`; else turning about it */
+	int axis;     /* 0..2 */
+	double ahead; /* 1, or -1 to look along -axis */
+} frame;
+
+/* Evenly spaced values: first + step * (0 .. count - 1). */
+typedef struct ruler {
+	double first, step;
+	uint32_t count;
+} ruler;
+
+typedef struct rows {
+	const scan_column *column[3];
+	size_t count;
+	double eye[3];
+	size_t samples;
+	double *value;  /* samples */
+	double *gap;    /* samples */
+	uint32_t *cell; /* count */
+} rows;
+
+/* Direction of a point as a frame counts it; false for points without one, or behind a camera. */
+static bool direction_of(const rows *r, const frame *f, size_t i, double to[2], double *depth)
+{
+	double way[3];
+	for (int k = 0; k < 3; k++)
+		way[k] = scan_value(r->column[k], i) - r->eye[k];
+	double along = f->ahead * way[f->axis];
+	double a = way[(f->axis + 1) % 3], b = way[(f->axis + 2) % 3];
+	double flat = hypot(a, b);
+	if (!isfinite(along) || !isfinite(flat) || !(flat > 0.0 || along != 0.0))
+		return false;
+	if (f->camera) {
+		to[0] = a / along;
+		to[1] = b / along;
+		*depth = along;
+		return along > 0.0;
+	}
+	to[0] = atan2(b, a);
+	to[1] = atan2(along, flat);
+	*depth = hypot(flat, along);
+	return true;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+	return (x > y) - (x < y);
+}
+
+/* ------------------------------------------------------------------------------- one direction */
+
+/* The gap from which on values are of another row or column; 0 when there is no such. */
+static double find_border(rows *r, size_t used)
+{
+	size_t best = 0;
+	double most = 0.0;
+	double none = GAP_LEAST * (r->value[used - 1] - r->value[0]);
+	for (size_t i = 0; i + 1 < used; i++)
+		r->gap[i] = fmax(r->value[i + 1] - r->value[i], none);
+	qsort(r->gap, used - 1, sizeof *r->gap, compare_doubles);
+	for (size_t i = used - 1 - LINES_LEAST; i > used / 2; i--) {
+		double ratio = r->gap[i] / r->gap[i - 1];
+		if (ratio > most) {
+			most = ratio;
+			best = i;
+		}
+	}
+	return most >= JUMP ? sqrt(r->gap[best] * r->gap[best - 1]) : 0.0;
+}
+
+/* Replaces the values by the centres of those that no border parts; returns how many. */
+static size_t find_centers(double *value, size_t used, double border)
+{
+	size_t centers = 0;
+	for (size_t first = 0, last; first < used; first = last) {
+		double sum = 0.0;
+		for (last = first; last == first || (last < used && value[last] - value[last - 1] < border);
+			 last++)
+			sum += value[last];
+		value[centers++] = sum / (double)(last - first);
+	}
+	return centers;
+}
+
+/* The straight line through the centres, each counted by how many typical steps it lies on. */
+static bool fit_ruler(rows *r, size_t centers, ruler *to)
+{
+	for (size_t i = 0; i + 1 < centers; i++)
+		r->gap[i] = r->value[i + 1] - r->value[i];
+	qsort(r->gap, centers - 1, sizeof *r->gap, compare_doubles);
+	double typical = r->gap[(centers - 1) / 2], place = 0.0;
+	double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+	for (size_t i = 0; i < centers; i++) {
+		place += i > 0 ? round((r->value[i] - r->value[i - 1]) / typical) : 0.0;
+		n++;
+		x += place;
+		xx += place * place;
+		y += r->value[i];
+		xy += place * r->value[i];
+	}
+	to->step = (n * xy - x * y) / (n * xx - x * x);
+	to->first = (y - to->step * x) / n;
+	to->count = place < LINES_MOST ? (uint32_t)place + 1 : 0;
+	size_t even = 0;
+	for (size_t i = 0; i < centers; i++) {
+		double at = (r->value[i] - to->first) / to->step;
+		even += fabs(at - round(at)) < CENTER_OFF;
+	}
+	return to->count >= LINES_LEAST && to->step > 0.0 && (double)even > REGULAR * (double)centers &&
+		   (double)to->count < CELLS_MOST * n;
+}
+
+/* Rows, or columns, among the sampled values. */
+static bool find_ruler(rows *r, size_t used, ruler *to)
+{
+	if (used < 4 * LINES_LEAST)
+		return false;
+	qsort(r->value, used, sizeof *r->value, compare_doubles);
+	double border = find_border(r, used);
+	size_t centers = border > 0.0 ? find_centers(r->value, used, border) : 0;
+	return centers >= LINES_LEAST && fit_ruler(r, centers, to);
+}
+
+/* ---------------------------------------------------------------------------------- one frame */
+
+/* Which point sample s is: one of its part of all, by chance, as even steps might meet the same few
+ * columns again and again. */
+static size_t sample_point(const rows *r, size_t s)
+{
+	double part = (double)r->count / (double)r->samples;
+	uint32_t chance = (uint32_t)s * 2654435761u;
+	chance = (chance ^ chance >> 15) * 2246822519u;
+	size_t i = (size_t)(((double)s + (double)(chance ^ chance >> 13) * 0x1p-32) * part);
+	return i < r->count ? i : r->count - 1;
+}
+
+/* The samples' values of direction k. Returns how many there are; 0 where a frame cannot be. */
+static size_t take_samples(rows *r, const frame *f, int k)
+{
+	size_t used = 0, seen = 0;
+	double near = INFINITY, far = 0.0, least = INFINITY, most = -INFINITY;
+	for (size_t s = 0; s < r->samples; s++) {
+		size_t i = sample_point(r, s);
+		double to[2], depth;
+		bool finite = isfinite(scan_value(r->column[0], i));
+		if (finite && !direction_of(r, f, i, to, &depth))
+			return 0;
+		if (!finite)
+			continue;
+		seen++;
+		near = fmin(near, depth);
+		far = fmax(far, depth);
+		least = fmin(least, to[k]);
+		most = fmax(most, to[k]);
+		r->value[used++] = to[k];
+	}
+	bool camera = !f->camera || (least < 0.0 && most > 0.0 && most - least < TANGENT_MOST);
+	return seen >= SAMPLES / 8 && far > DEPTHS_LEAST * near && camera ? used : 0;
+}
+
+/* The cell along a ruler, or UINT32_MAX. */
+static uint32_t place_on(const ruler *to, double value)
+{
+	double at = (value - to->first) / to->step, whole = round(at);
+	bool on = fabs(at - whole) < POINT_OFF && whole >= 0.0 && whole < (double)to->count;
+	return on ? (uint32_t)whole : UINT32_MAX;
+}
+
+/* Puts all points into cells. Returns whether nearly each has one of its own. */
+static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint8_t *taken)
+{
+	size_t finite = 0, off = 0, shared = 0;
+	for (size_t i = 0; i < r->count; i++) {
+		double way[2], depth;
+		r->cell[i] = UINT32_MAX;
+		if (!isfinite(scan_value(r->column[0], i)) || !direction_of(r, f, i, way, &depth))
+			continue;
+		finite++;
+		uint32_t column = place_on(&to[0], way[0]), row = place_on(&to[1], way[1]);
+		if (column == UINT32_MAX || row == UINT32_MAX) {
+			off++;
+			continue;
+		}
+		size_t cell = (size_t)row * to[0].count + column;
+		shared += taken[cell];
+		if (!taken[cell])
+			r->cell[i] = (uint32_t)cell;
+		taken[cell] = 1;
+	}
+	return finite >= POINTS_LEAST && (double)off < (1.0 - REGULAR) * (double)finite &&
+		   (double)shared < SHARED_MOST * (double)finite;
+}
+
+static bool try_frame(rows *r, const frame *f, ruler to[2])
+{
+	for (int k = 0; k < 2; k++)
+		if (!find_ruler(r, take_samples(r, f, k), &to[k]))
+			return false;
+	uint64_t cells = (uint64_t)to[0].count * to[1].count;
+	if ((double)cells > CELLS_MOST * (double)r->count || cells >= UINT32_MAX)
+		return false;
+	uint8_t *taken = calloc((size_t)cells, 1);
+	bool found = taken && fill_cells(r, f, to, taken);
+	free(taken);
+	return found;
+}
+
+/* -------------------------------------------------------------------------------- what was found
+ */
+
+/* Whether the rows go down y from the first point to the last, as a depth camera writes them. */
+static bool goes_down(const rows *r, const frame *f, const ruler to[2])
+{
+	size_t steps = 0, ordered = 0;
+	uint32_t before = UINT32_MAX;
+	if (!f->camera || f->axis != 2 || f->ahead < 0.0)
+		return false;
+	for (size_t i = 0; i < r->count; i++) {
+		if (r->cell[i] == UINT32_MAX)
+			continue;
+		uint32_t row = r->cell[i] / to[0].count;
+		steps += before != UINT32_MAX;
+		ordered += before != UINT32_MAX && row >= before;
+		before = row;
+	}
+	return (double)ordered > ORDERED * (double)steps;
+}
+
+static gw_status take_rows(scan *cloud, rows *r, const frame *f, const ruler to[2], gw_error *error)
+{
+	gw_range_image image = { .count = r->count, .columns = to[0].count, .rows = to[1].count };
+	char text[200];
+	memcpy(image.scanner, r->eye, sizeof image.scanner);
+	GW_TRY(scan_add_image(cloud, &image, error));
+	memcpy(cloud->image_cell, r->cell, r->count * sizeof *r->cell);
+	if (cloud->scanner_count == 0)
+		GW_TRY(scan_add_scanner(cloud, r->eye, 0, r->count, error));
+	bool down = cloud->up != 'Y' && !cloud->says_up && goes_down(r, f, to);
+	if (down)
+		cloud->up = 'Y';
+	snprintf(text, sizeof text,
+			 SCAN_NOTE "seen from %.6g,%.6g,%.6g, this is a %s picture of %u by %u cells%s",
+			 r->eye[0], r->eye[1], r->eye[2], f->camera ? "depth camera's" : "scanner's",
+			 to[0].count, to[1].count,
+			 down ? ", in which -y points up; if it does not, give --up" : "");
+	return scan_add_comment(cloud, text, error);
+}
+
+static gw_status look(scan *cloud, rows *r, gw_error *error)
+{
+	static const frame frames[] = {
+		{ true, 2, 1.0 }, { true, 2, -1.0 }, { true, 0, 1.0 }, { false, 2, 1.0 }, { false, 1, 1.0 }
+	};
+	ruler to[2];
+	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++)
+		if (try_frame(r, &frames[i], to))
+			return take_rows(cloud, r, &frames[i], to, error);
+	return GW_OK;
+}
+
+gw_status scan_find_rows(scan *cloud, gw_error *error)
+{
+	rows r = { .column = { scan_find(cloud, "x"), scan_find(cloud, "y"), scan_find(cloud, "z") },
+			   .count = cloud->count };
+	if (!r.column[0] || !r.column[1] || !r.column[2] || cloud->count < POINTS_LEAST ||
+		cloud->count >= UINT32_MAX || cloud->image_count > 0 || cloud->scanner_count > 1)
+		return GW_OK;
+	if (cloud->scanner_count == 1)
+		memcpy(r.eye, cloud->scanner, sizeof r.eye);
+	r.samples = cloud->count / SAMPLE_OF > SAMPLES ? cloud->count / SAMPLE_OF : SAMPLES;
+	r.samples = r.samples < cloud->count ? r.samples : cloud->count;
+	r.value = reallocarray(NULL, r.samples, sizeof *r.value);
+	r.gap = reallocarray(NULL, r.samples, sizeof *r.gap);
+	r.cell = reallocarray(NULL, cloud->count, sizeof *r.cell);
+	gw_status status =
+		r.value && r.gap && r.cell
+			? look(cloud, &r, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for rows of %zu points", cloud->count);
+	free(r.value);
+	free(r.gap);
+	free(r.cell);
+	return status;
+}

@@ -1,0 +1,26 @@
+/*
+ * scan_rows.h - rows and columns of a scanner's or depth camera's picture, found again in clouds
+ * whose file no longer tells of them.
+ *
+ * Written as a plain list, in the frame of who took it, such a picture still has its points in the
+ * directions of its cells: of a camera x / z and y / z, of a scanner azimuth and elevation take as
+ * many values as there are columns and rows, evenly spaced. Noise and steps of the ranges are along
+ * the rays and change nothing of that.
+ */
+#ifndef SCAN_ROWS_H
+#define SCAN_ROWS_H
+
+#include "points/scan.h"
+
+/*
+ * Looks for them as seen from the scan's one scanner, or from the origin if it has none; a camera
+ * along z either way or along x, a scanner that turns about z or y. Where they are found, adds the
+ * image, the scanner, a note, and -y as up of a camera whose rows go down y in the order of the
+ * file.
+ * A scan with images, several scanners or moved points stays as it is, and so does one whose
+ * coordinates are rounded to more than about a hundredth of a cell.
+ * GW_ERROR_MEMORY.
+ */
+gw_status scan_find_rows(scan *scan, gw_error *error);
+
+#endif

@@ -1,0 +1,28 @@
+/*
+ * twins.h - points that stand hardly off each other, many times nearer than all others: the first
+ * and the last return of one pulse, one place in two flight lines or scans. Internal to lib/.
+ *
+ * What lies between two such points is noise, and not surface; but it is the nearest neighbour of
+ * either, and decides how far apart points seem to be. So where a cloud has many, they are made
+ * one. Of random points on a surface some stand close to each other, too, and stay as they are.
+ */
+#ifndef TWINS_H
+#define TWINS_H
+
+#include "cloud/surfels.h"
+
+/*
+ * Puts the points of such surfels in one place, half way, so that a frame made anew takes them for
+ * one. Those whose normals differ, as of two sides of a sheet, and those that emit stay.
+ *   surfels   of the points, with what gw_frame_make fills
+ *   position  3 a point, what the surfels were made of; is changed where there are twins
+ *   moved     receives how many surfels were
+ * Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *options,
+						double *position, size_t *moved, gw_error *error);
+
+/* Whether a cloud has so many twins that they matter, by the order of the surfels alone. */
+bool gw_twins_are_many(const gw_surfels *surfels);
+
+#endif

@@ -1,0 +1,117 @@
+/*
+ * cones_apart.c - see cones_apart.h.
+ */
+#include "light/cones_apart.h"
+
+#include "base/memory.h"
+#include "light/shut_out.h"
+#include "octree/compartments.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A bounce that goes from compartment to compartment. */
+typedef struct apart {
+	const gw_record_context *on;
+	uint32_t *record, *facet;     /* their compartments */
+	float *normal, *radiance;     /* 4 a record and 4 a facet: all of them */
+	float *own;                   /* room for those of one compartment */
+	gw_buffer normals, radiances; /* of one compartment */
+	uint64_t record_bytes, facet_bytes;
+} apart;
+
+static gw_status make_room(apart *a, gw_error *error)
+{
+	gw_gpu *gpu = a->on->passes->gpu;
+	uint64_t most = a->record_bytes > a->facet_bytes ? a->record_bytes : a->facet_bytes;
+	a->facet = gw_allocate_array(a->facet_bytes / 16, sizeof *a->facet);
+	a->normal = gw_allocate_array(a->record_bytes, 1);
+	a->radiance = gw_allocate_array(a->facet_bytes, 1);
+	a->own = gw_allocate_array(most, 1);
+	if (!a->facet || !a->normal || !a->radiance || !a->own)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records",
+					   a->on->records->count);
+	const gw_buffer_description normals = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, a->record_bytes,
+											"normals of a compartment" };
+	const gw_buffer_description radiances = { GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+											  a->facet_bytes, "radiance of a compartment" };
+	GW_TRY(gw_buffer_create(gpu, &normals, &a->normals, error));
+	return gw_buffer_create(gpu, &radiances, &a->radiances, error);
+}
+
+static gw_status fetch(apart *a, const gw_buffer *radiance, gw_error *error)
+{
+	gw_gpu *gpu = a->on->passes->gpu;
+	GW_TRY(make_room(a, error));
+	GW_TRY(gw_shut_out_label(a->on, &a->record, error));
+	GW_TRY(gw_compartments_of_facets(gpu, a->on->octree, a->facet, error));
+	GW_TRY(gw_buffer_download(gpu, &a->on->records->normal, 0, a->normal, a->record_bytes, error));
+	return gw_buffer_download(gpu, radiance, 0, a->radiance, a->facet_bytes, error);
+}
+
+/* Leaves to gather the records of a compartment alone. Returns how many there are. */
+static uint32_t choose_records(const apart *a, uint32_t label)
+{
+	uint32_t chosen = 0;
+	memcpy(a->own, a->normal, a->record_bytes);
+	for (size_t i = 0; i < a->on->records->count; i++) {
+		if (a->record[i] == label)
+			chosen++;
+		else
+			a->own[4 * i + 3] = GW_RECORD_LEFT;
+	}
+	return chosen;
+}
+
+/* What is to be seen from a compartment. */
+static void choose_facets(const apart *a, uint32_t label)
+{
+	for (size_t i = 0; i < a->facet_bytes / 16; i++) {
+		if (gw_compartments_apart(a->facet[i], label))
+			memset(a->own + 4 * i, 0, 4 * sizeof *a->own);
+		else
+			memcpy(a->own + 4 * i, a->radiance + 4 * i, 4 * sizeof *a->own);
+	}
+}
+
+static gw_status gather_one(apart *a, uint32_t label, gw_cone_gather *gather, float largest,
+							const float sky[3], gw_buffer *gathered, gw_error *error)
+{
+	gw_gpu *gpu = a->on->passes->gpu;
+	const float black[3] = { 0 };
+	gw_records records = *a->on->records;
+	const gw_record_context on = { a->on->passes, a->on->octree, &records };
+	bool shut = gw_compartments_apart(label, gw_compartment_outside(on.octree));
+	if (choose_records(a, label) == 0)
+		return GW_OK;
+	GW_TRY(gw_buffer_upload(gpu, &a->normals, 0, a->own, a->record_bytes, error));
+	choose_facets(a, label);
+	GW_TRY(gw_buffer_upload(gpu, &a->radiances, 0, a->own, a->facet_bytes, error));
+	records.normal = a->normals;
+	const gw_facet_radiance radiance = { &a->radiances, largest };
+	return gw_cone_gather_bounce(&on, gather, radiance, shut ? black : sky, gathered, error);
+}
+
+gw_status gw_cones_apart_bounce(const gw_record_context *on, gw_cone_gather *gather,
+								gw_facet_radiance radiance, const float sky[3], gw_buffer *gathered,
+								gw_error *error)
+{
+	apart a = { .on = on,
+				.record_bytes = 16 * (uint64_t)on->records->count,
+				.facet_bytes = 32 * (uint64_t)on->octree->leaf_count };
+	if (!gw_compartments_several(on->octree))
+		return gw_cone_gather_bounce(on, gather, radiance, sky, gathered, error);
+	gw_status status = fetch(&a, radiance.facets, error);
+	uint32_t count = gw_compartments_count(on->octree);
+	for (uint32_t i = 0; i <= count && status == GW_OK; i++)
+		status = gather_one(&a, i < count ? i : GW_COMPARTMENT_UNKNOWN, gather, radiance.largest,
+							sky, gathered, error);
+	gw_buffer_destroy(on->passes->gpu, &a.normals);
+	gw_buffer_destroy(on->passes->gpu, &a.radiances);
+	free(a.record);
+	free(a.facet);
+	free(a.normal);
+	free(a.radiance);
+	free(a.own);
+	return status;
+}

@@ -1,0 +1,157 @@
+/* Rows and columns of a scanner's picture are found in the bare list of its points. */
+#include "points/scan_rows.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COLUMNS 90u
+#define ROWS 70u
+#define CELLS (COLUMNS * ROWS)
+
+/* What becomes of the points before they are written. */
+typedef struct treatment {
+	bool turns;     /* a scanner about z; else a camera along z */
+	bool shuffled;  /* in no order */
+	double rounded; /* to multiples of that; 0: not */
+	double shift;   /* along x, metres */
+} treatment;
+
+/* A room's corner at a depth that goes in steps, as depth cameras measure it. */
+static double depth_of(double u, double v)
+{
+	double depth = fmin(3.0 + u, 2.0 / fmax(v, 0.1));
+	return 1.0 / (round(200.0 / depth) / 200.0);
+}
+
+static void place(const treatment *t, uint32_t cell, double p[3])
+{
+	double u = (cell % COLUMNS - 44.0) / 100.0, v = (cell / COLUMNS - 30.0) / 100.0;
+	double depth = depth_of(u, v);
+	if (t->turns) {
+		p[0] = depth * cos(u) * cos(v);
+		p[1] = depth * sin(u) * cos(v);
+		p[2] = depth * sin(v);
+	} else {
+		p[0] = u * depth;
+		p[1] = v * depth;
+		p[2] = depth;
+	}
+	p[0] += t->shift;
+	for (int k = 0; k < 3 && t->rounded > 0.0; k++)
+		p[k] = round(p[k] / t->rounded) * t->rounded;
+}
+
+static scan take(const treatment *t)
+{
+	static const char *const name[3] = { "x", "y", "z" };
+	scan cloud = { .count = CELLS, .up = 'z' };
+	gw_error error = { 0 };
+	for (int k = 0; k < 3; k++)
+		assert_non_null(scan_add_column(&cloud, name[k], SCAN_FLOAT32, &error));
+	for (uint32_t i = 0; i < CELLS; i++) {
+		double p[3];
+		place(t, t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i, p); /* 4001 is prime */
+		for (int k = 0; k < 3; k++)
+			((float *)cloud.column[k].data)[i] = (float)p[k];
+	}
+	return cloud;
+}
+
+static void find(scan *cloud)
+{
+	gw_error error = { 0 };
+	assert_int_equal(scan_find_rows(cloud, &error), GW_OK);
+}
+
+static void expect_cells(const treatment *t)
+{
+	scan cloud = take(t);
+	find(&cloud);
+	assert_int_equal(cloud.image_count, 1);
+	assert_int_equal(cloud.image[0].columns, COLUMNS);
+	assert_int_equal(cloud.image[0].rows, ROWS);
+	assert_int_equal(cloud.scanner_count, 1);
+	assert_true(cloud.scanner[0] == 0.0 && cloud.scanner[1] == 0.0 && cloud.scanner[2] == 0.0);
+	for (uint32_t i = 0; i < CELLS; i++)
+		assert_int_equal(cloud.image_cell[i], t->shuffled ? i * 4001ull % CELLS : i);
+	assert_int_equal(cloud.comment_count, 1);
+	assert_int_equal(cloud.up, t->turns || t->shuffled ? 'z' : 'Y');
+	scan_clear(&cloud);
+}
+
+static void expect_none(const treatment *t)
+{
+	scan cloud = take(t);
+	find(&cloud);
+	assert_int_equal(cloud.image_count + cloud.scanner_count + cloud.comment_count, 0);
+	assert_int_equal(cloud.up, 'z');
+	scan_clear(&cloud);
+}
+
+static void cells_are_found_again(void **state)
+{
+	(void)state;
+	expect_cells(&(treatment){ .turns = false });
+	expect_cells(&(treatment){ .turns = true });
+	expect_cells(&(treatment){ .shuffled = true });
+	expect_cells(&(treatment){ .turns = true, .shuffled = true });
+	/* A hundredth of a cell, which is a hundredth wide, at 2 m: rounded by half of that. */
+	expect_cells(&(treatment){ .rounded = 2e-4 });
+}
+
+/* Seen from elsewhere, or rounded to half a cell and more, they are no rows. */
+static void others_have_none(void **state)
+{
+	(void)state;
+	expect_none(&(treatment){ .shift = 0.7 });
+	expect_none(&(treatment){ .turns = true, .shift = 0.7 });
+	expect_none(&(treatment){ .rounded = 2e-2 });
+	expect_none(&(treatment){ .turns = true, .rounded = 2e-2 });
+}
+
+/* Floors drawn as a grid, one or two of them above the origin, are no picture taken from there. */
+static void grids_of_points_are_no_picture(void **state)
+{
+	(void)state;
+	for (int floors = 1; floors <= 2; floors++) {
+		scan cloud = take(&(treatment){ .turns = false });
+		for (uint32_t i = 0; i < CELLS; i++) {
+			((float *)cloud.column[0].data)[i] = (float)(i % COLUMNS) * 0.1f - 4.5f;
+			((float *)cloud.column[1].data)[i] = (float)(i / COLUMNS) * 0.1f - 3.5f;
+			((float *)cloud.column[2].data)[i] = floors == 2 && i % 2 ? 2.0f : 1.0f;
+		}
+		find(&cloud);
+		assert_int_equal(cloud.image_count + cloud.scanner_count, 0);
+		scan_clear(&cloud);
+	}
+}
+
+/* What a file says goes before. */
+static void files_know_better(void **state)
+{
+	(void)state;
+	gw_error error = { 0 };
+	scan cloud = take(&(treatment){ .turns = true });
+	for (int k = 0; k < 2; k++)
+		assert_int_equal(
+			scan_add_scanner(&cloud, (const double[3]){ k, 1, 2 }, 0, cloud.count, &error), GW_OK);
+	find(&cloud);
+	assert_int_equal(cloud.image_count, 0);
+	scan_clear(&cloud);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(cells_are_found_again),
+		cmocka_unit_test(others_have_none),
+		cmocka_unit_test(grids_of_points_are_no_picture),
+		cmocka_unit_test(files_know_better),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
