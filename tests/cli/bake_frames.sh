@@ -47,7 +47,8 @@ sed -n -e 's/.*"frame": \([0-9]*\),.*"file": "\([^"]*\)".*/\1 \2/p' frames.json
 head -c 4000 same-2.ply | grep -a 'comment glowworm frame'
 # A line a lamp, of all frames together, and its share of each in the report.
 glowworm bake box.scene.json --frames 0..1 -f -o shares-%d.ply --report shares.json \
-	--light 'point name black at 0,0,1 intensity 0' 2>&1 | sed -n '/light /s/ [0-9]* %/ N %/p; /black/p'
+	--light 'point name black at 0,0,1 intensity 0' 2>&1 |
+	sed -n '/light /s/ [0-9]* %/ N %/p; /black/p'
 grep -c '"light_shares": \[0.4' shares.json
 # Refused: one sentence each.
 try() { # scene's end, option...
