@@ -52,7 +52,7 @@ PROJ_SOURCE     := formats/units/proj_system.c
 PLUGINS         := $(BUILD)/libglowworm-vdb.so $(BUILD)/libglowworm-proj.so
 PLUGIN_RUN_PATH := -Wl,--disable-new-dtags,-rpath,'$$ORIGIN:$$ORIGIN/../lib/glowworm'
 
-LIB_SOURCES     := $(filter-out lib/device/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
+LIB_SOURCES     := $(filter-out lib/light/kernel.cpp,$(wildcard lib/*/*.c lib/*/*.cpp))
 FORMATS_SOURCES := $(filter-out $(VDB_SOURCE) $(PROJ_SOURCE),$(wildcard formats/*/*.c formats/*/*.cpp))
 CLI_SOURCES     := $(wildcard cli/*/*.c)
 PUBLIC_HEADERS  := $(wildcard lib/*.h)
@@ -82,7 +82,7 @@ VERSION := $(shell sed -n 's/.*define GW_VERSION "\(.*\)"/\1/p' lib/glowworm.h)
 SONAME  := libglowworm.so.$(basename $(VERSION))
 SHARED  := libglowworm.so.$(VERSION)
 
-# Passes that run on the processor as well: lib/device/kernel.cpp, compiled with the text of each.
+# Passes that run on the processor as well: lib/light/kernel.cpp, compiled with the text of each.
 KERNELS         := device/prefix_sum light/light_visibility light/light_irradiance \
                    light/facet_direct light/record_rays light/record_again light/record_emitters \
                    light/record_sky light/record_portals light/portal_light \
@@ -145,7 +145,7 @@ $(BUILD)/%.o: %.cpp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -MMD -MP -c -o $@ $<
 
-$(KERNEL_OBJECTS): $(BUILD)/kernels/%_kernel.o: lib/device/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
+$(KERNEL_OBJECTS): $(BUILD)/kernels/%_kernel.o: lib/light/kernel.cpp shaders/%.comp $(BUILD_FLAGS)
 	@mkdir -p $(@D)
 	$(CXX) $(CPPFLAGS) $(CXXFLAGS) $(OWN_FLAGS) -Werror=double-promotion $(call KERNEL_OF,$*) -MMD -MP -c -o $@ $<
 
@@ -286,7 +286,7 @@ $(BUILD)/analysis/%.cpp.txt: %.cpp
 	@$(call ANALYSE,$(CXXFLAGS)) 2>$@.new; mv $@.new $@
 
 KERNELS_ANALYSED := $(KERNELS:%=$(BUILD)/analysis/kernels/%.txt)
-$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/device/kernel.cpp shaders/%.comp
+$(KERNELS_ANALYSED): $(BUILD)/analysis/kernels/%.txt: lib/light/kernel.cpp shaders/%.comp
 	@mkdir -p $(@D)
 	@$(call ANALYSE,$(CXXFLAGS) $(call KERNEL_OF,$*)) 2>$@.new; mv $@.new $@
 

@@ -1,6 +1,6 @@
 /*
  * pass.glsl - what the texts of passes are written with that are compiled as GLSL and as C++; here
- * for GLSL, in glsl.h and lib/device/kernel.cpp for C++. The README.md of shaders/ says more.
+ * for GLSL, in glsl.h and lib/light/kernel.cpp for C++. The README.md of shaders/ says more.
  *
  *   TEXELS(binding, texel, name)           a texel buffer of uint, uvec2, uvec4, float or vec4
  *   BUFFER(binding, access, type, name)    a storage buffer, `name` an array of that type
