@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/shared_math.h"
 #include "estimate/check_point_choice.h"
-#include "estimate/side_pieces.h"
+#include "estimate/side_components.h"
 #include "light/direct_light.h"
 #include "light/shader_functions.h"
 
@@ -300,9 +300,9 @@ static double list_errors(check *c)
 	return wrong;
 }
 
-/* ------------------------------------------------------------------------------------- pieces */
+/* --------------------------------------------------------------------------------- components */
 
-/* What the points of a piece of surface say together. */
+/* What the points of a component of surface say together. */
 typedef struct opinion {
 	double differs, all; /* rays */
 	double wrong, points;
@@ -317,39 +317,40 @@ static void add_opinion(const check *c, size_t i, opinion *to)
 	to->points += 1.0;
 }
 
-/* By what is wrong of a piece at most, over what its points say one by one. As w of all points are
- * wrong, of a piece with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ. */
-static double part_of(const opinion *piece, double w)
+/* By what is wrong of a component at most, over what its points say one by one. As w of all points
+ * are wrong, of a component with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ.
+ */
+static double part_of(const opinion *component, double w)
 {
-	double differs = piece->all > 0.0 ? piece->differs / piece->all : 1.0;
+	double differs = component->all > 0.0 ? component->differs / component->all : 1.0;
 	double most = fmin(fmax((differs - w) / fmax(1.0 - 2.0 * w, SHARE_LEAST), 0.0), 1.0);
-	return piece->wrong > 0.0 ? fmin(most * piece->points / piece->wrong, 1.0) : 1.0;
+	return component->wrong > 0.0 ? fmin(most * component->points / component->wrong, 1.0) : 1.0;
 }
 
-/* Where a few points of a piece see backs and the others do not, something is missing elsewhere,
- * as the underside of what stands on a floor. */
-static void limit_by_pieces(check *c, const uint32_t *piece, opinion *said, double w)
+/* Where a few points of a component see backs and the others do not, something is missing
+ * elsewhere, as the underside of what stands on a floor. */
+static void limit_by_components(check *c, const uint32_t *component, opinion *said, double w)
 {
 	for (size_t i = 0; i < c->choice.count; i++)
 		if (!is_unknown(c, i))
-			add_opinion(c, i, &said[piece[c->choice.point[i]]]);
+			add_opinion(c, i, &said[component[c->choice.point[i]]]);
 	for (size_t i = 0; i < c->choice.count; i++)
 		if (!is_unknown(c, i))
-			c->wrong[i] *= part_of(&said[piece[c->choice.point[i]]], w);
+			c->wrong[i] *= part_of(&said[component[c->choice.point[i]]], w);
 }
 
-static gw_status ask_pieces(check *c, double w, gw_error *error)
+static gw_status ask_components(check *c, double w, gw_error *error)
 {
 	size_t count = c->task->surfels->count;
-	uint32_t *piece = gw_allocate_array(count, sizeof *piece);
+	uint32_t *component = gw_allocate_array(count, sizeof *component);
 	opinion *said = gw_allocate_zeros(count, sizeof *said);
 	gw_status status =
-		piece && said
-			? gw_side_pieces_find(c->task->surfels, c->task->threads, piece, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for pieces of %zu points", count);
+		component && said
+			? gw_side_components_find(c->task->surfels, c->task->threads, component, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for components of %zu points", count);
 	if (status == GW_OK)
-		limit_by_pieces(c, piece, said, w);
-	free(piece);
+		limit_by_components(c, component, said, w);
+	free(component);
 	free(said);
 	return status;
 }
@@ -361,7 +362,7 @@ static gw_status find_wrong(check *c, gw_error *error)
 		c->wrong[i] = probability(c, c->found[i], is_unknown(c, i), w);
 		wrong += is_unknown(c, i) ? 0.0 : c->choice.weight[i] * c->wrong[i];
 	}
-	return wrong > WRONG_LEAST ? ask_pieces(c, w, error) : GW_OK;
+	return wrong > WRONG_LEAST ? ask_components(c, w, error) : GW_OK;
 }
 
 /* What is off on average is so in each reflection: 1 + kept + kept^2 and so on. */

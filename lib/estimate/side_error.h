@@ -1,5 +1,5 @@
 /*
- * side_error.h - how wrong the light is because pieces of surface may face the wrong way.
+ * side_error.h - how wrong the light is because parts of surface may face the wrong way.
  *
  * Where normals were estimated, somebody guessed which side of the surface people see. A second
  * opinion is what the sides themselves see: from within a room, or from outside of things, one sees
@@ -8,8 +8,8 @@
  * a front and meets a back, or the other way round, says that one of the two points is wrong.
  *
  * A ray may also meet a back because the front above it was not scanned, as through the underside
- * of what stands on a floor. Then the points beside know better: of a smooth piece of surface
- * (side_pieces.h) no more points are wrong than all of its rays together say.
+ * of what stands on a floor. Then the points beside know better: of a smooth component of surface
+ * (side_components.h) no more points are wrong than all of its rays together say.
  *
  * If a share w of the points is wrong wherever they are, a share 2 w (1 - w) of all rays says so,
  * which gives w. A point is wrong with a probability that puts together w and what its own rays

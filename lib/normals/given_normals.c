@@ -41,7 +41,7 @@
  * anybody to know. */
 #define BETTER_BY 5
 
-/* A piece keeps the side of its given normals when at least so many of them had it. */
+/* A component keeps the side of its given normals when at least so many of them had it. */
 #define MAJORITY 0.6
 
 /* Inside out: share of the ways to the front that may lead out, and of those to the back that
@@ -56,7 +56,7 @@
  * than a hemisphere. */
 #define LENGTH_LEAST 0.3f
 
-/* Links from each surfel by which pieces are found. */
+/* Links from each surfel by which connected components are found. */
 #define LINKS 4u
 
 /* What was found at one surfel. */
@@ -180,7 +180,8 @@ static bool is_mixed(const figures *f)
 	return conflicts || creases;
 }
 
-/* --------------------------------------------------------------------------------- the pieces */
+/* --------------------------------------------------------------------------------- the components
+ */
 
 static uint32_t root_of(uint32_t *parent, uint32_t i)
 {
@@ -196,7 +197,7 @@ static void note_links(void *user, size_t surfel, const gw_neighbour_list *list)
 		c->link[LINKS * surfel + j] = j < list->count ? list->index[j] : (uint32_t)surfel;
 }
 
-static gw_status find_pieces(check *c, gw_error *error)
+static gw_status find_components(check *c, gw_error *error)
 {
 	size_t count = c->surfels->count;
 	GW_TRY(gw_neighbours_visit_reach(c->search, note_links, c, error));
@@ -211,12 +212,12 @@ static gw_status find_pieces(check *c, gw_error *error)
 	return GW_OK;
 }
 
-/* Turns whole pieces back where clearly most of the given normals were turned. */
+/* Turns whole components back where clearly most of the given normals were turned. */
 static gw_status keep_majority(check *c, gw_surfels *s, const float *before, gw_error *error)
 {
 	uint32_t(*turned)[2] = gw_allocate_zeros(s->count, sizeof *turned);
 	if (!turned)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for pieces of %zu surfels", s->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for components of %zu surfels", s->count);
 	for (uint32_t i = 0; i < s->count; i++) {
 		const float *n = before + 3 * (size_t)i;
 		if (is_given(n))
@@ -262,7 +263,7 @@ static gw_status mend_in(check *c, const gw_surfels_options *options, const mend
 	memcpy(m->before, s->normal, 3 * s->count * sizeof *m->before);
 	memset(m->open, 1, s->count);
 	GW_TRY(gw_orient_normals(options, c->search, s, m->open, m->doubtful, error));
-	GW_TRY(find_pieces(c, error));
+	GW_TRY(find_components(c, error));
 	GW_TRY(keep_majority(c, s, m->before, error));
 	GW_TRY(measure(c, &after, error));
 	settle(s, m->before, is_better(&after, found));

@@ -2,7 +2,8 @@
 # The program and its plugins are built so that a fault of ours is hard to use: position
 # independent, no code on the stack, addresses of functions read-only once it runs, guarded stacks,
 # checked copies, and on x86 landing pads for indirect calls. Looks at BUILD/glowworm and
-# BUILD/libglowworm-*.so, BUILD being build unless set; a sanitized build is no release.
+# BUILD/libglowworm-*.so, BUILD being build unless set; a sanitized build is no release. And the
+# program loads at each start only what each start needs.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 build=${BUILD:-build}
@@ -42,6 +43,15 @@ check_fortified() {
 		echo "$build/glowworm: was built with less than -D_FORTIFY_SOURCE=3"
 }
 
+# Libraries that take long to load come with a plugin, when it is needed.
+check_loaded() {
+	local library
+	for library in openvdb proj; do
+		! readelf -dW "$build/glowworm" | grep -q "NEEDED.*lib$library" ||
+			echo "$build/glowworm: loads lib$library at each start, which a plugin is for"
+	done
+}
+
 # What this compiler and processor know.
 cf_protection=
 level=2
@@ -67,4 +77,5 @@ for file in "$build"/glowworm "$build"/libglowworm-{vdb,proj}.so; do
 	complain < <(check_compiled "$file")
 done
 complain < <(check_fortified)
+complain < <(check_loaded)
 finish

@@ -140,6 +140,7 @@ expect_fault hardening 'calls no checked copies' 'build_program -D_FORTIFY_SOURC
 expect_fault hardening 'less than -D_FORTIFY_SOURCE=3' \
 	'safe=${safe/=3/=2}; build_program "" ""; safe=${safe/=2/=3}'
 expect_fault hardening 'how it was compiled' 'build_program -g0 ""'
+expect_fault hardening 'loads libproj' 'build_program "" "-Wl,--no-as-needed -lproj"'
 expect_fault hardening 'is not there' 'rm -f build/glowworm'
 
 expect_fault banned 'lib/one.c:8' 'echo "void f(char *a, char *b) { strcpy(a, b); }" >>lib/one.c'

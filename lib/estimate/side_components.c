@@ -1,7 +1,7 @@
 /*
- * side_pieces.c - see side_pieces.h.
+ * side_components.c - see side_components.h.
  */
-#include "estimate/side_pieces.h"
+#include "estimate/side_components.h"
 
 #include "base/memory.h"
 #include "cloud/neighbours.h"
@@ -12,10 +12,10 @@
 /* Neighbours that lie higher than this share of their distance are not on the same surface. */
 #define HEIGHT_MOST 0.35f
 
-typedef struct pieces {
+typedef struct components {
 	const gw_surfels *surfels;
 	uint32_t *near; /* GW_NEIGHBOURS a surfel; the surfel itself where there is none */
-} pieces;
+} components;
 
 /* Of one smooth surface: alike, and beside each other rather than above. */
 static bool adjoin(const gw_surfels *s, size_t i, size_t j)
@@ -31,7 +31,7 @@ static bool adjoin(const gw_surfels *s, size_t i, size_t j)
 
 static void list_neighbours(void *user, size_t surfel, const gw_neighbour_list *list)
 {
-	pieces *p = user;
+	components *p = user;
 	for (uint32_t k = 0; k < GW_NEIGHBOURS; k++) {
 		bool same = k < list->count && adjoin(p->surfels, surfel, list->index[k]);
 		p->near[GW_NEIGHBOURS * surfel + k] = same ? list->index[k] : (uint32_t)surfel;
@@ -47,7 +47,7 @@ static uint32_t find_root(uint32_t *parent, uint32_t i)
 	return i;
 }
 
-static void join_all(const pieces *p, uint32_t *parent)
+static void join_all(const components *p, uint32_t *parent)
 {
 	uint32_t count = (uint32_t)p->surfels->count;
 	for (uint32_t i = 0; i < count; i++)
@@ -62,12 +62,12 @@ static void join_all(const pieces *p, uint32_t *parent)
 		parent[i] = find_root(parent, i);
 }
 
-gw_status gw_side_pieces_find(const gw_surfels *surfels, uint32_t threads, uint32_t *piece,
-							  gw_error *error)
+gw_status gw_side_components_find(const gw_surfels *surfels, uint32_t threads, uint32_t *component,
+								  gw_error *error)
 {
 	const gw_surfels_options options = { .threads = threads };
 	gw_neighbours *search = NULL;
-	pieces p = { .surfels = surfels };
+	components p = { .surfels = surfels };
 	p.near = gw_allocate_array(surfels->count, GW_NEIGHBOURS * sizeof *p.near);
 	gw_status status = p.near
 						   ? gw_neighbours_open(surfels, &options, &search, error)
@@ -76,7 +76,7 @@ gw_status gw_side_pieces_find(const gw_surfels *surfels, uint32_t threads, uint3
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, list_neighbours, &p, error);
 	if (status == GW_OK)
-		join_all(&p, piece);
+		join_all(&p, component);
 	gw_neighbours_close(search);
 	free(p.near);
 	return status;
