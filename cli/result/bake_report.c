@@ -481,12 +481,41 @@ static bool is_notable(const gw_count *count, size_t points)
 		double least; /* share of the points */
 	} harmless[] = { { "duplicates_merged", 0.1 },
 					 { "albedo_clamped", 0.01 },
-					 { "normals_untrusted", 0.05 } };
+					 { "normals_untrusted", 0.05 },
+					 { "foliage", 0.001 } };
 	double least = 0.0;
 	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
 		if (strcmp(count->name, harmless[i].name) == 0)
 			least = harmless[i].least;
 	return count->points > 0 && (double)count->points >= least * (double)points;
+}
+
+#define OF_POINTS "points "
+
+/* Counts of points, whose meanings begin so, are told together. */
+static bool is_of_points(const gw_count *count)
+{
+	return strncmp(count->meaning, OF_POINTS, strlen(OF_POINTS)) == 0;
+}
+
+/* What became of which points, in one line, and what else was counted. */
+static void note_counts(const gw_report *r, size_t points)
+{
+	uint32_t together = 0, told = 0;
+	for (uint32_t i = 0; i < r->count_count; i++)
+		together += is_of_points(&r->count[i]) && is_notable(&r->count[i], points);
+	for (uint32_t i = 0; i < r->count_count; i++)
+		if (is_notable(&r->count[i], points) && (together < 2 || !is_of_points(&r->count[i])))
+			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
+					r->count[i].meaning);
+	for (uint32_t i = 0; i < r->count_count && together >= 2; i++)
+		if (is_notable(&r->count[i], points) && is_of_points(&r->count[i])) {
+			fprintf(stderr, "%s%" PRIu64 " %s", told > 0 ? "; " : "glowworm: note: of all points ",
+					r->count[i].points, r->count[i].meaning + strlen(OF_POINTS));
+			told++;
+		}
+	if (told > 0)
+		fputc('\n', stderr);
 }
 
 /* Where light does not get to most of what there is: the usual first picture of a room is black. */
@@ -513,10 +542,7 @@ void bake_report_notes(const bake_facts *f)
 {
 	const gw_report *r = &f->result->report;
 	doubt told = note_largest_doubt(f->settings, r);
-	for (uint32_t i = 0; i < r->count_count; i++)
-		if (is_notable(&r->count[i], f->result->count))
-			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
-					r->count[i].meaning);
+	note_counts(r, f->result->count);
 	octree_note_print(r->leaf_size, r->wanted_leaf_size, r->why_coarser);
 	if (f->settings->bake.bounces != 0)
 		note_dark(f->result);
