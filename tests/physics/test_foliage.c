@@ -95,9 +95,9 @@ static double share_below(const wood *w, double degrees)
 }
 
 /* The optical depth, not the light, is compared, so that dense leaves count as well. Leaves of a
- * cell hide each other no less than those of others: that takes up to 3 %, and at 1.5 and more gives
- * 1 back. Chance, by where 4000 leaves are, has a standard deviation of 2 % (ten woods), of which
- * three are allowed. */
+ * cell hide each other no less than those of others: that takes up to 3 %, and at 1.5 and more
+ * gives 1 back. Chance, by where 4000 leaves are, has a standard deviation of 2 % (ten woods), of
+ * which three are allowed. */
 static void beer_and_lambert(void **state)
 {
 	(void)state;
