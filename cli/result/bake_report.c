@@ -510,7 +510,7 @@ static void note_counts(const gw_report *r, size_t points)
 					r->count[i].meaning);
 	for (uint32_t i = 0; i < r->count_count && together >= 2; i++)
 		if (is_notable(&r->count[i], points) && is_of_points(&r->count[i])) {
-			fprintf(stderr, "%s%" PRIu64 " %s", told > 0 ? "; " : "glowworm: note: of all points ",
+			fprintf(stderr, "%s%" PRIu64 " %s", told > 0 ? "; " : "glowworm: note: of all points, ",
 					r->count[i].points, r->count[i].meaning + strlen(OF_POINTS));
 			told++;
 		}
