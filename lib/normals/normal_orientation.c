@@ -213,8 +213,8 @@ static gw_status collect_borders(orientation_work *w, gw_error *error)
 	for (size_t i = 0; i < pairs; i++) {
 		size_t surfel = i / GW_NEIGHBOURS, other = w->near[i];
 		uint32_t a = w->patch[surfel], b = w->patch[other];
-		double says = border_says(w, surfel, other, w->agreement[i]);
-		if (a == b || says == 0)
+		double says = a == b ? 0 : border_says(w, surfel, other, w->agreement[i]);
+		if (says == 0)
 			continue;
 		if (!make_room(w))
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the borders of %zu patches",
@@ -386,6 +386,9 @@ static void turn_best(orientation_work *w, gw_patch_groups *groups)
 /* Signs by what patches and borders say; alike: creases say as much as smooth surface. */
 static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 {
+	const gw_surfels_options *o = w->options;
+	if (o->cancelled && o->cancelled(o->user))
+		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while choosing front sides");
 	w->alike = alike;
 	w->border_count = 0;
 	GW_TRY(collect_borders(w, error));

@@ -104,6 +104,13 @@ static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
 	return GW_OK;
 }
 
+static gw_status go_on(const gw_surfels_options *options, gw_error *error)
+{
+	return options->cancelled && options->cancelled(options->user)
+			   ? gw_fail(error, GW_ERROR_CANCELLED, "stopped while sorting the points")
+			   : GW_OK;
+}
+
 /* The frame of the points that are no strays. It is made anew when more of them are found in it, so
  * that strays have no part in it. */
 static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
@@ -111,7 +118,9 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 {
 	GW_TRY(gw_strays_mark_known(p->all, &p->strays, error));
 	GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+	GW_TRY(go_on(options, error));
 	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
+	GW_TRY(go_on(options, error));
 	size_t known = p->strays.count;
 	GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
 	if (p->strays.count > known) {
@@ -120,6 +129,7 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 		GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
 		GW_TRY(make_frame_anew(options, p, surfels, error));
 	}
+	GW_TRY(go_on(options, error));
 	return join_twins(options, p, surfels, error);
 }
 
@@ -213,7 +223,9 @@ static gw_status make_surface(sorted_points *p, const gw_surfels_options *option
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
 	}
 	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
-	gw_status status = join_layers(p, options, &search, surfels, error);
+	gw_status status = go_on(options, error);
+	if (status == GW_OK)
+		status = join_layers(p, options, &search, surfels, error);
 	if (status == GW_OK)
 		status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
