@@ -351,9 +351,10 @@ static void reflect(side_work *w)
 {
 	double light = 0.0, area = 0.0;
 	w->ambient = 0.0;
+	for (size_t i = 0; i < w->place_count; i++)
+		w->places[i].total[0] = w->places[i].total[1] = 0.0;
 	for (size_t i = 0; i < w->place_count; i++) {
 		place *p = w->places + i;
-		p->total[0] = p->total[1] = 0.0;
 		gather(w, p, 0.0, p->lit);
 		light += (double)p->area * fmax(p->lit[0], p->lit[1]);
 		area += (double)p->area;
