@@ -75,16 +75,17 @@ static gw_status make_frame_anew(const gw_surfels_options *options, sorted_point
 	return gw_frame_make(&p->rest, options, surfels, error);
 }
 
-/* The rest of the points gets places of its own, as it has them now; the old ones are returned. */
+/* The rest of the points gets places of its own, as it has them now; those that it had before go to
+ * *old, the caller's on success. */
 static gw_status copy_places(sorted_points *p, double **old, gw_error *error)
 {
-	*old = p->position;
-	p->position = gw_allocate_array(p->all->count, 3 * sizeof *p->position);
-	if (!p->position)
+	double *own = gw_allocate_array(p->all->count, 3 * sizeof *own);
+	if (!own)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
 					   p->all->count);
-	memcpy(p->position, p->rest.position, 3 * p->all->count * sizeof *p->position);
-	p->rest.position = p->position;
+	memcpy(own, p->rest.position, 3 * p->all->count * sizeof *own);
+	*old = p->position;
+	p->rest.position = p->position = own;
 	return GW_OK;
 }
 
@@ -207,13 +208,13 @@ static gw_status make_surface(sorted_points *p, const gw_surfels_options *option
 	gw_neighbours *search = NULL;
 	if (options->choose)
 		GW_TRY(choose(&p->rest, options, surfels, error));
-	if (gap) {
-		*gap = gw_allocate_array(surfels->count, sizeof **gap);
-		if (!*gap)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
-	}
 	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
 	gw_status status = join_layers(p, options, &search, surfels, error);
+	if (status == GW_OK && gap) {
+		*gap = gw_allocate_array(surfels->count, sizeof **gap);
+		if (!*gap)
+			status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
+	}
 	if (status == GW_OK)
 		status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);
