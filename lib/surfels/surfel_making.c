@@ -89,6 +89,17 @@ static gw_status copy_places(sorted_points *p, double **old, gw_error *error)
 	return GW_OK;
 }
 
+static gw_status join_near(const gw_surfels_options *options, sorted_points *p,
+						   const gw_surfels *surfels, size_t *moved, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = gw_neighbours_open(surfels, options, &search, error);
+	if (status == GW_OK)
+		status = gw_twins_join(surfels, search, GW_TWINS_NEAR, p->position, moved, error);
+	gw_neighbours_close(search);
+	return status;
+}
+
 /* Makes points one that stand hardly off each other, where there are many. */
 static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
 							gw_surfels *surfels, gw_error *error)
@@ -98,7 +109,7 @@ static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
 	for (int round = 0; round < TWIN_ROUNDS && moved > 0 && gw_twins_are_many(surfels); round++) {
 		if (!p->position)
 			GW_TRY(copy_places(p, &old, error));
-		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_NEAR, p->position, &moved, error));
+		GW_TRY(join_near(options, p, surfels, &moved, error));
 		if (moved > 0)
 			GW_TRY(make_frame_anew(options, p, surfels, error));
 	}
@@ -140,7 +151,7 @@ static gw_status join_often(sorted_points *p, const gw_surfels_options *options,
 	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && *thickness > LAYERS_THIN; round++) {
 		if (round > 1 && *thickness > 0.8 * first)
 			return GW_OK; /* it does not get thinner */
-		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_ALL, p->position, &moved, error));
+		GW_TRY(gw_twins_join(surfels, *search, GW_TWINS_ALL, p->position, &moved, error));
 		gw_neighbours_close(*search);
 		*search = NULL;
 		GW_TRY(make_frame_anew(options, p, surfels, error));
