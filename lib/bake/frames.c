@@ -275,21 +275,19 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 	if (frame >= f->motion->frame_count)
 		return gw_fail(error, GW_ERROR_USAGE, "there is no frame %zu; the last one is %zu", frame,
 					   f->motion->frame_count - 1);
-	gw_status status = gw_lights_check(lights, light_count, error);
-	if (status != GW_OK)
-		return status;
+	gw_light *own;
+	GW_TRY(gw_lights_check(lights, light_count, error));
+	GW_TRY(gw_scaled_lights(&f->units, lights, light_count, &own, error));
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
-	gw_light *own = gw_scaled_lights(&f->units, lights, light_count);
-	if (!r || !own) {
+	if (!r) {
 		free(own);
-		gw_bake_result_destroy(&r);
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
 	}
 	if (f->how.rebuild)
 		gw_frames_forget(f);
 	f->light.lights = own;
 	f->light.light_count = light_count;
-	status = bake_in_units(f, frame, r, error);
+	gw_status status = bake_in_units(f, frame, r, error);
 	f->light.lights = NULL;
 	f->light.light_count = 0;
 	free(own);

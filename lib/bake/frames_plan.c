@@ -120,14 +120,15 @@ gw_status gw_frames_plan(gw_frames *f, const size_t frame[2], const gw_light *co
 		GW_TRY(gw_lights_check(lights[i], light_count, error));
 	}
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
+	gw_status status = r ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for a plan");
 	for (int i = 0; i < 2; i++) {
-		own[i] = gw_scaled_lights(&f->units, lights[i], light_count);
+		if (status == GW_OK)
+			status = gw_scaled_lights(&f->units, lights[i], light_count, &own[i], error);
 		trials[i] = (trial){ .frame = frame[i], .lights = own[i] };
 	}
 	f->light.light_count = light_count;
-	gw_status status = r && own[0] && own[1]
-						   ? plan_frames(f, trials, r, error)
-						   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for a plan");
+	if (status == GW_OK)
+		status = plan_frames(f, trials, r, error);
 	f->light.light_count = 0;
 	free(own[0]);
 	free(own[1]);

@@ -197,10 +197,9 @@ gw_status gw_lighting_change(gw_lighting *lighting, const gw_light *lights, size
 							 gw_error *error)
 {
 	gw_scene *scene = lighting->scene;
+	gw_light *own;
 	GW_TRY(gw_lights_check(lights, light_count, error));
-	gw_light *own = gw_scaled_lights(&scene->units, lights, light_count);
-	if (!own)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", light_count);
+	GW_TRY(gw_scaled_lights(&scene->units, lights, light_count, &own, error));
 	free(lighting->own_lights);
 	lighting->lights = lighting->own_lights = own;
 	lighting->light_count = light_count;

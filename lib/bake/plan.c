@@ -245,13 +245,15 @@ static void plan_surface(const gw_plan_task *task, gw_report *report)
 	snprintf(reason, sizeof reason, "%.3g %% of the points come without one that can be trusted",
 			 100.0 * (double)s->normals_estimated / fmax((double)s->count, 1.0));
 	char through[sizeof report->effect->reason];
-	snprintf(through, sizeof through,
-			 "%.3g %% of the points are less than opaque, or fill space as leaves do",
-			 100.0 * (double)gw_surfels_count_clear(s) / fmax((double)s->count, 1.0));
-	if (gw_surfels_count_clear(s) == 0)
+	size_t clear = gw_surfels_count_clear(s);
+	bool cones = task->options->method == GW_METHOD_CONES;
+	if (clear > 0)
+		snprintf(through, sizeof through,
+				 "%.3g %% of the points are less than opaque, or fill space as leaves do",
+				 100.0 * (double)clear / (double)s->count);
+	else
 		snprintf(through, sizeof through, "all points are opaque%s",
-				 task->options->method == GW_METHOD_CONES ? ", by cones light may differ by 0.5 %"
-														  : "");
+				 cones ? ", by cones light may differ by 0.5 %" : "");
 	const call transmission = { GW_EFFECT_TRANSMISSION, s->transparency != NULL, through,
 								"attenuated once a surface" };
 	const call noise = { GW_EFFECT_NOISE, s->shading_normal != NULL,

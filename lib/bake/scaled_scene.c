@@ -10,7 +10,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Light beyond these is brought to about 1. */
 #define LIGHT_LEAST 0x1p-60
@@ -121,32 +120,41 @@ static void scale_light(gw_light *light, const gw_scaled_scene *scaled)
 	}
 }
 
-gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count)
-{
-	gw_light *copy = gw_allocate_array(count, sizeof *copy);
-	if (copy && count > 0)
-		memcpy(copy, lights, count * sizeof *copy);
-	for (size_t i = 0; copy && i < count; i++)
-		scale_light(&copy[i], scaled);
-	return copy;
-}
-
-/* Lamps that shine on things of 1e-300 m from as near are beyond all numbers. */
-static bool fit(const gw_light *lights, size_t count)
-{
-	bool fits = true;
-	for (size_t i = 0; lights && i < count; i++)
-		for (int k = 0; k < 3; k++)
-			fits = fits && isfinite(lights[i].intensity[k]) && isfinite(lights[i].irradiance[k]) &&
-				   isfinite(lights[i].radiance[k]);
-	return fits;
-}
-
 static gw_status fail_bright(gw_error *error)
 {
 	return gw_fail(error, GW_ERROR_DATA,
 				   "the light on the points is more than 3.4e38, which is all that a 32-bit "
 				   "number holds: use weaker lamps, or check the unit of lengths");
+}
+
+/* Lamps that shine on things of 1e-300 m from as near are beyond all numbers. */
+static bool is_finite_light(const gw_light *light)
+{
+	const float *color = light->type == GW_LIGHT_SUN           ? light->irradiance
+						 : light->type == GW_LIGHT_ENVIRONMENT ? light->radiance
+															   : light->intensity;
+	return isfinite(color[0]) && isfinite(color[1]) && isfinite(color[2]);
+}
+
+gw_status gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count,
+						   gw_light **copy, gw_error *error)
+{
+	bool fit = true;
+	gw_light *own = gw_allocate_array(count, sizeof *own);
+	*copy = NULL;
+	if (!own)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", count);
+	for (size_t i = 0; i < count; i++) {
+		own[i] = lights[i];
+		scale_light(&own[i], scaled);
+		fit = fit && is_finite_light(&own[i]);
+	}
+	if (!fit) {
+		free(own);
+		return fail_bright(error);
+	}
+	*copy = own;
+	return GW_OK;
 }
 
 float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count)
@@ -210,7 +218,7 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	if (scaled->length == 0 && scaled->light == 0)
 		return GW_OK;
 	gw_points *p = &scaled->points;
-	scaled->lights = gw_scaled_lights(scaled, scene->lights, scene->light_count);
+	GW_TRY(gw_scaled_lights(scaled, scene->lights, scene->light_count, &scaled->lights, error));
 	scaled->scene = (gw_scene_description){ p, scaled->lights, scene->light_count };
 	p->position = scaled->position =
 		gw_scaled_places(points->position, points->count, scaled->length);
@@ -223,12 +231,10 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	if (points->own_area)
 		p->own_area = scaled->own_area =
 			scaled_areas(points->own_area, points->count, 2 * scaled->length);
-	if (!scaled->lights || !p->position || (points->scanner && !p->scanner) ||
-		(points->emission && !p->emission) || (points->own_area && !p->own_area))
+	if (!p->position || (points->scanner && !p->scanner) || (points->emission && !p->emission) ||
+		(points->own_area && !p->own_area))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points in other units",
 					   points->count);
-	if (!fit(scaled->lights, scene->light_count))
-		return fail_bright(error);
 	scaled->options.ambient_occlusion_distance =
 		fminf(ldexpf(options->ambient_occlusion_distance, scaled->length), DISTANCE_MOST);
 	scaled->options.gap_radiance = ldexpf(options->gap_radiance, scaled->light);

@@ -27,7 +27,8 @@ typedef struct gw_scaled_scene {
  * as if it was not finite.
  *   reach    metres by which something of it moves, 0 when nothing does
  *   scaled   to be freed with gw_scaled_scene_clear, also on failure; refers to what was given
- * Fails with GW_ERROR_MEMORY, or GW_ERROR_DATA where an opacity is none.
+ * Fails with GW_ERROR_MEMORY, or GW_ERROR_DATA where an opacity is none, or a light is more in
+ * these units than a float32 holds.
  */
 gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_options *options,
 							   double reach, gw_scaled_scene *scaled, gw_error *error);
@@ -40,10 +41,15 @@ gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *re
 gw_status gw_scaled_scene_undo_radiance(const gw_scaled_scene *scaled, float *radiance,
 										size_t count, gw_error *error);
 
-/* A copy of other lights in these units, for free(); NULL when there is no memory. */
-gw_light *gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count);
+/*
+ * Copies other lights into these units.
+ *   copy   on success the lights, for free(); NULL on failure
+ * Fails with GW_ERROR_MEMORY, or GW_ERROR_DATA where one is more than a float32 holds.
+ */
+gw_status gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count,
+						   gw_light **copy, gw_error *error);
 
-/* The same of 3 * count emissions. */
+/* A copy of 3 * count emissions in these units, for free(); NULL when there is no memory. */
 float *gw_scaled_emission(const gw_scaled_scene *scaled, const float *emission, size_t count);
 
 /* Keeps the units alone, and refers to nothing any more. */

@@ -50,6 +50,9 @@
 #define COLUMN_LEAST 4
 #define SHEETS_APART 3.0
 
+/* The width of a column is more than this part of the longer extent: their numbers have 32 bits. */
+#define COLUMN_WIDTH 0x1p-31
+
 /* One axis: its points in order, and between which of them lies all but strays. */
 typedef struct axis_points {
 	double *at;
@@ -139,15 +142,17 @@ static int by_column(const void *left, const void *right)
 }
 
 /* The points within what has no strays, by the columns along an axis that they lie in. Returns how
- * many; *width receives a column's. */
+ * many, 0 where they lie on a line across it; *width receives a column's. */
 static size_t list_columns(const double *position, size_t count, const axis_points a[3], int axis,
 						   column_point *point, double *width)
 {
 	int u = (axis + 1) % 3, v = (axis + 2) % 3;
 	size_t step = count / COLUMN_MOST + 1, kept = 0;
-	double across = (a[u].high - a[u].low) * (a[v].high - a[v].low);
-	*width = sqrt(across * COLUMN_POINTS * (double)step / (double)count);
-	for (size_t i = 0; *width > 0.0 && i < count; i += step) {
+	const double extent[2] = { a[u].high - a[u].low, a[v].high - a[v].low };
+	*width = sqrt(extent[0] * extent[1] * COLUMN_POINTS * (double)step / (double)count);
+	if (!(*width > COLUMN_WIDTH * fmax(extent[0], extent[1]) && isfinite(*width)))
+		return 0;
+	for (size_t i = 0; i < count; i += step) {
 		const double *p = position + 3 * i;
 		bool within = true;
 		for (int k = 0; k < 3; k++)

@@ -3,7 +3,6 @@
 
 #include "base/memory.h"
 #include "base/nth_element.h"
-#include "cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -102,11 +101,10 @@ static size_t join(const join_step *step, double *place)
 	return moved;
 }
 
-gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *options,
-						gw_twins_kind kind, double *position, size_t *moved, gw_error *error)
+gw_status gw_twins_join(const gw_surfels *surfels, gw_neighbours *search, gw_twins_kind kind,
+						double *position, size_t *moved, gw_error *error)
 {
 	join_step step = { .surfels = surfels, .near = kind == GW_TWINS_ALL ? INFINITY : NEAR };
-	gw_neighbours *search = NULL;
 	*moved = 0;
 	step.twin = gw_allocate_array(surfels->count, sizeof *step.twin);
 	double *place = gw_allocate_array(surfels->count, 3 * sizeof *place);
@@ -115,10 +113,7 @@ gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *opt
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the twins of %zu points",
 						 surfels->count);
 	if (status == GW_OK)
-		status = gw_neighbours_open(surfels, options, &search, error);
-	if (status == GW_OK)
 		status = gw_neighbours_visit(search, find_twin, &step, error);
-	gw_neighbours_close(search);
 	for (size_t i = 0; i < surfels->count && status == GW_OK; i++)
 		place[3 * i] = NAN;
 	if (status == GW_OK)

@@ -9,7 +9,7 @@
 #ifndef TWINS_H
 #define TWINS_H
 
-#include "cloud/surfels.h"
+#include "cloud/neighbours.h"
 
 /* Which are joined: twins, or whatever is each other's nearest neighbour. */
 typedef enum gw_twins_kind { GW_TWINS_NEAR, GW_TWINS_ALL } gw_twins_kind;
@@ -18,12 +18,13 @@ typedef enum gw_twins_kind { GW_TWINS_NEAR, GW_TWINS_ALL } gw_twins_kind;
  * Puts the points of such surfels in one place, half way, so that a frame made anew takes them for
  * one. Those whose normals differ, as of two sides of a sheet, and those that emit stay.
  *   surfels   of the points, with what gw_frame_make fills
+ *   search    of these surfels
  *   position  3 a point, what the surfels were made of; is changed where there are twins
  *   moved     receives how many surfels were
- * Fails with GW_ERROR_MEMORY.
+ * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED.
  */
-gw_status gw_twins_join(const gw_surfels *surfels, const gw_surfels_options *options,
-						gw_twins_kind kind, double *position, size_t *moved, gw_error *error);
+gw_status gw_twins_join(const gw_surfels *surfels, gw_neighbours *search, gw_twins_kind kind,
+						double *position, size_t *moved, gw_error *error);
 
 /* Whether a cloud has so many twins that they matter, by the order of the surfels alone. */
 bool gw_twins_are_many(const gw_surfels *surfels);

@@ -317,9 +317,8 @@ static void add_opinion(const check *c, size_t i, opinion *to)
 	to->points += 1.0;
 }
 
-/* By what is wrong of a component at most, over what its points say one by one. As w of all points
- * are wrong, of a component with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ.
- */
+/* What is wrong of a component at most, over what its points say one by one. As w of all points are
+ * wrong, of a component with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ. */
 static double part_of(const opinion *component, double w)
 {
 	double differs = component->all > 0.0 ? component->differs / component->all : 1.0;

@@ -49,7 +49,8 @@ static gw_status fetch(apart *a, const gw_buffer *radiance, gw_error *error)
 	return gw_buffer_download(gpu, radiance, 0, a->radiance, a->facet_bytes, error);
 }
 
-/* Leaves to gather the records of a compartment alone. Returns how many there are. */
+/* The records' normals, with all records marked to be left out but those of a compartment. Returns
+ * how many those are. */
 static uint32_t choose_records(const apart *a, uint32_t label)
 {
 	uint32_t chosen = 0;
@@ -63,7 +64,7 @@ static uint32_t choose_records(const apart *a, uint32_t label)
 	return chosen;
 }
 
-/* What is to be seen from a compartment. */
+/* The facets' radiance, black for those in other compartments. */
 static void choose_facets(const apart *a, uint32_t label)
 {
 	for (size_t i = 0; i < a->facet_bytes / 16; i++) {

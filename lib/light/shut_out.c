@@ -126,7 +126,7 @@ gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_err
 	return status;
 }
 
-/* The first slot without a facet, or GW_COMPARTMENT_UNKNOWN. */
+/* The first slot without a facet, or GW_NONE. */
 static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw_error *error)
 {
 	gw_view plane = { 0 };
@@ -135,7 +135,7 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 	const float *n = plane.bytes;
 	while (i < slots && (n[4 * i] != 0.0f || n[4 * i + 1] != 0.0f || n[4 * i + 2] != 0.0f))
 		i++;
-	*slot = i < slots ? (uint32_t)i : GW_COMPARTMENT_UNKNOWN;
+	*slot = i < slots ? (uint32_t)i : GW_NONE;
 	gw_view_close(&plane);
 	return GW_OK;
 }
@@ -143,7 +143,7 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
 	uint32_t *record, *facet, *hit; /* hit: what each ray hit */
-	uint32_t outside, empty;
+	uint32_t outside, empty;        /* empty: a slot without a facet */
 } hit_labels;
 
 /* Has a ray from a compartment slipped through rock? */
@@ -152,28 +152,21 @@ static bool slipped(const hit_labels *l, uint32_t from, uint32_t hit)
 	return gw_compartments_apart(from, hit == GW_NONE ? l->outside : l->facet[hit]);
 }
 
-/* What the ray nearest to ray k of a record hit without slipping through, or nothing to be seen. */
-static uint32_t instead_of(const hit_labels *l, uint32_t from, const uint32_t *hit, uint32_t rays,
-						   uint32_t k)
-{
-	for (uint32_t off = 1; off < rays; off++) {
-		if (k >= off && !slipped(l, from, hit[k - off]))
-			return hit[k - off];
-		if (k + off < rays && !slipped(l, from, hit[k + off]))
-			return hit[k + off];
-	}
-	return hit[k] == GW_NONE ? GW_NONE : l->empty;
-}
-
-/* Puts right what a record's rays hit. Returns how many of them slipped through. Those before a ray
- * are right already, or as dark as it will be. */
+/* Puts right what a record's rays hit: one that slipped through takes what the one before it hit,
+ * which is right already, and those before the first right one what that hit. Returns how many
+ * slipped through. */
 static uint32_t turn_record(const hit_labels *l, uint32_t from, uint32_t *hit, uint32_t rays)
 {
-	uint32_t turned = 0;
+	uint32_t turned = 0, right = 0;
+	while (right < rays && slipped(l, from, hit[right]))
+		right++;
 	for (uint32_t k = 0; k < rays; k++) {
 		if (!slipped(l, from, hit[k]))
 			continue;
-		hit[k] = instead_of(l, from, hit, rays, k);
+		if (right < rays)
+			hit[k] = hit[k < right ? right : k - 1];
+		else if (hit[k] != GW_NONE)
+			hit[k] = l->empty;
 		turned++;
 	}
 	return turned;

@@ -31,8 +31,8 @@ gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_err
 
 /*
  * Puts right the rays that slipped through rock: out of a compartment that is closed, or to surface
- * in another one. They take what the ray of their record hit that comes next in the order of rays,
- * so that what is closed loses no light; where all slipped through, they see none.
+ * in another one. They take what the ray of their record before them hit, or the first that did not
+ * slip, so that what is closed loses no light; where all slipped through, they see none.
  *   rays    a record
  *   facet   R32_UINT, rays * records: what each ray hit
  */

@@ -180,8 +180,7 @@ static bool is_mixed(const figures *f)
 	return conflicts || creases;
 }
 
-/* --------------------------------------------------------------------------------- the components
- */
+/* ----------------------------------------------------------------------------- the components */
 
 static uint32_t root_of(uint32_t *parent, uint32_t i)
 {

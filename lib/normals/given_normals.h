@@ -9,7 +9,7 @@
  *   where those lie on a plane; such as one normal for all. None of them is then believed.
  * - signs: many normals oppose their neighbours' on the same plane, or those beyond a crease. Signs
  *   are then found as those of estimated normals are, and each component of surface keeps the side
- * that clearly most of its given normals had.
+ *   that clearly most of its given normals had.
  * - away: nearly all points of a scanner face away from it. These are turned.
  * - inside out: a closed body whose fronts see nothing but each other, with no lamp, emitter or
  *   scanner within. All are turned.

@@ -235,7 +235,9 @@ static void limit_areas(orientation_work *w)
 		w->area[i] = fminf(w->area[i], most);
 }
 
-static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_error *error)
+/* by_sky: w->by_sky, or NULL where nobody asks for it. */
+static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_side_light *by_sky,
+							gw_error *error)
 {
 	gw_pieces pieces = {
 		.piece_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
@@ -243,7 +245,7 @@ static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_er
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
-	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, w->by_sky, error);
+	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, by_sky, error);
 }
 
 static bool allocate_patches(orientation_work *w)
@@ -502,7 +504,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	if (!allocate_patches(w))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	bool lamps = !gw_side_light_is_sky(w->options, w->surfels);
-	GW_TRY(find_light(w, estimated, error));
+	GW_TRY(find_light(w, estimated, lamps ? w->by_sky : NULL, error));
 	if (lamps)
 		GW_TRY(decide_by_sky(w, error));
 	GW_TRY(decide(w, error));

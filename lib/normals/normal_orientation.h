@@ -9,7 +9,7 @@
  *
  *   normals given   most agree, if there are any
  *   light           more falls on the front than on the back (side_light.h), rooms before others:
- *                   that of a sky, unless the lamps of this bake get nowhere by that
+ *                   that of a sky, unless its fronts get hardly any light of this bake
  *
  * Parts that touch the rest in a few places, as a thing does the floor that it stands on, are
  * turned against it where their light says so and their borders say less.

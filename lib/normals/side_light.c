@@ -351,9 +351,10 @@ static void reflect(side_work *w)
 {
 	double light = 0.0, area = 0.0;
 	w->ambient = 0.0;
+	for (size_t i = 0; i < w->place_count; i++)
+		w->places[i].total[0] = w->places[i].total[1] = 0.0;
 	for (size_t i = 0; i < w->place_count; i++) {
 		place *p = w->places + i;
-		p->total[0] = p->total[1] = 0.0;
 		gather(w, p, 0.0, p->lit);
 		light += (double)p->area * fmax(p->lit[0], p->lit[1]);
 		area += (double)p->area;
@@ -397,16 +398,23 @@ double gw_side_factor(const gw_side_view *side)
 
 /* ------------------------------------------------------------------------------------ all of it */
 
+bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels)
+{
+	bool lit = surfels->emission != NULL;
+	for (size_t i = 0; i < options->light_count; i++)
+		lit |= gw_light_shines(options->lights + i);
+	return !lit;
+}
+
 static void find_sky(side_work *w)
 {
-	bool lit = w->surfels->emission != NULL;
 	for (size_t i = 0; i < w->options->light_count; i++) {
 		const gw_light *l = w->options->lights + i;
-		lit |= gw_luminance(l->type == GW_LIGHT_SUN ? l->irradiance : l->intensity) > 0.0;
 		if (l->type == GW_LIGHT_ENVIRONMENT)
 			w->sky += gw_luminance(l->radiance);
 	}
-	w->sky = w->sky > 0.0 || lit ? w->sky : 1.0;
+	if (!(w->sky > 0.0) && gw_side_light_is_sky(w->options, w->surfels))
+		w->sky = 1.0;
 }
 
 static void find_frame(side_work *w)
@@ -452,22 +460,12 @@ static gw_status find_light(side_work *w, gw_side_light *light, gw_side_light *b
 	GW_TRY(look_around_all(w, error));
 	reflect(w);
 	add_up(w, light);
-	leave_sky(w);
-	reflect(w);
-	add_up(w, by_sky);
-	return GW_OK;
-}
-
-bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels)
-{
-	bool sky = surfels->emission == NULL;
-	for (size_t i = 0; i < options->light_count; i++) {
-		const gw_light *l = options->lights + i;
-		bool lamp = l->type != GW_LIGHT_ENVIRONMENT;
-		const float *power = l->type == GW_LIGHT_SUN ? l->irradiance : l->intensity;
-		sky = sky && !(lamp && gw_luminance(power) > 0.0);
+	if (by_sky) {
+		leave_sky(w);
+		reflect(w);
+		add_up(w, by_sky);
 	}
-	return sky;
+	return GW_OK;
 }
 
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,

@@ -59,14 +59,14 @@ double gw_side_factor(const gw_side_view *side);
  *   surfels   position, normal and emission of all
  *   pieces    with arrays of surfels->count elements
  *   light     pieces->count; receives the result
- *   by_sky    pieces->count; receives the same as if an even sky shone, and nothing else
+ *   by_sky    pieces->count; receives the same as if an even sky shone, and nothing else; or NULL
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
 							 const gw_pieces *pieces, gw_side_light *light, gw_side_light *by_sky,
 							 gw_error *error);
 
-/* Does no more shine than an even sky? */
+/* Does nothing shine but a sky, which is taken as even here, or nothing at all? */
 bool gw_side_light_is_sky(const gw_surfels_options *options, const gw_surfels *surfels);
 
 #endif

@@ -34,7 +34,7 @@ void gw_compartments_destroy(gw_compartments **compartments); /* sets it to NULL
 /* Is there more than one, so that it is worth asking? An octree that was not asked has one. */
 bool gw_compartments_several(const gw_octree *octree);
 
-/* How many there are, numbered from 0. */
+/* How many there are, numbered from 0. There are several. */
 uint32_t gw_compartments_count(const gw_octree *octree);
 
 /* Are two known, and not the same? */

@@ -52,7 +52,7 @@
 #define CELL_SPACINGS 2.0f
 
 /* Cells along the side of a block, a power of two; the most blocks that are known to be empty, and
- * how far a ray is moved over a border, in cells. */
+ * how far a ray is moved over a border and ends before the last one, in cells. */
 #define BLOCK_BITS 1
 #define BLOCK (1 << BLOCK_BITS)
 #define EMPTY_MOST 254u
@@ -67,7 +67,7 @@
 #define BY_OTHERS 2u
 #define SEEN_WELL 16u
 
-/* Where one in so many eyes is in the open, only whole rims are those of holes. */
+/* Where more than one in so many eyes is in the open, only whole rims are those of holes. */
 #define OPEN_EYES 4u
 
 typedef struct eye {
@@ -137,9 +137,10 @@ static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
 		}
 }
 
-/* Of each block the larger of its own number and one more than the least of those beside it that
- * come before it, or with -1 after it. What lies beside a row's end is another row's: the number
- * may become less than it should be, which does no harm. */
+/* One of the two passes of a chessboard distance transform (Rosenfeld and Pfaltz 1966): no block's
+ * number is more than one above those beside it that come before it, or with -1 after it. What lies
+ * beside a row's end is another row's: the number may become less than it should be, which does no
+ * harm. */
 static void spread(hollow *h, ptrdiff_t sign)
 {
 	const ptrdiff_t row = (ptrdiff_t)h->blocks[0], layer = row * (ptrdiff_t)h->blocks[1];
@@ -210,7 +211,8 @@ static void mirror_axis(const gw_scanned_space *space, const hollow *h, int k, g
 	ray->stride[k] = up ? h->stride[k] : -h->stride[k];
 	ray->empty += (up ? 1 : blocks) * h->block_stride[k];
 	ray->block_stride[k] = up ? h->block_stride[k] : -h->block_stride[k];
-	float end = (float)(up ? (int32_t)space->cells[k] : width) - ray->origin[k];
+	/* Short of the border, so that no rounding takes a place before it to a cell behind it. */
+	float end = (float)(up ? (int32_t)space->cells[k] : width) - GRID_NUDGE - ray->origin[k];
 	end *= ray->inverse[k];
 	ray->end = end < ray->end ? end : ray->end;
 }
@@ -657,8 +659,9 @@ static bool count_holes(const work *w)
 	widen(&all, 2.0f * space->cell); /* their rims are beside them */
 	memcpy(space->holes_low, &all.low, sizeof all.low);
 	memcpy(space->holes_high, &all.high, sizeof all.high);
+	bool made = stack != NULL;
 	free(stack);
-	return stack != NULL;
+	return made;
 }
 
 gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,

@@ -75,17 +75,29 @@ static gw_status make_frame_anew(const gw_surfels_options *options, sorted_point
 	return gw_frame_make(&p->rest, options, surfels, error);
 }
 
-/* The rest of the points gets places of its own, as it has them now; the old ones are returned. */
+/* The rest of the points gets places of its own, as it has them now; those that it had before go to
+ * *old, the caller's on success. */
 static gw_status copy_places(sorted_points *p, double **old, gw_error *error)
 {
-	*old = p->position;
-	p->position = gw_allocate_array(p->all->count, 3 * sizeof *p->position);
-	if (!p->position)
+	double *own = gw_allocate_array(p->all->count, 3 * sizeof *own);
+	if (!own)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the places of %zu points",
 					   p->all->count);
-	memcpy(p->position, p->rest.position, 3 * p->all->count * sizeof *p->position);
-	p->rest.position = p->position;
+	memcpy(own, p->rest.position, 3 * p->all->count * sizeof *own);
+	*old = p->position;
+	p->rest.position = p->position = own;
 	return GW_OK;
+}
+
+static gw_status join_near(const gw_surfels_options *options, sorted_points *p,
+						   const gw_surfels *surfels, size_t *moved, gw_error *error)
+{
+	gw_neighbours *search = NULL;
+	gw_status status = gw_neighbours_open(surfels, options, &search, error);
+	if (status == GW_OK)
+		status = gw_twins_join(surfels, search, GW_TWINS_NEAR, p->position, moved, error);
+	gw_neighbours_close(search);
+	return status;
 }
 
 /* Makes points one that stand hardly off each other, where there are many. */
@@ -97,7 +109,7 @@ static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
 	for (int round = 0; round < TWIN_ROUNDS && moved > 0 && gw_twins_are_many(surfels); round++) {
 		if (!p->position)
 			GW_TRY(copy_places(p, &old, error));
-		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_NEAR, p->position, &moved, error));
+		GW_TRY(join_near(options, p, surfels, &moved, error));
 		if (moved > 0)
 			GW_TRY(make_frame_anew(options, p, surfels, error));
 	}
@@ -149,7 +161,7 @@ static gw_status join_often(sorted_points *p, const gw_surfels_options *options,
 	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && *thickness > LAYERS_THIN; round++) {
 		if (round > 1 && *thickness > 0.8 * first)
 			return GW_OK; /* it does not get thinner */
-		GW_TRY(gw_twins_join(surfels, options, GW_TWINS_ALL, p->position, &moved, error));
+		GW_TRY(gw_twins_join(surfels, *search, GW_TWINS_ALL, p->position, &moved, error));
 		gw_neighbours_close(*search);
 		*search = NULL;
 		GW_TRY(make_frame_anew(options, p, surfels, error));
@@ -217,15 +229,15 @@ static gw_status make_surface(sorted_points *p, const gw_surfels_options *option
 	gw_neighbours *search = NULL;
 	if (options->choose)
 		GW_TRY(choose(&p->rest, options, surfels, error));
-	if (gap) {
-		*gap = gw_allocate_array(surfels->count, sizeof **gap);
-		if (!*gap)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
-	}
 	GW_TRY(gw_neighbours_open(surfels, options, &search, error));
 	gw_status status = go_on(options, error);
 	if (status == GW_OK)
 		status = join_layers(p, options, &search, surfels, error);
+	if (status == GW_OK && gap) {
+		*gap = gw_allocate_array(surfels->count, sizeof **gap);
+		if (!*gap)
+			status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu distances", surfels->count);
+	}
 	if (status == GW_OK)
 		status = make_discs(p, options, &search, surfels, gap ? *gap : NULL, error);
 	gw_neighbours_close(search);

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -48,11 +49,31 @@ static void ordinary_scenes_stay(void **state)
 	gw_scaled_scene_clear(&scaled);
 }
 
+/* A lamp of 1 W/sr is infinite where lengths are 2^100 times as long; what a light does not use is
+ * nobody's business. */
+static void lights_fit(void **state)
+{
+	(void)state;
+	gw_error error;
+	gw_light *own = NULL;
+	const gw_scaled_scene scaled = { .length = 100 };
+	const gw_light lamp = { .type = GW_LIGHT_POINT, .intensity = { 1.0f, 1.0f, 1.0f } };
+	const gw_light sun = { .type = GW_LIGHT_SUN,
+						   .intensity = { INFINITY, 0.0f, 0.0f },
+						   .irradiance = { 1.0f, 1.0f, 1.0f } };
+	assert_int_equal(gw_scaled_lights(&scaled, &lamp, 1, &own, &error), GW_ERROR_DATA);
+	assert_null(own);
+	assert_ok(gw_scaled_lights(&scaled, &sun, 1, &own, &error), &error);
+	assert_true(own->irradiance[0] == 1.0f);
+	free(own);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(areas_are_scaled),
 		cmocka_unit_test(ordinary_scenes_stay),
+		cmocka_unit_test(lights_fit),
 	};
 	return cmocka_run_group_tests_name("scaled_scene", tests, NULL, NULL);
 }
