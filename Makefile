@@ -272,7 +272,7 @@ fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
 
 # What clang's analyzer says of each file, kept until the file or what it includes changes.
 ANALYSED := $(patsubst %,$(BUILD)/analysis/%.txt,$(LIB_SOURCES) $(FORMATS_SOURCES) $(VDB_SOURCE) \
-	$(CLI_SOURCES) $(wildcard samples/*.c))
+	$(PROJ_SOURCE) $(CLI_SOURCES) $(wildcard samples/*.c))
 ANALYSE   = clang --analyze -Xclang -analyzer-output=text -Xclang -analyzer-config \
 	-Xclang max-nodes=75000 $(filter -std=% -D% -I%,$(1)) \
 	$(addprefix -isystem ,$(filter /usr/include/%,$(1))) -MD -MP -MF $@.d -MT $@ -o $@.new $<
