@@ -375,9 +375,10 @@ const option options[] = {
 			  "the brightest surfaces then have an albedo of 0.8" },
 	{ "remainder", 0, NULL, OPTION_CHOICE, FOR(ALBEDO), AT(remainder), .choice = remainder_name,
 	  .group = "Scene",
-	  .help = "what still varies smoothly along a surface when that light is divided out: light "
-			  "takes it for light that nobody named and divides it out too, and with it what "
-			  "paint and stone vary slowly; edges and patterns stay" },
+	  .help = "what still varies smoothly along a surface when the light of the capture is divided "
+			  "out: albedo leaves it in the albedo; light takes it for light that nobody named and "
+			  "divides it out too, and with it what paint and stone vary slowly; edges and "
+			  "patterns stay" },
 	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
 	  .scene = true, AT(bake.normals), .choice = normals_name, .group = "Scene",
 	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "

@@ -101,8 +101,8 @@ void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *sc
 	decide(r, s, SETTINGS_EFFECT_GLOSS, glossy > 0, "as matt; `render` shows reflections", reason);
 	snprintf(reason, sizeof reason, "nothing moves");
 	if (moving > 0)
-		snprintf(reason, sizeof reason, "%zu paths are followed in %u frames", moving,
-				 s->frame_count);
+		snprintf(reason, sizeof reason, "%zu path%s followed in %u frame%s", moving,
+				 moving == 1 ? " is" : "s are", s->frame_count, s->frame_count == 1 ? "" : "s");
 	decide(r, s, SETTINGS_EFFECT_MOTION, moving > 0, "what stands still is kept between frames",
 		   reason);
 }

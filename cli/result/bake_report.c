@@ -14,17 +14,14 @@
 #include <string.h>
 
 #define MEGABYTE 1e6
-#define PART_LEAST 0.003 /* share of the mean radiance from which on errors are worth a word, */
-#define PART_SHARE 0.25  /* and of the whole error */
-#define DOUBT_LEAST 0.1  /* share of the mean radiance that hangs on guesses: is said first */
-#define PARTS_TOLD 2     /* so many of them */
-#define DARK 0.001       /* of the mean radiance: less is dark, */
-#define DARK_SHARE 0.75  /* and worth a word from this share of the points on */
-#define GAPS_LEAST                                                                                 \
-	0.01 /* share of the light that comes through gaps, from which on they are told */
-#define GUESSED_LEAST                                                                              \
-	0.1 /* of the mean radiance: from there on it is said what hangs on guesses                    \
-		 */
+#define PART_LEAST 0.003  /* share of the mean radiance from which on errors are worth a word, */
+#define PART_SHARE 0.25   /* and of the whole error */
+#define DOUBT_LEAST 0.1   /* share of the mean radiance that hangs on guesses: is said first */
+#define PARTS_TOLD 2      /* so many of them */
+#define DARK 0.001        /* of the mean radiance: less is dark, */
+#define DARK_SHARE 0.75   /* and worth a word from this share of the points on */
+#define GAPS_LEAST 0.01   /* share of the light through gaps, from which on they are told */
+#define GUESSED_LEAST 0.1 /* of the mean radiance: more in doubt is told */
 
 /* ------------------------------------------------------------------------------ the file */
 

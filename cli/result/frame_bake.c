@@ -621,8 +621,8 @@ static void print_outcome(const frame_run *r)
 	bake_plan_print_outcome(&all, seconds, stderr);
 }
 
-/* What each lamp gives in the mean of all frames; one that gives nothing in any of them has what
- * keeps it from it in the first. */
+/* What each lamp gives in the mean of all frames. Of one that gives nothing in any of them it is
+ * told why, by the first. */
 static void print_shares(const frame_run *r)
 {
 	size_t count = r->done[0].given_count;

@@ -6,6 +6,7 @@
 #include "verbs/health.h"
 #include "panoramas/panorama.h"
 #include "grids/vdb_grids.h"
+#include "units/coordinates.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -87,6 +88,7 @@ void health_judge_openexr(health *h, const int version[3])
 }
 
 typedef struct plugin_trial {
+	gw_status (*load)(gw_error *error);
 	gw_status status;
 	gw_error error;
 } plugin_trial;
@@ -94,7 +96,28 @@ typedef struct plugin_trial {
 static void load_plugin(void *user)
 {
 	plugin_trial *trial = user;
-	trial->status = vdb_load(&trial->error);
+	trial->status = trial->load(&trial->error);
+}
+
+static gw_status try_plugin(health *h, const char *name, gw_status (*load)(gw_error *),
+							const char *good, gw_error *error)
+{
+	plugin_trial *trial = child_memory_create(sizeof *trial);
+	if (!trial)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to try a library");
+	trial->load = load;
+	child_end end;
+	char text[300];
+	gw_status status = child_run(load_plugin, trial, 60.0, &end, error);
+	child_end_text(&end, text, sizeof text);
+	if (status == GW_OK && !end.finished)
+		health_add(h, HEALTH_BAD, name, "loading its plugin: %s", text);
+	else if (status == GW_OK && trial->status != GW_OK)
+		health_add(h, HEALTH_BAD, name, "%.300s", trial->error.text);
+	else if (status == GW_OK)
+		health_add(h, HEALTH_GOOD, name, "%s", good);
+	child_memory_destroy(trial, sizeof *trial);
+	return status;
 }
 
 gw_status health_of_libraries(health *h, gw_error *error)
@@ -103,19 +126,8 @@ gw_status health_of_libraries(health *h, gw_error *error)
 	health_begin(h, "libraries");
 	panorama_openexr_version(version);
 	health_judge_openexr(h, version);
-	plugin_trial *trial = child_memory_create(sizeof *trial);
-	if (!trial)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory to try a library");
-	child_end end;
-	char text[300];
-	gw_status status = child_run(load_plugin, trial, 60.0, &end, error);
-	child_end_text(&end, text, sizeof text);
-	if (status == GW_OK && !end.finished)
-		health_add(h, HEALTH_BAD, "OpenVDB", "loading libglowworm-vdb.so: %s", text);
-	else if (status == GW_OK && trial->status != GW_OK)
-		health_add(h, HEALTH_BAD, "OpenVDB", "%.300s", trial->error.text);
-	else if (status == GW_OK)
-		health_add(h, HEALTH_GOOD, "OpenVDB", "libglowworm-vdb.so is there, for --vdb");
-	child_memory_destroy(trial, sizeof *trial);
-	return status;
+	GW_TRY(try_plugin(h, "OpenVDB", vdb_load, "libglowworm-vdb.so is there, for --vdb", error));
+	return try_plugin(h, "PROJ", coordinates_try,
+					  "libglowworm-proj.so is there, for files that name a coordinate system",
+					  error);
 }

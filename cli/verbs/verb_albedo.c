@@ -96,6 +96,10 @@ static gw_status make_setup(settings *s, settings_capture capture, const loaded_
 		return add_sky(s, error);
 	if (capture == SETTINGS_CAPTURE_INTENSITY && !scan_find_scalar(&scene->cloud, "intensity"))
 		return gw_fail(error, GW_ERROR_USAGE, "the points have no laser intensity");
+	if (capture == SETTINGS_CAPTURE_INTENSITY && s->remainder == SETTINGS_REMAINDER_LIGHT)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "--remainder light divides light out of photographs, but here the laser's "
+					   "intensity is taken; name their light with --light or --capture");
 	if (capture == SETTINGS_CAPTURE_AUTO ||
 		(capture == SETTINGS_CAPTURE_LIGHTS && s->light_count == 0))
 		return gw_fail(error, GW_ERROR_USAGE,
@@ -109,6 +113,7 @@ static gw_status make_setup(settings *s, settings_capture capture, const loaded_
 static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 {
 	albedo_facts facts;
+	char percent[TEXT_PERCENT];
 	gw_light *light = NULL;
 	settings_capture capture = find_capture(s, scene);
 	gw_status status = make_setup(s, capture, scene, error);
@@ -146,9 +151,9 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 					 facts.clipped, (double)ALBEDO_SOLVE_MOST);
 	if (s->remainder == SETTINGS_REMAINDER_LIGHT)
 		text_message(stderr,
-					 "glowworm: light that nobody named: %.2g %% of the light of the capture, in "
+					 "glowworm: light that nobody named: %s %% of the light of the capture, in "
 					 "the mean\n",
-					 100.0 * facts.remainder);
+					 text_percent(facts.remainder, percent));
 	text_message(stderr,
 				 "glowworm: radiance 1 is colour %.4g; the albedo changed by %.2g %% in round %d, "
 				 "the last\n",

@@ -304,7 +304,7 @@ static gw_status describe_file(const settings *s, const char *path, gw_error *er
 	format_options options = { s->format, s->columns, s->bake.threads };
 	gw_status status = format_read_with(path, &options, &cloud, &f.format, error);
 	if (status == GW_OK)
-		status = scan_find_rows(&cloud, error);
+		status = scan_find_rows(&cloud, false, error);
 	coordinates place = coordinates_metres();
 	gw_error reason = { 0 };
 	f.place = &place;

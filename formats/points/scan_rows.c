@@ -8,10 +8,11 @@
 
 #define POINTS_LEAST 2000u
 #define LINES_LEAST 32u /* rows, and columns */
-#define LINES_MOST 65536.0
+#define LINES_MOST 65536u
 #define CELLS_MOST 8.0 /* cells a point */
 #define SAMPLES 8192u  /* points at least that cells are looked for with, and one in so many of */
-#define SAMPLE_OF 16u  /* all, so that each row and column has several */
+#define SAMPLE_OF 16u  /* all, but no more than sixteen for each of the most lines */
+#define SAMPLES_MOST (16u * LINES_MOST)
 #define GAP_LEAST 1e-6 /* share of all values' range that is no gap */
 #define JUMP 8.0       /* between gaps within a row or column, and those from one to the next */
 #define CENTER_OFF 0.1 /* cells by which a row may be off its place, and a point off its row */
@@ -39,13 +40,16 @@ typedef struct rows {
 	const scan_column *column[3];
 	size_t count;
 	double eye[3];
+	bool moved; /* later, so that none of these axes need be up */
 	size_t samples;
 	double *value;  /* samples */
 	double *gap;    /* samples */
 	uint32_t *cell; /* count */
 } rows;
 
-/* Direction of a point as a frame counts it; false for points without one, or behind a camera. */
+/* Direction of a point as a frame counts it, and its depth, which is not above 0 behind a camera.
+ * False for points without one: no numbers, or those at the eye, as which many write cells without
+ * a depth. */
 static bool direction_of(const rows *r, const frame *f, size_t i, double to[2], double *depth)
 {
 	double way[3];
@@ -60,7 +64,7 @@ static bool direction_of(const rows *r, const frame *f, size_t i, double to[2], 
 		to[0] = a / along;
 		to[1] = b / along;
 		*depth = along;
-		return along > 0.0;
+		return true;
 	}
 	to[0] = atan2(b, a);
 	to[1] = atan2(along, flat);
@@ -164,25 +168,22 @@ static size_t sample_point(const rows *r, size_t s)
 /* The samples' values of direction k. Returns how many there are; 0 where a frame cannot be. */
 static size_t take_samples(rows *r, const frame *f, int k)
 {
-	size_t used = 0, seen = 0;
+	size_t used = 0;
 	double near = INFINITY, far = 0.0, least = INFINITY, most = -INFINITY;
 	for (size_t s = 0; s < r->samples; s++) {
-		size_t i = sample_point(r, s);
 		double to[2], depth;
-		bool finite = isfinite(scan_value(r->column[0], i));
-		if (finite && !direction_of(r, f, i, to, &depth))
-			return 0;
-		if (!finite)
+		if (!direction_of(r, f, sample_point(r, s), to, &depth))
 			continue;
-		seen++;
+		if (!(depth > 0.0))
+			return 0;
 		near = fmin(near, depth);
 		far = fmax(far, depth);
 		least = fmin(least, to[k]);
 		most = fmax(most, to[k]);
 		r->value[used++] = to[k];
 	}
-	bool camera = !f->camera || (least < 0.0 && most > 0.0 && most - least < TANGENT_MOST);
-	return seen >= SAMPLES / 8 && far > DEPTHS_LEAST * near && camera ? used : 0;
+	bool in_view = !f->camera || (least < 0.0 && most > 0.0 && most - least < TANGENT_MOST);
+	return used >= SAMPLES / 8 && far > DEPTHS_LEAST * near && in_view ? used : 0;
 }
 
 /* The cell along a ruler, or UINT32_MAX. */
@@ -200,7 +201,7 @@ static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint8_t *take
 	for (size_t i = 0; i < r->count; i++) {
 		double way[2], depth;
 		r->cell[i] = UINT32_MAX;
-		if (!isfinite(scan_value(r->column[0], i)) || !direction_of(r, f, i, way, &depth))
+		if (!direction_of(r, f, i, way, &depth) || !(depth > 0.0))
 			continue;
 		finite++;
 		uint32_t column = place_on(&to[0], way[0]), row = place_on(&to[1], way[1]);
@@ -218,22 +219,29 @@ static bool fill_cells(rows *r, const frame *f, const ruler to[2], uint8_t *take
 		   (double)shared < SHARED_MOST * (double)finite;
 }
 
-static bool try_frame(rows *r, const frame *f, ruler to[2])
+static gw_status fail_memory(const rows *r, gw_error *error)
 {
-	for (int k = 0; k < 2; k++)
-		if (!find_ruler(r, take_samples(r, f, k), &to[k]))
-			return false;
-	uint64_t cells = (uint64_t)to[0].count * to[1].count;
-	if ((double)cells > CELLS_MOST * (double)r->count || cells >= UINT32_MAX)
-		return false;
-	uint8_t *taken = calloc((size_t)cells, 1);
-	bool found = taken && fill_cells(r, f, to, taken);
-	free(taken);
-	return found;
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for rows of %zu points", r->count);
 }
 
-/* -------------------------------------------------------------------------------- what was found
- */
+static gw_status try_frame(rows *r, const frame *f, ruler to[2], bool *found, gw_error *error)
+{
+	*found = false;
+	for (int k = 0; k < 2; k++)
+		if (!find_ruler(r, take_samples(r, f, k), &to[k]))
+			return GW_OK;
+	uint64_t cells = (uint64_t)to[0].count * to[1].count;
+	if ((double)cells > CELLS_MOST * (double)r->count || cells >= UINT32_MAX)
+		return GW_OK;
+	uint8_t *taken = calloc((size_t)cells, 1);
+	if (!taken)
+		return fail_memory(r, error);
+	*found = fill_cells(r, f, to, taken);
+	free(taken);
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------------ what was found */
 
 /* Whether the rows go down y from the first point to the last, as a depth camera writes them. */
 static bool goes_down(const rows *r, const frame *f, const ruler to[2])
@@ -253,7 +261,8 @@ static bool goes_down(const rows *r, const frame *f, const ruler to[2])
 	return (double)ordered > ORDERED * (double)steps;
 }
 
-static gw_status take_rows(scan *cloud, rows *r, const frame *f, const ruler to[2], gw_error *error)
+static gw_status take_rows(scan *cloud, const rows *r, const frame *f, const ruler to[2],
+						   gw_error *error)
 {
 	gw_range_image image = { .count = r->count, .columns = to[0].count, .rows = to[1].count };
 	char text[200];
@@ -262,7 +271,7 @@ static gw_status take_rows(scan *cloud, rows *r, const frame *f, const ruler to[
 	memcpy(cloud->image_cell, r->cell, r->count * sizeof *r->cell);
 	if (cloud->scanner_count == 0)
 		GW_TRY(scan_add_scanner(cloud, r->eye, 0, r->count, error));
-	bool down = cloud->up != 'Y' && !cloud->says_up && goes_down(r, f, to);
+	bool down = !r->moved && cloud->up != 'Y' && !cloud->says_up && goes_down(r, f, to);
 	if (down)
 		cloud->up = 'Y';
 	snprintf(text, sizeof text,
@@ -278,31 +287,33 @@ static gw_status look(scan *cloud, rows *r, gw_error *error)
 	static const frame frames[] = {
 		{ true, 2, 1.0 }, { true, 2, -1.0 }, { true, 0, 1.0 }, { false, 2, 1.0 }, { false, 1, 1.0 }
 	};
-	ruler to[2];
-	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++)
-		if (try_frame(r, &frames[i], to))
+	for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
+		ruler to[2];
+		bool found;
+		GW_TRY(try_frame(r, &frames[i], to, &found, error));
+		if (found)
 			return take_rows(cloud, r, &frames[i], to, error);
+	}
 	return GW_OK;
 }
 
-gw_status scan_find_rows(scan *cloud, gw_error *error)
+gw_status scan_find_rows(scan *cloud, bool moved, gw_error *error)
 {
 	rows r = { .column = { scan_find(cloud, "x"), scan_find(cloud, "y"), scan_find(cloud, "z") },
-			   .count = cloud->count };
+			   .count = cloud->count,
+			   .moved = moved };
 	if (!r.column[0] || !r.column[1] || !r.column[2] || cloud->count < POINTS_LEAST ||
 		cloud->count >= UINT32_MAX || cloud->image_count > 0 || cloud->scanner_count > 1)
 		return GW_OK;
 	if (cloud->scanner_count == 1)
 		memcpy(r.eye, cloud->scanner, sizeof r.eye);
 	r.samples = cloud->count / SAMPLE_OF > SAMPLES ? cloud->count / SAMPLE_OF : SAMPLES;
+	r.samples = r.samples < SAMPLES_MOST ? r.samples : SAMPLES_MOST;
 	r.samples = r.samples < cloud->count ? r.samples : cloud->count;
 	r.value = reallocarray(NULL, r.samples, sizeof *r.value);
 	r.gap = reallocarray(NULL, r.samples, sizeof *r.gap);
 	r.cell = reallocarray(NULL, cloud->count, sizeof *r.cell);
-	gw_status status =
-		r.value && r.gap && r.cell
-			? look(cloud, &r, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no memory for rows of %zu points", cloud->count);
+	gw_status status = r.value && r.gap && r.cell ? look(cloud, &r, error) : fail_memory(&r, error);
 	free(r.value);
 	free(r.gap);
 	free(r.cell);

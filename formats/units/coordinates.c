@@ -19,6 +19,7 @@
 #define EPSG_FOOT 9002
 #define EPSG_US_FOOT 9003
 #define US_FOOT (1200.0 / 3937.0)
+#define DEGREES_SYSTEM "EPSG:4326" /* of --units degrees */
 
 /* What looks like degrees: far from the origin and narrow beside that, and many times as high. */
 #define DEGREES_NARROW 0.05
@@ -180,6 +181,17 @@ static gw_status look_up(const char *name, coordinates *to, gw_error *error)
 	return GW_OK;
 }
 
+gw_status coordinates_try(gw_error *error)
+{
+	coordinates c = coordinates_metres();
+	gw_status status = look_up(DEGREES_SYSTEM, &c, error);
+	if (status == GW_OK && !c.proj->is_geographic(c.system))
+		status = gw_fail(error, GW_ERROR_INTERNAL,
+						 "PROJ knows no " DEGREES_SYSTEM " (is the package proj-data installed?)");
+	coordinates_clear(&c);
+	return status;
+}
+
 static gw_status find_by_system(scan *cloud, const system_name *name, const bounds *b,
 								coordinates *to, gw_error *error)
 {
@@ -231,7 +243,7 @@ gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, 
 	if (unit == COORDINATES_AUTO) {
 		status = find_by_file(cloud, &b, to, error);
 	} else if (unit == COORDINATES_DEGREES) {
-		system_name name = { .text = (char[]){ "EPSG:4326" } };
+		system_name name = { .text = (char[]){ DEGREES_SYSTEM } };
 		status = can_be_degrees(&b)
 					 ? find_by_system(cloud, &name, &b, to, error)
 					 : gw_fail(error, GW_ERROR_DATA,

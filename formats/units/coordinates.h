@@ -43,10 +43,15 @@ coordinates coordinates_metres(void);
  * becomes a note of the scan.
  *   to   on success freed with coordinates_clear; metres on failure
  * GW_ERROR_DATA, without the file's name, when nothing says so and they look like degrees, or PROJ
- * has no way to project them; GW_ERROR_MEMORY.
+ * has no way to project them; GW_ERROR_INTERNAL where the plugin for PROJ is missing;
+ * GW_ERROR_MEMORY.
  */
 gw_status coordinates_find(scan *cloud, coordinates_unit unit, coordinates *to, gw_error *error);
 void coordinates_clear(coordinates *c);
+
+/* Sees that systems which files name can be looked up. GW_ERROR_INTERNAL where the plugin or PROJ's
+ * data is missing; GW_ERROR_MEMORY. */
+gw_status coordinates_try(gw_error *error);
 
 /* Whether two clouds' coordinates are of the same kind. */
 bool coordinates_agree(const coordinates *a, const coordinates *b);

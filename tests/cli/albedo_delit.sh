@@ -100,6 +100,7 @@ for options in '' '--capture flash' '--capture intensity' '--capture night'; do
 	glowworm albedo photo.csv $options -o out.ply 2>&1 && echo "it was taken"
 done
 glowworm albedo photo.csv --capture overcast --light "$lamp" -o out.ply 2>&1
+glowworm albedo laser.csv -q --remainder light -o out.ply 2>&1
 glowworm bake laser.csv --light 'sky radiance 1' -q -o lit.ply
 glowworm albedo lit.ply --capture overcast -o out.ply 2>&1
 :

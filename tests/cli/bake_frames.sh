@@ -45,11 +45,12 @@ bake --frames 2 --independent -o alone-%d.ply
 [ "$(body first.ply)" = "$(body scratch-00.ply)" ] || echo 'without --frames it is not frame 0'
 sed -n -e 's/.*"frame": \([0-9]*\),.*"file": "\([^"]*\)".*/\1 \2/p' frames.json
 head -c 4000 same-2.ply | grep -a 'comment glowworm frame'
-# A line a lamp, of all frames together, and its share of each in the report.
+# A line a lamp, of all frames together, and its share of each in the report: what glows takes some
+# from the one that shines, and the black one has none.
 glowworm bake box.scene.json --frames 0..1 -f -o shares-%d.ply --report shares.json \
 	--light 'point name black at 0,0,1 intensity 0' 2>&1 |
 	sed -n '/light /s/ [0-9]* %/ N %/p; /black/p'
-grep -c '"light_shares": \[0.4' shares.json
+grep -c '"light_shares": \[0\.[0-9]*, 0\]' shares.json
 # Refused: one sentence each.
 try() { # scene's end, option...
 	end=$1

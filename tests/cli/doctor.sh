@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # What doctor says of this machine, of one without a driver, of a driver that dies, of a folder that
-# nothing can be written to, and of a program without its plugin.
+# nothing can be written to, and of a program without its plugins.
 
 # Verdicts and names of a group, without figures.
 show() { # group
@@ -47,7 +47,7 @@ glowworm doctor --device nothing >all.txt 2>err.txt
 echo "no such device: $?"
 grep BAD all.txt | grep -o 'no usable Vulkan device is meant by "nothing"'
 
-# Two things that are not good, while bakes work.
+# Three things that are not good, while bakes work.
 mkdir alone && cp "$GLOWWORM" alone/glowworm
 here=$PWD
 (cd /proc && "$here/alone/glowworm" doctor >"$here/all.txt")

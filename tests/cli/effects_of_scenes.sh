@@ -29,7 +29,11 @@ glowworm info matt.ply | grep -c 'specular\|roughness'
 glowworm plan floor.ply --light "$sun" --effects=-gloss |
 	tr -s ' ' | grep '^gloss'
 # A picture of the first, with its gloss, and without.
-shown() { glowworm render glossy.ply --size 64x48 --force -v -o o.png "$@" 2>&1 | grep "^glossy"; }
+shown() {
+	glowworm render glossy.ply --size 64x48 --force -v -o o.png "$@" >said.txt 2>&1 ||
+		echo "no picture by $*"
+	grep '^glossy' said.txt
+}
 shown | grep -c 'glossy *[1-9]'
 shown --effects=-gloss
 shown --glossy off

@@ -469,7 +469,7 @@ static void chosen_normals(void **state)
 	scene_clear(&s);
 }
 
-/* The mean irradiance of points that lie in one half of a scene's array, by options. */
+/* The mean irradiance of `count` points of a scene, from number `first` on, by options. */
 static double mean_of(const scene *s, const gw_light *light, const gw_bake_options *options,
 					  size_t first, size_t count)
 {

@@ -479,7 +479,6 @@ static void what_is_open_has_no_holes(void **state)
 	assert_int_equal(holes_of(&s), 0);
 }
 
-/* The parts of lamps add up however gaps are closed. */
 /* The four walls and the top of a block that stands on the ground, or hangs. */
 static void add_block(scene *s, const double low[3], const double high[3])
 {
@@ -521,6 +520,7 @@ static void doors_are_no_holes(void **state)
 	scene_clear(&s);
 }
 
+/* The parts of lamps add up however gaps are closed. */
 static void parts_add_up(void **state)
 {
 	(void)state;

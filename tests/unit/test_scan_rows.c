@@ -17,9 +17,15 @@
 typedef struct treatment {
 	bool turns;     /* a scanner about z; else a camera along z */
 	bool shuffled;  /* in no order */
+	bool blank;     /* one in fifty has no depth, and is written as 0, 0, 0 */
 	double rounded; /* to multiples of that; 0: not */
 	double shift;   /* along x, metres */
 } treatment;
+
+static bool is_blank(const treatment *t, uint32_t cell)
+{
+	return t->blank && cell % 50 == 7;
+}
 
 /* A room's corner at a depth that goes in steps, as depth cameras measure it. */
 static double depth_of(double u, double v)
@@ -42,6 +48,8 @@ static void place(const treatment *t, uint32_t cell, double p[3])
 		p[2] = depth;
 	}
 	p[0] += t->shift;
+	if (is_blank(t, cell))
+		p[0] = p[1] = p[2] = 0.0;
 	for (int k = 0; k < 3 && t->rounded > 0.0; k++)
 		p[k] = round(p[k] / t->rounded) * t->rounded;
 }
@@ -65,7 +73,7 @@ static scan take(const treatment *t)
 static void find(scan *cloud)
 {
 	gw_error error = { 0 };
-	assert_int_equal(scan_find_rows(cloud, &error), GW_OK);
+	assert_int_equal(scan_find_rows(cloud, false, &error), GW_OK);
 }
 
 static void expect_cells(const treatment *t)
@@ -77,8 +85,10 @@ static void expect_cells(const treatment *t)
 	assert_int_equal(cloud.image[0].rows, ROWS);
 	assert_int_equal(cloud.scanner_count, 1);
 	assert_true(cloud.scanner[0] == 0.0 && cloud.scanner[1] == 0.0 && cloud.scanner[2] == 0.0);
-	for (uint32_t i = 0; i < CELLS; i++)
-		assert_int_equal(cloud.image_cell[i], t->shuffled ? i * 4001ull % CELLS : i);
+	for (uint32_t i = 0; i < CELLS; i++) {
+		uint32_t cell = t->shuffled ? (uint32_t)(i * 4001ull % CELLS) : i;
+		assert_int_equal(cloud.image_cell[i], is_blank(t, cell) ? UINT32_MAX : cell);
+	}
 	assert_int_equal(cloud.comment_count, 1);
 	assert_int_equal(cloud.up, t->turns || t->shuffled ? 'z' : 'Y');
 	scan_clear(&cloud);
@@ -100,8 +110,22 @@ static void cells_are_found_again(void **state)
 	expect_cells(&(treatment){ .turns = true });
 	expect_cells(&(treatment){ .shuffled = true });
 	expect_cells(&(treatment){ .turns = true, .shuffled = true });
+	expect_cells(&(treatment){ .blank = true });
+	expect_cells(&(treatment){ .turns = true, .blank = true });
 	/* A hundredth of a cell, which is a hundredth wide, at 2 m: rounded by half of that. */
 	expect_cells(&(treatment){ .rounded = 2e-4 });
+}
+
+/* Where a matrix takes the points to, y need not go down. */
+static void moved_points_say_nothing_of_up(void **state)
+{
+	(void)state;
+	gw_error error = { 0 };
+	scan cloud = take(&(treatment){ .turns = false });
+	assert_int_equal(scan_find_rows(&cloud, true, &error), GW_OK);
+	assert_int_equal(cloud.image_count, 1);
+	assert_int_equal(cloud.up, 'z');
+	scan_clear(&cloud);
 }
 
 /* Seen from elsewhere, or rounded to half a cell and more, they are no rows. */
@@ -114,7 +138,8 @@ static void others_have_none(void **state)
 	expect_none(&(treatment){ .turns = true, .rounded = 2e-2 });
 }
 
-/* Floors drawn as a grid, one or two of them above the origin, are no picture taken from there. */
+/* Floors drawn as a grid, one or two of them above the origin, are no picture taken from there: one
+ * has a single depth; of two, points have cells in common. Both lie within a camera's view. */
 static void grids_of_points_are_no_picture(void **state)
 {
 	(void)state;
@@ -123,7 +148,7 @@ static void grids_of_points_are_no_picture(void **state)
 		for (uint32_t i = 0; i < CELLS; i++) {
 			((float *)cloud.column[0].data)[i] = (float)(i % COLUMNS) * 0.1f - 4.5f;
 			((float *)cloud.column[1].data)[i] = (float)(i / COLUMNS) * 0.1f - 3.5f;
-			((float *)cloud.column[2].data)[i] = floors == 2 && i % 2 ? 2.0f : 1.0f;
+			((float *)cloud.column[2].data)[i] = floors == 2 && i % 2 ? 6.0f : 3.0f;
 		}
 		find(&cloud);
 		assert_int_equal(cloud.image_count + cloud.scanner_count, 0);
@@ -148,9 +173,8 @@ static void files_know_better(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(cells_are_found_again),
-		cmocka_unit_test(others_have_none),
-		cmocka_unit_test(grids_of_points_are_no_picture),
+		cmocka_unit_test(cells_are_found_again), cmocka_unit_test(moved_points_say_nothing_of_up),
+		cmocka_unit_test(others_have_none),      cmocka_unit_test(grids_of_points_are_no_picture),
 		cmocka_unit_test(files_know_better),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
