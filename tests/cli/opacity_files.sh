@@ -38,7 +38,7 @@ grep -o '[0-9]* points of opacity 0' notes
 # Of several counts of points one note tells.
 sed 's/^9 9 0 /nan 9 0 /' gone.ply >lost.ply
 light lost.ply >/dev/null
-grep -o 'of all points 100 of opacity 0: left out, written as dark; 1 without finite' notes
+grep -o 'of all points, 100 of opacity 0: left out, written as dark; 1 without finite' notes
 light quarter.ply --opacity 1
 light quarter.ply --opacity 0.5
 for bad in nan more less; do
