@@ -257,7 +257,8 @@ static gw_status read_cloud(const settings *s, const settings_input *from, scan 
 	if (cloud->count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no points",
 					   loaded_scene_input_name(from->path));
-	GW_TRY(scan_find_rows(cloud, from->has_matrix, error));
+	/* Of several inputs, others may know better which way is up. */
+	GW_TRY(scan_find_rows(cloud, from->has_matrix || s->input_count > 1, error));
 	return from->has_matrix ? transform(cloud, from->matrix, error) : GW_OK;
 }
 
