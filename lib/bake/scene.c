@@ -316,10 +316,9 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	gw_report_count(r, "normals_turned", s->normals_turned,
 					"points whose normal faced the wrong side and was turned (--normals given "
 					"leaves them)");
-	gw_report_count(
-		r, "normals_lengthened", s->normals_lengthened,
-		"points whose normals were far too short for any surface: taken as of length 1 "
-		"(--normals given leaves them)");
+	gw_report_count(r, "normals_lengthened", s->normals_lengthened,
+					"points whose normals were far too short for any surface: taken as of length 1 "
+					"(--normals given leaves them)");
 	gw_report_count(r, "normals_doubted", s->normals_doubted,
 					"points whose normals came with so many wrong ones that all were estimated "
 					"(--normals given takes them)");
