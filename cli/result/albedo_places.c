@@ -32,6 +32,14 @@ bool albedo_place_find(const double p[3], const double low[3], double width, int
 	return true;
 }
 
+bool albedo_level_known(const float level[3])
+{
+	for (int k = 0; k < 3; k++)
+		if (!(isfinite(level[k]) && level[k] > 0.0f))
+			return false;
+	return true;
+}
+
 static int compare(const void *a, const void *b)
 {
 	const albedo_member *x = a, *y = b;

@@ -29,6 +29,9 @@ double albedo_place_width(const gw_points *points, double low[3]);
  */
 bool albedo_place_find(const double p[3], const double low[3], double width, int32_t at[3]);
 
+/* Whether a level, 3 channels, has a logarithm; where next to no light falls it may be infinite. */
+bool albedo_level_known(const float level[3]);
+
 /* Sorts by cube, then group, then point. */
 void albedo_members_sort(albedo_member *list, size_t count);
 

@@ -61,10 +61,9 @@ static size_t list_members(leftover *w, const gw_points *p, const float *normal,
 {
 	size_t used = 0;
 	for (size_t i = 0; i < p->count; i++) {
-		const float *v = level + 3 * i;
 		albedo_member *m = &w->list[used];
 		*m = (albedo_member){ .group = facing(normal + 3 * i), .point = i };
-		bool known = !left[i] && v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
+		bool known = !left[i] && albedo_level_known(level + 3 * i);
 		used += known && albedo_place_find(p->position + 3 * i, w->low, w->width, m->at);
 	}
 	albedo_members_sort(w->list, used);

@@ -45,9 +45,8 @@ static size_t list_members(const gw_points *p, const uint8_t *ends, const float 
 	double low[3], width = albedo_place_width(p, low);
 	size_t used = 0;
 	for (size_t i = 0; i < p->count; i++) {
-		const float *v = level + 3 * i;
 		list[used] = (albedo_member){ .group = station[i], .point = i };
-		bool known = !ends[i] && v[0] > 0.0f && v[1] > 0.0f && v[2] > 0.0f;
+		bool known = !ends[i] && albedo_level_known(level + 3 * i);
 		used += known && albedo_place_find(p->position + 3 * i, low, width, list[used].at);
 	}
 	albedo_members_sort(list, used);
