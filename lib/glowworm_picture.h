@@ -84,6 +84,9 @@ typedef struct gw_surfels {
 						   fitted plane */
 	uint32_t *surfel_of_point; /* point_count: surfel of each point, UINT32_MAX: left out, or not
 								  chosen */
+	float *albedo_of_point; /* 3 * point_count, in [0, GW_ALBEDO_MAX]; NULL where each point has its
+							   surfel's. Points that share a surfel share its light, and each
+							   reflects it by its own albedo */
 	size_t point_count;
 	gw_stray *stray; /* stray_count; NULL when there is none */
 	size_t stray_count;

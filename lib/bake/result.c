@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "bake/report.h"
 #include "bake/voxels.h"
+#include "cloud/surfels.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -49,18 +50,18 @@ static void scatter_points(void *user, size_t first, size_t last, uint32_t worke
 		uint32_t own = surfels->surfel_of_point[i], s = gw_lighting_shown(light, own);
 		if (s == UINT32_MAX)
 			continue;
+		const float *rho = gw_albedo_of_point(surfels, i, s);
 		out->roi[i] = fminf(1.0f, surfels->nearest[s] / light->scene->octree.leaf_size);
 		for (size_t c = 0; c < 3; c++) {
 			float direct = component(job->direct, s, c) + component(light->surfel_first, s, c);
 			float indirect = component(light->surfel_indirect, s, c);
-			float albedo = surfels->albedo[3 * s + c];
 			float emission = surfels->emission ? surfels->emission[3 * s + c] : 0.0f;
 			out->direct_irradiance[3 * i + c] = direct;
 			out->indirect_irradiance[3 * i + c] = indirect;
-			out->albedo[3 * i + c] = albedo;
+			out->albedo[3 * i + c] = rho[c];
 			out->normal[3 * i + c] =
 				(surfels->shading_normal ? surfels->shading_normal : surfels->normal)[3 * own + c];
-			out->radiance[3 * i + c] = emission + albedo * 0.318309886f * (direct + indirect);
+			out->radiance[3 * i + c] = emission + rho[c] * 0.318309886f * (direct + indirect);
 		}
 	}
 }
@@ -182,12 +183,15 @@ static void scatter_radiance(void *user, size_t first, size_t last, uint32_t wor
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint32_t s = gw_lighting_shown(job->light, surfels->surfel_of_point[i]);
-		for (size_t c = 0; c < 3 && s != UINT32_MAX; c++) {
+		if (s == UINT32_MAX)
+			continue;
+		const float *rho = gw_albedo_of_point(surfels, i, s);
+		for (size_t c = 0; c < 3; c++) {
 			float irradiance = component(job->direct, s, c) +
 							   component(job->light->surfel_first, s, c) +
 							   component(job->light->surfel_indirect, s, c);
-			job->radiance[3 * i + c] = (emission ? emission[3 * s + c] : 0.0f) +
-									   surfels->albedo[3 * s + c] * 0.318309886f * irradiance;
+			job->radiance[3 * i + c] =
+				(emission ? emission[3 * s + c] : 0.0f) + rho[c] * 0.318309886f * irradiance;
 		}
 	}
 }

@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 10u
+#define VERSION 11u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)

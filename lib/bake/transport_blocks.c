@@ -16,9 +16,10 @@
 
 #define POINTS_MAX (UINT64_C(1) << 30)
 
-/* Bits of gw_transport_numbers.noisy: which arrays there are. */
-#define NOISY 1u /* shading normals */
-#define OFF 2u   /* how far normals are off */
+/* Bits of gw_transport_numbers.optional. */
+#define NOISY 1u         /* shading normals */
+#define OFF 2u           /* how far normals are off */
+#define POINTS_ALBEDO 4u /* of points that share surfels */
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 {
@@ -55,7 +56,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.escaped = scene->portals.escaped;
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
-	n.noisy = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0);
+	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
+				 (s->albedo_of_point ? POINTS_ALBEDO : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -83,7 +85,7 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
-		   n->noisy <= (NOISY | OFF) && n->check_points <= n->surfels &&
+		   n->optional <= (NOISY | OFF | POINTS_ALBEDO) && n->check_points <= n->surfels &&
 		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
@@ -183,9 +185,9 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	uint64_t count = n->surfels;
 	host(l, "positions", &s->position, 12 * count);
 	host(l, "normals", &s->normal, 12 * count);
-	if (n->noisy & NOISY)
+	if (n->optional & NOISY)
 		host(l, "shading normals", &s->shading_normal, 12 * count);
-	if (n->noisy & OFF)
+	if (n->optional & OFF)
 		host(l, "errors of normals", &s->shading_normal_off, 4 * count);
 	host(l, "albedo", &s->albedo, 12 * count);
 	if (n->emits)
@@ -198,6 +200,8 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "sides", &s->two_sided, count);
 	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
+	if (n->optional & POINTS_ALBEDO)
+		host(l, "albedo of points", &s->albedo_of_point, 12 * n->points);
 	if (n->strays > 0)
 		host(l, "strays", &s->stray, sizeof(gw_stray) * n->strays);
 }

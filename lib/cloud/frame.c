@@ -240,24 +240,38 @@ static void add_normal(const frame *f, size_t point, merged *sum)
 	sum->normals++;
 }
 
+/* What was done to a point's albedo. */
+typedef struct albedo_repair {
+	bool clamped, defaulted;
+} albedo_repair;
+
 /* Albedo outside [0, GW_ALBEDO_MAX] is clamped; NaN, and all of it when there is none, becomes the
- * default. Each point counts once. */
+ * default. */
+static albedo_repair albedo_of(const gw_points *points, size_t point, float albedo[3])
+{
+	albedo_repair repair = { .defaulted = !points->albedo };
+	for (size_t k = 0; k < 3; k++) {
+		float a = points->albedo ? points->albedo[3 * point + k] : GW_ALBEDO_DEFAULT;
+		albedo[k] = fminf(fmaxf(a, 0.0f), GW_ALBEDO_MAX);
+		if (isnan(a)) {
+			albedo[k] = GW_ALBEDO_DEFAULT;
+			repair.defaulted = true;
+		} else if (albedo[k] != a) {
+			repair.clamped = true;
+		}
+	}
+	return repair;
+}
+
+/* Each point counts once. */
 static void add_albedo(const frame *f, size_t point, merged *sum)
 {
-	bool clamped = false, defaulted = !f->points->albedo;
-	for (size_t k = 0; k < 3; k++) {
-		float a = f->points->albedo ? f->points->albedo[3 * point + k] : GW_ALBEDO_DEFAULT;
-		if (isnan(a)) {
-			a = GW_ALBEDO_DEFAULT;
-			defaulted = true;
-		} else if (a < 0 || a > GW_ALBEDO_MAX) {
-			a = a < 0 ? 0 : GW_ALBEDO_MAX;
-			clamped = true;
-		}
-		sum->albedo[k] += a;
-	}
-	f->surfels->albedo_clamped += clamped;
-	f->surfels->albedo_defaulted += defaulted;
+	float albedo[3];
+	albedo_repair repair = albedo_of(f->points, point, albedo);
+	for (size_t k = 0; k < 3; k++)
+		sum->albedo[k] += (double)albedo[k];
+	f->surfels->albedo_clamped += repair.clamped;
+	f->surfels->albedo_defaulted += repair.defaulted;
 }
 
 static void add_emission(const frame *f, size_t point, merged *sum)
@@ -346,6 +360,35 @@ static void merge_points(frame *f)
 		free(s->emission);
 		s->emission = NULL;
 	}
+}
+
+/* Is there a point whose albedo is not its surfel's? */
+static bool albedo_differs(const gw_points *points, const gw_surfels *s)
+{
+	for (size_t i = 0; s->duplicates > 0 && points->albedo && i < points->count; i++) {
+		float own[3];
+		if (s->surfel_of_point[i] == UINT32_MAX)
+			continue;
+		albedo_of(points, i, own);
+		if (memcmp(own, s->albedo + 3 * (size_t)s->surfel_of_point[i], sizeof own) != 0)
+			return true;
+	}
+	return false;
+}
+
+gw_status gw_frame_keep_albedo(const gw_points *points, gw_surfels *s, gw_error *error)
+{
+	free(s->albedo_of_point);
+	s->albedo_of_point = NULL;
+	if (!albedo_differs(points, s))
+		return GW_OK;
+	s->albedo_of_point = gw_allocate_array(points->count, 3 * sizeof *s->albedo_of_point);
+	if (!s->albedo_of_point)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the albedo of %zu points",
+					   points->count);
+	for (size_t i = 0; i < points->count; i++)
+		albedo_of(points, i, s->albedo_of_point + 3 * i);
+	return GW_OK;
 }
 
 /* Is one of the points that are there less than opaque, or is it to be made so? */
@@ -448,6 +491,7 @@ gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *optio
 	if (status == GW_OK) {
 		merge_points(&f);
 		shrink_arrays(surfels);
+		status = gw_frame_keep_albedo(points, surfels, error);
 	}
 	free(f.order);
 	return status;

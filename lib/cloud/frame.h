@@ -18,13 +18,19 @@ double gw_normal_length(const float normal[3]);
 
 /*
  * Fills what follows from the points alone: count, origin, bounds, position, albedo, emission,
- * the given normals (missing ones are 0, 0, 0), normal_length, surfel_of_point and the counts of
- * repairs; allocates two_sided (1 where merged normals oppose each other).
+ * the given normals (missing ones are 0, 0, 0), normal_length, surfel_of_point, albedo_of_point and
+ * the counts of repairs; allocates two_sided (1 where merged normals oppose each other).
  * Fails with GW_ERROR_DATA when no point is finite or there are more than 2^30, and with
  * GW_ERROR_MEMORY.
  */
 gw_status gw_frame_make(const gw_points *points, const gw_surfels_options *options,
 						gw_surfels *surfels, gw_error *error);
+
+/*
+ * Keeps what each point reflects where that is not what its surfel does: fills albedo_of_point anew
+ * from points that surfel_of_point and duplicates tell of. Fails with GW_ERROR_MEMORY.
+ */
+gw_status gw_frame_keep_albedo(const gw_points *points, gw_surfels *surfels, gw_error *error);
 
 /* How many surfels let light through. */
 size_t gw_surfels_count_clear(const gw_surfels *surfels);

@@ -42,6 +42,12 @@ static inline bool gw_surfels_adjoin(const gw_surfels *s, size_t i, size_t j)
 	return x * x + y * y + z * z < s->radius[i] * s->radius[i] && gw_surfels_alike(s, i, j);
 }
 
+/* What a point reflects of the light of its surfel, or of the surfel of the other side there. */
+static inline const float *gw_albedo_of_point(const gw_surfels *s, size_t point, size_t surfel)
+{
+	return s->albedo_of_point ? s->albedo_of_point + 3 * point : s->albedo + 3 * surfel;
+}
+
 /*
  * Two unit tangents of a unit normal, right-handed (tangent x bitangent = normal), continuous but
  * for one pole: tangent_frame of sampling.glsl.

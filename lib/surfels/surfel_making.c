@@ -301,6 +301,7 @@ void gw_surfels_clear(gw_surfels *surfels)
 	free(surfels->two_sided);
 	free(surfels->noise);
 	free(surfels->surfel_of_point);
+	free(surfels->albedo_of_point);
 	free(surfels->stray);
 	memset(surfels, 0, sizeof *surfels);
 }

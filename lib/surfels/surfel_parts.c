@@ -389,7 +389,7 @@ static gw_status make_parts(const source *from, gw_surfel_parts *parts, gw_surfe
 	if (status == GW_OK && !good)
 		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the surfels of %zu points",
 						 points->count);
-	return status;
+	return status == GW_OK ? gw_frame_keep_albedo(points, all, error) : status;
 }
 
 gw_status gw_surfel_parts_make(const gw_points *points, const gw_motion *motion,

@@ -257,6 +257,73 @@ static void other_emission(void **state)
 	tear_down(&f);
 }
 
+/* ------------------------------------------------------------------- points of one place */
+
+#define DOUBLES 50u
+
+/* A hall with points at the place of others, as black as can be; they are its last. */
+static void make_doubled(scene *s)
+{
+	scene_make_hall(s);
+	size_t count = s->count;
+	for (size_t i = 0; i < DOUBLES; i++) {
+		size_t of = i * (count / DOUBLES);
+		const double position[3] = { s->position[3 * of], s->position[3 * of + 1],
+									 s->position[3 * of + 2] };
+		const float *n = s->normal + 3 * of;
+		scene_add(s, position, (double[]){ (double)n[0], (double)n[1], (double)n[2] }, 0.0f);
+	}
+}
+
+/* One irradiance, and each point's own albedo: to the last bit. */
+static void assert_own_albedo(const scene *s, const gw_bake_result *r)
+{
+	size_t count = s->count - DOUBLES;
+	for (size_t i = 0; i < DOUBLES; i++) {
+		size_t of = i * (count / DOUBLES), at = count + i;
+		for (size_t c = 0; c < 3; c++) {
+			assert_true(r->direct_irradiance[3 * at + c] == r->direct_irradiance[3 * of + c]);
+			assert_true(r->indirect_irradiance[3 * at + c] == r->indirect_irradiance[3 * of + c]);
+			assert_true(r->albedo[3 * at + c] == 0.0f && r->albedo[3 * of + c] > 0.0f);
+			assert_true(r->albedo[3 * of + c] == s->albedo[3 * of + c]);
+			assert_true(r->radiance[3 * at + c] < r->radiance[3 * of + c]);
+		}
+	}
+}
+
+static void points_of_one_place_keep_their_albedo(void **state)
+{
+	(void)state;
+	fixture f;
+	set_up(&f, make_doubled, GW_METHOD_RAYS);
+	assert_own_albedo(&f.scene, f.first);
+	gw_bake_result *again = relight(&f, &f.points);
+	assert_same_bytes(f.first, again);
+	gw_bake_result_destroy(&again);
+	/* As parts of its light, and in frames. */
+	f.options.lamps = true;
+	again = scene_bake(&f.points, f.lights, LIGHTS, &f.options);
+	assert_true(difference_of_sum(again) <= 1e-5); /* as in parts_make_the_whole */
+	gw_bake_result_destroy(&again);
+	f.options.lamps = false;
+	const gw_mover mover = { .first = 0, .count = 100 };
+	const double still[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+	const gw_motion motion = {
+		.mover = &mover, .mover_count = 1, .frame_count = 1, .matrix = still
+	};
+	const gw_frames_options in_frames = { .rebuild = false };
+	gw_frames *frames = NULL;
+	gw_error error;
+	assert_int_equal(gw_frames_open(&(gw_moving_scene){ { &f.points, f.lights, LIGHTS }, &motion },
+									&f.options, &in_frames, NULL, &frames, &error),
+					 GW_OK);
+	assert_int_equal(gw_frames_bake(frames, 0, f.lights, LIGHTS, &again, &error), GW_OK);
+	assert_true(again->albedo[3 * (f.scene.count - 1)] == 0.0f);
+	gw_bake_result_destroy(&again);
+	gw_frames_close(&frames);
+	tear_down(&f);
+}
+
 /* A bake that must fail: its class, with a sentence that names the transport. */
 static void refuse(const fixture *f, const gw_points *points, const gw_bake_options *options,
 				   const void *data, size_t length, gw_status expected)
@@ -533,6 +600,7 @@ int main(void)
 		cmocka_unit_test(damaged_ones_are_refused),
 		cmocka_unit_test(others_are_refused),
 		cmocka_unit_test(writes_may_fail),
+		cmocka_unit_test(points_of_one_place_keep_their_albedo),
 		cmocka_unit_test(ambient_occlusion_beside_a_wall),
 		cmocka_unit_test(ambient_occlusion_within_a_distance),
 		cmocka_unit_test(bent_normals_beside_a_wall),

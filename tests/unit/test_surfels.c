@@ -326,7 +326,16 @@ static void points_at_one_place_become_one(void **state)
 	assert_near((double)s.albedo[0], 1.25 / 3, 1e-7); /* rounded once to float32 */
 	assert_near((double)s.emission[0], 2, 0);
 	assert_near((double)s.nearest[0], 2, 0);
+	for (size_t i = 0; i < 4; i++)
+		assert_near((double)s.albedo_of_point[3 * i + 1], (double)albedo[i], 0);
 	assert_sane(&s);
+	gw_surfels_clear(&s);
+
+	/* Where all points of a place are of one colour, nothing is kept of it. */
+	memcpy(c.albedo, c.albedo + 3 * 3, 3 * sizeof *c.albedo);
+	s = make(&c);
+	assert_int_equal(s.duplicates, 2);
+	assert_null(s.albedo_of_point);
 	gw_surfels_clear(&s);
 
 	/* A sheet seen from both sides. */
