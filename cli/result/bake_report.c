@@ -383,8 +383,8 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 		tell_gaps(r, lead);
 	if (most == DOUBT_SURFACE)
 		fprintf(stderr,
-				"%shalf of the points make another surface: they are few or noisy for what they "
-				"show; more of them, %snormals in the file settle it\n",
+				"%sa bake of half of the points gives other light: they are few or noisy for what "
+				"they show; more of them, %snormals in the file settle it\n",
 				lead, or_scanner(s, r));
 	return most;
 }
