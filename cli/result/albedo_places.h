@@ -15,9 +15,10 @@ typedef struct albedo_member {
 } albedo_member;
 
 /*
- * Width of the cubes that hold about 30 points each, if these were spread over a sphere in their
- * bounds; in the unit of the positions, 0 where all points are at one place.
- *   low  receives the least coordinates of all
+ * Width of the cubes that hold about 30 points each, if these were spread over a sphere in the
+ * bounds of their bulk, whatever strays there are; in the unit of the positions, 0 where all points
+ * are at one place.
+ *   low  receives where a cube has its least corner
  */
 double albedo_place_width(const gw_points *points, double low[3]);
 
@@ -25,7 +26,7 @@ double albedo_place_width(const gw_points *points, double low[3]);
  * Finds the cube of a point.
  *   p      its position; low, width: of albedo_place_width
  *   at     receives the cube
- * Returns false when it has none: positions that are not finite, no width.
+ * Returns false when it has none: positions that are not finite or far off all others, no width.
  */
 bool albedo_place_find(const double p[3], const double low[3], double width, int32_t at[3]);
 

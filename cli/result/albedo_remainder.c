@@ -18,11 +18,14 @@
 #define SMOOTH_COSINE 0.9
 #define RISE_MOST 0.35
 
-/* Steps of the solver at most, and the residual, of the first, at which it ends. */
-#define STEPS_MOST 2000
+/* Power of the cosine between a point's normal and a patch's: at 25 degrees half of it counts, at
+ * 45 a sixteenth. */
+#define ALIKE_POWER 8.0
+
+/* The residual, of the first, at which the solver ends. */
 #define RESIDUAL_SMALL 1e-4
 
-/* A piece of surface: the points of one cube that look the same way. */
+/* The points of one cube that look about the same way. */
 typedef struct patch {
 	int32_t at[3];
 	uint32_t facing; /* 2 * axis, + 1 against it */
@@ -112,12 +115,27 @@ static int compare_patches(const void *a, const void *b)
 	return (x->facing > y->facing) - (x->facing < y->facing);
 }
 
-/* The patch that faces this way `step` cubes from `at`; NULL when there is none. */
-static const patch *find_patch(const leftover *w, const int32_t at[3], const int step[3],
-							   uint32_t facing)
+/* The patches of one cube, in a row. */
+typedef struct cube {
+	const patch *first, *end;
+} cube;
+
+/* Those of the n-th of the 27 cubes around `at`, of which the 13th is itself. */
+static cube patches_around(const leftover *w, const int32_t at[3], int n)
 {
-	patch key = { .at = { at[0] + step[0], at[1] + step[1], at[2] + step[2] }, .facing = facing };
-	return bsearch(&key, w->patch, w->patch_count, sizeof key, compare_patches);
+	const patch key = { .at = { at[0] + n / 9 - 1, at[1] + n / 3 % 3 - 1, at[2] + n % 3 - 1 } };
+	size_t low = 0, high = w->patch_count;
+	while (low < high) {
+		size_t middle = low + (high - low) / 2;
+		if (compare_patches(&w->patch[middle], &key) < 0)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	for (high = low; high < w->patch_count; high++)
+		if (memcmp(w->patch[high].at, key.at, sizeof key.at) != 0)
+			break;
+	return (cube){ w->patch + low, w->patch + high };
 }
 
 /* --------------------------------------------------------------------------------- the links */
@@ -160,15 +178,15 @@ static bool add_link(leftover *w, const patch *a, const patch *b)
 	return true;
 }
 
-/* Of the 26 cubes around each, those that come after it. */
+/* Of the cubes around each patch, its own among them, the patches that come after it. */
 static bool make_links(leftover *w)
 {
-	for (size_t i = 0; i < w->patch_count; i++)
-		for (int n = 14; n < 27; n++) {
-			const int step[3] = { n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1 };
-			const patch *a = &w->patch[i], *b = find_patch(w, a->at, step, a->facing);
-			if (b && joined(a, b) && !add_link(w, a, b))
-				return false;
+	for (const patch *a = w->patch; a < w->patch + w->patch_count; a++)
+		for (int n = 13; n < 27; n++) {
+			cube near = patches_around(w, a->at, n);
+			for (const patch *b = near.first; b < near.end; b++)
+				if (b > a && joined(a, b) && !add_link(w, a, b))
+					return false;
 		}
 	return true;
 }
@@ -195,7 +213,8 @@ static double inner(const double *a, const double *b, size_t count)
 	return sum;
 }
 
-/* Least squares of one channel by conjugate gradients. */
+/* Least squares of one channel by conjugate gradients, which end after as many steps as there are
+ * unknowns at the latest. */
 static void solve_channel(const leftover *w, int k)
 {
 	size_t n = w->patch_count;
@@ -207,7 +226,7 @@ static void solve_channel(const leftover *w, int k)
 	}
 	memcpy(way, r, n * sizeof *r);
 	double now = inner(r, r, n), end = RESIDUAL_SMALL * RESIDUAL_SMALL * now;
-	for (int step = 0; step < STEPS_MOST && now > end; step++) {
+	for (size_t step = 0; step < n && now > end; step++) {
 		differences(w, way, image);
 		double length = now / inner(way, image, n), before = now;
 		for (size_t i = 0; i < n; i++) {
@@ -256,35 +275,43 @@ static void center_surfaces(const leftover *w)
 
 /* ------------------------------------------------------------------------------- reading back */
 
+/* What a patch is to a point: more the nearer it is and the more it looks the same way; nothing at
+ * right angles. */
+static double weight_at(const leftover *w, const patch *b, const double *p, const float *normal)
+{
+	const double way[3] = { b->center[0] - p[0], b->center[1] - p[1], b->center[2] - p[2] };
+	const double n[3] = { (double)normal[0], (double)normal[1], (double)normal[2] };
+	double near = fmax(1.0 - sqrt(dot(way, way)) / (1.5 * w->width), 0.0);
+	return near * pow(fmax(dot(b->normal, n), 0.0), ALIKE_POWER);
+}
+
 /* Light at a point: that of the patches around which face its way, the nearest most. */
-static void read_light(const leftover *w, const albedo_member *m, const double *p, double light[3])
+static void read_light(const leftover *w, const albedo_member *m, const double *p,
+					   const float *normal, double light[3])
 {
 	double weight = 0.0;
 	memset(light, 0, 3 * sizeof *light);
 	for (int n = 0; n < 27; n++) {
-		const int step[3] = { n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1 };
-		const patch *b = find_patch(w, m->at, step, m->group);
-		if (!b)
-			continue;
-		const double way[3] = { b->center[0] - p[0], b->center[1] - p[1], b->center[2] - p[2] };
-		double own = 1.0 - sqrt(dot(way, way)) / (1.5 * w->width);
-		if (own <= 0.0)
-			continue;
-		weight += own;
-		for (size_t k = 0; k < 3; k++)
-			light[k] += own * w->light[3 * (size_t)(b - w->patch) + k];
+		cube near = patches_around(w, m->at, n);
+		for (const patch *b = near.first; b < near.end; b++) {
+			double own = weight_at(w, b, p, normal);
+			weight += own;
+			for (size_t k = 0; k < 3; k++)
+				light[k] += own * w->light[3 * (size_t)(b - w->patch) + k];
+		}
 	}
 	for (int k = 0; k < 3; k++)
 		light[k] = weight > 0.0 ? light[k] / weight : 0.0;
 }
 
-static double divide_points(const leftover *w, size_t used, const gw_points *p, float *level)
+static double divide_points(const leftover *w, size_t used, const gw_points *p, const float *normal,
+							float *level)
 {
 	double change = 0.0;
 	for (size_t i = 0; i < used; i++) {
 		size_t point = w->list[i].point;
 		double light[3];
-		read_light(w, &w->list[i], p->position + 3 * point, light);
+		read_light(w, &w->list[i], p->position + 3 * point, normal + 3 * point, light);
 		for (size_t k = 0; k < 3; k++) {
 			level[3 * point + k] *= (float)exp(-light[k]);
 			change += fabs(light[k]);
@@ -309,7 +336,7 @@ gw_status albedo_remainder_divide(const gw_points *p, const float *normal, const
 		solve_channel(&w, k);
 	if (good)
 		center_surfaces(&w);
-	*typical = good ? divide_points(&w, used, p, level) : 0.0;
+	*typical = good ? divide_points(&w, used, p, normal, level) : 0.0;
 	free(w.list);
 	free(w.patch);
 	free(w.link);

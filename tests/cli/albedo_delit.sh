@@ -42,6 +42,9 @@ delight photo.csv --light "$lamp" --normals estimate
 awk -v K=0.5 -v A=-9 -v B=0.3 -f photo.awk lit.csv >one.csv
 awk -v K=0.25 -v A=-0.2 -v B=9 -f photo.awk lit.csv >two.csv
 delight one.csv two.csv --light "$lamp" --capture-scale 0.5
+# With a point a thousand kilometres off.
+echo 1e6,1e6,1e6,0,0,1,0.5,0.5,0.5 >>two.csv
+delight one.csv two.csv --light "$lamp" --capture-scale 0.5
 # The same by two scanners of one file, whose grids are a single column.
 cat >ptx.awk <<'END'
 BEGIN { FS = ","; split(S, s, " ") }
@@ -79,17 +82,36 @@ awk 'BEGIN { OFS = ","; print "x,y,z,nx,ny,nz,red,green,blue"
 	for (i = 0; i < 150; i++) for (j = 0; j < 100; j++) {
 		v = (j < 50 ? 0.6 : 0.3) * (1 + 0.5 * (i + 0.5) / 150)
 		print (i + 0.5) / 100, (j + 0.5) / 100, 0, 0, 0, 1, v, v, v } }' >floor.csv
-for remainder in albedo light; do
-	glowworm albedo floor.csv --capture overcast --capture-scale 1 --input-gamma linear -q -f \
-		--remainder $remainder -o - --output-format csv | sort -t, -k7,7n | awk -F, '
-		function linear(v) { return exp(2.4 * log((v / 255 + 0.055) / 1.055)) }
-		NR > 1 { v = linear($7); half = $2 > 0.5; n[half]++; all[half, n[half]] = v }
-		END {
-			for (half = 0; half < 2; half++)
-				spread[half] = all[half, int(0.95 * n[half])] / all[half, int(0.05 * n[half])]
-			ratio = all[0, int(n[0] / 2)] / all[1, int(n[1] / 2)]
-			print "'$remainder'", (spread[0] < 1.1 && spread[1] < 1.1 ? "even" : "uneven"),
-				(ratio > 1.8 && ratio < 2.2 ? "twice" : "not twice") }'
+# And a vault, level at its top and upright at its foot, by as much more light at its top.
+awk 'BEGIN { OFS = ","; print "x,y,z,nx,ny,nz,red,green,blue"
+	for (i = 0; i < 150; i++) for (j = 0; j < 100; j++) {
+		a = (i + 0.5) / 150 * atan2(1, 0)
+		print cos(a), (j + 0.5) / 100, sin(a), cos(a), 0, sin(a), 0.5, 0.5, 0.5 } }' >vault.csv
+glowworm bake vault.csv --light 'sky radiance 1' --input-gamma linear --estimate-points 0 -q -f \
+	-o lit.csv
+awk 'BEGIN { FS = OFS = "," }
+	NR == 1 { for (i = 1; i <= NF; i++) c[$i] = i; print "x,y,z,nx,ny,nz,red,green,blue"; next }
+	{ v = $c["scalar_radiance_g"] * (1 + 0.5 * atan2($3, $1) / atan2(1, 0))
+	print $1, $2, $3, $4, $5, $6, v, v, v }' lit.csv >vault.csv
+# How even the values of either half are, and how much lighter the first one is.
+cat >even.awk <<'END'
+function linear(v) { return exp(2.4 * log((v / 255 + 0.055) / 1.055)) }
+BEGIN { FS = "," }
+NR > 1 { half = $2 > 0.5; all[half, ++n[half]] = linear($7) }
+END {
+	for (half = 0; half < 2; half++)
+		spread[half] = all[half, int(0.95 * n[half])] / all[half, int(0.05 * n[half])]
+	ratio = all[0, int(n[0] / 2)] / all[1, int(n[1] / 2)]
+	print (spread[0] < 1.1 && spread[1] < 1.1 ? "even," : "uneven,"),
+		(ratio > 1.8 && ratio < 2.2 ? "twice" : ratio > 0.9 && ratio < 1.1 ? "alike" : ratio)
+}
+END
+for surface in floor vault; do
+	for remainder in albedo light; do
+		echo "$surface, remainder $remainder:" "$(glowworm albedo $surface.csv -q -f \
+			--capture overcast --capture-scale 1 --input-gamma linear --remainder $remainder \
+			-o - --output-format csv | sort -t, -k7,7n | awk -f even.awk)"
+	done
 done
 # Chroma of the photograph, level of the laser, which is a quarter and a half.
 printf 'x,y,z,red,green,blue,intensity\n0,0,0,1,1,1,50\n1,0,0,0.2,0.2,0.2,100\n2,0,0,1,0,0,100\n' \
