@@ -5,6 +5,7 @@
 #include "files/number_text.h"
 #include "program/words.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -364,7 +365,8 @@ static gw_status set_place(lamp *light, light_key_id key, const char *text, gw_e
 
 gw_status light_set_numbers(lamp *light, light_key_id key, const char *text, gw_error *error)
 {
-	if (light_keys[key].value == LIGHT_VALUE_VECTOR && strchr(text, ':'))
+	bool named = strchr(text, ':') || (isalpha((unsigned char)*text) && !strchr(text, ','));
+	if (light_keys[key].value == LIGHT_VALUE_VECTOR && named)
 		return set_place(light, key, text, error);
 	char word[WORD_MAX];
 	double values[3] = { 0 };

@@ -778,18 +778,23 @@ static gw_status name_place(named_places *p, const light_place *place, size_t li
 		return GW_OK;
 	if (place->kind == LIGHT_PLACE_SCANNER) {
 		if (place->number > cloud->scanner_count)
-			return gw_fail(error, GW_ERROR_USAGE,
-						   "light %zu is for scanner %zu, but the inputs tell of %zu; glowworm "
-						   "info --places lists them, --scanner adds one",
-						   light + 1, place->number, cloud->scanner_count);
+			return gw_fail(
+				error, GW_ERROR_USAGE,
+				"light %zu is to stand at, or shine to, scanner %zu, but the inputs tell "
+				"of %zu; glowworm info --places lists them, --scanner adds one",
+				light + 1, place->number, cloud->scanner_count);
 		memcpy(to, cloud->scanner + 3 * (place->number - 1), 3 * sizeof *to);
 		return GW_OK;
 	}
 	GW_TRY(find_floor(p, error));
+	if (p->floors == 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "light %zu is to stand at, or shine to, floor %zu, but no floor is free",
+					   light + 1, place->number);
 	if (place->number > p->floors)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "light %zu is for floor %zu, but %zu places with free floor were found; "
-					   "glowworm info --places lists them",
+					   "light %zu is to stand at, or shine to, floor %zu, but the last free floor "
+					   "is floor:%zu; glowworm info --places lists them",
 					   light + 1, place->number, p->floors);
 	gw_camera_stand(p->scene->up, axis[0], axis[1], axis[2]);
 	for (int k = 0; k < 3; k++)

@@ -28,9 +28,10 @@ END
 print_lights lamp.json
 print_lights feet.pcd --units ft --light 'point at floor:1 intensity 1'
 for place in floor:2 floor:0 floor:1.5 floor:1+ floor:1+-1 floor:1+x floor: scanner:2 scanner:1+1 \
-	ceiling:1; do
+	ceiling:1 scanner; do
 	print_lights room.pcd --light "point at $place intensity 1"
 done
+print_lights three.xyz --light 'point at floor:1 intensity 1'
 print_lights room.pcd --light 'spot at floor:1 to floor:1 intensity 1'
 print_lights room.pcd --light 'spot at 0,0,0 toward floor:1 intensity 1'
 glowworm info --places --devices 2>&1 || echo "$?"
