@@ -8,6 +8,7 @@
 #include "cloud/strays.h"
 
 #include "base/memory.h"
+#include "base/nth_element.h"
 #include "cloud/bulk_bounds.h"
 #include "cloud/frame.h"
 #include "cloud/neighbour_index.h"
@@ -31,20 +32,16 @@
 /* How far around is looked for what is usual, in distances of that neighbour. */
 #define LOOK 4.0
 
-/* A plane through the surfel: half its thickness, of how far the neighbours are from their middle;
+/* A plane through the surfel: half its thickness, of how far most neighbours are from their middle;
  * how many neighbours lie in it; and their least extent to the sides, of that along the line that
  * they lie on most. Of 16 points that fill space at random five and more do so in one case of five,
  * six in one of fifty. */
 #define SLAB 0.057
 #define IN_PLANE 7
-#define MANY_IN_PLANE 12 /* of 16: more than chance, wherever they are */
+#define MANY_IN_PLANE 12 /* of 16: more than chance, if their own plane passes the surfel */
 #define BESIDE_LINE 0.08
-#define CONE                                                                                       \
-	0.95 /* they lie in so narrow a cone, by the share of their offsets' length that               \
-			is in common, that the surfel is on no surface with them */
-#define GAPS                                                                                       \
-	3.0                  /* the second nearest is at most so many times further off than those in  \
-							the plane are from each other */
+#define CONE 0.95        /* share of their offsets' length that is in common: all are to one side */
+#define GAPS 3.0         /* how far the second nearest is at most, of how far they are apart */
 #define PAIRS_OF 9       /* nearest neighbours that planes are put through, two at a time */
 #define LEAST_ANGLE 0.3  /* sine between them */
 #define OF_NEIGHBOUR 1.5 /* how much thicker the plane of a neighbour is */
@@ -230,17 +227,29 @@ static double dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* The middle and the width of what is around are those of most of it: one far neighbour, maybe a
+ * stray itself, makes no plane thicker. */
 static void measure(surrounding *around)
 {
-	double sum[3] = { 0 }, squares = 0, lengths = 0, n = around->count;
-	for (int j = 0; j < around->count; j++) {
-		double square = dot(around->at[j], around->at[j]);
-		squares += square;
-		lengths += sqrt(square);
+	double sum[3] = { 0 }, middle[3], lengths = 0;
+	float sorted[SEARCHED];
+	int n = around->count;
+	for (int j = 0; j < n; j++) {
+		lengths += sqrt(dot(around->at[j], around->at[j]));
 		for (int k = 0; k < 3; k++)
 			sum[k] += around->at[j][k];
 	}
-	around->slab = SLAB * sqrt(fmax(squares / n - dot(sum, sum) / (n * n), 0));
+	for (int k = 0; k < 3; k++) {
+		for (int j = 0; j < n; j++)
+			sorted[j] = (float)around->at[j][k];
+		middle[k] = (double)gw_nth_element(sorted, (size_t)n, (size_t)n / 2);
+	}
+	for (int j = 0; j < n; j++) {
+		const double *at = around->at[j];
+		const double off[3] = { at[0] - middle[0], at[1] - middle[1], at[2] - middle[2] };
+		sorted[j] = (float)sqrt(dot(off, off));
+	}
+	around->slab = SLAB * (double)gw_nth_element(sorted, (size_t)n, (size_t)n / 2);
 	around->aside = sqrt(dot(sum, sum)) > CONE * lengths;
 }
 
@@ -276,31 +285,18 @@ static bool normal_through(const double a[3], const double b[3], double n[3])
 	return true;
 }
 
-/* Is the surfel one of its neighbours in a plane, as far from them as they are from each other? */
-static bool is_among(const double (*at)[2], int count)
-{
-	double gap[SEARCHED], nearest = INFINITY, second = INFINITY; /* sorted */
-	for (int i = 0; i < count; i++) {
-		double own = hypot(at[i][0], at[i][1]), least = INFINITY;
-		for (int j = 0; j < count; j++)
-			if (j != i)
-				least = fmin(least, hypot(at[i][0] - at[j][0], at[i][1] - at[j][1]));
-		int place = i;
-		for (; place > 0 && least < gap[place - 1]; place--)
-			gap[place] = gap[place - 1];
-		gap[place] = least;
-		second = fmin(second, fmax(own, nearest));
-		nearest = fmin(nearest, own);
-	}
-	return second <= GAPS * gap[count / 2];
-}
+/* The neighbours in a plane through the surfel: two coordinates in it, and the one off it. */
+typedef struct layer {
+	double at[SEARCHED][3];
+	int count;
+	double mean[3], moment[3][3]; /* sums of products, about the mean */
+} layer;
 
-/* How many neighbours lie in a plane; 0 where the surfel is beside them all, or beside a line that
- * they are on. */
-static int count_in_plane(const surrounding *around, const double n[3])
+static void take_layer(const surrounding *around, const double n[3], layer *l)
 {
-	double mean[2] = { 0 }, square[3] = { 0 }, flat[SEARCHED][2], u[3], v[3];
-	int axis = fabs(n[0]) < 0.6 ? 0 : 1, count = 0;
+	double u[3], v[3];
+	int axis = fabs(n[0]) < 0.6 ? 0 : 1;
+	*l = (layer){ .count = 0 };
 	for (int k = 0; k < 3; k++)
 		u[k] = (k == axis) - n[axis] * n[k];
 	double length = sqrt(dot(u, u));
@@ -309,28 +305,75 @@ static int count_in_plane(const surrounding *around, const double n[3])
 	for (int k = 0; k < 3; k++)
 		v[k] = n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3];
 	for (int j = 0; j < around->count; j++) {
-		if (!(fabs(dot(around->at[j], n)) <= around->slab))
+		const double *to = around->at[j], at[3] = { dot(to, u), dot(to, v), dot(to, n) };
+		if (!(fabs(at[2]) <= around->slab))
 			continue;
-		double x = dot(around->at[j], u), y = dot(around->at[j], v);
-		mean[0] += x;
-		mean[1] += y;
-		square[0] += x * x;
-		square[1] += x * y;
-		square[2] += y * y;
-		flat[count][0] = x;
-		flat[count++][1] = y;
+		memcpy(l->at[l->count++], at, sizeof at);
+		for (int k = 0; k < 3; k++)
+			l->mean[k] += at[k];
 	}
-	if (count < IN_PLANE || (count < MANY_IN_PLANE && !is_among(flat, count)))
-		return 0;
-	double xx = square[0] - mean[0] * mean[0] / count, yy = square[2] - mean[1] * mean[1] / count,
-		   xy = square[1] - mean[0] * mean[1] / count;
+	for (int k = 0; k < 3; k++)
+		l->mean[k] /= fmax(l->count, 1);
+	for (int j = 0; j < l->count; j++)
+		for (int k = 0; k < 9; k++)
+			l->moment[k / 3][k % 3] +=
+				(l->at[j][k / 3] - l->mean[k / 3]) * (l->at[j][k % 3] - l->mean[k % 3]);
+}
+
+/* Is the surfel one of them, as far from them as they are from each other? */
+static bool is_among(const layer *l)
+{
+	double gap[SEARCHED], nearest = INFINITY, second = INFINITY; /* sorted */
+	for (int i = 0; i < l->count; i++) {
+		double own = hypot(l->at[i][0], l->at[i][1]), least = INFINITY;
+		for (int j = 0; j < l->count; j++)
+			if (j != i)
+				least = fmin(least, hypot(l->at[i][0] - l->at[j][0], l->at[i][1] - l->at[j][1]));
+		int place = i;
+		for (; place > 0 && least < gap[place - 1]; place--)
+			gap[place] = gap[place - 1];
+		gap[place] = least;
+		second = fmin(second, fmax(own, nearest));
+		nearest = fmin(nearest, own);
+	}
+	return second <= GAPS * gap[l->count / 2];
+}
+
+/* Does the plane that they lie in by themselves, without the surfel, pass it, and is that known
+ * well enough? From afar all that is flat or long looks as if it lay in one plane with whatever is
+ * about beside it. */
+static bool passes_surfel(const layer *l, double slab)
+{
+	double xx = l->moment[0][0], xy = l->moment[0][1], yy = l->moment[1][1];
+	double xz = l->moment[0][2], yz = l->moment[1][2], zz = l->moment[2][2];
+	double x = l->mean[0], y = l->mean[1], determinant = xx * yy - xy * xy;
+	if (!(determinant > 0))
+		return false;
+	double a = (xz * yy - yz * xy) / determinant, b = (yz * xx - xz * xy) / determinant;
+	double variance = fmax(zz - a * xz - b * yz, 0) / (l->count - 3);
+	variance *= 1.0 / l->count + (x * x * yy - 2 * x * y * xy + y * y * xx) / determinant;
+	return hypot(l->mean[2] - a * x - b * y, sqrt(variance)) <= slab;
+}
+
+/* Is the surfel beside a line that they are on? */
+static bool is_beside_line(const layer *l, double slab)
+{
+	double xx = l->moment[0][0], xy = l->moment[0][1], yy = l->moment[1][1];
 	double half = 0.5 * (xx + yy), root = hypot(0.5 * (xx - yy), xy);
-	double least = half - root, most = half + root;
-	double off = hypot(mean[0], mean[1]) / count; /* of their middle */
-	return least < BESIDE_LINE * BESIDE_LINE * most && off > around->slab &&
-				   off * off > 4 * least / count
-			   ? 0
-			   : count;
+	double least = half - root, most = half + root, off = hypot(l->mean[0], l->mean[1]);
+	return least < BESIDE_LINE * BESIDE_LINE * most && off > slab &&
+		   off * off > 4 * least / l->count;
+}
+
+/* How many neighbours lie in a plane; 0 where the surfel is on no surface with them. */
+static int count_in_plane(const surrounding *around, const double n[3])
+{
+	layer l;
+	take_layer(around, n, &l);
+	if (l.count < IN_PLANE || is_beside_line(&l, around->slab))
+		return 0;
+	bool with_them = is_among(&l) || (l.count >= MANY_IN_PLANE && passes_surfel(&l, around->slab));
+	return with_them ? l.count : 0;
 }
 
 /* Does a candidate lie in a plane with many of its neighbours? */

@@ -123,8 +123,29 @@ static gw_status go_on(const gw_surfels_options *options, gw_error *error)
 			   : GW_OK;
 }
 
-/* The frame of the points that are no strays. It is made anew when more of them are found in it, so
- * that strays have no part in it. */
+/* Strays that hang together hide each other: with those that were found gone, more are alone. Each
+ * time there are fewer. */
+#define STRAY_ROUNDS 8
+
+/* The frame is made anew when strays are found in it, so that they have no part in it. */
+static gw_status take_strays_out(const gw_surfels_options *options, sorted_points *p,
+								 gw_surfels *surfels, gw_error *error)
+{
+	for (int round = 0; round < STRAY_ROUNDS; round++) {
+		size_t known = p->strays.count;
+		GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
+		GW_TRY(go_on(options, error));
+		if (p->strays.count == known)
+			break;
+		free(p->position);
+		p->position = NULL;
+		GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
+		GW_TRY(make_frame_anew(options, p, surfels, error));
+	}
+	return GW_OK;
+}
+
+/* The frame of the points that are no strays. */
 static gw_status sort_points(const gw_surfels_options *options, sorted_points *p,
 							 gw_surfels *surfels, gw_error *error)
 {
@@ -133,15 +154,7 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 	GW_TRY(go_on(options, error));
 	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
 	GW_TRY(go_on(options, error));
-	size_t known = p->strays.count;
-	GW_TRY(gw_strays_mark_alone(&p->rest, options, surfels, &p->strays, error));
-	if (p->strays.count > known) {
-		free(p->position);
-		p->position = NULL;
-		GW_TRY(gw_strays_hide(p->all, &p->strays, &p->position, &p->rest, error));
-		GW_TRY(make_frame_anew(options, p, surfels, error));
-	}
-	GW_TRY(go_on(options, error));
+	GW_TRY(take_strays_out(options, p, surfels, error));
 	return join_twins(options, p, surfels, error);
 }
 

@@ -1832,6 +1832,32 @@ static void strays_are_no_surfels(void **state)
 	clear_cloud(&c);
 }
 
+/* Strays all around a box, so far from each other as from it: each hides some others, and many lie
+ * by chance in the plane of a wall or in one with others. */
+static void strays_do_not_hide_each_other(void **state)
+{
+	(void)state;
+	const size_t count = 20000, strays = 100;
+	cloud c = make_box(count + strays, true, 0, 0);
+	for (size_t i = count; i < c.count; i++) {
+		double place[3], off = 0;
+		for (size_t k = 0; k < 3; k++) {
+			double middle = 0.5, half = 3.5;
+			place[k] = middle + half * (2 * uniform() - 1);
+			off = fmax(off, fabs(place[k] - middle) - middle);
+		}
+		/* At least ten times as far as the points of the box are from each other. */
+		bool near = off < 10 * sqrt(6.0 / (double)count);
+		set_point(&c, i, near ? -3 : place[0], place[1], place[2]);
+	}
+	gw_surfels s = make(&c);
+	assert_int_equal(s.stray_count, strays);
+	for (size_t i = 0; i < s.stray_count; i++)
+		assert_true(s.stray[i].point >= count);
+	gw_surfels_clear(&s);
+	clear_cloud(&c);
+}
+
 /* Nine points of a mast on one upright plane, ten times as far from each other as those of the
  * ground below: no wall. */
 static void a_few_in_a_plane_are_no_wall(void **state)
@@ -2082,6 +2108,7 @@ int main(void)
 		cmocka_unit_test(scale_does_not_matter),
 		cmocka_unit_test(what_fills_space_has_small_discs),
 		cmocka_unit_test(strays_are_no_surfels),
+		cmocka_unit_test(strays_do_not_hide_each_other),
 		cmocka_unit_test(a_few_in_a_plane_are_no_wall),
 		cmocka_unit_test(uneven_density_works),
 		cmocka_unit_test(it_asks_within_each_step),
