@@ -253,6 +253,26 @@ static void measure(surrounding *around)
 	around->aside = sqrt(dot(sum, sum)) > CONE * lengths;
 }
 
+/* Of those that are nearer to each other than a plane here is thick only the first one counts: from
+ * afar a dense surface is a single place. */
+static void thin_out(surrounding *around)
+{
+	int kept = 0;
+	for (int j = 0; j < around->count; j++) {
+		bool apart = true;
+		for (int i = 0; apart && i < kept; i++) {
+			const double *a = around->at[i], *b = around->at[j];
+			const double between[3] = { a[0] - b[0], a[1] - b[1], a[2] - b[2] };
+			apart = dot(between, between) > around->slab * around->slab;
+		}
+		if (!apart)
+			continue;
+		memcpy(around->at[kept], around->at[j], sizeof around->at[j]);
+		around->place[kept++] = around->place[j];
+	}
+	around->count = kept;
+}
+
 static void look_around(const stray_step *step, size_t candidate, surrounding *around)
 {
 	const float *position = step->surfels->position;
@@ -269,6 +289,7 @@ static void look_around(const stray_step *step, size_t candidate, surrounding *a
 		around->place[around->count++] = place;
 	}
 	measure(around);
+	thin_out(around);
 }
 
 /* The unit normal of the plane through two neighbours and the surfel; false where all three lie
@@ -475,12 +496,13 @@ static void join_island(const stray_step *step, size_t i, uint32_t *parent, isla
 
 static bool is_island(const island *all)
 {
-	return all->members < ISLAND && all->others < all->fellows;
+	bool few = all->members < ISLAND || 2 * (all->fellows + all->others) < IN_PLANE * all->members;
+	return few && all->others < all->fellows;
 }
 
 /* A few points on a plane by themselves, as on a crane, a wire, or what is seen through a gap, are
- * no surface either: that would have more of them, or go on in others. False when memory is short.
- */
+ * no surface either: that would have more of them, half of them with a plane of their own, or go on
+ * in others. False when memory is short. */
 static bool judge_islands(stray_step *step)
 {
 	size_t n = step->candidate_count;
