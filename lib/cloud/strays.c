@@ -46,7 +46,8 @@
 #define LEAST_ANGLE 0.3  /* sine between them */
 #define OF_NEIGHBOUR 1.5 /* how much thicker the plane of a neighbour is */
 
-/* So many points that are far off, on planes together, are a sparse surface; fewer are none. */
+/* So many points that are far off, on planes together, are a sparse surface; fewer are none, nor
+ * are those of which most only happen to be in the plane of a few. */
 #define ISLAND 12
 #define IN_COMMON 2 /* of stray_step.alone: far off, but on such a plane */
 
@@ -469,7 +470,7 @@ static uint32_t find_first(uint32_t *parent, uint32_t i)
 
 /* What is together with the first of an island. */
 typedef struct island {
-	uint32_t members;
+	uint32_t members, with_plane; /* those that lie in a plane of their own, not a neighbour's */
 	uint32_t fellows, others; /* in the members' planes: of the island, and of surfaces around */
 } island;
 
@@ -492,11 +493,12 @@ static void join_island(const stray_step *step, size_t i, uint32_t *parent, isla
 		parent[a < b ? b : a] = a < b ? a : b;
 	}
 	own->members = 1;
+	own->with_plane = plane[3] > 0;
 }
 
 static bool is_island(const island *all)
 {
-	bool few = all->members < ISLAND || 2 * (all->fellows + all->others) < IN_PLANE * all->members;
+	bool few = all->members < ISLAND || 2 * all->with_plane < all->members;
 	return few && all->others < all->fellows;
 }
 
@@ -519,6 +521,7 @@ static bool judge_islands(stray_step *step)
 		if (first == i)
 			continue;
 		all[first].members += all[i].members;
+		all[first].with_plane += all[i].with_plane;
 		all[first].fellows += all[i].fellows;
 		all[first].others += all[i].others;
 	}
