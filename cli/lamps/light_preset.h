@@ -12,9 +12,10 @@
 typedef struct light_preset {
 	const char *name;
 	gw_light_type type;
-	const char *keys;  /* as in --light, behind the type; what else is said wins over them */
-	unsigned needed;   /* 1 << light_key_id of what has to be said beside what the type needs */
-	const char *about; /* half a sentence: what it is */
+	const char *keys;      /* as in --light, behind the type; what else is said wins over them */
+	unsigned needed;       /* 1 << light_key_id of what has to be said beside what the type needs */
+	const char *about;     /* half a sentence: what it is */
+	const char *estimated; /* from what its intensity is estimated; NULL where it was measured */
 	const char *source;
 } light_preset;
 

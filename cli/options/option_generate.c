@@ -75,7 +75,10 @@ static void write_manual_presets(FILE *out)
 	for (const light_preset *p = light_presets; p->name; p++) {
 		fprintf(out, ".TP\n.B %s\n", p->name);
 		write_roff(out, p->about);
-		fprintf(out, "; %s %s.\nSource: ", gw_light_type_name(p->type), p->keys);
+		fprintf(out, "; %s %s", gw_light_type_name(p->type), p->keys);
+		if (p->estimated)
+			fprintf(out, ", an estimate of its intensity from\n%s", p->estimated);
+		fputs(".\nSource: ", out);
 		write_roff(out, p->source);
 		fputs(".\n", out);
 	}

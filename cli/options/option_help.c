@@ -82,7 +82,7 @@ static void write_lights(FILE *out)
 	}
 	fprintf(out, "\nLamps by name, in place of a type; what is said behind them wins\n");
 	for (const light_preset *p = light_presets; p->name; p++)
-		fprintf(out, "  %-16s %s\n", p->name, p->about);
+		fprintf(out, "  %-16s %s%s\n", p->name, p->about, p->estimated ? " (an estimate)" : "");
 }
 
 void option_text_help(verb v, FILE *out)

@@ -160,15 +160,22 @@ static bool is_doubtful(const light_shares *f, size_t i)
 }
 
 /* A line of one that shines. */
-static void print_share(const light_shares *f, const extent *e, size_t i)
+/* A line's share of the light, and over how many frames. */
+static void print_percent(const light_shares *f, double share)
 {
-	char name[NAME], percent[TEXT_PERCENT];
-	double away = outside(e, light_of(f, i));
-	name_light(f, i, name);
-	text_message(stderr, "glowworm: %s: %s %% of the light before it is reflected", name,
-				 text_percent(f->result->given[i].share, percent));
+	char percent[TEXT_PERCENT];
+	fprintf(stderr, "%s %% of the light before it is reflected", text_percent(share, percent));
 	if (f->frames > 0)
 		fprintf(stderr, ", in the mean of %" PRIu32 " frames", f->frames);
+}
+
+static void print_share(const light_shares *f, const extent *e, size_t i)
+{
+	char name[NAME];
+	double away = outside(e, light_of(f, i));
+	name_light(f, i, name);
+	text_message(stderr, "glowworm: %s: ", name);
+	print_percent(f, f->result->given[i].share);
 	if (away > FAR_EXTENTS * e->diagonal)
 		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
 	else if (is_doubtful(f, i))
@@ -196,7 +203,6 @@ static void print_shining(const light_shares *f, const extent *e)
 	ranked *rank = calloc(r->given_count + 1, sizeof *rank);
 	size_t count = 0;
 	double rest = 0.0, gathered = r->gathered_share;
-	char percent[TEXT_PERCENT];
 	for (size_t i = 0; rank && i < r->given_count; i++) {
 		if (!shines(&r->given[i]) || isnan(r->given[i].share))
 			continue;
@@ -211,14 +217,17 @@ static void print_shining(const light_shares *f, const extent *e)
 		else
 			rest += rank[i].share;
 	}
-	if (count > LINES)
-		fprintf(stderr, "glowworm: %zu more lights: %s %% together\n", count - LINES,
-				text_percent(rest, percent));
+	if (count > LINES) {
+		fprintf(stderr, "glowworm: %zu more lights: together ", count - LINES);
+		print_percent(f, rest);
+		fputc('\n', stderr);
+	}
 	/* Where a sky shines on what glows by itself, nobody knows which is which. */
-	if (gathered > 1e-9 && r->given_count > 0)
-		fprintf(stderr,
-				"glowworm: skies and what glows: %s %% of the light before it is reflected\n",
-				text_percent(gathered, percent));
+	if (gathered > 1e-9 && r->given_count > 0) {
+		fprintf(stderr, "glowworm: skies and what glows: ");
+		print_percent(f, gathered);
+		fputc('\n', stderr);
+	}
 	free(rank);
 }
 

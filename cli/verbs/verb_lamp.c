@@ -165,6 +165,8 @@ static void write_presets(FILE *out)
 		fprintf(out, "%s: %s\n  is         %s%s%s\n  use        ", p->name, p->about,
 				gw_light_type_name(p->type), *p->keys ? " " : "", p->keys);
 		write_preset_words(p, out);
+		if (p->estimated)
+			fprintf(out, "\n  estimate   intensity from %s", p->estimated);
 		fprintf(out, "\n  source     %s\n", p->source);
 	}
 }
@@ -179,6 +181,8 @@ static void write_presets_json(FILE *out)
 		json_put_text(&json, "type", gw_light_type_name(p->type));
 		json_put_text(&json, "keys", p->keys);
 		json_put_text(&json, "about", p->about);
+		if (p->estimated)
+			json_put_text(&json, "estimated_from", p->estimated);
 		json_put_text(&json, "source", p->source);
 		json_put_close(&json, '}');
 	}

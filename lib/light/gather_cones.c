@@ -128,7 +128,10 @@ gw_status gw_cone_gather_bounce(const gw_record_context *on, gw_cone_gather *gat
 									gw_voxels_of(&gather->mip_pool),
 									gw_window(&on->records->position, 16),
 									gw_window(&on->records->normal, 16),
-									gw_window(gathered, 16) };
+									gw_window(gathered, 16),
+									gw_whole(&on->octree->leaf_tile),
+									gw_whole(&on->octree->facet_plane),
+									gw_whole(&on->octree->facet_albedo) };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_CONES, bindings, &push, on->records->count,
 						 error);
 }

@@ -56,12 +56,57 @@ void end_sheet(inout float filled, inout float through)
 	filled = 0.0;
 }
 
+/* As above, between two levels. */
+vec4 sample_between(vec3 g, vec3 direction, float level)
+{
+	uint up = uint(level);
+	float between = level - float(up);
+	vec4 shown = sample_level(g, direction, up);
+	if (between > 1e-3 && up + 1u < depth)
+		shown = mix(shown, sample_level(g, direction, up + 1u), between);
+	return shown;
+}
+
+/* The sheet that cones start on, if it lets light through: then its back shows to them. The normal
+ * is 0 where there is none. */
+vec3 own_place = vec3(0.0), own_normal = vec3(0.0);
+
+void start_on_sheet(vec3 place, vec3 normal)
+{
+	own_place = place;
+	own_normal = normal;
+}
+
+/* The most that the back of that sheet shows to a cone, a leaf cell of its path. Voxels' centres
+ * lie within half a cell of it; samples half a cell apart find at least three quarters of it. */
+float own_cover(vec3 direction)
+{
+	float most = 0.0;
+	for (int k = -1; k <= 1 && own_normal != vec3(0.0); k++)
+		most =
+			max(most, sample_level(own_place + 0.5 * float(k) * own_normal, direction, 0u).w / 0.75);
+	return most;
+}
+
+/* How much of what covers a place is not the back of that sheet. The sheet shows as much there as
+ * over the cone's start, at the same height above it; beyond a voxel and a half of height, nothing.
+ * What is left of it where it is uneven, up to a tenth, would part other sheets. */
+float cover_of_others(float cover, vec3 g, vec3 direction, float level, float own_most)
+{
+	float rise = dot(g - own_place, own_normal), width = exp2(level);
+	if (own_most == 0.0 || rise > 1.5 * width)
+		return cover;
+	float own = sample_between(own_place + rise * own_normal, direction, level).w;
+	own = min(own, own_most / width);
+	return cover > 1.1 * own ? cover - own : 0.0;
+}
+
 /* open: what is left, 0..1. */
 vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 {
 	float side = exp2(float(depth));
 	vec3 radiance = vec3(0.0);
-	float filled = 0.0, through = 1.0;
+	float filled = 0.0, through = 1.0, own_most = own_cover(direction);
 	float t = push.start;
 	for (uint step = 0u; step < 256u && filled < 0.995 && through > 0.005; step++) {
 		float width = max(1.0, 2.0 * t * tangent);
@@ -69,12 +114,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 		if (any(lessThan(g, vec3(-width))) || any(greaterThan(g, vec3(side + width))))
 			break;
 		float level = min(log2(width), float(depth - 1u));
-		uint up = uint(level);
-		vec4 shown = sample_level(g, direction, up);
-		float between = level - float(up);
-		if (between > 1e-3 && up + 1u < depth)
-			shown = mix(shown, sample_level(g, direction, up + 1u), between);
-		float opacity = width * shown.w;
+		vec4 shown = sample_between(g, direction, level);
+		float opacity = width * cover_of_others(shown.w, g, direction, level, own_most);
 		if (opacity > 1e-6) {
 			float taken = min(opacity, 1.0 - filled);
 			radiance += shown.xyz * (width * taken / opacity * through);

@@ -2,7 +2,8 @@
  * brick_inject.comp - fills the leaf pool: one invocation a voxel of a brick, its redundant
  * positive boundary included (Salm 4.3.1, 4.4.1). Each facet shows area * max(0, n . face) to a
  * face; one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall
- * sampled by scattered points lets nothing through.
+ * sampled by scattered points lets nothing through. What lets light through also has a back, which
+ * nobody takes for the inside of something: dark, unless it is lit from both sides.
  */
 #version 460
 
@@ -23,6 +24,17 @@ layout(push_constant) uniform Push
 };
 
 #include "light/brick_pool.glsl"
+
+bool lets_through(int slot)
+{
+	return fract(texelFetch(facet_albedo, slot).w) > 0.0;
+}
+
+bool is_lit_from_both(int slot)
+{
+	float sides = floor(texelFetch(facet_albedo, slot).w);
+	return sides == 1.0 || sides == GW_FACET_FOLIAGE;
+}
 
 /* What of a facet a cone meets. Of one that lets light through exactly its covered share: it must
  * not be over-covered. */
@@ -48,7 +60,7 @@ void main()
 	uint leaf = entry.x + uint(bitCount(entry.y & ((1u << octant) - 1u)));
 	ivec3 corner = brick_corner(brick, push.leaf_bricks[0], push.leaf_bricks[1]) + ivec3(voxel);
 
-	vec4 radiance[2];
+	vec4 radiance[2], back[2];
 	vec3 facing[2];
 	for (uint s = 0u; s < 2u; s++) {
 		int slot = int(2u * leaf + s);
@@ -58,12 +70,19 @@ void main()
 		facing[s] =
 			facet ? texelFetch(facet_plane, slot).xyz * texelFetch(facet_centre, slot).w
 				  : vec3(0.0);
-		if (dark_slot != 0u && facet)
-			facing[s] *= shown_share(slot);
+		back[s] = vec4(0.0);
+		if (dark_slot == 0u || !facet)
+			continue;
+		facing[s] *= shown_share(slot);
+		if (lets_through(slot))
+			back[s] = is_lit_from_both(slot) ? radiance[s] : vec4(0.0, 0.0, 0.0, 1.0);
 	}
 	for (int f = 0; f < 6; f++) {
-		vec4 shown = radiance[0] * max(0.0, dot(facing[0], FACE_NORMAL[f])) +
-					 radiance[1] * max(0.0, dot(facing[1], FACE_NORMAL[f]));
+		vec4 shown = vec4(0.0);
+		for (uint s = 0u; s < 2u; s++) {
+			float toward = dot(facing[s], FACE_NORMAL[f]);
+			shown += toward > 0.0 ? toward * radiance[s] : -toward * back[s];
+		}
 		imageStore(leaf_pool, corner + ivec3(0, 0, f * int(push.leaf_face_depth)),
 				   min(shown * push.gain, vec4(65504.0)));
 	}

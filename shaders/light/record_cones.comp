@@ -26,12 +26,35 @@ layout(binding = 6) writeonly buffer Gathered
 {
 	vec4 record_gathered[];
 };
+layout(binding = 7) uniform usamplerBuffer leaf_tile;
+layout(binding = 8) uniform samplerBuffer facet_plane;
+layout(binding = 9) uniform samplerBuffer facet_albedo;
 layout(push_constant) uniform Push
 {
 	gw_cone_push push;
 };
 
 #include "light/brick_cones.glsl"
+
+/* Does a record lie on a facet that lets light through? */
+bool is_on_clear(vec3 place, vec3 normal)
+{
+	uvec3 cell = uvec3(clamp(place, vec3(0.0), vec3(exp2(float(depth)) - 1.0)));
+	uint tile = dark_slot != 0u ? find_tile(cell >> 1, depth - 1u) : 0u;
+	if (tile == 0u)
+		return false;
+	uint octant = (cell.x & 1u) | (cell.y & 1u) << 1 | (cell.z & 1u) << 2;
+	uvec2 entry = texelFetch(leaf_tile, int(tile - 1u)).xy;
+	uint leaf = entry.x + uint(bitCount(entry.y & ((1u << octant) - 1u)));
+	bool clear = false;
+	for (uint s = 0u; s < 2u; s++) {
+		int slot = int(2u * leaf + s);
+		bool facet = ((entry.y >> (8u + 8u * s + octant)) & 1u) != 0u;
+		if (facet && dot(texelFetch(facet_plane, slot).xyz, normal) > 0.0)
+			clear = clear || fract(texelFetch(facet_albedo, slot).w) > 0.0;
+	}
+	return clear;
+}
 
 void main()
 {
@@ -43,6 +66,8 @@ void main()
 	if (open == GW_RECORD_LEFT)
 		return;
 	vec3 origin = record_position[i].xyz + 0.5 * normal;
+	if (is_on_clear(record_position[i].xyz, normal))
+		start_on_sheet(record_position[i].xyz, normal);
 	float turn = unit_float(pcg_hash2(pcg_hash_place(record_position[i].xyz), push.seed));
 	vec3 sum = vec3(0.0);
 	for (uint c = 0u; c < push.cones; c++) {

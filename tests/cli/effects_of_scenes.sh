@@ -38,6 +38,24 @@ shown | grep -c 'glossy *[1-9]'
 shown --effects=-gloss
 shown --glossy off
 
+# Forced where no point is glossy, or nothing moves, both leave all bytes as they are.
+body() { # The points alone: the header quotes the command.
+	sed '1,/^end_header/d' "$1" | cksum
+}
+same() { [ "$(body "$1")" = "$(body "$2")" ] && echo "same: $3"; }
+awk '/property float (specular|roughness)/ { next } NF == 8 { NF = 6 } { print }' floor.ply >dull.ply
+glowworm bake dull.ply --light "$sun" $options -o plain.ply
+glowworm bake dull.ply --light "$sun" $options --effects=+gloss -o forced.ply
+same plain.ply forced.ply gloss
+for effects in auto +gloss; do
+	glowworm render plain.ply --size 64x48 --force -o "$effects.png" --effects="$effects" -q
+done
+pixels() { # What follows the texts, of which one is the command.
+	at=$(LC_ALL=C grep -abo IDAT "$1" | head -n 1 | cut -d : -f 1)
+	tail -c "+$at" "$1" | cksum
+}
+[ "$(pixels auto.png)" = "$(pixels ./+gloss.png)" ] && echo "same: picture"
+
 echo "-- motion"
 # A lamp rises from 1 m to 2 m: a quarter of the light.
 cat >rise.scene.json <<'END'
@@ -52,6 +70,15 @@ for effects in auto +motion -motion; do
 done
 glowworm plan rise.scene.json | tr -s ' ' | grep '^motion'
 glowworm plan rise.scene.json --effects=-motion | tr -s ' ' | grep '^motion'
+cat >still.scene.json <<'END'
+{"version": 1, "inputs": [{"file": "floor.ply"}], "frames": 2,
+ "lights": [{"type": "point", "position": [0, 0, 1], "intensity": 1}]}
+END
+for effects in auto +motion; do
+	glowworm bake still.scene.json --frames all $options --effects="$effects" -o "still$effects.ply"
+done
+same stillauto-0001.ply still+motion-0001.ply motion
+same stillauto-0000.ply stillauto-0001.ply "frames in which nothing moves"
 echo "-- refused"
 glowworm bake floor.ply --light "$sun" --effects +motion -o lit.ply 2>&1
 glowworm render glossy.ply --effects +shadows -o out.png 2>&1

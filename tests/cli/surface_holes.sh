@@ -32,7 +32,7 @@ mean() { # NAME: of the red radiance
 	awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i ~ /radiance_r/) c = i; next }
 		{ s += $c } END { printf "%.6f\n", s / (NR - 1) }' sums.csv
 }
-outside='sun from 0,-20 irradiance 3'
+outside='sun toward 0,-0.9396926,0.3420201 irradiance 3'
 bake open room.csv --light 'sky radiance 1' --light "$outside" --fields unknown
 bake black room.csv --light 'sky radiance 1' --light "$outside" --gaps black
 bake mean room.csv --light 'sky radiance 1' --light 'point at 1,1,1 intensity 1' --gaps mean

@@ -1,0 +1,291 @@
+/*
+ * test_effect_table.c - of effects that have no passes of their own: forbidden, the device does
+ * what it does for a scene that does not call for them, to the byte; forced without need, they
+ * change no light; and by how much the light differs without them.
+ */
+#include "cloud/surfels.h"
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define SIDE 32 /* points a side of the floor, 1 m wide */
+
+static const uint32_t transmission = 1u << GW_EFFECT_TRANSMISSION;
+static const uint32_t noise = 1u << GW_EFFECT_NOISE;
+static const uint32_t columns = 1u << GW_EFFECT_COLUMNS;
+
+static gw_bake_options coarse(void)
+{
+	gw_bake_options options = gw_bake_options_default();
+	gw_bake_options_set_quality(&options, GW_QUALITY_DRAFT);
+	return options;
+}
+
+static const gw_light sun = { .type = GW_LIGHT_SUN,
+							  .direction = { 0, 0, -1 },
+							  .irradiance = { 1.0f, 1.0f, 1.0f } };
+
+static void make_floor(scene *s)
+{
+	scene_add_patch(s, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, SIDE,
+					SIDE, 0.5f);
+}
+
+/* A floor, and half a metre over it a sheet twice as wide. */
+static void make_roofed_floor(scene *s)
+{
+	make_floor(s);
+	scene_add_patch(s, (double[]){ -0.5, -0.5, 0.5 }, (double[]){ 0, 2, 0 }, (double[]){ 2, 0, 0 },
+					2 * SIDE, 2 * SIDE, 0.5f);
+}
+
+static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b)
+{
+	assert_int_equal(a->count, b->count);
+	assert_memory_equal(a->radiance, b->radiance, 3 * a->count * sizeof *a->radiance);
+	assert_memory_equal(a->indirect_irradiance, b->indirect_irradiance,
+						3 * a->count * sizeof *a->radiance);
+}
+
+/* The same passes as often, the same stages with as many dispatches, and no byte more. */
+static void assert_same_work(const gw_report *a, const gw_report *b)
+{
+	assert_int_equal(a->pass_count, b->pass_count);
+	for (uint32_t i = 0; i < a->pass_count; i++) {
+		assert_string_equal(a->pass[i].name, b->pass[i].name);
+		assert_int_equal(a->pass[i].runs, b->pass[i].runs);
+		assert_int_equal(a->pass[i].compiled, b->pass[i].compiled);
+	}
+	assert_int_equal(a->stage_count, b->stage_count);
+	for (uint32_t i = 0; i < a->stage_count; i++) {
+		assert_string_equal(a->stage[i].name, b->stage[i].name);
+		assert_int_equal(a->stage[i].dispatches, b->stage[i].dispatches);
+		assert_int_equal(a->stage[i].bytes, b->stage[i].bytes);
+	}
+	assert_int_equal(a->peak_bytes, b->peak_bytes);
+	assert_int_equal(a->octree_bytes, b->octree_bytes);
+	assert_int_equal(a->brick_bytes, b->brick_bytes);
+}
+
+/* ------------------------------------------------------------------------------ transmission */
+
+/* A roof of opacity 0.3 lets 0.7 of the sun through, and one that is taken for opaque nothing. Then
+ * no more is done than for points without an opacity; nor where all of them have one of 1. */
+static void clear_or_not(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_roofed_floor(&s);
+	float *opacity = malloc(2 * s.count * sizeof *opacity), *solid = opacity + s.count;
+	for (size_t i = 0; i < s.count; i++) {
+		opacity[i] = i < SIDE * SIDE ? 1.0f : 0.3f;
+		solid[i] = 1.0f;
+	}
+	gw_points plain = scene_points(&s), clear = plain, whole = plain;
+	clear.opacity = opacity;
+	whole.opacity = solid;
+	gw_bake_options options = coarse(), without = options;
+	without.effects_forbidden = transmission;
+	gw_bake_result *wanted = scene_bake(&clear, &sun, 1, &options);
+	gw_bake_result *off = scene_bake(&clear, &sun, 1, &without);
+	gw_bake_result *opaque = scene_bake(&plain, &sun, 1, &options);
+	gw_bake_result *ones = scene_bake(&whole, &sun, 1, &options);
+	/* 1 - 0.3 in float32, of which the tree keeps 16 bits behind the point. */
+	double through = scene_mean(wanted->direct_irradiance, SIDE * SIDE, 0);
+	assert_true(fabs(through - 0.7) < ldexp(1.0, -15));
+	assert_true(scene_mean(off->direct_irradiance, SIDE * SIDE, 0) == 0.0);
+	assert_same_light(off, opaque);
+	assert_same_work(&off->report, &opaque->report);
+	assert_same_light(ones, opaque);
+	assert_same_work(&ones->report, &opaque->report);
+	gw_bake_result_destroy(&wanted);
+	gw_bake_result_destroy(&off);
+	gw_bake_result_destroy(&opaque);
+	gw_bake_result_destroy(&ones);
+	free(opacity);
+	scene_clear(&s);
+}
+
+/* ------------------------------------------------------------------------------------- noise */
+
+/* A floor whose points scatter by 0.3 of their spacing, and whose normals lean by 10 degrees to all
+ * sides. */
+static void make_rough_floor(scene *s)
+{
+	make_floor(s);
+	const double lean = 10.0 * SCENE_PI / 180.0;
+	for (size_t i = 0; i < s->count; i++) {
+		double around = 2.0 * SCENE_PI * scene_random(s);
+		double height = scene_random(s) + scene_random(s) + scene_random(s) - 1.5;
+		s->position[3 * i + 2] += 0.3 * 2.0 * height / SIDE; /* the sum of three has 1/2 */
+		s->normal[3 * i] = (float)(sin(lean) * cos(around));
+		s->normal[3 * i + 1] = (float)(sin(lean) * sin(around));
+		s->normal[3 * i + 2] = (float)cos(lean);
+	}
+}
+
+/* Where noise is not smoothed, each normal is the one that was given: cos 10 degrees of the sun.
+ * Smoothed, it is the mean of some 30 around it, of which a thirtieth of the noise is left: at
+ * least nine tenths of what was missing come back. */
+static void smoothed_or_not(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_rough_floor(&s);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = coarse();
+	options.bounces = 1;
+	options.shadows = GW_SHADOWS_NONE;
+	gw_bake_result *smooth = scene_bake(&points, &sun, 1, &options);
+	options.effects_forbidden = noise;
+	gw_bake_result *rough = scene_bake(&points, &sun, 1, &options);
+	double lost = 1.0 - cos(10.0 * SCENE_PI / 180.0);
+	/* Three roundings of a normal, and one of its product. */
+	assert_true(fabs(scene_mean(rough->direct_irradiance, s.count, 0) - (1.0 - lost)) <
+				4.0 * ldexp(1.0, -24));
+	double left = 1.0 - scene_mean(smooth->direct_irradiance, s.count, 0);
+	assert_true(left > 0.0 && left < 0.1 * lost);
+	scene_clear(&s);
+	make_floor(&s);
+	points = scene_points(&s);
+	options.effects_forbidden = 0;
+	gw_bake_result *even = scene_bake(&points, &sun, 1, &options);
+	assert_same_work(&rough->report, &even->report);
+	assert_true(smooth->report.pass[0].runs > rough->report.pass[0].runs);
+	gw_bake_result_destroy(&even);
+	gw_bake_result_destroy(&smooth);
+	gw_bake_result_destroy(&rough);
+	scene_clear(&s);
+}
+
+/* What is smoothed stands beside what was given; nothing does where it is forbidden, or not called
+ * for. */
+static void no_bytes_for_noise(void **state)
+{
+	(void)state;
+	for (int rough = 0; rough < 2; rough++)
+		for (int forbidden = 0; forbidden < 2; forbidden++) {
+			scene s = { 0 };
+			rough ? make_rough_floor(&s) : make_floor(&s);
+			gw_points points = scene_points(&s);
+			const gw_surfels_options options = { .threads = 1,
+												 .effects_forbidden = forbidden ? noise : 0 };
+			gw_surfels surfels;
+			gw_error error;
+			assert_int_equal(gw_surfels_make(&points, &options, &surfels, &error), GW_OK);
+			assert_true((surfels.shading_normal != NULL) == (rough && !forbidden));
+			gw_surfels_clear(&surfels);
+			scene_clear(&s);
+		}
+}
+
+/* ----------------------------------------------------------------------------------- columns */
+
+/* The light of each of two lamps, which only costs anything where it is asked for: then passes run
+ * again for each of them. The columns add up to the whole: three sums of float32 numbers. */
+static void columns_or_not(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_roofed_floor(&s);
+	gw_points points = scene_points(&s);
+	const gw_light lamp[] = { scene_point_light(0.2, 0.3, 0.3, 1.0f),
+							  scene_point_light(0.8, 0.6, 0.2, 0.5f) };
+	gw_bake_options options = coarse(), forbidden = options, forced = options;
+	forbidden.effects_forbidden = columns;
+	forced.effects_forced = columns;
+	options.bounces = forbidden.bounces = forced.bounces = 3;
+	gw_bake_result *plain = scene_bake(&points, lamp, 2, &options);
+	gw_bake_result *off = scene_bake(&points, lamp, 2, &forbidden);
+	gw_bake_result *on = scene_bake(&points, lamp, 2, &forced);
+	assert_null(plain->lamp);
+	assert_null(off->lamp);
+	assert_same_work(&plain->report, &off->report);
+	assert_same_light(plain, off);
+	assert_same_light(plain, on);
+	assert_non_null(on->lamp);
+	for (size_t i = 0; i < 3 * s.count; i++) {
+		double whole = (double)on->radiance[i], sum = 0.0;
+		for (size_t k = 0; k < 2; k++)
+			sum += (double)on->lamp[k][i];
+		assert_true(fabs(sum - whole) <= 8.0 * ldexp(1.0, -24) * whole);
+	}
+	gw_bake_result_destroy(&plain);
+	gw_bake_result_destroy(&off);
+	gw_bake_result_destroy(&on);
+	scene_clear(&s);
+}
+
+/* ----------------------------------------------------------------- what tells, and what finds */
+
+/* The estimated error, holes and portals say of light how wrong it is and find it with less noise:
+ * without them it is the same, to the byte, or, without portals, but for the noise. */
+static void light_is_the_same(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_make_cellar(&s);
+	gw_points points = scene_points(&s);
+	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } };
+	gw_bake_options options = coarse();
+	gw_bake_result *plain = scene_bake(&points, &sky, 1, &options);
+	const gw_effect_kind effect[] = { GW_EFFECT_ERROR, GW_EFFECT_GAPS };
+	for (size_t i = 0; i < 2; i++) {
+		options.effects_forbidden = 1u << effect[i];
+		gw_bake_result *without = scene_bake(&points, &sky, 1, &options);
+		assert_same_light(without, plain);
+		assert_false(scene_has_stage(&without->report, i ? "gaps" : "estimate"));
+		gw_bake_result_destroy(&without);
+	}
+	gw_bake_result_destroy(&plain);
+	scene_clear(&s);
+}
+
+/* ------------------------------------------------------------------------------------ motion */
+
+/* Frames in which nothing moves: none of them after the first builds anything anew, or traces a
+ * ray, and its light is the first one's to the byte. */
+static void frames_that_stand_still(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	make_roofed_floor(&s);
+	gw_points points = scene_points(&s);
+	const gw_light lamp = scene_point_light(0.2, 0.3, 0.3, 1.0f);
+	const gw_motion motion = { .frame_count = 2 };
+	gw_bake_options options = coarse();
+	scene_choose_passes(&options.passes, &options.validate);
+	gw_frames *frames = NULL;
+	gw_bake_result *result[2];
+	gw_error error;
+	assert_int_equal(gw_frames_open(&(gw_moving_scene){ { &points, &lamp, 1 }, &motion }, &options,
+									&(gw_frames_options){ .independent = true }, NULL, &frames,
+									&error),
+					 GW_OK);
+	for (size_t f = 0; f < 2; f++)
+		assert_int_equal(gw_frames_bake(frames, f, &lamp, 1, &result[f], &error), GW_OK);
+	assert_same_light(result[0], result[1]);
+	assert_true(result[0]->report.rays_traced > 0);
+	assert_int_equal(result[1]->report.rays_traced, 0);
+	assert_false(scene_has_stage(&result[1]->report, "octree"));
+	gw_bake_result_destroy(&result[0]);
+	gw_bake_result_destroy(&result[1]);
+	gw_frames_close(&frames);
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(clear_or_not),       cmocka_unit_test(smoothed_or_not),
+		cmocka_unit_test(no_bytes_for_noise), cmocka_unit_test(columns_or_not),
+		cmocka_unit_test(light_is_the_same),  cmocka_unit_test(frames_that_stand_still),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
