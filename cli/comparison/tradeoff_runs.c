@@ -127,8 +127,7 @@ static gw_status run_one(const loaded_scene *scene, const gw_light *lights, size
 		_exit(0);
 	}
 	run->status = wait_for(child, run->name, &usage, error);
-	if (run->status != GW_OK)
-		return run->status;
+	GW_TRY(run->status);
 	run->status = back->status;
 	run->seconds = back->seconds;
 	run->host_bytes = 1024 * (uint64_t)usage.ru_maxrss;

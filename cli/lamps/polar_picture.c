@@ -57,7 +57,8 @@ static void paint_curve(const luminaire *l, double plane, const double color[3],
 	blend(rgb, color, coverage((radius - at) / sqrt(1.0 + slope * slope), CURVE));
 }
 
-void polar_picture_draw(const luminaire *l, float *rgb)
+/* Into 3 * POLAR_PICTURE * POLAR_PICTURE linear values, 0..1, rows from the top. */
+static void draw_pixels(const luminaire *l, float *rgb)
 {
 	static const double red[3] = { 0.65, 0.03, 0.02 }, blue[3] = { 0.02, 0.09, 0.55 };
 	static const double grey[3] = { 0.55, 0.55, 0.55 };
@@ -79,7 +80,7 @@ static gw_status draw(const luminaire *l, float **rgb, gw_error *error)
 	*rgb = reallocarray(NULL, (size_t)POLAR_PICTURE * POLAR_PICTURE, 3 * sizeof **rgb);
 	if (!*rgb)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a picture");
-	polar_picture_draw(l, *rgb);
+	draw_pixels(l, *rgb);
 	return GW_OK;
 }
 

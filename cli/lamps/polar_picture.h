@@ -12,13 +12,10 @@
 #define POLAR_PICTURE 640u
 
 /*
- * Draws a luminaire: the planes C 0 (right) and 180 in red, C 90 and 270 in blue; rays each 30
- * degrees, rings at quarters of the largest intensity, which reaches the outermost.
- *   rgb   3 * POLAR_PICTURE * POLAR_PICTURE, receives linear RGB, 0..1, rows from the top
+ * Draw a luminaire and write it: the planes C 0 (right) and 180 in red, C 90 and 270 in blue; rays
+ * each 30 degrees, rings at quarters of the largest intensity, which reaches the outermost.
+ * GW_ERROR_MEMORY, or as png_picture_write and exr_picture_write.
  */
-void polar_picture_draw(const luminaire *l, float *rgb);
-
-/* Draw it and write it. GW_ERROR_MEMORY, or as png_picture_write and exr_picture_write. */
 gw_status polar_picture_write_png(output_file *out, const luminaire *l, gw_error *error);
 gw_status polar_picture_write_exr(output_file *out, const luminaire *l, gw_error *error);
 

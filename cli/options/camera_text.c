@@ -86,8 +86,7 @@ gw_status camera_text_read(const char *option, const char *text, camera_text *ca
 			status = key == 2 ? read_angle(&w, &camera->angle)
 							  : read_place(&w, key_name[key], key ? camera->to : camera->at);
 		}
-		if (status != GW_OK)
-			return status;
+		GW_TRY(status);
 	}
 	camera->placed = given[0];
 	if (given[0] != given[1] || (kind_given && given[0]) || !(kind_given || given[0] || given[2]))
@@ -129,9 +128,7 @@ static gw_status read_lines(const input_file *in, camera_text **cameras, size_t 
 		if (!grown)
 			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the cameras of %s", in->name);
 		*cameras = grown;
-		gw_status status = read_line(in, number, line, grown + (*count)++, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(read_line(in, number, line, grown + (*count)++, error));
 	}
 	if (*count == 0)
 		return gw_fail(error, GW_ERROR_DATA, "%s holds no cameras; one a line is expected",
@@ -145,10 +142,8 @@ gw_status camera_text_read_file(const char *path, camera_text **cameras, size_t 
 	input_file in;
 	*cameras = NULL;
 	*count = 0;
-	gw_status status = input_file_open(&in, path, error);
-	if (status != GW_OK)
-		return status;
-	status = input_file_check(&in, read_lines(&in, cameras, count, error), error);
+	GW_TRY(input_file_open(&in, path, error));
+	gw_status status = input_file_check(&in, read_lines(&in, cameras, count, error), error);
 	input_file_close(&in);
 	if (status != GW_OK) {
 		free(*cameras);

@@ -72,10 +72,8 @@ gw_status scanner_text_add(settings *s, const char *text, gw_error *error)
 		return settings_add_scanner(s, place, error);
 	}
 	input_file in;
-	gw_status status = input_file_open(&in, text + 1, error);
-	if (status != GW_OK)
-		return status;
-	status = input_file_check(&in, read_lines(s, &in, error), error);
+	GW_TRY(input_file_open(&in, text + 1, error));
+	gw_status status = input_file_check(&in, read_lines(s, &in, error), error);
 	input_file_close(&in);
 	return status;
 }

@@ -125,7 +125,8 @@ static const char *unit_of(const render_scene *scene, settings_view view)
 	return "";
 }
 
-gw_status render_fit_scale(settings_view view, const render_values *pictures, size_t count,
+/* A scale for pictures of numbers, or of light by false colours: one for all of them. */
+static gw_status fit_scale(settings_view view, const render_values *pictures, size_t count,
 						   false_color_range *range, gw_error *error)
 {
 	size_t pixels = 0, used = 0;
@@ -286,7 +287,7 @@ gw_status render_write_row(output_file *out, const render_scene *scene, const re
 	false_color_range range = look->scale;
 	bool ranged = render_view_is_number(look->view) || look->false_color;
 	if (ranged && !look->scaled)
-		GW_TRY(render_fit_scale(look->view, row->picture, row->count, &range, error));
+		GW_TRY(fit_scale(look->view, row->picture, row->count, &range, error));
 	range.unit = unit_of(scene, look->view);
 	const gw_gbuffer *first = row->picture[0].g;
 	sheet s = { look,

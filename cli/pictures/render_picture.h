@@ -50,10 +50,6 @@ typedef struct render_values {
 	const float *values; /* of render_view_values */
 } render_values;
 
-/* A scale for pictures of numbers, or of light by false colours: one for all of them. */
-gw_status render_fit_scale(settings_view view, const render_values *pictures, size_t count,
-						   false_color_range *range, gw_error *error);
-
 /*
  * Writes a picture for the screen.
  *   values  of render_view_values

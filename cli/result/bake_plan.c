@@ -107,7 +107,8 @@ void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *sc
 		   reason);
 }
 
-uint64_t bake_plan_peak(void)
+/* Resident memory of this process at its highest so far. */
+static uint64_t peak_bytes(void)
 {
 	struct rusage usage;
 	return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024 * (uint64_t)usage.ru_maxrss : 0;
@@ -121,7 +122,7 @@ static uint64_t resident_now(void)
 	bool known = file && fscanf(file, "%*u %llu", &pages) == 1;
 	if (file)
 		fclose(file);
-	return known ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : bake_plan_peak();
+	return known ? pages * (uint64_t)sysconf(_SC_PAGESIZE) : peak_bytes();
 }
 
 bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *scene,
@@ -129,7 +130,7 @@ bake_plan_forecast bake_plan_foretell(const settings *s, const loaded_scene *sce
 									  size_t row_bytes, uint32_t following)
 {
 	const gw_report *report = &plan->report;
-	uint64_t peak = bake_plan_peak(), rows = (uint64_t)scene->points.points.count * row_bytes;
+	uint64_t peak = peak_bytes(), rows = (uint64_t)scene->points.points.count * row_bytes;
 	uint64_t later = resident_now() + report->forecast.host_bytes + rows;
 	return (bake_plan_forecast){ .settings = s,
 								 .scene = scene,
@@ -175,7 +176,8 @@ static void print_light(double error, double spread, uint32_t bounces, double re
 	fputc('\n', out);
 }
 
-double bake_plan_seconds(const bake_plan_forecast *p)
+/* Of reading and baking, all frames together. */
+static double all_seconds(const bake_plan_forecast *p)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
 	return p->read_seconds + f->seconds + p->following * f->frame_seconds;
@@ -188,7 +190,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 	light_shares_print_plan(&(light_shares){ p->settings, p->scene, p->plan, 0 }, out);
 	if (!(f->seconds > 0.0))
 		return;
-	print_figures("foretold", bake_plan_seconds(p), p->host_bytes, p->device_bytes, out);
+	print_figures("foretold", all_seconds(p), p->host_bytes, p->device_bytes, out);
 	print_light(f->error, f->spread, f->bounces, f->remaining, out);
 	if (p->following > 0)
 		fprintf(out, "%-12s the first frame by %.2f s, each of %" PRIu32 " more in %.2f s\n", "",
@@ -202,7 +204,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 
 void bake_plan_print_outcome(const gw_report *came, double seconds, FILE *out)
 {
-	print_figures("came", seconds, bake_plan_peak(), came->peak_bytes, out);
+	print_figures("came", seconds, peak_bytes(), came->peak_bytes, out);
 	print_light(came->error.relative_rms, came->error.spread, came->bounce_count, came->remaining,
 				out);
 }
@@ -228,7 +230,7 @@ void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
 {
 	const gw_forecast *f = &p->plan->report.forecast;
 	json_put_open_flat(json, "forecast", '{');
-	json_put_real(json, "seconds", bake_plan_seconds(p));
+	json_put_real(json, "seconds", all_seconds(p));
 	if (p->following > 0) {
 		json_put_real(json, "first_frame_seconds", p->read_seconds + f->seconds);
 		json_put_real(json, "frame_seconds", f->frame_seconds);

@@ -40,12 +40,6 @@ bake_plan_forecast bake_plan_foretell(const settings *settings, const loaded_sce
 									  const gw_bake_result *plan, double read_seconds,
 									  size_t row_bytes, uint32_t following);
 
-/* Of reading and baking, all frames together. */
-double bake_plan_seconds(const bake_plan_forecast *forecast);
-
-/* Resident memory of this process at its highest so far, bytes. */
-uint64_t bake_plan_peak(void);
-
 /* Prints which effects are called for, at what price, why and how; what each light gives; and what
  * is foretold of the whole. */
 void bake_plan_print(const bake_plan_forecast *forecast, FILE *out);

@@ -474,8 +474,7 @@ static gw_status bake_frame(frame_run *r)
 	gw_status status = lights_at(s, r->scene, r->at, r->lights, r->error);
 	if (status == GW_OK)
 		status = gw_frames_bake(r->frames, r->at, r->lights, s->light_count, &result, r->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	shared = s->rebuild ? 0.0 : gw_frames_shared_seconds(r->frames) - shared;
 	f->bake_seconds = now() - start - shared;
 	r->shared_seconds += shared;

@@ -85,9 +85,7 @@ static gw_status find_lamps(mix *m)
 		if (strncmp(own, prefix, head) != 0 || length < head + 3 || own[length - 2] != '_' ||
 			!strchr("rgb", own[length - 1]) || is_known(m, own + head, length - head - 2))
 			continue;
-		gw_status status = add_lamp(m, own + head, length - head - 2);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(add_lamp(m, own + head, length - head - 2));
 	}
 	if (m->count == 0)
 		return gw_fail(m->error, GW_ERROR_DATA,

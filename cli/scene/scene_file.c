@@ -777,9 +777,7 @@ gw_status scene_read_all(settings *s, gw_error *error)
 		if (!s->scene)
 			return GW_ERROR_MEMORY;
 		size_t before = s->input_count;
-		gw_status status = scene_read(s->scene, i, s, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(scene_read(s->scene, i, s, error));
 		i += s->input_count - before;
 	}
 	GW_TRY(lights_agree(s->light, s->light_count, &s->units, error));

@@ -214,9 +214,7 @@ static gw_status look_at(health *h, step *s, gw_error *error)
 	static const errand canary = { bake_sphere, "canary bake", BAKE_SECONDS };
 	double seconds;
 	bool finished;
-	gw_status status = run(h, s, &trial, &seconds, &finished, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(run(h, s, &trial, &seconds, &finished, error));
 	if (finished && s->status != GW_OK)
 		health_add(h, HEALTH_BAD, "opens", "%.300s", s->error.text);
 	if (!finished || s->status != GW_OK)
@@ -224,7 +222,7 @@ static gw_status look_at(health *h, step *s, gw_error *error)
 	health_judge_trial(h, &s->trial);
 	h->budget = h->budget ? h->budget : s->trial.budget;
 	s->canary = (health_canary){ 0 };
-	status = run(h, s, &canary, &s->canary.seconds, &finished, error);
+	gw_status status = run(h, s, &canary, &s->canary.seconds, &finished, error);
 	if (status == GW_OK && finished)
 		health_judge_canary(h, &s->canary);
 	return status;

@@ -78,11 +78,9 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 static gw_status run_verb(int count, char **argument, gw_error *error)
 {
 	verb v = VERB_BAKE;
-	gw_status status = find_verb(argument[0], &v, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_verb(argument[0], &v, error));
 	settings s = settings_default();
-	status = options_parse(v, count - 1, argument + 1, &s, error);
+	gw_status status = options_parse(v, count - 1, argument + 1, &s, error);
 	if (s.help) {
 		option_text_help(v, stdout);
 		status = GW_OK;

@@ -116,10 +116,9 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 	char percent[TEXT_PERCENT];
 	gw_light *light = NULL;
 	settings_capture capture = find_capture(s, scene);
-	gw_status status = make_setup(s, capture, scene, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(make_setup(s, capture, scene, error));
 	bool laser = capture == SETTINGS_CAPTURE_INTENSITY;
+	gw_status status = GW_OK;
 	if (!laser)
 		status = loaded_scene_lights(scene, s, &light, error);
 	if (status == GW_OK && laser)

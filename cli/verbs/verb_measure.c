@@ -60,8 +60,7 @@ static gw_status measure(const settings *s, const measure_region *region, gw_err
 	GW_TRY(loaded_scene_read(s, &scene, error));
 	gw_status status = light_measure_make(s, &scene, region, &found, error);
 	loaded_scene_clear(&scene);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	(s->json ? write_json : print)(&found, stdout);
 	light_measure_clear(&found);
 	return GW_OK;

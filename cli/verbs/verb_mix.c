@@ -122,10 +122,9 @@ static gw_status mix_cloud(mixing *m)
 	const settings *s = m->settings;
 	gw_error reason = { 0 };
 	const char *name = loaded_scene_input_name(s->input[0].path);
-	gw_status status = format_read(s->input[0].path, s->format, &m->cloud, m->error);
-	if (status != GW_OK)
-		return status;
-	status = light_mix_apply(&m->cloud, s->gain, s->gain_count, &m->radiance, &m->removed, &reason);
+	GW_TRY(format_read(s->input[0].path, s->format, &m->cloud, m->error));
+	gw_status status =
+		light_mix_apply(&m->cloud, s->gain, s->gain_count, &m->radiance, &m->removed, &reason);
 	if (status != GW_OK)
 		return gw_fail(m->error, status, "%s: %.900s", name, reason.text);
 	if (m->removed > 0 && !s->quiet)

@@ -271,8 +271,7 @@ static gw_status parse_text(parser *p, const e57_pages *pages)
 		good = XML_Parse(p->xml, text, (int)piece, left == 0);
 		text += piece;
 	}
-	if (p->status != GW_OK)
-		return p->status;
+	GW_TRY(p->status);
 	if (good == XML_STATUS_OK && pages->xml_length > 0)
 		return GW_OK;
 	bool memory = XML_GetErrorCode(p->xml) == XML_ERROR_NO_MEMORY;

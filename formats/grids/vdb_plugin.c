@@ -149,10 +149,8 @@ gw_status vdb_write(const char *path, bool force, const gw_voxels *voxels,
 					const vdb_metadata *metadata, gw_error *error)
 {
 	output_file *out = NULL;
-	gw_status status = output_file_create(&out, path, force, error);
-	if (status != GW_OK)
-		return status;
-	status = write_apart(out, voxels, metadata, error);
+	GW_TRY(output_file_create(&out, path, force, error));
+	gw_status status = write_apart(out, voxels, metadata, error);
 	if (status == GW_OK)
 		return output_file_commit(&out, error);
 	output_file_abandon(&out);

@@ -169,11 +169,9 @@ static gw_status read_plain(reader *r)
 static gw_status read_compressed(reader *r)
 {
 	laz_stream *stream;
-	gw_status status = laz_open(&stream, r->in, &r->header, r->error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(laz_open(&stream, r->in, &r->header, r->error));
 	r->cloud->count = (size_t)r->header.count;
-	status = add_columns(r);
+	gw_status status = add_columns(r);
 	if (status == GW_OK)
 		status = laz_decode(stream, take_points, r, r->error);
 	laz_close(&stream);

@@ -361,8 +361,7 @@ static gw_status prepare(laz_stream *s, gw_error *error)
 		status = allocate_chunks(s, 0, error);
 	else if (status == GW_OK)
 		status = s->compressor == POINTWISE ? take_whole(s, error) : take_table(s, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	uint32_t threads = gw_thread_count(s->in->threads);
 	s->worker_count = s->chunk_count < threads ? (uint32_t)s->chunk_count : threads;
 	s->worker_count += s->worker_count == 0;

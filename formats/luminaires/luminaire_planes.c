@@ -10,7 +10,7 @@
 #define GAMMA_STEP 0.5
 #define C_STEP 2.0
 
-void luminaire_planes_clear(luminaire_planes *planes)
+static void clear_planes(luminaire_planes *planes)
 {
 	free(planes->vertical);
 	free(planes->horizontal);
@@ -223,8 +223,17 @@ static gw_status fill_other(const char *name, const luminaire_planes *p, luminai
 	return GW_OK;
 }
 
-gw_status luminaire_from_planes(const char *name, const luminaire_planes *planes, luminaire *l,
-								gw_error *error)
+/*
+ * Fills the distribution of a luminaire. What symmetry leaves out is mirrored: planes of one angle
+ * are the same all around; from 0 to 90, mirrored on both axes; 0 to 180 and 90 to 270, on one.
+ * Types B and A are worked out on a grid of half a degree by two, and what begins at 0 degrees is
+ * mirrored too.
+ *   name   of the file, for messages
+ * GW_ERROR_DATA when angles do not ascend, are out of range, or planes are missing; when an
+ * intensity is negative, or all are 0. GW_ERROR_MEMORY.
+ */
+static gw_status fill(const char *name, const luminaire_planes *planes, luminaire *l,
+					  gw_error *error)
 {
 	GW_TRY(check_candela(name, planes, &l->candela, error));
 	l->photometry = planes->photometry;
@@ -240,8 +249,8 @@ gw_status luminaire_planes_read(const input_file *in, luminaire_planes_body *rea
 	*l = (luminaire){ .distribution = NULL };
 	gw_status status = read(&lines, &planes, l);
 	if (status == GW_OK)
-		status = luminaire_from_planes(in->name, &planes, l, error);
-	luminaire_planes_clear(&planes);
+		status = fill(in->name, &planes, l, error);
+	clear_planes(&planes);
 	if (status != GW_OK)
 		luminaire_clear(l);
 	return status;

@@ -17,20 +17,6 @@ typedef struct luminaire_planes {
 	char photometry;
 } luminaire_planes;
 
-void luminaire_planes_clear(luminaire_planes *planes);
-
-/*
- * Fills the distribution of a luminaire. What symmetry leaves out is mirrored: planes of one angle
- * are the same all around; from 0 to 90, mirrored on both axes; 0 to 180 and 90 to 270, on one.
- * Types B and A are worked out on a grid of half a degree by two, and what begins at 0 degrees is
- * mirrored too.
- *   name   of the file, for messages
- * GW_ERROR_DATA when angles do not ascend, are out of range, or planes are missing; when an
- * intensity is negative, or all are 0. GW_ERROR_MEMORY.
- */
-gw_status luminaire_from_planes(const char *name, const luminaire_planes *planes, luminaire *l,
-								gw_error *error);
-
 /*
  * Reads a file: its words and planes by a function that knows its format, then the distribution.
  *   l   on success the caller's; empty on failure

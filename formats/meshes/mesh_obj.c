@@ -347,9 +347,8 @@ static gw_status name_libraries(mesh_text *line, const char *obj, mesh_obj_named
 gw_status mesh_obj_libraries(const char *path, mesh_obj_named *named, void *user, gw_error *error)
 {
 	input_file in;
-	gw_status status = input_file_open(&in, path, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(input_file_open(&in, path, error));
+	gw_status status = GW_OK;
 	mesh_text text = mesh_text_start(&in);
 	while (status == GW_OK && mesh_text_next(&text))
 		if (mesh_word_is(mesh_text_word(&text), "mtllib"))

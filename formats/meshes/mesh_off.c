@@ -124,9 +124,7 @@ static gw_status take_vertices(reader *r)
 		size_t count = 0;
 		if (!next_line(r))
 			return fail_line(r, "the vertices end too early");
-		gw_status status = take_numbers(r, v, r->colors ? needed + 1 : needed, &count);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(take_numbers(r, v, r->colors ? needed + 1 : needed, &count));
 		if (count < needed)
 			return fail_line(r, "a vertex has too few numbers");
 		memcpy(m->position + 3 * i, v, 3 * sizeof *v);
@@ -153,10 +151,7 @@ static gw_status take_face(reader *r)
 			value != (double)(uint32_t)value)
 			return fail_line(r, "a corner is no vertex");
 		uint32_t index = (uint32_t)value;
-		gw_status status =
-			mesh_polygon_add(&r->polygon, index, r->normals ? index : MESH_NONE, r->error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(mesh_polygon_add(&r->polygon, index, r->normals ? index : MESH_NONE, r->error));
 	}
 	return mesh_add_polygon(r->mesh, &r->polygon, MESH_NONE, r->error);
 }

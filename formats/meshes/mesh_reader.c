@@ -28,9 +28,8 @@ gw_status mesh_read(const char *path, mesh *m, gw_error *error)
 {
 	*m = (mesh){ 0 };
 	input_file in;
-	gw_status status = input_file_open(&in, path, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(input_file_open(&in, path, error));
+	gw_status status = GW_OK;
 	if (in.length == 0)
 		status = gw_fail(error, GW_ERROR_DATA, "%s is empty", in.name);
 	else if (ply_format.probe(in.data, in.length))

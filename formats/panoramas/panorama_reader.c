@@ -6,9 +6,8 @@ gw_status panorama_read(const char *path, panorama *map, gw_error *error)
 {
 	input_file in;
 	*map = (panorama){ 0 };
-	gw_status status = input_file_open_as(&in, path, UINT64_MAX, 0, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(input_file_open_as(&in, path, UINT64_MAX, 0, error));
+	gw_status status = GW_OK;
 	if (in.length >= 4 && memcmp(in.data, "\x76\x2f\x31\x01", 4) == 0)
 		status = panorama_exr_read(&in, map, error);
 	else if (in.length >= 2 && memcmp(in.data, "#?", 2) == 0)

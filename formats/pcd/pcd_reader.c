@@ -109,9 +109,7 @@ static gw_status add_columns(reader *r)
 						  .name = field->name };
 			if (strcmp(field->name, "_") == 0)
 				continue;
-			gw_status status = add_column(r, field, i, to);
-			if (status != GW_OK)
-				return status;
+			GW_TRY(add_column(r, field, i, to));
 		}
 	}
 	return GW_OK;
@@ -344,8 +342,7 @@ static gw_status read_body(reader *r)
 	gw_status status = check_position(r);
 	if (status == GW_OK)
 		status = check_size(r);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	r->item = calloc(r->header->values, sizeof *r->item);
 	if (!r->item)
 		return gw_fail(r->error, GW_ERROR_MEMORY, "no memory for the columns of %s", r->in->name);

@@ -182,9 +182,7 @@ static gw_status take_binary(reader *r, const ply_element *element, size_t i)
 		const ply_property *property = &element->property[k];
 		size_t size = scan_type_size(property->type);
 		if (property->list) {
-			gw_status status = skip_list(r, property);
-			if (status != GW_OK)
-				return status;
+			GW_TRY(skip_list(r, property));
 			continue;
 		}
 		if (size > left(r))
@@ -406,9 +404,7 @@ static gw_status take_ascii_vertex(reader *r, size_t i)
 					   "cut short or damaged",
 					   r->in->name, i, r->scan->count);
 	for (size_t k = 0; k < r->vertex->property_count; k++) {
-		gw_status status = take_ascii_value(r, k, i, &line);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(take_ascii_value(r, k, i, &line));
 	}
 	skip_blanks(&line);
 	if (line.at < line.end)

@@ -187,9 +187,8 @@ static gw_status albedo_of_colors(const scan *cloud, const scan_points_options *
 static gw_status make_albedo(const scan *cloud, const scan_points_options *options,
 							 scan_points *out, gw_error *error)
 {
-	gw_status status = allocate_triples(&out->albedo, cloud->count, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(allocate_triples(&out->albedo, cloud->count, error));
+	gw_status status = GW_OK;
 	switch (options->albedo) {
 	case SCAN_ALBEDO_CONSTANT:
 		albedo_constant(out, cloud->count, options->constant, "as asked for");

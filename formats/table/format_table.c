@@ -116,14 +116,12 @@ gw_status format_read_with(const char *path, const format_options *options, scan
 		return gw_fail(error, GW_ERROR_USAGE, "'%s' is no format that can be read; there are %s",
 					   o->name, list_formats(known));
 	input_file in;
-	gw_status status = input_file_open(&in, path, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(input_file_open(&in, path, error));
 	in.columns = o->columns;
 	in.threads = o->threads;
 	if (!found)
 		found = recognise(path, &in);
-	status = input_file_check(&in, read_as(found, &in, cloud, error), error);
+	gw_status status = input_file_check(&in, read_as(found, &in, cloud, error), error);
 	if (status == GW_OK)
 		status = scan_color_unpack(cloud, error);
 	if (status != GW_OK)

@@ -71,8 +71,7 @@ static gw_status try_frames(gw_frames *f, trial *trials, gw_forecast *forecast, 
 	if (status == GW_OK && trials[1].frame != trials[0].frame)
 		status = bake_trial(f, forecast->records, &trials[1], error);
 	f->scene.options = asked;
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	uint64_t peak = gw_gpu_read_account(f->scene.gpu).peak_bytes + trials[0].more_memory;
 	forecast->seconds = surfels + trials[0].seconds;
 	forecast->frame_seconds = trials[1].seconds;

@@ -126,8 +126,7 @@ gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_er
 					   points);
 	gw_status status = gw_scene_replace_emission(scene, scaled, points, error);
 	free(scaled);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	gw_report_emission(&scene->prepared, &scene->surfels);
 	scene->emissions++;
 	return GW_OK;
@@ -304,13 +303,11 @@ static gw_status collect(gw_lighting *lighting, gw_bake_result *result, gw_error
 gw_status gw_lighting_result(gw_lighting *lighting, gw_bake_result **result, gw_error *error)
 {
 	*result = NULL;
-	gw_status status = bring_back(lighting, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(bring_back(lighting, error));
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
 	if (!r)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
-	status = collect(lighting, r, error);
+	gw_status status = collect(lighting, r, error);
 	if (status == GW_OK)
 		*result = r;
 	else

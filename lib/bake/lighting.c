@@ -360,12 +360,11 @@ static gw_status gather_patches(void *self, const gw_buffer *facet_radiance, flo
 				   : gather_by_rays(self, facet_radiance, largest, error);
 	gw_emitters *patches = &lighting->patches;
 	gw_emitters_destroy(s->gpu, patches);
-	gw_status status = gw_emitters_make(s->gpu, &s->octree, facet_radiance, false, patches, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(gw_emitters_make(s->gpu, &s->octree, facet_radiance, false, patches, error));
 	lighting->patches_sampled = gw_emitters_are_small(patches);
-	status = lighting->patches_sampled ? sample_and_fill(lighting, patches, NULL, error)
-									   : gather_by_rays(self, facet_radiance, largest, error);
+	gw_status status = lighting->patches_sampled
+						   ? sample_and_fill(lighting, patches, NULL, error)
+						   : gather_by_rays(self, facet_radiance, largest, error);
 	if (status == GW_OK && lighting->kept && lighting->patches_sampled)
 		status = keep_patches(lighting, facet_radiance, error);
 	else
@@ -433,8 +432,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	if (status == GW_OK)
 		status = gw_bounces_run(&task, &bounces, error);
 	gw_buffer_destroy(s->gpu, &carried);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	if (lighting->whole) {
 		free(bounces.bounce);
 		return GW_OK;

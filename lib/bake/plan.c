@@ -19,7 +19,7 @@ bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect)
 	return options->effects_forced & 1u << effect;
 }
 
-bool gw_effect_forbidden(const gw_bake_options *options, gw_effect_kind effect)
+static bool is_forbidden(const gw_bake_options *options, gw_effect_kind effect)
 {
 	return options->effects_forbidden & 1u << effect;
 }
@@ -36,7 +36,7 @@ typedef struct call {
 static bool decide(const gw_plan_task *task, call c, gw_report *report)
 {
 	bool forced = gw_effect_forced(task->options, c.effect);
-	bool forbidden = gw_effect_forbidden(task->options, c.effect);
+	bool forbidden = is_forbidden(task->options, c.effect);
 	bool computed = forced || (c.wanted && !forbidden);
 	const char *end = forced && !c.wanted ? ", but " FORCED : "";
 	if (forbidden)
@@ -229,7 +229,7 @@ static void report_surface(const gw_plan_task *task, call c, const char *not_nee
 						   gw_report *report)
 {
 	bool forced = gw_effect_forced(task->options, c.effect);
-	bool forbidden = gw_effect_forbidden(task->options, c.effect);
+	bool forbidden = is_forbidden(task->options, c.effect);
 	const char *name = gw_effect_name(c.effect);
 	if (c.wanted)
 		gw_report_effect(report, name, c.method, "%s%s", c.reason, forced ? ", and " FORCED : "");
@@ -286,8 +286,7 @@ bool gw_plan_may_gather(const gw_bake_options *o)
 	bool may = false;
 	for (size_t i = 0; i < sizeof gathered / sizeof *gathered; i++)
 		may |= gw_effect_forced(o, gathered[i]);
-	bool first =
-		!gw_effect_forbidden(o, GW_EFFECT_EMITTERS) || !gw_effect_forbidden(o, GW_EFFECT_SKY);
+	bool first = !is_forbidden(o, GW_EFFECT_EMITTERS) || !is_forbidden(o, GW_EFFECT_SKY);
 	return may || (o->bounces > 0 && first) || o->bounces > 1 || o->ambient_occlusion ||
 		   o->bent_normals;
 }
@@ -295,7 +294,7 @@ bool gw_plan_may_gather(const gw_bake_options *o)
 bool gw_plan_may_trace(const gw_bake_options *o)
 {
 	bool lamps = gw_effect_forced(o, GW_EFFECT_LAMPS) ||
-				 (o->bounces > 0 && !gw_effect_forbidden(o, GW_EFFECT_LAMPS));
+				 (o->bounces > 0 && !is_forbidden(o, GW_EFFECT_LAMPS));
 	return gw_plan_may_gather(o) || (lamps && o->shadows != GW_SHADOWS_NONE) || o->voxels ||
 		   gw_effect_forced(o, GW_EFFECT_SHADOWS) || gw_effect_forced(o, GW_EFFECT_OCTREE);
 }

@@ -43,8 +43,7 @@ void gw_plan_make(const gw_plan_task *task, gw_plan *plan, gw_report *report);
 bool gw_plan_may_gather(const gw_bake_options *options);
 bool gw_plan_may_trace(const gw_bake_options *options);
 
-/* Whether an effect is forced, or forbidden. */
+/* Whether an effect is forced. */
 bool gw_effect_forced(const gw_bake_options *options, gw_effect_kind effect);
-bool gw_effect_forbidden(const gw_bake_options *options, gw_effect_kind effect);
 
 #endif

@@ -202,8 +202,7 @@ static gw_status open_device(const gw_gpu_options *options, gw_gpu *gpu, gw_erro
 	GW_TRY(gw_candidates_find(gpu->instance.handle, &list, &count, error));
 	gw_status status = gw_candidate_choose(list, count, options->device, &gpu->device, error);
 	free(list);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	read_limits(gpu);
 	gpu->budget = choose_budget(gpu, options->memory);
 	gpu->cancelled = options->cancelled;

@@ -490,8 +490,7 @@ gw_status gw_devices(gw_device_info **devices, size_t *count, gw_error *error)
 	gw_status status = gw_instance_create(&(gw_gpu_options){ 0 }, &messages, &instance, error);
 	if (status == GW_ERROR_NO_DEVICE)
 		return GW_OK; /* no driver: an empty list */
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	gw_candidate *list;
 	size_t found;
 	status = gw_candidates_find(instance.handle, &list, &found, error);

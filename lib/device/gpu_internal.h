@@ -15,6 +15,7 @@
 #define GPU_INTERNAL_H
 
 #include "device/gpu.h"
+#include "device/pass_table.h"
 
 /* The Vulkan instance and the functions of its debug extension (NULL when it isn't there). */
 typedef struct gw_instance {
@@ -52,9 +53,6 @@ typedef struct gw_staging {
 	uint64_t allocated;
 } gw_staging;
 
-/* Room for the passes of pass_table.h, which this does not know. */
-#define GW_GPU_PASSES 48
-
 struct gw_gpu {
 	gw_instance instance;
 	gw_messages messages;
@@ -83,8 +81,8 @@ struct gw_gpu {
 	void *user;
 	bool stopped; /* it said so once */
 	gw_gpu_account account;
-	uint64_t pass_runs[GW_GPU_PASSES]; /* of pass_table.h, by shader or by kernel */
-	uint32_t pass_compiled[GW_GPU_PASSES];
+	uint64_t pass_runs[GW_PASS_COUNT]; /* of pass_table.h, by shader or by kernel */
+	uint32_t pass_compiled[GW_PASS_COUNT];
 	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
 	bool lost;
 	char lost_text[GW_ERROR_TEXT];

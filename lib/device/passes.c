@@ -33,8 +33,6 @@ static gw_binding_kind binding_kind(char letter)
 	}
 }
 
-static_assert(GW_PASS_COUNT <= GW_GPU_PASSES, "devices count the runs of every pass");
-
 static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 {
 	const gw_pass_row *row = gw_pass_row_of(id);

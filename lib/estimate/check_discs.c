@@ -212,8 +212,13 @@ static void list_places(const gw_surfels *s, place *p)
 	}
 }
 
-gw_status gw_check_discs_make(const gw_surfels *s, const float *disc, const float *clip, float cell,
-							  gw_check_discs *discs, gw_error *error)
+/*
+ *   disc, clip   4 a surfel: what gw_octree.surfel_disc and .surfel_clip hold; of them only the
+ *                cuts are taken
+ *   cell         metres, the unit of the cuts' distances
+ */
+static gw_status make_discs(const gw_surfels *s, const float *disc, const float *clip, float cell,
+							gw_check_discs *discs, gw_error *error)
 {
 	building b = { .surfels = s, .place = gw_allocate_array(s->count, sizeof *b.place) };
 	size_t most = s->count / 2 + 2;
@@ -248,7 +253,7 @@ gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_sur
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &octree->surfel_clip, bytes, &clip, error);
 	if (status == GW_OK)
-		status = gw_check_discs_make(s, disc.bytes, clip.bytes, octree->leaf_size, discs, error);
+		status = make_discs(s, disc.bytes, clip.bytes, octree->leaf_size, discs, error);
 	gw_view_close(&disc);
 	gw_view_close(&clip);
 	return status;

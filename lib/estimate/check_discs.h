@@ -28,15 +28,9 @@ typedef struct gw_check_discs {
 } gw_check_discs;
 
 /*
- * Makes the discs of surfels.
- *   disc, clip   4 a surfel: what gw_octree.surfel_disc and .surfel_clip hold; of them only the
- * cuts are taken cell         metres, the unit of the cuts' distances discs        on success to be
- * cleared by the caller; on failure it is empty
+ * Makes the discs of surfels, of which the octree has the cuts.
+ *   discs   on success to be cleared by the caller; on failure it is empty
  */
-gw_status gw_check_discs_make(const gw_surfels *surfels, const float *disc, const float *clip,
-							  float cell, gw_check_discs *discs, gw_error *error);
-
-/* The same from where an octree has the cuts. */
 gw_status gw_check_discs_open(gw_gpu *gpu, const gw_octree *octree, const gw_surfels *surfels,
 							  gw_check_discs *discs, gw_error *error);
 void gw_check_discs_clear(gw_check_discs *discs);

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-uint32_t gw_check_point_seed(uint32_t seed, uint32_t gather)
+/* Of the rays of one gather, where the points' is `seed`. */
+static uint32_t seed_of(uint32_t seed, uint32_t gather)
 {
 	return seed ^ (gather ? 0xb5297a4du : 0x68e31da4u);
 }
@@ -177,7 +178,7 @@ static gw_status trace_some(const gw_check_point_task *task, some_points *some, 
 	gw_ray_gather rays = { 0 };
 	size_t row = 4 * (size_t)hits->rays, first = gather * (size_t)hits->count * row;
 	gw_status status =
-		gw_ray_gather_trace(&on, hits->rays, gw_check_point_seed(task->seed, gather), &rays, error);
+		gw_ray_gather_trace(&on, hits->rays, seed_of(task->seed, gather), &rays, error);
 	if (status == GW_OK)
 		status = gw_ray_gather_shut_out(&on, &rays, error);
 	if (status == GW_OK)
@@ -215,7 +216,7 @@ static gw_status light_some(const gw_check_point_task *task, some_points *some, 
 {
 	gw_ray_gather rays = { 0 };
 	gw_status status = gw_ray_gather_create(task->passes->gpu, &some->place, hits->rays,
-											gw_check_point_seed(task->seed, gather), &rays, error);
+											seed_of(task->seed, gather), &rays, error);
 	if (status == GW_OK)
 		status = light_by(task, some, gather, &rays, hits, error);
 	gw_ray_gather_destroy(task->passes->gpu, &rays);
@@ -305,8 +306,8 @@ gw_status gw_check_point_hits_gather(const gw_check_point_task *task,
 {
 	gw_gpu *gpu = task->passes->gpu;
 	*view = (gw_check_point_view){ 0 };
-	gw_status status = gw_ray_gather_create(
-		gpu, place, hits->rays, gw_check_point_seed(task->seed, gather), &view->rays, error);
+	gw_status status = gw_ray_gather_create(gpu, place, hits->rays, seed_of(task->seed, gather),
+											&view->rays, error);
 	if (status == GW_OK)
 		status = fill_view(task, hits, gather, view, error);
 	if (status != GW_OK)

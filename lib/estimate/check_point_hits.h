@@ -22,9 +22,6 @@ typedef struct gw_check_point_hits {
 	uint64_t traced; /* rays so far, also for points that are not among these any more */
 } gw_check_point_hits;
 
-/* Seed of the rays of one gather, where the points' is `seed`. */
-uint32_t gw_check_point_seed(uint32_t seed, uint32_t gather);
-
 /* Where points gather, and from which emitters. */
 typedef struct gw_check_point_task {
 	gw_passes *passes;

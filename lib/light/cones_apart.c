@@ -13,6 +13,7 @@
 /* A bounce that goes from compartment to compartment. */
 typedef struct apart {
 	const gw_record_context *on;
+	float largest;                /* of the radiance of all facets */
 	uint32_t *record, *facet;     /* their compartments */
 	float *normal, *radiance;     /* 4 a record and 4 a facet: all of them */
 	float *own;                   /* room for those of one compartment */
@@ -75,8 +76,8 @@ static void choose_facets(const apart *a, uint32_t label)
 	}
 }
 
-static gw_status gather_one(apart *a, uint32_t label, gw_cone_gather *gather, float largest,
-							const float sky[3], gw_buffer *gathered, gw_error *error)
+static gw_status gather_one(apart *a, uint32_t label, gw_cone_gather *gather, const float sky[3],
+							gw_buffer *gathered, gw_error *error)
 {
 	gw_gpu *gpu = a->on->passes->gpu;
 	const float black[3] = { 0 };
@@ -89,7 +90,7 @@ static gw_status gather_one(apart *a, uint32_t label, gw_cone_gather *gather, fl
 	choose_facets(a, label);
 	GW_TRY(gw_buffer_upload(gpu, &a->radiances, 0, a->own, a->facet_bytes, error));
 	records.normal = a->normals;
-	const gw_facet_radiance radiance = { &a->radiances, largest };
+	const gw_facet_radiance radiance = { &a->radiances, a->largest };
 	return gw_cone_gather_bounce(&on, gather, radiance, shut ? black : sky, gathered, error);
 }
 
@@ -98,6 +99,7 @@ gw_status gw_cones_apart_bounce(const gw_record_context *on, gw_cone_gather *gat
 								gw_error *error)
 {
 	apart a = { .on = on,
+				.largest = radiance.largest,
 				.record_bytes = 16 * (uint64_t)on->records->count,
 				.facet_bytes = 32 * (uint64_t)on->octree->leaf_count };
 	if (!gw_compartments_several(on->octree))
@@ -105,8 +107,8 @@ gw_status gw_cones_apart_bounce(const gw_record_context *on, gw_cone_gather *gat
 	gw_status status = fetch(&a, radiance.facets, error);
 	uint32_t count = gw_compartments_count(on->octree);
 	for (uint32_t i = 0; i <= count && status == GW_OK; i++)
-		status = gather_one(&a, i < count ? i : GW_COMPARTMENT_UNKNOWN, gather, radiance.largest,
-							sky, gathered, error);
+		status =
+			gather_one(&a, i < count ? i : GW_COMPARTMENT_UNKNOWN, gather, sky, gathered, error);
 	gw_buffer_destroy(on->passes->gpu, &a.normals);
 	gw_buffer_destroy(on->passes->gpu, &a.radiances);
 	free(a.record);

@@ -188,9 +188,10 @@ static void put_area(const gw_light *light, double cell, gw_light_push *push)
 	}
 }
 
-/* Subtracting the frame's origin in double keeps large coordinates exact. */
-gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
-							   const gw_surfels *surfels, const gw_bake_options *options)
+/* A light as passes get it. Subtracting the frame's origin in double keeps large coordinates exact.
+ */
+static gw_light_push push_of(const gw_light *light, const gw_octree *octree,
+							 const gw_surfels *surfels, const gw_bake_options *options)
 {
 	gw_light_push push = { .type = push_type(light->type),
 						   .samples = 1,
@@ -228,7 +229,7 @@ gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
 gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surfels *surfels,
 				   const gw_bake_options *options)
 {
-	return (gw_lamp){ gw_light_push_of(light, octree, surfels, options), light->distribution };
+	return (gw_lamp){ push_of(light, octree, surfels, options), light->distribution };
 }
 
 /* The points' own normals, like octree->surfel_normal, which has those of the smoothed surface; as
@@ -275,7 +276,7 @@ static gw_status put_on_device(const gw_lit_cloud *cloud, const gw_light *light,
 {
 	gw_gpu *gpu = cloud->passes->gpu;
 	const float none = 0.0f;
-	lamp->push = gw_light_push_of(light, cloud->octree, cloud->surfels, cloud->options);
+	lamp->push = push_of(light, cloud->octree, cloud->surfels, cloud->options);
 	bool has = lamp->push.verticals > 0;
 	uint64_t bytes = sizeof none * (has ? gw_distribution_length(light) : 1);
 	GW_TRY(gw_buffer_create(gpu,

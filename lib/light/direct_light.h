@@ -14,12 +14,7 @@
  * The sentence names the light by its number or name and the value at fault; GW_ERROR_USAGE. */
 gw_status gw_lights_check(const gw_light *lights, size_t count, gw_error *error);
 
-/* A light as passes get it, in grid coordinates: an intensity in W/sr becomes one per leaf cell
- * squared. */
-gw_light_push gw_light_push_of(const gw_light *light, const gw_octree *octree,
-							   const gw_surfels *surfels, const gw_bake_options *options);
-
-/* The same for the processor. */
+/* A light in grid coordinates: an intensity in W/sr becomes one per leaf cell squared. */
 gw_lamp gw_lamp_of(const gw_light *light, const gw_octree *octree, const gw_surfels *surfels,
 				   const gw_bake_options *options);
 

@@ -428,9 +428,7 @@ static gw_status check_and_mend(check *c, const gw_points *points,
 								const gw_surfels_options *options, gw_surfels *s, gw_error *error)
 {
 	figures found;
-	gw_status status = measure(c, &found, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(measure(c, &found, error));
 	bool mixed = is_mixed(&found);
 	if (is_off(&found) || (mixed && points->scanner_count > 0)) {
 		s->normals_doubted = s->normals_given;

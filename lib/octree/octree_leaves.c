@@ -184,8 +184,7 @@ static gw_status find_distances(gw_octree_work *work, gw_error *error)
 	if (status == GW_OK)
 		status = gw_buffer_upload(work->gpu, &work->distance, 0, host, 4 * cells, error);
 	free(host);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(status);
 	gw_distance_push push = { .level = octree->directory_level };
 	gw_binding bindings[] = { GW_WHOLE(&work->distance), GW_WHOLE(&octree->level_directory),
 							  GW_WINDOW(&octree->ray_directory, 4) };

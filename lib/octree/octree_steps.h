@@ -66,7 +66,7 @@ typedef struct gw_octree_work {
 	gw_buffer parent[GW_DEPTH_MAX + 1]; /* cells whose children are a tile, with border tiles */
 	uint32_t parent_count[GW_DEPTH_MAX + 1];
 
-	gw_buffer marks;              /* scratch of gw_octree_unique */
+	gw_buffer marks;              /* scratch of a search for distinct keys */
 	gw_buffer first;              /* first element of each distinct key, its result */
 	gw_sort_list list;            /* scratch of a level's tiles */
 	gw_buffer seed;               /* of each leaf's reduction */
@@ -128,14 +128,6 @@ typedef struct gw_key_list {
 	uint32_t count;
 	uint32_t shift; /* 0, or 3: their parents' keys are meant */
 } gw_key_list;
-
-/*
- * Distinct keys of a sorted list.
- *   name    of the result
- *   result  receives a new buffer, R32G32_UINT; work->first is made anew
- */
-gw_status gw_octree_unique(gw_octree_work *work, const gw_key_list *list, const char *name,
-						   gw_buffer *result, uint32_t *result_count, gw_error *error);
 
 /* Leaves, tiles, pointers, level_directory. */
 gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error);

@@ -39,8 +39,13 @@ static gw_status write_distinct(gw_octree_work *work, const gw_key_list *list, g
 	return gw_passes_run(&work->passes, GW_PASS_OCTREE_UNIQUE, bindings, &push, list->count, error);
 }
 
-gw_status gw_octree_unique(gw_octree_work *work, const gw_key_list *list, const char *name,
-						   gw_buffer *result, uint32_t *result_count, gw_error *error)
+/*
+ * Distinct keys of a sorted list.
+ *   name    of the result
+ *   result  receives a new buffer, R32G32_UINT; work->first is made anew
+ */
+static gw_status find_distinct(gw_octree_work *work, const gw_key_list *list, const char *name,
+							   gw_buffer *result, uint32_t *result_count, gw_error *error)
 {
 	gw_buffer_destroy(work->gpu, &work->marks);
 	gw_buffer_destroy(work->gpu, &work->first);
@@ -108,8 +113,8 @@ static gw_status add_parents(gw_octree_work *work, uint32_t t, gw_error *error)
 		GW_TRY(gw_radix_sort_run(&work->passes, &work->sort, &work->list, 3 * t, error));
 	gw_sort_list_trim(work->gpu, &work->list);
 	const gw_key_list list = { &work->list.low, wide ? high : NULL, (uint32_t)work->list.count, 0 };
-	GW_TRY(gw_octree_unique(work, &list, "tile keys of a level", &work->parent[t],
-							&work->parent_count[t], error));
+	GW_TRY(find_distinct(work, &list, "tile keys of a level", &work->parent[t],
+						 &work->parent_count[t], error));
 	gw_sort_list_destroy(work->gpu, &work->list);
 	return GW_OK;
 }
@@ -119,8 +124,8 @@ static gw_status make_levels(gw_octree_work *work, gw_error *error)
 	gw_octree *octree = work->octree;
 	for (uint32_t t = octree->depth; t-- > 0;) {
 		const gw_key_list cells = { &work->real[t + 1], NULL, work->real_count[t + 1], 3 };
-		GW_TRY(gw_octree_unique(work, &cells, "cells of a level", &work->real[t],
-								&work->real_count[t], error));
+		GW_TRY(find_distinct(work, &cells, "cells of a level", &work->real[t], &work->real_count[t],
+							 error));
 		GW_TRY(add_parents(work, t, error));
 		octree->border_tile_count += work->parent_count[t] - work->real_count[t];
 		/* Leaf keys are needed further. */
@@ -194,8 +199,8 @@ gw_status gw_octree_make_tiles(gw_octree_work *work, gw_error *error)
 	uint32_t depth = octree->depth;
 	const gw_key_list keys = { &work->keys.low, work->keys.wide ? &work->keys.high : NULL,
 							   octree->fragment_count, 0 };
-	GW_TRY(gw_octree_unique(work, &keys, "leaf keys", &work->real[depth], &work->real_count[depth],
-							error));
+	GW_TRY(find_distinct(work, &keys, "leaf keys", &work->real[depth], &work->real_count[depth],
+						 error));
 	octree->leaf_count = work->real_count[depth];
 	gw_sort_list_destroy(work->gpu, &work->keys);
 	octree->leaf_fragment = work->first;

@@ -105,9 +105,7 @@ gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], cons
 			depth++;
 			continue;
 		}
-		gw_status status = add_piece(pieces, t, error);
-		if (status != GW_OK)
-			return status;
+		GW_TRY(add_piece(pieces, t, error));
 		depth--;
 	}
 	return GW_OK;

@@ -143,9 +143,7 @@ static void bound_pieces(const pieces *p, view_space *v)
 
 static gw_status find_bounds(view_space *v, gw_error *error)
 {
-	gw_status status = find_middle(v, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_middle(v, error));
 	pieces p = { .space = v };
 	double longest = 1e-30;
 	size_t cells = 1, held = 0;
@@ -182,6 +180,12 @@ static double luminance_of(const view_space *v, size_t surfel)
 	return v->wish->luminance ? fmax((double)v->wish->luminance[surfel], 0.0) : 1.0;
 }
 
+static size_t cell_at(const view_space *v, const int32_t at[3])
+{
+	return ((size_t)at[2] * (size_t)v->size[1] + (size_t)at[1]) * (size_t)v->size[0] +
+		   (size_t)at[0];
+}
+
 static void add_surfel(view_space *v, size_t i, double *logarithms, double *lit_area)
 {
 	const gw_surfels *s = v->surfels;
@@ -192,7 +196,7 @@ static void add_surfel(view_space *v, size_t i, double *logarithms, double *lit_
 		at[k] = (int32_t)(((double)position[k] - v->least[k]) / v->width);
 		height += (double)position[k] * v->up[k];
 	}
-	view_cell *c = v->cell + gw_view_space_index(v, at);
+	view_cell *c = v->cell + cell_at(v, at);
 	for (int k = 0; k < 3; k++)
 		c->normal[k] += s->area[i] * normal[k];
 	c->area += s->area[i];
@@ -248,9 +252,7 @@ gw_status gw_view_space_make(const gw_surfels *s, const gw_viewpoint_wish *wish,
 	*v = (view_space){ .surfels = s, .wish = wish, .count = 1 };
 	double longest = 0, volume = 1, logarithms = 0, lit_area = 0;
 	gw_camera_stand(wish->up, v->side, v->back, v->up);
-	gw_status status = find_bounds(v, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(find_bounds(v, error));
 	for (int k = 0; k < 3; k++)
 		longest = fmax(longest, v->high[k] - v->low[k]);
 	for (int k = 0; k < 3; k++)
@@ -279,12 +281,6 @@ void gw_view_space_clear(view_space *v)
 	*v = (view_space){ .cell = NULL };
 }
 
-size_t gw_view_space_index(const view_space *v, const int32_t at[3])
-{
-	return ((size_t)at[2] * (size_t)v->size[1] + (size_t)at[1]) * (size_t)v->size[0] +
-		   (size_t)at[0];
-}
-
 void gw_view_space_place(const view_space *v, size_t cell, int32_t at[3])
 {
 	size_t row = cell / (size_t)v->size[0];
@@ -309,7 +305,7 @@ view_hit gw_view_space_look(const view_space *v, const int32_t from[3], const do
 		next[k] += 1 / fabs(ray[k]);
 		if (at[k] < 0 || at[k] >= v->size[k])
 			return (view_hit){ 0, 0 };
-		size_t cell = gw_view_space_index(v, at);
+		size_t cell = cell_at(v, at);
 		if (entered >= skipped && v->cell[cell].area > 0.0f)
 			return (view_hit){ depth, cell };
 	}

@@ -50,8 +50,7 @@ void gw_view_space_clear(view_space *space);
 /* Whether a place, local frame, is within the bounds of what counts. */
 bool gw_view_space_holds(const view_space *space, const float position[3]);
 
-/* The cell at a place of the grid, and the other way round. */
-size_t gw_view_space_index(const view_space *space, const int32_t at[3]);
+/* The place of a cell in the grid. */
 void gw_view_space_place(const view_space *space, size_t cell, int32_t at[3]);
 
 /* Follows a ray from the middle of a cell to the first one that is not free, but not among the

@@ -165,12 +165,10 @@ gw_status gw_viewpoint_without(const view_space *v, gw_viewpoint *to, gw_error *
 	for (int k = 0; k < 3; k++)
 		f.middle[k] = 0.5 * (v->low[k] + v->high[k]);
 	to->angle = v->wish->angle > 0 ? v->wish->angle : GW_VIEWPOINT_ANGLE_OUTSIDE;
-	gw_status status = aim(v, from, to->angle, &camera, error);
-	if (status != GW_OK)
-		return status;
+	GW_TRY(aim(v, from, to->angle, &camera, error));
 	fit_picture(v, &camera, &f);
 	if (v->wish->around)
-		status = fit_around(v, from, to->angle, &f, error);
+		GW_TRY(fit_around(v, from, to->angle, &f, error));
 	for (int k = 0; k < 3; k++) {
 		to->to[k] = v->surfels->origin[k] + f.middle[k] + f.shift[0] * camera.right[k] +
 					f.shift[1] * camera.up[k];
@@ -178,5 +176,5 @@ gw_status gw_viewpoint_without(const view_space *v, gw_viewpoint *to, gw_error *
 	}
 	to->near = fmax(0, CLEAR * (f.distance + f.nearest));
 	to->inside = false;
-	return status;
+	return GW_OK;
 }

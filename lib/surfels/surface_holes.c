@@ -45,7 +45,7 @@
 
 #define SWEEPS 64    /* of the membrane */
 #define HOLE_CELLS 4 /* at least */
-#define DISC_STEPS 48.0f
+#define DISC_STEPS 48
 
 /* Cells along the longest side at most, and the least width of one, in spacings of the points. */
 #define GRID_CELLS 192.0f
@@ -88,12 +88,20 @@ typedef struct hollow {
 	int32_t stride[3], block_stride[3]; /* from one to the next along each axis */
 } hollow;
 
+/* A direction through the grid. Along axes that it goes down the grid is mirrored, so that it goes
+ * up along all of them. */
+typedef struct grid_way {
+	float direction[3], inverse[3];
+	uint32_t down; /* a bit for each of these axes */
+} grid_way;
+
 typedef struct work {
 	const gw_surfels *surfels;
 	gw_scanned_space *space;
 	hollow hollow;
 	gw_vec3 *place;        /* EYES */
 	gw_vec3 *way;          /* DIRECTIONS */
+	grid_way *grid_way;    /* the same */
 	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where an eye has put a membrane */
 	_Atomic uint32_t *open_eyes;
 	size_t cells, eyes;
@@ -125,9 +133,12 @@ static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
 	gw_vec3 p = gw_xyz(s->position + 3 * i), u = gw_xyz(tangent), v = gw_xyz(bitangent);
 	float steps = fminf(ceilf(2.0f * s->radius[i] / space->cell), DISC_STEPS);
 	int n = (int)fmaxf(steps, 1.0f);
-	for (int a = -n; a <= n; a++)
-		for (int b = -n; b <= n; b++) {
-			float x = (float)a / (float)n, y = (float)b / (float)n;
+	float part[2 * DISC_STEPS + 1]; /* of the radius */
+	for (int a = 0; a <= 2 * n; a++)
+		part[a] = (float)(a - n) / (float)n;
+	for (int a = 0; a <= 2 * n; a++)
+		for (int b = 0; b <= 2 * n; b++) {
+			float x = part[a], y = part[b];
 			size_t cell;
 			if (x * x + y * y > 1.0f)
 				continue;
@@ -189,87 +200,111 @@ static bool make_hollow(const gw_scanned_space *space, hollow *h)
 	return true;
 }
 
-/* A ray through the grid, in cells. Along axes that it goes down the grid is mirrored, so that it
- * goes up along all of them. */
-typedef struct grid_ray {
-	float origin[3], inverse[3], direction[3];
-	float next[3]; /* where it leaves its first cell */
-	float end;     /* how far it is to where it leaves the grid */
+/* The grid from a place, for directions that go down along some axes, in cells. */
+typedef struct grid_view {
+	float origin[3];
+	float next[3]; /* where rays leave their first cell */
+	float room[3]; /* how far along each axis it is to where they leave the grid */
 	const uint8_t *state, *empty;
 	int32_t stride[3], block_stride[3]; /* of these */
-} grid_ray;
+} grid_view;
 
-static void mirror_axis(const gw_scanned_space *space, const hollow *h, int k, grid_ray *ray)
+static grid_way grid_way_of(gw_vec3 way)
 {
-	int32_t blocks = (int32_t)h->blocks[k] - 2, width = BLOCK * blocks, up = ray->direction[k] > 0;
-	float way = up ? ray->direction[k] : -ray->direction[k];
-	ray->direction[k] = way < 1e-9f ? 1e-9f : way;
-	ray->inverse[k] = 1.0f / ray->direction[k];
-	ray->origin[k] = up ? ray->origin[k] : (float)width - ray->origin[k];
-	ray->next[k] = (float)((int32_t)ray->origin[k] + 1);
-	ray->state += up ? 0 : (width - 1) * h->stride[k];
-	ray->stride[k] = up ? h->stride[k] : -h->stride[k];
-	ray->empty += (up ? 1 : blocks) * h->block_stride[k];
-	ray->block_stride[k] = up ? h->block_stride[k] : -h->block_stride[k];
+	grid_way w = { .direction = { way.x, way.y, way.z } };
+	for (int k = 0; k < 3; k++) {
+		bool up = w.direction[k] > 0.0f;
+		float rise = up ? w.direction[k] : -w.direction[k];
+		w.down |= up ? 0u : 1u << k;
+		w.direction[k] = rise < 1e-9f ? 1e-9f : rise;
+		w.inverse[k] = 1.0f / w.direction[k];
+	}
+	return w;
+}
+
+static void view_axis(const gw_scanned_space *space, const hollow *h, int k, bool up,
+					  grid_view *view)
+{
+	int32_t blocks = (int32_t)h->blocks[k] - 2, width = BLOCK * blocks;
+	view->origin[k] = up ? view->origin[k] : (float)width - view->origin[k];
+	view->next[k] = (float)((int32_t)view->origin[k] + 1);
+	view->state += up ? 0 : (width - 1) * h->stride[k];
+	view->stride[k] = up ? h->stride[k] : -h->stride[k];
+	view->empty += (up ? 1 : blocks) * h->block_stride[k];
+	view->block_stride[k] = up ? h->block_stride[k] : -h->block_stride[k];
 	/* Short of the border, so that no rounding takes a place before it to a cell behind it. */
-	float end = (float)(up ? (int32_t)space->cells[k] : width) - GRID_NUDGE - ray->origin[k];
-	end *= ray->inverse[k];
-	ray->end = end < ray->end ? end : ray->end;
+	view->room[k] = (float)(up ? (int32_t)space->cells[k] : width) - GRID_NUDGE - view->origin[k];
 }
 
-static float leave_box(const grid_ray *ray, float x, float y, float z)
+/* False where the place is outside of the grid. */
+static bool view_grid(const work *w, gw_vec3 from, uint32_t down, grid_view *view)
 {
-	x = (x - ray->origin[0]) * ray->inverse[0];
-	y = (y - ray->origin[1]) * ray->inverse[1];
-	z = (z - ray->origin[2]) * ray->inverse[2];
-	float first = x < y ? x : y;
-	return first < z ? first : z;
+	const gw_scanned_space *space = w->space;
+	const float p[3] = { from.x, from.y, from.z };
+	uint32_t at[3];
+	if (!gw_scanned_space_cell(space, p, at))
+		return false;
+	*view = (grid_view){ .state = space->state, .empty = w->hollow.empty };
+	for (int k = 0; k < 3; k++) {
+		view->origin[k] = (p[k] - space->low[k]) / space->cell;
+		view_axis(space, &w->hollow, k, (down >> k & 1u) == 0u, view);
+	}
+	return true;
 }
 
-/* From one empty box to the next, to a cell with surface; a box is that cell itself in a block
- * that is not empty. */
-static float walk_to_surface(const grid_ray *ray)
+static float least(float a, float b)
 {
-	float t = leave_box(ray, ray->next[0], ray->next[1], ray->next[2]);
-	float within;
-	while ((within = t + GRID_NUDGE) < ray->end) {
-		int32_t x = (int32_t)(ray->origin[0] + ray->direction[0] * within);
-		int32_t y = (int32_t)(ray->origin[1] + ray->direction[1] * within);
-		int32_t z = (int32_t)(ray->origin[2] + ray->direction[2] * within);
+	return a < b ? a : b;
+}
+
+static float most(float a, float b)
+{
+	return a > b ? a : b;
+}
+
+static float leave_box(const grid_view *view, const grid_way *way, const float box[3])
+{
+	float x = (box[0] - view->origin[0]) * way->inverse[0];
+	float y = (box[1] - view->origin[1]) * way->inverse[1];
+	float z = (box[2] - view->origin[2]) * way->inverse[2];
+	return least(least(x, y), z);
+}
+
+/* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. From one
+ * empty box to the next; a box is the cell itself in a block that is not empty. */
+static float walk_to_surface(const grid_view *view, const grid_way *way)
+{
+	float t = leave_box(view, way, view->next), within;
+	float end = least(least(view->room[0] * way->inverse[0], view->room[1] * way->inverse[1]),
+					  view->room[2] * way->inverse[2]);
+	while ((within = t + GRID_NUDGE) < end) {
+		int32_t x = (int32_t)(view->origin[0] + way->direction[0] * within);
+		int32_t y = (int32_t)(view->origin[1] + way->direction[1] * within);
+		int32_t z = (int32_t)(view->origin[2] + way->direction[2] * within);
 		int32_t a = x >> BLOCK_BITS, b = y >> BLOCK_BITS, c = z >> BLOCK_BITS;
-		int32_t empty = ray->empty[a * ray->block_stride[0] + b * ray->block_stride[1] +
-								   c * ray->block_stride[2]];
+		int32_t empty = view->empty[a * view->block_stride[0] + b * view->block_stride[1] +
+									c * view->block_stride[2]];
 		if (empty == 0 &&
-			ray->state[x * ray->stride[0] + y * ray->stride[1] + z * ray->stride[2]] ==
+			view->state[x * view->stride[0] + y * view->stride[1] + z * view->stride[2]] ==
 				GW_SPACE_SURFACE)
 			return t;
-		float leave = empty == 0
-						  ? leave_box(ray, (float)(x + 1), (float)(y + 1), (float)(z + 1))
-						  : leave_box(ray, (float)((a + empty) * BLOCK),
-									  (float)((b + empty) * BLOCK), (float)((c + empty) * BLOCK));
+		bool own = empty == 0;
+		const float box[3] = { (float)(own ? x + 1 : (a + empty) * BLOCK),
+							   (float)(own ? y + 1 : (b + empty) * BLOCK),
+							   (float)(own ? z + 1 : (c + empty) * BLOCK) };
+		float leave = leave_box(view, way, box);
 		t = leave > within ? leave : within;
 	}
 	return -1.0f;
 }
 
-/* How far it is to a cell with surface; below 0: there is none. At least a cell is passed. */
+/* The same in metres. */
 static float look(const work *w, gw_vec3 from, gw_vec3 way)
 {
-	const gw_scanned_space *space = w->space;
-	const float p[3] = { from.x, from.y, from.z };
-	grid_ray ray = { .direction = { way.x, way.y, way.z },
-					 .end = INFINITY,
-					 .state = space->state,
-					 .empty = w->hollow.empty };
-	uint32_t at[3];
-	if (!gw_scanned_space_cell(space, p, at))
-		return -1.0f;
-	for (int k = 0; k < 3; k++) {
-		ray.origin[k] = (p[k] - space->low[k]) / space->cell;
-		mirror_axis(space, &w->hollow, k, &ray);
-	}
-	float t = walk_to_surface(&ray);
-	return t < 0.0f ? t : t * space->cell;
+	const grid_way through = grid_way_of(way);
+	grid_view view;
+	float t = view_grid(w, from, through.down, &view) ? walk_to_surface(&view, &through) : -1.0f;
+	return t < 0.0f ? t : t * w->space->cell;
 }
 
 /* -------------------------------------------------------------------------------------- the eyes
@@ -332,8 +367,8 @@ static const extent nowhere = { { INFINITY, INFINITY, INFINITY },
 
 static void extend(extent *e, gw_vec3 p)
 {
-	e->low = (gw_vec3){ fminf(e->low.x, p.x), fminf(e->low.y, p.y), fminf(e->low.z, p.z) };
-	e->high = (gw_vec3){ fmaxf(e->high.x, p.x), fmaxf(e->high.y, p.y), fmaxf(e->high.z, p.z) };
+	e->low = (gw_vec3){ least(e->low.x, p.x), least(e->low.y, p.y), least(e->low.z, p.z) };
+	e->high = (gw_vec3){ most(e->high.x, p.x), most(e->high.y, p.y), most(e->high.z, p.z) };
 }
 
 static void widen(extent *e, float by)
@@ -354,9 +389,15 @@ static bool look_around(const work *w, eye *e)
 {
 	extent all = nowhere;
 	float open = 0.0f;
+	grid_view view[8];
+	bool within = true;
+	for (uint32_t down = 0; down < 8; down++)
+		within = view_grid(w, e->place, down, &view[down]) && within;
 	for (uint32_t i = 0; i < DIRECTIONS && open < (float)OPEN_MOST; i++) {
 		gw_vec3 way = w->way[i];
-		e->depth[i] = look(w, e->place, way);
+		const grid_way *through = &w->grid_way[i];
+		float t = within ? walk_to_surface(&view[through->down], through) : -1.0f;
+		e->depth[i] = t < 0.0f ? t : t * w->space->cell;
 		e->inverse[i] = e->depth[i] > 0.0f ? 1.0f / e->depth[i] : 0.0f;
 		e->piece[i] = 0;
 		if (e->depth[i] < 0.0f)
@@ -677,9 +718,12 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	w.seen = made ? gw_allocate_zeros(w.cells, sizeof *w.seen) : NULL;
 	w.place = gw_allocate_array(EYES, sizeof *w.place);
 	w.way = gw_allocate_array(DIRECTIONS, sizeof *w.way);
-	made = made && w.seen && w.place && w.way;
-	for (uint32_t i = 0; i < DIRECTIONS && made; i++)
+	w.grid_way = gw_allocate_array(DIRECTIONS, sizeof *w.grid_way);
+	made = made && w.seen && w.place && w.way && w.grid_way;
+	for (uint32_t i = 0; i < DIRECTIONS && made; i++) {
 		w.way[i] = direction_of(i);
+		w.grid_way[i] = grid_way_of(w.way[i]);
+	}
 	if (made) {
 		for (size_t i = 0; i < surfels->count; i++)
 			mark_disc(space, surfels, i);
@@ -691,6 +735,7 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 		made = count_holes(&w);
 	}
 	free(w.hollow.empty);
+	free(w.grid_way);
 	free(w.way);
 	free(w.place);
 	free(w.seen);

@@ -353,10 +353,8 @@ static gw_status make_still(const source *from, size_t still, gw_surfels *all, u
 	*number = NULL;
 	if (still == 0)
 		return GW_OK;
-	gw_status status = take_still(from->points, from->motion, still, &some, error);
-	if (status != GW_OK)
-		return status;
-	status = gw_surfels_make(&some.points, from->options, all, error);
+	GW_TRY(take_still(from->points, from->motion, still, &some, error));
+	gw_status status = gw_surfels_make(&some.points, from->options, all, error);
 	clear_some(&some);
 	*number = all->surfel_of_point;
 	all->surfel_of_point = NULL;

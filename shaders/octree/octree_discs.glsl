@@ -19,7 +19,6 @@
 
 #include "base/sampling.glsl"
 #include "octree/ray.glsl"
-#include "octree/ray.glsl"
 #include "octree/trace_constants.h"
 
 /* Share of a disc that a cut leaves, by the cut's distance in radii; a cut without direction leaves

@@ -2006,6 +2006,13 @@ static void ranks_are_those_of_sorted_values(void **state)
 	for (size_t i = 0; i < 1000; i += 37)
 		assert_true(gw_nth_element(values, 1000, i) == sorted[i]);
 	assert_true(isinf(gw_nth_element(values, 1000, 999)));
+	/* Few are ranked in another way. */
+	for (size_t count = 1; count < 100; count++) {
+		memcpy(sorted, values, count * sizeof *sorted);
+		qsort(sorted, count, sizeof *sorted, compare_floats);
+		for (size_t i = 0; i < count; i++)
+			assert_true(gw_nth_element(values, count, i) == sorted[i]);
+	}
 }
 
 /* Of a box from 0 to 1, what lies beyond x = 0.3. */
