@@ -192,6 +192,25 @@ gw_status coordinates_try(gw_error *error)
 	return status;
 }
 
+static gw_status refuse_degrees(const bounds *b, gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_DATA,
+				   "x and y look like degrees, %g to %g and %g to %g beside %g units of height; "
+				   "--units degrees projects longitude and latitude, and --units m says that "
+				   "they are metres",
+				   b->low[0], b->high[0], b->low[1], b->high[1], b->high[2] - b->low[2]);
+}
+
+static gw_status note_no_units(scan *cloud, const bounds *b, gw_error *error)
+{
+	if (look_like_degrees(b))
+		return refuse_degrees(b, error);
+	return scan_add_comment(cloud,
+							SCAN_NOTE "nobody knows the units of the coordinate system that its "
+									  "header names; they are taken as metres, but for --units",
+							error);
+}
+
 static gw_status find_by_system(scan *cloud, const system_name *name, const bounds *b,
 								coordinates *to, gw_error *error)
 {
@@ -206,6 +225,8 @@ static gw_status find_by_system(scan *cloud, const system_name *name, const boun
 										  "--units",
 								error));
 	}
+	if (to->system && !to->proj->has_units(to->system) && !(name->linear > 0.0))
+		GW_TRY(note_no_units(cloud, b, error));
 	if (name->linear > 0.0)
 		to->scale[0] = to->scale[1] = to->scale[2] = name->linear;
 	if (name->vertical > 0.0)
@@ -218,6 +239,10 @@ static gw_status find_by_file(scan *cloud, const bounds *b, coordinates *to, gw_
 {
 	system_name name = { 0 };
 	gw_status status = las_note_join(cloud, "wkt", &name.text, error);
+	if (name.text && !strpbrk(name.text, "[(")) { /* an empty one, as some programs write it */
+		free(name.text);
+		name.text = NULL;
+	}
 	if (status == GW_OK && !name.text)
 		status = name_by_keys(cloud, &name, error);
 	bool named = name.text || name.linear > 0.0 || name.vertical > 0.0;
@@ -226,12 +251,7 @@ static gw_status find_by_file(scan *cloud, const bounds *b, coordinates *to, gw_
 	free(name.text);
 	to->by_file = true;
 	if (status == GW_OK && !named && look_like_degrees(b))
-		return gw_fail(
-			error, GW_ERROR_DATA,
-			"x and y look like degrees, %g to %g and %g to %g beside %g units of height; "
-			"--units degrees projects longitude and latitude, and --units m says that "
-			"they are metres",
-			b->low[0], b->high[0], b->low[1], b->high[1], b->high[2] - b->low[2]);
+		return refuse_degrees(b, error);
 	return status;
 }
 

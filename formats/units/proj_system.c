@@ -67,6 +67,12 @@ static void take_units(proj_system *s, double scale[3])
 	scale[2] = height > 0.0 ? height : scale[0];
 }
 
+/* Does anybody know in what a system counts? */
+static bool has_units(const proj_system *s)
+{
+	return is_geographic(s) || axis_unit(s->context, s->system, 0) > 0.0;
+}
+
 static proj_system *create(const char *name, double scale[3])
 {
 	proj_system *s = calloc(1, sizeof *s);
@@ -108,4 +114,5 @@ static void move(const proj_system *s, bool back, double place[2])
 }
 
 extern const proj_functions proj_system_functions;
-const proj_functions proj_system_functions = { create, is_geographic, project, move, destroy };
+const proj_functions proj_system_functions = { create,  has_units, is_geographic,
+											   project, move,      destroy };

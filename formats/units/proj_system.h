@@ -14,11 +14,14 @@ typedef struct proj_system proj_system;
 typedef struct proj_functions {
 	/*
 	 * Looks a system up, and in what units it counts.
-	 *   name    "EPSG:2992" or WKT; one that PROJ does not know counts in metres
+	 *   name    "EPSG:2992" or WKT, or one that PROJ does not know
 	 *   scale   becomes metres of a unit along x, y and z; 1 where that is an angle or not known
 	 * NULL without memory. What it gives ends with `destroy`.
 	 */
 	proj_system *(*create)(const char *name, double scale[3]);
+
+	/* Whether that is known of x and y; not of a name that PROJ does not know. */
+	bool (*has_units)(const proj_system *system);
 
 	/* Whether x and y are longitude and latitude. */
 	bool (*is_geographic)(const proj_system *system);

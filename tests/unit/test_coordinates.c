@@ -112,6 +112,44 @@ static void degrees_become_metres(void **state)
 	scan_clear(&cloud);
 }
 
+/* A system that nobody knows: metres, with a note, but for what looks like degrees. Where keys name
+ * the unit beside it nothing is missing. */
+static void unknown_systems_are_noted(void **state)
+{
+	(void)state;
+	coordinates c;
+	gw_error error = { 0 };
+	const char *const unknown = "las geokeys 1 1 0 2 1024 0 1 1 3072 0 1 29999";
+	scan cloud = make_cloud(feet_low, feet_high);
+	c = find(&cloud, unknown, COORDINATES_AUTO);
+	assert_false(c.changes);
+	assert_int_equal(cloud.comment_count, 2);
+	assert_non_null(strstr(cloud.comment[1], "--units"));
+	coordinates_clear(&c);
+	scan_clear(&cloud);
+
+	cloud = make_cloud(degrees_low, degrees_high);
+	scan_add_comment(&cloud, unknown, NULL);
+	assert_int_equal(coordinates_find(&cloud, COORDINATES_AUTO, &c, &error), GW_ERROR_DATA);
+	assert_non_null(strstr(error.text, "--units degrees"));
+	scan_clear(&cloud);
+
+	cloud = make_cloud(feet_low, feet_high);
+	c = find(&cloud, "las geokeys 1 1 0 3 1024 0 1 1 3072 0 1 29999 3076 0 1 9002",
+			 COORDINATES_AUTO);
+	assert_true(c.scale[0] == 0.3048);
+	assert_int_equal(cloud.comment_count, 1);
+	coordinates_clear(&c);
+	scan_clear(&cloud);
+
+	cloud = make_cloud(feet_low, feet_high);
+	c = find(&cloud, "las wkt ''", COORDINATES_AUTO);
+	assert_false(c.changes);
+	assert_int_equal(cloud.comment_count, 1);
+	coordinates_clear(&c);
+	scan_clear(&cloud);
+}
+
 /* Degrees that nobody names are refused; those that a file claims of a projected cloud are noted;
  * a table of a metre beside a tower is neither. */
 static void degrees_are_noticed(void **state)
@@ -151,9 +189,8 @@ static void degrees_are_noticed(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(units_are_what_is_said),
-		cmocka_unit_test(files_say_their_units),
-		cmocka_unit_test(degrees_become_metres),
+		cmocka_unit_test(units_are_what_is_said), cmocka_unit_test(files_say_their_units),
+		cmocka_unit_test(degrees_become_metres),  cmocka_unit_test(unknown_systems_are_noted),
 		cmocka_unit_test(degrees_are_noticed),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
