@@ -22,7 +22,7 @@
  * 45 a sixteenth. */
 #define ALIKE_POWER 8.0
 
-/* The residual, of the first, at which the solver ends. */
+/* The residual, of the first, at which the conjugate gradients end. */
 #define RESIDUAL_SMALL 1e-4
 
 /* The points of one cube that look about the same way. */
@@ -45,7 +45,7 @@ typedef struct leftover {
 	link *link;
 	size_t patch_count, link_count, link_room;
 	double *light;     /* 3 * patch_count: what is divided out, logarithms */
-	double *work;      /* 4 * patch_count, of the solver */
+	double *work;      /* 4 * patch_count, of the conjugate gradients */
 	uint32_t *surface; /* patch_count: the connected surface of each, the first patch of it */
 	double low[3], width;
 } leftover;

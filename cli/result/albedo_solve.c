@@ -5,7 +5,7 @@
 #include "program/signals.h"
 #include "result/albedo_clipped.h"
 #include "result/albedo_remainder.h"
-#include "result/albedo_seams.h"
+#include "result/albedo_stations.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -244,7 +244,7 @@ static gw_status run_rounds(solve *w)
 		if (round == 0)
 			GW_TRY(find_dark(w));
 		divide(w);
-		GW_TRY(albedo_seams_level(w->scene, w->ends, w->level, w->error));
+		GW_TRY(albedo_stations_level(w->scene, w->ends, w->level, w->error));
 		if (w->settings->remainder == SETTINGS_REMAINDER_LIGHT)
 			GW_TRY(albedo_remainder_divide(&w->scene->points.points, w->normal, w->ends, w->level,
 										   &w->facts->remainder, w->error));

@@ -75,20 +75,19 @@ static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 	return gw_lower_bound(cells->key, cells->count, key);
 }
 
-/* The j-th of the cells around the one of a key, itself for j = 13, all `coarser` levels coarser
+/* The j-th of the cells around the one at a place, itself for j = 13, all `coarser` levels coarser
  * than these: its cells; none beyond the bounds. */
-static void find_beside(const gw_stray_cells *cells, uint64_t key, int coarser, int j,
+static void find_beside(const gw_stray_cells *cells, const uint32_t place[3], int coarser, int j,
 						size_t range[2])
 {
 	const int64_t last = (INT64_C(1) << (cells->level - coarser)) - 1;
 	const int64_t step[3] = { j % 3 - 1, j / 3 % 3 - 1, j / 9 - 1 };
 	uint32_t at[3];
 	range[0] = range[1] = 0;
-	gw_morton_decode(key, at);
 	for (int k = 0; k < 3; k++) {
-		if (at[k] + step[k] < 0 || at[k] + step[k] > last)
+		if (place[k] + step[k] < 0 || place[k] + step[k] > last)
 			return;
-		at[k] = (uint32_t)(at[k] + step[k]);
+		at[k] = (uint32_t)(place[k] + step[k]);
 	}
 	uint64_t other = gw_morton_encode(at[0], at[1], at[2]);
 	range[0] = find_key(cells, other << 3 * coarser);
@@ -101,8 +100,10 @@ static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
 						  size_t range[AROUND][2])
 {
 	size_t surfels = 0;
+	uint32_t place[3];
+	gw_morton_decode(cells->key[cell] >> 3 * coarser, place);
 	for (int j = 0; j < AROUND; j++) {
-		find_beside(cells, cells->key[cell] >> 3 * coarser, coarser, j, range[j]);
+		find_beside(cells, place, coarser, j, range[j]);
 		surfels += cells->first[range[j][1]] - cells->first[range[j][0]];
 	}
 	return surfels;
@@ -111,9 +112,11 @@ static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
 bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t few)
 {
 	size_t range[2], surfels = cells->first[cell + 1] - cells->first[cell];
+	uint32_t place[3];
+	gw_morton_decode(cells->key[cell], place);
 	/* Opposite cells in turn, so that what a surface has is soon counted. */
 	for (int j = 0; j < AROUND - 1 && surfels <= few; j++) {
-		find_beside(cells, cells->key[cell], 0, j % 2 ? AROUND - 1 - j / 2 : j / 2, range);
+		find_beside(cells, place, 0, j % 2 ? AROUND - 1 - j / 2 : j / 2, range);
 		surfels += cells->first[range[1]] - cells->first[range[0]];
 	}
 	return surfels <= few;

@@ -302,13 +302,13 @@ static double list_errors(check *c)
 
 /* --------------------------------------------------------------------------------- components */
 
-/* What the points of a component of surface say together. */
-typedef struct opinion {
+/* Of the points of a component of surface, together. */
+typedef struct component_rays {
 	double differs, all; /* rays */
 	double wrong, points;
-} opinion;
+} component_rays;
 
-static void add_opinion(const check *c, size_t i, opinion *to)
+static void add_to_component(const check *c, size_t i, component_rays *to)
 {
 	const side *of = c->found[i];
 	to->all += of[0].fits + of[1].fits + of[0].differs + of[1].differs + open_rays(c, of);
@@ -319,7 +319,7 @@ static void add_opinion(const check *c, size_t i, opinion *to)
 
 /* What is wrong of a component at most, over what its points say one by one. As w of all points are
  * wrong, of a component with a share v of wrong ones v (1 - w) + (1 - v) w of the rays differ. */
-static double part_of(const opinion *component, double w)
+static double part_of(const component_rays *component, double w)
 {
 	double differs = component->all > 0.0 ? component->differs / component->all : 1.0;
 	double most = fmin(fmax((differs - w) / fmax(1.0 - 2.0 * w, SHARE_LEAST), 0.0), 1.0);
@@ -328,29 +328,30 @@ static double part_of(const opinion *component, double w)
 
 /* Where a few points of a component see backs and the others do not, something is missing
  * elsewhere, as the underside of what stands on a floor. */
-static void limit_by_components(check *c, const uint32_t *component, opinion *said, double w)
+static void limit_by_components(check *c, const uint32_t *component, component_rays *rays_of,
+								double w)
 {
 	for (size_t i = 0; i < c->choice.count; i++)
 		if (!is_unknown(c, i))
-			add_opinion(c, i, &said[component[c->choice.point[i]]]);
+			add_to_component(c, i, &rays_of[component[c->choice.point[i]]]);
 	for (size_t i = 0; i < c->choice.count; i++)
 		if (!is_unknown(c, i))
-			c->wrong[i] *= part_of(&said[component[c->choice.point[i]]], w);
+			c->wrong[i] *= part_of(&rays_of[component[c->choice.point[i]]], w);
 }
 
 static gw_status ask_components(check *c, double w, gw_error *error)
 {
 	size_t count = c->task->surfels->count;
 	uint32_t *component = gw_allocate_array(count, sizeof *component);
-	opinion *said = gw_allocate_zeros(count, sizeof *said);
+	component_rays *rays_of = gw_allocate_zeros(count, sizeof *rays_of);
 	gw_status status =
-		component && said
+		component && rays_of
 			? gw_side_components_find(c->task->surfels, c->task->threads, component, error)
 			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for components of %zu points", count);
 	if (status == GW_OK)
-		limit_by_components(c, component, said, w);
+		limit_by_components(c, component, rays_of, w);
 	free(component);
-	free(said);
+	free(rays_of);
 	return status;
 }
 

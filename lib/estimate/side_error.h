@@ -1,8 +1,8 @@
 /*
  * side_error.h - how wrong the light is because parts of surface may face the wrong way.
  *
- * Where normals were estimated, somebody guessed which side of the surface people see. A second
- * opinion is what the sides themselves see: from within a room, or from outside of things, one sees
+ * Where normals were estimated, somebody guessed which side of the surface people see. A
+ * check is what the sides themselves see: from within a room, or from outside of things, one sees
  * fronts of surfaces, and from within what is solid one sees backs. So from some of the points rays
  * go out on both sides, through the points' discs by themselves (check_discs.h). A ray that leaves
  * a front and meets a back, or the other way round, says that one of the two points is wrong.

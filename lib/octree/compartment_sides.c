@@ -3,9 +3,9 @@
  *
  * First each surfel by itself: a step along its normal, out of the cells of its own surface, that
  * goes behind no other surface on the way. In creases such steps find nothing, and noise puts
- * single surfels behind their own wall or beyond its edge; so then all surfels decide together with
- * those beside them on the same sheet. What is still not known learns it from what lies in front of
- * it.
+ * single surfels behind their own wall or beyond its edge. So then labels are propagated: each
+ * surfel takes the one that most of those beside it on the same sheet have, and those that have
+ * none yet the one of most surfels in front of them.
  */
 #include "octree/compartments_steps.h"
 
@@ -23,14 +23,14 @@
 #define STEP 0.5f
 #define STEPS 6
 
-/* And those who learn nothing from others either: amid walls of sparse surface. */
+/* And of surfels that get no label from neighbours either: amid walls of sparse surface. */
 #define STEPS_FAR 32
 
 /* Surfels that have to look into a compartment before it counts as one: noise leaves bubbles amid
  * surface, that few look into. */
 #define LOOKING_LEAST 64u
 
-/* Cosine between normals of surfels that decide together. */
+/* Cosine between normals of surfels on one sheet. */
 #define ALIKE 0.5f
 
 /* Leaf cells: how far noise may put one of two surfels behind the other that it sees. */
@@ -39,18 +39,18 @@
 /* And how far from its sheet. */
 #define SHEET_MOST 1.5f
 
-/* How often surfels ask others; but for the first ones only those that are not known yet. */
+/* Rounds of propagation; after the first ones only surfels without a label take part. */
 #define SHEET_ROUNDS 3
 #define ROUNDS 7
 
 #define CHUNK 4096u
 #define LABELS 6u /* of which one is chosen */
 
-/* Whom places ask. At first all surfels ask those around them on their sheet, not themselves: where
- * noise puts one beyond the edge of its wall, it looks past the next one. Other places ask those of
- * their cell that face like them. What is not known then asks of the cells around as well those
- * that it sees, or all, if these are of one opinion. */
-enum asking { SAME_SHEET, THOSE_ALIKE, THOSE_IN_SIGHT, ALL_NEAR };
+/* Which surfels vote on the label of a place. At first, for surfels, those around them on their
+ * sheet, without themselves: where noise puts one beyond the edge of its wall, it looks past the
+ * next one. For other places those of their cell that face like them. Where that gives no label,
+ * of the cells around as well those that the place sees, or all, if they have one label. */
+enum voters { SAME_SHEET, THOSE_ALIKE, THOSE_IN_SIGHT, ALL_NEAR };
 
 typedef struct sight {
 	gw_compartments *c;
@@ -59,9 +59,9 @@ typedef struct sight {
 	const uint32_t *leaf_tile, *leaf_fragment, *fragment_surfel;
 	const uint32_t *known; /* 2 a surfel */
 	uint32_t *to;          /* likewise */
-	uint32_t *opinion;     /* a leaf: what the fronts of its surfels that know of one hold, MANY, or
-							* NONE; or NULL */
-	enum asking asking;
+	uint32_t *leaf_label;  /* 2 a leaf: the label of all its surfels that have one, MANY, or NONE;
+							* or NULL */
+	enum voters voters;
 	size_t leaves, surfels;
 	uint32_t threads;
 	int steps; /* along normals */
@@ -241,102 +241,103 @@ static bool same_sheet(const float p[3], const float n[3], const float q[3], con
 	return dot(n, m) > ALIKE && fabsf(dot(way, n)) < SHEET_MOST;
 }
 
-/* Adds what the surfels of a leaf say of a place. */
-static void ask_leaf(const sight *s, uint32_t leaf, const float place[3], const float normal[3],
-					 int side, votes *v)
+/* Adds the votes of a leaf's surfels on a place. */
+static void add_votes(const sight *s, uint32_t leaf, const float place[3], const float normal[3],
+					  int side, votes *v)
 {
 	for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 		uint32_t j = s->fragment_surfel[f] & 0x3fffffffu;
 		if (s->known[2 * (size_t)j + (size_t)side] == GW_COMPARTMENT_UNKNOWN)
 			continue;
 		const float *q = s->position + 4 * (size_t)j, *m = s->normal + 4 * (size_t)j;
-		bool asked = s->asking == THOSE_ALIKE  ? dot(normal, m) > ALIKE
-					 : s->asking == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)
-					 : s->asking == THOSE_IN_SIGHT
-						 ? side == 0 && see_each_other(place, normal, q, m)
-						 : side == 0;
-		if (asked)
+		bool is_voter = s->voters == THOSE_ALIKE  ? dot(normal, m) > ALIKE
+						: s->voters == SAME_SHEET ? q != place && same_sheet(place, normal, q, m)
+						: s->voters == THOSE_IN_SIGHT
+							? side == 0 && see_each_other(place, normal, q, m)
+							: side == 0;
+		if (is_voter)
 			vote(v, s->known[2 * (size_t)j + (size_t)side]);
 	}
 }
 
-/* The leaves that are asked of a place, and what they hold all together: as `opinion` of sight. */
-typedef struct company {
-	uint32_t leaf[27], leaves, opinion;
-} company;
+/* The leaves around a place whose surfels have labels, and the label of all of them together, as
+ * leaf_label of sight. */
+typedef struct neighbourhood {
+	uint32_t leaf[27], leaves, label;
+} neighbourhood;
 
-/* That of the cell of a place, or of the cells around it as well; those of no opinion are not
- * there. */
-static company find_company(const sight *s, const float place[3], int side)
+/* Of the cell of a place, or of the cells around it as well. */
+static neighbourhood find_neighbourhood(const sight *s, const float place[3], int side)
 {
-	company c = { .opinion = s->opinion ? NONE : MANY };
-	int32_t cell[3], first = s->asking == THOSE_ALIKE ? 13 : 0;
+	neighbourhood n = { .label = s->leaf_label ? NONE : MANY };
+	int32_t cell[3], first = s->voters == THOSE_ALIKE ? 13 : 0;
 	cell_of(place, cell);
 	for (int32_t i = first; i < 27 - first; i++) {
 		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
 								  cell[2] + i / 9 - 1 };
 		uint32_t leaf = leaf_of(s, near);
 		uint32_t own = leaf == GW_WALL ? NONE : MANY;
-		if (own == MANY && s->opinion)
-			own = s->opinion[2 * (size_t)leaf + (size_t)side];
+		if (own == MANY && s->leaf_label)
+			own = s->leaf_label[2 * (size_t)leaf + (size_t)side];
 		if (own == NONE)
 			continue;
-		c.opinion = c.opinion == NONE || c.opinion == own ? own : MANY;
-		c.leaf[c.leaves++] = leaf;
+		n.label = n.label == NONE || n.label == own ? own : MANY;
+		n.leaf[n.leaves++] = leaf;
 	}
-	return c;
+	return n;
 }
 
-/* What a company says of a place. Where it is of one opinion, the first to speak speaks for all. */
-static uint32_t ask(const sight *s, const company *c, const float place[3], const float normal[3],
-					int side)
+/* The label that a neighbourhood votes for. Where all of it has one label, the first vote decides.
+ */
+static uint32_t vote_on(const sight *s, const neighbourhood *near, const float place[3],
+						const float normal[3], int side)
 {
 	votes v = { { 0 }, { 0 }, 0 };
-	for (uint32_t i = 0; i < c->leaves && (c->opinion == MANY || v.used == 0); i++)
-		ask_leaf(s, c->leaf[i], place, normal, side, &v);
-	return s->asking == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
+	for (uint32_t i = 0; i < near->leaves && (near->label == MANY || v.used == 0); i++)
+		add_votes(s, near->leaf[i], place, normal, side, &v);
+	return s->voters == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
 }
 
-/* What a leaf's surfels hold. */
-static void hear_some(void *user, size_t first, size_t last, uint32_t worker)
+/* Fills leaf_label. */
+static void label_leaves(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
 	for (size_t leaf = first; leaf < last; leaf++) {
-		uint32_t opinion[2] = { NONE, NONE };
+		uint32_t common[2] = { NONE, NONE };
 		for (uint32_t f = s->leaf_fragment[leaf]; f < s->leaf_fragment[leaf + 1]; f++) {
 			const uint32_t *label = s->known + 2 * (size_t)(s->fragment_surfel[f] & 0x3fffffffu);
 			for (int side = 0; side < 2; side++)
 				if (label[side] != GW_COMPARTMENT_UNKNOWN)
-					opinion[side] =
-						opinion[side] == NONE || opinion[side] == label[side] ? label[side] : MANY;
+					common[side] =
+						common[side] == NONE || common[side] == label[side] ? label[side] : MANY;
 		}
-		memcpy(s->opinion + 2 * leaf, opinion, sizeof opinion);
+		memcpy(s->leaf_label + 2 * leaf, common, sizeof common);
 	}
 }
 
-/* What a side of a surfel learns from others; backs only of those on their sheet. */
-static uint32_t learn(const sight *s, size_t surfel, int side)
+/* The next label of a side of a surfel; of backs only by their sheet. */
+static uint32_t next_label(const sight *s, size_t surfel, int side)
 {
 	const float *place = s->position + 4 * surfel, *normal = s->normal + 4 * surfel;
 	uint32_t own = s->known[2 * surfel + (size_t)side];
-	if ((s->asking != SAME_SHEET && (own != GW_COMPARTMENT_UNKNOWN || side != 0)) ||
+	if ((s->voters != SAME_SHEET && (own != GW_COMPARTMENT_UNKNOWN || side != 0)) ||
 		(side != 0 && !(normal[3] > 0.5f)))
 		return own;
-	company c = find_company(s, place, side);
-	if (c.opinion == NONE || c.opinion == own)
+	neighbourhood near = find_neighbourhood(s, place, side);
+	if (near.label == NONE || near.label == own)
 		return own;
-	uint32_t told = ask(s, &c, place, normal, side);
-	return told == GW_COMPARTMENT_UNKNOWN ? own : told;
+	uint32_t label = vote_on(s, &near, place, normal, side);
+	return label == GW_COMPARTMENT_UNKNOWN ? own : label;
 }
 
-static void ask_some(void *user, size_t first, size_t last, uint32_t worker)
+static void vote_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++)
 		for (int side = 0; side < 2; side++)
-			s->to[2 * i + (size_t)side] = learn(s, i, side);
+			s->to[2 * i + (size_t)side] = next_label(s, i, side);
 }
 
 /* Forgets bubbles: compartments that few look into, but for what lies around the scene. */
@@ -371,26 +372,26 @@ static gw_status count_those_that_matter(gw_compartments *c, uint32_t *sides, si
 	return GW_OK;
 }
 
-/* Whom surfels ask in a round. */
-static enum asking asking_in(int round)
+/* Which surfels vote in a round. */
+static enum voters voters_in(int round)
 {
 	return round < SHEET_ROUNDS ? SAME_SHEET : round < ROUNDS - 1 ? THOSE_IN_SIGHT : ALL_NEAR;
 }
 
-/* Rounds in which surfels ask others. Where none of them changes its mind, none will by asking the
- * same ones once more. */
-static void ask_others(sight *s, uint32_t *sides, uint32_t *other)
+/* Propagates labels. Where a round changes none of them, another round of the same votes changes
+ * none either. */
+static void propagate_labels(sight *s, uint32_t *sides, uint32_t *other)
 {
 	size_t bytes = 2 * s->surfels * sizeof *sides;
-	bool settled = false; /* among those who are asked now */
+	bool settled = false; /* with the voters of the last round */
 	for (int round = 0; round < ROUNDS; round++) {
-		if (settled && s->asking == asking_in(round))
+		if (settled && s->voters == voters_in(round))
 			continue;
 		s->known = sides;
 		s->to = other;
-		s->asking = asking_in(round);
-		gw_parallel_for(s->threads, s->leaves, CHUNK, hear_some, s);
-		gw_parallel_for(s->threads, s->surfels, CHUNK, ask_some, s);
+		s->voters = voters_in(round);
+		gw_parallel_for(s->threads, s->leaves, CHUNK, label_leaves, s);
+		gw_parallel_for(s->threads, s->surfels, CHUNK, vote_some, s);
 		settled = memcmp(sides, other, bytes) == 0;
 		memcpy(sides, other, bytes);
 	}
@@ -407,7 +408,7 @@ static gw_status find(sight *s, uint32_t *sides, uint32_t *other, uint32_t *seve
 	if (*several > 1) /* Through the bubbles. */
 		gw_parallel_for(s->threads, s->surfels, CHUNK, look_some, s);
 	if (*several > 1)
-		ask_others(s, sides, other);
+		propagate_labels(s, sides, other);
 	s->to = sides;
 	s->steps = STEPS_FAR;
 	if (*several > 1)
@@ -462,21 +463,22 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 {
 	views v = { 0 };
 	uint32_t several = 0, *other = gw_allocate_array(surfels, 2 * sizeof *other);
-	uint32_t *opinion = gw_allocate_array((size_t)octree->leaf_count + 1, 2 * sizeof *opinion);
+	uint32_t *leaf_label =
+		gw_allocate_array((size_t)octree->leaf_count + 1, 2 * sizeof *leaf_label);
 	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
-	gw_status status = other && opinion && c->sides
+	gw_status status = other && leaf_label && c->sides
 						   ? open_views(gpu, octree, &v, error)
 						   : gw_fail(error, GW_ERROR_MEMORY,
 									 "no host memory for the sides of %zu surfels", surfels);
 	if (status == GW_OK) {
 		sight s = sight_of(c, octree, &v);
-		s.opinion = opinion;
+		s.leaf_label = leaf_label;
 		s.surfels = surfels;
 		s.threads = threads;
 		status = find(&s, c->sides, other, &several, error);
 	}
 	close_views(&v);
-	free(opinion);
+	free(leaf_label);
 	free(other);
 	if (status != GW_OK || several < 2) {
 		free(c->sides);
@@ -497,9 +499,9 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 			const float *place = of->place + 4 * i, *normal = of->normal + 4 * i;
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
-				s.asking = (enum asking)a;
-				company c = find_company(&s, place, 0);
-				label[i] = ask(&s, &c, place, normal, 0);
+				s.voters = (enum voters)a;
+				neighbourhood near = find_neighbourhood(&s, place, 0);
+				label[i] = vote_on(&s, &near, place, normal, 0);
 			}
 		}
 	}

@@ -79,9 +79,10 @@ static void join_outside(gw_compartments *c, uint32_t level, gw_compartment_cell
 			join_outside(c, level + 1, gw_compartment_child(c, level, of, octant), axis, side);
 }
 
+static const gw_compartment_cell root = { GW_COMPARTMENT_UNKNOWN, 1 };
+
 static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error *error)
 {
-	const gw_compartment_cell root = { GW_COMPARTMENT_UNKNOWN, 1 };
 	uint64_t cells = c->first + 8 * (uint64_t)octree->leaf_tile_count;
 	if (cells < GW_COMPARTMENT_UNKNOWN)
 		c->label = gw_allocate_array(cells + 1, sizeof *c->label);
@@ -98,6 +99,17 @@ static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error 
 	for (uint32_t i = 0; i <= c->cells; i++)
 		c->label[i] = find(c->label, i);
 	return GW_OK;
+}
+
+/* Is a cell empty, or one within it, that is not joined to what lies around the scene? */
+static bool is_any_apart(const gw_compartments *c, uint32_t level, gw_compartment_cell of)
+{
+	if (of.tile == 0)
+		return c->label[of.number] != c->label[c->cells];
+	for (uint32_t octant = 0; octant < 8 && of.tile != GW_WALL; octant++)
+		if (is_any_apart(c, level + 1, gw_compartment_child(c, level, of, octant)))
+			return true;
+	return false;
 }
 
 /* Of nodes only those that hold something have children here: others are there to be filtered
@@ -242,7 +254,7 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 		status = gw_compartments_close_sparse(gpu, octree, surfels, c, error);
 	if (status == GW_OK)
 		status = join_all(octree, c, error);
-	if (status == GW_OK)
+	if (status == GW_OK && is_any_apart(c, 0, root))
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && c->sides != NULL)
 		status = number_them(c, surfels->count, error);

@@ -13,20 +13,20 @@
 #include <string.h>
 
 /* Places from which it is looked, and rows of directions from straight up to straight down. */
-#define EYES 128u
+#define VIEWPOINTS 128u
 #define ROWS 40u
 #define COLUMNS (2u * ROWS)
 #define DIRECTIONS (ROWS * COLUMNS)
 
 /* Ways from a surfel that may lead across free space: along its normal, and aslant. */
-#define EYE_WAYS 5
+#define VIEWPOINT_WAYS 5
 #define SLANT 0.7f
 
-/* Cells between an eye and what it has before and behind it. */
-#define EYE_ROOM 3.0f
+/* Cells between a viewpoint and what it has before and behind it. */
+#define VIEWPOINT_ROOM 3.0f
 
-/* Share of all directions that finds nothing: beyond, an eye is in the open. A hole has half of
- * that at most. */
+/* Share of all directions that finds nothing: beyond, a viewpoint is in the open. A hole has half
+ * of that at most. */
 #define OPEN_MOST 0.3
 
 /* Extent of a rim over the extent of what is seen, at most, and how much nearer one side of it may
@@ -58,19 +58,19 @@
 #define EMPTY_MOST 254u
 #define GRID_NUDGE 1e-3f
 
-/* A cell where some eye has put a membrane, until it is known to be of a hole. */
+/* A cell where some viewpoint has put a membrane, until it is known to be of a hole. */
 #define SEEN 255u
 
-/* What eyes put into cells: membranes of a rim that is seen well, in so many directions within it,
- * and whole, and of others. */
+/* What viewpoints put into cells: membranes of a rim that is seen well, in so many directions
+ * within it, and whole, and of others. */
 #define BY_WHOLE_RIM 1u
 #define BY_OTHERS 2u
 #define SEEN_WELL 16u
 
-/* Where more than one in so many eyes is in the open, only whole rims are those of holes. */
-#define OPEN_EYES 4u
+/* Where more than one in so many viewpoints is in the open, only whole rims are those of holes. */
+#define OPEN_VIEWPOINTS 4u
 
-typedef struct eye {
+typedef struct viewpoint {
 	gw_vec3 place;
 	float width;                /* extent of what it sees, metres */
 	bool open;                  /* hardly anything is around it */
@@ -79,14 +79,14 @@ typedef struct eye {
 	float inverse[DIRECTIONS];  /* of the depth, of the membrane too */
 	uint8_t piece[DIRECTIONS];  /* 1: of some piece already, or its rim */
 	uint32_t stack[DIRECTIONS]; /* directions of the piece */
-} eye;
+} viewpoint;
 
 /* Blocks of cells, and one more on each side of the grid. */
-typedef struct hollow {
+typedef struct empty_blocks {
 	uint32_t blocks[3];
 	uint8_t *empty; /* one a block: how many blocks it is to one with surface, or fewer; 0: here */
 	int32_t stride[3], block_stride[3]; /* from one to the next along each axis */
-} hollow;
+} empty_blocks;
 
 /* A direction through the grid. Along axes that it goes down the grid is mirrored, so that it goes
  * up along all of them. */
@@ -98,13 +98,13 @@ typedef struct grid_way {
 typedef struct work {
 	const gw_surfels *surfels;
 	gw_scanned_space *space;
-	hollow hollow;
-	gw_vec3 *place;        /* EYES */
+	empty_blocks empty_blocks;
+	gw_vec3 *place;        /* VIEWPOINTS */
 	gw_vec3 *way;          /* DIRECTIONS */
 	grid_way *grid_way;    /* the same */
-	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where an eye has put a membrane */
-	_Atomic uint32_t *open_eyes;
-	size_t cells, eyes;
+	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where one has put a membrane */
+	_Atomic uint32_t *open_viewpoints;
+	size_t cells, viewpoints;
 } work;
 
 static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
@@ -152,7 +152,7 @@ static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
  * number is more than one above those beside it that come before it, or with -1 after it. What lies
  * beside a row's end is another row's: the number may become less than it should be, which does no
  * harm. */
-static void spread(hollow *h, ptrdiff_t sign)
+static void spread(empty_blocks *h, ptrdiff_t sign)
 {
 	const ptrdiff_t row = (ptrdiff_t)h->blocks[0], layer = row * (ptrdiff_t)h->blocks[1];
 	const ptrdiff_t count = layer * (ptrdiff_t)h->blocks[2], reach = layer + row + 1;
@@ -168,14 +168,14 @@ static void spread(hollow *h, ptrdiff_t sign)
 	}
 }
 
-static size_t block_of(const hollow *h, const uint32_t at[3])
+static size_t block_of(const empty_blocks *h, const uint32_t at[3])
 {
 	return ((size_t)(at[2] / BLOCK + 1) * h->blocks[1] + (at[1] / BLOCK + 1)) * h->blocks[0] +
 		   (at[0] / BLOCK + 1);
 }
 
 /* Finds out how far it is empty around each block. */
-static bool make_hollow(const gw_scanned_space *space, hollow *h)
+static bool find_empty_blocks(const gw_scanned_space *space, empty_blocks *h)
 {
 	size_t count = 1;
 	for (int k = 0; k < 3; k++) {
@@ -222,7 +222,7 @@ static grid_way grid_way_of(gw_vec3 way)
 	return w;
 }
 
-static void view_axis(const gw_scanned_space *space, const hollow *h, int k, bool up,
+static void view_axis(const gw_scanned_space *space, const empty_blocks *h, int k, bool up,
 					  grid_view *view)
 {
 	int32_t blocks = (int32_t)h->blocks[k] - 2, width = BLOCK * blocks;
@@ -244,10 +244,10 @@ static bool view_grid(const work *w, gw_vec3 from, uint32_t down, grid_view *vie
 	uint32_t at[3];
 	if (!gw_scanned_space_cell(space, p, at))
 		return false;
-	*view = (grid_view){ .state = space->state, .empty = w->hollow.empty };
+	*view = (grid_view){ .state = space->state, .empty = w->empty_blocks.empty };
 	for (int k = 0; k < 3; k++) {
 		view->origin[k] = (p[k] - space->low[k]) / space->cell;
-		view_axis(space, &w->hollow, k, (down >> k & 1u) == 0u, view);
+		view_axis(space, &w->empty_blocks, k, (down >> k & 1u) == 0u, view);
 	}
 	return true;
 }
@@ -307,11 +307,11 @@ static float look(const work *w, gw_vec3 from, gw_vec3 way)
 	return t < 0.0f ? t : t * w->space->cell;
 }
 
-/* -------------------------------------------------------------------------------------- the eyes
+/* -------------------------------------------------------------------------------- the viewpoints
  */
 
 /* Half way across the free space before a surfel. */
-static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
+static bool place_viewpoint(const work *w, size_t surfel, gw_vec3 *place)
 {
 	const gw_surfels *s = w->surfels;
 	float cell = w->space->cell, tangent[3], bitangent[3];
@@ -319,25 +319,25 @@ static bool place_eye(const work *w, size_t surfel, gw_vec3 *place)
 	gw_tangent_frame(s->normal + 3 * surfel, tangent, bitangent);
 	gw_vec3 u = gw_xyz(tangent), v = gw_xyz(bitangent);
 	gw_vec3 from = gw_plus(p, gw_times(n, 2.0f * cell));
-	const float aslant[EYE_WAYS][2] = {
+	const float aslant[VIEWPOINT_WAYS][2] = {
 		{ 0, 0 }, { SLANT, 0 }, { -SLANT, 0 }, { 0, SLANT }, { 0, -SLANT }
 	};
-	for (int i = 0; i < EYE_WAYS; i++) {
+	for (int i = 0; i < VIEWPOINT_WAYS; i++) {
 		gw_vec3 way =
 			gw_unit(gw_plus(n, gw_plus(gw_times(u, aslant[i][0]), gw_times(v, aslant[i][1]))));
 		float free = look(w, from, way);
 		*place = gw_plus(from, gw_times(way, 0.5f * free));
-		if (free > 2.0f * EYE_ROOM * cell)
+		if (free > 2.0f * VIEWPOINT_ROOM * cell)
 			return true;
 	}
 	return false;
 }
 
-static size_t place_eyes(work *w)
+static size_t place_viewpoints(work *w)
 {
 	size_t count = w->surfels->count, placed = 0;
-	for (size_t i = 0; i < EYES; i++)
-		placed += place_eye(w, (2 * i + 1) * count / (2 * EYES), &w->place[placed]);
+	for (size_t i = 0; i < VIEWPOINTS; i++)
+		placed += place_viewpoint(w, (2 * i + 1) * count / (2 * VIEWPOINTS), &w->place[placed]);
 	return placed;
 }
 
@@ -384,30 +384,30 @@ static float width_of(const extent *e)
 	return sqrtf(gw_dot(d, d));
 }
 
-/* Looks around; false where an eye is in the open, or sees no hole at all. */
-static bool look_around(const work *w, eye *e)
+/* Looks around; false where a viewpoint is in the open, or sees no hole at all. */
+static bool look_around(const work *w, viewpoint *v)
 {
 	extent all = nowhere;
 	float open = 0.0f;
 	grid_view view[8];
 	bool within = true;
 	for (uint32_t down = 0; down < 8; down++)
-		within = view_grid(w, e->place, down, &view[down]) && within;
+		within = view_grid(w, v->place, down, &view[down]) && within;
 	for (uint32_t i = 0; i < DIRECTIONS && open < (float)OPEN_MOST; i++) {
 		gw_vec3 way = w->way[i];
 		const grid_way *through = &w->grid_way[i];
 		float t = within ? walk_to_surface(&view[through->down], through) : -1.0f;
-		e->depth[i] = t < 0.0f ? t : t * w->space->cell;
-		e->inverse[i] = e->depth[i] > 0.0f ? 1.0f / e->depth[i] : 0.0f;
-		e->piece[i] = 0;
-		if (e->depth[i] < 0.0f)
+		v->depth[i] = t < 0.0f ? t : t * w->space->cell;
+		v->inverse[i] = v->depth[i] > 0.0f ? 1.0f / v->depth[i] : 0.0f;
+		v->piece[i] = 0;
+		if (v->depth[i] < 0.0f)
 			open += share_of(i);
 		else
-			extend(&all, gw_plus(e->place, gw_times(way, e->depth[i])));
+			extend(&all, gw_plus(v->place, gw_times(way, v->depth[i])));
 	}
-	e->width = width_of(&all);
-	e->open = open >= (float)OPEN_MOST;
-	return open > 0.0f && !e->open;
+	v->width = width_of(&all);
+	v->open = open >= (float)OPEN_MOST;
+	return open > 0.0f && !v->open;
 }
 
 /* ------------------------------------------------------------------------------------ the pieces
@@ -431,147 +431,147 @@ typedef struct piece {
 	extent rim_extent;
 } piece;
 
-static void add_rim(const eye *e, gw_vec3 way, uint32_t number, piece *p)
+static void add_rim(const viewpoint *v, gw_vec3 way, uint32_t number, piece *p)
 {
-	float depth = e->depth[number];
+	float depth = v->depth[number];
 	p->rim++;
 	p->nearest = fminf(p->nearest, depth);
 	p->furthest = fmaxf(p->furthest, depth);
-	p->inverse += e->inverse[number];
-	extend(&p->rim_extent, gw_plus(e->place, gw_times(way, depth)));
+	p->inverse += v->inverse[number];
+	extend(&p->rim_extent, gw_plus(v->place, gw_times(way, depth)));
 }
 
-/* The piece that a direction belongs to, on the eye's stack. */
-static piece find_piece(const work *w, eye *e, uint32_t first)
+/* The piece that a direction belongs to, on the viewpoint's stack. */
+static piece find_piece(const work *w, viewpoint *v, uint32_t first)
 {
 	piece p = { .nearest = INFINITY, .rim_extent = nowhere };
-	e->stack[p.count++] = first;
-	e->piece[first] = 1;
+	v->stack[p.count++] = first;
+	v->piece[first] = 1;
 	for (uint32_t i = 0; i < p.count; i++) {
 		uint32_t beside[4];
-		list_beside(e->stack[i], beside);
-		p.share += share_of(e->stack[i]);
+		list_beside(v->stack[i], beside);
+		p.share += share_of(v->stack[i]);
 		for (int k = 0; k < 4; k++) {
-			if (e->depth[beside[k]] >= 0.0f) {
-				add_rim(e, w->way[beside[k]], beside[k], &p);
-			} else if (!e->piece[beside[k]]) {
-				e->piece[beside[k]] = 1;
-				e->stack[p.count++] = beside[k];
+			if (v->depth[beside[k]] >= 0.0f) {
+				add_rim(v, w->way[beside[k]], beside[k], &p);
+			} else if (!v->piece[beside[k]]) {
+				v->piece[beside[k]] = 1;
+				v->stack[p.count++] = beside[k];
 			}
 		}
 	}
 	return p;
 }
 
-static gw_vec3 seen_at(const work *w, const eye *e, uint32_t number)
+static gw_vec3 seen_at(const work *w, const viewpoint *v, uint32_t number)
 {
-	return gw_times(w->way[number], e->depth[number]);
+	return gw_times(w->way[number], v->depth[number]);
 }
 
 /* Whether two directions meet surface so far apart. */
-static bool is_jump(const work *w, const eye *e, const uint32_t number[2], float most)
+static bool is_jump(const work *w, const viewpoint *v, const uint32_t number[2], float most)
 {
-	if (e->depth[number[0]] < 0.0f || e->depth[number[1]] < 0.0f)
+	if (v->depth[number[0]] < 0.0f || v->depth[number[1]] < 0.0f)
 		return false;
-	gw_vec3 off = gw_minus(seen_at(w, e, number[0]), seen_at(w, e, number[1]));
+	gw_vec3 off = gw_minus(seen_at(w, v, number[0]), seen_at(w, v, number[1]));
 	return gw_dot(off, off) > most * most;
 }
 
 /* Whether there is a jump within the rim of the piece on the stack. Of the eight directions around
  * one of its own, those in the corners are beside two others each. */
-static bool has_jump(const work *w, const eye *e, const piece *p)
+static bool has_jump(const work *w, const viewpoint *v, const piece *p)
 {
 	float most = fmaxf(JUMP_MOST * width_of(&p->rim_extent), JUMP_CELLS * w->space->cell);
 	for (uint32_t i = 0; i < p->count; i++) {
-		uint32_t row = e->stack[i] / COLUMNS, beside[4], corner[4];
-		list_beside(e->stack[i], beside);
+		uint32_t row = v->stack[i] / COLUMNS, beside[4], corner[4];
+		list_beside(v->stack[i], beside);
 		if (row == 0 || row + 1 == ROWS)
 			continue;
 		for (int k = 0; k < 4; k++) {
 			list_beside(beside[k % 2], corner);
 			const uint32_t by_row[2] = { beside[k % 2], corner[2 + k / 2] };
 			const uint32_t by_column[2] = { beside[2 + k / 2], corner[2 + k / 2] };
-			if (is_jump(w, e, by_row, most) || is_jump(w, e, by_column, most))
+			if (is_jump(w, v, by_row, most) || is_jump(w, v, by_column, most))
 				return true;
 		}
 	}
 	return false;
 }
 
-static bool is_hole(const work *w, const eye *e, const piece *p)
+static bool is_hole(const work *w, const viewpoint *v, const piece *p)
 {
 	float width = width_of(&p->rim_extent);
 	return p->rim >= RIM_LEAST && p->share < 0.5f * (float)OPEN_MOST &&
-		   width < RIM_MOST * e->width && width > RIM_CELLS * w->space->cell &&
+		   width < RIM_MOST * v->width && width > RIM_CELLS * w->space->cell &&
 		   p->furthest < SLOPE_MOST * p->nearest;
 }
 
-static void stretch_membrane(eye *e, const piece *p)
+static void stretch_membrane(viewpoint *v, const piece *p)
 {
 	for (uint32_t i = 0; i < p->count; i++)
-		e->inverse[e->stack[i]] = p->inverse / (float)p->rim;
+		v->inverse[v->stack[i]] = p->inverse / (float)p->rim;
 	for (int sweep = 0; sweep < SWEEPS; sweep++)
 		for (uint32_t i = 0; i < p->count; i++) {
 			uint32_t beside[4];
-			list_beside(e->stack[i], beside);
-			e->inverse[e->stack[i]] = 0.25f * (e->inverse[beside[0]] + e->inverse[beside[1]] +
-											   e->inverse[beside[2]] + e->inverse[beside[3]]);
+			list_beside(v->stack[i], beside);
+			v->inverse[v->stack[i]] = 0.25f * (v->inverse[beside[0]] + v->inverse[beside[1]] +
+											   v->inverse[beside[2]] + v->inverse[beside[3]]);
 		}
 }
 
 /* Marks the membrane within a direction, two cells thick, where nothing is met in fact. */
-static void mark_direction(const work *w, const eye *e, uint32_t number)
+static void mark_direction(const work *w, const viewpoint *v, uint32_t number)
 {
 	const gw_scanned_space *space = w->space;
-	float depth = 1.0f / e->inverse[number];
+	float depth = 1.0f / v->inverse[number];
 	int n = (int)ceilf(1.5f * depth * GW_PI / (ROWS * space->cell));
 	for (int a = 0; a < n * n; a++) {
 		gw_vec3 way = direction_at((float)(number / COLUMNS) + ((float)(a / n) + 0.5f) / (float)n,
 								   (float)(number % COLUMNS) + ((float)(a % n) + 0.5f) / (float)n);
-		if (look(w, e->place, way) >= 0.0f)
+		if (look(w, v->place, way) >= 0.0f)
 			continue;
 		for (int side = -1; side <= 1; side++) {
 			size_t cell;
 			float t = depth + 0.5f * (float)side * space->cell;
-			if (find_cell(space, gw_plus(e->place, gw_times(way, t)), &cell) &&
+			if (find_cell(space, gw_plus(v->place, gw_times(way, t)), &cell) &&
 				space->state[cell] != GW_SPACE_SURFACE)
-				atomic_fetch_or(&w->seen[cell], e->mark);
+				atomic_fetch_or(&w->seen[cell], v->mark);
 		}
 	}
 }
 
 /* What the middle of a rim's direction meets, others in it may not. */
-static void mark_with_rim(const work *w, eye *e, uint32_t number)
+static void mark_with_rim(const work *w, viewpoint *v, uint32_t number)
 {
 	uint32_t beside[4];
-	mark_direction(w, e, number);
+	mark_direction(w, v, number);
 	list_beside(number, beside);
 	for (int k = 0; k < 4; k++)
-		if (e->depth[beside[k]] >= 0.0f && !e->piece[beside[k]]) {
-			e->piece[beside[k]] = 1;
-			mark_direction(w, e, beside[k]);
+		if (v->depth[beside[k]] >= 0.0f && !v->piece[beside[k]]) {
+			v->piece[beside[k]] = 1;
+			mark_direction(w, v, beside[k]);
 		}
 }
 
-static void mark_piece(const work *w, eye *e, const piece *p)
+static void mark_piece(const work *w, viewpoint *v, const piece *p)
 {
-	e->mark = p->count < SEEN_WELL || has_jump(w, e, p) ? BY_OTHERS : BY_WHOLE_RIM;
-	stretch_membrane(e, p);
+	v->mark = p->count < SEEN_WELL || has_jump(w, v, p) ? BY_OTHERS : BY_WHOLE_RIM;
+	stretch_membrane(v, p);
 	for (uint32_t k = 0; k < p->count; k++)
-		mark_with_rim(w, e, e->stack[k]);
+		mark_with_rim(w, v, v->stack[k]);
 }
 
-/* Whether an eye is in the open. */
-static bool look_from(const work *w, eye *e)
+/* Whether a viewpoint is in the open. */
+static bool look_from(const work *w, viewpoint *v)
 {
-	if (!look_around(w, e))
-		return e->open;
+	if (!look_around(w, v))
+		return v->open;
 	for (uint32_t i = 0; i < DIRECTIONS; i++) {
-		if (e->depth[i] >= 0.0f || e->piece[i])
+		if (v->depth[i] >= 0.0f || v->piece[i])
 			continue;
-		piece p = find_piece(w, e, i);
-		if (is_hole(w, e, &p))
-			mark_piece(w, e, &p);
+		piece p = find_piece(w, v, i);
+		if (is_hole(w, v, &p))
+			mark_piece(w, v, &p);
 	}
 	return false;
 }
@@ -581,10 +581,10 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	const work *w = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		eye e;
-		e.place = w->place[i];
-		if (look_from(w, &e))
-			atomic_fetch_add(w->open_eyes, 1);
+		viewpoint v;
+		v.place = w->place[i];
+		if (look_from(w, &v))
+			atomic_fetch_add(w->open_viewpoints, 1);
 	}
 }
 
@@ -679,7 +679,9 @@ static bool count_holes(const work *w)
 {
 	gw_scanned_space *space = w->space;
 	size_t seen = 0;
-	uint8_t marks = OPEN_EYES * *w->open_eyes > w->eyes ? BY_WHOLE_RIM : BY_WHOLE_RIM | BY_OTHERS;
+	uint8_t marks = OPEN_VIEWPOINTS * *w->open_viewpoints > w->viewpoints
+						? BY_WHOLE_RIM
+						: BY_WHOLE_RIM | BY_OTHERS;
 	extent all = nowhere;
 	for (size_t c = 0; c < w->cells; c++)
 		if (space->state[c] != GW_SPACE_SURFACE) {
@@ -708,15 +710,15 @@ static bool count_holes(const work *w)
 gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 								gw_scanned_space *space, gw_error *error)
 {
-	_Atomic uint32_t open_eyes = 0;
-	work w = { .surfels = surfels, .space = space, .open_eyes = &open_eyes };
+	_Atomic uint32_t open_viewpoints = 0;
+	work w = { .surfels = surfels, .space = space, .open_viewpoints = &open_viewpoints };
 	*space = (gw_scanned_space){ .scanners = 0 };
 	if (!(surfels->maximum[0] > surfels->minimum[0]))
 		return GW_OK;
 	bool made = gw_scanned_space_grid(surfels, GRID_CELLS, CELL_SPACINGS * surfels->spacing, space);
 	w.cells = (size_t)space->cells[0] * space->cells[1] * space->cells[2];
 	w.seen = made ? gw_allocate_zeros(w.cells, sizeof *w.seen) : NULL;
-	w.place = gw_allocate_array(EYES, sizeof *w.place);
+	w.place = gw_allocate_array(VIEWPOINTS, sizeof *w.place);
 	w.way = gw_allocate_array(DIRECTIONS, sizeof *w.way);
 	w.grid_way = gw_allocate_array(DIRECTIONS, sizeof *w.grid_way);
 	made = made && w.seen && w.place && w.way && w.grid_way;
@@ -727,14 +729,14 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	if (made) {
 		for (size_t i = 0; i < surfels->count; i++)
 			mark_disc(space, surfels, i);
-		made = make_hollow(space, &w.hollow);
+		made = find_empty_blocks(space, &w.empty_blocks);
 	}
 	if (made) {
-		w.eyes = place_eyes(&w);
-		gw_parallel_for(threads, w.eyes, 1, look_from_all, &w);
+		w.viewpoints = place_viewpoints(&w);
+		gw_parallel_for(threads, w.viewpoints, 1, look_from_all, &w);
 		made = count_holes(&w);
 	}
-	free(w.hollow.empty);
+	free(w.empty_blocks.empty);
 	free(w.grid_way);
 	free(w.way);
 	free(w.place);

@@ -6,7 +6,7 @@
 #include "cloud/range_image.h"
 #include "cloud/strays.h"
 #include "cloud/surfel_choice.h"
-#include "cloud/twins.h"
+#include "cloud/near_duplicates.h"
 #include "normals/given_normals.h"
 #include "normals/normals.h"
 #include "normals/plane_error.h"
@@ -64,8 +64,9 @@ typedef struct sorted_points {
 	bool by_grid;     /* their normals are of range images, as far as they are known */
 } sorted_points;
 
-/* Twins are joined until few are left: the more scans of a place there are, the more often. */
-#define TWIN_ROUNDS 4
+/* Near duplicates are joined until few are left: the more scans of a place there are, the more
+ * often. */
+#define JOINING_ROUNDS 4
 
 /* The frame is made anew of points that were moved. */
 static gw_status make_frame_anew(const gw_surfels_options *options, sorted_points *p,
@@ -95,18 +96,20 @@ static gw_status join_near(const gw_surfels_options *options, sorted_points *p,
 	gw_neighbours *search = NULL;
 	gw_status status = gw_neighbours_open(surfels, options, &search, error);
 	if (status == GW_OK)
-		status = gw_twins_join(surfels, search, GW_TWINS_NEAR, p->position, moved, error);
+		status =
+			gw_near_duplicates_join(surfels, search, GW_NEAR_DUPLICATES, p->position, moved, error);
 	gw_neighbours_close(search);
 	return status;
 }
 
 /* Makes points one that stand hardly off each other, where there are many. */
-static gw_status join_twins(const gw_surfels_options *options, sorted_points *p,
-							gw_surfels *surfels, gw_error *error)
+static gw_status join_near_duplicates(const gw_surfels_options *options, sorted_points *p,
+									  gw_surfels *surfels, gw_error *error)
 {
 	size_t moved = 1;
 	double *old;
-	for (int round = 0; round < TWIN_ROUNDS && moved > 0 && gw_twins_are_many(surfels); round++) {
+	for (int round = 0; round < JOINING_ROUNDS && moved > 0 && gw_near_duplicates_are_many(surfels);
+		 round++) {
 		if (!p->position)
 			GW_TRY(copy_places(p, &old, error));
 		GW_TRY(join_near(options, p, surfels, &moved, error));
@@ -155,7 +158,7 @@ static gw_status sort_points(const gw_surfels_options *options, sorted_points *p
 	GW_TRY(gw_frame_make(&p->rest, options, surfels, error));
 	GW_TRY(go_on(options, error));
 	GW_TRY(take_strays_out(options, p, surfels, error));
-	return join_twins(options, p, surfels, error);
+	return join_near_duplicates(options, p, surfels, error);
 }
 
 /* Layers are joined where the surface is thicker than this, until it is thinner than that, so many
@@ -174,7 +177,8 @@ static gw_status join_often(sorted_points *p, const gw_surfels_options *options,
 	for (int round = 0; round < LAYERS_ROUNDS && moved > 0 && *thickness > LAYERS_THIN; round++) {
 		if (round > 1 && *thickness > 0.8 * first)
 			return GW_OK; /* it does not get thinner */
-		GW_TRY(gw_twins_join(surfels, *search, GW_TWINS_ALL, p->position, &moved, error));
+		GW_TRY(gw_near_duplicates_join(surfels, *search, GW_NEAREST_PAIRS, p->position, &moved,
+									   error));
 		gw_neighbours_close(*search);
 		*search = NULL;
 		GW_TRY(make_frame_anew(options, p, surfels, error));

@@ -11,7 +11,7 @@
 #define PI 3.14159265f
 
 /* Rays begin this far above the surface, and end as far above what they aim at, in spacings. */
-#define LIFT 0.2f
+#define OFFSET 0.2f
 
 #define CHUNK 4096u
 
@@ -243,10 +243,10 @@ static struct RTCRay ray_from(const peer_discs *d, uint32_t from, const float di
 {
 	const float *p = d->surfels.position + 3 * (size_t)from;
 	const float *n = d->surfels.normal + 3 * (size_t)from;
-	float lift = LIFT * d->surfels.spacing;
-	return (struct RTCRay){ .org_x = p[0] + lift * n[0],
-							.org_y = p[1] + lift * n[1],
-							.org_z = p[2] + lift * n[2],
+	float offset = OFFSET * d->surfels.spacing;
+	return (struct RTCRay){ .org_x = p[0] + offset * n[0],
+							.org_y = p[1] + offset * n[1],
+							.org_z = p[2] + offset * n[2],
 							.dir_x = direction[0],
 							.dir_y = direction[1],
 							.dir_z = direction[2],
@@ -412,7 +412,7 @@ void peer_add_emitter(const peer_discs *d, uint32_t surfel, float u, float v, fl
 	float place[3], to[3], cosine, distance;
 	for (size_t k = 0; k < 3; k++)
 		place[k] = s->position[3 * e + k] + x * d->frame[6 * e + k] + y * d->frame[6 * e + 3 + k] +
-				   LIFT * s->spacing * n[k];
+				   OFFSET * s->spacing * n[k];
 	if (e == surfel || !sees(d, surfel, place, &cosine, &distance, to))
 		return;
 	float leaving = -dot(to, n);

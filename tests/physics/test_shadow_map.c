@@ -155,7 +155,7 @@ static void test_spot(void **state)
 	check(&(shadow_case){ .light = spot, .size = 512, .half = 0.75, .texel = 10.4 / 512 });
 }
 
-/* Two windows a side, whose seam crosses the shadow. */
+/* Two windows a side, whose border crosses the shadow. */
 static void test_windows(void **state)
 {
 	(void)state;

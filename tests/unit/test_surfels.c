@@ -352,7 +352,7 @@ static void points_at_one_place_become_one(void **state)
 
 /* Random places on flat ground, about 1 m apart, and of each another point hardly off it, as first
  * and last returns of pulses are; with normals, the one looks up and the other one down. */
-static cloud make_twins(bool sheets)
+static cloud make_near_duplicates(bool sheets)
 {
 	cloud c = make_cloud(2 * PLACES, sheets);
 	for (size_t i = 0; i < PLACES; i++) {
@@ -367,16 +367,16 @@ static cloud make_twins(bool sheets)
 	return c;
 }
 
-static void twins_become_one(void **state)
+static void near_duplicates_become_one(void **state)
 {
 	(void)state;
-	cloud c = make_twins(false);
+	cloud c = make_near_duplicates(false);
 	gw_surfels s = make(&c);
 	size_t apart = 0;
 	for (size_t i = 0; i < PLACES; i++)
 		apart += s.surfel_of_point[2 * i] != s.surfel_of_point[2 * i + 1];
-	print_message("%zu surfels of %u places, %.2f m apart; %zu twins apart\n", s.count, PLACES,
-				  (double)s.spacing, apart);
+	print_message("%zu surfels of %u places, %.2f m apart; %zu near duplicates apart\n", s.count,
+				  PLACES, (double)s.spacing, apart);
 	/* Random places have a neighbour nearer than a tenth of the eighth one's distance in 7 of 100
 	 * cases, and those are joined first. */
 	assert_true(s.count < PLACES && s.count > 0.9 * PLACES && apart < 0.02 * PLACES);
@@ -386,7 +386,7 @@ static void twins_become_one(void **state)
 	clear_cloud(&c);
 
 	/* Two sides of a sheet are two, and so are random points. */
-	c = make_twins(true);
+	c = make_near_duplicates(true);
 	s = make(&c);
 	assert_true(s.count > 2 * PLACES - PLACES / 100);
 	gw_surfels_clear(&s);
@@ -2104,7 +2104,7 @@ int main(void)
 		cmocka_unit_test(moving_by_whole_metres_changes_no_bit),
 		cmocka_unit_test(order_and_threads_change_no_bit),
 		cmocka_unit_test(points_at_one_place_become_one),
-		cmocka_unit_test(twins_become_one),
+		cmocka_unit_test(near_duplicates_become_one),
 		cmocka_unit_test(layers_become_one),
 		cmocka_unit_test(points_that_are_not_finite_are_left_out),
 		cmocka_unit_test(attributes_are_repaired_and_counted),

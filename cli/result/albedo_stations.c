@@ -1,5 +1,5 @@
-/* albedo_seams.c - see albedo_seams.h. */
-#include "result/albedo_seams.h"
+/* albedo_stations.c - see albedo_stations.h. */
+#include "result/albedo_stations.h"
 
 #include "result/albedo_places.h"
 
@@ -115,15 +115,15 @@ static void apply(const gw_points *p, const uint32_t *station, const double *shi
 }
 
 /* Memory for all of it. */
-typedef struct seams {
+typedef struct leveling {
 	albedo_member *list; /* count */
 	uint32_t *station;   /* count */
 	meeting *meetings;   /* stations squared */
 	presence *here;      /* stations + 1 */
 	double *shift;       /* 3 * stations */
-} seams;
+} leveling;
 
-static void level_stations(const gw_points *p, const uint8_t *ends, size_t stations, seams *w,
+static void level_stations(const gw_points *p, const uint8_t *ends, size_t stations, leveling *w,
 						   float *level)
 {
 	size_t used = list_members(p, ends, level, w->station, w->list);
@@ -136,16 +136,16 @@ static void level_stations(const gw_points *p, const uint8_t *ends, size_t stati
 	apply(p, w->station, w->shift, level);
 }
 
-gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, float *level,
-							 gw_error *error)
+gw_status albedo_stations_level(const loaded_scene *scene, const uint8_t *ends, float *level,
+								gw_error *error)
 {
 	size_t stations = station_count(scene), count = scene->cloud.count;
 	if (stations < 2)
 		return GW_OK;
-	seams w = { reallocarray(NULL, count, sizeof *w.list),
-				reallocarray(NULL, count, sizeof *w.station),
-				calloc(stations * stations, sizeof *w.meetings),
-				calloc(stations + 1, sizeof *w.here), calloc(stations, 3 * sizeof *w.shift) };
+	leveling w = { reallocarray(NULL, count, sizeof *w.list),
+				   reallocarray(NULL, count, sizeof *w.station),
+				   calloc(stations * stations, sizeof *w.meetings),
+				   calloc(stations + 1, sizeof *w.here), calloc(stations, 3 * sizeof *w.shift) };
 	bool good = w.list && w.station && w.meetings && w.here && w.shift;
 	if (good) {
 		find_stations(scene, stations, w.station);
@@ -156,5 +156,6 @@ gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, flo
 	free(w.meetings);
 	free(w.here);
 	free(w.shift);
-	return good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for the seams");
+	return good ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory for the exposures of the stations");
 }

@@ -1,10 +1,10 @@
 /*
- * albedo_seams.h - several scans of one place, each photographed at an exposure of its own: their
- * levels are made the same where they overlap. A scan is what one scanner saw from one place, be it
- * one of many in a file, or, where nobody says who saw a point, an input.
+ * albedo_stations.h - several scans of one place, each photographed at an exposure of its own:
+ * their levels are made the same where they overlap. A scan is what one scanner saw from one place,
+ * be it one of many in a file, or, where nobody says who saw a point, an input.
  */
-#ifndef ALBEDO_SEAMS_H
-#define ALBEDO_SEAMS_H
+#ifndef ALBEDO_STATIONS_H
+#define ALBEDO_STATIONS_H
 
 #include "scene/loaded_scene.h"
 
@@ -16,7 +16,7 @@
  *   level   3 * count, in the order of the scene's points; 0 where nothing is known
  * GW_ERROR_MEMORY.
  */
-gw_status albedo_seams_level(const loaded_scene *scene, const uint8_t *ends, float *level,
-							 gw_error *error);
+gw_status albedo_stations_level(const loaded_scene *scene, const uint8_t *ends, float *level,
+								gw_error *error);
 
 #endif
