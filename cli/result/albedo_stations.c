@@ -20,10 +20,16 @@ typedef struct meeting {
 	double places, more[3];
 } meeting;
 
+bool albedo_stations_are_a_way(const loaded_scene *scene)
+{
+	const gw_points *p = &scene->points.points;
+	return p->scanner_of && p->scanner_count > STATIONS_MOST;
+}
+
 static size_t station_count(const loaded_scene *scene)
 {
 	const gw_points *p = &scene->points.points;
-	bool known = p->scanner_of && p->scanner_count <= STATIONS_MOST;
+	bool known = p->scanner_of && !albedo_stations_are_a_way(scene);
 	return scene->input_count + (known ? p->scanner_count : 0);
 }
 

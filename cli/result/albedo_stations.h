@@ -19,4 +19,8 @@
 gw_status albedo_stations_level(const loaded_scene *scene, const uint8_t *ends, float *level,
 								gw_error *error);
 
+/* Whether the scene has more scanners than a tripod is put up for, more than 64: they are taken for
+ * the way of one that was carried, whose camera kept its exposure. */
+bool albedo_stations_are_a_way(const loaded_scene *scene);
+
 #endif

@@ -5,6 +5,7 @@
 #include "points/scan_color.h"
 #include "program/text_quote.h"
 #include "result/albedo_solve.h"
+#include "result/albedo_stations.h"
 #include "scene/file_roles.h"
 #include "scene/scene_file.h"
 
@@ -132,6 +133,11 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 		text_message(stderr, "glowworm: intensity: %s\n", facts.how);
 	if (status != GW_OK || s->quiet || laser)
 		return status;
+	if (albedo_stations_are_a_way(scene))
+		text_message(stderr,
+					 "glowworm: note: %zu scanners are taken for the way of one that was carried, "
+					 "whose camera kept its exposure; scans of a file each may differ\n",
+					 scene->points.points.scanner_count);
 	if (facts.ends > 0)
 		text_message(stderr,
 					 "glowworm: note: %zu points are white or black in the photographs, as far as "
