@@ -22,6 +22,7 @@
 #define DARK_SHARE 0.75   /* and worth a word from this share of the points on */
 #define GAPS_LEAST 0.01   /* share of the light through gaps, from which on they are told */
 #define GUESSED_LEAST 0.1 /* of the mean radiance: more in doubt is told */
+#define WRONG_LEAST 0.001 /* of the points: of fewer, those lit from both sides are what counts */
 
 /* ------------------------------------------------------------------------------ the file */
 
@@ -362,10 +363,25 @@ static doubt largest_doubt(const gw_report *r)
 	return is_large(r, doubt_size(r, most)) ? most : DOUBT_NONE;
 }
 
+#define WHY 120 /* bytes that why_sides needs */
+
+static const char *why_sides(const gw_report *r, char why[WHY])
+{
+	char percent[TEXT_PERCENT];
+	if (r->error.sides_share < WRONG_LEAST)
+		snprintf(why, WHY, "nobody knows which side is seen of the points that are lit from both");
+	else
+		snprintf(why, WHY,
+				 "about %s %% of the points may face the wrong way, by what their two sides see of "
+				 "the others",
+				 text_percent(r->error.sides_share, percent));
+	return why;
+}
+
 /* Before all others, what the light hangs on most, and what settles it. */
 static doubt note_largest_doubt(const settings *s, const gw_report *r)
 {
-	char lead[96], percent[TEXT_PERCENT];
+	char lead[96], percent[TEXT_PERCENT], why[WHY];
 	doubt most = largest_doubt(r);
 	snprintf(lead, sizeof lead, "glowworm: note: above all: the light is %s %% in doubt because ",
 			 text_percent(doubt_size(r, most), percent));
@@ -375,10 +391,8 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 				"in it; another --depth or --leaf-spacing may mend that\n",
 				lead);
 	if (most == DOUBT_SIDES)
-		fprintf(stderr,
-				"%sabout %s %% of the points may face the wrong way, by what their two sides see "
-				"of the others; %snormals in the file settle it\n",
-				lead, text_percent(r->error.sides_share, percent), or_scanner(s, r));
+		fprintf(stderr, "%s%s; %snormals in the file settle it\n", lead, why_sides(r, why),
+				or_scanner(s, r));
 	if (most == DOUBT_GAPS)
 		tell_gaps(r, lead);
 	if (most == DOUBT_SURFACE)
@@ -403,14 +417,12 @@ static void note_geometry(const gw_report *r)
 /* Where much of the light hangs on which way surfaces face. */
 static void note_sides(const gw_report *r)
 {
-	char percent[TEXT_PERCENT];
+	char why[WHY];
 	if (r->error.sides > GUESSED_LEAST)
-		fprintf(
-			stderr,
-			"glowworm: note: about %s %% of the points may face the wrong way, by what their two "
-			"sides see of the others; normals in the file, or positions of scanners, would "
-			"settle it\n",
-			text_percent(r->error.sides_share, percent));
+		fprintf(stderr,
+				"glowworm: note: %s; normals in the file, or positions of scanners, would settle "
+				"it\n",
+				why_sides(r, why));
 }
 
 static const char *how_to_close(const settings *s)
