@@ -2,7 +2,8 @@
 # Runs groups of tests and counts. Each argument is BUILD:GROUP, such as build:unit or
 # build/sanitize:cli. The groups:
 #
-#   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests
+#   unit physics hostile   every program BUILD/tests/GROUP/test_*; cmocka names its tests. Those of
+#                          unit run beside each other, one a processor
 #   shaders                those of physics that take seconds, by shaders alone, as on a GPU, under
 #                          the validation layer; test_shaders.c has the rest
 #   interop                tests/cli/run with the scripts of tests/interop
@@ -18,7 +19,7 @@ export LC_ALL=C TZ=UTC
 root=$(cd "$(dirname "$0")/.." && pwd)
 limit=${GLOWWORM_TEST_TIMEOUT:-600}
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/glowworm-suite.XXXXXX") || exit 70
-trap 'rm -rf "$scratch"' EXIT
+trap 'kill $(jobs -p) 2>/dev/null; rm -rf "$scratch"' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 cd "$root" || exit 70
@@ -36,22 +37,30 @@ count_lines() { # pattern file
 	grep -ac -- "$1" "$2" || true
 }
 
-# Runs one cmocka program. A program that crashes or leaks has at least one failure, and the test
-# it was in when it crashed counts as failed.
+# Runs one cmocka program.
 run_program() { # program
-	local name started good skips bad status
+	local log
+	log=$scratch/$(basename "$1").log
+	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null
+	echo $? >"$log.status"
+}
+
+# Counts what it said. A program that crashes or leaks has at least one failure, and the test it was
+# in when it crashed counts as failed.
+judge_program() { # program
+	local name log started good skips bad status
 	name=$(basename "$1")
-	timeout --kill-after=10 "$limit" "$1" >"$scratch/log" 2>&1 </dev/null
-	status=$?
-	started=$(count_lines '^\[ RUN      \]' "$scratch/log")
-	good=$(count_lines '^\[       OK \]' "$scratch/log")
-	skips=$(sed -n 's/^\[  SKIPPED \] \([0-9]*\) test(s).*/\1/p' "$scratch/log" | tail -n 1)
+	log=$scratch/$name.log
+	status=$(cat "$log.status")
+	started=$(count_lines '^\[ RUN      \]' "$log")
+	good=$(count_lines '^\[       OK \]' "$log")
+	skips=$(sed -n 's/^\[  SKIPPED \] \([0-9]*\) test(s).*/\1/p' "$log" | tail -n 1)
 	skips=${skips:-0}
 	bad=$((started - good - skips))
 	[ "$status" -ne 0 ] && [ "$bad" -le 0 ] && bad=1
 	if [ "$started" -eq 0 ]; then
 		bad=1
-		echo "no test ran" >>"$scratch/log"
+		echo "no test ran" >>"$log"
 	fi
 	if [ "${GLOWWORM_NO_SKIP:-0}" = 1 ]; then
 		bad=$((bad + skips))
@@ -61,25 +70,34 @@ run_program() { # program
 	if [ "$bad" -ne 0 ]; then
 		echo "FAIL $name: exit status $status"
 		[ "$status" -eq 124 ] && echo "   it ran into the limit of $limit seconds"
-		grep -av '^\[ RUN      \]\|^\[       OK \]' "$scratch/log" | head -n 120 | sed 's/^/   /'
+		grep -av '^\[ RUN      \]\|^\[       OK \]' "$log" | head -n 120 | sed 's/^/   /'
 	fi
 	group_passed=$((group_passed + good))
 	group_failed=$((group_failed + bad))
 	skipped=$((skipped + skips))
 }
 
-run_programs() { # build source...
-	local source program build=$1
-	shift
+# So many programs run beside each other.
+run_programs() { # build beside source...
+	local source program build=$1 beside=$2 list=()
+	shift 2
 	for source in "$@"; do
 		[ -f "$source" ] || continue
 		program=$build/${source%.*}
 		if [ -x "$program" ]; then
-			run_program "$program"
+			list+=("$program")
 		else
 			echo "FAIL $program was not built"
 			group_failed=$((group_failed + 1))
 		fi
+	done
+	for program in "${list[@]}"; do
+		[ "$(jobs -rp | wc -l)" -lt "$beside" ] || wait -n
+		run_program "$program" &
+	done
+	wait
+	for program in "${list[@]}"; do
+		judge_program "$program"
 	done
 }
 
@@ -146,11 +164,12 @@ for item in "$@"; do
 	*) unset ASAN_OPTIONS ;;
 	esac
 	case $group in
-	unit | physics | hostile)
-		run_programs "$build" "tests/$group"/test_*.c "tests/$group"/test_*.cpp
+	unit) run_programs "$build" "$(nproc)" tests/unit/test_*.c tests/unit/test_*.cpp ;;
+	physics | hostile)
+		run_programs "$build" 1 "tests/$group"/test_*.c "tests/$group"/test_*.cpp
 		;;
 	shaders)
-		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" \
+		GLOWWORM_TEST_PASSES=device GLOWWORM_TEST_VALIDATE=calls run_programs "$build" 1 \
 			tests/physics/test_{boundaries,leaks,shadow_map,portals,glossy}.c
 		;;
 	cli) run_cli "$build" ;;

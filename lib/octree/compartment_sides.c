@@ -79,19 +79,37 @@ static float dot(const float a[3], const float b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The leaf of a cell, or none. */
-static uint32_t leaf_of(const sight *s, const int32_t cell[3])
+/* The leaves of the eight cells of a tile. */
+typedef struct octet {
+	uint32_t first, there; /* the first leaf; a bit for each cell that is one */
+} octet;
+
+/* Those of the tile of a cell. */
+static octet octet_of(const sight *s, const int32_t cell[3])
 {
 	for (int k = 0; k < 3; k++)
 		if (cell[k] < 0 || cell[k] >= 1 << s->c->depth)
-			return GW_WALL;
+			return (octet){ 0, 0 };
 	uint32_t tile = gw_compartment_leaf_tile(s->c, cell);
+	if (tile == 0)
+		return (octet){ 0, 0 };
+	return (octet){ s->leaf_tile[2 * (tile - 1)], s->leaf_tile[2 * (tile - 1) + 1] };
+}
+
+/* The leaf of a cell of it, or none. */
+static uint32_t leaf_in(const octet *o, const int32_t cell[3])
+{
 	uint32_t octant = (uint32_t)((cell[0] & 1) | (cell[1] & 1) << 1 | (cell[2] & 1) << 2);
-	uint32_t there = tile == 0 ? 0 : s->leaf_tile[2 * (tile - 1) + 1];
-	if ((there >> octant & 1u) == 0)
+	if ((o->there >> octant & 1u) == 0)
 		return GW_WALL;
-	uint32_t before = there & ((1u << octant) - 1u);
-	return s->leaf_tile[2 * (tile - 1)] + (uint32_t)__builtin_popcount(before);
+	uint32_t before = o->there & ((1u << octant) - 1u);
+	return o->first + (uint32_t)__builtin_popcount(before);
+}
+
+static uint32_t leaf_of(const sight *s, const int32_t cell[3])
+{
+	const octet o = octet_of(s, cell);
+	return leaf_in(&o, cell);
 }
 
 /* Cells beyond the grid are as good as one next to it: strays lie 1e10 cells away. */
@@ -266,23 +284,44 @@ typedef struct neighbourhood {
 	uint32_t leaf[27], leaves, label;
 } neighbourhood;
 
-/* Of the cell of a place, or of the cells around it as well. */
+static void add_leaf(const sight *s, uint32_t leaf, int side, neighbourhood *n)
+{
+	uint32_t own = MANY;
+	if (leaf == GW_WALL)
+		return;
+	if (s->leaf_label)
+		own = s->leaf_label[2 * (size_t)leaf + (size_t)side];
+	if (own == NONE)
+		return;
+	n->label = n->label == NONE || n->label == own ? own : MANY;
+	n->leaf[n->leaves++] = leaf;
+}
+
+/* Of the cell of a place, or of the cells around it as well, which are of eight tiles. */
 static neighbourhood find_neighbourhood(const sight *s, const float place[3], int side)
 {
 	neighbourhood n = { .label = s->leaf_label ? NONE : MANY };
-	int32_t cell[3], first = s->voters == THOSE_ALIKE ? 13 : 0;
+	int32_t cell[3], low[3], parity[3];
+	octet of[8];
 	cell_of(place, cell);
-	for (int32_t i = first; i < 27 - first; i++) {
-		const int32_t near[3] = { cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1,
-								  cell[2] + i / 9 - 1 };
-		uint32_t leaf = leaf_of(s, near);
-		uint32_t own = leaf == GW_WALL ? NONE : MANY;
-		if (own == MANY && s->leaf_label)
-			own = s->leaf_label[2 * (size_t)leaf + (size_t)side];
-		if (own == NONE)
-			continue;
-		n.label = n.label == NONE || n.label == own ? own : MANY;
-		n.leaf[n.leaves++] = leaf;
+	if (s->voters == THOSE_ALIKE) {
+		add_leaf(s, leaf_of(s, cell), side, &n);
+		return n;
+	}
+	for (int k = 0; k < 3; k++) {
+		low[k] = cell[k] - 1;
+		parity[k] = low[k] & 1;
+	}
+	for (int32_t t = 0; t < 8; t++) {
+		const int32_t at[3] = { low[0] + 2 * (t & 1), low[1] + (t & 2), low[2] + (t >> 1 & 2) };
+		of[t] = octet_of(s, at);
+	}
+	for (int32_t i = 0; i < 27; i++) {
+		const int32_t off[3] = { i % 3, i / 3 % 3, i / 9 };
+		const int32_t near[3] = { low[0] + off[0], low[1] + off[1], low[2] + off[2] };
+		int32_t tile = (off[0] + parity[0]) >> 1 | (off[1] + parity[1]) >> 1 << 1 |
+					   (off[2] + parity[2]) >> 1 << 2;
+		add_leaf(s, leaf_in(&of[tile], near), side, &n);
 	}
 	return n;
 }
