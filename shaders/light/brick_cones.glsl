@@ -82,9 +82,10 @@ void start_on_sheet(vec3 place, vec3 normal)
 float own_cover(vec3 direction)
 {
 	float most = 0.0;
-	for (int k = -1; k <= 1 && own_normal != vec3(0.0); k++)
-		most =
-			max(most, sample_level(own_place + 0.5 * float(k) * own_normal, direction, 0u).w / 0.75);
+	for (int k = -1; k <= 1 && own_normal != vec3(0.0); k++) {
+		vec3 place = own_place + 0.5 * float(k) * own_normal;
+		most = max(most, sample_level(place, direction, 0u).w / 0.75);
+	}
 	return most;
 }
 

@@ -43,7 +43,8 @@ body() { # The points alone: the header quotes the command.
 	sed '1,/^end_header/d' "$1" | cksum
 }
 same() { [ "$(body "$1")" = "$(body "$2")" ] && echo "same: $3"; }
-awk '/property float (specular|roughness)/ { next } NF == 8 { NF = 6 } { print }' floor.ply >dull.ply
+awk '/property float (specular|roughness)/ { next } NF == 8 { NF = 6 } { print }' floor.ply \
+	>dull.ply
 glowworm bake dull.ply --light "$sun" $options -o plain.ply
 glowworm bake dull.ply --light "$sun" $options --effects=+gloss -o forced.ply
 same plain.ply forced.ply gloss
