@@ -552,6 +552,7 @@ typedef struct gw_forecast {
 	uint32_t bounces;      /* reflections */
 	double remaining;      /* as of gw_report */
 	double escaped;        /* share of the rays that leave the scene */
+	bool error_is_least;   /* bakes of half of the points will follow, and may add to the error */
 } gw_forecast;
 
 #define GW_REPORT_STAGES 24

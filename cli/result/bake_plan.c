@@ -164,12 +164,17 @@ static void print_figures(const char *what, double seconds, uint64_t host, uint6
 			(double)host / MEGABYTE, (double)device / MEGABYTE);
 }
 
-static void print_light(double error, double spread, uint32_t bounces, double remaining, FILE *out)
+static void print_error(double error, double spread, FILE *out)
 {
-	char percent[TEXT_PERCENT], around[TEXT_PERCENT], rest[TEXT_PERCENT];
+	char percent[TEXT_PERCENT], around[TEXT_PERCENT];
 	if (error > 0.0)
 		fprintf(out, ", error %s %% +- %s %%", text_percent(error, percent),
 				text_percent(spread, around));
+}
+
+static void print_rest(uint32_t bounces, double remaining, FILE *out)
+{
+	char rest[TEXT_PERCENT];
 	if (bounces > 1)
 		fprintf(out, ", %" PRIu32 " reflections, the rest would add at most %s %%", bounces,
 				text_percent(remaining, rest));
@@ -191,7 +196,10 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 	if (!(f->seconds > 0.0))
 		return;
 	print_figures("foretold", all_seconds(p), p->host_bytes, p->device_bytes, out);
-	print_light(f->error, f->spread, f->bounces, f->remaining, out);
+	print_error(f->error, f->spread, out);
+	if (f->error_is_least)
+		fprintf(out, " or more by what half of the points will tell");
+	print_rest(f->bounces, f->remaining, out);
 	if (p->following > 0)
 		fprintf(out, "%-12s the first frame by %.2f s, each of %" PRIu32 " more in %.2f s\n", "",
 				p->read_seconds + f->seconds, p->following, f->frame_seconds);
@@ -205,8 +213,12 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 void bake_plan_print_outcome(const gw_report *came, double seconds, FILE *out)
 {
 	print_figures("came", seconds, peak_bytes(), came->peak_bytes, out);
-	print_light(came->error.relative_rms, came->error.spread, came->bounce_count, came->remaining,
-				out);
+	char percent[TEXT_PERCENT];
+	print_error(came->error.relative_rms, came->error.spread, out);
+	if (came->error.halves > 0.0)
+		fprintf(out, ", of it %s %% by half of the points",
+				text_percent(came->error.halves, percent));
+	print_rest(came->bounce_count, came->remaining, out);
 }
 
 /* ---------------------------------------------------------------------------------- as JSON */
@@ -241,6 +253,7 @@ void bake_plan_write_forecast(json_writer *json, const bake_plan_forecast *p)
 	json_put_count(json, "device_bytes", p->device_bytes);
 	json_put_real(json, "error", f->error);
 	json_put_real(json, "spread", f->spread);
+	json_put_bool(json, "error_is_least", f->error_is_least);
 	json_put_count(json, "reflections", f->bounces);
 	json_put_real(json, "remaining", f->remaining);
 	json_put_real(json, "rays_that_leave", f->escaped);

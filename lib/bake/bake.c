@@ -120,6 +120,7 @@ static void add_halves(bake *b)
 {
 	gw_report *r = b->report;
 	r->forecast.seconds *= 1.0 + HALVES_SHARE;
+	r->forecast.error_is_least = true;
 	gw_report_effect(r, gw_effect_name(GW_EFFECT_ERROR),
 					 "points solved again, and half of the points baked",
 					 "the surface is in doubt: what half of the points tell otherwise is added to "
