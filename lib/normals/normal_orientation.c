@@ -39,6 +39,14 @@
  * that there is falls straight on it: as much gets into a cave by its mouth. */
 #define REACHED 500.0
 
+/* A side is closed where so many of its rays meet surface, and of those that go down. */
+#define CLOSED 0.95
+
+/* Somebody may have stood within so much surface, m^2, and distances across rooms and caves are
+ * below ROOM_MOST metres, as a rule: larger models are things in other units. */
+#define ROOM_AREA 8.0
+#define ROOM_MOST 50.0
+
 /* A point far from all others stands for no more than this many times what most do. */
 #define AREA_MOST 16.0f
 
@@ -486,17 +494,49 @@ static bool is_by_sky(const orientation_work *w, size_t group)
 	return front->lit <= times * sky_front->lit && (g->doubtful || !sky->doubtful);
 }
 
+/* Does surface lie nearly all around a side, and below it? */
+static bool is_closed(const gw_side_view *side)
+{
+	return side->met > CLOSED * side->area && side->down_met >= CLOSED * side->down;
+}
+
+/* Takes the sky's choice for the groups that go by it. Of the others, patches that the sky chooses
+ * otherwise are seen from either side, but for the inside of what is closed: a lamp in there shows
+ * nothing else. */
 static void take_sky(orientation_work *w)
 {
 	light_sky_groups(w);
-	for (size_t i = 0; i < w->patch_count; i++)
+	for (size_t i = 0; i < w->patch_count; i++) {
 		if (is_by_sky(w, w->group[i])) {
 			w->sign[i] = w->sky_sign[i];
 			w->disputed[i] = w->sky_disputed[i];
+		} else if (!is_closed(w->groups[w->group[i]].light.side)) {
+			w->disputed[i] |= w->sign[i] != w->sky_sign[i];
 		}
+	}
 	for (size_t i = 0; i < w->patch_count; i++)
 		if (is_by_sky(w, i))
 			w->groups[i] = w->sky_groups[i];
+}
+
+/*
+ * What is closed and as wide as a room or a cave may be one, or a thing: all the light may fall on
+ * its outside, and still somebody stood within. There is no telling, so it is seen from both sides.
+ */
+static bool may_be_either(const patch_group *g)
+{
+	const gw_side_view *front = g->light.side, *back = front + 1;
+	if (g->given != 0)
+		return false;
+	if (is_closed(front))
+		return front->lit * REACHED < back->lit;
+	return is_closed(back) && back->area > ROOM_AREA && back->path < log(ROOM_MOST) * back->met;
+}
+
+static void doubt_closed(orientation_work *w)
+{
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->disputed[i] |= may_be_either(w->groups + w->group[i]);
 }
 
 static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
@@ -510,6 +550,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	GW_TRY(decide(w, error));
 	if (lamps)
 		take_sky(w);
+	doubt_closed(w);
 	return GW_OK;
 }
 

@@ -310,6 +310,33 @@ static void test_cave_with_mouth(void **state)
 	free(c);
 }
 
+/* Light that gets nowhere near the side that a sky would choose: both sides are lit then, so that
+ * nothing is black. So are those of what is closed and as wide as a room, of which nobody can say
+ * whether it is one, but not those of smaller things, nor of a room that a lamp stands in. */
+static void test_lit_on_other_side(void **state)
+{
+	(void)state;
+	const double room[2][3] = { { 0 }, { 3, 3, 2.7 } };
+	const gw_light above = lamp_at(2.5, -3, 4), behind = lamp_at(1.5, 6, 2);
+	const gw_light within = lamp_at(2, 2, 2);
+	uint64_t untrusted;
+	cloud *c = new_cloud();
+	add_box(c, 300, room, 2, -1);
+	assert_share(c, &behind, true, "a room without a front wall, lit from behind");
+	c->count = 0;
+	add_room(c, false);
+	assert_share(c, &sky, true, "a closed room under the sky");
+	assert_share(c, &sun, true, "a closed room in the sun");
+	assert_share(c, &above, true, "a closed room beside a lamp");
+	(void)right_share(c, &within, false, &untrusted);
+	assert_true(untrusted < c->count / 20);
+	c->count = 0;
+	add_ball(c, 4000, room[0], 0.3, 1);
+	(void)right_share(c, &sun, false, &untrusted);
+	assert_int_equal(untrusted, 0);
+	free(c);
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -484,6 +511,7 @@ int main(void)
 		cmocka_unit_test(test_open_room),
 		cmocka_unit_test(test_cave_with_mouth),
 		cmocka_unit_test(test_house_without_back),
+		cmocka_unit_test(test_lit_on_other_side),
 		cmocka_unit_test(test_given_away_from_scanner),
 		cmocka_unit_test(test_patches_turn),
 		cmocka_unit_test(test_patches_join),
