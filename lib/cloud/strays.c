@@ -27,6 +27,7 @@
 /* How much further off that is than on a surface whose points are as far apart as is usual around.
  * Random points on one are 1.38 spacings from it, of a million hardly one is twice that. */
 #define ALONE 3.0
+#define ALONE_AT_FIRST 2.0 /* among strays that are to be found yet */
 #define USUAL 1.38
 
 /* How far around is looked for what is usual, in distances of that neighbour. */
@@ -415,11 +416,11 @@ static bool is_in_plane(const stray_step *step, size_t candidate)
 	return false;
 }
 
-static bool is_far_off(const stray_step *step, size_t candidate)
+static bool is_far_off(const stray_step *step, size_t candidate, double alone)
 {
 	double reach = sqrt((double)step->squared[SEARCHED * candidate + REACHED]) / step->scale;
 	double usual = gw_stray_cells_spacing(&step->cells, step->cell[candidate], LOOK * reach);
-	return reach > ALONE * USUAL * usual;
+	return reach > alone * USUAL * usual;
 }
 
 static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker)
@@ -429,8 +430,8 @@ static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker
 	for (size_t i = first; i < last; i++) {
 		uint8_t *far = step->far + step->candidate[i];
 		if (!step->again)
-			*far = is_far_off(step, i);
-		step->alone[i] = *far && (!step->again || is_far_off(step, i));
+			*far = is_far_off(step, i, ALONE_AT_FIRST);
+		step->alone[i] = *far && is_far_off(step, i, ALONE);
 		find_plane(step, i);
 	}
 }

@@ -16,7 +16,7 @@
 typedef struct gw_stray_marks {
 	uint8_t *mark; /* one a point */
 	size_t count;  /* how many are marked */
-	uint8_t *far;  /* NULL or one a point, 1: it lay far off those around at first */
+	uint8_t *far;  /* NULL or one a point, 1: it lay off those around at first */
 } gw_stray_marks;
 
 /*
