@@ -27,6 +27,7 @@
 /* How much further off that is than on a surface whose points are as far apart as is usual around.
  * Random points on one are 1.38 spacings from it, of a million hardly one is twice that. */
 #define ALONE 3.0
+#define ALONE_AT_FIRST 2.0 /* among strays that are to be found yet */
 #define USUAL 1.38
 
 /* How far around is looked for what is usual, in distances of that neighbour. */
@@ -74,6 +75,8 @@ typedef struct stray_step {
 	uint32_t *candidate_of; /* thin_count, 1 + place in candidate, 0: none */
 	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
 	uint8_t *alone;         /* candidate_count */
+	uint8_t *far;           /* surfels->count: which are, or were when they were first looked at */
+	bool again;             /* they were */
 } stray_step;
 
 /* ----------------------------------------------------------------------------------- by number */
@@ -434,11 +437,11 @@ static bool is_in_plane(const stray_step *step, size_t candidate)
 	return false;
 }
 
-static bool is_far_off(const stray_step *step, size_t candidate)
+static bool is_far_off(const stray_step *step, size_t candidate, double alone)
 {
 	double reach = sqrt((double)step->squared[SEARCHED * candidate + REACHED]) / step->scale;
 	double usual = gw_stray_cells_spacing(&step->cells, step->cell[candidate], LOOK * reach);
-	return reach > ALONE * USUAL * usual;
+	return reach > alone * USUAL * usual;
 }
 
 static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker)
@@ -446,7 +449,10 @@ static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker
 	stray_step *step = user;
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
-		step->alone[i] = is_far_off(step, i);
+		uint8_t *far = step->far + step->candidate[i];
+		if (!step->again)
+			*far = is_far_off(step, i, ALONE_AT_FIRST);
+		step->alone[i] = *far && is_far_off(step, i, ALONE);
 		find_plane(step, i);
 	}
 }
@@ -562,6 +568,36 @@ static void mark_points(const stray_step *step, const gw_points *points, uint8_t
 			set_mark(marks, i, kind_of(points->position + 3 * i, GW_STRAY_ALONE));
 }
 
+/* Takes over which points lay far off when they were first looked at. */
+static void recall_far(const gw_stray_marks *marks, stray_step *step)
+{
+	const gw_surfels *s = step->surfels;
+	step->again = marks->far;
+	for (size_t i = 0; step->again && i < s->point_count; i++)
+		if (marks->far[i] && s->surfel_of_point[i] != UINT32_MAX)
+			step->far[s->surfel_of_point[i]] = 1;
+}
+
+/* False when memory is short. */
+static bool keep_far(const stray_step *step, gw_stray_marks *marks)
+{
+	const gw_surfels *s = step->surfels;
+	if (step->again)
+		return true;
+	marks->far = gw_allocate_zeros(s->point_count, 1);
+	for (size_t i = 0; marks->far && i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX)
+			marks->far[i] = step->far[s->surfel_of_point[i]];
+	return marks->far;
+}
+
+void gw_strays_clear(gw_stray_marks *marks)
+{
+	free(marks->mark);
+	free(marks->far);
+	*marks = (gw_stray_marks){ .count = 0 };
+}
+
 gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options *options,
 							   const gw_surfels *surfels, gw_stray_marks *marks, gw_error *error)
 {
@@ -569,16 +605,21 @@ gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options
 	if (points->keep_strays || surfels->count < CLOUD_LEAST)
 		return GW_OK;
 	uint8_t *stray = gw_allocate_zeros(surfels->count, 1);
-	bool good =
-		stray && gw_stray_cells_make(surfels, FEW_AROUND, &step.cells) && take_candidates(&step);
+	step.far = gw_allocate_zeros(surfels->count, 1);
+	if (step.far)
+		recall_far(marks, &step);
+	bool good = stray && step.far && gw_stray_cells_make(surfels, FEW_AROUND, &step.cells) &&
+				take_candidates(&step);
 	if (good && step.candidate_count > 0 && step.thin_count > SEARCHED) {
 		good = judge(&step, options->threads);
 		if (good)
 			mark_points(&step, points, stray, marks);
 	}
+	good = good && keep_far(&step, marks);
 	gw_neighbour_index_free(step.index);
-	void *owned[] = { step.thin,  step.candidate, step.cell,         step.scaled, step.found,
-					  step.plane, step.squared,   step.candidate_of, step.alone,  stray };
+	void *owned[] = { step.thin,  step.candidate, step.cell,    step.scaled,
+					  step.found, step.plane,     step.squared, step.candidate_of,
+					  step.alone, stray,          step.far };
 	for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
 		free(owned[i]);
 	gw_stray_cells_clear(&step.cells);

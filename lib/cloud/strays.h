@@ -16,21 +16,26 @@
 typedef struct gw_stray_marks {
 	uint8_t *mark; /* one a point */
 	size_t count;  /* how many are marked */
+	uint8_t *far;  /* NULL or one a point, 1: it lay off those around at first */
 } gw_stray_marks;
 
 /*
  * Marks what is known without looking at surfaces: what points->stray says, and what lies far off
  * all the rest (bulk_bounds.h). All of it stays unmarked if nothing else were left.
- *   marks  on success owned by the caller
+ *   marks  on success owned by the caller, to be cleared with gw_strays_clear
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_strays_mark_known(const gw_points *points, gw_stray_marks *marks, gw_error *error);
+void gw_strays_clear(gw_stray_marks *marks);
 
 /*
  * Marks those of the surfels' points that lie alone: many times further from others than those
  * around are from each other, and not on a surface that is merely sparse there, which is one where
- * enough of the nearest lie in a common plane.
+ * enough of the nearest lie in a common plane. Called again without those that were marked, it
+ * finds strays that were in a plane with them, but none that lay far off nothing at first: or the
+ * outermost leaves of trees would go, one layer after the other.
  *   surfels  of the points that are not marked yet, with what gw_frame_make fills
+ *   marks    far is made by the first call
  * Fails with GW_ERROR_MEMORY.
  */
 gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options *options,

@@ -275,7 +275,7 @@ gw_status gw_surfels_make_with_gaps(const gw_points *points, const gw_surfels_op
 		status = sort_points(&ranged.options, &sorted, surfels, error);
 	if (status == GW_OK)
 		status = make_surface(&sorted, &ranged.options, surfels, gap, error);
-	free(sorted.strays.mark);
+	gw_strays_clear(&sorted.strays);
 	free(sorted.position);
 	surfels->normals_estimated += ranged.normals;
 	gw_ranged_points_clear(&ranged);
