@@ -8,7 +8,6 @@
 #include "cloud/strays.h"
 
 #include "base/memory.h"
-#include "base/nth_element.h"
 #include "cloud/bulk_bounds.h"
 #include "cloud/frame.h"
 #include "cloud/neighbour_index.h"
@@ -231,12 +230,23 @@ static double dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+static double median(double *values, int count)
+{
+	for (int i = 1; i < count; i++) {
+		double value = values[i];
+		int place = i;
+		for (; place > 0 && values[place - 1] > value; place--)
+			values[place] = values[place - 1];
+		values[place] = value;
+	}
+	return values[count / 2];
+}
+
 /* The middle and the width of what is around are those of most of it: one far neighbour, maybe a
  * stray itself, makes no plane thicker. */
 static void measure(surrounding *around)
 {
-	double sum[3] = { 0 }, middle[3], lengths = 0;
-	float sorted[SEARCHED];
+	double sum[3] = { 0 }, middle[3], all[SEARCHED], lengths = 0;
 	int n = around->count;
 	for (int j = 0; j < n; j++) {
 		lengths += sqrt(dot(around->at[j], around->at[j]));
@@ -245,15 +255,15 @@ static void measure(surrounding *around)
 	}
 	for (int k = 0; k < 3; k++) {
 		for (int j = 0; j < n; j++)
-			sorted[j] = (float)around->at[j][k];
-		middle[k] = (double)gw_nth_element(sorted, (size_t)n, (size_t)n / 2);
+			all[j] = around->at[j][k];
+		middle[k] = median(all, n);
 	}
 	for (int j = 0; j < n; j++) {
 		const double *at = around->at[j];
 		const double off[3] = { at[0] - middle[0], at[1] - middle[1], at[2] - middle[2] };
-		sorted[j] = (float)sqrt(dot(off, off));
+		all[j] = sqrt(dot(off, off));
 	}
-	around->slab = SLAB * (double)gw_nth_element(sorted, (size_t)n, (size_t)n / 2);
+	around->slab = SLAB * median(all, n);
 	around->aside = sqrt(dot(sum, sum)) > CONE * lengths;
 }
 
