@@ -338,6 +338,8 @@ typedef struct gw_bake_options {
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
+	uint32_t least_records;   /* where there would be fewer, records stand closer, at most 0.8 leaf
+								 cells: light is not even between few. 0: as they come */
 	uint32_t estimate_points; /* points solved again to estimate the error; where records are many,
 								 one for 20 of them, up to four times as many. Three times as many
 								 anew before max_error counts as reached. 0 makes no estimate */
@@ -391,7 +393,8 @@ typedef enum gw_quality {
 	GW_QUALITY_COUNT
 } gw_quality;
 
-/* Sets record_spacing, rays, light_samples, cones and leaf_spacing; the rest stays. */
+/* Sets record_spacing, least_records, rays, light_samples, cones and leaf_spacing; the rest stays.
+ */
 void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality);
 
 /* Sets the same to those with which a bake that refines best begins: few records, which show where
@@ -596,6 +599,8 @@ typedef struct gw_report {
 	double origin[3];        /* of the local frame, metres */
 	double spacing;          /* metres between neighbouring points, median */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
+	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
+							 there are none */
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
 	uint64_t octree_bytes;      /* tiles, keys, neighbour pointers, leaves, planes */
 	uint64_t brick_bytes;       /* 3D images */

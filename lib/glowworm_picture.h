@@ -549,12 +549,11 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree);
 
 /*
  * Where a bake with such an octree would gather light first.
- *   spacing    gw_bake_options.record_spacing
- *   seed       gw_bake_options.seed
+ *   bake       of these record_spacing, least_records and seed
  *   position   on success 3 * *count, metres in the surfels' local frame, for free(); NULL on
  * failure
  */
-gw_status gw_render_octree_records(gw_render_octree *octree, float spacing, uint64_t seed,
+gw_status gw_render_octree_records(gw_render_octree *octree, const gw_bake_options *bake,
 								   float **position, size_t *count, gw_error *error);
 
 /*

@@ -441,8 +441,8 @@ const option options[] = {
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
 	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(quality),
 	  .choice = quality_name, .group = "Light",
-	  .help = "values for --record-spacing, --rays, --light-samples, --cones and --leaf-spacing "
-			  "that go together; those that are given by themselves win" },
+	  .help = "values for --record-spacing, --least-records, --rays, --light-samples, --cones and "
+			  "--leaf-spacing that go together; those that are given by themselves win" },
 	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.max_error), RANGE(0.0, 1.0), .open = true, .automatic = "none",
 	  .automatic_value = 0.0, .group = "Light",
@@ -497,6 +497,10 @@ const option options[] = {
 	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
 	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
+	{ "least-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
+	  AT(bake.least_records), RANGE(0.0, 1e9), .group = "Light",
+	  .help = "records of which a small cloud has at least so many: they stand closer than "
+			  "--record-spacing where that leaves fewer, unless that is given by itself" },
 	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.shadow_map_size), RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },

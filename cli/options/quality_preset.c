@@ -3,12 +3,19 @@
 
 #include <string.h>
 
-static const char *const set_by_quality[] = { "record-spacing", "rays", "light-samples", "cones",
-											  "leaf-spacing" };
+static const char *const set_by_quality[] = { "record-spacing", "least-records", "rays",
+											  "light-samples",  "cones",         "leaf-spacing" };
 
 static const option *find(const char *name)
 {
 	return option_find(VERB_BAKE, name, strlen(name));
+}
+
+/* Whether the option was given by itself, where the quality was given there. */
+static bool wins(const settings *s, const char *name, uint8_t quality)
+{
+	uint8_t own = s->given[find(name) - options];
+	return own != SETTINGS_BY_DEFAULT && own >= quality;
 }
 
 void quality_preset_apply(settings *s)
@@ -20,10 +27,11 @@ void quality_preset_apply(settings *s)
 		gw_bake_options_set_start(&preset.bake);
 	else
 		gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
+	if (wins(s, "record-spacing", source))
+		preset.bake.least_records = 0;
 	for (size_t i = 0; i < sizeof set_by_quality / sizeof *set_by_quality; i++) {
 		const option *o = find(set_by_quality[i]);
-		uint8_t own = s->given[o - options];
-		if (own != SETTINGS_BY_DEFAULT && own >= source)
+		if (wins(s, set_by_quality[i], source))
 			continue;
 		size_t size = o->type == OPTION_COUNT ? sizeof(uint32_t) : sizeof(float);
 		memcpy((char *)s + o->offset, (const char *)&preset + o->offset, size);

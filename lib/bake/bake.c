@@ -343,7 +343,7 @@ static void book_round(bake *b, double seconds, const char *why)
 {
 	const gw_bake_options *o = &b->scene.options;
 	gw_round *round = &b->report->round[b->report->round_count++];
-	*round = (gw_round){ .record_spacing = o->record_spacing,
+	*round = (gw_round){ .record_spacing = b->report->record_spacing,
 						 .leaf_spacing = o->leaf_spacing,
 						 .rays = o->rays,
 						 .light_samples = o->light_samples,
@@ -395,6 +395,7 @@ static gw_bake_options as_even(const bake *b)
 {
 	gw_bake_options even = b->scene.options;
 	const gw_report *r = b->report;
+	even.record_spacing = r->record_spacing;
 	if (r->round_count > 1 && b->density.facet_spacing && r->records > 0)
 		even.record_spacing *=
 			(float)sqrt((double)r->round[b->first_round].records / (double)r->records);
@@ -558,7 +559,7 @@ static void set_price(bake *b, const gw_bake_options *first, double ray)
 		.error = r->error,
 		.rays = b->scene.options.rays,
 		.records = (double)r->records,
-		.spacing = (double)b->scene.options.record_spacing,
+		.spacing = (double)r->record_spacing,
 		.refined = b->density.facet_spacing != NULL,
 		.fixed_seconds = whole - round - gw_report_seconds(r, "refining"),
 		.round_seconds = fmax(round - ray * records * first->rays, 0.0),

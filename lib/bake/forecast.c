@@ -46,6 +46,7 @@ typedef struct pilot {
 	gw_report *report;                   /* scratch */
 	double passes_before[GW_PASS_COUNT]; /* seconds of the passes until then */
 	uint64_t records;                    /* that the bake will have */
+	float spacing;                       /* with which they will be placed, leaf cells */
 	double ratio;                        /* of these to the pilot's */
 	double point_ratio;                  /* likewise of points that are solved again */
 	spent place, first, bounce, read_back, estimate;
@@ -104,10 +105,13 @@ static gw_status choose_records(pilot *p, gw_error *error)
 {
 	gw_scene *s = p->lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
-	GW_TRY(gw_records_place(&on, p->asked.record_spacing, p->asked.seed, error));
+	const gw_record_wish wish = gw_options_records(&p->asked);
+	GW_TRY(gw_records_place(&on, &wish, error));
 	p->records = s->records.count;
+	p->spacing = s->records.spacing;
 	gw_scene_drop_records(s);
-	s->options.record_spacing = gw_pilot_spacing(p->records, p->asked.record_spacing);
+	s->options.record_spacing = gw_pilot_spacing(p->records, p->spacing);
+	s->options.least_records = 0;
 	uint32_t points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	s->options.estimate_points = points < PILOT_POINTS ? points : PILOT_POINTS;
 	return GW_OK;
@@ -169,7 +173,7 @@ static double refined_seconds(const pilot *p, const gw_forecast *f, double round
 	gw_price_task task = { .error = p->report->error,
 						   .rays = o->rays,
 						   .records = (double)p->records,
-						   .spacing = (double)o->record_spacing,
+						   .spacing = (double)p->spacing,
 						   .fixed_seconds = f->seconds - round,
 						   .round_seconds = round - p->ratio * p->place.of_records,
 						   .ray_seconds = p->ratio * p->place.of_records / fmax(rays, 1.0) };

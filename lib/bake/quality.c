@@ -5,15 +5,17 @@
  */
 #include "glowworm.h"
 
+#define LEAST_RECORDS 1250
+
 static const struct {
 	const char *name;
 	float record_spacing, leaf_spacing;
-	uint32_t rays, light_samples, cones;
+	uint32_t least_records, rays, light_samples, cones;
 } rows[GW_QUALITY_COUNT] = {
-	[GW_QUALITY_DRAFT] = { "draft", 5.0f, GW_LEAF_SPACING, 16, 16, 8 },
+	[GW_QUALITY_DRAFT] = { "draft", 5.0f, GW_LEAF_SPACING, LEAST_RECORDS / 4, 16, 16, 8 },
 	[GW_QUALITY_NORMAL] = { .name = "normal" },
-	[GW_QUALITY_HIGH] = { "high", 1.25f, 1.1f, 256, 256, 32 },
-	[GW_QUALITY_REFERENCE] = { "reference", 0.8f, 1.1f, 1024, 1024, 64 },
+	[GW_QUALITY_HIGH] = { "high", 1.25f, 1.1f, LEAST_RECORDS, 256, 256, 32 },
+	[GW_QUALITY_REFERENCE] = { "reference", 0.8f, 1.1f, LEAST_RECORDS, 1024, 1024, 64 },
 };
 
 gw_bake_options gw_bake_options_default(void)
@@ -29,6 +31,7 @@ gw_bake_options gw_bake_options_default(void)
 							  .light_samples = 64,
 							  .cones = 16,
 							  .record_spacing = 2.5f,
+							  .least_records = LEAST_RECORDS,
 							  .estimate_points = 500,
 							  .shadow_map_size = 1024 };
 }
@@ -43,12 +46,14 @@ void gw_bake_options_set_quality(gw_bake_options *options, gw_quality quality)
 	gw_bake_options set = gw_bake_options_default();
 	if (quality != GW_QUALITY_NORMAL) {
 		set.record_spacing = rows[quality].record_spacing;
+		set.least_records = rows[quality].least_records;
 		set.leaf_spacing = rows[quality].leaf_spacing;
 		set.rays = rows[quality].rays;
 		set.light_samples = rows[quality].light_samples;
 		set.cones = rows[quality].cones;
 	}
 	options->record_spacing = set.record_spacing;
+	options->least_records = set.least_records;
 	options->leaf_spacing = set.leaf_spacing;
 	options->rays = set.rays;
 	options->light_samples = set.light_samples;
@@ -59,4 +64,5 @@ void gw_bake_options_set_start(gw_bake_options *options)
 {
 	gw_bake_options_set_quality(options, GW_QUALITY_NORMAL);
 	options->record_spacing = rows[GW_QUALITY_DRAFT].record_spacing;
+	options->least_records = rows[GW_QUALITY_DRAFT].least_records;
 }

@@ -154,9 +154,9 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 		!density->surfel_closer)
 		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to refine %zu records", w->records);
 	for (size_t i = 0; i < w->slots && first; i++)
-		density->facet_spacing[i] = s->options.record_spacing;
+		density->facet_spacing[i] = s->records.spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)
-		density->surfel_spacing[i] = s->options.record_spacing;
+		density->surfel_spacing[i] = s->records.spacing;
 	GW_TRY(
 		gw_buffer_download(s->gpu, &s->records.facet_record, 0, w->facet_record, 4 * words, error));
 	return gw_buffer_download(s->gpu, &s->records.facet_weight, 0, w->facet_weight, 4 * words,

@@ -19,9 +19,6 @@ typedef struct gw_density_wish {
 	double most_growth; /* all records are to become at most so many times as many */
 } gw_density_wish;
 
-/* Records never stand nearer than this to each other, leaf cells: facets are about 1 wide. */
-#define GW_RECORD_SPACING_LEAST 0.8f
-
 /*
  * By which factors records are to become more.
  *   mass     count, at least 0: how much of the square error is each one's

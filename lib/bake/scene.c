@@ -458,6 +458,12 @@ static gw_status trace_records(gw_scene *scene, gw_error *error)
 	return gw_ray_gather_look(&on, &scene->rays, error);
 }
 
+static void report_records(gw_scene *scene)
+{
+	scene->report->records = scene->records.count;
+	scene->report->record_spacing = scene->records.spacing;
+}
+
 /* Work space of cones. */
 static gw_status make_pools(gw_scene *scene, gw_error *error)
 {
@@ -492,12 +498,17 @@ void gw_scene_forget_light(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
+gw_record_wish gw_options_records(const gw_bake_options *o)
+{
+	return (gw_record_wish){ o->record_spacing, o->least_records, o->seed };
+}
+
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_bake_options *o = &scene->options;
-	GW_TRY(gw_records_place(&on, o->record_spacing, o->seed, error));
-	scene->report->records = scene->records.count;
+	const gw_record_wish wish = gw_options_records(&scene->options);
+	GW_TRY(gw_records_place(&on, &wish, error));
+	report_records(scene);
 	GW_TRY(trace_records(scene, error));
 	GW_TRY(make_pools(scene, error));
 	GW_TRY(gw_records_weigh_facets(&on, NULL, error));
@@ -550,11 +561,10 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_record_context further = gw_scene_context(scene, &scene->further);
-	const gw_bake_options *o = &scene->options;
 	uint32_t before = scene->records.count;
 	gw_scene_forget_further(scene);
-	GW_TRY(gw_records_add(&on, o->record_spacing, o->seed, density->facet_spacing, error));
-	scene->report->records = scene->records.count;
+	GW_TRY(gw_records_add(&on, scene->options.seed, density->facet_spacing, error));
+	report_records(scene);
 	if (scene->records.count > before)
 		GW_TRY(list_further(scene, before, error));
 	if (scene->further.count > 0)
@@ -591,7 +601,7 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 {
 	gw_report_surfels(scene->report, &scene->surfels, points);
 	gw_scene_report_octree(scene);
-	scene->report->records = scene->records.count;
+	report_records(scene);
 	GW_TRY(gw_scene_find_space(scene, points, error));
 	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
 	return make_pools(scene, error);
@@ -601,7 +611,8 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	gw_status status = gw_records_place(&on, o->record_spacing, o->seed, error);
+	const gw_record_wish wish = gw_options_records(o);
+	gw_status status = gw_records_place(&on, &wish, error);
 	if (status == GW_OK)
 		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
 	if (status == GW_OK)

@@ -104,6 +104,9 @@ gw_status gw_options_check(const gw_bake_options *options, const gw_scene_descri
 /* The options with what follows from effects that they forbid: no shadows, one reflection... */
 gw_bake_options gw_options_effective(const gw_bake_options *options);
 
+/* How close records are to stand. */
+gw_record_wish gw_options_records(const gw_bake_options *options);
+
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);
 

@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 11u
+#define VERSION 12u
 
 /* Blocks are read and checked in pieces, by all threads. */
 #define PIECE_BYTES (UINT64_C(1) << 20)
@@ -29,7 +29,7 @@ typedef struct identity {
 
 /* Settings that change what a transport holds. */
 typedef struct fixed_settings {
-	double method, depth, leaf_spacing, rays, record_spacing, seed, normals, noise;
+	double method, depth, leaf_spacing, rays, record_spacing, least_records, seed, normals, noise;
 } fixed_settings;
 
 typedef struct head {
@@ -86,6 +86,7 @@ static fixed_settings settle(const gw_bake_options *o)
 		.leaf_spacing = o->depth == GW_DEPTH_AUTO ? (double)o->leaf_spacing : 0.0,
 		.rays = o->method == GW_METHOD_RAYS ? o->rays : 0,
 		.record_spacing = (double)o->record_spacing,
+		.least_records = o->least_records,
 		.seed = (double)o->seed,
 		.normals = o->normals,
 		.noise = (o->effects_forced | o->effects_forbidden << 1) >> GW_EFFECT_NOISE & 3u
@@ -232,6 +233,7 @@ static gw_status check_settings(const gw_transport *t, const head *h, const gw_b
 		{ "leaf spacing", kept->leaf_spacing, own.leaf_spacing },
 		{ "number of rays", kept->rays, own.rays },
 		{ "record spacing", kept->record_spacing, own.record_spacing },
+		{ "least number of records", kept->least_records, own.least_records },
 		{ "seed", kept->seed, own.seed },
 		{ "choice of normals", kept->normals, own.normals },
 		{ "choice of noise", kept->noise, own.noise },

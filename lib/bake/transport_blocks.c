@@ -32,6 +32,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.spacing = s->spacing;
 	n.leaf_size = o->leaf_size;
 	n.record_radius = r->radius;
+	n.record_spacing = r->spacing;
 	n.surfels = s->count;
 	n.points = s->point_count;
 	n.tree_discs = o->tree_discs;
@@ -117,6 +118,7 @@ void gw_transport_numbers_restore(const gw_transport_numbers *n, gw_scene *scene
 					  .tree_discs = (uint32_t)n->tree_discs };
 	memcpy(o->why_coarser, n->why_coarser, sizeof o->why_coarser);
 	scene->records = (gw_records){ .count = n->records,
+								   .spacing = n->record_spacing,
 								   .radius = n->record_radius,
 								   .block_level = n->block_level,
 								   .block_count = n->block_count,

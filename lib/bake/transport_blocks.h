@@ -10,7 +10,7 @@
 typedef struct gw_transport_numbers {
 	double origin[3], given_area;
 	float minimum[3], maximum[3], cube_minimum[3];
-	float spacing, leaf_size, record_radius;
+	float spacing, leaf_size, record_radius, record_spacing;
 	uint64_t surfels, points;
 	uint64_t repaired[8]; /* gw_surfels.non_finite and following */
 	uint64_t tree_discs, strays;

@@ -16,6 +16,9 @@
 /* Radius of influence when every facet is a record, leaf cells. */
 #define RADIUS_DENSE 1.6f
 
+/* By which records move together where they are too few: they become four times as many. */
+#define CLOSER 0.5f
+
 /* Ends of a visibility test are moved this far off the surface, leaf cells: half a disc's radius.
  */
 #define RAY_OFFSET 0.65f
@@ -242,11 +245,28 @@ static gw_status put_and_list(const gw_record_context *on, gw_error *error)
 	return status;
 }
 
-/* What *records has of facet weights stays. */
-static gw_status place(const gw_record_context *on, const gw_place_task *task, gw_error *error)
+/* Chooses facets until there are so many, or records stand as close as they may. */
+static gw_status choose_spacing(const gw_record_context *on, gw_place_task task, uint32_t least,
+								gw_error *error)
 {
-	on->records->radius = fmaxf(GW_FACET_REACH * task->spacing, RADIUS_DENSE);
-	gw_status status = choose_facets(on->passes->gpu, on->octree, *task, on->records, error);
+	gw_records *r = on->records;
+	for (;;) {
+		r->spacing = task.spacing;
+		r->radius = fmaxf(GW_FACET_REACH * task.spacing, RADIUS_DENSE);
+		GW_TRY(choose_facets(on->passes->gpu, on->octree, task, r, error));
+		if (r->count >= least || task.spacing <= GW_RECORD_SPACING_LEAST)
+			return GW_OK;
+		free(r->facet);
+		r->facet = NULL;
+		task.spacing = fmaxf(task.spacing * CLOSER, GW_RECORD_SPACING_LEAST);
+	}
+}
+
+/* What *records has of facet weights stays. */
+static gw_status place(const gw_record_context *on, const gw_place_task *task, uint32_t least,
+					   gw_error *error)
+{
+	gw_status status = choose_spacing(on, *task, least, error);
 	choose_blocks(on->octree, task->kept_count > 0 ? 1.0f : 2.0f, on->records);
 	if (status == GW_OK)
 		status = create_buffers(on->passes->gpu, on->octree, on->records, error);
@@ -257,17 +277,17 @@ static gw_status place(const gw_record_context *on, const gw_place_task *task, g
 	return status;
 }
 
-gw_status gw_records_place(const gw_record_context *on, float spacing, uint64_t seed,
-						   gw_error *error)
+gw_status gw_records_place(const gw_record_context *on, const gw_record_wish *wish, gw_error *error)
 {
+	const gw_place_task task = { .spacing = wish->spacing, .seed = wish->seed };
 	*on->records = (gw_records){ 0 };
-	return place(on, &(gw_place_task){ .spacing = spacing, .seed = seed }, error);
+	return place(on, &task, wish->least, error);
 }
 
-gw_status gw_records_add(const gw_record_context *on, float spacing, uint64_t seed,
-						 const float *facet_spacing, gw_error *error)
+gw_status gw_records_add(const gw_record_context *on, uint64_t seed, const float *facet_spacing,
+						 gw_error *error)
 {
-	gw_place_task task = { .spacing = spacing,
+	gw_place_task task = { .spacing = on->records->spacing,
 						   .closer = facet_spacing,
 						   .kept = on->records->facet,
 						   .kept_count = on->records->count,
@@ -275,7 +295,8 @@ gw_status gw_records_add(const gw_record_context *on, float spacing, uint64_t se
 	gw_records more = { .facet_record = on->records->facet_record,
 						.facet_weight = on->records->facet_weight };
 	on->records->facet_record = on->records->facet_weight = (gw_buffer){ 0 };
-	gw_status status = place(&(gw_record_context){ on->passes, on->octree, &more }, &task, error);
+	gw_status status =
+		place(&(gw_record_context){ on->passes, on->octree, &more }, &task, 0, error);
 	gw_records_destroy(on->passes->gpu, on->records);
 	*on->records = more;
 	return status;

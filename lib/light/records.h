@@ -14,6 +14,7 @@
 
 typedef struct gw_records {
 	uint32_t count;
+	float spacing;        /* with which they were placed, leaf cells */
 	float radius;         /* of influence, leaf cells */
 	uint32_t block_level; /* octree level of the cells that list them */
 	uint32_t block_count;
@@ -41,13 +42,26 @@ typedef struct gw_record_context {
 	gw_records *records;
 } gw_record_context;
 
+/* How close records are to stand. */
+typedef struct gw_record_wish {
+	float spacing;  /* leaf cells; 0: one on every facet */
+	uint32_t least; /* where they would be fewer, they stand closer */
+	uint64_t seed;
+} gw_record_wish;
+
+/* Records that are to be more never stand nearer than this to each other, leaf cells: facets are
+ * about 1 wide. */
+#define GW_RECORD_SPACING_LEAST 0.8f
+
 /*
  * Places records on the facets by dart throwing: in a random but fixed order, a facet gets a record
  * unless one with a like normal lies nearer than `spacing` leaf cells on the same surface; so every
- * facet lies within that distance of a record. spacing 0: one on every facet (Salm 4.4.3).
+ * facet lies within that distance of a record. spacing 0: one on every facet (Salm 4.4.3). Where
+ * these are too few, it is done again with half the spacing; in such steps, so that
+ * scenes that differ little mostly have the same.
  *   on   its records are what is made: what they were before is forgotten
  */
-gw_status gw_records_place(const gw_record_context *on, float spacing, uint64_t seed,
+gw_status gw_records_place(const gw_record_context *on, const gw_record_wish *wish,
 						   gw_error *error);
 void gw_records_destroy(gw_gpu *gpu, gw_records *records);
 
@@ -55,11 +69,11 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records);
  * Adds records until every facet lies within its own spacing of one. Those that there are keep
  * their places and come first, and facets keep those that they take light from; light is forgotten,
  * and the distance to the nearest thing.
- *   spacing         with which the first records were placed, above 0
+ *   on              its records were placed with a spacing above 0
  *   facet_spacing   2 * leaf_count: each facet's own, at most that
  */
-gw_status gw_records_add(const gw_record_context *on, float spacing, uint64_t seed,
-						 const float *facet_spacing, gw_error *error);
+gw_status gw_records_add(const gw_record_context *on, uint64_t seed, const float *facet_spacing,
+						 gw_error *error);
 
 /* How many of their spacings far facets and surfels look for records where those stand closer.
  * Where surfels look farther, more records speak for them and their noise is averaged; that of

@@ -148,15 +148,16 @@ gw_octree_width gw_render_octree_width(const gw_render_octree *octree)
 	return (gw_octree_width){ (double)o->leaf_size, (double)o->wanted_leaf_size, o->why_coarser };
 }
 
-gw_status gw_render_octree_records(gw_render_octree *o, float spacing, uint64_t seed,
+gw_status gw_render_octree_records(gw_render_octree *o, const gw_bake_options *bake,
 								   float **position, size_t *count, gw_error *error)
 {
+	const gw_record_wish wish = { bake->record_spacing, bake->least_records, bake->seed };
 	gw_records records = { 0 };
 	const gw_record_context on = { &o->passes, &o->octree, &records };
 	float *cell = NULL;
 	*position = NULL;
 	*count = 0;
-	gw_status status = gw_records_place(&on, spacing, seed, error);
+	gw_status status = gw_records_place(&on, &wish, error);
 	if (status == GW_OK) {
 		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
 		*position = gw_allocate_array(records.count, 3 * sizeof **position);

@@ -302,6 +302,59 @@ static void closed_cube(void **state)
 	check_cube(GW_METHOD_CONES, 0.08);
 }
 
+/* A cube of side 2, whose points lie at random places of its sides. */
+static scene random_room(uint64_t seed, size_t count, float albedo)
+{
+	scene s = { .state = 7919u * seed };
+	for (size_t i = 0; i < count; i++) {
+		size_t axis = i % 3;
+		double side = i % 6 < 3 ? -1.0 : 1.0, place[3], normal[3] = { 0, 0, 0 };
+		for (int k = 0; k < 3; k++)
+			place[k] = 2.0 * scene_random(&s) - 1.0;
+		place[axis] = side;
+		normal[axis] = -side;
+		scene_add(&s, place, normal, albedo);
+	}
+	return s;
+}
+
+/* Mean light of such a room by a lamp that sends out 4 pi I, of rho I / (6 pi (1 - rho)), which it
+ * has by energy: of each watt the walls, 24 m2, keep 1 - rho. */
+static double white_room_mean(uint64_t seed, size_t count, float albedo)
+{
+	double rho = (double)albedo;
+	scene s = random_room(seed, count, albedo);
+	gw_points points = scene_points(&s);
+	gw_light light = scene_point_light(0.3, 0.2, -0.25, 10.0f);
+	gw_bake_options options = options_of(GW_METHOD_RAYS, GW_BOUNCES_AUTO);
+	gw_bake_result *result = scene_bake(&points, &light, 1, &options);
+	double mean = scene_mean(result->radiance, s.count, 0);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+	return mean / (rho * 10.0 / (6.0 * (1.0 - rho)));
+}
+
+/*
+ * What the first reflections lose stays lost, however many follow: a record speaks for its
+ * surroundings as if light were even there, and of 3,000 points 230 records lose 0.8 to 1.5 %. Five
+ * times as many are within 0.3 %, as 64 rays from each are; bars are what is promised.
+ */
+static void white_rooms_of_few_points(void **state)
+{
+	(void)state;
+	const struct {
+		size_t count;
+		float albedo;
+		double bar;
+	} row[] = { { 3000, 0.95f, 0.005 }, { 3000, 0.98f, 0.01 }, { 10000, 0.95f, 0.005 } };
+	for (size_t i = 0; i < 3 * sizeof row / sizeof *row; i++) {
+		double mean = white_room_mean(i % 3, row[i / 3].count, row[i / 3].albedo);
+		print_message("%zu points, albedo %g: %+.2f %%\n", row[i / 3].count,
+					  (double)row[i / 3].albedo, 100 * (mean - 1));
+		assert_mean("white room", mean, 1, row[i / 3].bar);
+	}
+}
+
 /*
  * Two closed rooms 1.2 leaf cells apart, a lamp in one: the other stays dark. A ray has to slip
  * through cracks of two walls, of which each lets under 0.1 % through (see PLANE_OVERLAP): that a
@@ -376,6 +429,7 @@ int main(void)
 		cmocka_unit_test(two_thousand_bounces),
 		cmocka_unit_test(integrating_sphere),
 		cmocka_unit_test(closed_cube),
+		cmocka_unit_test(white_rooms_of_few_points),
 		cmocka_unit_test(thin_wall_keeps_light_in),
 		cmocka_unit_test(error_is_estimated),
 	};

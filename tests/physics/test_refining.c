@@ -31,6 +31,7 @@ static void prepare(gw_scene *s, gw_report *report, const gw_points *points, flo
 	*report = (gw_report){ 0 };
 	*s = (gw_scene){ .options = gw_bake_options_default(), .report = report };
 	s->options.record_spacing = spacing;
+	s->options.least_records = 0;
 	s->options.rays = 16;
 	s->options.estimate_points = 0;
 	assert_ok(gw_scene_open_device(s, &error), &error);
@@ -135,6 +136,7 @@ static gw_bake_options refining(float error, gw_method method)
 	gw_bake_options options = gw_bake_options_default();
 	options.method = method;
 	options.record_spacing = 5.0f;
+	options.least_records = 0;
 	options.rays = options.light_samples = 32;
 	options.max_error = error;
 	return options;

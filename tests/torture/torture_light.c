@@ -459,6 +459,35 @@ static void measure_convex(torture_case *c, int variant)
 	lit_file_clear(&lit);
 }
 
+/* ------------------------------------------------------------------------------- white rooms */
+
+/* Of a lamp's flux 4 pi I walls of 24 m2 keep 1 - rho: L = rho I / (6 (1 - rho)) on the mean. */
+static void measure_white(torture_case *c, int variant)
+{
+	static const double albedo[] = { 0.95, 0.98 }, bar[] = { 0.5, 1 };
+	static const size_t count[] = { 2000, 3000, 5000, 10000 };
+	double rho = albedo[variant % 2];
+	size_t points = count[variant / 2 % 4];
+	hard_cloud cloud = { 0 };
+	lit_file lit;
+	lit_report report;
+	char row[60];
+	hard_cloud_add(c, &cloud, ROOM, points);
+	if (variant / 8)
+		hard_cloud_turn(c, &cloud);
+	hard_cloud_albedo(&cloud, rho);
+	hard_cloud_write(c, &cloud, "in.ply");
+	hard_cloud_clear(&cloud);
+	snprintf(row, sizeof row, "white/%g", rho);
+	if (!bake(c, row, "point at 0.3,0.2,-0.25 intensity 6", "", &lit, &report))
+		return;
+	rho = (double)(float)rho;
+	case_measure(c, row, off(&lit, 0, lit.count, rho / (1 - rho)), bar[variant % 2],
+				 "room of %zu points%s, albedo %g (stated %.2g %%)", points,
+				 variant / 8 ? ", turned" : "", rho, 100 * report.error);
+	lit_file_clear(&lit);
+}
+
 /* ------------------------------------------------------------------------------------ the part */
 
 static const light_row rows[] = {
@@ -475,6 +504,7 @@ static const light_row rows[] = {
 	{ "closed depth", measure_closed_depth, 16, 8 },
 	{ "wall", measure_wall, 36, 0 },
 	{ "convex", measure_convex, 4, 2 },
+	{ "white", measure_white, 16, 4 },
 };
 #define ROW_COUNT ((int)(sizeof rows / sizeof *rows))
 

@@ -387,6 +387,44 @@ static void place_records(gw_scene *built, const scene *cloud)
 	assert_ok(gw_scene_place_records(built, &error), &error);
 }
 
+/* How many records a cloud gets, and how far they are apart, leaf cells. */
+static uint32_t count_records(const scene *cloud, float spacing, uint32_t least, float *apart)
+{
+	gw_error error = { 0 };
+	gw_report report = { 0 };
+	gw_scene built = { .report = &report };
+	place_records(&built, cloud);
+	const gw_record_context on = gw_scene_context(&built, &built.records);
+	gw_records_destroy(built.gpu, &built.records);
+	const gw_record_wish wish = { .spacing = spacing, .least = least };
+	assert_ok(gw_records_place(&on, &wish, &error), &error);
+	uint32_t count = built.records.count;
+	*apart = built.records.spacing;
+	gw_scene_close(&built);
+	return count;
+}
+
+/* Their spacing is halved until they are so many, or 0.8 leaf cells apart;
+ * where they are enough, nothing changes, nor where each facet has one. */
+static void few_records_come_closer(void **state)
+{
+	(void)state;
+	float apart;
+	scene cloud = { 0 };
+	scene_add_box(&cloud, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, 20, 0.5f);
+	uint32_t wide = count_records(&cloud, 8.0f, 0, &apart);
+	assert_true(apart == 8.0f);
+	assert_int_equal(count_records(&cloud, 8.0f, wide, &apart), wide);
+	assert_true(apart == 8.0f);
+	uint32_t more = count_records(&cloud, 8.0f, 2 * wide, &apart);
+	assert_true(more >= 2 * wide && more <= 4 * wide);
+	assert_true(apart == 4.0f);
+	uint32_t most = count_records(&cloud, 8.0f, UINT32_MAX, &apart);
+	assert_true(most > more && apart == GW_RECORD_SPACING_LEAST);
+	assert_true(count_records(&cloud, 0.0f, UINT32_MAX, &apart) >= most && apart == 0.0f);
+	scene_clear(&cloud);
+}
+
 static void every_record_is_listed_once(void **state)
 {
 	(void)state;
@@ -420,11 +458,17 @@ static void every_record_is_listed_once(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_facet_has_a_record),  cmocka_unit_test(density_on_a_floor),
-		cmocka_unit_test(one_on_every_facet),        cmocka_unit_test(the_seed_decides),
-		cmocka_unit_test(separate_surfaces),         cmocka_unit_test(nothing_to_place),
-		cmocka_unit_test(closer_in_places),          cmocka_unit_test(factors_follow_the_root),
-		cmocka_unit_test(factors_keep_their_limits), cmocka_unit_test(every_record_is_listed_once),
+		cmocka_unit_test(every_facet_has_a_record),
+		cmocka_unit_test(density_on_a_floor),
+		cmocka_unit_test(one_on_every_facet),
+		cmocka_unit_test(the_seed_decides),
+		cmocka_unit_test(separate_surfaces),
+		cmocka_unit_test(nothing_to_place),
+		cmocka_unit_test(closer_in_places),
+		cmocka_unit_test(factors_follow_the_root),
+		cmocka_unit_test(factors_keep_their_limits),
+		cmocka_unit_test(few_records_come_closer),
+		cmocka_unit_test(every_record_is_listed_once),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
