@@ -19,6 +19,11 @@
 #define ESTIMATED_LEAST 0.1
 #define STRAYS_LEAST 0.002
 
+/* How much further apart points are at some places than at others (gw_report.spacing_ratio), from
+ * which on they may be too far apart for what is there: as a scanner sees leaves, wires and what is
+ * far off. Of random points on a surface that is 1.3. */
+#define UNEVEN_LEAST 4.0
+
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
@@ -35,7 +40,8 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 		if (strcmp(report->count[i].name, "normals_estimated") == 0)
 			estimated = (double)report->count[i].points;
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
-		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all);
+		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all ||
+			report->spacing_ratio > UNEVEN_LEAST);
 }
 
 /* ---------------------------------------------------------------------------------- choosing */

@@ -5,6 +5,7 @@
 
 #include "light/direct_light.h"
 #include "glowworm_host.h"
+#include "base/nth_element.h"
 #include "base/memory.h"
 #include "octree/compartments.h"
 #include "bake/report.h"
@@ -328,6 +329,12 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points fill space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
+	float dense = s->count > 0 ? gw_nth_element(s->radius, s->count, s->count / 20) : 0.0f;
+	r->spacing_ratio = 1.0;
+	if (dense > 0.0f)
+		r->spacing_ratio =
+			(double)gw_nth_element(s->radius, s->count, s->count - 1 - s->count / 20) /
+			(double)dense;
 }
 
 void gw_scene_report_space(const gw_scene *scene)

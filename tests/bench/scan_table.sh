@@ -42,8 +42,10 @@ rooms-e57-world      rooms -f e57 --no-poses $faults
 cornell-real         cornell -f ply $faults
 corridor-real        corridor -f ply $faults
 corridor-ptx         corridor -f ptx $faults
+cave-clean           cave -f ply --normals
 cave-real            cave -f ply $faults
 cave-ptx             cave -f ptx $faults
+ruin-clean           ruin -f ply --normals
 ruin-real            ruin -f ply $faults
 ruin-ptx             ruin -f ptx $faults
 ball-bare            ball -f ply
@@ -53,10 +55,14 @@ carton-real          carton -f ply $faults
 carton-ptx           carton -f ptx $faults
 torus-real           torus -f ply $faults
 torus-ptx            torus -f ptx $faults
+terrain-clean        terrain -f ply --normals
 terrain-real         terrain -f ply $faults
 terrain-ptx          terrain -f ptx $faults
+fence-clean          fence -f ply --normals
 fence-real           fence -f ply $faults
 fence-ptx            fence -f ptx $faults
+tree-clean           tree -f ply --normals
+tree-normals         tree -f ply --normals $faults
 tree-real            tree -f ply $faults
 tree-ptx             tree -f ptx $faults
 carton-steps         carton -f pcd --camera --step 3

@@ -194,6 +194,23 @@ static void says_how_wrong_all_points_are(void **state)
 	assert_float_equal(added(0.04, 0.0, 0.03, 0.03).relative_rms, 0.03, 1e-12);
 }
 
+/* Where normals are given and nothing strays, half is asked for only of points that are much further
+ * apart in some places than in others, as far off a scanner; and never where no error is. */
+static void uneven_points_are_doubted(void **state)
+{
+	(void)state;
+	float normal[3] = { 0 };
+	gw_points points = cloud();
+	points.normal = normal;
+	gw_bake_options options = gw_bake_options_default();
+	gw_report report = { .spacing_ratio = 1.3 };
+	assert_false(gw_half_sample_is_wanted(&points, &options, &report));
+	report.spacing_ratio = 6.0;
+	assert_true(gw_half_sample_is_wanted(&points, &options, &report));
+	options.estimate_points = 0;
+	assert_false(gw_half_sample_is_wanted(&points, &options, &report));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -203,6 +220,7 @@ int main(void)
 		cmocka_unit_test(compares_what_is_lit),
 		cmocka_unit_test(sides_are_wrong_in_both),
 		cmocka_unit_test(says_how_wrong_all_points_are),
+		cmocka_unit_test(uneven_points_are_doubted),
 	};
 	return cmocka_run_group_tests_name("half_sample", tests, NULL, NULL);
 }
