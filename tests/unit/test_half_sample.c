@@ -194,8 +194,9 @@ static void says_how_wrong_all_points_are(void **state)
 	assert_float_equal(added(0.04, 0.0, 0.03, 0.03).relative_rms, 0.03, 1e-12);
 }
 
-/* Where normals are given and nothing strays, half is asked for only of points that are much further
- * apart in some places than in others, as far off a scanner; and never where no error is. */
+/* Where normals are given and nothing strays, half is asked for only of points that are much
+ * further apart in some places than in others, as far off a scanner; and never where no error is.
+ */
 static void uneven_points_are_doubted(void **state)
 {
 	(void)state;
