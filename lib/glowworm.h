@@ -599,6 +599,7 @@ typedef struct gw_report {
 	double origin[3];        /* of the local frame, metres */
 	double spacing;          /* metres between neighbouring points, median */
 	double spacing_ratio;    /* of 95 % of the points over that of 5 %, by their eighth neighbours */
+	double narrow_share;     /* of the points: on surface that ends on two sides, as leaves do */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */

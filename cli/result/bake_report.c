@@ -212,6 +212,7 @@ static void write_octree(json_writer *json, const gw_report *r)
 	json_put_single(json, "record_spacing", r->record_spacing);
 	json_put_real(json, "spacing", r->spacing);
 	json_put_real(json, "spacing_ratio", r->spacing_ratio);
+	json_put_real(json, "narrow_share", r->narrow_share);
 	json_put_count(json, "peak_bytes", r->peak_bytes);
 }
 

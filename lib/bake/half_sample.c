@@ -24,6 +24,11 @@
  * far off. Of random points on a surface that is 1.3. */
 #define UNEVEN_LEAST 4.0
 
+/* Share of points on surface that ends on two sides within their reach, from which on the light is
+ * that of leaves and wires, which are as wide as their points say. Of walls that is 0.003, beside
+ * rims and corners up to 0.02. */
+#define NARROW_LEAST 0.02
+
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
@@ -41,7 +46,7 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 			estimated = (double)report->count[i].points;
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
 		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all ||
-			report->spacing_ratio > UNEVEN_LEAST);
+			report->spacing_ratio > UNEVEN_LEAST || report->narrow_share > NARROW_LEAST);
 }
 
 /* ---------------------------------------------------------------------------------- choosing */

@@ -44,7 +44,8 @@ typedef struct gw_half_sample {
 
 /*
  * Is there doubt about the surface that such a bake could show? Not where all normals were given,
- * points are about as far apart everywhere, and next to nothing strays.
+ * points are about as far apart everywhere, next to none lie on leaves or wires, and next to
+ * nothing strays.
  */
 bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *options,
 							  const gw_report *report);

@@ -294,6 +294,22 @@ static uint64_t count_foliage(const gw_surfels *s)
 	return foliage;
 }
 
+/* How the points lie: how unevenly, and how many on surface that is narrow for them. */
+static void report_sampling(gw_report *r, const gw_surfels *s)
+{
+	size_t few = s->count / 20, narrow = 0;
+	float dense = s->count > 0 ? gw_nth_element(s->radius, s->count, few) : 0.0f;
+	r->spacing_ratio = 1.0;
+	if (dense > 0.0f)
+		r->spacing_ratio =
+			(double)gw_nth_element(s->radius, s->count, s->count - 1 - few) / (double)dense;
+	for (size_t i = 0; i < s->count; i++) {
+		const float *c = s->clip + 6 * i;
+		narrow += (c[0] != 0.0f || c[1] != 0.0f) && (c[3] != 0.0f || c[4] != 0.0f);
+	}
+	r->narrow_share = s->count > 0 ? (double)narrow / (double)s->count : 0.0;
+}
+
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
@@ -329,12 +345,7 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 					"points fill space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
-	float dense = s->count > 0 ? gw_nth_element(s->radius, s->count, s->count / 20) : 0.0f;
-	r->spacing_ratio = 1.0;
-	if (dense > 0.0f)
-		r->spacing_ratio =
-			(double)gw_nth_element(s->radius, s->count, s->count - 1 - s->count / 20) /
-			(double)dense;
+	report_sampling(r, s);
 }
 
 void gw_scene_report_space(const gw_scene *scene)
