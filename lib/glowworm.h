@@ -338,8 +338,9 @@ typedef struct gw_bake_options {
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
-	uint32_t least_records;   /* where there would be fewer, records stand closer, at most 0.8 leaf
-								 cells: light is not even between few. 0: as they come */
+	uint32_t least_records; /* where there would be fewer, records stand closer, but for this never
+							   nearer than 0.8 leaf cells: light is not even between few. 0: as they
+							   come */
 	uint32_t estimate_points; /* points solved again to estimate the error; where records are many,
 								 one for 20 of them, up to four times as many. Three times as many
 								 anew before max_error counts as reached. 0 makes no estimate */
@@ -480,7 +481,8 @@ typedef struct gw_error_estimate {
 	double sides_share; /* of the points: those that are likely to */
 	double halves; /* of the surface, whatever is wrong with it, as gw_bake finds it by bakes of
 					  half of the points (half_sample.h): where more than a tenth had no
-					  normal, or some are strays. 0: nobody looked, or nothing was found */
+					  normal, some are strays, or points are far apart or on something narrow
+					  (spacing_ratio, narrow_share). 0: nobody looked, or nothing was found */
 } gw_error_estimate;
 
 /* What gaps let through (gw_gaps), as found for the light of a bake. */
@@ -544,6 +546,7 @@ typedef struct gw_stray_count {
 typedef struct gw_forecast {
 	uint32_t places;       /* where light was gathered for it; 0: nothing is foretold */
 	uint64_t records;      /* that the bake will have */
+	float record_spacing;  /* of these, leaf cells */
 	double seconds;        /* of gw_bake, from its call to its return */
 	double done_seconds;   /* of these, what is done by then, without the forecast itself */
 	double own_seconds;    /* that the forecast took */
@@ -598,8 +601,8 @@ typedef struct gw_report {
 	char why_coarser[512];   /* then, a sentence */
 	double origin[3];        /* of the local frame, metres */
 	double spacing;          /* metres between neighbouring points, median */
-	double spacing_ratio;    /* of 95 % of the points over that of 5 %, by their eighth neighbours */
-	double narrow_share;     /* of the points: on surface that ends on two sides, as leaves do */
+	double spacing_ratio; /* of 95 % of the points over that of 5 %, by their eighth neighbours */
+	double narrow_share;  /* of the points: on surface that ends on two sides, as leaves do */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */

@@ -41,7 +41,9 @@ count_lines() { # pattern file
 run_program() { # program
 	local log
 	log=$scratch/$(basename "$1").log
-	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null
+	timeout --kill-after=10 "$limit" "$1" >"$log" 2>&1 </dev/null &
+	trap "kill $! 2>/dev/null; exit 143" TERM
+	wait $!
 	echo $? >"$log.status"
 }
 
@@ -51,7 +53,7 @@ judge_program() { # program
 	local name log started good skips bad status
 	name=$(basename "$1")
 	log=$scratch/$name.log
-	status=$(cat "$log.status")
+	status=$(cat "$log.status" 2>/dev/null || echo 137)
 	started=$(count_lines '^\[ RUN      \]' "$log")
 	good=$(count_lines '^\[       OK \]' "$log")
 	skips=$(sed -n 's/^\[  SKIPPED \] \([0-9]*\) test(s).*/\1/p' "$log" | tail -n 1)
@@ -92,7 +94,7 @@ run_programs() { # build beside source...
 		fi
 	done
 	for program in "${list[@]}"; do
-		[ "$(jobs -rp | wc -l)" -lt "$beside" ] || wait -n
+		while [ "$(jobs -rp | wc -l)" -ge "$beside" ]; do wait -n; done
 		run_program "$program" &
 	done
 	wait

@@ -559,11 +559,12 @@ static gw_status place_sun(lamp *light, unsigned given, gw_error *error)
 	}
 	bool of_sky = light->light.type == GW_LIGHT_ENVIRONMENT;
 	if (light->from_sky && (light->elevation < 0.0 || (of_sky && light->elevation <= 0.0)))
-		return gw_fail(error, GW_ERROR_USAGE, "the sun is %.1f degrees below the horizon%s",
+		return gw_fail(error, GW_ERROR_USAGE, "the sun is %.2g degrees below the horizon%s",
 					   -light->elevation,
 					   given & BIT(PLACE) ? " there and then"
 					   : of_sky           ? ""
-										  : "; 'toward' is for light from below");
+										  : "; 'toward' ('direction' in a scene file) is for "
+											"light from below");
 	return GW_OK;
 }
 

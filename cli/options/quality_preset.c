@@ -27,11 +27,13 @@ void quality_preset_apply(settings *s)
 		gw_bake_options_set_start(&preset.bake);
 	else
 		gw_bake_options_set_quality(&preset.bake, (gw_quality)s->quality);
+	uint8_t spaced = s->given[find("record-spacing") - options];
 	if (wins(s, "record-spacing", source))
 		preset.bake.least_records = 0;
 	for (size_t i = 0; i < sizeof set_by_quality / sizeof *set_by_quality; i++) {
 		const option *o = find(set_by_quality[i]);
-		if (wins(s, set_by_quality[i], source))
+		bool least = strcmp(set_by_quality[i], "least-records") == 0;
+		if (wins(s, set_by_quality[i], least && spaced > source ? spaced : source))
 			continue;
 		size_t size = o->type == OPTION_COUNT ? sizeof(uint32_t) : sizeof(float);
 		memcpy((char *)s + o->offset, (const char *)&preset + o->offset, size);

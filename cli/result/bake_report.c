@@ -381,6 +381,15 @@ static const char *why_sides(const gw_report *r, char why[WHY])
 	return why;
 }
 
+/* Had any point no normal of its own? */
+static bool are_estimated(const gw_report *r)
+{
+	for (uint32_t i = 0; i < r->count_count; i++)
+		if (strcmp(r->count[i].name, "normals_estimated") == 0)
+			return r->count[i].points > 0;
+	return false;
+}
+
 /* Before all others, what the light hangs on most, and what settles it. */
 static doubt note_largest_doubt(const settings *s, const gw_report *r)
 {
@@ -398,7 +407,12 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 				or_scanner(s, r));
 	if (most == DOUBT_GAPS)
 		tell_gaps(r, lead);
-	if (most == DOUBT_SURFACE)
+	if (most == DOUBT_SURFACE && !are_estimated(r))
+		fprintf(stderr,
+				"%sa bake of half of the points gives other light: in places they are too far "
+				"apart, or too noisy, for what they show; more of them settle it\n",
+				lead);
+	else if (most == DOUBT_SURFACE)
 		fprintf(stderr,
 				"%sa bake of half of the points gives other light: they are few or noisy for what "
 				"they show; more of them, %snormals in the file settle it\n",

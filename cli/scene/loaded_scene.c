@@ -789,7 +789,8 @@ static gw_status name_place(named_places *p, const light_place *place, size_t li
 	GW_TRY(find_floor(p, error));
 	if (p->floors == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "light %zu is to stand at, or shine to, floor %zu, but no floor is free",
+					   "light %zu is to stand at, or shine to, floor %zu, but no floor is free; "
+					   "give its place as X,Y,Z",
 					   light + 1, place->number);
 	if (place->number > p->floors)
 		return gw_fail(error, GW_ERROR_USAGE,

@@ -134,10 +134,12 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 	if (status != GW_OK || s->quiet || laser)
 		return status;
 	if (albedo_stations_are_a_way(scene))
-		text_message(stderr,
-					 "glowworm: note: %zu scanners are taken for the way of one that was carried, "
-					 "whose camera kept its exposure; scans of a file each may differ\n",
-					 scene->points.points.scanner_count);
+		text_message(
+			stderr,
+			"glowworm: note: there are %zu scanners, too many for a tripod, so they are taken "
+			"for one that was carried, with one exposure in each input; where exposures "
+			"differ, give each scan as a file of its own\n",
+			scene->points.points.scanner_count);
 	if (facts.ends > 0)
 		text_message(stderr,
 					 "glowworm: note: %zu points are white or black in the photographs, as far as "

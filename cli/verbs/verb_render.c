@@ -7,6 +7,7 @@
 #include "options/options.h"
 #include "options/preview.h"
 #include "options/progress.h"
+#include "options/quality_preset.h"
 #include "pictures/render_cameras.h"
 #include "pictures/render_picture.h"
 #include "scene/scene_file.h"
@@ -745,6 +746,7 @@ gw_status verb_render(settings *s, gw_error *error)
 						   .command = s->command },
 				 .progress = progress_start((settings_progress)s->progress, s->quiet),
 				 .error = error };
+	quality_preset_apply(s);
 	gw_status status = run(&r);
 	progress_end(&r.progress);
 	if (status == GW_OK && s->verbose)

@@ -239,7 +239,8 @@ static gw_status find_by_file(scan *cloud, const bounds *b, coordinates *to, gw_
 {
 	system_name name = { 0 };
 	gw_status status = las_note_join(cloud, "wkt", &name.text, error);
-	if (name.text && !strpbrk(name.text, "[(")) { /* an empty one, as some programs write it */
+	if (name.text &&
+		!name.text[strspn(name.text, " '\"")]) { /* an empty one, as some programs write it */
 		free(name.text);
 		name.text = NULL;
 	}

@@ -209,6 +209,7 @@ static void foretell(const pilot *p, double done, gw_forecast *f)
 	gw_gpu_account account = gw_gpu_read_account(s->gpu);
 	*f = (gw_forecast){ .places = s->records.count,
 						.records = p->records,
+						.record_spacing = p->spacing,
 						.seconds = done + round,
 						.done_seconds = done,
 						.device_bytes = p->before + p->grown,

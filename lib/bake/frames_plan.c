@@ -66,7 +66,7 @@ static gw_status try_frames(gw_frames *f, trial *trials, gw_forecast *forecast, 
 	const gw_bake_options asked = f->scene.options;
 	double surfels = f->shared_seconds;
 	gw_frames_drop_geometry(f);
-	f->scene.options.record_spacing = gw_pilot_spacing(forecast->records, asked.record_spacing);
+	f->scene.options.record_spacing = gw_pilot_spacing(forecast->records, forecast->record_spacing);
 	f->scene.options.least_records = 0;
 	gw_status status = bake_trial(f, forecast->records, &trials[0], error);
 	if (status == GW_OK && trials[1].frame != trials[0].frame)

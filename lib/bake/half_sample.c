@@ -26,8 +26,9 @@
 
 /* Share of points on surface that ends on two sides within their reach, from which on the light is
  * that of leaves and wires, which are as wide as their points say. Of walls that is 0.003, beside
- * rims and corners up to 0.02. */
+ * rims and corners up to 0.02, which are more of fewer points. */
 #define NARROW_LEAST 0.02
+#define NARROW_POINTS 10000u
 
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options)
 {
@@ -44,9 +45,10 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 	for (uint32_t i = 0; i < report->count_count; i++)
 		if (strcmp(report->count[i].name, "normals_estimated") == 0)
 			estimated = (double)report->count[i].points;
+	bool narrow = points->count >= NARROW_POINTS && report->narrow_share > NARROW_LEAST;
 	return options->estimate_points > 0 && !options->transport && points->count >= POINTS_LEAST &&
 		   (estimated > ESTIMATED_LEAST * all || strays > STRAYS_LEAST * all ||
-			report->spacing_ratio > UNEVEN_LEAST || report->narrow_share > NARROW_LEAST);
+			report->spacing_ratio > UNEVEN_LEAST || narrow);
 }
 
 /* ---------------------------------------------------------------------------------- choosing */

@@ -8,6 +8,8 @@
 #include "bake/scene.h"
 #include "glowworm_host.h"
 
+#include <math.h>
+
 /* What a bake of all points is of the time where halves of them follow. */
 #define WHOLE_SHARE 0.57
 
@@ -22,6 +24,15 @@ typedef struct part {
 static const part parts[] = { { .from = 0.0, .share = WHOLE_SHARE },
 							  { .from = 0.57, .share = 0.29, .name = "half the points" },
 							  { .from = 0.86, .share = 0.14, .name = "a quarter of the points" } };
+
+/* The part of halves, where the first part told all of the progress up to `told`. */
+static part after(const part *half, double told)
+{
+	part p = *half;
+	p.from = fmax(p.from, told);
+	p.share = fmin(p.share, 1.0 - p.from);
+	return p;
+}
 
 static void progress_of_part(void *user, const char *stage, double done)
 {
@@ -73,11 +84,11 @@ static gw_status bake_half(const gw_scene_description *all, const gw_half_sample
 
 /* The difference to half of the points, and where more is known from it, of half of that half. */
 static gw_status compare_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								const gw_bake_callbacks *callbacks, gw_bake_result *result,
-								gw_error *error)
+								const gw_bake_callbacks *callbacks, double told,
+								gw_bake_result *result, gw_error *error)
 {
 	gw_half_sample half, quarter = { .from = NULL };
-	part second_part = parts[1], third_part = parts[2];
+	part second_part = after(&parts[1], told), third_part = after(&parts[2], told);
 	const gw_bake_callbacks of_second = callbacks_of(&second_part, callbacks);
 	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
 	gw_bake_result *of_half = NULL, *of_quarter = NULL;
@@ -107,12 +118,12 @@ static gw_status compare_halves(const gw_scene_description *scene, const gw_bake
 
 /* What bakes of half of the points say of the surface; nothing where half of them is no cloud. */
 static gw_status check_by_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								 const gw_bake_callbacks *callbacks, gw_bake_result *result,
-								 gw_error *error)
+								 const gw_bake_callbacks *callbacks, double told,
+								 gw_bake_result *result, gw_error *error)
 {
 	gw_report *r = &result->report;
 	double start = gw_seconds();
-	gw_status status = compare_halves(scene, options, callbacks, result, error);
+	gw_status status = compare_halves(scene, options, callbacks, told, result, error);
 	gw_report_add_stage(r, "half the points", gw_seconds() - start);
 	double wanted = (double)options->max_error;
 	if (status == GW_OK && wanted > 0.0 && r->error.relative_rms > wanted && !r->missed) {
@@ -143,7 +154,7 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
 	if (!in_time || !gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
 		return GW_OK;
-	gw_status status = check_by_halves(scene, options, callbacks, *result, error);
+	gw_status status = check_by_halves(scene, options, callbacks, first.share, *result, error);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	return status;

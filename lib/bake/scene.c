@@ -298,8 +298,10 @@ static uint64_t count_foliage(const gw_surfels *s)
 static void report_sampling(gw_report *r, const gw_surfels *s)
 {
 	size_t few = s->count / 20, narrow = 0;
-	float dense = s->count > 0 ? gw_nth_element(s->radius, s->count, few) : 0.0f;
 	r->spacing_ratio = 1.0;
+	if (s->count == 0 || !s->radius || !s->clip) /* of stored transport */
+		return;
+	float dense = gw_nth_element(s->radius, s->count, few);
 	if (dense > 0.0f)
 		r->spacing_ratio =
 			(double)gw_nth_element(s->radius, s->count, s->count - 1 - few) / (double)dense;
@@ -307,7 +309,7 @@ static void report_sampling(gw_report *r, const gw_surfels *s)
 		const float *c = s->clip + 6 * i;
 		narrow += (c[0] != 0.0f || c[1] != 0.0f) && (c[3] != 0.0f || c[4] != 0.0f);
 	}
-	r->narrow_share = s->count > 0 ? (double)narrow / (double)s->count : 0.0;
+	r->narrow_share = (double)narrow / (double)s->count;
 }
 
 void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *points)
@@ -631,8 +633,11 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 	const gw_bake_options *o = &scene->options;
 	const gw_record_wish wish = gw_options_records(o);
 	gw_status status = gw_records_place(&on, &wish, error);
-	if (status == GW_OK)
+	if (status == GW_OK) { /* each frame gets what stands still got, so that its light keeps */
+		scene->options.record_spacing = scene->records.spacing;
+		scene->options.least_records = 0;
 		status = gw_ray_gather_trace(&on, ray_count(o), (uint32_t)o->seed, &scene->rays, error);
+	}
 	if (status == GW_OK)
 		status = gw_kept_hits_take(scene->gpu, &scene->octree, &scene->records, &scene->rays, kept,
 								   error);

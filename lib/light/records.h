@@ -49,8 +49,8 @@ typedef struct gw_record_wish {
 	uint64_t seed;
 } gw_record_wish;
 
-/* Records that are to be more never stand nearer than this to each other, leaf cells: facets are
- * about 1 wide. */
+/* Records that stand closer because there are few never do by more than this, leaf cells: facets
+ * are about 1 wide. */
 #define GW_RECORD_SPACING_LEAST 0.8f
 
 /*

@@ -1,9 +1,10 @@
 /*
  * brick_inject.comp - fills the leaf pool: one invocation a voxel of a brick, its redundant
  * positive boundary included (Salm 4.3.1, 4.4.1). Each facet shows area * max(0, n . face) to a
- * face; one-sided, so that a surface never darkens itself; `gain` over-covers, so that a wall
- * sampled by scattered points lets nothing through. What lets light through also has a back, which
- * nobody takes for the inside of something: dark, unless it is lit from both sides.
+ * face; one-sided, so that a surface never darkens itself, but for what lets light through; `gain`
+ * over-covers, so that a wall sampled by scattered points lets nothing through. What lets light
+ * through also has a back, which nobody takes for the inside of something: dark, unless it is lit
+ * from both sides.
  */
 #version 460
 

@@ -32,8 +32,10 @@ body() { # The points alone: the header quotes the command.
 # Only rays that graze the edge of a cell may differ from scratch, 1e-4 of them at most.
 for i in 0 1 2 3; do
 	glowworm compare same-$i.ply scratch-0$i.ply --max-relrmse 0.0005 >/dev/null || echo "frame $i"
-	# Bounces may leave out 0.001 of the light, on both sides.
-	glowworm compare carried-000$i.ply scratch-0$i.ply --max-relrmse 0.003 >/dev/null ||
+	# Bounces may leave out 0.001 of the light, on both sides; at worst all of it on the cube, which
+	# has a tenth of the points: 0.002 / sqrt(0.1).
+	glowworm compare carried-000$i.ply scratch-0$i.ply --max-bias 0.002 --max-relrmse 0.0063 \
+		>/dev/null ||
 		echo "carried frame $i"
 done
 # The movement shows; back at the start everything is as it was; a frame does not depend on others.

@@ -143,6 +143,12 @@ static void unknown_systems_are_noted(void **state)
 	scan_clear(&cloud);
 
 	cloud = make_cloud(feet_low, feet_high);
+	c = find(&cloud, "las wkt EPSG:2225", COORDINATES_AUTO); /* California, US survey feet */
+	assert_true(fabs(c.scale[0] - 1200.0 / 3937.0) < 1e-12);
+	coordinates_clear(&c);
+	scan_clear(&cloud);
+
+	cloud = make_cloud(feet_low, feet_high);
 	c = find(&cloud, "las wkt ''", COORDINATES_AUTO);
 	assert_false(c.changes);
 	assert_int_equal(cloud.comment_count, 1);

@@ -211,6 +211,8 @@ static void uneven_points_are_doubted(void **state)
 	report = (gw_report){ .spacing_ratio = 1.3, .narrow_share = 0.01 };
 	assert_false(gw_half_sample_is_wanted(&points, &options, &report));
 	report.narrow_share = 0.05;
+	assert_false(gw_half_sample_is_wanted(&points, &options, &report)); /* of few, rims are many */
+	points.count = 10 * COUNT;
 	assert_true(gw_half_sample_is_wanted(&points, &options, &report));
 	options.estimate_points = 0;
 	assert_false(gw_half_sample_is_wanted(&points, &options, &report));
