@@ -105,7 +105,7 @@ static gw_status choose_records(pilot *p, gw_error *error)
 {
 	gw_scene *s = p->lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
-	const gw_record_wish wish = gw_options_records(&p->asked);
+	const gw_record_wish wish = gw_scene_wish_records(s, &p->asked);
 	GW_TRY(gw_records_place(&on, &wish, error));
 	p->records = s->records.count;
 	p->spacing = s->records.spacing;

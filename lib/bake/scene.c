@@ -518,15 +518,19 @@ void gw_scene_forget_light(gw_scene *scene)
 	gw_buffer_destroy(scene->gpu, &scene->rays.through);
 }
 
-gw_record_wish gw_options_records(const gw_bake_options *o)
+/* Of fewer points nobody knows the surface so well that light between records would matter. */
+#define RECORDS_POINTS 500u
+
+gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *o)
 {
-	return (gw_record_wish){ o->record_spacing, o->least_records, o->seed };
+	bool closer = scene->surfels.count >= RECORDS_POINTS;
+	return (gw_record_wish){ o->record_spacing, closer ? o->least_records : 0, o->seed };
 }
 
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
-	const gw_record_wish wish = gw_options_records(&scene->options);
+	const gw_record_wish wish = gw_scene_wish_records(scene, &scene->options);
 	GW_TRY(gw_records_place(&on, &wish, error));
 	report_records(scene);
 	GW_TRY(trace_records(scene, error));
@@ -631,7 +635,7 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
 	const gw_bake_options *o = &scene->options;
-	const gw_record_wish wish = gw_options_records(o);
+	const gw_record_wish wish = gw_scene_wish_records(scene, o);
 	gw_status status = gw_records_place(&on, &wish, error);
 	if (status == GW_OK) { /* each frame gets what stands still got, so that its light keeps */
 		scene->options.record_spacing = scene->records.spacing;

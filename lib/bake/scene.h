@@ -104,8 +104,8 @@ gw_status gw_options_check(const gw_bake_options *options, const gw_scene_descri
 /* The options with what follows from effects that they forbid: no shadows, one reflection... */
 gw_bake_options gw_options_effective(const gw_bake_options *options);
 
-/* How close records are to stand. */
-gw_record_wish gw_options_records(const gw_bake_options *options);
+/* How close records are to stand: by options that may be others than the scene's. */
+gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *options);
 
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);

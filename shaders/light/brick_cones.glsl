@@ -3,9 +3,9 @@
  * level_directory and node (octree.h), the images leaf_pool and mip_pool (brick_pool.glsl) and
  * `push`, a gw_cone_push.
  *
- * Along a cone, extinction is the area that the voxels show to it, one-sided but for what lets light
- * through, and per cell size, and it is composited additively until the cone is full, which makes a
- * flat wall opaque exactly once at any angle; what is left sees the sky.
+ * Along a cone, extinction is the area that the voxels show to it, one-sided but for what lets
+ * light through, and per cell size, and it is composited additively until the cone is full, which
+ * makes a flat wall opaque exactly once at any angle; what is left sees the sky.
  */
 #ifndef BRICK_CONES_GLSL
 #define BRICK_CONES_GLSL

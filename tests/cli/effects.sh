@@ -47,7 +47,8 @@ awk 'BEGIN { print "x,y,z,nx,ny,nz"
 		s = 0.8 * cos(2 * x); l = sqrt(1 + s * s)
 		print x "," y "," 0.4 * sin(2 * x) "," -s / l ",0," 1 / l } }' >hills.csv
 glowworm bake hills.csv --albedo constant:0.5 --light 'sun direction 1,0,-0.5 irradiance 3' \
-	--explain -f -o lit.ply 2>&1 | sed -nE '/^(foretold|came)/s/[0-9.]+/N/gp; /half of the points gives/p' |
+	--explain -f -o lit.ply 2>&1 |
+	sed -nE '/^(foretold|came)/s/[0-9.]+/N/gp; /half of the points gives/p' |
 	sed -E 's/ s, .*, error/ error/; s/, N refl.*//; s/is [0-9.]+ %/is N %/'
 # From a scene file, and back into one.
 cat >scene.json <<'END'
