@@ -413,33 +413,33 @@ void gw_gbuffer_clear(gw_gbuffer *gbuffer);
 /*
  * Triangles that take their light from the points on them.
  *
- * A mesh that was sampled and lit is drawn as what it is: its triangles are cut into pieces as
- * small as the points are dense, each corner of a piece takes what the points around it on the same
- * side have, and the points on the mesh are not drawn themselves.
+ * A mesh that was sampled and lit is drawn as what it is: its triangles are cut into smaller ones,
+ * as small as the points are dense, each corner of a triangle takes what the points around it on
+ * the same side have, and the points on the mesh are not drawn themselves.
  */
 
-/* Pieces of triangles, three corners of their own each. Zeroed: none. */
-typedef struct gw_mesh_pieces {
+/* Triangles cut small, three corners of their own each. Zeroed: none. */
+typedef struct gw_tessellation {
 	float *position; /* owned; 9 * count, metres in the surfels' frame */
 	float *normal;   /* owned; 9 * count, unit */
 	float *channel;  /* owned; 3 * channel_count * count, from gw_mesh_light; NULL before */
 	size_t count, capacity;
 	/* Set before the first triangle is added: */
 	float longest;                /* metres, of an edge */
-	float minimum[3], maximum[3]; /* bounds; pieces that are wholly outside are left out */
-	size_t most;                  /* no more pieces than this are added */
-} gw_mesh_pieces;
+	float minimum[3], maximum[3]; /* bounds; triangles that are wholly outside are left out */
+	size_t most;                  /* no more triangles than this are added */
+} gw_tessellation;
 
 /*
- * Adds a triangle, cut by halving its longest edge until none is longer than pieces->longest. Edges
- * that triangles share are cut at the same places, so that no gaps arise.
+ * Adds a triangle, cut by halving its longest edge until none is longer than `longest`. Edges that
+ * triangles share are cut at the same places, so that no gaps arise.
  *   corner   9, metres in the surfels' frame, finite
  *   normal   9, unit
  * Fails with GW_ERROR_MEMORY.
  */
-gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], const float normal[9],
-							 gw_error *error);
-void gw_mesh_pieces_clear(gw_mesh_pieces *pieces);
+gw_status gw_tessellation_add(gw_tessellation *triangles, const float corner[9],
+							  const float normal[9], gw_error *error);
+void gw_tessellation_clear(gw_tessellation *triangles);
 
 /* Numbers that surfels have. */
 typedef struct gw_surfel_channels {
@@ -448,13 +448,13 @@ typedef struct gw_surfel_channels {
 } gw_surfel_channels;
 
 /*
- * Finds the points on the pieces and lights these by them. Pieces with no point near are taken off:
- * nobody knows their light.
- *   channels  what the surfels have, and pieces get
- *   on_mesh   surfels->count; receives 1 for each that lies on a piece
+ * Finds the points on the triangles and lights these by them. Those with no point near are taken
+ * off: nobody knows their light.
+ *   channels  what the surfels have, and triangles get
+ *   on_mesh   surfels->count; receives 1 for each that lies on a triangle
  * Fails with GW_ERROR_MEMORY. The result does not depend on the number of threads.
  */
-gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels,
+gw_status gw_mesh_light(gw_tessellation *triangles, const gw_surfels *surfels,
 						gw_surfel_channels channels, uint32_t threads, uint8_t *on_mesh,
 						gw_error *error);
 

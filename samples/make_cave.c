@@ -795,8 +795,7 @@ static bool check_stations(bool print)
 	return good;
 }
 
-/* ----------------------------------------------------------------------------------- the program
- */
+/* -------------------------------------------------------------------------------- the program */
 
 /* What is written: the formats of sample_format, then those of grids. */
 enum { PTX = SAMPLE_CLOUD + 1, E57 };

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LONGEST 1.5f    /* edge of a piece, in spacings of the points */
-#define PIECES 8000000u /* when there are so many, larger ones are made */
+#define LONGEST 1.5f       /* edge of a triangle, in spacings of the points */
+#define TRIANGLES 8000000u /* when there are so many, larger ones are made */
 
 /* A triangle's corners and normals in the surfels' frame. */
 static void place_triangle(const mesh *m, size_t triangle, const double origin[3], float corner[9],
@@ -37,7 +37,7 @@ static void place_triangle(const mesh *m, size_t triangle, const double origin[3
 	}
 }
 
-static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pieces *pieces,
+static gw_status add_triangles(const mesh *m, const double origin[3], gw_tessellation *triangles,
 							   gw_error *error)
 {
 	for (size_t i = 0; i < m->triangle_count; i++) {
@@ -50,7 +50,7 @@ static gw_status add_triangles(const mesh *m, const double origin[3], gw_mesh_pi
 		for (int k = 0; k < 9; k++)
 			finite = finite && isfinite(corner[k]) && isfinite(normal[k]);
 		if (finite)
-			GW_TRY(gw_mesh_pieces_add(pieces, corner, normal, error));
+			GW_TRY(gw_tessellation_add(triangles, corner, normal, error));
 	}
 	return GW_OK;
 }
@@ -76,40 +76,40 @@ static gw_status read_meshes(const settings *list, char up, mesh *meshes, gw_err
 	return GW_OK;
 }
 
-/* Bounds of the points, and some more, for pieces that are half inside. */
-static void find_bounds(const gw_surfels *s, gw_mesh_pieces *pieces)
+/* Bounds of the points, and some more, for triangles that are half inside. */
+static void find_bounds(const gw_surfels *s, gw_tessellation *triangles)
 {
 	for (size_t k = 0; k < 3; k++) {
-		pieces->minimum[k] = INFINITY;
-		pieces->maximum[k] = -INFINITY;
+		triangles->minimum[k] = INFINITY;
+		triangles->maximum[k] = -INFINITY;
 		for (size_t i = 0; i < s->count; i++) {
 			float radius = s->radius[i], at = s->position[3 * i + k];
-			pieces->minimum[k] = fminf(pieces->minimum[k], at - radius);
-			pieces->maximum[k] = fmaxf(pieces->maximum[k], at + radius);
+			triangles->minimum[k] = fminf(triangles->minimum[k], at - radius);
+			triangles->maximum[k] = fmaxf(triangles->maximum[k], at + radius);
 		}
 	}
 }
 
 static gw_status cut_meshes(const mesh *meshes, size_t count, render_scene *scene, gw_error *error)
 {
-	gw_mesh_pieces *pieces = &scene->pieces;
+	gw_tessellation *triangles = &scene->triangles;
 	gw_status status = GW_OK;
-	find_bounds(&scene->surfels, pieces);
-	pieces->most = PIECES;
-	pieces->longest = LONGEST * scene->surfels.spacing;
+	find_bounds(&scene->surfels, triangles);
+	triangles->most = TRIANGLES;
+	triangles->longest = LONGEST * scene->surfels.spacing;
 	do {
-		pieces->count = 0;
+		triangles->count = 0;
 		for (size_t i = 0; i < count && status == GW_OK; i++)
-			status = add_triangles(meshes + i, scene->surfels.origin, pieces, error);
-		pieces->longest *= 2.0f;
-	} while (status == GW_OK && pieces->count == pieces->most && pieces->longest < 1e30f);
-	pieces->longest *= 0.5f;
+			status = add_triangles(meshes + i, scene->surfels.origin, triangles, error);
+		triangles->longest *= 2.0f;
+	} while (status == GW_OK && triangles->count == triangles->most && triangles->longest < 1e30f);
+	triangles->longest *= 0.5f;
 	return status;
 }
 
 static gw_status put_triangles(render_scene *scene, gw_error *error)
 {
-	const gw_mesh_pieces *p = &scene->pieces;
+	const gw_tessellation *p = &scene->triangles;
 	scene->index = reallocarray(NULL, p->count + 1, 3 * sizeof *scene->index);
 	if (!scene->index)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu triangles", p->count);
@@ -130,7 +130,7 @@ static gw_status light_meshes(const settings *s, render_scene *scene, gw_error *
 	if (!on_mesh)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the meshes");
 	gw_status status =
-		gw_mesh_light(&scene->pieces, &scene->surfels,
+		gw_mesh_light(&scene->triangles, &scene->surfels,
 					  (gw_surfel_channels){ scene->channel, scene->raster.channel_count },
 					  s->bake.threads, on_mesh, error);
 	for (size_t i = 0; i < scene->surfels.count && status == GW_OK; i++)

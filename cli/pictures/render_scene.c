@@ -341,7 +341,7 @@ void render_scene_clear(render_scene *scene)
 	free(scene->glows);
 	free(scene->luminance);
 	coordinates_clear(&scene->place);
-	gw_mesh_pieces_clear(&scene->pieces);
+	gw_tessellation_clear(&scene->triangles);
 	free(scene->index);
 	*scene = (render_scene){ .place = coordinates_metres() };
 }

@@ -38,8 +38,8 @@ typedef struct render_scene {
 	uint8_t *glows;                   /* owned; of each surfel, or NULL when none do */
 	float *luminance;                 /* owned; while choosing: of each surfel, or NULL when not
 										 lit */
-	gw_mesh_pieces pieces;            /* owned; of --mesh */
-	uint32_t *index;                  /* owned; 0, 1, 2... for the pieces' corners */
+	gw_tessellation triangles;        /* owned; of --mesh */
+	uint32_t *index;                  /* owned; 0, 1, 2... for the triangles' corners */
 	gw_raster_scene raster;           /* leads into the above */
 	const double *scanner;            /* while choosing: 3 * scanner_count, or NULL */
 	size_t scanner_count;

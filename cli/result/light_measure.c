@@ -82,8 +82,8 @@ void measure_region_clear(measure_region *region)
 	*region = (measure_region){ .place = NULL };
 }
 
-/* Squared distance between a point and the piece of the path from a to b. */
-static double square_to_piece(const double p[3], const double a[3], const double b[3])
+/* Squared distance between a point and the segment of the path from a to b. */
+static double square_to_segment(const double p[3], const double a[3], const double b[3])
 {
 	double along = 0.0, length = 0.0, square = 0.0;
 	for (int k = 0; k < 3; k++) {
@@ -106,7 +106,7 @@ static bool is_within(const measure_region *r, const double p[3])
 	bool near = r->place_count == 0;
 	for (size_t i = 0; i < r->place_count && !near; i++) {
 		size_t next = i + 1 < r->place_count ? i + 1 : i;
-		near = square_to_piece(p, r->place + 3 * i, r->place + 3 * next) <= r->reach * r->reach;
+		near = square_to_segment(p, r->place + 3 * i, r->place + 3 * next) <= r->reach * r->reach;
 	}
 	return near;
 }

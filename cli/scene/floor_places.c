@@ -268,7 +268,7 @@ static size_t mark_region(grid *g, cube *from, uint32_t region)
 	return last;
 }
 
-/* A piece of free floor. */
+/* A region of free floor. */
 typedef struct region {
 	size_t cells, covers;
 } region;
@@ -341,7 +341,7 @@ static gw_status drop_regions(grid *g, gw_error *error)
 	return GW_OK;
 }
 
-/* How many steps each piece of free floor is from where it ends. */
+/* How many steps each region of free floor is from where it ends. */
 static void measure_clearance(grid *g)
 {
 	size_t first = 0, last = 0;
@@ -448,7 +448,7 @@ static gw_status find(grid *g, double *place, size_t *found, gw_error *error)
 	GW_TRY(find_free_floor(g, error));
 	while ((*found = choose(g, way, chosen)) > FLOOR_PLACES_MAX && tries++ < TRIES)
 		way *= 1.5;
-	if (*found > FLOOR_PLACES_MAX) /* there are so many pieces with no way between them */
+	if (*found > FLOOR_PLACES_MAX) /* there are so many regions with no way between them */
 		*found = FLOOR_PLACES_MAX;
 	for (size_t i = 0; i < *found; i++)
 		put_place(g, chosen[i], place + 3 * i);

@@ -266,10 +266,10 @@ static gw_status parse_text(parser *p, const e57_pages *pages)
 	size_t left = pages->xml_length;
 	enum XML_Status good = XML_STATUS_OK;
 	while (left > 0 && good == XML_STATUS_OK) {
-		size_t piece = left < (1u << 20) ? left : 1u << 20;
-		left -= piece;
-		good = XML_Parse(p->xml, text, (int)piece, left == 0);
-		text += piece;
+		size_t chunk = left < (1u << 20) ? left : 1u << 20;
+		left -= chunk;
+		good = XML_Parse(p->xml, text, (int)chunk, left == 0);
+		text += chunk;
 	}
 	GW_TRY(p->status);
 	if (good == XML_STATUS_OK && pages->xml_length > 0)

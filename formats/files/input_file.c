@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #define FIRST_CAPACITY ((size_t)1 << 16)
-#define PIECE_BYTES ((size_t)1 << 23) /* what one thread reads at a time */
+#define CHUNK_BYTES ((size_t)1 << 23) /* what one thread reads at a time */
 
 /* Shares of the free memory: a copy of a file is small beside the points that come of it. */
 #define COPY_SHARE 4
@@ -152,7 +152,7 @@ static gw_status copy_file(input_file *in, int descriptor, const struct stat *in
 	in->length = length;
 	in->storage = INPUT_FILE_COPIED;
 	copying job = { .descriptor = descriptor, .to = bytes };
-	gw_parallel_for(0, length, PIECE_BYTES, copy_range, &job);
+	gw_parallel_for(0, length, CHUNK_BYTES, copy_range, &job);
 	if (job.reason)
 		return fail_reading(in, job.reason, error);
 	if (job.ended || !unchanged(descriptor, length, info->st_mtim))
@@ -192,7 +192,7 @@ static gw_status read_to_end(input_file *in, int descriptor, gw_error *error)
 	most = in->most && in->most < most ? in->most : most;
 	for (;;) {
 		gw_status status = grow(in, most, &bytes, &capacity, length, error);
-		size_t wanted = capacity - length < PIECE_BYTES ? capacity - length : PIECE_BYTES;
+		size_t wanted = capacity - length < CHUNK_BYTES ? capacity - length : CHUNK_BYTES;
 		ssize_t got = status == GW_OK ? read(descriptor, bytes + length, wanted) : -1;
 		if (got < 0) {
 			status = status == GW_OK ? fail_reading(in, errno, error) : status;

@@ -30,7 +30,7 @@ gw_status las_note_numbers(scan *cloud, const char *key, const double *value, si
 }
 
 /* Where to cut a text: not beside a blank, which readers of lines would drop. */
-static size_t piece(const char *text, size_t length)
+static size_t part(const char *text, size_t length)
 {
 	if (length <= LAS_NOTE_TEXT)
 		return length;
@@ -45,7 +45,7 @@ gw_status las_note_text(scan *cloud, const char *key, const char *text, size_t l
 {
 	for (size_t at = 0, size; at < length; at += size) {
 		char line[64 + LAS_NOTE_TEXT];
-		size = piece(text + at, length - at);
+		size = part(text + at, length - at);
 		int used = snprintf(line, 64, LAS_NOTE "%s%s ", key, at ? "+" : "");
 		for (size_t i = 0; i < size; i++) {
 			char c = text[at + i];

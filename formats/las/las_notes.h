@@ -38,7 +38,7 @@ gw_status las_note(scan *cloud, gw_error *error, const char *format, ...)
 gw_status las_note_numbers(scan *cloud, const char *key, const double *value, size_t count,
 						   gw_error *error);
 
-/* Adds "las KEY TEXT" and, when the text is long, "las KEY+ TEXT" for its further pieces. What is
+/* Adds "las KEY TEXT" and, when the text is long, "las KEY+ TEXT" for its further parts. What is
  * not printable becomes a blank. */
 gw_status las_note_text(scan *cloud, const char *key, const char *text, size_t length,
 						gw_error *error);
@@ -50,7 +50,7 @@ const char *las_note_find(const char *comment, const char *key);
  * 0 when it is another comment. */
 size_t las_note_read(const char *comment, const char *key, double *value, size_t capacity);
 
-/* Puts the pieces of the first text with that key together again. *text is the caller's, for
+/* Puts the parts of the first text with that key together again. *text is the caller's, for
  * free(), and NULL when there is none. */
 gw_status las_note_join(const scan *cloud, const char *key, char **text, gw_error *error);
 

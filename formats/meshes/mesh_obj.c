@@ -295,8 +295,7 @@ gw_status mesh_obj_read(const input_file *in, const char *path, mesh *m, gw_erro
 	return status;
 }
 
-/* ---------------------------------------------------------------------------- vertices as points
- */
+/* ------------------------------------------------------------------------- vertices as points */
 
 /* Normals belong to corners of faces. Without faces they go with the vertices, one each. */
 static gw_status read_vertices(reader *r, scan *cloud)

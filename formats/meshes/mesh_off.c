@@ -156,8 +156,7 @@ static gw_status take_face(reader *r)
 	return mesh_add_polygon(r->mesh, &r->polygon, MESH_NONE, r->error);
 }
 
-/* ---------------------------------------------------------------------------- vertices as points
- */
+/* ------------------------------------------------------------------------- vertices as points */
 
 gw_status off_read(input_file *in, scan *cloud, gw_error *error)
 {
@@ -185,8 +184,7 @@ const format off_format = {
 	.read = off_read,
 };
 
-/* ------------------------------------------------------------------------------------------ mesh
- */
+/* --------------------------------------------------------------------------------------- mesh */
 
 static gw_status read_faces(reader *r)
 {

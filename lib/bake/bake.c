@@ -607,7 +607,7 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
 	bake b = { .points = scaled->scene.points, .planning = planning };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
 	b.report = &b.result->report;
 	b.scene = (gw_scene){
 		.options = *options,

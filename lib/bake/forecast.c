@@ -331,7 +331,7 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *p
 				.point_ratio = 1.0,
 				.before = gw_gpu_read_account(s->gpu).bytes };
 	if (!p.report)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a report");
 	memcpy(p.passes_before, s->passes.device_seconds, sizeof p.passes_before);
 	s->report = p.report;
 	gw_status status =

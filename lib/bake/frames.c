@@ -281,7 +281,7 @@ gw_status gw_frames_bake(gw_frames *f, size_t frame, const gw_light *lights, siz
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
 	if (!r) {
 		free(own);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
 	}
 	if (f->how.rebuild)
 		gw_frames_forget(f);
@@ -325,7 +325,7 @@ static gw_status take_scene(gw_frames *f, const gw_moving_scene *scene,
 		return GW_OK;
 	f->matrix = gw_allocate_array(16 * matrices, sizeof *f->matrix);
 	if (!f->matrix)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a motion of %zu frames",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a motion of %zu frames",
 					   motion->frame_count);
 	memcpy(f->matrix, motion->matrix, 16 * matrices * sizeof *f->matrix);
 	for (size_t i = 0; i < matrices; i++)
@@ -360,7 +360,7 @@ gw_status gw_frames_open(const gw_moving_scene *scene, const gw_bake_options *op
 		f->box = gw_allocate_zeros(GW_CHANGED_BOXES, sizeof *f->box);
 	if (!f || !f->box) {
 		free(f);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for frames");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for frames");
 	}
 	f->how = *how;
 	if (callbacks)

@@ -42,7 +42,7 @@ static gw_status bake_trial(gw_frames *f, uint64_t records, trial *t, gw_error *
 {
 	gw_bake_result *result = gw_allocate_zeros(1, sizeof *result);
 	if (!result)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
 	const gw_passes *passes = &f->scene.passes;
 	double start = gw_seconds(), before = gw_pilot_record_seconds(passes);
 	f->light.lights = t->lights;
@@ -120,7 +120,7 @@ gw_status gw_frames_plan(gw_frames *f, const size_t frame[2], const gw_light *co
 		GW_TRY(gw_lights_check(lights[i], light_count, error));
 	}
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
-	gw_status status = r ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for a plan");
+	gw_status status = r ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for a plan");
 	for (int i = 0; i < 2; i++) {
 		if (status == GW_OK)
 			status = gw_scaled_lights(&f->units, lights[i], light_count, &own[i], error);

@@ -139,9 +139,9 @@ gw_status gw_half_sample_make(const gw_points *points, uint32_t level, gw_half_s
 		choose(points, level, half);
 		good = copy_all(points, half);
 	}
-	return good ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no host memory for half of %zu points",
-						  points->count);
+	return good
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "no memory for half of %zu points", points->count);
 }
 
 void gw_half_sample_clear(gw_half_sample *half)

@@ -82,7 +82,7 @@ gw_status gw_scene_create(const gw_scene_description *description, const gw_bake
 		s->own_report = gw_allocate_zeros(1, sizeof *s->own_report);
 	if (!s || !s->own_report) {
 		free(s);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a scene");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a scene");
 	}
 	s->report = s->own_report;
 	if (callbacks)
@@ -122,8 +122,7 @@ gw_status gw_scene_change_emission(gw_scene *scene, const float *emission, gw_er
 	begin_call(scene);
 	float *scaled = emission ? gw_scaled_emission(&scene->units, emission, points) : NULL;
 	if (emission && !scaled)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu points",
-					   points);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the emission of %zu points", points);
 	gw_status status = gw_scene_replace_emission(scene, scaled, points, error);
 	free(scaled);
 	GW_TRY(status);
@@ -212,7 +211,7 @@ gw_status gw_lighting_create(gw_scene *scene, const gw_light *lights, size_t lig
 	*lighting = NULL;
 	gw_lighting *l = gw_allocate_zeros(1, sizeof *l);
 	if (!l)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a lighting");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a lighting");
 	l->scene = scene;
 	l->kept = scene->options.lamps;
 	gw_status status = gw_lighting_change(l, lights, light_count, error);
@@ -236,8 +235,7 @@ void gw_lighting_destroy(gw_lighting **lighting)
 	*lighting = NULL;
 }
 
-/* --------------------------------------------------------------------------- what is asked of it
- */
+/* ------------------------------------------------------------------------ what is asked of it */
 
 static gw_status check_lit(const gw_lighting *lighting, gw_error *error)
 {
@@ -275,7 +273,7 @@ static gw_status copy_report(const gw_report *from, gw_report *to, gw_error *err
 	*to = *from;
 	to->bounce = gw_allocate_array(from->bounce_count, sizeof *to->bounce);
 	if (!to->bounce)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a report");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a report");
 	if (from->bounce_count > 0)
 		memcpy(to->bounce, from->bounce, from->bounce_count * sizeof *to->bounce);
 	return GW_OK;
@@ -306,7 +304,7 @@ gw_status gw_lighting_result(gw_lighting *lighting, gw_bake_result **result, gw_
 	GW_TRY(bring_back(lighting, error));
 	gw_bake_result *r = gw_allocate_zeros(1, sizeof *r);
 	if (!r)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a result");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
 	gw_status status = collect(lighting, r, error);
 	if (status == GW_OK)
 		*result = r;

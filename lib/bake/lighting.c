@@ -85,8 +85,7 @@ gw_status gw_lighting_list_lights(gw_lighting *lighting, gw_error *error)
 		return GW_OK;
 	lighting->given = gw_allocate_zeros(lighting->light_count + 1, sizeof *lighting->given);
 	if (!lighting->given)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
-					   lighting->light_count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", lighting->light_count);
 	for (size_t i = 0; i < lighting->light_count; i++) {
 		const gw_light *light = &lighting->lights[i];
 		bool sky = light->type == GW_LIGHT_ENVIRONMENT;
@@ -455,7 +454,7 @@ static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, float
 	if (!*surfels)
 		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
 	if (!*surfels)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
 					   s->surfels.count);
 	gw_read_back_apply(&s->read_back, records, s->options.threads, *surfels);
 	return GW_OK;
@@ -465,9 +464,9 @@ gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 {
 	const gw_scene *s = lighting->scene;
 	float *records = gw_allocate_array(s->records.count, 4 * sizeof *records);
-	gw_status status = records ? GW_OK
-							   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records",
-										 s->records.count);
+	gw_status status =
+		records ? GW_OK
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", s->records.count);
 	if (status == GW_OK)
 		status = read_back(s, &s->records.first, records, &lighting->surfel_first, error);
 	if (status == GW_OK)
@@ -494,7 +493,7 @@ static gw_status download(const gw_lighting *lighting, const gw_buffer *buffer, 
 	const gw_scene *s = lighting->scene;
 	*direct = gw_allocate_array(s->surfels.count, 4 * sizeof **direct);
 	if (!*direct)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
 					   s->surfels.count);
 	gw_status status =
 		gw_buffer_download(s->gpu, buffer, 0, *direct, 16 * (uint64_t)s->surfels.count, error);

@@ -152,7 +152,7 @@ static gw_status begin(const gw_scene *s, gw_record_density *density, density_wo
 	if (!w->light || !w->mass || !w->most || !w->factor || !w->facet_record || !w->facet_weight ||
 		!density->facet_spacing || !density->surfel_spacing || !density->facet_closer ||
 		!density->surfel_closer)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to refine %zu records", w->records);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to refine %zu records", w->records);
 	for (size_t i = 0; i < w->slots && first; i++)
 		density->facet_spacing[i] = s->records.spacing;
 	for (size_t i = 0; i < s->surfels.count && first; i++)

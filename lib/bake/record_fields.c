@@ -15,7 +15,7 @@ static float *allocate(size_t count, gw_error *error)
 {
 	float *values = gw_allocate_zeros(count, sizeof *values);
 	if (!values)
-		gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
+		gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu numbers", count);
 	return values;
 }
 
@@ -198,7 +198,7 @@ static gw_status find_errors(const gw_lighting *lighting, float **points, gw_err
 	double *records = gw_allocate_zeros(s->records.count, sizeof *records);
 	gw_status status = GW_OK;
 	if (!surfels || !records)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", s->records.count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", s->records.count);
 	if (status == GW_OK && lighting->plan.records)
 		status = gw_records_light(s->gpu, &s->records, records, error);
 	for (size_t i = 0; i < s->surfels.count && status == GW_OK && lighting->plan.records; i++)

@@ -23,7 +23,7 @@ static gw_status allocate_result(size_t count, gw_bake_result *result, gw_error 
 	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
 		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
 	if (!complete)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", count);
 	return GW_OK;
 }
 
@@ -76,7 +76,7 @@ static gw_status collect_strays(const scatter *job, gw_error *error)
 		return GW_OK;
 	out->stray = gw_allocate_zeros(surfels->point_count, 1);
 	if (!out->stray)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to mark strays");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to mark strays");
 	for (size_t j = 0; j < surfels->stray_count; j++) {
 		const gw_stray *stray = &surfels->stray[j];
 		size_t i = stray->point, own = stray->surfel, s = gw_lighting_shown(light, stray->surfel);
@@ -119,7 +119,7 @@ gw_status gw_result_share_light(gw_lighting *lighting, gw_bake_result *result, g
 	free(result->given);
 	result->given = gw_allocate_zeros(count + 1, sizeof *result->given);
 	if (!result->given)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", count);
 	result->given_count = count;
 	for (size_t i = 0; i < count; i++) {
 		bool sky = lighting->lights[i].type == GW_LIGHT_ENVIRONMENT;
@@ -243,8 +243,7 @@ static gw_status light_part(gw_lighting *part, bool emission, float **radiance, 
 	size_t points = part->scene->surfels.point_count;
 	*radiance = gw_allocate_zeros(points, 3 * sizeof **radiance);
 	if (!*radiance)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu points",
-					   points);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu points", points);
 	gw_lighting_plan_part(part, emission);
 	GW_TRY(gw_lighting_run(part, error));
 	return write_radiance(part, emission, *radiance, error);
@@ -258,8 +257,7 @@ gw_status gw_result_collect_lamps(const gw_lighting *lighting, gw_bake_result *r
 	gw_status status = GW_OK;
 	result->lamp = gw_allocate_zeros(lighting->light_count, sizeof *result->lamp);
 	if (!result->lamp)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights",
-					   lighting->light_count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", lighting->light_count);
 	result->lamp_count = lighting->light_count;
 	for (size_t i = 0; i < lighting->light_count && status == GW_OK; i++) {
 		if (gw_scene_stopped(lighting->scene))

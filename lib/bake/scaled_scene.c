@@ -143,7 +143,7 @@ gw_status gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights
 	gw_light *own = gw_allocate_array(count, sizeof *own);
 	*copy = NULL;
 	if (!own)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", count);
 	for (size_t i = 0; i < count; i++) {
 		own[i] = lights[i];
 		scale_light(&own[i], scaled);

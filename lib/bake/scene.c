@@ -546,7 +546,7 @@ static gw_status list_further(gw_scene *scene, uint32_t first, gw_error *error)
 	size_t count = all->count - first;
 	float *rows = gw_allocate_array(count, 8 * sizeof *rows);
 	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	gw_status status = gw_buffer_download(scene->gpu, &all->position, 16 * (uint64_t)first, rows,
 										  16 * count, error);
 	if (status == GW_OK)

@@ -39,7 +39,7 @@ static gw_status merge(const gw_surfels *s, const float *emission, size_t points
 	to->surfels = gw_allocate_array(s->count, 3 * sizeof *to->surfels);
 	if (!sum || !to->surfels) {
 		free(sum);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the emission of %zu surfels",
 					   s->count);
 	}
 	for (size_t i = 0; i < points; i++) {
@@ -84,8 +84,7 @@ static gw_status upload(const gw_scene *scene, const float *surfels, gw_buffer *
 	size_t count = scene->surfels.count;
 	float *rows = gw_allocate_zeros(count, 4 * sizeof *rows);
 	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the emission of %zu surfels",
-					   count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the emission of %zu surfels", count);
 	for (size_t i = 0; i < count; i++)
 		memcpy(rows + 4 * i, surfels + 3 * i, 3 * sizeof *rows);
 	gw_status status = gw_buffer_upload(scene->gpu, buffer, 0, rows, 16 * (uint64_t)count, error);

@@ -19,8 +19,8 @@
 #define MAGIC "glowworm transport\n"
 #define VERSION 12u
 
-/* Blocks are read and checked in pieces, by all threads. */
-#define PIECE_BYTES (UINT64_C(1) << 20)
+/* Blocks are read and checked in chunks, by all threads. */
+#define CHUNK_BYTES (UINT64_C(1) << 20)
 
 /* What was baked: a hash each. */
 typedef struct identity {
@@ -107,19 +107,19 @@ static uint64_t length_of(const gw_transport_block *blocks, size_t count)
 	return length;
 }
 
-static uint64_t piece_count(const gw_transport_block *block)
+static uint64_t chunk_count(const gw_transport_block *block)
 {
-	return (block->bytes + PIECE_BYTES - 1) / PIECE_BYTES;
+	return (block->bytes + CHUNK_BYTES - 1) / CHUNK_BYTES;
 }
 
 /* ------------------------------------------------------------------------------------ saving */
 
-static void hash_pieces(const gw_transport_block *block, const unsigned char *bytes, uint64_t *hash)
+static void hash_chunks(const gw_transport_block *block, const unsigned char *bytes, uint64_t *hash)
 {
-	for (uint64_t at = 0; at < block->bytes; at += PIECE_BYTES) {
+	for (uint64_t at = 0; at < block->bytes; at += CHUNK_BYTES) {
 		uint64_t left = block->bytes - at;
-		uint64_t piece = gw_hash(0, bytes + at, left < PIECE_BYTES ? left : PIECE_BYTES);
-		*hash = gw_hash(*hash, &piece, sizeof piece);
+		uint64_t chunk = gw_hash(0, bytes + at, left < CHUNK_BYTES ? left : CHUNK_BYTES);
+		*hash = gw_hash(*hash, &chunk, sizeof chunk);
 	}
 }
 
@@ -141,7 +141,7 @@ static gw_status write_block(gw_scene *scene, const gw_transport_block *block,
 		bytes = view.bytes;
 	}
 	if (status == GW_OK) {
-		hash_pieces(block, bytes, hash);
+		hash_chunks(block, bytes, hash);
 		status = transport->write(transport->user, bytes, block->bytes, error);
 	}
 	if (status == GW_OK)
@@ -267,14 +267,14 @@ typedef struct arrival {
 	const unsigned char *from;
 	unsigned char *to; /* NULL: it stays, or is uploaded when it is known to be good */
 	bool lent;
-	size_t first_piece;
+	size_t first_chunk;
 } arrival;
 
-/* All of them, piece by piece. */
+/* All of them, chunk by chunk. */
 typedef struct arrivals {
 	arrival arrival[GW_TRANSPORT_BLOCKS];
-	size_t count, pieces;
-	uint64_t *hash; /* a piece */
+	size_t count, chunks;
+	uint64_t *hash; /* a chunk */
 	atomic_bool damaged;
 } arrivals;
 
@@ -290,18 +290,18 @@ static bool indices_fit(const gw_transport_block *block, const unsigned char *by
 	return true;
 }
 
-static void take_piece(void *user, size_t first, size_t last, uint32_t worker)
+static void take_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	arrivals *all = user;
 	size_t block = 0;
 	(void)worker;
-	for (size_t piece = first; piece < last; piece++) {
-		while (block + 1 < all->count && all->arrival[block + 1].first_piece <= piece)
+	for (size_t chunk = first; chunk < last; chunk++) {
+		while (block + 1 < all->count && all->arrival[block + 1].first_chunk <= chunk)
 			block++;
 		const arrival *a = &all->arrival[block];
-		uint64_t at = (piece - a->first_piece) * PIECE_BYTES, left = a->block->bytes - at;
-		size_t length = (size_t)(left < PIECE_BYTES ? left : PIECE_BYTES);
-		all->hash[piece] = gw_hash(0, a->from + at, length);
+		uint64_t at = (chunk - a->first_chunk) * CHUNK_BYTES, left = a->block->bytes - at;
+		size_t length = (size_t)(left < CHUNK_BYTES ? left : CHUNK_BYTES);
+		all->hash[chunk] = gw_hash(0, a->from + at, length);
 		if (!indices_fit(a->block, a->from + at, length))
 			atomic_store(&all->damaged, true);
 		if (a->to)
@@ -317,7 +317,7 @@ static gw_status make_room(gw_scene *scene, arrival *a, gw_error *error)
 	if (block->host) {
 		a->to = *block->host = gw_allocate_array(block->bytes, 1);
 		if (!a->to)
-			return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the %s", block->name);
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for the %s", block->name);
 	} else if (gw_buffer_may_borrow(scene->gpu, a->from) && block->bytes > 0) {
 		a->lent = true;
 		status = gw_buffer_borrow(
@@ -339,14 +339,14 @@ static gw_status take_blocks(gw_scene *scene, const gw_transport *t, arrivals *a
 {
 	gw_status status = GW_OK;
 	uint64_t hash = 0, kept;
-	all->hash = gw_allocate_array(all->pieces, sizeof *all->hash);
+	all->hash = gw_allocate_array(all->chunks, sizeof *all->hash);
 	if (!all->hash)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu pieces", all->pieces);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to check %zu chunks", all->chunks);
 	for (size_t i = 0; i < all->count && status == GW_OK; i++)
 		status = make_room(scene, &all->arrival[i], error);
 	if (status == GW_OK) {
-		gw_parallel_for(scene->options.threads, all->pieces, 1, take_piece, all);
-		for (size_t i = 0; i < all->pieces; i++)
+		gw_parallel_for(scene->options.threads, all->chunks, 1, take_chunk, all);
+		for (size_t i = 0; i < all->chunks; i++)
 			hash = gw_hash(hash, &all->hash[i], sizeof hash);
 		memcpy(&kept, (const char *)t->data + t->length - sizeof kept, sizeof kept);
 		if (hash != kept || atomic_load(&all->damaged))
@@ -408,8 +408,8 @@ static gw_status read_blocks(gw_scene *scene, const gw_transport *t, const head 
 	at += padded(sizeof *h);
 	for (size_t i = 0; i < count; i++) {
 		fits = fits && padding_fits(blocks[i].bytes, at);
-		all.arrival[i] = (arrival){ .block = &blocks[i], .from = at, .first_piece = all.pieces };
-		all.pieces += piece_count(&blocks[i]);
+		all.arrival[i] = (arrival){ .block = &blocks[i], .from = at, .first_chunk = all.chunks };
+		all.chunks += chunk_count(&blocks[i]);
 		at += padded(blocks[i].bytes);
 	}
 	if (!fits)

@@ -21,7 +21,7 @@ static gw_status fetch(const gw_voxels_task *task, const gw_buffer *buffer, uint
 {
 	*values = gw_allocate_zeros((size_t)texels, 16);
 	if (!*values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu voxels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %llu voxels",
 					   (unsigned long long)texels);
 	if (buffer->bytes < 16 * texels)
 		return GW_OK; /* an attribute that nothing has: zeros */
@@ -86,7 +86,7 @@ static gw_status allocate(size_t count, gw_voxels *voxels, gw_error *error)
 	for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
 		complete &= (*vectors[i] = gw_allocate_zeros(count, 3 * sizeof(float))) != NULL;
 	if (!complete)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu voxels", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu voxels", count);
 	return GW_OK;
 }
 

@@ -39,7 +39,7 @@ gw_status gw_alias_table_fill(gw_alias_row *rows, double *weight, uint32_t count
 {
 	uint32_t *stack = gw_allocate_array(count, sizeof *stack);
 	if (!stack)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a table of %u rows", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a table of %u rows", count);
 	double total = 0.0;
 	for (uint32_t i = 0; i < count; i++)
 		total += weight[i];

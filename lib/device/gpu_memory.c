@@ -467,7 +467,7 @@ gw_status gw_view_open(gw_gpu *gpu, const gw_buffer *buffer, uint64_t bytes, gw_
 	}
 	void *copy = gw_allocate_array((size_t)bytes, 1);
 	if (copy == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a copy of the %s", buffer->name);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a copy of the %s", buffer->name);
 	gw_status status = gw_buffer_download(gpu, buffer, 0, copy, bytes, error);
 	if (status == GW_OK)
 		*view = (gw_view){ .bytes = copy, .copy = copy };

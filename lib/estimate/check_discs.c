@@ -228,8 +228,7 @@ static gw_status make_discs(const gw_surfels *s, const float *disc, const float 
 	if (!b.place || !discs->disc || !b.node || s->count > 0x0fffffffu) {
 		free(b.place);
 		gw_check_discs_clear(discs);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the discs of %zu points",
-					   s->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the discs of %zu points", s->count);
 	}
 	list_places(s, b.place);
 	uint32_t root;

@@ -148,7 +148,7 @@ gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wa
 	if (!probability || !choice->point || !choice->weight) {
 		free(probability);
 		gw_check_point_choice_clear(choice);
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to draw from %zu points", points);
 	}
 	for (size_t i = 0; i < points; i++)
 		probability[i] = counts[i] ? 1.0 / (double)counted : 0.0;
@@ -165,7 +165,7 @@ gw_status gw_check_point_choose(const gw_check_point_shares *shares, uint32_t wa
 	if (drawn || counted <= wanted)
 		return GW_OK;
 	gw_check_point_choice_clear(choice);
-	return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory to draw from %zu points", points);
 }
 
 void gw_check_point_choice_clear(gw_check_point_choice *choice)

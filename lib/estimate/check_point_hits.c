@@ -48,7 +48,7 @@ gw_status gw_check_point_hits_place(const gw_check_point_task *task, const uint3
 	const gw_surfels *s = task->surfels;
 	float *rows = gw_allocate_zeros(count, 8 * sizeof *rows);
 	if (!rows)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", count);
 	float *normal = rows + 4 * (size_t)count;
 	for (size_t i = 0; i < count; i++) {
 		size_t surfel = point[i];
@@ -79,7 +79,7 @@ static gw_status make_room(uint32_t count, uint32_t rays, bool emitted, gw_check
 	if (hits->point && hits->facet && hits->distance && (hits->emitted || !emitted))
 		return GW_OK;
 	gw_check_point_hits_clear(hits);
-	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %u points see", count);
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %u points see", count);
 }
 
 /* Copies what is known of point `from` to point `to` of another set. */
@@ -133,7 +133,7 @@ static gw_status choose_some(const gw_check_point_task *task, const gw_check_poi
 	*some = (some_points){ .index = index, .count = count, .rows = gw_allocate_array(count, row) };
 	gw_status status = GW_OK;
 	if (!point || !some->rows)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", count);
 	for (uint32_t i = 0; i < count && status == GW_OK; i++)
 		point[i] = hits->point[index[i]];
 	if (status == GW_OK)
@@ -249,7 +249,7 @@ gw_status gw_check_point_hits_find(const gw_check_point_task *task, const uint32
 	gw_check_point_hits next;
 	uint32_t *missing = gw_allocate_array(count, sizeof *missing), found = 0;
 	if (!missing)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", count);
 	gw_status status = make_room(count, task->rays, have_emitters(task), &next, error);
 	if (status == GW_OK) {
 		memcpy(next.point, point, count * sizeof *point);

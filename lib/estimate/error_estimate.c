@@ -117,7 +117,7 @@ static gw_status draw(const gw_estimate_task *task, const bool *counts,
 	float *radiance = gw_allocate_array(points, sizeof *radiance);
 	gw_status status = GW_OK;
 	if (!light || !part[0] || !part[1] || !radiance)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", points);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to draw from %zu points", points);
 	if (status == GW_OK)
 		status = gw_records_light(task->passes->gpu, task->records, light, error);
 	if (status == GW_OK) {
@@ -169,7 +169,7 @@ static gw_status download_added(gw_gpu *gpu, gw_buffer *buffer, float *sum, uint
 {
 	float *values = gw_allocate_array(count, 4 * sizeof *values);
 	if (!values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", count);
 	gw_status status = gw_buffer_download(gpu, buffer, 0, values, 16 * (uint64_t)count, error);
 	for (size_t i = 0; i < 4 * (size_t)count && status == GW_OK; i++)
 		sum[i] += values[i];
@@ -254,7 +254,7 @@ static gw_status gather_half(const gw_estimate_task *task, const gw_check_point_
 	gw_check_point_view view = { 0 };
 	e->half[half] = gw_allocate_zeros(e->place.count, 4 * sizeof(float));
 	if (!e->half[half])
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", e->place.count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", e->place.count);
 	gw_status status = gw_check_point_hits_gather(check_points, task->hits, &e->place,
 												  (uint32_t)half, &view, error);
 	if (status == GW_OK)
@@ -337,7 +337,7 @@ static gw_status compare(const gw_estimate_task *task, estimate *e, double mean,
 		return GW_OK;
 	double *room = gw_allocate_array(c->count, VALUES * sizeof *room);
 	if (!room)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", c->count);
 	double *value[VALUES] = { room, room + c->count, room + 2 * (size_t)c->count };
 	list_errors(task, e, mean, value);
 	gw_check_point_mean square = gw_check_point_average(c, value[EXCESS]);
@@ -412,7 +412,7 @@ static gw_status look(const gw_estimate_task *task, const gw_check_point_task *c
 	GW_TRY(gw_check_point_hits_find(check_points, c->point, c->count, task->hits, error));
 	e->behind = gw_allocate_zeros(c->count, sizeof *e->behind);
 	if (!e->behind)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", c->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", c->count);
 	count_behind(task->hits, e->behind);
 	return gw_check_point_hits_place(check_points, c->point, c->count, &e->place, error);
 }
@@ -479,8 +479,7 @@ static gw_status check_geometry(const gw_estimate_task *task, const estimate *e,
 		return GW_OK;
 	float *light = task->records ? list_radiance(task) : NULL;
 	if (task->records && !light)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
-					   task->surfels->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", task->surfels->count);
 	bool shadows = task->options->shadows != GW_SHADOWS_NONE;
 	gw_check_discs discs = { 0 };
 	gw_status status =
@@ -563,7 +562,7 @@ gw_status gw_estimate_foresee(const gw_check_point_task *task, uint32_t points,
 	gw_check_point_choice choice = { 0 };
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
 	if (!counts)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
 	choose_points(s, counts);
 	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
 											 points, task->seed, &choice, error);
@@ -581,8 +580,7 @@ gw_status gw_estimate_error(const gw_estimate_task *task, gw_error_estimate *res
 	*result = (gw_error_estimate){ 0 };
 	e.counts = gw_allocate_array(task->surfels->count, sizeof *e.counts);
 	if (!e.counts)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points",
-					   task->surfels->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", task->surfels->count);
 	choose_points(task->surfels, e.counts);
 	double mean = mean_radiance(task, e.counts);
 	gw_status status = GW_OK;

@@ -320,7 +320,7 @@ static gw_status look_at_lamps(work *w, gw_gap_report *report, gw_error *error)
 		return GW_OK;
 	gw_lamp *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", t->light_count);
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
 			lamp[lamps++] = gw_lamp_of(&t->lights[i], t->on.octree, t->surfels, t->options);
@@ -345,7 +345,7 @@ gw_status gw_gap_error(const gw_gap_error_task *task, gw_gap_report *report,
 	report->share = report->sky = report->lamps = 0.0;
 	double *room = gw_allocate_zeros(count, 4 * sizeof *room);
 	if (!room)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	work w = { .task = task,
 			   .mean = room,
 			   .square = room + count,

@@ -288,7 +288,7 @@ static gw_status check_gathered(check *c, finding *found, gw_error *error)
 		if (status == GW_OK)
 			*found = sum_records(c, weight, weight + count);
 	} else {
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to check %zu records", count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to check %zu records", count);
 	}
 	free(weight);
 	free(c->record);
@@ -348,7 +348,7 @@ static gw_status choose_points(check *c, gw_error *error)
 	size_t count = t->surfels->count, rays = 0;
 	double *light = gw_allocate_array(count, sizeof *light);
 	if (!light)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to draw from %zu points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to draw from %zu points", count);
 	for (size_t i = 0; i < count; i++)
 		light[i] = reflectance(t->surfels, i) * gw_luminance(t->direct + 4 * i);
 	for (size_t l = 0; l < c->lamps; l++)
@@ -368,7 +368,7 @@ static gw_status look_at_lamps(check *c, finding *found, gw_error *error)
 	uint32_t count = c->choice.count;
 	c->excess = gw_allocate_array(count, 2 * sizeof *c->excess);
 	if (!c->excess)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u points", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u points", count);
 	gw_parallel_for(c->task->threads, count, CHUNK, check_points, c);
 	gw_status status = check_whole(c, error);
 	if (status != GW_OK) {
@@ -392,7 +392,7 @@ static gw_status check_lamps(check *c, finding *found, gw_error *error)
 	const gw_geometry_task *t = c->task;
 	gw_lamp *lamp = gw_allocate_array(t->light_count, sizeof *lamp);
 	if (!lamp)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu lights", t->light_count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu lights", t->light_count);
 	for (size_t i = 0; i < t->light_count; i++)
 		if (gw_light_shines(&t->lights[i]))
 			lamp[c->lamps++] = gw_lamp_of(&t->lights[i], t->octree, t->surfels, t->options);

@@ -82,7 +82,7 @@ gw_status gw_shadow_error(const gw_surfels *surfels, const float *direct, const 
 	if (e.square && e.used)
 		gw_parallel_for(threads, surfels->count, CHUNK, add_chunk, &e);
 	else
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for the edges of %zu surfels",
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the edges of %zu surfels",
 						 surfels->count);
 	for (size_t c = 0; c < chunks && status == GW_OK; c++) {
 		sum += e.square[c];

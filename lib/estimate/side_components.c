@@ -69,10 +69,9 @@ gw_status gw_side_components_find(const gw_surfels *surfels, uint32_t threads, u
 	gw_neighbours *search = NULL;
 	components p = { .surfels = surfels };
 	p.near = gw_allocate_array(surfels->count, GW_NEIGHBOURS * sizeof *p.near);
-	gw_status status = p.near
-						   ? gw_neighbours_open(surfels, &options, &search, error)
-						   : gw_fail(error, GW_ERROR_MEMORY,
-									 "no host memory for neighbours of %zu points", surfels->count);
+	gw_status status = p.near ? gw_neighbours_open(surfels, &options, &search, error)
+							  : gw_fail(error, GW_ERROR_MEMORY,
+										"no memory for neighbours of %zu points", surfels->count);
 	if (status == GW_OK)
 		status = gw_neighbours_visit(search, list_neighbours, &p, error);
 	if (status == GW_OK)

@@ -347,7 +347,7 @@ static gw_status ask_components(check *c, double w, gw_error *error)
 	gw_status status =
 		component && rays_of
 			? gw_side_components_find(c->task->surfels, c->task->threads, component, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for components of %zu points", count);
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for components of %zu points", count);
 	if (status == GW_OK)
 		limit_by_components(c, component, rays_of, w);
 	free(component);
@@ -397,7 +397,7 @@ static gw_status draw(check *c, gw_error *error)
 	const gw_surfels *s = c->task->surfels;
 	bool *counts = gw_allocate_array(s->count, sizeof *counts);
 	if (!counts)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu points", s->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu points", s->count);
 	for (size_t i = 0; i < s->count; i++)
 		counts[i] = !emits(s, i);
 	gw_status status = gw_check_point_choose(&(gw_check_point_shares){ s->count, counts, NULL, 0 },
@@ -455,7 +455,7 @@ gw_status gw_side_error(const gw_side_task *task, gw_side_finding *found, gw_err
 	c.value[1] = c.value[0] ? c.value[0] + count : NULL;
 	c.wrong = c.value[0] ? c.value[0] + 2 * (size_t)count : NULL;
 	if (status == GW_OK && (!c.lamp || !c.found || !c.value[0]))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory to look from %u points", count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory to look from %u points", count);
 	if (status == GW_OK && count > 1) {
 		list_lamps(&c);
 		status = look_and_conclude(&c, found, error);

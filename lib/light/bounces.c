@@ -62,8 +62,7 @@ static gw_status sums_create(const gw_bounces_task *task, facet_sums *sums, gw_e
 	sums->power = gw_allocate_array(chunks, sizeof *sums->power);
 	sums->largest = gw_allocate_array(chunks, sizeof *sums->largest);
 	if (!sums->power || !sums->largest)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for sums over %zu facets",
-					   sums->slots);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for sums over %zu facets", sums->slots);
 	GW_TRY(gw_view_open(task->on.passes->gpu, &task->on.octree->facet_centre, 16 * sums->slots,
 						&sums->centre, error));
 	if (task->on.octree->dark_slot == 0)
@@ -145,7 +144,7 @@ static gw_status append(gw_bounces *bounces, double energy, double seconds, gw_e
 	gw_bounce *grown =
 		gw_resize_array(bounces->bounce, bounces->bounce_count + 1, sizeof *bounces->bounce);
 	if (!grown)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for bounce %u",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for bounce %u",
 					   bounces->bounce_count + 1);
 	bounces->bounce = grown;
 	bounces->bounce[bounces->bounce_count++] = (gw_bounce){ energy, seconds };

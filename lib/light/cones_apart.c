@@ -30,7 +30,7 @@ static gw_status make_room(apart *a, gw_error *error)
 	a->radiance = gw_allocate_array(a->facet_bytes, 1);
 	a->own = gw_allocate_array(most, 1);
 	if (!a->facet || !a->normal || !a->radiance || !a->own)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %u records",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %u records",
 					   a->on->records->count);
 	const gw_buffer_description normals = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, a->record_bytes,
 											"normals of a compartment" };

@@ -240,7 +240,7 @@ static gw_status upload_normals(gw_gpu *gpu, const gw_surfels *surfels, bool off
 	const float *own = surfels->shading_normal ? surfels->shading_normal : surfels->normal;
 	float *chunk = gw_allocate_array(UPLOAD_SURFELS, 4 * sizeof *chunk);
 	if (!chunk)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu surfels",
 					   surfels->count);
 	gw_status status = gw_buffer_create(
 		gpu,
@@ -363,8 +363,7 @@ static gw_status close_gaps(const gw_lit_cloud *cloud, const gw_light_push *push
 		return GW_OK;
 	closing c = { cloud, push, gw_allocate_array(count, sizeof *c.visibility) };
 	if (!c.visibility)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the lamps of %zu surfels",
-					   count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the lamps of %zu surfels", count);
 	gw_status status =
 		gw_buffer_download(gpu, visibility, 0, c.visibility, count * sizeof *c.visibility, error);
 	if (status == GW_OK) {

@@ -50,7 +50,7 @@ static gw_status mark_rows(gw_gpu *gpu, const gw_octree *octree, uint32_t n, emi
 		return GW_OK;
 	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
 	if (label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the compartments of %u leaves",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u leaves",
 					   octree->leaf_count);
 	gw_status status = gw_compartments_of_facets(gpu, octree, label, error);
 	for (uint32_t i = 0; i < n && status == GW_OK; i++)
@@ -83,7 +83,7 @@ static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float 
 							  gw_allocate_array(emitters->count, sizeof *room.alias) };
 	gw_status status = GW_OK;
 	if (!room.rows || !room.share || !room.alias) {
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u emitters", emitters->count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u emitters", emitters->count);
 	} else {
 		double total;
 		uint32_t n = list_emitters(radiance, centre, 2 * (size_t)octree->leaf_count, &room, &total);

@@ -89,7 +89,7 @@ static gw_status look_from_records(work *w, gw_error *error)
 	GW_TRY(open_views(w, error));
 	w->gap = gw_allocate_zeros(count, sizeof *w->gap);
 	if (!w->gap)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	gw_parallel_for(w->task->threads, count, CHUNK, look_through_all, w);
 	if (atomic_load(&w->stopped))
 		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while gaps were looked for");
@@ -146,7 +146,7 @@ gw_status gw_gap_light_close(const gw_record_context *on, const gw_gap_sight *ga
 	uint64_t bytes = 16 * (uint64_t)count;
 	float *first = gw_allocate_array(count, 8 * sizeof *first);
 	if (!first)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	float *normal = first + 4 * count, mean_share = share_of_all(gap, count);
 	gw_status status = gw_buffer_download(gpu, to, 0, first, bytes, error);
 	if (status == GW_OK)
@@ -175,7 +175,7 @@ gw_status gw_gap_light_fill(const gw_record_context *on, const gw_gap_sight *gap
 	uint64_t bytes = 16 * (uint64_t)count;
 	float *light = gw_allocate_array(count, 4 * sizeof *light);
 	if (!light)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", count);
 	gw_status status = gw_buffer_download(gpu, gathered, 0, light, bytes, error);
 	for (size_t i = 0; i < 4 * count && status == GW_OK; i++)
 		light[i] *= enlarged(gap[i / 4].share);

@@ -92,7 +92,7 @@ static gw_status append(gw_gpu *gpu, VkFormat format, gw_buffer *more, gw_buffer
 	uint64_t bytes = buffer->bytes + more->bytes;
 	char *values = gw_allocate_array(bytes, 1);
 	if (!values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu bytes of %s",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %llu bytes of %s",
 					   (unsigned long long)bytes, buffer->name);
 	gw_buffer *const part[2] = { buffer, more };
 	gw_status status = join(gpu, format, part, values, &joined, error);

@@ -56,7 +56,7 @@ static gw_status find_powers(gw_passes *passes, const gw_octree *octree, const g
 	hits->power = gw_allocate_array(values, sizeof *hits->power);
 	gw_status status = GW_OK;
 	if (!job.power || !hits->power)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records->count);
 	if (status == GW_OK)
 		gw_cpu_loop(passes, GW_PASS_FACET_SHADE, slots, job.part, add_powers, &job);
 	for (size_t i = 0; i < values && status == GW_OK; i++) {
@@ -88,8 +88,7 @@ static gw_status find_slots(const gw_octree *octree, const gw_records *records,
 		if (is_hit[i])
 			hits->slot[n++] = (uint32_t)i;
 	free(is_hit);
-	return complete ? GW_OK
-					: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
+	return complete ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
 }
 
 gw_status gw_hit_facets_find(gw_passes *passes, const gw_octree *octree, const gw_records *records,

@@ -24,7 +24,7 @@ static gw_status fetch_places(gw_gpu *gpu, const gw_records *records, float **pl
 	*place = gw_allocate_array(n, 6 * sizeof **place);
 	gw_status status = GW_OK;
 	if (!position || !normal || !*place)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu records", n);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu records", n);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, writable(&records->position), 0, position, 16 * n, error);
 	if (status == GW_OK)
@@ -50,7 +50,7 @@ static gw_status fetch_leaves(gw_gpu *gpu, const gw_octree *octree, uint64_t **k
 	*key = gw_allocate_array(n, sizeof **key);
 	gw_status status = GW_OK;
 	if (!cell || !*key)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu leaves", n);
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu leaves", n);
 	if (status == GW_OK)
 		status = gw_buffer_download(gpu, writable(&octree->leaf_cell), 0, cell, 16 * n, error);
 	for (size_t i = 0; i < n && status == GW_OK; i++)
@@ -107,7 +107,7 @@ static gw_status take(gw_gpu *gpu, const gw_octree *octree, const gw_records *re
 	GW_TRY(fetch_places(gpu, records, &kept->place, error));
 	GW_TRY(fetch_leaves(gpu, octree, &kept->leaf_key, error));
 	if (!list_records(kept))
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records->count);
 	return GW_OK;
 }
 
@@ -156,7 +156,7 @@ static gw_status match_records(gw_gpu *gpu, const gw_records *records, const gw_
 	uint32_t *known = gw_allocate_array(records->count, sizeof *known);
 	gw_status status =
 		known ? fetch_places(gpu, records, &place, error)
-			  : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+			  : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records->count);
 	for (uint32_t i = 0; i < records->count && status == GW_OK; i++)
 		known[i] = find_record(kept, place + 6 * (size_t)i);
 	if (status == GW_OK)
@@ -178,7 +178,7 @@ static gw_status match_leaves(gw_gpu *gpu, const gw_octree *octree, const gw_kep
 	uint32_t *now = gw_allocate_array(kept->leaf_count, sizeof *now), at = 0;
 	gw_status status =
 		now ? fetch_leaves(gpu, octree, &key, error)
-			: gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u leaves", kept->leaf_count);
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for %u leaves", kept->leaf_count);
 	for (uint32_t i = 0; i < kept->leaf_count && status == GW_OK; i++) {
 		while (at < octree->leaf_count && key[at] < kept->leaf_key[i])
 			at++;

@@ -37,8 +37,7 @@ gw_status gw_given_book(const gw_lit_cloud *cloud, const gw_lamp *lamp, const gw
 	if (!sum->host)
 		sum->host = gw_allocate_array(count, 4 * sizeof *sum->host);
 	if (!sum->host)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the light of %zu surfels",
-					   count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels", count);
 	GW_TRY(gw_buffer_download(cloud->passes->gpu, irradiance, 0, sum->host, 16 * (uint64_t)count,
 							  error));
 	for (size_t i = 0; i < count; i++)

@@ -126,7 +126,7 @@ static gw_status list_rays(finder *f, const uint32_t *facet, float *share, gw_er
 	f->seen = (double)sky / (double)any;
 	if (!make_list(&f->sky, sky < RAYS_MOST ? sky : RAYS_MOST) ||
 		!make_list(&f->any, any < RAYS_MOST ? any : RAYS_MOST))
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to look for portals");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to look for portals");
 	fill_lists(f, facet, sky, any);
 	return GW_OK;
 }
@@ -331,7 +331,7 @@ static gw_status find_spheres(finder *f, float *sphere, uint32_t *count, gw_erro
 	f->votes = gw_allocate_array(cells, sizeof *f->votes);
 	f->best = gw_allocate_array(cells, sizeof *f->best);
 	if (!f->passing || !f->votes || !f->best)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a grid of %u cells", cells);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a grid of %u cells", cells);
 	for (uint32_t level = finest; level + 1 > LEVEL_COARSEST; level--) {
 		double noise = choose_spheres(f, level, own, &found);
 		if (noise >= least)

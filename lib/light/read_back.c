@@ -29,7 +29,7 @@ static gw_status create(gw_gpu *gpu, rows *r, gw_error *error)
 	r->host_record = gw_allocate_array(words, sizeof *r->host_record);
 	r->host_weight = gw_allocate_array(words, sizeof *r->host_weight);
 	if (!r->host_record || !r->host_weight)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for weights of records");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for weights of records");
 	GW_TRY(gw_buffer_create(gpu,
 							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 													  4 * words, "records of surfels" },
@@ -57,7 +57,7 @@ static gw_status reserve(gw_read_back *b, rows *r, size_t used, gw_error *error)
 	if (weight)
 		b->weight = weight;
 	if (!record || !weight)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu weights of records", room);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu weights of records", room);
 	r->room = room;
 	return GW_OK;
 }
@@ -133,7 +133,7 @@ static gw_status make(const gw_record_context *on, const renewal *how, size_t su
 	read_back->first = gw_allocate_zeros(surfel_count + 1, sizeof *read_back->first);
 	gw_status status = read_back->first ? find_rows(on, how, &r, read_back, error)
 										: gw_fail(error, GW_ERROR_MEMORY,
-												  "no host memory for %zu surfels", surfel_count);
+												  "no memory for %zu surfels", surfel_count);
 	gw_buffer_destroy(on->passes->gpu, &r.on_device.record);
 	gw_buffer_destroy(on->passes->gpu, &r.on_device.weight);
 	free(r.host_record);

@@ -195,7 +195,7 @@ gw_status gw_place_records(const gw_place_task *task, uint32_t **chosen, size_t 
 	gw_status status = GW_OK;
 	if (!darts || !table.head || !table.next || !*chosen) {
 		status = gw_fail(error, GW_ERROR_MEMORY,
-						 "no host memory for %zu candidates of records; bake at a smaller depth",
+						 "no memory for %zu candidates of records; bake at a smaller depth",
 						 task->slots);
 		free(*chosen);
 		*chosen = NULL;

@@ -155,7 +155,7 @@ static gw_status fill_lists(const gw_record_context *on, const gw_buffer *facet,
 	gw_gpu *gpu = on->passes->gpu;
 	gw_records *r = on->records;
 	if (!lists->block || !lists->sorted || !lists->first)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory to list %u records", r->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory to list %u records", r->count);
 	GW_TRY(find_blocks(on, facet, block_of, lists->block, error));
 	if (!sort_by_block(lists->block, r->count, r->block_count, lists->first, lists->sorted))
 		return gw_fail(error, GW_ERROR_INTERNAL,
@@ -210,7 +210,7 @@ static gw_status choose_facets(gw_gpu *gpu, const gw_octree *octree, gw_place_ta
 		good = good && (rows[i] || !wanted);
 	}
 	gw_status status =
-		good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
+		good ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
 	task.centre = rows[0];
 	task.plane = rows[1];
 	task.albedo = rows[2];
@@ -345,7 +345,7 @@ gw_status gw_records_reach(gw_gpu *gpu, const gw_records *records, float reach,
 	size_t count = own->count;
 	float *values = gw_allocate_array(count, sizeof *values);
 	if (!values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu numbers", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu numbers", count);
 	for (size_t i = 0; i < count; i++)
 		values[i] = own->closer[i]
 						? fminf(fmaxf(reach * own->spacing[i], RADIUS_DENSE), records->radius)
@@ -408,7 +408,7 @@ gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light
 	float *values = gw_allocate_array(records->count, 4 * sizeof *values);
 	gw_status status = GW_OK;
 	if (!values)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", records->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records->count);
 	for (size_t k = 0; k < 2 && status == GW_OK; k++) {
 		status = gw_buffer_download(gpu, parts[k], 0, values, 16 * (uint64_t)records->count, error);
 		for (size_t i = 0; i < records->count && status == GW_OK; i++)

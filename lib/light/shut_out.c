@@ -74,7 +74,7 @@ gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *ligh
 		return GW_OK;
 	float *own = gw_allocate_array(cloud->surfels->count, 4 * sizeof *own);
 	if (own == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the normals of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the normals of %zu surfels",
 					   cloud->surfels->count);
 	gw_status status = gw_buffer_download(cloud->passes->gpu, normal, 0, own,
 										  16 * (uint64_t)cloud->surfels->count, error);
@@ -91,7 +91,7 @@ gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_er
 	gw_view place = { 0 }, normal = { 0 };
 	*label = gw_allocate_array(on->records->count, sizeof **label);
 	if (*label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u records", on->records->count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", on->records->count);
 	gw_status status = gw_view_open(gpu, &on->records->position, bytes, &place, error);
 	if (status == GW_OK)
 		status = gw_view_open(gpu, &on->records->normal, bytes, &normal, error);
@@ -115,8 +115,7 @@ gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_err
 	GW_TRY(gw_shut_out_label(on, &label, error));
 	float *mark = gw_allocate_zeros(count, 4 * sizeof *mark);
 	gw_status status =
-		mark ? GW_OK
-			 : gw_fail(error, GW_ERROR_MEMORY, "no host memory for marks of %u records", count);
+		mark ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for marks of %u records", count);
 	for (size_t i = 0; i < count && mark; i++)
 		mark[4 * i + 3] = (float)gw_compartment_mark(label[i]);
 	if (status == GW_OK)
@@ -181,7 +180,7 @@ static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 	l->facet = gw_allocate_array(slots, sizeof *l->facet);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->facet || !l->hit)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu facets", slots);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
 	GW_TRY(find_empty_slot(on, &l->empty, error));
 	GW_TRY(gw_shut_out_label(on, &l->record, error));
 	GW_TRY(gw_compartments_of_facets(gpu, on->octree, l->facet, error));

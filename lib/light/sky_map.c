@@ -124,7 +124,7 @@ static gw_status fill_map(gw_gpu *gpu, const gw_light *light, const map_room *ro
 {
 	uint32_t count = map->width * map->height;
 	if (!room->row || !room->sum || !room->texel || !room->weight || !room->alias)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for a map of %u texels", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a map of %u texels", count);
 	shrink(light, map, room->row, room->sum, room->texel);
 	double total = weigh(map, room->texel, room->weight);
 	map->total = (float)total;

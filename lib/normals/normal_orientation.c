@@ -247,13 +247,13 @@ static void limit_areas(orientation_work *w)
 static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_side_light *by_sky,
 							gw_error *error)
 {
-	gw_pieces pieces = {
-		.piece_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
+	gw_patches patches = {
+		.patch_of = w->patch, .opposite = w->opposite, .area = w->area, .count = w->patch_count
 	};
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
-	return gw_side_light_find(w->options, w->surfels, &pieces, w->light, by_sky, error);
+	return gw_side_light_find(w->options, w->surfels, &patches, w->light, by_sky, error);
 }
 
 static bool allocate_patches(orientation_work *w)

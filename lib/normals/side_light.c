@@ -17,8 +17,8 @@
 #define PLACES 4096
 #define RAYS 24u
 #define PART 1024u /* places between two looks whether to stop */
-/* Pieces of fewer surfels have no place. */
-#define PIECE_LEAST 8
+/* Patches of fewer surfels have no place. */
+#define PATCH_LEAST 8
 
 /* A disc's radius by the width of what it stands for: of random points 1 in 300,000 rays gets
  * through a sheet, exp(-pi 2^2). */
@@ -66,9 +66,9 @@ typedef struct blocker {
 	float radiance; /* that it emits, luminance */
 } blocker;
 
-/* A place on a piece, whose normal is the piece's. */
+/* A place on a patch, whose normal is the patch's. */
 typedef struct place {
-	uint32_t piece;
+	uint32_t patch;
 	float area; /* that it stands for, m^2 */
 	gw_disc disc;
 	double direct[2]; /* irradiance on either side, luminance: of lamps and sun */
@@ -83,7 +83,7 @@ typedef struct place {
 typedef struct side_work {
 	const gw_surfels_options *options;
 	const gw_surfels *surfels;
-	const gw_pieces *pieces;
+	const gw_patches *patches;
 	double area;     /* of all surface, m^2 */
 	float reach;     /* longer than the scene, metres */
 	gw_vec3 up;      /* unit */
@@ -103,52 +103,52 @@ typedef struct side_work {
 static float signed_component(const side_work *w, size_t surfel, size_t k)
 {
 	float n = w->surfels->normal[3 * surfel + k];
-	return w->pieces->opposite[surfel] ? -n : n;
+	return w->patches->opposite[surfel] ? -n : n;
 }
 
 static gw_disc make_disc(const side_work *w, size_t surfel, double least_area)
 {
 	const float *p = w->surfels->position + 3 * surfel;
-	float area = fmaxf(w->pieces->area[surfel], (float)least_area);
+	float area = fmaxf(w->patches->area[surfel], (float)least_area);
 	return (gw_disc){ .place = { p[0], p[1], p[2] },
 					  .normal = { signed_component(w, surfel, 0), signed_component(w, surfel, 1),
 								  signed_component(w, surfel, 2) },
 					  .radius = fminf(DISC_WIDTH * sqrtf(area), (float)DISC_MOST * w->reach) };
 }
 
-/* How much surface has been passed since something was chosen, per piece and in all. */
+/* How much surface has been passed since something was chosen, per patch and in all. */
 typedef struct passed {
 	double area, emitted;
-	double *of_piece;     /* area */
-	uint32_t *last_place; /* of a piece, or GW_NONE */
-	uint32_t *size;       /* of a piece, surfels */
+	double *of_patch;     /* area */
+	uint32_t *last_place; /* of a patch, or GW_NONE */
+	uint32_t *size;       /* of a patch, surfels */
 } passed;
 
-/* A place for every so much area of a piece, and one at least. */
+/* A place for every so much area of a patch, and one at least. */
 static void choose_place(side_work *w, passed *so_far, size_t surfel, double every)
 {
-	uint32_t piece = w->pieces->piece_of[surfel];
-	double *area = so_far->of_piece + piece;
-	bool first = so_far->last_place[piece] == GW_NONE;
-	*area += (double)w->pieces->area[surfel];
-	if (so_far->size[piece] < PIECE_LEAST)
+	uint32_t patch = w->patches->patch_of[surfel];
+	double *area = so_far->of_patch + patch;
+	bool first = so_far->last_place[patch] == GW_NONE;
+	*area += (double)w->patches->area[surfel];
+	if (so_far->size[patch] < PATCH_LEAST)
 		return;
 	if (first || *area >= every) {
-		so_far->last_place[piece] = (uint32_t)w->place_count;
+		so_far->last_place[patch] = (uint32_t)w->place_count;
 		if (w->places)
 			w->places[w->place_count] =
-				(place){ .piece = piece, .disc = make_disc(w, surfel, 0.0) };
+				(place){ .patch = patch, .disc = make_disc(w, surfel, 0.0) };
 		w->place_count++;
 		*area = 0.0;
 	}
 	if (w->places)
-		w->places[so_far->last_place[piece]].area += w->pieces->area[surfel];
+		w->places[so_far->last_place[patch]].area += w->patches->area[surfel];
 }
 
 static void choose_disc(side_work *w, passed *so_far, size_t surfel, double every)
 {
 	const gw_surfels *s = w->surfels;
-	double area = (double)w->pieces->area[surfel];
+	double area = (double)w->patches->area[surfel];
 	so_far->area += area;
 	so_far->emitted += s->emission ? area * gw_luminance(s->emission + 3 * surfel) : 0.0;
 	if (s->count > DISCS && so_far->area < every)
@@ -157,7 +157,7 @@ static void choose_disc(side_work *w, passed *so_far, size_t surfel, double ever
 		w->disc[w->disc_count] = make_disc(w, surfel, s->count > DISCS ? every : 0.0);
 		w->disc[w->disc_count].facet = (uint32_t)w->disc_count;
 		w->blocks[w->disc_count] = (blocker){
-			.place = so_far->last_place[w->pieces->piece_of[surfel]],
+			.place = so_far->last_place[w->patches->patch_of[surfel]],
 			.radiance = so_far->area > 0.0 ? (float)(so_far->emitted / so_far->area) : 0.0f,
 		};
 	}
@@ -171,8 +171,8 @@ static void choose(side_work *w, passed *so_far)
 	size_t count = w->surfels->count;
 	w->disc_count = w->place_count = 0;
 	so_far->area = so_far->emitted = 0.0;
-	for (size_t i = 0; i < w->pieces->count; i++) {
-		so_far->of_piece[i] = 0.0;
+	for (size_t i = 0; i < w->patches->count; i++) {
+		so_far->of_patch[i] = 0.0;
 		so_far->last_place[i] = GW_NONE;
 	}
 	for (size_t i = 0; i < count; i++) {
@@ -191,27 +191,27 @@ static bool make_room(side_work *w)
 
 static gw_status choose_all(side_work *w, gw_error *error)
 {
-	size_t pieces = w->pieces->count;
-	passed so_far = { .of_piece = gw_allocate_array(pieces, sizeof *so_far.of_piece),
-					  .last_place = gw_allocate_array(pieces, sizeof *so_far.last_place),
-					  .size = gw_allocate_zeros(pieces, sizeof *so_far.size) };
-	bool made = so_far.of_piece && so_far.last_place && so_far.size;
+	size_t patches = w->patches->count;
+	passed so_far = { .of_patch = gw_allocate_array(patches, sizeof *so_far.of_patch),
+					  .last_place = gw_allocate_array(patches, sizeof *so_far.last_place),
+					  .size = gw_allocate_zeros(patches, sizeof *so_far.size) };
+	bool made = so_far.of_patch && so_far.last_place && so_far.size;
 	if (made) {
 		for (size_t i = 0; i < w->surfels->count; i++) {
-			w->area += (double)w->pieces->area[i];
-			so_far.size[w->pieces->piece_of[i]]++;
+			w->area += (double)w->patches->area[i];
+			so_far.size[w->patches->patch_of[i]]++;
 		}
 		choose(w, &so_far);
 		made = make_room(w);
 		if (made)
 			choose(w, &so_far);
 	}
-	free(so_far.of_piece);
+	free(so_far.of_patch);
 	free(so_far.last_place);
 	free(so_far.size);
 	return made ? GW_OK
 				: gw_fail(error, GW_ERROR_MEMORY,
-						  "no memory for the sides of %zu pieces of surface", pieces);
+						  "no memory for the sides of %zu patches of surface", patches);
 }
 
 /* --------------------------------------------------------------------------------------- lights */
@@ -367,7 +367,7 @@ static void reflect(side_work *w)
 			gather(w, w->places + i, w->ambient, w->places[i].total);
 }
 
-/* --------------------------------------------------------------------------------------- pieces */
+/* ------------------------------------------------------------------------------------- patches */
 
 static void add_place(const place *p, int side, gw_side_view *sum)
 {
@@ -430,14 +430,14 @@ static void find_frame(side_work *w)
 	w->reach = (float)(1.01 * sqrt(squared));
 }
 
-/* What was found, for each piece. */
+/* What was found, for each patch. */
 static void add_up(const side_work *w, gw_side_light *light)
 {
-	for (size_t i = 0; i < w->pieces->count; i++)
+	for (size_t i = 0; i < w->patches->count; i++)
 		light[i] = (gw_side_light){ 0 };
 	for (size_t i = 0; i < w->place_count; i++)
 		for (int side = 0; side < 2; side++)
-			add_place(w->places + i, side, light[w->places[i].piece].side + side);
+			add_place(w->places + i, side, light[w->places[i].patch].side + side);
 }
 
 /* Leaves nothing of the lights but a sky. */
@@ -469,10 +469,10 @@ static gw_status find_light(side_work *w, gw_side_light *light, gw_side_light *b
 }
 
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_pieces *pieces, gw_side_light *light, gw_side_light *by_sky,
+							 const gw_patches *patches, gw_side_light *light, gw_side_light *by_sky,
 							 gw_error *error)
 {
-	side_work w = { .options = options, .surfels = surfels, .pieces = pieces };
+	side_work w = { .options = options, .surfels = surfels, .patches = patches };
 	gw_status status = find_light(&w, light, by_sky, error);
 	gw_disc_tree_clear(&w.tree);
 	free(w.disc);

@@ -1,11 +1,11 @@
 /*
- * side_light.h - how much light falls on either side of pieces of surface, where nobody knows yet
+ * side_light.h - how much light falls on either side of patches of surface, where nobody knows yet
  * which side is their front. Internal to lib/.
  *
- * Of a piece of surface only one side was scanned, as a rule, and only one is looked at: the outer
+ * Of a patch of surface only one side was scanned, as a rule, and only one is looked at: the outer
  * one of a thing, the inner one of a room. Light tells which: the back of a scanned surface looks
  * into what is solid, where no light gets. So light is let in from the lamps, the sun, the sky and
- * what emits, roughly, on both sides of everything: rays from some thousand places on the pieces
+ * what emits, roughly, on both sides of everything: rays from some thousand places on the patches
  * against some ten thousand discs, and a few reflections between the places.
  *
  * One case is left in which light says the wrong thing: a room with windows is brighter on the
@@ -24,13 +24,13 @@
 
 #include "cloud/surfels.h"
 
-/* Surface in pieces: of each, the normals have one sign that is open. */
-typedef struct gw_pieces {
-	const uint32_t *piece_of; /* a surfel's piece */
-	const uint8_t *opposite; /* a surfel's: 1 where its normal is against the others of its piece */
+/* Patches of surface: of each, the normals have one sign that is open. */
+typedef struct gw_patches {
+	const uint32_t *patch_of; /* a surfel's patch */
+	const uint8_t *opposite; /* a surfel's: 1 where its normal is against the others of its patch */
 	const float *area;       /* a surfel's, m^2, rough */
-	size_t count;            /* of pieces */
-} gw_pieces;
+	size_t count;            /* of patches */
+} gw_patches;
 
 /* What rays from one side of a surface found, as sums over places, each times its area. */
 typedef struct gw_side_view {
@@ -43,7 +43,7 @@ typedef struct gw_side_view {
 	double down, down_met; /* share of the rays that go down, and that meet surface there */
 } gw_side_view;
 
-/* The side that a piece's normals point to, then the other one; 0 where nothing is known. */
+/* The side that a patch's normals point to, then the other one; 0 where nothing is known. */
 typedef struct gw_side_light {
 	gw_side_view side[2];
 } gw_side_light;
@@ -53,17 +53,17 @@ typedef struct gw_side_light {
 double gw_side_factor(const gw_side_view *side);
 
 /*
- * Finds the light on both sides of every piece.
+ * Finds the light on both sides of every patch.
  *   options   its lights, threads and what asks whether to stop. Without any light, and where
  *             nothing emits, the sky shines
  *   surfels   position, normal and emission of all
- *   pieces    with arrays of surfels->count elements
- *   light     pieces->count; receives the result
- *   by_sky    pieces->count; receives the same as if an even sky shone, and nothing else; or NULL
+ *   patches   with arrays of surfels->count elements
+ *   light     patches->count; receives the result
+ *   by_sky    patches->count; receives the same as if an even sky shone, and nothing else; or NULL
  * Fails with GW_ERROR_MEMORY or GW_ERROR_CANCELLED. The result does not depend on threads.
  */
 gw_status gw_side_light_find(const gw_surfels_options *options, const gw_surfels *surfels,
-							 const gw_pieces *pieces, gw_side_light *light, gw_side_light *by_sky,
+							 const gw_patches *patches, gw_side_light *light, gw_side_light *by_sky,
 							 gw_error *error);
 
 /* Does nothing shine but a sky, which is taken as even here, or nothing at all? */

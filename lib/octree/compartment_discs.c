@@ -171,7 +171,7 @@ gw_status gw_compartments_wall_discs(gw_gpu *gpu, const gw_octree *octree,
 		wall_all(&w, view, surfels);
 	for (int i = 0; i < 4; i++)
 		gw_view_close(&view[i]);
-	return w.failed ? gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
+	return w.failed ? gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels",
 							  surfels->count)
 					: status;
 }

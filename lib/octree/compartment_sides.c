@@ -401,7 +401,7 @@ static gw_status count_those_that_matter(gw_compartments *c, uint32_t *sides, si
 	uint32_t *looking = gw_allocate_zeros((size_t)c->cells + 1, sizeof *looking);
 	*several = 1;
 	if (looking == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u compartments", c->cells);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u compartments", c->cells);
 	for (size_t i = 0; i < surfels; i++)
 		if (sides[2 * i] != GW_COMPARTMENT_UNKNOWN && sides[2 * i] != c->label[c->cells])
 			*several += ++looking[sides[2 * i]] == LOOKING_LEAST;
@@ -505,10 +505,10 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	uint32_t *leaf_label =
 		gw_allocate_array((size_t)octree->leaf_count + 1, 2 * sizeof *leaf_label);
 	c->sides = gw_allocate_array(surfels, 2 * sizeof *c->sides);
-	gw_status status = other && leaf_label && c->sides
-						   ? open_views(gpu, octree, &v, error)
-						   : gw_fail(error, GW_ERROR_MEMORY,
-									 "no host memory for the sides of %zu surfels", surfels);
+	gw_status status =
+		other && leaf_label && c->sides
+			? open_views(gpu, octree, &v, error)
+			: gw_fail(error, GW_ERROR_MEMORY, "no memory for the sides of %zu surfels", surfels);
 	if (status == GW_OK) {
 		sight s = sight_of(c, octree, &v);
 		s.leaf_label = leaf_label;

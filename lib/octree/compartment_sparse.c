@@ -285,8 +285,8 @@ gw_status gw_compartments_close_sparse(gw_gpu *gpu, const gw_octree *octree,
 	s.place = place.bytes;
 	s.normal = normal.bytes;
 	if (status == GW_OK && !close_all(&s, surfels))
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for walls of %zu surfels",
-						 surfels->count);
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no memory for walls of %zu surfels", surfels->count);
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	free(s.count);

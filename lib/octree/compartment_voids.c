@@ -93,7 +93,7 @@ static gw_status close_leaves(const gw_octree *octree, const uint32_t *neighbour
 			c->leaves[i] |= t.closes[i];
 	}
 	clear(&t);
-	return fits ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u tiles", t.count);
+	return fits ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u tiles", t.count);
 }
 
 /* Of the level above: a void may take up all of a node. */
@@ -114,7 +114,7 @@ static gw_status close_nodes(const gw_octree *octree, const uint32_t *neighbour,
 				c->child[8 * first + i] = GW_WALL;
 	}
 	clear(&t);
-	return fits ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u tiles", t.count);
+	return fits ? GW_OK : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u tiles", t.count);
 }
 
 gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,

@@ -87,7 +87,7 @@ static gw_status join_all(const gw_octree *octree, gw_compartments *c, gw_error 
 	if (cells < GW_COMPARTMENT_UNKNOWN)
 		c->label = gw_allocate_array(cells + 1, sizeof *c->label);
 	if (c->label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %llu cells",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %llu cells",
 					   (unsigned long long)cells);
 	c->cells = (uint32_t)cells;
 	for (uint32_t i = 0; i <= c->cells; i++)
@@ -206,7 +206,7 @@ static gw_status make(const gw_octree *octree, gw_compartments **made, gw_error 
 			return GW_OK;
 	}
 	gw_compartments_destroy(made);
-	return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the compartments of %llu cells",
+	return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %llu cells",
 				   (unsigned long long)cells);
 }
 
@@ -216,7 +216,7 @@ static gw_status number_them(gw_compartments *c, size_t surfels, gw_error *error
 {
 	uint32_t *number = gw_allocate_array((size_t)c->cells + 1, sizeof *number);
 	if (number == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u compartments", c->cells);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u compartments", c->cells);
 	memset(number, 0xff, ((size_t)c->cells + 1) * sizeof *number);
 	number[c->label[c->cells]] = c->count++;
 	for (size_t i = 0; i < 2 * surfels; i++) {

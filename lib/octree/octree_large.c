@@ -32,7 +32,7 @@ static gw_status enter_facets(gw_octree_work *work, uint32_t *first, uint32_t *s
 	gw_octree *octree = work->octree;
 	size_t leaves = octree->leaf_count, fragments = octree->fragment_count;
 	if (!first || !surfel)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu fragments", fragments);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu fragments", fragments);
 	GW_TRY(gw_buffer_download(work->gpu, &octree->leaf_fragment, 0, first,
 							  4 * (uint64_t)(leaves + 1), error));
 	GW_TRY(gw_buffer_download(work->gpu, &octree->fragment_surfel, 0, surfel,
@@ -80,7 +80,7 @@ static gw_status fill_tree(gw_octree_work *work, uint32_t *facet, gw_disc *disc,
 						   gw_error *error)
 {
 	if (!facet || !disc)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %u large discs",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u large discs",
 					   work->octree->tree_discs);
 	for (size_t i = 0; i < work->surfels->count; i++)
 		facet[i] = GW_NONE;

@@ -12,9 +12,9 @@
 #include <string.h>
 
 #define CHUNK 256u
-#define PIECES 4        /* nearest to a point that it may lie on */
+#define TRIANGLES 4     /* nearest to a point that it may lie on */
 #define POINTS 8        /* around a corner that light it */
-#define ON_PLANE 0.25f  /* radii of a point's distance from a piece that it lies on */
+#define ON_PLANE 0.25f  /* radii of a point's distance from a triangle that it lies on */
 #define SAME_PLANE 0.7f /* least |cosine| between their normals */
 #define SAME_SIDE 0.6f  /* least cosine between the normals of a corner and of its points */
 #define FURTHEST 4.0f   /* longest edges from a corner to the point that lights it */
@@ -22,7 +22,7 @@
 
 /* ----------------------------------------------------------------------------- cutting */
 
-/* A triangle on its way to pieces: positions, then normals. */
+/* A triangle on its way to smaller ones: positions, then normals. */
 typedef struct cut_triangle {
 	float corner[3][6];
 } cut_triangle;
@@ -35,12 +35,12 @@ static double squared_edge(const cut_triangle *t, int from)
 	return x * x + y * y + z * z;
 }
 
-static bool is_outside(const gw_mesh_pieces *pieces, const cut_triangle *t)
+static bool is_outside(const gw_tessellation *triangles, const cut_triangle *t)
 {
 	const float *a = t->corner[0], *b = t->corner[1], *c = t->corner[2];
 	for (int k = 0; k < 3; k++)
-		if (fmaxf(fmaxf(a[k], b[k]), c[k]) < pieces->minimum[k] ||
-			fminf(fminf(a[k], b[k]), c[k]) > pieces->maximum[k])
+		if (fmaxf(fmaxf(a[k], b[k]), c[k]) < triangles->minimum[k] ||
+			fminf(fminf(a[k], b[k]), c[k]) > triangles->maximum[k])
 			return true;
 	return false;
 }
@@ -61,28 +61,30 @@ static void halve(cut_triangle *t, int from, cut_triangle *other)
 	memcpy(other->corner[from], middle, sizeof middle);
 }
 
-static gw_status add_piece(gw_mesh_pieces *pieces, const cut_triangle *t, gw_error *error)
+static gw_status add_triangle(gw_tessellation *triangles, const cut_triangle *t, gw_error *error)
 {
-	if (pieces->count == pieces->capacity) {
-		size_t capacity = pieces->capacity ? 2 * pieces->capacity : 1024;
-		float *position = gw_resize_array(pieces->position, capacity, 9 * sizeof *position);
-		pieces->position = position ? position : pieces->position;
-		float *normal = gw_resize_array(pieces->normal, capacity, 9 * sizeof *normal);
-		pieces->normal = normal ? normal : pieces->normal;
+	if (triangles->count == triangles->capacity) {
+		size_t capacity = triangles->capacity ? 2 * triangles->capacity : 1024;
+		float *position = gw_resize_array(triangles->position, capacity, 9 * sizeof *position);
+		triangles->position = position ? position : triangles->position;
+		float *normal = gw_resize_array(triangles->normal, capacity, 9 * sizeof *normal);
+		triangles->normal = normal ? normal : triangles->normal;
 		if (!position || !normal)
-			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu pieces of meshes", capacity);
-		pieces->capacity = capacity;
+			return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu triangles of meshes",
+						   capacity);
+		triangles->capacity = capacity;
 	}
 	for (size_t i = 0; i < 3; i++) {
-		memcpy(pieces->position + 9 * pieces->count + 3 * i, t->corner[i], 3 * sizeof(float));
-		memcpy(pieces->normal + 9 * pieces->count + 3 * i, t->corner[i] + 3, 3 * sizeof(float));
+		memcpy(triangles->position + 9 * triangles->count + 3 * i, t->corner[i], 3 * sizeof(float));
+		memcpy(triangles->normal + 9 * triangles->count + 3 * i, t->corner[i] + 3,
+			   3 * sizeof(float));
 	}
-	pieces->count++;
+	triangles->count++;
 	return GW_OK;
 }
 
-gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], const float normal[9],
-							 gw_error *error)
+gw_status gw_tessellation_add(gw_tessellation *triangles, const float corner[9],
+							  const float normal[9], gw_error *error)
 {
 	cut_triangle stack[DEEPEST];
 	int depth = 1;
@@ -90,10 +92,10 @@ gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], cons
 		memcpy(stack[0].corner[i], corner + 3 * i, 3 * sizeof(float));
 		memcpy(stack[0].corner[i] + 3, normal + 3 * i, 3 * sizeof(float));
 	}
-	double longest = (double)pieces->longest;
-	while (depth > 0 && pieces->count < pieces->most) {
+	double longest = (double)triangles->longest;
+	while (depth > 0 && triangles->count < triangles->most) {
 		cut_triangle *t = &stack[depth - 1];
-		if (is_outside(pieces, t)) {
+		if (is_outside(triangles, t)) {
 			depth--;
 			continue;
 		}
@@ -105,25 +107,25 @@ gw_status gw_mesh_pieces_add(gw_mesh_pieces *pieces, const float corner[9], cons
 			depth++;
 			continue;
 		}
-		GW_TRY(add_piece(pieces, t, error));
+		GW_TRY(add_triangle(triangles, t, error));
 		depth--;
 	}
 	return GW_OK;
 }
 
-void gw_mesh_pieces_clear(gw_mesh_pieces *pieces)
+void gw_tessellation_clear(gw_tessellation *triangles)
 {
-	free(pieces->position);
-	free(pieces->normal);
-	free(pieces->channel);
-	*pieces = (gw_mesh_pieces){ .count = 0 };
+	free(triangles->position);
+	free(triangles->normal);
+	free(triangles->channel);
+	*triangles = (gw_tessellation){ .count = 0 };
 }
 
 /* ---------------------------------------------------------------------------- lighting */
 
 /* What all steps need. */
 typedef struct lighting {
-	gw_mesh_pieces *pieces;
+	gw_tessellation *triangles;
 	const gw_surfels *surfels;
 	const float *channel;
 	uint32_t channel_count, threads;
@@ -132,7 +134,7 @@ typedef struct lighting {
 	uint32_t k;       /* neighbours */
 	uint8_t *on_mesh; /* surfels */
 	uint32_t *point;  /* the surfels on the mesh */
-	uint8_t *lit;     /* pieces */
+	uint8_t *lit;     /* triangles */
 	atomic_bool out_of_memory;
 } lighting;
 
@@ -146,8 +148,8 @@ static void find_scale(lighting *l)
 	float largest = 0.0f;
 	for (size_t i = 0; i < 3 * l->surfels->count; i++)
 		largest = fmaxf(largest, fabsf(l->surfels->position[i]));
-	for (size_t i = 0; i < 9 * l->pieces->count; i++)
-		largest = fmaxf(largest, fabsf(l->pieces->position[i]));
+	for (size_t i = 0; i < 9 * l->triangles->count; i++)
+		largest = fmaxf(largest, fabsf(l->triangles->position[i]));
 	l->scale = largest > 0.0f ? ldexpf(1.0f, -ilogbf(largest)) : 1.0f;
 }
 
@@ -163,18 +165,18 @@ static bool search(lighting *l, const float *place, size_t count, int *found)
 	return false;
 }
 
-static void middle_of(const gw_mesh_pieces *pieces, size_t piece, float middle[3])
+static void middle_of(const gw_tessellation *triangles, size_t triangle, float middle[3])
 {
-	const float *p = pieces->position + 9 * piece;
+	const float *p = triangles->position + 9 * triangle;
 	for (size_t k = 0; k < 3; k++)
 		middle[k] = (p[k] + p[3 + k] + p[6 + k]) / 3.0f;
 }
 
-static bool lies_on(const lighting *l, size_t surfel, size_t piece)
+static bool lies_on(const lighting *l, size_t surfel, size_t triangle)
 {
-	const float *p = l->pieces->position + 9 * piece, *at = l->surfels->position + 3 * surfel;
+	const float *p = l->triangles->position + 9 * triangle, *at = l->surfels->position + 3 * surfel;
 	float side[2][3], normal[3], middle[3], way[3];
-	middle_of(l->pieces, piece, middle);
+	middle_of(l->triangles, triangle, middle);
 	for (size_t k = 0; k < 3; k++) {
 		side[0][k] = p[3 + k] - p[k];
 		side[1][k] = p[6 + k] - p[k];
@@ -184,7 +186,7 @@ static bool lies_on(const lighting *l, size_t surfel, size_t piece)
 		int a = (k + 1) % 3, b = (k + 2) % 3;
 		normal[k] = side[0][a] * side[1][b] - side[0][b] * side[1][a];
 	}
-	float length = sqrtf(dot(normal, normal)), longest = l->pieces->longest;
+	float length = sqrtf(dot(normal, normal)), longest = l->triangles->longest;
 	return fabsf(dot(normal, way)) <= ON_PLANE * l->surfels->radius[surfel] * length &&
 		   dot(way, way) <= longest * longest &&
 		   fabsf(dot(normal, l->surfels->normal + 3 * surfel)) >= SAME_PLANE * length;
@@ -194,7 +196,7 @@ static void find_on_mesh(void *user, size_t first, size_t last, uint32_t worker)
 {
 	(void)worker;
 	lighting *l = user;
-	int found[CHUNK * PIECES];
+	int found[CHUNK * TRIANGLES];
 	if (!search(l, l->surfels->position + 3 * first, last - first, found))
 		return;
 	for (size_t i = first; i < last; i++) {
@@ -208,7 +210,8 @@ static void find_on_mesh(void *user, size_t first, size_t last, uint32_t worker)
  * there are any. False when there is none near. */
 static bool light_corner(const lighting *l, size_t corner, const int *found, float *out)
 {
-	const float *at = l->pieces->position + 3 * corner, *normal = l->pieces->normal + 3 * corner;
+	const float *at = l->triangles->position + 3 * corner,
+				*normal = l->triangles->normal + 3 * corner;
 	float squared[POINTS], reach = 0.0f, nearest = INFINITY, sum = 0.0f;
 	bool same[POINTS], any = false;
 	for (size_t j = 0; j < l->k; j++) {
@@ -231,21 +234,21 @@ static bool light_corner(const lighting *l, size_t corner, const int *found, flo
 	}
 	for (uint32_t c = 0; c < l->channel_count; c++)
 		out[c] /= sum;
-	return nearest <= FURTHEST * FURTHEST * l->pieces->longest * l->pieces->longest;
+	return nearest <= FURTHEST * FURTHEST * l->triangles->longest * l->triangles->longest;
 }
 
-static void light_pieces(void *user, size_t first, size_t last, uint32_t worker)
+static void light_triangles(void *user, size_t first, size_t last, uint32_t worker)
 {
 	(void)worker;
 	lighting *l = user;
 	int found[CHUNK * 3 * POINTS];
-	if (!search(l, l->pieces->position + 9 * first, 3 * (last - first), found))
+	if (!search(l, l->triangles->position + 9 * first, 3 * (last - first), found))
 		return;
 	for (size_t i = first; i < last; i++) {
 		l->lit[i] = 1;
 		for (size_t c = 3 * i; c < 3 * i + 3; c++)
 			l->lit[i] &= light_corner(l, c, found + (c - 3 * first) * l->k,
-									  l->pieces->channel + (size_t)l->channel_count * c);
+									  l->triangles->channel + (size_t)l->channel_count * c);
 	}
 }
 
@@ -261,11 +264,11 @@ static bool open_index(lighting *l, float *scaled, size_t count, uint32_t most)
 
 static bool find_points(lighting *l)
 {
-	size_t count = l->pieces->count;
+	size_t count = l->triangles->count;
 	float *middle = gw_allocate_array(count, 3 * sizeof *middle);
 	for (size_t i = 0; middle && i < count; i++)
-		middle_of(l->pieces, i, middle + 3 * i);
-	if (middle && open_index(l, middle, count, PIECES))
+		middle_of(l->triangles, i, middle + 3 * i);
+	if (middle && open_index(l, middle, count, TRIANGLES))
 		gw_parallel_for(l->threads, l->surfels->count, CHUNK, find_on_mesh, l);
 	bool good = l->index && !atomic_load(&l->out_of_memory);
 	gw_neighbour_index_free(l->index);
@@ -274,7 +277,7 @@ static bool find_points(lighting *l)
 	return good;
 }
 
-/* Lights all pieces; false when memory is short. */
+/* Lights all triangles; false when memory is short. */
 static bool light(lighting *l, size_t points)
 {
 	float *place = gw_allocate_array(points, 3 * sizeof *place);
@@ -285,7 +288,7 @@ static bool light(lighting *l, size_t points)
 			l->point[count++] = (uint32_t)i;
 		}
 	if (place && open_index(l, place, points, POINTS))
-		gw_parallel_for(l->threads, l->pieces->count, CHUNK, light_pieces, l);
+		gw_parallel_for(l->threads, l->triangles->count, CHUNK, light_triangles, l);
 	bool good = l->index && !atomic_load(&l->out_of_memory);
 	gw_neighbour_index_free(l->index);
 	l->index = NULL;
@@ -295,7 +298,7 @@ static bool light(lighting *l, size_t points)
 
 static void keep_lit(lighting *l)
 {
-	gw_mesh_pieces *p = l->pieces;
+	gw_tessellation *p = l->triangles;
 	size_t kept = 0, width = 3 * (size_t)l->channel_count;
 	for (size_t i = 0; i < p->count; i++) {
 		if (!l->lit[i])
@@ -308,25 +311,25 @@ static void keep_lit(lighting *l)
 	p->count = kept;
 }
 
-gw_status gw_mesh_light(gw_mesh_pieces *pieces, const gw_surfels *surfels,
+gw_status gw_mesh_light(gw_tessellation *triangles, const gw_surfels *surfels,
 						gw_surfel_channels channels, uint32_t threads, uint8_t *on_mesh,
 						gw_error *error)
 {
-	lighting l = { .pieces = pieces,
+	lighting l = { .triangles = triangles,
 				   .surfels = surfels,
 				   .channel = channels.channel,
 				   .channel_count = channels.count,
 				   .threads = threads,
 				   .on_mesh = on_mesh };
 	memset(on_mesh, 0, surfels->count);
-	if (pieces->count == 0)
+	if (triangles->count == 0)
 		return GW_OK;
 	find_scale(&l);
-	l.lit = gw_allocate_zeros(pieces->count, 1);
+	l.lit = gw_allocate_zeros(triangles->count, 1);
 	l.point = gw_allocate_array(surfels->count, sizeof *l.point);
-	pieces->channel =
-		gw_allocate_array(pieces->count, 3 * (size_t)channels.count * sizeof *pieces->channel);
-	bool good = l.lit && l.point && pieces->channel && find_points(&l);
+	triangles->channel = gw_allocate_array(triangles->count,
+										   3 * (size_t)channels.count * sizeof *triangles->channel);
+	bool good = l.lit && l.point && triangles->channel && find_points(&l);
 	size_t points = 0;
 	for (size_t i = 0; i < surfels->count && good; i++)
 		points += on_mesh[i];

@@ -49,9 +49,9 @@ static gw_status keys_of_leaves(gw_render_octree *o, uint32_t level, uint64_t **
 	uint32_t *leaf = gw_allocate_array(t->leaf_count, 4 * sizeof *leaf);
 	*keys = gw_allocate_array(t->leaf_count, sizeof **keys);
 	*count = 0;
-	gw_status status = leaf && *keys ? GW_OK
-									 : gw_fail(error, GW_ERROR_MEMORY,
-											   "no host memory for %u cells", t->leaf_count);
+	gw_status status =
+		leaf && *keys ? GW_OK
+					  : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u cells", t->leaf_count);
 	if (status == GW_OK)
 		status = gw_buffer_download(o->gpu, &o->octree.leaf_cell, 0, leaf,
 									16 * (uint64_t)t->leaf_count, error);
@@ -87,7 +87,7 @@ static gw_status keys_of_tiles(gw_render_octree *o, uint32_t level, uint64_t **k
 	/* A key is two words, the low one first, as a little-endian uint64_t is. */
 	*keys = gw_allocate_array(*count, sizeof **keys);
 	if (!*keys)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu tiles", *count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu tiles", *count);
 	GW_TRY(gw_buffer_download(o->gpu, leaves ? &t->leaf_tile_key : &t->tile_key,
 							  8 * (uint64_t)first, *keys, 8 * (uint64_t)*count, error));
 	*count = sort_unique(*keys, *count);

@@ -460,8 +460,7 @@ static void draw_layers(tile_job *job, size_t count)
 		draw_layer(job, 1, count);
 }
 
-/* ------------------------------------------------------------------- surface that is seen through
- */
+/* ---------------------------------------------------------------- surface that is seen through */
 
 static void clear_blend(const tile_job *job)
 {

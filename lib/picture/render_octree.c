@@ -35,7 +35,7 @@ static gw_status upload_radiance(gw_render_octree *o, const gw_surfels *surfels,
 {
 	float *wide = gw_allocate_zeros(surfels->count, 4 * sizeof *wide);
 	if (!wide)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the radiance of %zu surfels",
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the radiance of %zu surfels",
 					   surfels->count);
 	for (size_t i = 0; i < 3 * surfels->count; i++)
 		wide[i / 3 * 4 + i % 3] = radiance[i];
@@ -106,7 +106,7 @@ gw_status gw_render_octree_create(const gw_surfels *surfels, const float *radian
 	*made = NULL;
 	gw_render_octree *o = gw_allocate_zeros(1, sizeof *o);
 	if (!o)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for an octree");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for an octree");
 	gw_status status = make(o, surfels, radiance, options, error);
 	if (status == GW_OK)
 		*made = o;
@@ -161,10 +161,10 @@ gw_status gw_render_octree_records(gw_render_octree *o, const gw_bake_options *b
 	if (status == GW_OK) {
 		cell = gw_allocate_array(records.count, 4 * sizeof *cell);
 		*position = gw_allocate_array(records.count, 3 * sizeof **position);
-		status = cell && *position ? gw_buffer_download(o->gpu, &records.position, 0, cell,
-														16 * (uint64_t)records.count, error)
-								   : gw_fail(error, GW_ERROR_MEMORY,
-											 "no host memory for %u records", records.count);
+		status = cell && *position
+					 ? gw_buffer_download(o->gpu, &records.position, 0, cell,
+										  16 * (uint64_t)records.count, error)
+					 : gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", records.count);
 	}
 	if (status == GW_OK) {
 		*count = records.count;
@@ -210,7 +210,7 @@ static gw_status open_batch(gw_render_octree *o, size_t pixels, batch *b, gw_err
 	size_t count = pixels < BATCH ? pixels : BATCH;
 	b->host = gw_allocate_array(count, 4 * sizeof *b->host);
 	if (!b->host)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for %zu pixels", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu pixels", count);
 	gw_buffer *const buffer[] = { &b->position, &b->normal, &b->result };
 	static const char *const name[] = { "pixel position", "pixel normal", "pixel result" };
 	for (int i = 0; i < 3; i++)

@@ -7,16 +7,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define CELLS 180000.0    /* about as many, */
-#define SIDE 160.0        /* at most so many along the longest side */
-#define CELL_SPACINGS 2.5 /* least width of a cell in spacings, so that surfaces have no holes */
-#define SAMPLES 100000    /* coordinates that quantiles are found from */
-#define TAIL 100          /* one in so many lies beyond each quantile */
-#define REACH 0.5         /* beyond the quantiles, in the distance between them */
-#define REACH_LEAST 0.25  /* the same in the longest such distance */
-#define PIECES 32         /* cells along the longest side that tell pieces apart */
-#define PIECE_LEAST 500   /* one in so many points is no stray piece */
-#define SCANNERS 64       /* of which the nearest is looked for */
+#define CELLS 180000.0      /* about as many, */
+#define SIDE 160.0          /* at most so many along the longest side */
+#define CELL_SPACINGS 2.5   /* least width of a cell in spacings, so that surfaces have no holes */
+#define SAMPLES 100000      /* coordinates that quantiles are found from */
+#define TAIL 100            /* one in so many lies beyond each quantile */
+#define REACH 0.5           /* beyond the quantiles, in the distance between them */
+#define REACH_LEAST 0.25    /* the same in the longest such distance */
+#define COMPONENT_CELLS 32  /* cells along the longest side that tell components apart */
+#define COMPONENT_LEAST 500 /* one in so many points is no stray component */
+#define SCANNERS 64         /* of which the nearest is looked for */
 
 /* ------------------------------------------------------------------------- what counts */
 
@@ -54,17 +54,17 @@ bool gw_view_space_holds(const view_space *v, const float position[3])
 	return true;
 }
 
-/* A grid of counts over the bounds, and what piece each of its cells belongs to. */
-typedef struct pieces {
+/* A grid of counts over the bounds, and what component each of its cells belongs to. */
+typedef struct components {
 	const view_space *space;
 	double width;
 	int32_t size[3];
 	uint32_t *points; /* of a cell */
 	uint32_t *stack;  /* of cells that are still to be looked at */
-	uint8_t *kept;    /* 1: seen, 2: of a piece that counts */
-} pieces;
+	uint8_t *kept;    /* 1: seen, 2: of a component that counts */
+} components;
 
-static size_t piece_cell(const pieces *p, const float position[3])
+static size_t component_cell(const components *p, const float position[3])
 {
 	size_t at[3];
 	for (int k = 0; k < 3; k++)
@@ -74,7 +74,7 @@ static size_t piece_cell(const pieces *p, const float position[3])
 }
 
 /* Adds the cells around one to the stack. */
-static size_t add_neighbours(pieces *p, size_t cell, size_t height)
+static size_t add_neighbours(components *p, size_t cell, size_t height)
 {
 	size_t row = cell / (size_t)p->size[0];
 	int32_t at[3] = { (int32_t)(cell % (size_t)p->size[0]), (int32_t)(row % (size_t)p->size[1]),
@@ -96,8 +96,8 @@ static size_t add_neighbours(pieces *p, size_t cell, size_t height)
 	return height;
 }
 
-/* Goes over one piece; its cells then are the first of the stack, `size` of them. */
-static size_t find_piece(pieces *p, size_t first, uint64_t *points)
+/* Goes over one component; its cells then are the first of the stack, `size` of them. */
+static size_t find_component(components *p, size_t first, uint64_t *points)
 {
 	size_t size = 1;
 	p->stack[0] = (uint32_t)first;
@@ -110,25 +110,25 @@ static size_t find_piece(pieces *p, size_t first, uint64_t *points)
 	return size;
 }
 
-static void keep_pieces(pieces *p, size_t cells, uint64_t least)
+static void keep_components(components *p, size_t cells, uint64_t least)
 {
 	uint64_t points;
 	for (size_t i = 0; i < cells; i++) {
 		if (p->points[i] == 0 || p->kept[i])
 			continue;
-		size_t size = find_piece(p, i, &points);
+		size_t size = find_component(p, i, &points);
 		for (size_t c = 0; c < size && points >= least; c++)
 			p->kept[p->stack[c]] = 2;
 	}
 }
 
-/* Narrows the bounds to the pieces that are no strays. */
-static void bound_pieces(const pieces *p, view_space *v)
+/* Narrows the bounds to the components that are no strays. */
+static void bound_components(const components *p, view_space *v)
 {
 	double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
 	for (size_t i = 0; i < v->surfels->count; i++) {
 		const float *at = v->surfels->position + 3 * i;
-		if (!gw_view_space_holds(v, at) || p->kept[piece_cell(p, at)] != 2)
+		if (!gw_view_space_holds(v, at) || p->kept[component_cell(p, at)] != 2)
 			continue;
 		for (int k = 0; k < 3; k++) {
 			low[k] = fmin(low[k], (double)at[k]);
@@ -144,12 +144,12 @@ static void bound_pieces(const pieces *p, view_space *v)
 static gw_status find_bounds(view_space *v, gw_error *error)
 {
 	GW_TRY(find_middle(v, error));
-	pieces p = { .space = v };
+	components p = { .space = v };
 	double longest = 1e-30;
 	size_t cells = 1, held = 0;
 	for (int k = 0; k < 3; k++)
 		longest = fmax(longest, v->high[k] - v->low[k]);
-	p.width = longest / PIECES;
+	p.width = longest / COMPONENT_CELLS;
 	for (int k = 0; k < 3; k++) {
 		p.size[k] = (int32_t)((v->high[k] - v->low[k]) / p.width) + 1;
 		cells *= (size_t)p.size[k];
@@ -160,12 +160,12 @@ static gw_status find_bounds(view_space *v, gw_error *error)
 	bool good = p.points && p.stack && p.kept;
 	for (size_t i = 0; i < v->surfels->count && good; i++)
 		if (gw_view_space_holds(v, v->surfels->position + 3 * i)) {
-			p.points[piece_cell(&p, v->surfels->position + 3 * i)]++;
+			p.points[component_cell(&p, v->surfels->position + 3 * i)]++;
 			held++;
 		}
 	if (good) {
-		keep_pieces(&p, cells, held / PIECE_LEAST);
-		bound_pieces(&p, v);
+		keep_components(&p, cells, held / COMPONENT_LEAST);
+		bound_components(&p, v);
 	}
 	free(p.points);
 	free(p.stack);

@@ -31,7 +31,8 @@ enum {
 #define BLIND -2.0f    /* no beam */
 #define ENCLOSED -3.0f /* likewise, though all around it others came back from somewhere */
 
-/* Share of all directions that an enclosed piece has at most: beyond, it is the sky over a yard. */
+/* Share of all directions that an enclosed component has at most: beyond, it is the sky over a
+ * yard. */
 #define ENCLOSED_MOST 0.125
 
 /* Share of the places that is open in a closed scene, at most. */
@@ -64,8 +65,7 @@ typedef struct work {
 	gw_scanned_space *space;
 } work;
 
-/* ------------------------------------------------------------------------------------ directions
- */
+/* --------------------------------------------------------------------------------- directions */
 
 static float distance_to(const scanner *s, const float place[3], float way[3])
 {
@@ -154,9 +154,10 @@ static size_t push_cell(scanner *s, size_t cell, uint32_t *stack, size_t top)
 	return top + 1;
 }
 
-/* Marks the piece of NOTHING around a cell as ENCLOSED. The stack keeps all of it, `count` cells.
- * False when it reaches the highest or lowest directions, or those without a beam, or is large. */
-static bool mark_piece(scanner *s, size_t first, uint32_t *stack, size_t *count)
+/* Marks the component of NOTHING around a cell as ENCLOSED. The stack keeps all of it, `count`
+ * cells. False when it reaches the highest or lowest directions, or those without a beam, or is
+ * large. */
+static bool mark_component(scanner *s, size_t first, uint32_t *stack, size_t *count)
 {
 	uint32_t columns = 2 * s->rows;
 	double share = 0.0;
@@ -180,7 +181,8 @@ static bool mark_piece(scanner *s, size_t first, uint32_t *stack, size_t *count)
 	return enclosed && share * M_PI / (4.0 * s->rows * s->rows) <= ENCLOSED_MOST;
 }
 
-/* Finds the pieces of directions from which nothing came back, though all around them it did. */
+/* Finds the components of directions from which nothing came back, though all around them it did.
+ */
 static bool find_enclosed(scanner *s)
 {
 	size_t cells = 2 * (size_t)s->rows * s->rows, count;
@@ -188,9 +190,9 @@ static bool find_enclosed(scanner *s)
 	if (!stack)
 		return false;
 	for (size_t c = 0; c < cells; c++)
-		s->second[c] = 0.0f; /* whether its piece is known to be none; holes are closed by now */
+		s->second[c] = 0.0f; /* whether it is known to be in none; holes are closed by now */
 	for (size_t c = 0; c < cells; c++) {
-		if (s->depth[c] != NOTHING || s->second[c] > 0.0f || mark_piece(s, c, stack, &count))
+		if (s->depth[c] != NOTHING || s->second[c] > 0.0f || mark_component(s, c, stack, &count))
 			continue;
 		for (size_t i = 0; i < count; i++) {
 			s->depth[stack[i]] = NOTHING;
@@ -232,8 +234,8 @@ static gw_status assign(work *w, uint32_t threads, gw_error *error)
 	gw_neighbours *search = NULL;
 	gw_status status = GW_OK;
 	if (!place || !plane || !w->scanner_of)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no host memory for the scanners of %zu surfels",
-						 count);
+		status =
+			gw_fail(error, GW_ERROR_MEMORY, "no memory for the scanners of %zu surfels", count);
 	const gw_scanner_places places = { place, p->scanner_count, plane };
 	const gw_surfels_options options = { .threads = threads }; /* as long as the search */
 	if (status == GW_OK) {
@@ -317,8 +319,7 @@ static bool make_depths(work *w)
 	return good;
 }
 
-/* ------------------------------------------------------------------------------------------ grid
- */
+/* --------------------------------------------------------------------------------------- grid */
 
 /* Two cells more than the points take on every side: the first of them may count as seen. */
 bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
@@ -339,8 +340,7 @@ bool gw_scanned_space_grid(const gw_surfels *surfels, float most, float width,
 	return space->state != NULL;
 }
 
-/* ----------------------------------------------------------------------------------------- cells
- */
+/* -------------------------------------------------------------------------------------- cells */
 
 static size_t cell_at(const gw_scanned_space *space, const uint32_t at[3])
 {
@@ -422,10 +422,9 @@ gw_status gw_scanned_space_make(const gw_points *points, const gw_surfels *surfe
 	if (made)
 		return GW_OK;
 	gw_scanned_space_clear(space);
-	return status != GW_OK
-			   ? status
-			   : gw_fail(error, GW_ERROR_MEMORY, "no host memory for what %zu scanners saw",
-						 points->scanner_count);
+	return status != GW_OK ? status
+						   : gw_fail(error, GW_ERROR_MEMORY, "no memory for what %zu scanners saw",
+									 points->scanner_count);
 }
 
 void gw_scanned_space_clear(gw_scanned_space *space)
@@ -434,8 +433,7 @@ void gw_scanned_space_clear(gw_scanned_space *space)
 	*space = (gw_scanned_space){ .scanners = 0 };
 }
 
-/* ------------------------------------------------------------------------------------------ ways
- */
+/* --------------------------------------------------------------------------------------- ways */
 
 /* Ends of a way: what the last of its places is, and the last that is known. */
 typedef struct way_end {
@@ -474,8 +472,8 @@ static void find_stretch(const gw_scanned_space *space, const gw_way *way, float
 	}
 }
 
-/* Whether a way passes a hole. One that leaves the scene may pass its rim, and one that ends is
- * looked at but for its ends, which may lie beside a hole. */
+/* Whether a way passes a hole. One that leaves the scene may pass its boundary, and one that ends
+ * is looked at but for its ends, which may lie beside a hole. */
 static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
 {
 	bool leaves = !isfinite(way->length);
@@ -491,7 +489,7 @@ static bool passes_hole(const gw_scanned_space *space, const gw_way *way)
 		if (!gw_scanned_space_cell(space, (const float[]){ place.x, place.y, place.z }, at))
 			break;
 		uint8_t state = space->state[cell_at(space, at)];
-		if (state == GW_SPACE_HOLE || (leaves && state == GW_SPACE_RIM))
+		if (state == GW_SPACE_HOLE || (leaves && state == GW_SPACE_BOUNDARY))
 			return true;
 	}
 	return false;

@@ -41,7 +41,7 @@ enum {
 	GW_SPACE_OPEN,
 	GW_SPACE_SURFACE,
 	GW_SPACE_HOLE,
-	GW_SPACE_RIM /* a surface's cell beside a hole */
+	GW_SPACE_BOUNDARY /* a surface's cell beside a hole */
 };
 
 typedef struct gw_scanned_space {

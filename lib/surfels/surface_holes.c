@@ -29,17 +29,17 @@
  * of that at most. */
 #define OPEN_MOST 0.3
 
-/* Extent of a rim over the extent of what is seen, at most, and how much nearer one side of it may
- * be. */
-#define RIM_MOST 0.5f
+/* Extent of a boundary over the extent of what is seen, at most, and how much nearer one side of it
+ * may be. */
+#define BOUNDARY_MOST 0.5f
 #define SLOPE_MOST 3.0f
 
-/* Of a rim: its directions, and its cells in extent, at least. */
-#define RIM_LEAST 4u
-#define RIM_CELLS 2.5f
+/* Of a boundary: its directions, and its cells in extent, at least. */
+#define BOUNDARY_LEAST 4u
+#define BOUNDARY_CELLS 2.5f
 
-/* Places on a rim that are beside each other lie no further apart than this part of its extent, or
- * so many cells: else something is seen through the hole. */
+/* Places on a boundary that are beside each other lie no further apart than this part of its
+ * extent, or so many cells: else something is seen through the hole. */
 #define JUMP_MOST 0.25f
 #define JUMP_CELLS 4.0f
 
@@ -61,24 +61,25 @@
 /* A cell where some viewpoint has put a membrane, until it is known to be of a hole. */
 #define SEEN 255u
 
-/* What viewpoints put into cells: membranes of a rim that is seen well, in so many directions
+/* What viewpoints put into cells: membranes of a boundary that is seen well, in so many directions
  * within it, and whole, and of others. */
-#define BY_WHOLE_RIM 1u
+#define BY_WHOLE_BOUNDARY 1u
 #define BY_OTHERS 2u
 #define SEEN_WELL 16u
 
-/* Where more than one in so many viewpoints is in the open, only whole rims are those of holes. */
+/* Where more than one in so many viewpoints is in the open, only whole boundaries are those of
+ * holes. */
 #define OPEN_VIEWPOINTS 4u
 
 typedef struct viewpoint {
 	gw_vec3 place;
-	float width;                /* extent of what it sees, metres */
-	bool open;                  /* hardly anything is around it */
-	uint8_t mark;               /* how membranes are marked now */
-	float depth[DIRECTIONS];    /* metres to what is met; below 0: nothing */
-	float inverse[DIRECTIONS];  /* of the depth, of the membrane too */
-	uint8_t piece[DIRECTIONS];  /* 1: of some piece already, or its rim */
-	uint32_t stack[DIRECTIONS]; /* directions of the piece */
+	float width;                   /* extent of what it sees, metres */
+	bool open;                     /* hardly anything is around it */
+	uint8_t mark;                  /* how membranes are marked now */
+	float depth[DIRECTIONS];       /* metres to what is met; below 0: nothing */
+	float inverse[DIRECTIONS];     /* of the depth, of the membrane too */
+	uint8_t component[DIRECTIONS]; /* 1: of some component already, or its boundary */
+	uint32_t stack[DIRECTIONS];    /* directions of the component */
 } viewpoint;
 
 /* Blocks of cells, and one more on each side of the grid. */
@@ -102,7 +103,7 @@ typedef struct work {
 	gw_vec3 *place;        /* VIEWPOINTS */
 	gw_vec3 *way;          /* DIRECTIONS */
 	grid_way *grid_way;    /* the same */
-	_Atomic uint8_t *seen; /* cells: BY_WHOLE_RIM, BY_OTHERS, where one has put a membrane */
+	_Atomic uint8_t *seen; /* cells: BY_WHOLE_BOUNDARY, BY_OTHERS, where one has put a membrane */
 	_Atomic uint32_t *open_viewpoints;
 	size_t cells, viewpoints;
 } work;
@@ -122,8 +123,7 @@ static bool find_cell(const gw_scanned_space *space, gw_vec3 place, size_t *cell
 	return true;
 }
 
-/* -------------------------------------------------------------------------------------- the grid
- */
+/* ----------------------------------------------------------------------------------- the grid */
 
 /* Marks the cells that a disc touches. */
 static void mark_disc(gw_scanned_space *space, const gw_surfels *s, size_t i)
@@ -307,8 +307,7 @@ static float look(const work *w, gw_vec3 from, gw_vec3 way)
 	return t < 0.0f ? t : t * w->space->cell;
 }
 
-/* -------------------------------------------------------------------------------- the viewpoints
- */
+/* ----------------------------------------------------------------------------- the viewpoints */
 
 /* Half way across the free space before a surfel. */
 static bool place_viewpoint(const work *w, size_t surfel, gw_vec3 *place)
@@ -399,7 +398,7 @@ static bool look_around(const work *w, viewpoint *v)
 		float t = within ? walk_to_surface(&view[through->down], through) : -1.0f;
 		v->depth[i] = t < 0.0f ? t : t * w->space->cell;
 		v->inverse[i] = v->depth[i] > 0.0f ? 1.0f / v->depth[i] : 0.0f;
-		v->piece[i] = 0;
+		v->component[i] = 0;
 		if (v->depth[i] < 0.0f)
 			open += share_of(i);
 		else
@@ -410,8 +409,7 @@ static bool look_around(const work *w, viewpoint *v)
 	return open > 0.0f && !v->open;
 }
 
-/* ------------------------------------------------------------------------------------ the pieces
- */
+/* -------------------------------------------------------------------------- seen through holes */
 
 /* The directions beside one; across the poles, too. */
 static void list_beside(uint32_t number, uint32_t beside[4])
@@ -424,38 +422,38 @@ static void list_beside(uint32_t number, uint32_t beside[4])
 	beside[3] = row + 1 < ROWS ? number + COLUMNS : row * COLUMNS + across;
 }
 
-/* What is known of a piece of directions that find nothing. */
-typedef struct piece {
-	uint32_t count, rim;
+/* What is known of a component of directions that find nothing. */
+typedef struct component {
+	uint32_t count, boundary;
 	float share, nearest, furthest, inverse;
-	extent rim_extent;
-} piece;
+	extent boundary_extent;
+} component;
 
-static void add_rim(const viewpoint *v, gw_vec3 way, uint32_t number, piece *p)
+static void add_boundary(const viewpoint *v, gw_vec3 way, uint32_t number, component *p)
 {
 	float depth = v->depth[number];
-	p->rim++;
+	p->boundary++;
 	p->nearest = fminf(p->nearest, depth);
 	p->furthest = fmaxf(p->furthest, depth);
 	p->inverse += v->inverse[number];
-	extend(&p->rim_extent, gw_plus(v->place, gw_times(way, depth)));
+	extend(&p->boundary_extent, gw_plus(v->place, gw_times(way, depth)));
 }
 
-/* The piece that a direction belongs to, on the viewpoint's stack. */
-static piece find_piece(const work *w, viewpoint *v, uint32_t first)
+/* The component that a direction belongs to, on the viewpoint's stack. */
+static component find_component(const work *w, viewpoint *v, uint32_t first)
 {
-	piece p = { .nearest = INFINITY, .rim_extent = nowhere };
+	component p = { .nearest = INFINITY, .boundary_extent = nowhere };
 	v->stack[p.count++] = first;
-	v->piece[first] = 1;
+	v->component[first] = 1;
 	for (uint32_t i = 0; i < p.count; i++) {
 		uint32_t beside[4];
 		list_beside(v->stack[i], beside);
 		p.share += share_of(v->stack[i]);
 		for (int k = 0; k < 4; k++) {
 			if (v->depth[beside[k]] >= 0.0f) {
-				add_rim(v, w->way[beside[k]], beside[k], &p);
-			} else if (!v->piece[beside[k]]) {
-				v->piece[beside[k]] = 1;
+				add_boundary(v, w->way[beside[k]], beside[k], &p);
+			} else if (!v->component[beside[k]]) {
+				v->component[beside[k]] = 1;
 				v->stack[p.count++] = beside[k];
 			}
 		}
@@ -477,11 +475,11 @@ static bool is_jump(const work *w, const viewpoint *v, const uint32_t number[2],
 	return gw_dot(off, off) > most * most;
 }
 
-/* Whether there is a jump within the rim of the piece on the stack. Of the eight directions around
- * one of its own, those in the corners are beside two others each. */
-static bool has_jump(const work *w, const viewpoint *v, const piece *p)
+/* Whether there is a jump within the boundary of the component on the stack. Of the eight
+ * directions around one of its own, those in the corners are beside two others each. */
+static bool has_jump(const work *w, const viewpoint *v, const component *p)
 {
-	float most = fmaxf(JUMP_MOST * width_of(&p->rim_extent), JUMP_CELLS * w->space->cell);
+	float most = fmaxf(JUMP_MOST * width_of(&p->boundary_extent), JUMP_CELLS * w->space->cell);
 	for (uint32_t i = 0; i < p->count; i++) {
 		uint32_t row = v->stack[i] / COLUMNS, beside[4], corner[4];
 		list_beside(v->stack[i], beside);
@@ -498,18 +496,18 @@ static bool has_jump(const work *w, const viewpoint *v, const piece *p)
 	return false;
 }
 
-static bool is_hole(const work *w, const viewpoint *v, const piece *p)
+static bool is_hole(const work *w, const viewpoint *v, const component *p)
 {
-	float width = width_of(&p->rim_extent);
-	return p->rim >= RIM_LEAST && p->share < 0.5f * (float)OPEN_MOST &&
-		   width < RIM_MOST * v->width && width > RIM_CELLS * w->space->cell &&
+	float width = width_of(&p->boundary_extent);
+	return p->boundary >= BOUNDARY_LEAST && p->share < 0.5f * (float)OPEN_MOST &&
+		   width < BOUNDARY_MOST * v->width && width > BOUNDARY_CELLS * w->space->cell &&
 		   p->furthest < SLOPE_MOST * p->nearest;
 }
 
-static void stretch_membrane(viewpoint *v, const piece *p)
+static void stretch_membrane(viewpoint *v, const component *p)
 {
 	for (uint32_t i = 0; i < p->count; i++)
-		v->inverse[v->stack[i]] = p->inverse / (float)p->rim;
+		v->inverse[v->stack[i]] = p->inverse / (float)p->boundary;
 	for (int sweep = 0; sweep < SWEEPS; sweep++)
 		for (uint32_t i = 0; i < p->count; i++) {
 			uint32_t beside[4];
@@ -540,25 +538,25 @@ static void mark_direction(const work *w, const viewpoint *v, uint32_t number)
 	}
 }
 
-/* What the middle of a rim's direction meets, others in it may not. */
-static void mark_with_rim(const work *w, viewpoint *v, uint32_t number)
+/* What the middle of a boundary's direction meets, others in it may not. */
+static void mark_with_boundary(const work *w, viewpoint *v, uint32_t number)
 {
 	uint32_t beside[4];
 	mark_direction(w, v, number);
 	list_beside(number, beside);
 	for (int k = 0; k < 4; k++)
-		if (v->depth[beside[k]] >= 0.0f && !v->piece[beside[k]]) {
-			v->piece[beside[k]] = 1;
+		if (v->depth[beside[k]] >= 0.0f && !v->component[beside[k]]) {
+			v->component[beside[k]] = 1;
 			mark_direction(w, v, beside[k]);
 		}
 }
 
-static void mark_piece(const work *w, viewpoint *v, const piece *p)
+static void mark_component(const work *w, viewpoint *v, const component *p)
 {
-	v->mark = p->count < SEEN_WELL || has_jump(w, v, p) ? BY_OTHERS : BY_WHOLE_RIM;
+	v->mark = p->count < SEEN_WELL || has_jump(w, v, p) ? BY_OTHERS : BY_WHOLE_BOUNDARY;
 	stretch_membrane(v, p);
 	for (uint32_t k = 0; k < p->count; k++)
-		mark_with_rim(w, v, v->stack[k]);
+		mark_with_boundary(w, v, v->stack[k]);
 }
 
 /* Whether a viewpoint is in the open. */
@@ -567,11 +565,11 @@ static bool look_from(const work *w, viewpoint *v)
 	if (!look_around(w, v))
 		return v->open;
 	for (uint32_t i = 0; i < DIRECTIONS; i++) {
-		if (v->depth[i] >= 0.0f || v->piece[i])
+		if (v->depth[i] >= 0.0f || v->component[i])
 			continue;
-		piece p = find_piece(w, v, i);
+		component p = find_component(w, v, i);
 		if (is_hole(w, v, &p))
-			mark_piece(w, v, &p);
+			mark_component(w, v, &p);
 	}
 	return false;
 }
@@ -588,8 +586,7 @@ static void look_from_all(void *user, size_t first, size_t last, uint32_t worker
 	}
 }
 
-/* ------------------------------------------------------------------------------------- the holes
- */
+/* ---------------------------------------------------------------------------------- the holes */
 
 /* Calls for the cells around one, of which there are 26 but for the grid's ends. */
 typedef size_t around_work(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top);
@@ -618,11 +615,11 @@ static size_t push_hole(gw_scanned_space *space, size_t cell, uint32_t *stack, s
 	return top + 1;
 }
 
-static size_t make_rim(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top)
+static size_t make_boundary(gw_scanned_space *space, size_t cell, uint32_t *stack, size_t top)
 {
 	(void)stack;
 	if (space->state[cell] == GW_SPACE_SURFACE)
-		space->state[cell] = GW_SPACE_RIM;
+		space->state[cell] = GW_SPACE_BOUNDARY;
 	return top;
 }
 
@@ -658,13 +655,13 @@ static hole measure(const gw_scanned_space *space, const uint32_t *cell, size_t 
 /* Counts a hole, and extends what all are in; one of too few cells is none. */
 static void count_hole(gw_scanned_space *space, const hole *h, extent *all)
 {
-	if (h->cells < HOLE_CELLS || h->width < RIM_CELLS * space->cell) {
+	if (h->cells < HOLE_CELLS || h->width < BOUNDARY_CELLS * space->cell) {
 		for (size_t i = 0; i < h->cells; i++)
 			space->state[h->cell[i]] = GW_SPACE_FREE;
 		return;
 	}
 	for (size_t i = 0; i < h->cells; i++) {
-		go_around(space, h->cell[i], make_rim, NULL, 0);
+		go_around(space, h->cell[i], make_boundary, NULL, 0);
 		extend(all, middle_of(space, h->cell[i]));
 	}
 	space->holes++;
@@ -680,8 +677,8 @@ static bool count_holes(const work *w)
 	gw_scanned_space *space = w->space;
 	size_t seen = 0;
 	uint8_t marks = OPEN_VIEWPOINTS * *w->open_viewpoints > w->viewpoints
-						? BY_WHOLE_RIM
-						: BY_WHOLE_RIM | BY_OTHERS;
+						? BY_WHOLE_BOUNDARY
+						: BY_WHOLE_BOUNDARY | BY_OTHERS;
 	extent all = nowhere;
 	for (size_t c = 0; c < w->cells; c++)
 		if (space->state[c] != GW_SPACE_SURFACE) {
@@ -699,7 +696,7 @@ static bool count_holes(const work *w)
 		hole h = measure(space, stack, top);
 		count_hole(space, &h, &all);
 	}
-	widen(&all, 2.0f * space->cell); /* their rims are beside them */
+	widen(&all, 2.0f * space->cell); /* their boundaries are beside them */
 	memcpy(space->holes_low, &all.low, sizeof all.low);
 	memcpy(space->holes_high, &all.high, sizeof all.high);
 	bool made = stack != NULL;
@@ -744,6 +741,6 @@ gw_status gw_surface_holes_find(const gw_surfels *surfels, uint32_t threads,
 	if (!made || !gw_scanned_space_known(space))
 		gw_scanned_space_clear(space);
 	return made ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no host memory for the holes of %zu surfels",
+				: gw_fail(error, GW_ERROR_MEMORY, "no memory for the holes of %zu surfels",
 						  surfels->count);
 }

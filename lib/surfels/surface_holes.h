@@ -3,13 +3,13 @@
  * is a hole. Internal to lib/.
  *
  * From places in the free space between surfaces it is looked all around, through a grid of cells
- * that discs touch. Where most directions meet something, and those that do not are a piece with
- * surface all around it, that piece is a hole, if its rim is much smaller than what is seen from
- * there and lies about as far away on all sides. A membrane is put where the surface would be: the
- * inverse of the distance, which is harmonic for a plane, as the rim has it.
+ * that discs touch. Where most directions meet something, and those that do not are a component
+ * with surface all around it, that component is a hole, if its boundary is much smaller than what
+ * is seen from there and lies about as far away on all sides. A membrane is put where the surface
+ * would be: the inverse of the distance, which is harmonic for a plane, as the boundary has it.
  *
- * In the open, a rim that jumps from what is near to what is far is that of no hole, as what is far
- * is seen through it: a door, and the ground behind it. In closed rooms the near part may be
+ * In the open, a boundary that jumps from what is near to what is far is that of no hole, as what
+ * is far is seen through it: a door, and the ground behind it. In closed rooms the near part may be
  * furniture before a hole, or before its own shadow in the scan.
  *
  * So the front of an open box is no hole, as it is as large as the box; the sky over ground is

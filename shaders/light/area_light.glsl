@@ -1,7 +1,7 @@
 /*
  * area_light.glsl - what spheres, discs and rectangles of even radiance send to a place, and rays
  * to them. Uses `push`, a gw_light_push of such a light: discs and rectangles shine to the side of
- * push.direction; those of luminaires have a `distribution`, by which each piece of them shines.
+ * push.direction; those of luminaires have a `distribution`, by which each part of them shines.
  */
 #ifndef AREA_LIGHT_GLSL
 #define AREA_LIGHT_GLSL
@@ -105,17 +105,17 @@ float area_factor(vec3 g, vec3 normal)
 	return 0.5f * polygon_factor(to, normal) / area;
 }
 
-/* Pieces that a luminaire's area is taken for. */
-#define GW_LUMINAIRE_PIECES 64u
+/* Parts that a luminaire's area is taken for. */
+#define GW_LUMINAIRE_PARTS 64u
 
 bool is_luminaire_area()
 {
 	return is_area_light() && push.verticals > 0u;
 }
 
-/* The middle of a piece, from the middle of all: of a disc four rings, of a rectangle rows of
- * pieces that are about as long as wide. All are as large. */
-vec3 luminaire_piece(uint s)
+/* The middle of a part, from the middle of all: of a disc four rings, of a rectangle rows of
+ * parts that are about as long as wide. All are as large. */
+vec3 luminaire_part(uint s)
 {
 	vec3 across = push.across.xyz, up = cross(across, push.direction.xyz);
 	if (push.type == GW_PUSH_DISC) {
@@ -127,29 +127,29 @@ vec3 luminaire_piece(uint s)
 	}
 	uint columns = 8u;
 	float ratio = push.across.w / push.half_height;
-	for (; ratio > 2.0f && columns < GW_LUMINAIRE_PIECES; ratio *= 0.25f)
+	for (; ratio > 2.0f && columns < GW_LUMINAIRE_PARTS; ratio *= 0.25f)
 		columns *= 2u;
 	for (; ratio < 0.5f && columns > 1u; ratio *= 4.0f)
 		columns /= 2u;
-	uint rows = GW_LUMINAIRE_PIECES / columns;
+	uint rows = GW_LUMINAIRE_PARTS / columns;
 	float x = (2.0f * float(s % columns) + 1.0f) / float(columns) - 1.0f;
 	float y = (2.0f * float(s / columns) + 1.0f) / float(rows) - 1.0f;
 	return across * (x * push.across.w) + up * (y * push.half_height);
 }
 
 /* Share of its intensity that a luminaire sends that way, over the squared distance. `aim` leads
- * from the place to a piece of it. */
-float luminaire_sends(vec3 aim, float piece)
+ * from the place to a part of it. */
+float luminaire_sends(vec3 aim, float part)
 {
 	vec3 axis = push.direction.xyz, across = push.across.xyz, up = cross(across, axis);
-	float squared = max(dot(aim, aim), max(piece, 1e-12f));
+	float squared = max(dot(aim, aim), max(part, 1e-12f));
 	vec3 way = aim * (-1.0f / sqrt(squared));
 	return distribution_share(push.verticals, push.horizontals,
 							  vec3(dot(way, across), dot(way, up), dot(way, axis))) /
 		   squared;
 }
 
-/* As area_received, of a luminaire: the sum over its pieces. Nearer than a piece is wide, the
+/* As area_received, of a luminaire: the sum over its parts. Nearer than a part is wide, the
  * distance stops falling. */
 float luminaire_received(vec3 g, vec4 normal)
 {
@@ -157,14 +157,14 @@ float luminaire_received(vec3 g, vec4 normal)
 	float radius = push.position.w, sum = 0.0f;
 	float area = push.type == GW_PUSH_DISC ? GW_PI * radius * radius
 										   : 4.0f * push.across.w * push.half_height;
-	for (uint s = 0u; s < GW_LUMINAIRE_PIECES; s++) {
-		vec3 aim = to + luminaire_piece(s);
+	for (uint s = 0u; s < GW_LUMINAIRE_PARTS; s++) {
+		vec3 aim = to + luminaire_part(s);
 		float cosine = dot(normal.xyz, aim) / max(length(aim), 1e-6f);
 		cosine = normal.w > 0.5f ? abs(cosine) : max(cosine, 0.0f);
 		if (cosine > 0.0f)
-			sum += cosine * luminaire_sends(aim, area / float(GW_LUMINAIRE_PIECES));
+			sum += cosine * luminaire_sends(aim, area / float(GW_LUMINAIRE_PARTS));
 	}
-	return sum / float(GW_LUMINAIRE_PIECES);
+	return sum / float(GW_LUMINAIRE_PARTS);
 }
 
 /* Both sides of a surface whose normal is not trusted. */

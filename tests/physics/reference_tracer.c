@@ -15,22 +15,22 @@
 /* From this vertex on, paths end by chance and directions are plain random numbers. */
 #define FIRST_ROULETTE 3u
 
-/* Surface is cut into about so many pieces, to learn which of it lamps and emitters light. */
-#define PIECES 40000.0
+/* Surface is cut into about so many patches, to learn which of it lamps and emitters light. */
+#define PATCHES 40000.0
 
-/* Places at which a piece is tried. */
+/* Places at which a patch is tried. */
 #define TRIES 4u
 
 /* A part of a triangle. */
-typedef struct piece {
+typedef struct patch {
 	double corner[3], u[3], v[3]; /* u and v lead to the other corners */
 	uint32_t triangle;
 	double density; /* probability of being aimed at, a square metre */
-} piece;
+} patch;
 
 /* Places on surface to aim at, more often where more light comes from. */
 typedef struct targets {
-	uint32_t *item; /* owned; triangles or pieces */
+	uint32_t *item; /* owned; triangles or patches */
 	double *share;  /* owned; cumulative, the last is 1 */
 	size_t count;
 } targets;
@@ -39,10 +39,10 @@ struct reference_tracer {
 	const mesh_scene *scene;
 	RTCDevice device;
 	RTCScene rays;
-	piece *piece; /* owned */
-	size_t piece_count;
+	patch *patch; /* owned */
+	size_t patch_count;
 	targets emitters;        /* triangles */
-	targets lit;             /* pieces that lamps or emitters light */
+	targets lit;             /* patches that lamps or emitters light */
 	double *emitter_density; /* of each triangle: probability a square metre; owned */
 	float sky[3];
 };
@@ -341,7 +341,7 @@ static void add_lit(const reference_tracer *t, const vertex *v, sampler *random,
 	double pair[2], place[3], arriving[3] = { 0 };
 	connection c;
 	draw_pair(random, pair);
-	const piece *at = &t->piece[pick(&t->lit, &pair[0])];
+	const patch *at = &t->patch[pick(&t->lit, &pair[0])];
 	const mesh_triangle *triangle = &t->scene->triangle[at->triangle];
 	place_on(at->corner, at->u, at->v, pair, place);
 	if (!connect(t, v, place, triangle->normal, &c))
@@ -356,8 +356,8 @@ static void add_lit(const reference_tracer *t, const vertex *v, sampler *random,
 
 /* ---------------------------------------------------------------------------------- paths */
 
-/* The piece that a ray meets, and where; NULL when none. */
-static const piece *find_hit(const reference_tracer *t, const vertex *v, const double direction[3],
+/* The patch that a ray meets, and where; NULL when none. */
+static const patch *find_hit(const reference_tracer *t, const vertex *v, const double direction[3],
 							 double place[3], double *distance)
 {
 	struct RTCIntersectContext context;
@@ -377,7 +377,7 @@ static const piece *find_hit(const reference_tracer *t, const vertex *v, const d
 	*distance = (double)query.ray.tfar;
 	for (size_t k = 0; k < 3; k++)
 		place[k] = v->p[k] + *distance * direction[k];
-	return &t->piece[query.hit.primID];
+	return &t->patch[query.hit.primID];
 }
 
 /* Weight of having met a place by a cosine-distributed direction, against aiming at it. */
@@ -391,7 +391,7 @@ bool reference_tracer_hit(const reference_tracer *t, const double origin[3],
 {
 	double place[3];
 	const vertex v = { .p = { origin[0], origin[1], origin[2] } };
-	const piece *hit = find_hit(t, &v, direction, place, distance);
+	const patch *hit = find_hit(t, &v, direction, place, distance);
 	if (hit)
 		*triangle = hit->triangle;
 	return hit;
@@ -432,7 +432,7 @@ static void add_path(const reference_tracer *t, vertex v, sampler *random, doubl
 		draw_pair(random, pair);
 		double cosine = sqrt(pair[0]);
 		direct_about(v.normal, cosine, pair[1], direction);
-		const piece *hit = find_hit(t, &v, direction, place, &distance);
+		const patch *hit = find_hit(t, &v, direction, place, &distance);
 		if (!hit)
 			add_met_sky(t, &v, direction, throughput, sum);
 		const mesh_triangle *triangle = hit ? &t->scene->triangle[hit->triangle] : NULL;
@@ -587,13 +587,13 @@ static size_t cuts_of(const mesh_triangle *triangle, double area)
 	return (size_t)ceil(sqrt(triangle->area / area));
 }
 
-/* The j-th piece of row i of a triangle with n rows; the rows widen from the first corner on. */
-static piece make_piece(const mesh_scene *s, size_t index, size_t n, size_t i, size_t j)
+/* The j-th patch of row i of a triangle with n rows; the rows widen from the first corner on. */
+static patch make_patch(const mesh_scene *s, size_t index, size_t n, size_t i, size_t j)
 {
 	const mesh_triangle *t = &s->triangle[index];
 	double column = (double)(j / 2), row = (double)i, turned = j % 2 ? -1.0 : 1.0;
-	piece p = { .triangle = (uint32_t)index };
-	/* Every other piece stands on its head, at the far corner of the parallelogram. */
+	patch p = { .triangle = (uint32_t)index };
+	/* Every other patch stands on its head, at the far corner of the parallelogram. */
 	double a = row + (j % 2 ? 1.0 : 0.0), b = column + (j % 2 ? 1.0 : 0.0);
 	for (size_t k = 0; k < 3; k++) {
 		double u = (t->corner[1][k] - t->corner[0][k]) / (double)n;
@@ -605,32 +605,32 @@ static piece make_piece(const mesh_scene *s, size_t index, size_t n, size_t i, s
 	return p;
 }
 
-static bool make_pieces(reference_tracer *t)
+static bool make_patches(reference_tracer *t)
 {
 	const mesh_scene *s = t->scene;
 	double area = 0.0;
 	size_t count = 0;
 	for (size_t i = 0; i < s->count; i++)
-		area += s->triangle[i].area / PIECES;
+		area += s->triangle[i].area / PATCHES;
 	for (size_t i = 0; i < s->count; i++)
 		count += cuts_of(&s->triangle[i], area) * cuts_of(&s->triangle[i], area);
-	t->piece = reallocarray(NULL, count, sizeof *t->piece);
-	for (size_t index = 0; t->piece && index < s->count; index++) {
+	t->patch = reallocarray(NULL, count, sizeof *t->patch);
+	for (size_t index = 0; t->patch && index < s->count; index++) {
 		size_t n = cuts_of(&s->triangle[index], area);
 		for (size_t i = 0; i < n; i++)
 			for (size_t j = 0; j < 2 * (n - i) - 1; j++)
-				t->piece[t->piece_count++] = make_piece(s, index, n, i, j);
+				t->patch[t->patch_count++] = make_patch(s, index, n, i, j);
 	}
-	return t->piece;
+	return t->patch;
 }
 
-/* Finds out, roughly, how much light each piece reflects that comes straight from the sources. */
+/* Finds out, roughly, how much light each patch reflects that comes straight from the sources. */
 static bool find_lit(reference_tracer *t)
 {
-	if (!allocate_targets(&t->lit, t->piece_count))
+	if (!allocate_targets(&t->lit, t->patch_count))
 		return false;
-	for (size_t i = 0; i < t->piece_count; i++) {
-		piece *p = &t->piece[i];
+	for (size_t i = 0; i < t->patch_count; i++) {
+		patch *p = &t->patch[i];
 		const mesh_triangle *triangle = &t->scene->triangle[p->triangle];
 		double sum[3] = { 0 };
 		sampler random = { .seed = mix(i), .mask = TRIES - 1 };
@@ -651,14 +651,14 @@ static bool find_lit(reference_tracer *t)
 		add_target(&t->lit, i, p->density * 0.5 * sqrt(dot(side, side)));
 	}
 	double whole = end_targets(&t->lit);
-	for (size_t i = 0; i < t->piece_count; i++)
-		t->piece[i].density /= whole;
+	for (size_t i = 0; i < t->patch_count; i++)
+		t->patch[i].density /= whole;
 	return true;
 }
 
 static bool build(reference_tracer *t)
 {
-	size_t n = t->piece_count;
+	size_t n = t->patch_count;
 	t->device = rtcNewDevice("threads=1");
 	t->rays = t->device ? rtcNewScene(t->device) : NULL;
 	RTCGeometry mesh = t->device ? rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE) : NULL;
@@ -669,7 +669,7 @@ static bool build(reference_tracer *t)
 	uint32_t *index = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
 											  3 * sizeof(uint32_t), n);
 	for (size_t i = 0; corner && i < 9 * n; i++) {
-		const piece *p = &t->piece[i / 9];
+		const patch *p = &t->patch[i / 9];
 		size_t k = i % 3, at = i / 3 % 3;
 		corner[i] = (float)(p->corner[k] + (at == 1 ? p->u[k] : at == 2 ? p->v[k] : 0.0));
 	}
@@ -689,7 +689,7 @@ gw_status reference_tracer_create(const mesh_scene *scene, reference_tracer **tr
 	*tracer = calloc(1, sizeof **tracer);
 	if (*tracer) {
 		(*tracer)->scene = scene;
-		if (find_emitters(*tracer) && make_pieces(*tracer) && build(*tracer) && find_lit(*tracer))
+		if (find_emitters(*tracer) && make_patches(*tracer) && build(*tracer) && find_lit(*tracer))
 			return GW_OK;
 	}
 	reference_tracer_destroy(tracer);
@@ -707,7 +707,7 @@ void reference_tracer_destroy(reference_tracer **tracer)
 		rtcReleaseScene(t->rays);
 	if (t->device)
 		rtcReleaseDevice(t->device);
-	free(t->piece);
+	free(t->patch);
 	free(t->emitters.item);
 	free(t->emitters.share);
 	free(t->emitter_density);

@@ -886,8 +886,7 @@ static void noise_of_normals_is_in_the_estimate(void **state)
 	assert_near(said, 0, 0, 0);
 }
 
-/* -------------------------------------------------------------------------- shares of one light
- */
+/* ----------------------------------------------------------------------- shares of one light */
 
 /* A floor at z = 0, a plate over its half below x = 0, and a lamp like a ball over the plate's
  * edge. Metres. */

@@ -1,4 +1,5 @@
-/* Meshes in pictures: triangles cut to pieces, and pieces in the light of the points on them. */
+/* Meshes in pictures: triangles cut into smaller ones, and these in the light of the points on
+ * them. */
 #include "glowworm_picture.h"
 
 #include <math.h>
@@ -12,21 +13,21 @@
 static const float up[9] = { 0, 0, 1, 0, 0, 1, 0, 0, 1 };
 
 /* None yet, of that size, within 10 m of the middle. */
-static gw_mesh_pieces make_pieces(float longest)
+static gw_tessellation cut_into(float longest)
 {
-	return (gw_mesh_pieces){
+	return (gw_tessellation){
 		.longest = longest, .minimum = { -10, -10, -10 }, .maximum = { 10, 10, 10 }, .most = 100000
 	};
 }
 
-static float length_of_edge(const gw_mesh_pieces *p, size_t piece, size_t edge)
+static float length_of_edge(const gw_tessellation *p, size_t triangle, size_t edge)
 {
-	const float *a = p->position + 9 * piece + 3 * edge;
-	const float *b = p->position + 9 * piece + 3 * ((edge + 1) % 3);
+	const float *a = p->position + 9 * triangle + 3 * edge;
+	const float *b = p->position + 9 * triangle + 3 * ((edge + 1) % 3);
 	return hypotf(hypotf(b[0] - a[0], b[1] - a[1]), b[2] - a[2]);
 }
 
-static double area_of(const gw_mesh_pieces *p)
+static double area_of(const gw_tessellation *p)
 {
 	double sum = 0;
 	for (size_t i = 0; i < p->count; i++) {
@@ -36,18 +37,18 @@ static double area_of(const gw_mesh_pieces *p)
 	return sum;
 }
 
-static void add(gw_mesh_pieces *p, float ax, float ay, float bx, float by, float cx, float cy)
+static void add(gw_tessellation *p, float ax, float ay, float bx, float by, float cx, float cy)
 {
 	const float corner[9] = { ax, ay, 0, bx, by, 0, cx, cy, 0 };
-	assert_int_equal(gw_mesh_pieces_add(p, corner, up, NULL), GW_OK);
+	assert_int_equal(gw_tessellation_add(p, corner, up, NULL), GW_OK);
 }
 
 /* No edge is longer than asked, and no area is lost but by rounding: 24 bits, over a thousand
- * pieces that halve ten times. */
-static void pieces_are_small_and_whole(void **state)
+ * triangles that halve ten times. */
+static void triangles_are_small_and_whole(void **state)
 {
 	(void)state;
-	gw_mesh_pieces p = make_pieces(0.1f);
+	gw_tessellation p = cut_into(0.1f);
 	add(&p, 0, 0, 2, 0, 0, 1);
 	add(&p, 0, 0, 3, 0, 0, 1e-4f); /* a sliver costs its length, not its square */
 	assert_true(fabs(area_of(&p) - 1 - 1.5e-4) < 1e-5);
@@ -55,34 +56,34 @@ static void pieces_are_small_and_whole(void **state)
 		for (size_t e = 0; e < 3; e++)
 			assert_true(length_of_edge(&p, i, e) <= 0.1f);
 	size_t all = p.count;
-	gw_mesh_pieces_clear(&p);
-	p = make_pieces(0.1f);
+	gw_tessellation_clear(&p);
+	p = cut_into(0.1f);
 	add(&p, 0, 0, 3, 0, 0, 1e-4f);
 
 	assert_true(p.count <= 2 * 4 * 32 &&
 				all > p.count); /* 3 / 32 < 0.1; four a part of each side */
-	gw_mesh_pieces_clear(&p);
+	gw_tessellation_clear(&p);
 }
 
 /* Of a triangle that is larger than the world only what is within the bounds is cut: a square of 20
- * m and pieces that stick out of it, none of which costs more than its halvings. And never more
+ * m and triangles that stick out of it, none of which costs more than its halvings. And never more
  * than the most. */
-static void far_pieces_cost_nothing(void **state)
+static void far_triangles_cost_nothing(void **state)
 {
 	(void)state;
-	gw_mesh_pieces p = make_pieces(1);
+	gw_tessellation p = cut_into(1);
 	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
 	assert_true(p.count > 400 && p.count < 8 * 400);
-	gw_mesh_pieces_clear(&p);
-	p = make_pieces(1);
+	gw_tessellation_clear(&p);
+	p = cut_into(1);
 	p.most = 100;
 	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
 	assert_int_equal(p.count, 100);
-	gw_mesh_pieces_clear(&p);
+	gw_tessellation_clear(&p);
 }
 
-/* Corners of the pieces on the line x = y, one bit for each of 64ths. */
-static uint64_t on_diagonal(const gw_mesh_pieces *p)
+/* Corners of the triangles on the line x = y, one bit for each of 64ths. */
+static uint64_t on_diagonal(const gw_tessellation *p)
 {
 	uint64_t bits = 0;
 	for (size_t i = 0; i < 3 * p->count; i++) {
@@ -97,13 +98,13 @@ static uint64_t on_diagonal(const gw_mesh_pieces *p)
 static void neighbours_share_corners(void **state)
 {
 	(void)state;
-	gw_mesh_pieces a = make_pieces(0.15f), b = make_pieces(0.15f);
+	gw_tessellation a = cut_into(0.15f), b = cut_into(0.15f);
 	add(&a, 0, 0, 1, 0, 1, 1);
 	add(&b, 0, 0, 1, 1, -3, 2);
 	assert_true(on_diagonal(&a) == on_diagonal(&b));
 	assert_int_equal(__builtin_popcountll(on_diagonal(&a)), 17); /* 1.41 / 16 < 0.15 < 1.41 / 8 */
-	gw_mesh_pieces_clear(&a);
-	gw_mesh_pieces_clear(&b);
+	gw_tessellation_clear(&a);
+	gw_tessellation_clear(&b);
 }
 
 #define SIDE 40u
@@ -147,7 +148,7 @@ static void corners_take_the_light_of_their_side(void **state)
 	(void)state;
 	plate *p = make_plate();
 	for (uint32_t threads = 1; threads <= 2; threads++) {
-		gw_mesh_pieces m = make_pieces(1.5f / SIDE);
+		gw_tessellation m = cut_into(1.5f / SIDE);
 		add(&m, 0, 0, 1, 0, 1, 1);
 		add(&m, 0, 0, 1, 1, 0, 1);
 		size_t count = m.count;
@@ -161,7 +162,7 @@ static void corners_take_the_light_of_their_side(void **state)
 			assert_true(fabsf(m.channel[i] - m.position[3 * i]) <= 1.6f / SIDE);
 		for (size_t i = 0; i < 2 * POINTS + SIDE; i++)
 			assert_int_equal(p->on_mesh[i], i < 2 * POINTS);
-		gw_mesh_pieces_clear(&m);
+		gw_tessellation_clear(&m);
 	}
 	free(p);
 }
@@ -171,7 +172,7 @@ static void nothing_is_lit_by_nothing(void **state)
 {
 	(void)state;
 	plate *p = make_plate();
-	gw_mesh_pieces m = make_pieces(0.1f);
+	gw_tessellation m = cut_into(0.1f);
 	memset(p->on_mesh, 1, sizeof p->on_mesh);
 	assert_int_equal(
 		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
@@ -182,15 +183,15 @@ static void nothing_is_lit_by_nothing(void **state)
 		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
 		GW_OK);
 	assert_int_equal(m.count, 0);
-	gw_mesh_pieces_clear(&m);
+	gw_tessellation_clear(&m);
 	free(p);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pieces_are_small_and_whole),
-		cmocka_unit_test(far_pieces_cost_nothing),
+		cmocka_unit_test(triangles_are_small_and_whole),
+		cmocka_unit_test(far_triangles_cost_nothing),
 		cmocka_unit_test(neighbours_share_corners),
 		cmocka_unit_test(corners_take_the_light_of_their_side),
 		cmocka_unit_test(nothing_is_lit_by_nothing),
