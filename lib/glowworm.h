@@ -358,7 +358,7 @@ typedef struct gw_bake_options {
 	uint32_t effects_forbidden; /* likewise: not computed, whatever the scene calls for. None of
 								   those forced, nor GW_EFFECT_OCTREE */
 	uint32_t shadow_map_size;   /* texels a side of a shadow map, 16..8192 */
-	uint32_t threads;           /* of the host; 0 means one a core */
+	uint32_t threads;           /* 0 means one a core */
 	uint64_t seed;              /* of all random directions */
 	uint64_t memory;       /* bytes that the bake may use, host and device together; 0 means most
 							  of what the machine has free */
@@ -891,7 +891,7 @@ typedef struct gw_statistics {
 	uint64_t memory;                           /* bytes that a bake would need, estimated */
 } gw_statistics;
 
-/* Measures a cloud. threads: of the host, 0 means one a core. */
+/* Measures a cloud. threads: 0 means one a core. */
 gw_status gw_measure(const gw_points *points, uint32_t threads, gw_statistics *statistics,
 					 gw_error *error);
 

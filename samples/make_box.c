@@ -58,19 +58,24 @@ static void add_patch(scene *s, const double corner[3], const double a[3], const
 	p->emits = emits;
 }
 
-/* One side of the box lo..hi that looks along +-axis; `inward` turns its normal into the box. */
-static void add_side(scene *s, const double lo[3], const double hi[3], int axis, bool high,
-					 bool inward, const float tint[3], bool emits)
+/* Bounds of a room, metres. */
+typedef struct box {
+	double low[3], high[3];
+} box;
+
+/* The side of a room that lies at the low or the high end of an axis; its normal points inward. */
+static void add_side(scene *s, const box *room, int axis, bool high, const float tint[3],
+					 bool emits)
 {
-	double corner[3] = { lo[0], lo[1], lo[2] };
+	double corner[3] = { room->low[0], room->low[1], room->low[2] };
 	double a[3] = { 0 }, b[3] = { 0 };
 	int u = (axis + 1) % 3, v = (axis + 2) % 3;
 
-	corner[axis] = high ? hi[axis] : lo[axis];
-	a[u] = hi[u] - lo[u];
-	b[v] = hi[v] - lo[v];
+	corner[axis] = high ? room->high[axis] : room->low[axis];
+	a[u] = room->high[u] - room->low[u];
+	b[v] = room->high[v] - room->low[v];
 	/* a x b is along +axis, which is outward on the high side. */
-	if (high == inward)
+	if (high)
 		add_patch(s, corner, b, a, tint, emits);
 	else
 		add_patch(s, corner, a, b, tint, emits);
@@ -112,13 +117,13 @@ static void add_block(scene *s, double x, double y, double width, double height,
 
 static void build_cornell(scene *s)
 {
-	static const double lo[3] = { 0, 0, 0 }, hi[3] = { 1, 1, 1 };
+	static const box room = { { 0, 0, 0 }, { 1, 1, 1 } };
 
-	add_side(s, lo, hi, 2, false, true, white, false);
-	add_side(s, lo, hi, 2, true, true, white, false);
-	add_side(s, lo, hi, 1, true, true, white, false);
-	add_side(s, lo, hi, 0, false, true, red, false);
-	add_side(s, lo, hi, 0, true, true, green, false);
+	add_side(s, &room, 2, false, white, false);
+	add_side(s, &room, 2, true, white, false);
+	add_side(s, &room, 1, true, white, false);
+	add_side(s, &room, 0, false, red, false);
+	add_side(s, &room, 0, true, green, false);
 	add_patch(s, (double[]){ 0.375, 0.375, 0.999 }, (double[]){ 0, 0.25, 0 },
 			  (double[]){ 0.25, 0, 0 }, white, true);
 	add_block(s, 0.32, 0.65, 0.30, 0.60, 18);
@@ -127,14 +132,14 @@ static void build_cornell(scene *s)
 
 static void build_rooms(scene *s)
 {
-	static const double lo[2][3] = { { 0, 0, 0 }, { 2.05, 0, 0 } };
-	static const double hi[2][3] = { { 2, 2, 2 }, { 4.05, 2, 2 } };
+	static const box rooms[2] = { { { 0, 0, 0 }, { 2, 2, 2 } },
+								  { { 2.05, 0, 0 }, { 4.05, 2, 2 } } };
 
 	for (int room = 0; room < 2; room++) {
 		for (int axis = 0; axis < 3; axis++) {
 			for (int high = 0; high < 2; high++) {
 				bool emits = room == 0 && axis == 2 && high;
-				add_side(s, lo[room], hi[room], axis, high, true, white, emits);
+				add_side(s, &rooms[room], axis, high, white, emits);
 			}
 		}
 	}

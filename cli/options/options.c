@@ -523,7 +523,7 @@ const option options[] = {
 	  FOR(BAKE | PLAN | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR |
 		  ALBEDO),
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
-	  .help = "of the host; auto is one a core. The result is the same for any number" },
+	  .help = "that work; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
 	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO), .scene = true, AT(bake.memory),
 	  AUTOMATIC(0.0), .group = "Machine",

@@ -186,8 +186,11 @@ static gw_status trace_truth(problem *p)
 		triangle[p->known] = p->mesh_points.triangle[i];
 		p->which[p->known++] = i;
 	}
+	const reference_places places = {
+		.surface = surface, .triangle = triangle, .count = p->known, .paths = OWN_PATHS, .seed = 1
+	};
 	if (status == GW_OK)
-		reference_tracer_light(tracer, surface, triangle, p->known, OWN_PATHS, 1, 0, light, NULL);
+		reference_tracer_light(tracer, &places, light);
 	for (size_t i = 0; i < p->known; i++) {
 		float c[3];
 		for (size_t k = 0; k < 3; k++)

@@ -90,9 +90,16 @@ gw_status truth_trace(const mesh_scene *scene, const truth_tracing *how, const c
 	if (status != GW_OK)
 		return status;
 	double start = now();
-	reference_tracer_light(tracer, p->surface, p->triangle, p->count,
-						   (how->paths + REFERENCE_BATCHES - 1) / REFERENCE_BATCHES, how->seed,
-						   how->threads, p->light, show);
+	const reference_places places = {
+		.surface = p->surface,
+		.triangle = p->triangle,
+		.count = p->count,
+		.paths = (how->paths + REFERENCE_BATCHES - 1) / REFERENCE_BATCHES,
+		.threads = how->threads,
+		.seed = how->seed,
+		.shown = show,
+	};
+	reference_tracer_light(tracer, &places, p->light);
 	report(scene, p, name, now() - start);
 	reference_tracer_destroy(&tracer);
 	return GW_OK;

@@ -493,43 +493,32 @@ static void light_point(const reference_tracer *t, const double place[3],
 /* All that the threads share. */
 typedef struct job {
 	const reference_tracer *tracer;
-	const double *surface;
-	const uint32_t *triangle;
-	size_t count;
-	uint32_t paths;
-	uint64_t seed;
+	const reference_places *places;
+	uint32_t paths; /* a power of two */
 	reference_light *light;
-	void (*shown)(double done);
 	atomic_size_t done;
 } job;
 
 static void light_chunk(void *user, size_t first, size_t last, uint32_t worker)
 {
 	job *j = user;
+	const reference_places *p = j->places;
 	for (size_t i = first; i < last; i++)
-		light_point(j->tracer, j->surface + 3 * i, &j->tracer->scene->triangle[j->triangle[i]],
-					j->paths, mix(j->seed ^ mix(i)), &j->light[i]);
+		light_point(j->tracer, p->surface + 3 * i, &j->tracer->scene->triangle[p->triangle[i]],
+					j->paths, mix(p->seed ^ mix(i)), &j->light[i]);
 	size_t done = atomic_fetch_add(&j->done, last - first) + last - first;
-	if (j->shown && worker == 0)
-		j->shown((double)done / (double)j->count);
+	if (p->shown && worker == 0)
+		p->shown((double)done / (double)p->count);
 }
 
-void reference_tracer_light(const reference_tracer *tracer, const double *surface,
-							const uint32_t *triangle, size_t count, uint32_t paths, uint64_t seed,
-							uint32_t threads, reference_light *light, void (*shown)(double done))
+void reference_tracer_light(const reference_tracer *tracer, const reference_places *places,
+							reference_light *light)
 {
 	uint32_t power = 1;
-	while (power < paths && power < 1u << 30)
+	while (power < places->paths && power < 1u << 30)
 		power *= 2;
-	job j = { .tracer = tracer,
-			  .surface = surface,
-			  .triangle = triangle,
-			  .count = count,
-			  .paths = power,
-			  .seed = seed,
-			  .light = light,
-			  .shown = shown };
-	gw_parallel_for(threads, count, 16, light_chunk, &j);
+	job j = { .tracer = tracer, .places = places, .paths = power, .light = light };
+	gw_parallel_for(places->threads, places->count, 16, light_chunk, &j);
 }
 
 /* --------------------------------------------------------------------------------- making */

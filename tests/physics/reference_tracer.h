@@ -34,19 +34,21 @@ gw_status reference_tracer_create(const mesh_scene *scene, reference_tracer **tr
 								  gw_error *error);
 void reference_tracer_destroy(reference_tracer **tracer);
 
-/*
- * Light at places on the surface.
- *
- *   surface   3 * count, metres
- *   triangle  count, the triangle that each is on
- *   paths     of each batch, rounded up to a power of two; REFERENCE_BATCHES times as many in all
- *   threads   0 means one a processor; the result is the same for any number
- *   light     receives count answers
- *   shown     NULL, or called now and then with the share that is done
- */
-void reference_tracer_light(const reference_tracer *tracer, const double *surface,
-							const uint32_t *triangle, size_t count, uint32_t paths, uint64_t seed,
-							uint32_t threads, reference_light *light, void (*shown)(double done));
+/* Places on the surface, and how their light is to be found. */
+typedef struct reference_places {
+	const double *surface;    /* 3 * count, metres */
+	const uint32_t *triangle; /* count, the triangle that each is on */
+	size_t count;
+	uint32_t
+		paths; /* of each batch, rounded up to a power of two; REFERENCE_BATCHES as many in all */
+	uint32_t threads; /* 0 means one a processor; the result is the same for any number */
+	uint64_t seed;
+	void (*shown)(double done); /* NULL, or called now and then with the share that is done */
+} reference_places;
+
+/* Light at places on the surface; light receives places->count answers. */
+void reference_tracer_light(const reference_tracer *tracer, const reference_places *places,
+							reference_light *light);
 
 /* The triangle that a ray meets first, from either side, and how far off in lengths of `direction`;
  * false when none. Thread-safe. */

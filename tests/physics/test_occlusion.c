@@ -27,8 +27,12 @@ static reference_light *trace(const mesh_scene *s, size_t count, uint32_t paths,
 		fail_msg("%s", error.text);
 	reference_light *light = calloc(points->count, sizeof *light);
 	assert_non_null(light);
-	reference_tracer_light(tracer, points->surface, points->triangle, points->count, paths, 7, 0,
-						   light, NULL);
+	const reference_places places = { .surface = points->surface,
+									  .triangle = points->triangle,
+									  .count = points->count,
+									  .paths = paths,
+									  .seed = 7 };
+	reference_tracer_light(tracer, &places, light);
 	reference_tracer_destroy(&tracer);
 	return light;
 }
@@ -184,7 +188,10 @@ static const truth *truth_of(mesh_kind kind, const mesh_scene *s, const double *
 	memcpy(t->triangle, triangle, count * sizeof *triangle);
 	if (reference_tracer_create(s, &tracer, &error) != GW_OK)
 		fail_msg("%s", error.text);
-	reference_tracer_light(tracer, t->place, t->triangle, count, PATHS, 3, 0, t->light, NULL);
+	const reference_places places = {
+		.surface = t->place, .triangle = t->triangle, .count = count, .paths = PATHS, .seed = 3
+	};
+	reference_tracer_light(tracer, &places, t->light);
 	reference_tracer_destroy(&tracer);
 	return t;
 }

@@ -65,21 +65,31 @@ static double off(const lit_file *lit, size_t first, size_t end, double truth)
 	return 100 * (lit_file_mean(lit, first, end) / truth - 1);
 }
 
-/* A sphere with a lamp of 1 W/sr in its centre, albedo 0.5: L = 1 / pi. Measures the first
- * `count` points. */
-static void measure_sphere(torture_case *c, hard_cloud *cloud, size_t count, double scale,
-						   const double centre[3], const char *options, const char *row, double bar,
-						   const char *what)
+static const double origin[3] = { 0, 0, 0 };
+
+/* A sphere of radius `scale` about `centre`, the first `count` points of which are measured. */
+typedef struct measured_sphere {
+	size_t count;
+	double scale;
+	const double *centre; /* NULL: the origin */
+	const char *options;  /* NULL: none */
+	const char *row;
+	double bar; /* percent */
+} measured_sphere;
+
+/* A lamp of scale^2 W/sr in the centre, albedo 0.5: L = 1 / pi. */
+static void measure_sphere(torture_case *c, hard_cloud *cloud, measured_sphere s, const char *what)
 {
+	const double *centre = s.centre ? s.centre : origin;
 	char lamp[200];
 	lit_file lit;
 	lit_report report;
-	hard_cloud_place(cloud, scale, centre);
+	hard_cloud_place(cloud, s.scale, centre);
 	hard_cloud_write(c, cloud, "in.ply");
 	snprintf(lamp, sizeof lamp, "point at %.17g,%.17g,%.17g intensity %.17g", centre[0], centre[1],
-			 centre[2], scale * scale);
-	if (bake(c, row, lamp, options, &lit, &report)) {
-		case_measure(c, row, off(&lit, 0, count, 1 / PI), bar, "%s (stated %.2g %%)", what,
+			 centre[2], s.scale * s.scale);
+	if (bake(c, s.row, lamp, s.options ? s.options : "", &lit, &report)) {
+		case_measure(c, s.row, off(&lit, 0, s.count, 1 / PI), s.bar, "%s (stated %.2g %%)", what,
 					 100 * report.error);
 		lit_file_clear(&lit);
 	}
@@ -237,8 +247,6 @@ static void measure_slab(torture_case *c, int variant)
 
 /* ------------------------------------------------- what the brightness must not depend on */
 
-static const double origin[3] = { 0, 0, 0 };
-
 static void measure_depth(torture_case *c, int variant)
 {
 	hard_cloud cloud = { 0 };
@@ -247,7 +255,10 @@ static void measure_depth(torture_case *c, int variant)
 	hard_cloud_add(c, &cloud, SPHERE, points);
 	snprintf(options, sizeof options, "--depth %d", 4 + variant % 9);
 	snprintf(what, sizeof what, "sphere of %zu points, %s", points, options);
-	measure_sphere(c, &cloud, points, 1, origin, options, "depth", 1.5, what);
+	const measured_sphere s = {
+		.count = points, .scale = 1, .options = options, .row = "depth", .bar = 1.5
+	};
+	measure_sphere(c, &cloud, s, what);
 }
 
 static void measure_density(torture_case *c, int variant)
@@ -257,7 +268,8 @@ static void measure_density(torture_case *c, int variant)
 	char what[100];
 	hard_cloud_add(c, &cloud, SPHERE, count[variant]);
 	snprintf(what, sizeof what, "sphere of %zu points", count[variant]);
-	measure_sphere(c, &cloud, count[variant], 1, origin, "", "density", 1.5, what);
+	const measured_sphere s = { .count = count[variant], .scale = 1, .row = "density", .bar = 1.5 };
+	measure_sphere(c, &cloud, s, what);
 }
 
 static void measure_scale(torture_case *c, int variant)
@@ -268,7 +280,10 @@ static void measure_scale(torture_case *c, int variant)
 	hard_cloud_add(c, &cloud, SPHERE, 3000);
 	hard_cloud_turn(c, &cloud);
 	snprintf(what, sizeof what, "sphere of radius 1e%g m, turned", power[variant]);
-	measure_sphere(c, &cloud, 3000, pow(10, power[variant]), origin, "", "scale", 0.5, what);
+	const measured_sphere s = {
+		.count = 3000, .scale = pow(10, power[variant]), .row = "scale", .bar = 0.5
+	};
+	measure_sphere(c, &cloud, s, what);
 }
 
 static void measure_shift(torture_case *c, int variant)
@@ -281,7 +296,10 @@ static void measure_shift(torture_case *c, int variant)
 	hard_cloud_add(c, &cloud, SPHERE, 3000);
 	snprintf(what, sizeof what, "sphere about %g,%g,%g", place[variant][0], place[variant][1],
 			 place[variant][2]);
-	measure_sphere(c, &cloud, 3000, 1, place[variant], "", "shift", 0.5, what);
+	const measured_sphere s = {
+		.count = 3000, .scale = 1, .centre = place[variant], .row = "shift", .bar = 0.5
+	};
+	measure_sphere(c, &cloud, s, what);
 }
 
 /* A patch of the sphere that is `ratio` times as dense as the rest, which is measured. */
@@ -305,7 +323,8 @@ static void measure_uneven(torture_case *c, int variant)
 	}
 	snprintf(what, sizeof what, "sphere of %zu points, a patch %zu times as dense", points,
 			 density);
-	measure_sphere(c, &cloud, points, 1, origin, "", "uneven", 1.5, what);
+	const measured_sphere s = { .count = points, .scale = 1, .row = "uneven", .bar = 1.5 };
+	measure_sphere(c, &cloud, s, what);
 }
 
 static void measure_stray(torture_case *c, int variant)
@@ -316,7 +335,8 @@ static void measure_stray(torture_case *c, int variant)
 	hard_cloud_add(c, &cloud, SPHERE, 3000);
 	hard_cloud_push(&cloud)->at[0] = distance[variant];
 	snprintf(what, sizeof what, "sphere of 3000 points and one at %g m", distance[variant]);
-	measure_sphere(c, &cloud, 3000, 1, origin, "", "stray", 1, what);
+	const measured_sphere s = { .count = 3000, .scale = 1, .row = "stray", .bar = 1 };
+	measure_sphere(c, &cloud, s, what);
 }
 
 /* ------------------------------------------------------------------------------------- leaks */
