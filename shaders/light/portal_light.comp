@@ -44,22 +44,20 @@ void main()
 		return;
 	uint record = push.first + i;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
-	float total = portals_weight(g, normal), passed = 0.0f;
+	PortalsTurn turn = portals_begin(g, normal);
 	vec3 sum = vec3(0.0f);
 	for (uint k = push.batch_first; k < push.batch_first + push.batch_count; k++) {
 		if (texelFetch(hit_facet, int(record * push.rays + k)).x != GW_NONE)
 			continue;
 		float cosine;
 		vec3 direction = record_ray(g, normal, k, cosine);
-		sum += share_of_sky(g, normal, direction, total);
+		sum += share_of_sky(g, normal, direction, turn.total);
 	}
 	uint seen = push.batch_first == 0u ? texelFetch(sky_seen, int(record)).x : 0u;
-	uint own = portals_random(g);
-	int j = 0;
 	for (uint m = 0u; m < GW_PORTAL_SAMPLES && seen >> m != 0u; m++) {
-		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
+		vec3 direction = portals_direction(g, normal, m, turn);
 		if ((seen >> m & 1u) != 0u)
-			sum += share_of_sky(g, normal, direction, total);
+			sum += share_of_sky(g, normal, direction, turn.total);
 	}
 	record_sampled[i].xyz += sum;
 }

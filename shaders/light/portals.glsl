@@ -51,20 +51,39 @@ float portals_density(vec3 g, vec3 normal, vec3 direction, float total)
 	return total > 0.0f ? sum / (2.0f * GW_PI * total) : 0.0f;
 }
 
-/* The m-th of GW_PORTAL_SAMPLES directions of the place at g; they share the portals evenly. The
- * loop goes on from portal j, at which `passed` of the weight lies behind, so that it visits each
- * but once for all samples; own is random for the place. */
-vec3 portals_direction(vec3 g, vec3 normal, uint m, float total, uint own, INOUT(int) j,
-						INOUT(float) passed)
+/* What is random at a place for these samples. */
+uint portals_random(vec3 g)
 {
+	return pcg_hash2(pcg_hash_place(g), push.seed ^ 0x7f4a7c15u);
+}
+
+/* How far the samples of a place have come in the list of portals. */
+struct PortalsTurn {
+	float total;  /* portals_weight */
+	float passed; /* of that, what lies behind */
+	int next;     /* portal */
+	uint own;     /* random for the place */
+};
+
+PortalsTurn portals_begin(vec3 g, vec3 normal)
+{
+	PortalsTurn turn = { portals_weight(g, normal), 0.0f, 0, portals_random(g) };
+	return turn;
+}
+
+/* The m-th of GW_PORTAL_SAMPLES directions of the place at g, m growing; they share the portals
+ * evenly, and all of them together visit each portal but once. */
+vec3 portals_direction(vec3 g, vec3 normal, uint m, INOUT(PortalsTurn) turn)
+{
+	uint own = turn.own;
 	float n = float(GW_PORTAL_SAMPLES);
-	float choice = (float(m) + unit_float(pcg_hash2(own, 3u * m))) / n * total;
-	vec4 sphere = texelFetch(portal, j);
+	float choice = (float(m) + unit_float(pcg_hash2(own, 3u * m))) / n * turn.total;
+	vec4 sphere = texelFetch(portal, turn.next);
 	vec3 to = sphere.xyz - g;
 	float weight = portal_share(to, sphere.w) * portal_slant(to, sphere.w, normal);
-	while (passed + weight <= choice && j + 1 < int(push.portals)) {
-		passed += weight;
-		sphere = texelFetch(portal, ++j);
+	while (turn.passed + weight <= choice && turn.next + 1 < int(push.portals)) {
+		turn.passed += weight;
+		sphere = texelFetch(portal, ++turn.next);
 		to = sphere.xyz - g;
 		weight = portal_share(to, sphere.w) * portal_slant(to, sphere.w, normal);
 	}
@@ -74,12 +93,6 @@ vec3 portals_direction(vec3 g, vec3 normal, uint m, float total, uint own, INOUT
 	vec3 axis = to * inversesqrt(max(dot(to, to), 1e-12f)), t, b;
 	tangent_frame(axis, t, b);
 	return normalize(axis * (1.0f - u) + (t * cos(phi) + b * sin(phi)) * sine);
-}
-
-/* What is random at a place for these samples. */
-uint portals_random(vec3 g)
-{
-	return pcg_hash2(pcg_hash_place(g), push.seed ^ 0x7f4a7c15u);
 }
 
 #endif

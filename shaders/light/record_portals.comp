@@ -37,13 +37,12 @@ void main()
 	int record = int(push.first + i);
 	vec3 g = texelFetch(record_position, record).xyz;
 	vec3 normal = texelFetch(record_normal, record).xyz;
-	float total = portals_weight(g, normal), passed = 0.0f;
-	uint own = portals_random(g), seen = 0u;
-	int j = 0;
-	for (uint m = 0u; m < GW_PORTAL_SAMPLES && total > 0.0f; m++) {
-		vec3 direction = portals_direction(g, normal, m, total, own, j, passed);
+	PortalsTurn turn = portals_begin(g, normal);
+	uint seen = 0u;
+	for (uint m = 0u; m < GW_PORTAL_SAMPLES && turn.total > 0.0f; m++) {
+		vec3 direction = portals_direction(g, normal, m, turn);
 		Ray ray = { g, direction, normal, g, GW_FAR, false };
-		float through, chance = stratified(pcg_hash2(own, GW_OPACITY_SEED), m);
+		float through, chance = stratified(pcg_hash2(turn.own, GW_OPACITY_SEED), m);
 		if (dot(direction, normal) > 0.0f && trace_through(ray, chance, through).facet == GW_NONE)
 			seen |= 1u << m;
 	}

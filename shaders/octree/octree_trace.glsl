@@ -173,26 +173,33 @@ bool rises_over(vec3 centre, uint slot, uint over)
 	return dot(plane.xyz, middle - centre) - plane.w > GW_CONCAVE_HEIGHT;
 }
 
+/* What a ray knows of the cells that it has come through. */
+struct Past {
+	Passage last; /* of the surface that it goes along */
+	Doubt doubt;
+	bool again; /* it goes its way a second time, against discs */
+};
+
 /* The facets of a leaf that has some; or, again, its discs. */
-void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) stretch,
-			   INOUT(Passage) last, INOUT(Doubt) doubt, INOUT(Hit) hit)
+void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, INOUT(Stretch) stretch, INOUT(Past) past,
+			   INOUT(Hit) hit)
 {
 	uint leaf = tile.x + uint(bitCount(tile.y & ((1u << octant) - 1u)));
 	bool second = (tile.y >> (16u + octant) & 1u) != 0u;
 	stretch.covered = (tile.y >> (24u + octant) & 1u) != 0u;
 	bool foliage = is_foliage(2u * leaf), more = second && is_foliage(2u * leaf + 1u);
 	if (foliage && (!second || more)) {
-		if (!again)
+		if (!past.again)
 			pass_foliage(2u * leaf, stretch.enter, stretch.leave, hit);
 		return;
 	}
-	if (TRACE_DISCS && !stretch.covered && !again) {
-		doubt.from = min(doubt.from, stretch.enter);
-		doubt.to = stretch.enter;
+	if (TRACE_DISCS && !stretch.covered && !past.again) {
+		past.doubt.from = min(past.doubt.from, stretch.enter);
+		past.doubt.to = stretch.enter;
 	}
-	if (again) {
+	if (past.again) {
 		if (!stretch.covered)
-			meet_discs(ray, leaf, stretch.centre, doubt, hit);
+			meet_discs(ray, leaf, stretch.centre, past.doubt, hit);
 		return;
 	}
 	stretch.concave = second && !stretch.covered && !stops_from_behind(2u * leaf) &&
@@ -200,9 +207,9 @@ void meet_leaf(IN(Ray) ray, uvec2 tile, uint octant, bool again, INOUT(Stretch) 
 					  rises_over(stretch.centre, 2u * leaf + 1u, 2u * leaf) &&
 					  rises_over(stretch.centre, 2u * leaf, 2u * leaf + 1u);
 	if (!foliage)
-		meet_facet(ray, stretch, 2u * leaf, last, hit);
+		meet_facet(ray, stretch, 2u * leaf, past.last, hit);
 	if (second && !more)
-		meet_facet(ray, stretch, 2u * leaf + 1u, last, hit);
+		meet_facet(ray, stretch, 2u * leaf + 1u, past.last, hit);
 	if (foliage || more)
 		pass_foliage(2u * leaf + (more ? 1u : 0u), stretch.enter, stretch.leave, hit);
 }
@@ -261,8 +268,8 @@ uint octant_of(ivec3a cell, uint shift)
 
 /* Goes on to the far side of the largest empty box that is known around the cell; in a leaf, of
  * that, unless it is hit. */
-float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, bool again,
-				  INOUT(Passage) last, INOUT(Doubt) doubt, INOUT(Hit) hit)
+float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, INOUT(Past) past,
+				  INOUT(Hit) hit)
 {
 	uint level = directory_level, shift = depth - level;
 	ivec3 c = ivec3(cell >> int(shift));
@@ -278,7 +285,7 @@ float look_around(IN(Ray) ray, IN(Walk) walk, ivec3a cell, float t, bool again,
 	uint octant = octant_of(cell, 0u);
 	Stretch stretch = { vec3(vec3a(cell) + 0.5f), t, leaving(walk, cell, 0u, 0u), false, false };
 	if ((tile.y >> (8u + octant) & 1u) != 0u)
-		meet_leaf(ray, tile, octant, again, stretch, last, doubt, hit);
+		meet_leaf(ray, tile, octant, stretch, past, hit);
 	return stretch.leave;
 }
 
@@ -309,21 +316,22 @@ Hit trace_octree(IN(Ray) ray)
 	Walk walk = walk_of(ray, side);
 	float t = max(walk_start(), largest((side * (1.0f - walk.far) - walk.origin) * walk.inverse));
 	float t_end = min(ray.t_max, smallest((side * walk.far - walk.origin) * walk.inverse));
-	Passage last = { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f };
-	Doubt doubt = { GW_FAR, 0.0f, vec3(0.0f), vec3(0.0f), GW_FAR };
-	bool near_start = walk_start() < GW_NEAR, again = false;
+	Past past = { { GW_NONE, ray.facing, 0.0f, 0.0f, 0.0f },
+				  { GW_FAR, 0.0f, vec3(0.0f), vec3(0.0f), GW_FAR },
+				  false };
+	bool near_start = walk_start() < GW_NEAR;
 	for (uint step = 0u; step < GW_WALK_STEPS && hit.facet == GW_NONE; step++) {
-		if (again ? t > doubt.to : t >= t_end) {
-			if (again || doubt.from >= t_end)
+		if (past.again ? t > past.doubt.to : t >= t_end) {
+			if (past.again || past.doubt.from >= t_end)
 				break;
-			again = true;
-			t = doubt.from;
+			past.again = true;
+			t = past.doubt.from;
 		}
-		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, again, last, doubt, hit);
+		float next = look_around(ray, walk, cell_at(walk, t + nudge), t, past, hit);
 		t = max(next, t + nudge);
 		if (near_start && (t >= GW_NEAR || t >= t_end)) {
 			near_start = false;
-			leave_start(last, min(t_end, max(last.leave, GW_NEAR)), hit);
+			leave_start(past.last, min(t_end, max(past.last.leave, GW_NEAR)), hit);
 		}
 	}
 	return hit;
