@@ -4,13 +4,7 @@ header() { # points
 	printf 'property float %s\n' x y z
 	echo end_header
 }
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" 2>&1
-	status=$?
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 header 0 >zero.ply
 header 2 >short.ply
 echo 1 2 3 >>short.ply

@@ -26,9 +26,7 @@ bake --frames all --independent --explain -o same-%d.ply --force 2>&1 |
 	grep -c '^foretold\|^came\|each of 3 more'
 glowworm plan box.scene.json --frames 1..2 --json | grep -c '"frame_seconds"'
 echo *.ply
-body() { # The points alone: the header quotes the command.
-	sed '1,/^end_header/d' "$1" | cksum
-}
+. "$SOURCE/tests/cli/shared_functions"
 # Only rays that graze the edge of a cell may differ from scratch, 1e-4 of them at most.
 for i in 0 1 2 3; do
 	glowworm compare same-$i.ply scratch-0$i.ply --max-relrmse 0.0005 >/dev/null || echo "frame $i"

@@ -39,9 +39,7 @@ shown --effects=-gloss
 shown --glossy off
 
 # Forced where no point is glossy, or nothing moves, both leave all bytes as they are.
-body() { # The points alone: the header quotes the command.
-	sed '1,/^end_header/d' "$1" | cksum
-}
+. "$SOURCE/tests/cli/shared_functions"
 same() { [ "$(body "$1")" = "$(body "$2")" ] && echo "same: $3"; }
 awk '/property float (specular|roughness)/ { next } NF == 8 { NF = 6 } { print }' floor.ply \
 	>dull.ply

@@ -8,10 +8,7 @@ awk 'BEGIN {
 	for (i = 0; i < 2500; i++)
 		print 10, (i % 50 - 24.5) * 0.02, (int(i / 50) - 24.5) * 0.02, -1, 0, 0
 }' >>wall.xyz
-print_lights() {
-	glowworm bake "$@" --albedo constant:0.5 --print-scene -o lit.ply 2>&1 |
-		grep -e '"type"' -e '^glowworm: [^n]'
-}
+. "$SOURCE/tests/cli/shared_functions"
 print_lights wall.xyz --light 'candle at 0,0,0' --light 'candle at 0,0,0 name left kelvin 2000' \
 	--light 'carbide at 0,0,0 intensity 10' --light 'torch at 0,0,0 radius 0.1' |
 	sed 's/"intensity": "\([0-9]*\)[^"]*"/"intensity": \1/'

@@ -6,9 +6,7 @@ glowworm info --devices >/dev/null 2>&1 || { echo "there is no Vulkan device"; e
 	printf 'property float z\nproperty float nx\nproperty float ny\nproperty float nz\nend_header\n'
 	awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 * 0.1, int(i / 20) * 0.1, 0, 0, 0, 1 }'
 } >floor.ply
-print_lights() {
-	glowworm bake "$@" --albedo constant:0.5 --print-scene -o lit.ply | grep '"type"'
-}
+. "$SOURCE/tests/cli/shared_functions"
 print_lights floor.ply --light 'point at 0,0,1 lumens 12.566370614' \
 	--light 'spot at 0,0,1 to 0,0,0 intensity 40cd kelvin 2700' \
 	--light 'sun place 47.05,8.3 time 2026-06-21T14:30+02:00 north 10 illuminance 90000lx' \

@@ -22,9 +22,7 @@ mkdir lamps
 write_lamp 1 >lamps/even.ies
 write_lamp 3 >lamps/askew.ies
 tail -n 4 lamps/even.ies >cut.ies
-print_lights() {
-	glowworm bake "$@" --albedo constant:0.5 --print-scene -o lit.ply | grep '"type"'
-}
+. "$SOURCE/tests/cli/shared_functions"
 cat >lamp.json <<'END'
 {"version": 1, "inputs": [{"file": "floor.ply"}], "lights": [
   {"type": "point", "position": [1, 1, 2], "ies": "lamps/even.ies"},

@@ -14,10 +14,7 @@ awk 'NR > 11 { print $1 * 4, $2 * 4, $3 * 3.3 } NR < 12 && !/VIEWPOINT/' room.pc
 glowworm info --places --units ft feet.pcd
 printf '0 0 0\n1 0 0\n0 1 0\n' >three.xyz
 glowworm info --places three.xyz
-print_lights() {
-	glowworm bake "$@" --albedo constant:0.5 --print-scene -o lit.ply 2>&1 |
-		grep -e '"type"' -e '^glowworm: [^n]'
-}
+. "$SOURCE/tests/cli/shared_functions"
 print_lights room.pcd --light 'candle at floor:1+0 intensity 1' \
 	--light 'spot at floor:1 to scanner:1 intensity 1' \
 	--light 'spot at scanner:1 to floor:1+0.25 intensity 1'

@@ -5,14 +5,7 @@ signature() {
 	head -c 8 "$1" | od -A n -t x1 | tr -d ' \n'
 	echo " $1"
 }
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" >said.txt 2>&1
-	status=$?
-	sed '/note: the camera is/d' said.txt
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 small='--size 200x120'
 # shellcheck disable=SC2086
 {

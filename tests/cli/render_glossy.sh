@@ -1,13 +1,6 @@
 # Glossy points: from a scene to columns to a picture; what the gloss takes is missing from nothing,
 # so a room of one radiance looks the same with and without; light read from voxels; bad wishes.
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" >said.txt 2>&1
-	status=$?
-	sed '/note: the camera is/d' said.txt
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 make_box --scene cornell --points 6000 -o box.ply
 cat >box.scene.json <<'END'
 {"version": 1, "inputs": [{"file": "box.ply", "specular": 0.5, "roughness": 0.25}]}

@@ -1,14 +1,7 @@
 # Illuminance in pictures: by colours of a fixed scale, with lines; several inputs side by side by
 # one camera, one exposure, one scale; and what makes no sense is refused.
 make_box --scene cornell --points 4000 -o box.ply
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" >said.txt 2>&1
-	status=$?
-	sed '/note: the camera is/d' said.txt
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 data() { # the pixels of a PNG, without what it says of itself
 	tail -c +"$(($(grep -abo IDAT "$1" | head -n 1 | cut -d: -f1) + 1))" "$1" | cksum
 }

@@ -9,14 +9,7 @@ glowworm sample cornell_cube.obj --count 4000 -o cubes.ply
 pixels() { tail -c +"$(grep -abo IDAT "$1" | head -n 1 | cut -d: -f1)" "$1" | cksum; }
 same() { [ "$(pixels "$1")" = "$(pixels "$2")" ] || echo "$1 and $2 differ"; }
 small='--size 200x120 --camera outside --view normal --samples 1'
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" >said.txt 2>&1
-	status=$?
-	sed '/note: the camera is/d' said.txt
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 # shellcheck disable=SC2086
 {
 	run 0 render cubes.ply -o points.png $small

@@ -1,13 +1,7 @@
 # Views of what lies behind the light: cells, border tiles, voxels, shadows, records, errors. Each
 # differs from the others, and every bad wish is one sentence with its status.
 make_box --scene cornell --points 4000 -o box.ply
-run() { # status arguments...
-	expected=$1
-	shift
-	glowworm "$@" 2>&1
-	status=$?
-	[ $status -eq "$expected" ] || echo "status $status, expected $expected: $*"
-}
+. "$SOURCE/tests/cli/shared_functions"
 lamp='point at 0.5,0.4,0.7 intensity 1 name lamp'
 run 0 bake box.ply -o lit.ply -q --light "$lamp" --estimate-points 0 --bounces 1
 run 0 bake box.ply -o other.ply -q --light "$lamp" --estimate-points 0 --bounces 2

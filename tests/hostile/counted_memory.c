@@ -1,9 +1,13 @@
 #include "counted_memory.h"
 
 #include <malloc.h>
+#include <setjmp.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include <cmocka.h>
 
 void *__real_malloc(size_t size);
 void *__real_realloc(void *memory, size_t size);
@@ -21,6 +25,18 @@ counted_memory counted = { .fail_at = -1 };
 void counted_memory_reset(void)
 {
 	counted = (counted_memory){ .fail_at = counted.fail_at };
+}
+
+long counted_memory_exhaust(gw_status (*call)(void *user, long failing), void *user)
+{
+	for (long failing = 0;; failing++) {
+		counted.fail_at = failing;
+		gw_status status = call(user, failing);
+		counted.fail_at = -1;
+		if (status == GW_OK)
+			return failing;
+		assert_int_equal(status, GW_ERROR_MEMORY);
+	}
 }
 
 void *uncounted_malloc(size_t size)

@@ -6,6 +6,8 @@
 #ifndef COUNTED_MEMORY_H
 #define COUNTED_MEMORY_H
 
+#include "glowworm.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -19,6 +21,11 @@ extern counted_memory counted;
 
 /* Counts from zero; fail_at stays. */
 void counted_memory_reset(void);
+
+/* Calls something again and again, with the first allocation failing, then the second, until it
+ * ends with GW_OK; every time before that it must end with GW_ERROR_MEMORY, which is asserted.
+ * Returns how often it failed. */
+long counted_memory_exhaust(gw_status (*call)(void *user, long failing), void *user);
 
 /* Memory that does not count. */
 void *uncounted_malloc(size_t size);
