@@ -61,6 +61,14 @@ typedef struct patch_group {
 	bool doubtful;
 } patch_group;
 
+/* Fronts of patches, chosen by some light; patch_count each. */
+typedef struct choice {
+	gw_side_light *light;
+	int8_t *sign;
+	bool *disputed; /* another way to choose says otherwise */
+	patch_group *groups;
+} choice;
+
 typedef struct orientation_work {
 	const gw_surfels_options *options;
 	gw_surfels *surfels;
@@ -75,19 +83,14 @@ typedef struct orientation_work {
 	size_t border_count, border_room;
 	bool alike; /* what borders at creases say is made more like what others say */
 	size_t patch_count;
-	gw_side_light *light;  /* the following: patch_count */
-	gw_side_light *by_sky; /* likewise of a sky */
-	int8_t *sky_sign;      /* what that chooses: sign, disputed, groups */
-	bool *sky_disputed;
-	patch_group *sky_groups;
-	double *given;        /* normals that were given, for the patch's sign less those against it */
-	double *own;          /* what a patch says by itself */
-	int8_t *sign, *other; /* chosen, and another choice */
-	int8_t *by_angle;     /* those if creases say the less the sharper they are */
-	bool *disputed;       /* they are not the same */
-	double *ratio;        /* of the group of that number, in the other choice */
-	uint32_t *group;
-	patch_group *groups;
+	choice now;       /* by the lamps, the sun and the sky that there are */
+	choice by_sky;    /* the same if a sky shone alone */
+	double *given;    /* patch_count: normals that were given, for its sign less those against it */
+	double *own;      /* patch_count: what a patch says by itself */
+	int8_t *other;    /* patch_count: another choice of signs */
+	int8_t *by_angle; /* patch_count: that if creases say the less the sharper they are */
+	double *ratio;    /* patch_count: of the group of that number, in the other choice */
+	uint32_t *group;  /* patch_count */
 } orientation_work;
 
 /* ------------------------------------------------------------------------------------ agreement */
@@ -243,7 +246,7 @@ static void limit_areas(orientation_work *w)
 		w->area[i] = fminf(w->area[i], most);
 }
 
-/* by_sky: w->by_sky, or NULL where nobody asks for it. */
+/* by_sky: receives the light of a sky, or NULL where nobody asks for it. */
 static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_side_light *by_sky,
 							gw_error *error)
 {
@@ -253,29 +256,37 @@ static gw_status find_light(orientation_work *w, const uint8_t *estimated, gw_si
 	limit_areas(w);
 	for (size_t i = 0; i < w->surfels->count; i++)
 		w->given[w->patch[i]] += estimated[i] ? 0 : w->opposite[i] ? -1 : 1;
-	return gw_side_light_find(w->options, w->surfels, &patches, w->light, by_sky, error);
+	return gw_side_light_find(w->options, w->surfels, &patches, w->now.light, by_sky, error);
+}
+
+static bool allocate_choice(choice *c, size_t count)
+{
+	c->light = gw_allocate_zeros(count, sizeof *c->light);
+	c->sign = gw_allocate_array(count, sizeof *c->sign);
+	c->disputed = gw_allocate_zeros(count, sizeof *c->disputed);
+	c->groups = gw_allocate_zeros(count, sizeof *c->groups);
+	return c->light && c->sign && c->disputed && c->groups;
+}
+
+static void free_choice(choice *c)
+{
+	free(c->light);
+	free(c->sign);
+	free(c->disputed);
+	free(c->groups);
 }
 
 static bool allocate_patches(orientation_work *w)
 {
 	size_t count = w->patch_count;
-	w->light = gw_allocate_zeros(count, sizeof *w->light);
 	w->given = gw_allocate_zeros(count, sizeof *w->given);
 	w->own = gw_allocate_zeros(count, sizeof *w->own);
-	w->sign = gw_allocate_array(count, sizeof *w->sign);
 	w->other = gw_allocate_array(count, sizeof *w->other);
 	w->by_angle = gw_allocate_array(count, sizeof *w->by_angle);
-	w->disputed = gw_allocate_zeros(count, sizeof *w->disputed);
 	w->ratio = gw_allocate_array(count, sizeof *w->ratio);
 	w->group = gw_allocate_array(count, sizeof *w->group);
-	w->groups = gw_allocate_zeros(count, sizeof *w->groups);
-	w->by_sky = gw_allocate_zeros(count, sizeof *w->by_sky);
-	w->sky_sign = gw_allocate_array(count, sizeof *w->sky_sign);
-	w->sky_disputed = gw_allocate_array(count, sizeof *w->sky_disputed);
-	w->sky_groups = gw_allocate_zeros(count, sizeof *w->sky_groups);
-	return w->light && w->given && w->own && w->sign && w->other && w->by_angle && w->disputed &&
-		   w->ratio && w->group && w->groups && w->by_sky && w->sky_sign && w->sky_disputed &&
-		   w->sky_groups;
+	return allocate_choice(&w->now, count) && allocate_choice(&w->by_sky, count) && w->given &&
+		   w->own && w->other && w->by_angle && w->ratio && w->group;
 }
 
 /* ------------------------------------------------------------------------------------- decision */
@@ -295,8 +306,8 @@ static void add_view(const gw_side_view *more, gw_side_view *sum)
 /* The light of a patch, with its group's factors, on its front or back by its sign. */
 static double patch_light(const orientation_work *w, size_t patch, int side)
 {
-	int own = w->sign[patch] > 0 ? side : 1 - side;
-	return w->light[patch].side[own].light * w->groups[w->group[patch]].factor[side];
+	int own = w->now.sign[patch] > 0 ? side : 1 - side;
+	return w->now.light[patch].side[own].light * w->now.groups[w->group[patch]].factor[side];
 }
 
 /* By how much the front of a group is the brighter side. */
@@ -311,15 +322,16 @@ static double light_ratio(const patch_group *g)
 static void sum_groups(orientation_work *w, bool rooms)
 {
 	for (size_t i = 0; i < w->patch_count; i++)
-		w->groups[i] = (patch_group){ .factor = { 1, 1 } };
+		w->now.groups[i] = (patch_group){ .factor = { 1, 1 } };
 	for (size_t i = 0; i < w->patch_count; i++) {
-		patch_group *g = w->groups + w->group[i];
+		patch_group *g = w->now.groups + w->group[i];
 		for (int side = 0; side < 2; side++)
-			add_view(w->light[i].side + (w->sign[i] > 0 ? side : 1 - side), g->light.side + side);
-		g->given += w->given[i] * w->sign[i];
+			add_view(w->now.light[i].side + (w->now.sign[i] > 0 ? side : 1 - side),
+					 g->light.side + side);
+		g->given += w->given[i] * w->now.sign[i];
 	}
 	for (size_t i = 0; i < w->patch_count; i++) {
-		patch_group *g = w->groups + i;
+		patch_group *g = w->now.groups + i;
 		for (int side = 0; rooms && side < 2; side++)
 			g->factor[side] = gw_side_factor(g->light.side + side);
 		g->doubtful = g->given == 0 && !(light_ratio(g) > CLEAR);
@@ -331,9 +343,9 @@ static void turn_whole(orientation_work *w, bool rooms)
 {
 	sum_groups(w, rooms);
 	for (size_t i = 0; i < w->patch_count; i++) {
-		const patch_group *g = w->groups + w->group[i];
+		const patch_group *g = w->now.groups + w->group[i];
 		bool turn = g->given != 0 ? g->given < 0 : light_ratio(g) < 1;
-		w->sign[i] = turn ? (int8_t)-w->sign[i] : w->sign[i];
+		w->now.sign[i] = turn ? (int8_t)-w->now.sign[i] : w->now.sign[i];
 	}
 	sum_groups(w, rooms);
 }
@@ -346,7 +358,7 @@ static double find_certainty(const orientation_work *w, size_t patch)
 	if (!(ratio > log(SURE_LEAST)))
 		return 0;
 	double sure = fmin((ratio - log(SURE_LEAST)) / log(SURE / SURE_LEAST), 1);
-	return (front > back) == (w->sign[patch] > 0) ? sure : -sure;
+	return (front > back) == (w->now.sign[patch] > 0) ? sure : -sure;
 }
 
 static void find_own(orientation_work *w)
@@ -365,7 +377,7 @@ static void turn_parts(orientation_work *w, gw_patch_groups *groups, bool rooms)
 {
 	turn_whole(w, rooms);
 	find_own(w);
-	gw_patch_groups_turn(groups, w->own, w->sign);
+	gw_patch_groups_turn(groups, w->own, w->now.sign);
 	turn_whole(w, true);
 }
 
@@ -377,19 +389,19 @@ static void turn_parts(orientation_work *w, gw_patch_groups *groups, bool rooms)
 static void turn_best(orientation_work *w, gw_patch_groups *groups)
 {
 	size_t count = w->patch_count;
-	memcpy(w->other, w->sign, count * sizeof *w->other);
+	memcpy(w->other, w->now.sign, count * sizeof *w->other);
 	turn_parts(w, groups, false);
 	turn_parts(w, groups, true);
 	for (size_t i = 0; i < count; i++) {
 		int8_t swap = w->other[i];
-		w->other[i] = w->sign[i];
-		w->sign[i] = swap;
-		w->ratio[i] = light_ratio(w->groups + i);
+		w->other[i] = w->now.sign[i];
+		w->now.sign[i] = swap;
+		w->ratio[i] = light_ratio(w->now.groups + i);
 	}
 	turn_parts(w, groups, true);
 	for (size_t i = 0; i < count; i++)
-		if (w->ratio[w->group[i]] > light_ratio(w->groups + w->group[i]))
-			w->sign[i] = w->other[i];
+		if (w->ratio[w->group[i]] > light_ratio(w->now.groups + w->group[i]))
+			w->now.sign[i] = w->other[i];
 	sum_groups(w, true);
 }
 
@@ -403,7 +415,7 @@ static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 	w->border_count = 0;
 	GW_TRY(collect_borders(w, error));
 	gw_patch_groups *groups =
-		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->sign, w->group);
+		gw_patch_groups_make(w->patch_count, w->borders, w->border_count, w->now.sign, w->group);
 	if (!groups)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	turn_best(w, groups);
@@ -419,18 +431,19 @@ static gw_status choose_signs(orientation_work *w, bool alike, gw_error *error)
 static void settle_disputed(orientation_work *w)
 {
 	for (size_t i = 0; i < w->patch_count; i++)
-		w->groups[i] = (patch_group){ .factor = { 1, 1 } };
+		w->now.groups[i] = (patch_group){ .factor = { 1, 1 } };
 	for (size_t i = 0; i < w->patch_count; i++) {
-		w->disputed[i] = w->by_angle[i] != w->sign[i];
-		patch_group *g = w->groups + w->group[i];
-		for (int side = 0; w->disputed[i] && side < 2; side++)
-			add_view(w->light[i].side + (w->sign[i] > 0 ? side : 1 - side), g->light.side + side);
+		w->now.disputed[i] = w->by_angle[i] != w->now.sign[i];
+		patch_group *g = w->now.groups + w->group[i];
+		for (int side = 0; w->now.disputed[i] && side < 2; side++)
+			add_view(w->now.light[i].side + (w->now.sign[i] > 0 ? side : 1 - side),
+					 g->light.side + side);
 	}
 	for (size_t i = 0; i < w->patch_count; i++) {
-		const gw_side_view *side = w->groups[w->group[i]].light.side;
+		const gw_side_view *side = w->now.groups[w->group[i]].light.side;
 		bool open = side[1].met < OPEN_SIDE * side[1].area && side[1].met < side[0].met;
-		if (w->disputed[i] && open && side[1].light > side[0].light)
-			w->sign[i] = w->by_angle[i];
+		if (w->now.disputed[i] && open && side[1].light > side[0].light)
+			w->now.sign[i] = w->by_angle[i];
 	}
 	sum_groups(w, true);
 }
@@ -440,42 +453,38 @@ static void settle_disputed(orientation_work *w)
 static gw_status decide(orientation_work *w, gw_error *error)
 {
 	GW_TRY(choose_signs(w, false, error));
-	memcpy(w->by_angle, w->sign, w->patch_count * sizeof *w->sign);
+	memcpy(w->by_angle, w->now.sign, w->patch_count * sizeof *w->now.sign);
 	GW_TRY(choose_signs(w, true, error));
 	settle_disputed(w);
 	return GW_OK;
 }
 
-static void swap_lights(orientation_work *w)
+static void swap_choices(orientation_work *w)
 {
-	gw_side_light *light = w->light;
-	w->light = w->by_sky;
-	w->by_sky = light;
+	choice now = w->now;
+	w->now = w->by_sky;
+	w->by_sky = now;
 }
 
 /* The same as if a sky shone alone. */
 static gw_status decide_by_sky(orientation_work *w, gw_error *error)
 {
-	size_t count = w->patch_count;
-	swap_lights(w);
-	GW_TRY(decide(w, error));
-	swap_lights(w);
-	memcpy(w->sky_sign, w->sign, count * sizeof *w->sign);
-	memcpy(w->sky_disputed, w->disputed, count * sizeof *w->disputed);
-	memcpy(w->sky_groups, w->groups, count * sizeof *w->groups);
-	return GW_OK;
+	swap_choices(w);
+	gw_status status = decide(w, error);
+	swap_choices(w);
+	return status;
 }
 
 /* Which of the light that there is falls straight on the sides of groups as a sky chooses them. */
 static void light_sky_groups(orientation_work *w)
 {
 	for (size_t i = 0; i < w->patch_count; i++)
-		w->sky_groups[i].light.side[0].lit = w->sky_groups[i].light.side[1].lit = 0.0;
+		w->by_sky.groups[i].light.side[0].lit = w->by_sky.groups[i].light.side[1].lit = 0.0;
 	for (size_t i = 0; i < w->patch_count; i++) {
-		patch_group *g = w->sky_groups + w->group[i];
-		int front = w->sky_sign[i] > 0 ? 0 : 1;
-		g->light.side[0].lit += w->light[i].side[front].lit;
-		g->light.side[1].lit += w->light[i].side[1 - front].lit;
+		patch_group *g = w->by_sky.groups + w->group[i];
+		int front = w->by_sky.sign[i] > 0 ? 0 : 1;
+		g->light.side[0].lit += w->now.light[i].side[front].lit;
+		g->light.side[1].lit += w->now.light[i].side[1 - front].lit;
 	}
 }
 
@@ -488,7 +497,7 @@ static void light_sky_groups(orientation_work *w)
  */
 static bool is_by_sky(const orientation_work *w, size_t group)
 {
-	const patch_group *g = w->groups + group, *sky = w->sky_groups + group;
+	const patch_group *g = w->now.groups + group, *sky = w->by_sky.groups + group;
 	const gw_side_view *front = g->light.side, *sky_front = sky->light.side;
 	double times = front->met > sky_front->met ? CLEAR : REACHED;
 	return front->lit <= times * sky_front->lit && (g->doubtful || !sky->doubtful);
@@ -508,15 +517,15 @@ static void take_sky(orientation_work *w)
 	light_sky_groups(w);
 	for (size_t i = 0; i < w->patch_count; i++) {
 		if (is_by_sky(w, w->group[i])) {
-			w->sign[i] = w->sky_sign[i];
-			w->disputed[i] = w->sky_disputed[i];
-		} else if (!is_closed(w->groups[w->group[i]].light.side)) {
-			w->disputed[i] |= w->sign[i] != w->sky_sign[i];
+			w->now.sign[i] = w->by_sky.sign[i];
+			w->now.disputed[i] = w->by_sky.disputed[i];
+		} else if (!is_closed(w->now.groups[w->group[i]].light.side)) {
+			w->now.disputed[i] |= w->now.sign[i] != w->by_sky.sign[i];
 		}
 	}
 	for (size_t i = 0; i < w->patch_count; i++)
 		if (is_by_sky(w, i))
-			w->groups[i] = w->sky_groups[i];
+			w->now.groups[i] = w->by_sky.groups[i];
 }
 
 /*
@@ -536,7 +545,7 @@ static bool may_be_either(const patch_group *g)
 static void doubt_closed(orientation_work *w)
 {
 	for (size_t i = 0; i < w->patch_count; i++)
-		w->disputed[i] |= may_be_either(w->groups + w->group[i]);
+		w->now.disputed[i] |= may_be_either(w->now.groups + w->group[i]);
 }
 
 static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
@@ -544,7 +553,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	if (!allocate_patches(w))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu patches", w->patch_count);
 	bool lamps = !gw_side_light_is_sky(w->options, w->surfels);
-	GW_TRY(find_light(w, estimated, lamps ? w->by_sky : NULL, error));
+	GW_TRY(find_light(w, estimated, lamps ? w->by_sky.light : NULL, error));
 	if (lamps)
 		GW_TRY(decide_by_sky(w, error));
 	GW_TRY(decide(w, error));
@@ -558,7 +567,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
  * it is the day outside. */
 static bool is_room(const orientation_work *w, size_t patch)
 {
-	const patch_group *g = w->groups + w->group[patch];
+	const patch_group *g = w->now.groups + w->group[patch];
 	return g->factor[0] > g->factor[1] && g->light.side[0].light < g->light.side[1].light;
 }
 
@@ -567,11 +576,11 @@ static void turn_normals(orientation_work *w, const uint8_t *estimated, uint8_t 
 	gw_surfels *s = w->surfels;
 	for (size_t i = 0; i < s->count; i++) {
 		uint32_t patch = w->patch[i];
-		if (estimated[i] && (w->groups[w->group[patch]].doubtful || w->disputed[patch]))
-			doubtful[i] = is_room(w, patch) && !w->disputed[patch] ? 1 : GW_SIDE_UNCLEAR;
+		if (estimated[i] && (w->now.groups[w->group[patch]].doubtful || w->now.disputed[patch]))
+			doubtful[i] = is_room(w, patch) && !w->now.disputed[patch] ? 1 : GW_SIDE_UNCLEAR;
 		else
 			doubtful[i] = 0;
-		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->sign[patch] < 0) && k < 3; k++)
+		for (size_t k = 0; estimated[i] && w->opposite[i] != (w->now.sign[patch] < 0) && k < 3; k++)
 			s->normal[3 * i + k] = -s->normal[3 * i + k];
 	}
 }
@@ -608,20 +617,14 @@ static void release(orientation_work *w)
 	free(w->opposite);
 	free(w->patch);
 	free(w->borders);
-	free(w->light);
-	free(w->by_sky);
-	free(w->sky_sign);
-	free(w->sky_disputed);
-	free(w->sky_groups);
+	free_choice(&w->now);
+	free_choice(&w->by_sky);
 	free(w->given);
 	free(w->own);
-	free(w->sign);
 	free(w->other);
 	free(w->by_angle);
-	free(w->disputed);
 	free(w->ratio);
 	free(w->group);
-	free(w->groups);
 }
 
 static gw_status orient(orientation_work *w, gw_neighbours *search, const uint8_t *estimated,
