@@ -405,11 +405,15 @@ static double below_panel(float sheet, float panel)
 	return sum / count;
 }
 
-/* Some 100 records of 64 rays and samples, by which noise is 1 %. */
+/* Some 100 records of 64 rays and samples, by which noise is 1 %. The panel's points lie 2.4 times as
+ * close as the floor's, by which leaves are as wide as three of them. Points tell to half of their
+ * own spacing where a panel ends, of its area to a 24th, and two of noise make 0.06. In closed form
+ * it is the integral of 1 / (1 + dx^2 + dy^2)^2 over two squares of 1 m, 0.6278. */
 static void test_emitters(void **state)
 {
 	(void)state;
 	double bare = below_panel(0.0f, 1.0f);
+	assert_true(fabs(bare / 0.6278 - 1.0) < 0.06);
 	assert_true(fabs(below_panel(0.4f, 1.0f) / bare - 0.6) < 0.03);
 	assert_true(fabs(below_panel(0.0f, 0.3f) / bare - 0.3) < 0.02);
 	assert_true(fabs(below_panel(0.4f, 0.3f) / bare - 0.18) < 0.02);
