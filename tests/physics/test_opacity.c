@@ -405,10 +405,10 @@ static double below_panel(float sheet, float panel)
 	return sum / count;
 }
 
-/* Some 100 records of 64 rays and samples, by which noise is 1 %. The panel's points lie 2.4 times as
- * close as the floor's, by which leaves are as wide as three of them. Points tell to half of their
- * own spacing where a panel ends, of its area to a 24th, and two of noise make 0.06. In closed form
- * it is the integral of 1 / (1 + dx^2 + dy^2)^2 over two squares of 1 m, 0.6278. */
+/* Some 100 records of 64 rays and samples, by which noise is 1 %. The panel's points lie 2.4 times
+ * as close as the floor's, by which leaves are as wide as three of them. Points tell to half of
+ * their own spacing where a panel ends, of its area to a 24th, and two of noise make 0.06. In
+ * closed form it is the integral of 1 / (1 + dx^2 + dy^2)^2 over two squares of 1 m, 0.6278. */
 static void test_emitters(void **state)
 {
 	(void)state;
