@@ -13,6 +13,10 @@
 #define PI 3.14159265358979323846
 #define DEGREE (PI / 180.0)
 
+/* Metres. */
+#define EXTENT_LEAST 1e-6
+#define EXTENT_MOST 1e12
+
 #define POINT (1u << GW_LIGHT_POINT)
 #define SPOT (1u << GW_LIGHT_SPOT)
 #define SUN (1u << GW_LIGHT_SUN)
@@ -174,6 +178,16 @@ static gw_status take_units(lamp *light, light_key_id key, light_units said, gw_
 	return GW_OK;
 }
 
+/* What the library takes. */
+static gw_status check_extent(const double *metres, size_t count, gw_error *error)
+{
+	for (size_t k = 0; k < count; k++)
+		if (!(metres[k] >= EXTENT_LEAST && metres[k] <= EXTENT_MOST))
+			return gw_fail(error, GW_ERROR_USAGE, "a lamp is from %g to %g m wide", EXTENT_LEAST,
+						   EXTENT_MOST);
+	return GW_OK;
+}
+
 static gw_status check_range(light_key_id key, const double *values, gw_error *error)
 {
 	if (light_keys[key].value == LIGHT_VALUE_SKY && fabs(values[1]) > 90.0)
@@ -184,6 +198,10 @@ static gw_status check_range(light_key_id key, const double *values, gw_error *e
 			"the latitude must be from -90 to 90, the longitude from -180 to 180 degrees");
 	if (key == LIGHT_KEY_SIZE && !(values[0] > 0.0 && values[1] > 0.0))
 		return gw_fail(error, GW_ERROR_USAGE, "both sides must be above 0");
+	if (key == LIGHT_KEY_SIZE)
+		GW_TRY(check_extent(values, 2, error));
+	if (key == LIGHT_KEY_RADIUS && values[0] != 0.0)
+		GW_TRY(check_extent(values, 1, error));
 	if (key == LIGHT_KEY_KELVIN && !(values[0] >= KELVIN_LEAST && values[0] <= KELVIN_MOST))
 		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", KELVIN_LEAST,
 					   KELVIN_MOST);
@@ -191,7 +209,10 @@ static gw_status check_range(light_key_id key, const double *values, gw_error *e
 		!(values[0] >= SKY_TURBIDITY_LEAST && values[0] <= SKY_TURBIDITY_MOST))
 		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", SKY_TURBIDITY_LEAST,
 					   SKY_TURBIDITY_MOST);
-	if (key == LIGHT_KEY_DIRECTION && values[0] == 0.0 && values[1] == 0.0 && values[2] == 0.0)
+	double squares = values[0] * values[0];
+	for (size_t k = 1; key == LIGHT_KEY_DIRECTION && k < 3; k++)
+		squares += values[k] * values[k];
+	if (key == LIGHT_KEY_DIRECTION && squares == 0.0)
 		return gw_fail(error, GW_ERROR_USAGE, "0,0,0 is no direction");
 	return GW_OK;
 }
@@ -616,6 +637,9 @@ static gw_status settle_units(lamp *light, gw_error *error)
 
 static gw_status check_angles(const gw_light *l, gw_error *error)
 {
+	if (l->type == GW_LIGHT_SPOT && l->outer_angle == 0.0f)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "an outer angle of 0 degrees leaves the spot no beam");
 	if (l->type == GW_LIGHT_SPOT && l->outer_angle > 180.0f)
 		return gw_fail(error, GW_ERROR_USAGE, "the outer angle is %g degrees; 180 is all around",
 					   (double)l->outer_angle);

@@ -12,6 +12,8 @@
 #define FAR_EXTENTS 3.0   /* extents of the cloud from which on a lamp is called far away */
 #define NOTHING 1e-6      /* share of the light that is as good as none */
 #define DOUBTFUL 0.01 /* of what such a lamp gives: more is no leak, however wrong the light is */
+#define DOUBTFUL_BEHIND 0.05 /* likewise of one that is behind the surface nearest to it */
+#define NEAREST 16u          /* points that tell whether it is */
 #define NAME 96
 
 /* Box around the points that are part of a surface, and its diagonal. */
@@ -144,6 +146,36 @@ static double flux_of(const gw_light *l)
 										 (double)l->intensity[2]);
 }
 
+/* Does all of the surface nearest to a lamp show it its back, but for a point? Then it stands
+ * within rock or under the floor, or outside. */
+static bool is_behind(const light_shares *f, const gw_light *light)
+{
+	const gw_points *points = &f->scene->points.points;
+	struct {
+		double squared, facing;
+	} near[NEAREST + 1];
+	size_t count = 0, backs = 0;
+	for (size_t i = 0; f->result->normal && i < points->count; i++) {
+		const float *n = f->result->normal + 3 * i;
+		double squared = 0.0, facing = 0.0;
+		for (int k = 0; k < 3; k++) {
+			double to = light->position[k] - points->position[3 * i + (size_t)k];
+			squared += to * to;
+			facing += to * (double)n[k];
+		}
+		if (!isfinite(squared) || (count == NEAREST && squared >= near[count - 1].squared))
+			continue;
+		size_t at = count < NEAREST ? count++ : count - 1;
+		for (; at > 0 && near[at - 1].squared > squared; at--)
+			near[at] = near[at - 1];
+		near[at].squared = squared;
+		near[at].facing = facing;
+	}
+	for (size_t i = 0; i < count; i++)
+		backs += near[i].facing < 0.0;
+	return count == NEAREST && backs + 1 >= count;
+}
+
 /* Whether a lamp gives so little, beside what others give for their flux, that it may be the error
  * alone: light that leaks to it from under the floor. */
 static bool is_doubtful(const light_shares *f, size_t i)
@@ -155,8 +187,11 @@ static bool is_doubtful(const light_shares *f, size_t i)
 		flux += other;
 		share += other > 0.0 && r->given[k].share > 0.0 ? r->given[k].share : 0.0;
 	}
-	double bound = fmin(r->report.error.relative_rms, DOUBTFUL);
-	return own > 0.0 && shines(&r->given[i]) && r->given[i].share / share < bound * own / flux;
+	if (!(own > 0.0) || !shines(&r->given[i]))
+		return false;
+	double given = r->given[i].share / share * flux / own;
+	bool behind = given < DOUBTFUL_BEHIND && is_behind(f, light_of(f, i));
+	return given < fmin(r->report.error.relative_rms, behind ? DOUBTFUL_BEHIND : DOUBTFUL);
 }
 
 /* A line of one that shines. */
@@ -179,7 +214,9 @@ static void print_share(const light_shares *f, const extent *e, size_t i)
 	if (away > FAR_EXTENTS * e->diagonal)
 		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
 	else if (is_doubtful(f, i))
-		fprintf(stderr, "; so little for its power is within the error: it may light nothing");
+		fprintf(stderr, "; so little for its power is within the error: it may light nothing%s",
+				is_behind(f, light_of(f, i)) ? ", as the surface nearest to it shows it its back"
+											 : "");
 	fputc('\n', stderr);
 }
 

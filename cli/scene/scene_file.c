@@ -763,6 +763,16 @@ gw_status scene_read(const char *path, size_t index, settings *s, gw_error *erro
 	return GW_OK;
 }
 
+/* Lights of the file that do not go together are the file's fault. They are the first ones. */
+static gw_status check_lights(const settings *s, size_t count, gw_error *error)
+{
+	light_units units = LIGHT_UNITS_UNSAID;
+	gw_error own;
+	if (lights_agree(s->light, count, &units, &own) != GW_OK)
+		return gw_fail(error, GW_ERROR_DATA, "%s: %s", s->scene, own.text);
+	return GW_OK;
+}
+
 gw_status scene_read_all(settings *s, gw_error *error)
 {
 	bool any = false;
@@ -776,8 +786,9 @@ gw_status scene_read_all(settings *s, gw_error *error)
 		s->scene = settings_keep(s, s->input[i].path, error);
 		if (!s->scene)
 			return GW_ERROR_MEMORY;
-		size_t before = s->input_count;
+		size_t before = s->input_count, lights = s->light_count;
 		GW_TRY(scene_read(s->scene, i, s, error));
+		GW_TRY(check_lights(s, s->light_count - lights, error));
 		i += s->input_count - before;
 	}
 	GW_TRY(lights_agree(s->light, s->light_count, &s->units, error));

@@ -598,13 +598,13 @@ static gw_status run(bake *b, gw_error *error)
 	return status == GW_OK ? gw_scene_check_validation(&b->scene, error) : status;
 }
 
-static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
+static gw_status bake_in_units(const gw_scaled_scene *scaled, gw_bake_manner manner,
 							   const gw_bake_callbacks *callbacks, gw_bake_result **result,
 							   gw_error *error)
 {
 	const gw_bake_options *options = &scaled->options;
 	*result = NULL;
-	bake b = { .points = scaled->scene.points, .planning = planning };
+	bake b = { .points = scaled->scene.points, .planning = manner.planning };
 	b.result = gw_allocate_zeros(1, sizeof *b.result);
 	if (!b.result)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for a result");
@@ -612,6 +612,7 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
 	b.scene = (gw_scene){
 		.options = *options,
 		.report = b.report,
+		.lent = manner.device,
 	};
 	if (callbacks)
 		b.scene.callbacks = *callbacks;
@@ -632,13 +633,13 @@ static gw_status bake_in_units(const gw_scaled_scene *scaled, bool planning,
 }
 
 gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options *options,
-					   bool planning, const gw_bake_callbacks *callbacks, gw_bake_result **result,
-					   gw_error *error)
+					   gw_bake_manner manner, const gw_bake_callbacks *callbacks,
+					   gw_bake_result **result, gw_error *error)
 {
 	gw_scaled_scene scaled;
 	gw_status status = gw_scaled_scene_make(scene, options, 0.0, &scaled, error);
 	if (status == GW_OK)
-		status = bake_in_units(&scaled, planning, callbacks, result, error);
+		status = bake_in_units(&scaled, manner, callbacks, result, error);
 	if (status == GW_OK)
 		status = gw_scaled_scene_undo(&scaled, *result, error);
 	if (status != GW_OK)
@@ -655,5 +656,6 @@ gw_status gw_plan_bake(const gw_scene_description *scene, const gw_bake_options 
 	options = options ? options : &ordinary;
 	GW_TRY(gw_options_check(options, scene, error));
 	const gw_bake_options effective = gw_options_effective(options);
-	return gw_bake_once(scene, &effective, true, callbacks, plan, error);
+	const gw_bake_manner planning = { .planning = true };
+	return gw_bake_once(scene, &effective, planning, callbacks, plan, error);
 }

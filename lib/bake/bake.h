@@ -6,16 +6,24 @@
 
 #include "glowworm.h"
 
+struct gw_gpu;
+
+/* How a bake is to be done; all zero: as one by itself. */
+typedef struct gw_bake_manner {
+	bool planning;          /* what comes after the forecast is left out */
+	struct gw_gpu **device; /* NULL, or where a device is left for those who come after, to be
+							   destroyed by the caller; what is there is used */
+} gw_bake_manner;
+
 /*
  * Bakes points as they are given, all of them; or only plans to, and then the result holds a report
  * alone.
  *   options    checked, and effective (scene.h)
- *   planning   what comes after the forecast is left out
  *   callbacks  or NULL
  *   result     on success to be destroyed by the caller, else NULL
  */
 gw_status gw_bake_once(const gw_scene_description *scene, const gw_bake_options *options,
-					   bool planning, const gw_bake_callbacks *callbacks, gw_bake_result **result,
-					   gw_error *error);
+					   gw_bake_manner manner, const gw_bake_callbacks *callbacks,
+					   gw_bake_result **result, gw_error *error);
 
 #endif

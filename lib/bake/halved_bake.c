@@ -6,6 +6,7 @@
 #include "bake/half_sample.h"
 #include "bake/report.h"
 #include "bake/scene.h"
+#include "device/gpu.h"
 #include "glowworm_host.h"
 
 #include <math.h>
@@ -63,13 +64,23 @@ static gw_bake_callbacks callbacks_of(part *p, const gw_bake_callbacks *whole)
 				 : (gw_bake_callbacks){ .user = NULL };
 }
 
-/* A bake of which only the light is wanted, with the settings that the whole one began with. */
-static gw_status bake_half(const gw_scene_description *all, const gw_half_sample *half,
-						   const gw_bake_options *options, const gw_bake_callbacks *callbacks,
+/* The bake of all points. */
+typedef struct whole {
+	const gw_scene_description *scene;
+	const gw_bake_options *options; /* that it began with */
+	const gw_bake_callbacks *callbacks;
+	gw_gpu *device; /* what it left, for those of halves; owned */
+	double told;    /* of the progress */
+} whole;
+
+/* A bake of which only the light is wanted, with the settings that the whole one began with, on the
+ * device of that one, and with its passes. */
+static gw_status bake_half(whole *w, const gw_half_sample *half, const gw_bake_callbacks *callbacks,
 						   gw_bake_result **result, gw_error *error)
 {
-	const gw_scene_description scene = { &half->points, all->lights, all->light_count };
-	gw_bake_options plain = *options;
+	const gw_scene_description scene = { &half->points, w->scene->lights, w->scene->light_count };
+	const gw_bake_manner manner = { .device = &w->device };
+	gw_bake_options plain = *w->options;
 	plain.estimate_points = 0;
 	plain.max_error = plain.time_limit = 0.0f;
 	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
@@ -78,37 +89,48 @@ static gw_status bake_half(const gw_scene_description *all, const gw_half_sample
 		plain.effects_forbidden |= 1u
 								   << GW_EFFECT_GAPS; /* gaps that stay open light nothing else */
 	return half->points.count > 0
-			   ? gw_bake_once(&scene, &plain, false, callbacks, result, error)
+			   ? gw_bake_once(&scene, &plain, manner, callbacks, result, error)
 			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
 }
 
-/* The difference to half of the points, and where more is known from it, of half of that half. */
-static gw_status compare_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								const gw_bake_callbacks *callbacks, double told,
-								gw_bake_result *result, gw_error *error)
+/* What the device did for a bake, added to a stage. */
+static void add_work(gw_stage *stage, const gw_bake_result *result)
+{
+	for (uint32_t i = 0; result && i < result->report.stage_count; i++) {
+		stage->device_seconds += result->report.stage[i].device_seconds;
+		stage->compile_seconds += result->report.stage[i].compile_seconds;
+		stage->dispatches += result->report.stage[i].dispatches;
+	}
+}
+
+/* The difference to half of the points, and where more is known from it, of half of that half.
+ * stage: receives what the device did for it. */
+static gw_status compare_halves(whole *w, gw_stage *stage, gw_bake_result *result, gw_error *error)
 {
 	gw_half_sample half, quarter = { .from = NULL };
-	part second_part = after(&parts[1], told), third_part = after(&parts[2], told);
-	const gw_bake_callbacks of_second = callbacks_of(&second_part, callbacks);
-	const gw_bake_callbacks of_third = callbacks_of(&third_part, callbacks);
+	part second_part = after(&parts[1], w->told), third_part = after(&parts[2], w->told);
+	const gw_bake_callbacks of_second = callbacks_of(&second_part, w->callbacks);
+	const gw_bake_callbacks of_third = callbacks_of(&third_part, w->callbacks);
 	gw_bake_result *of_half = NULL, *of_quarter = NULL;
 	const gw_report *r = &result->report;
 	gw_half_difference first = { 0 }, second = { 0 };
 	double gathered = r->round_count > 0 ? r->round[0].error.gathered : r->error.gathered;
-	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
+	gw_status status = gw_half_sample_make(w->scene->points, 0, &half, error);
 	if (status == GW_OK)
-		status = bake_half(scene, &half, options, &of_second, &of_half, error);
+		status = bake_half(w, &half, &of_second, &of_half, error);
 	if (status == GW_OK)
 		first = gw_half_sample_difference(&half, of_half, result);
 	bool more = status == GW_OK && gw_half_difference_all(&first) > r->error.relative_rms;
 	if (more)
 		status = gw_half_sample_make(&half.points, 1, &quarter, error);
 	if (more && status == GW_OK)
-		status = bake_half(scene, &quarter, options, &of_third, &of_quarter, error);
+		status = bake_half(w, &quarter, &of_third, &of_quarter, error);
 	if (more && status == GW_OK)
 		second = gw_half_sample_difference(&quarter, of_quarter, of_half);
 	if (status == GW_OK)
 		gw_half_sample_add(&first, &second, gathered, &result->report.error);
+	add_work(stage, of_half);
+	add_work(stage, of_quarter);
 	gw_bake_result_destroy(&of_half);
 	gw_bake_result_destroy(&of_quarter);
 	gw_half_sample_clear(&half);
@@ -117,15 +139,15 @@ static gw_status compare_halves(const gw_scene_description *scene, const gw_bake
 }
 
 /* What bakes of half of the points say of the surface; nothing where half of them is no cloud. */
-static gw_status check_by_halves(const gw_scene_description *scene, const gw_bake_options *options,
-								 const gw_bake_callbacks *callbacks, double told,
-								 gw_bake_result *result, gw_error *error)
+static gw_status check_by_halves(whole *w, gw_bake_result *result, gw_error *error)
 {
+	gw_stage stage = { .name = "half the points" };
 	gw_report *r = &result->report;
 	double start = gw_seconds();
-	gw_status status = compare_halves(scene, options, callbacks, told, result, error);
-	gw_report_add_stage(r, "half the points", gw_seconds() - start);
-	double wanted = (double)options->max_error;
+	gw_status status = compare_halves(w, &stage, result, error);
+	stage.seconds = gw_seconds() - start;
+	gw_report_add_stage(r, &stage);
+	double wanted = (double)w->options->max_error;
 	if (status == GW_OK && wanted > 0.0 && r->error.relative_rms > wanted && !r->missed) {
 		r->missed = true;
 		r->goal = GW_GOAL_EXHAUSTED;
@@ -148,13 +170,16 @@ gw_status gw_bake(const gw_scene_description *scene, const gw_bake_options *opti
 	part first = parts[0];
 	first.share = gw_half_sample_is_likely(scene->points, options) ? first.share : 1.0;
 	const gw_bake_callbacks of_first = callbacks_of(&first, callbacks);
-	GW_TRY(gw_bake_once(scene, options, false, &of_first, result, error));
+	whole w = { .scene = scene, .options = options, .callbacks = callbacks, .told = first.share };
+	gw_status status = gw_bake_once(scene, options, (gw_bake_manner){ .device = &w.device },
+									&of_first, result, error);
 	/* Two smaller bakes take less than twice as long as this one did. */
 	bool in_time =
 		!(options->time_limit > 0.0f) || gw_seconds() - start < 0.5 * (double)options->time_limit;
-	if (!in_time || !gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
-		return GW_OK;
-	gw_status status = check_by_halves(scene, options, callbacks, first.share, *result, error);
+	if (status == GW_OK && in_time &&
+		gw_half_sample_is_wanted(scene->points, &effective, &(*result)->report))
+		status = check_by_halves(&w, *result, error);
+	gw_gpu_destroy(&w.device);
 	if (status != GW_OK)
 		gw_bake_result_destroy(result);
 	return status;

@@ -43,12 +43,10 @@ void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name)
 	snprintf(stage->name, sizeof stage->name, "%s", name);
 }
 
-void gw_report_add_stage(gw_report *report, const char *name, double seconds)
+void gw_report_add_stage(gw_report *report, const gw_stage *stage)
 {
 	assert(report->stage_count < GW_REPORT_STAGES);
-	gw_stage *stage = &report->stage[report->stage_count++];
-	*stage = (gw_stage){ .seconds = seconds };
-	snprintf(stage->name, sizeof stage->name, "%s", name);
+	report->stage[report->stage_count++] = *stage;
 }
 
 static_assert(GW_PASS_COUNT <= GW_REPORT_PASSES, "every pass has room in the report");

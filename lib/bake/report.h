@@ -11,7 +11,7 @@
 void gw_report_stage(gw_report *report, const gw_gpu *gpu, const char *name);
 
 /* Adds a stage that is over, after gw_report_stage has ended the last one. */
-void gw_report_add_stage(gw_report *report, const char *name, double seconds);
+void gw_report_add_stage(gw_report *report, const gw_stage *stage);
 
 /* Writes what the device has done until now: which passes ran, and its memory at its highest. gpu
  * may be NULL. */

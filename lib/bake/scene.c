@@ -233,7 +233,15 @@ gw_status gw_scene_open_device(gw_scene *scene, gw_error *error)
 							   .passes = scene->options.passes,
 							   .cancelled = gw_scene_stopped,
 							   .user = scene };
-	GW_TRY(gw_gpu_create(&options, &scene->gpu, error));
+	if (scene->lent && *scene->lent) {
+		scene->gpu = *scene->lent;
+		*scene->lent = NULL;
+		gw_gpu_begin_again(scene->gpu, &options);
+	} else {
+		GW_TRY(gw_gpu_create(&options, &scene->gpu, error));
+	}
+	if (scene->lent)
+		gw_gpu_keep_passes(scene->gpu);
 	const gw_device_info *device = gw_gpu_device(scene->gpu);
 	snprintf(scene->report->device, sizeof scene->report->device, "%s", device->name);
 	snprintf(scene->report->driver, sizeof scene->report->driver, "%s", device->driver);
@@ -678,5 +686,9 @@ void gw_scene_close(gw_scene *scene)
 		return;
 	gw_scene_drop_octree(scene);
 	gw_octree_kept_destroy(scene->gpu, &scene->kept_octree);
-	gw_gpu_destroy(&scene->gpu);
+	if (scene->lent)
+		*scene->lent = scene->gpu;
+	else
+		gw_gpu_destroy(&scene->gpu);
+	scene->gpu = NULL;
 }

@@ -44,6 +44,8 @@ struct gw_scene {
 	gw_scene_stage stage;
 
 	gw_gpu *gpu;
+	gw_gpu *
+		*lent; /* NULL, or where the device is taken from, if there is one, and left; not owned */
 	gw_surfels surfels;
 	gw_scanned_space space; /* what scanners saw; empty where nobody knows */
 	gw_octree octree;

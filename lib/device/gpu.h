@@ -52,6 +52,16 @@ const gw_device_info *gw_gpu_device(const gw_gpu *gpu);
 /* Limits that passes ask for: see Vulkan's VkPhysicalDeviceLimits. */
 const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu);
 
+/*
+ * From here on passes that are destroyed are kept until the device is closed, for those who want
+ * the same again: for bakes that follow each other.
+ */
+void gw_gpu_keep_passes(gw_gpu *gpu);
+
+/* Begins with an open device again as if it had just been opened: its account is empty, and memory
+ * and `cancelled` are those of the options. Nothing of before may be in use. */
+void gw_gpu_begin_again(gw_gpu *gpu, const gw_gpu_options *options);
+
 /* The number of validation messages so far, and the first one's text ("" when none). */
 uint32_t gw_gpu_validation_messages(const gw_gpu *gpu, const char **first);
 

@@ -232,6 +232,34 @@ gw_status gw_gpu_create(const gw_gpu_options *options, gw_gpu **gpu, gw_error *e
 	return status;
 }
 
+void gw_gpu_keep_passes(gw_gpu *gpu)
+{
+	gpu->keeps_passes = true;
+}
+
+void gw_gpu_begin_again(gw_gpu *gpu, const gw_gpu_options *options)
+{
+	const uint64_t bytes = gpu->account.bytes;
+	gpu->budget = choose_budget(gpu, options->memory);
+	gpu->cancelled = options->cancelled;
+	gpu->user = options->user;
+	gpu->stopped = false;
+	gpu->account = (gw_gpu_account){ .bytes = bytes, .peak_bytes = bytes };
+	memset(gpu->pass_runs, 0, sizeof gpu->pass_runs);
+	memset(gpu->pass_compiled, 0, sizeof gpu->pass_compiled);
+}
+
+static void destroy_spare_passes(gw_gpu *gpu)
+{
+	for (int id = 0; id < GW_PASS_COUNT; id++)
+		while (gpu->spare[id]) {
+			gw_spare_pass *spare = gpu->spare[id];
+			gpu->spare[id] = spare->next;
+			gw_pass_destroy(gpu, &spare->pass);
+			free(spare);
+		}
+}
+
 void gw_gpu_destroy(gw_gpu **gpu_address)
 {
 	gw_gpu *gpu = *gpu_address;
@@ -241,6 +269,7 @@ void gw_gpu_destroy(gw_gpu **gpu_address)
 	if (gpu->stuck)
 		return;
 	if (gpu->handle != VK_NULL_HANDLE) {
+		destroy_spare_passes(gpu);
 		gw_staging_destroy(gpu);
 		vkDestroySampler(gpu->handle, gpu->linear, NULL);
 		vkDestroySampler(gpu->handle, gpu->nearest, NULL);

@@ -53,6 +53,14 @@ typedef struct gw_staging {
 	uint64_t allocated;
 } gw_staging;
 
+/* A pass that was made and is not in use, with its specialisation constants, 0 for those that its
+ * shader does not have. */
+typedef struct gw_spare_pass {
+	uint32_t constant[GW_PASS_CONSTANTS];
+	gw_pass *pass;
+	struct gw_spare_pass *next;
+} gw_spare_pass;
+
 struct gw_gpu {
 	gw_instance instance;
 	gw_messages messages;
@@ -83,6 +91,8 @@ struct gw_gpu {
 	gw_gpu_account account;
 	uint64_t pass_runs[GW_PASS_COUNT]; /* of pass_table.h, by shader or by kernel */
 	uint32_t pass_compiled[GW_PASS_COUNT];
+	bool keeps_passes;
+	gw_spare_pass *spare[GW_PASS_COUNT]; /* those that nobody uses now; owned */
 	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
 	bool lost;
 	char lost_text[GW_ERROR_TEXT];

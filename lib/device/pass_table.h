@@ -63,6 +63,8 @@ typedef enum gw_pass_id {
 	GW_PASS_COUNT
 } gw_pass_id;
 
+#define GW_PASS_CONSTANTS 5u
+
 typedef struct gw_passes gw_passes; /* passes.h */
 
 /*

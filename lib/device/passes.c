@@ -6,15 +6,67 @@
 #include "device/gpu_internal.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of one pass, at most. Of textures, which texel buffers count as, every device takes 16. */
 #define BINDINGS 19u
 
+/* The specialisation constants by which a shader's pass differs: of those that it has
+ * (SPIR-V specification, OpDecorate with SpecId); 0 for all others. */
+static void constants_of(const gw_passes *passes, gw_pass_id id,
+						 uint32_t constant[GW_PASS_CONSTANTS])
+{
+	enum { HEADER_WORDS = 5, OP_FUNCTION = 54, OP_DECORATE = 71, SPEC_ID = 1 };
+	const gw_shader *shader = gw_shader_find(gw_pass_row_of(id)->shader);
+	memset(constant, 0, GW_PASS_CONSTANTS * sizeof *constant);
+	for (size_t i = HEADER_WORDS; i + 3 < shader->words;) {
+		uint32_t words = shader->spirv[i] >> 16, kind = shader->spirv[i] & 0xffffu;
+		uint32_t own = shader->spirv[i + 3] - 1; /* constant 0 is the workgroup's size */
+		if (kind == OP_FUNCTION || words == 0)
+			break;
+		if (kind == OP_DECORATE && shader->spirv[i + 2] == SPEC_ID && own < GW_PASS_CONSTANTS)
+			constant[own] = passes->constant[own];
+		i += words;
+	}
+}
+
+/* Leaves a pass to those who come after; false where nobody does, or there is no memory. */
+static bool keep(gw_passes *passes, gw_pass_id id)
+{
+	gw_gpu *gpu = passes->gpu;
+	gw_spare_pass *spare = gpu->keeps_passes && passes->pass[id] ? malloc(sizeof *spare) : NULL;
+	if (!spare)
+		return false;
+	constants_of(passes, id, spare->constant);
+	spare->pass = passes->pass[id];
+	spare->next = gpu->spare[id];
+	gpu->spare[id] = spare;
+	return true;
+}
+
+/* Takes what others left, if it is the same; else NULL. */
+static gw_pass *take_kept(gw_passes *passes, gw_pass_id id)
+{
+	uint32_t wanted[GW_PASS_CONSTANTS];
+	constants_of(passes, id, wanted);
+	for (gw_spare_pass **at = &passes->gpu->spare[id]; *at; at = &(*at)->next) {
+		gw_spare_pass *spare = *at;
+		if (memcmp(spare->constant, wanted, sizeof wanted) != 0)
+			continue;
+		gw_pass *pass = spare->pass;
+		*at = spare->next;
+		free(spare);
+		return pass;
+	}
+	return NULL;
+}
+
 void gw_passes_destroy(gw_passes *passes)
 {
 	for (int i = 0; i < GW_PASS_COUNT; i++)
-		gw_pass_destroy(passes->gpu, &passes->pass[i]);
+		if (passes->pass[i] && !keep(passes, (gw_pass_id)i))
+			gw_pass_destroy(passes->gpu, &passes->pass[i]);
 	*passes = (gw_passes){ 0 };
 }
 
@@ -40,6 +92,9 @@ static gw_status create(gw_passes *passes, gw_pass_id id, gw_error *error)
 	gw_binding_kind kinds[BINDINGS];
 	uint32_t count = (uint32_t)strlen(row->bindings);
 	assert(count <= BINDINGS);
+	passes->pass[id] = take_kept(passes, id);
+	if (passes->pass[id])
+		return GW_OK;
 	passes->gpu->pass_compiled[id]++;
 	for (uint32_t i = 0; i < count; i++)
 		kinds[i] = binding_kind(row->bindings[i]);

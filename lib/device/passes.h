@@ -8,8 +8,6 @@
 
 #include "device/pass_table.h"
 
-#define GW_PASS_CONSTANTS 5u
-
 /* All zero but for gpu and constants is a set of which nothing is made yet. */
 struct gw_passes {
 	gw_gpu *gpu;

@@ -56,17 +56,6 @@ void end_sheet(inout float filled, inout float through)
 	filled = 0.0;
 }
 
-/* As above, between two levels. */
-vec4 sample_between(vec3 g, vec3 direction, float level)
-{
-	uint up = uint(level);
-	float between = level - float(up);
-	vec4 shown = sample_level(g, direction, up);
-	if (between > 1e-3 && up + 1u < depth)
-		shown = mix(shown, sample_level(g, direction, up + 1u), between);
-	return shown;
-}
-
 /* The sheet that cones start on, if it lets light through: then its back shows to them. The normal
  * is 0 where there is none. */
 vec3 own_place = vec3(0.0), own_normal = vec3(0.0);
@@ -89,17 +78,40 @@ float own_cover(vec3 direction)
 	return most;
 }
 
-/* How much of what covers a place is not the back of that sheet. The sheet shows as much there as
- * over the cone's start, at the same height above it; beyond a voxel and a half of height, nothing.
- * What is left of it where it is uneven, up to a tenth, would part other sheets. */
-float cover_of_others(float cover, vec3 g, vec3 direction, float level, float own_most)
+vec4 less_covered(vec4 a, vec4 b)
 {
-	float rise = dot(g - own_place, own_normal), width = exp2(level);
-	if (own_most == 0.0 || rise > 1.5 * width)
-		return cover;
-	float own = sample_between(own_place + rise * own_normal, direction, level).w;
-	own = min(own, own_most / width);
-	return cover > 1.1 * own ? cover - own : 0.0;
+	return a.w < b.w ? a : b;
+}
+
+/*
+ * sample_level() without the back of that sheet. It shows as much below itself as above: if it lies
+ * along an axis, from the centres of its voxels on, else from itself. What else is near it shows on
+ * one side only. Beyond two voxels of height it shows nothing.
+ */
+vec4 sample_others(vec3 g, vec3 direction, uint up, float own_most)
+{
+	vec4 shown = sample_level(g, direction, up);
+	float size = exp2(float(up)), rise = dot(g - own_place, own_normal);
+	if (own_most == 0.0 || shown.w == 0.0 || rise > 2.0 * size)
+		return shown;
+	vec3 foot = g - rise * own_normal;
+	float centre = dot((floor(foot / size) + 0.5) * size - foot, own_normal);
+	vec4 turned = sample_level(foot + (2.0 * centre - rise) * own_normal, direction, up);
+	vec4 below = sample_level(foot - rise * own_normal, direction, up);
+	vec4 own = less_covered(shown, turned.w < below.w ? below : turned);
+	own *= min(1.0, own_most / (size * max(own.w, 1e-6)));
+	return shown.w > 1.1 * own.w ? max(shown - own, vec4(0.0)) : vec4(0.0);
+}
+
+/* As above, between two levels. */
+vec4 sample_between(vec3 g, vec3 direction, float level, float own_most)
+{
+	uint up = uint(level);
+	float between = level - float(up);
+	vec4 shown = sample_others(g, direction, up, own_most);
+	if (between > 1e-3 && up + 1u < depth)
+		shown = mix(shown, sample_others(g, direction, up + 1u, own_most), between);
+	return shown;
 }
 
 /* open: what is left, 0..1. */
@@ -115,8 +127,8 @@ vec3 trace_cone(vec3 origin, vec3 direction, float tangent, out float open)
 		if (any(lessThan(g, vec3(-width))) || any(greaterThan(g, vec3(side + width))))
 			break;
 		float level = min(log2(width), float(depth - 1u));
-		vec4 shown = sample_between(g, direction, level);
-		float opacity = width * cover_of_others(shown.w, g, direction, level, own_most);
+		vec4 shown = sample_between(g, direction, level, own_most);
+		float opacity = width * shown.w;
 		if (opacity > 1e-6) {
 			float taken = min(opacity, 1.0 - filled);
 			radiance += shown.xyz * (width * taken / opacity * through);

@@ -43,6 +43,14 @@ glowworm bake floor.xyz -o lit.ply -f --albedo constant:0.5 --normals given --re
 	--light 'point at 1,1,1 intensity 0.0001 name weak' 2>&1 |
 	sed -n "s/.*light '\([a-z]*\)': [0-9.e-]* %/\1: N %/p"
 grep -c '"doubtful": true' report.json
+# In a cave of few points light leaks in from below its floor; a lamp there is behind what is
+# nearest to it.
+make_cave --points 20000 -o cave.ply
+glowworm bake cave.ply -o lit.ply -f --bounces 1 \
+	--light 'point at 13.5,2.6,1.8 intensity 190 name hall' \
+	--light 'point at 13.5,2.6,-3 intensity 190 name below' \
+	--light 'point at 24.8,0,1.1 intensity 5 name small' 2>&1 |
+	sed -n "s/.*light '\([a-z]*\)': [0-9.e-]* %/\1: N %/p"
 echo == alone
 bake --light 'point at 0.5,0.5,0.5 intensity 1'
 bake --quiet "$@"

@@ -100,6 +100,23 @@ for sky in 'map red-blue.hdr' 'map blue-red.hdr' 'map red-blue.hdr rotation 180'
 done
 awk '{ if (!($0 in seen)) seen[$0] = ++n; printf "%d ", seen[$0] }
 	END { print "" }' skies.txt
+# A map of one colour is reflected in it: as a sky of the radiance that its pixels stand for,
+# (200.5, 0.5, 64.5) / 512.
+{
+	printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n'
+	printf '\310\000\100\177\310\000\100\177'
+} >red.hdr
+for how in rays cones; do
+	for sky in 'map red.hdr' 'radiance 0.3916015625,0.0009765625,0.1259765625' \
+		'radiance 0.1259765625,0.0009765625,0.3916015625' 'radiance 0.3916015625'; do
+		# shellcheck disable=SC2086
+		run 0 render mirror.ply -o sky.png -f $view --glossy $how --light "sky $sky" \
+			--camera 'at 1.5,1.5,2 to 1.6,1.5,0 fov 70'
+		data sky.png
+		[ "$sky" = 'map red.hdr' ] && mv sky.png.data red.data
+		cmp -s red.data sky.png.data && echo "$how: as a sky of $sky"
+	done
+done
 
 echo == bad wishes
 run 2 render mirror.ply -o x.png --light 'sky map even.hdr' --light 'sky map red-blue.hdr'

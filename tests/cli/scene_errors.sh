@@ -39,6 +39,31 @@ run '{"version": 1, "bake": {"light_sample": 3}}'
 run '{"version": 1, "bake": {"rays": 0}}'
 run '{"version": 1, "bake": {"rays": [1]}}'
 run '{"version": 1, "bake": {"output": "other.ply"}}'
+light() {
+	run "{\"version\": 1, \"lights\": [$1]}"
+}
+spot='"type": "spot", "position": [0, 0, 1], "intensity": 1'
+light '{"type": "point", "position": [0, 0, 1], "intensity": NaN}'
+light '{"type": "point", "position": [0, 0, 1], "intensity": "nan"}'
+light '{"type": "point", "position": [0, 0, 1], "intensity": 1e400}'
+light '{"type": "point", "position": [0, 0, 1], "intensity": -1}'
+light '{"type": "point", "position": [0, 0, 1e300], "intensity": 1}'
+light '{"type": "point", "position": [0, 0, 1], "intensity": "3lx"}'
+light "{$spot, \"direction\": [0, 0, 0]}"
+light "{$spot, \"direction\": [1e-200, 0, 0]}"
+light "{$spot, \"direction\": [0, 0, -1], \"inner_angle\": 50, \"outer_angle\": 40}"
+light "{$spot, \"direction\": [0, 0, -1], \"inner_angle\": 0, \"outer_angle\": 0}"
+light "{$spot, \"direction\": [0, 0, -1], \"outer_angle\": 1e9}"
+light '{"type": "sun", "from": [10, -5], "irradiance": 1}'
+light '{"type": "sun", "place": [91, 8], "time": "2026-06-21T14:30Z", "illuminance": 1}'
+light '{"type": "sun", "place": [47, 8], "time": "2026-12-21T23:30Z", "illuminance": 1}'
+light '{"type": "sphere", "position": [0, 0, 1], "radius": 1e-30, "lumens": 3}'
+light '{"type": "disc", "position": [0, 0, 1], "radius": 1e30, "lumens": 3}'
+light '{"type": "rectangle", "position": [0, 0, 1], "size": [1e30, 1], "lumens": 3}'
+light '{"type": "point", "position": [0, 0, 1], "intensity": "3cd"},
+  {"type": "sun", "from": [10, 40], "irradiance": "3W/m^2"}'
+run '{"version": 1, "bake": {"effects": "shadow"}}'
+run '{"version": 1, "bake": {"effects": ""}}'
 # What the command line overrides still has to make sense.
 printf '{"version": 1, "bake": {"rays": 0}}' >scene.json
 glowworm bake scene.json --rays 8 -o out.ply 2>&1 || echo "$?"

@@ -13,6 +13,7 @@
  */
 #include "device/gpu_internal.h"
 #include "device/passes.h"
+#include "device/prefix_sum.h"
 #include "expected.h"
 #include "scenes.h"
 #include "light/transport_layout.h"
@@ -589,6 +590,51 @@ static void kernels_refused(void **state)
 	gw_gpu_destroy(&gpu);
 }
 
+/* Runs a pass that has none of the constants but the first, which is the workgroup's size. */
+static void sum_with(gw_gpu *gpu, uint32_t depth)
+{
+	gw_passes passes = { .gpu = gpu, .constant = { depth } };
+	gw_prefix_sum prefix = { 0 };
+	gw_error error = { 0 };
+	gw_buffer words;
+	uint64_t total;
+	const gw_buffer_description description = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 4 * 100,
+												"words" };
+	assert_ok(gw_buffer_create(gpu, &description, &words, &error), &error);
+	assert_ok(gw_buffer_fill(gpu, &words, 3, &error), &error);
+	assert_ok(gw_prefix_sum_run(&passes, &prefix, &words, 100, &total, &error), &error);
+	assert_int_equal(total, 300);
+	gw_prefix_sum_destroy(gpu, &prefix);
+	gw_buffer_destroy(gpu, &words);
+	gw_passes_destroy(&passes);
+}
+
+/* Passes that are kept are not made again, whatever the constants that their shaders lack; others
+ * are. Who begins again finds an account as of a device just opened. */
+static void passes_are_kept(void **state)
+{
+	(void)state;
+	for (uint32_t kept = 0; kept < 2; kept++) {
+		gw_gpu *gpu = NULL;
+		const gw_gpu_options options = { .passes = GW_PASSES_DEVICE };
+		gw_error error = { 0 };
+		uint32_t compiled;
+		assert_ok(gw_gpu_create(&options, &gpu, &error), &error);
+		if (kept)
+			gw_gpu_keep_passes(gpu);
+		sum_with(gpu, 5);
+		uint64_t runs = gw_passes_runs(gpu, GW_PASS_PREFIX_SUM, &compiled);
+		assert_true(runs > 0 && compiled == 1);
+		gw_gpu_begin_again(gpu, &options);
+		assert_int_equal(gw_passes_runs(gpu, GW_PASS_PREFIX_SUM, &compiled), 0);
+		assert_true(gw_gpu_read_account(gpu).dispatches == 0);
+		sum_with(gpu, 6);
+		assert_int_equal(gw_passes_runs(gpu, GW_PASS_PREFIX_SUM, &compiled), runs);
+		assert_int_equal(compiled, 1 - kept);
+		gw_gpu_destroy(&gpu);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -597,6 +643,7 @@ int main(void)
 		cmocka_unit_test(sky_both_ways),    cmocka_unit_test(portals_both_ways),
 		cmocka_unit_test(frames_both_ways), cmocka_unit_test(none_left_out),
 		cmocka_unit_test(choices_alike),    cmocka_unit_test(kernels_refused),
+		cmocka_unit_test(passes_are_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
