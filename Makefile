@@ -235,7 +235,7 @@ $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 
 # It makes calls of the system fail.
 $(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
-		close rename renameat2 statvfs gw_available_memory)
+		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory)
 
 test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
