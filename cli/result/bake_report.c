@@ -508,7 +508,8 @@ static bool is_notable(const gw_count *count, size_t points)
 	} harmless[] = { { "duplicates_merged", 0.1 },
 					 { "albedo_clamped", 0.01 },
 					 { "normals_untrusted", 0.05 },
-					 { "foliage", 0.001 } };
+					 { "foliage", 0.001 },
+					 { "shut_in", 0.1 } };
 	double least = 0.0;
 	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
 		if (strcmp(count->name, harmless[i].name) == 0)
