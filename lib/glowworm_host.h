@@ -52,6 +52,12 @@ void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_w
 #pragma GCC visibility pop
 #endif
 
+/* What of two words or endings fits a number, as gw_plural(n, "is", "are"). */
+static inline const char *gw_plural(uint64_t number, const char *one, const char *many)
+{
+	return number == 1 ? one : many;
+}
+
 #ifdef __cplusplus
 }
 #endif

@@ -88,12 +88,12 @@ run lamps lamp
 # Bakes; what the first ones write is read by what follows.
 run 'bake rays' bake cube.csv -o lit.ply --light "$lamp" --fields lights,error,ao $quick \
 	--estimate-points 8 --save-transport cube.transport --report out.json --vdb out.vdb
-run 'bake again' bake cube.csv -o again.ply --transport cube.transport --light 'sky radiance 1' -f
+run "bake again" bake cube.csv -o again.ply --transport cube.transport --light "sky radiance 1" $quick
 run 'bake cones' bake cube.csv -o cones.ply --method cones --shadows maps --shadow-map-size 32 \
 	--light "$lamp" $quick --estimate-points 4
 run 'bake bare' bake bare.csv -o bare.ply --light 'sky radiance 1' --light "$lamp" $quick \
 	--estimate-points 8
-run 'bake scanners' bake cave.ptx -o cave.lit.ply --gaps mean --light 'sun from 100,50' $quick \
+run 'bake scanners' bake cave.ptx -o cave.lit.ply --gaps mean --light 'sun from 100,50 irradiance 3' $quick \
 	--estimate-points 8
 run 'bake glow' bake cornell.ply -o cornell.lit.ply $quick --estimate-points 8
 run 'bake opacity' bake clear.csv -o clear.ply --light "$lamp" --light 'sky radiance 1' $quick \

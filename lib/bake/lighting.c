@@ -241,10 +241,10 @@ static gw_status make_map(gw_lighting *lighting, gw_error *error)
 	if (lighting->whole)
 		return status;
 	gw_report_count(s->report, "map_pixels_repaired", lighting->map.repaired,
-					"pixels of the sky's map that are negative or no number: taken as 0");
+					"pixel{|s} of the sky's map that {is|are} negative or no number: taken as 0");
 	gw_report_count(
 		s->report, "map_pixels_infinite", lighting->map.infinite,
-		"pixels of the sky's map that are infinite or over 1e12: taken as 65504 or 1e12");
+		"pixel{|s} of the sky's map that {is|are} infinite or over 1e12: taken as 65504 or 1e12");
 	return status;
 }
 
@@ -324,7 +324,7 @@ static void report_shut_in(const gw_lighting *lighting)
 	bool shut = gw_compartments_several(&s->octree) && all_shine_outside(lighting);
 	gw_report_count(
 		s->report, "shut_in", shut ? count_shut_in(s) : 0,
-		"of the points close off a space while all lights are outside of it: nothing of "
+		"of the points {closes|close} off a space while all lights are outside of it: nothing of "
 		"them gets in, and what is lit are its outer sides; a light inside shows the space");
 }
 
