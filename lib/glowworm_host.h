@@ -53,10 +53,7 @@ void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_w
 #endif
 
 /* What of two words or endings fits a number, as gw_plural(n, "is", "are"). */
-static inline const char *gw_plural(uint64_t number, const char *one, const char *many)
-{
-	return number == 1 ? one : many;
-}
+const char *gw_plural(uint64_t number, const char *one, const char *many);
 
 #ifdef __cplusplus
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Small runs of the program, which together go every way through it, under valgrind: reads of memory
-# that was never set, or is not ours. What the tests' own filling of memory finds only where it shows
-# in a result, valgrind finds where it is read.
+# Small runs of the program, which together go every way through it, under valgrind: reads of
+# memory that was never set, or is not ours. What filling memory, as suite.sh does, finds only
+# where it shows in a result, valgrind finds where it is read.
 #
 #   valgrind.sh BUILD [FILE]...    files are read by `info`, beside those made here
 #
@@ -53,7 +53,8 @@ cube '' >cube.csv
 cube ',opacity' 0.5 >clear.csv
 awk -F, 'NR == 1 || $1 < 1 { print $1 "," $2 "," $3 }' cube.csv >bare.csv
 printf 'v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n' >floor.obj
-printf 'IESNA:LM-63-2002\nTILT=NONE\n1 100 1 3 1 1 2 0.1 0.1 0\n1 1 4\n0 45 90\n0\n9 5 0\n' >lamp.ies
+printf '%s\n' IESNA:LM-63-2002 TILT=NONE '1 100 1 3 1 1 2 0.1 0.1 0' '1 1 4' '0 45 90' 0 '9 5 0' \
+	>lamp.ies
 cat >moving.scene.json <<'END'
 {"version": 1, "frames": 2, "inputs": [{"file": "cube.csv"}],
  "lights": [{"type": "point", "position": [0, 0, 0], "intensity": 1,
@@ -86,14 +87,16 @@ run lamp lamp lamp.ies -o out.png -f
 run lamps lamp
 
 # Bakes; what the first ones write is read by what follows.
-run 'bake rays' bake cube.csv -o lit.ply --light "$lamp" --fields lights,error,ao $quick \
+run 'bake rays' bake cube.csv -o lit.ply --light "$lamp" --fields lights,error,ao,direct,irradiance $quick \
 	--estimate-points 8 --save-transport cube.transport --report out.json --vdb out.vdb
-run "bake again" bake cube.csv -o again.ply --transport cube.transport --light "sky radiance 1" $quick
+run 'bake again' bake cube.csv -o again.ply --transport cube.transport --light 'sky radiance 1' \
+	$quick --estimate-points 8
 run 'bake cones' bake cube.csv -o cones.ply --method cones --shadows maps --shadow-map-size 32 \
 	--light "$lamp" $quick --estimate-points 4
 run 'bake bare' bake bare.csv -o bare.ply --light 'sky radiance 1' --light "$lamp" $quick \
 	--estimate-points 8
-run 'bake scanners' bake cave.ptx -o cave.lit.ply --gaps mean --light 'sun from 100,50 irradiance 3' $quick \
+run 'bake scanners' bake cave.ptx -o cave.lit.ply --gaps mean $quick \
+	--light 'sun from 100,50 irradiance 3' \
 	--estimate-points 8
 run 'bake glow' bake cornell.ply -o cornell.lit.ply $quick --estimate-points 8
 run 'bake opacity' bake clear.csv -o clear.ply --light "$lamp" --light 'sky radiance 1' $quick \
@@ -101,7 +104,7 @@ run 'bake opacity' bake clear.csv -o clear.ply --light "$lamp" --light 'sky radi
 run 'bake ies' bake cube.csv -o ies.ply --light 'point at 0,0,0 ies lamp.ies to 0,0,-1' $quick \
 	--estimate-points 0
 run 'bake frames' bake moving.scene.json -o frame-%d.ply --frames all $quick --estimate-points 0
-run 'bake round' bake cube.csv -o round.ply --light "$lamp" --max-error 50 --threads 1 -f
+run 'bake round' bake cube.csv -o round.ply --light "$lamp" --max-error 0.5 --threads 1 -f
 run plan plan cube.csv --light "$lamp"
 
 # What is made of lit clouds.
