@@ -88,7 +88,8 @@ run lamps lamp
 
 # Bakes; what the first ones write is read by what follows.
 run 'bake rays' bake cube.csv -o lit.ply --light "$lamp" $quick --estimate-points 8 \
-	--fields lights,error,ao,direct,irradiance --save-transport cube.transport --report out.json --vdb out.vdb
+	--fields lights,error,ao,direct,irradiance \
+	--save-transport cube.transport --report out.json --vdb out.vdb
 run 'bake again' bake cube.csv -o again.ply --transport cube.transport --light 'sky radiance 1' \
 	$quick --estimate-points 8
 run 'bake cones' bake cube.csv -o cones.ply --method cones --shadows maps --shadow-map-size 32 \
