@@ -96,7 +96,7 @@ LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)
 MAN_PAGES       := $(patsubst %.in,$(BUILD)/%,$(wildcard man/*.1.in))
 COMPLETIONS     := $(addprefix $(BUILD)/completion.,bash zsh fish)
 
-.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz bench bench-formats tradeoff lint install uninstall help clean FORCE
+.PHONY: all check deps deps-interop demo gallery test test-interop test-sanitize test-programs analysis torture fuzz valgrind bench bench-formats tradeoff lint install uninstall help clean FORCE
 all: $(BUILD)/glowworm $(PLUGINS) $(BUILD)/libglowworm.so $(SAMPLE_PROGRAMS) $(LIBRARY_SAMPLE) \
 		$(MAN_PAGES) $(COMPLETIONS)  ## build program, library and samples
 
@@ -235,7 +235,7 @@ $(BUILD)/tests/torture/fault_shim.so: $(call objects,$(TORTURE_SHIM))
 
 # It makes calls of the system fail.
 $(BUILD)/tests/hostile/test_faulty_files: LDFLAGS += $(addprefix -Wl$(comma)--wrap=,open read pread write fsync \
-		close rename renameat2 statvfs gw_available_memory)
+		close fclose flock kill geteuid rename renameat2 statvfs gw_available_memory)
 
 test-programs: all $(TEST_PROGRAMS) $(TORTURE)
 
@@ -269,6 +269,10 @@ test-sanitize: deps  ## the tests under AddressSanitizer and UndefinedBehaviorSa
 fuzz: deps  ## feed a reader damaged files: make fuzz READER=las MINUTES=5
 	@$(build_quietly) config=fuzz $(addprefix build/fuzz/tests/fuzz/,fuzz make_corpus)
 	@tests/fuzz/fuzz.sh build/fuzz "$(READER)" $(or $(MINUTES),5)
+
+valgrind: deps  ## small runs of every kind under valgrind: make valgrind FILES="a.las b.e57"
+	@$(build_quietly) all
+	@tests/valgrind.sh $(BUILD) $(FILES)
 
 # What clang's analyzer says of each file, kept until the file or what it includes changes.
 ANALYSED := $(patsubst %,$(BUILD)/analysis/%.txt,$(LIB_SOURCES) $(FORMATS_SOURCES) \

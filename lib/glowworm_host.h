@@ -48,6 +48,9 @@ typedef void gw_parallel_work(void *user, size_t first, size_t last, uint32_t wo
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
 					 void *user);
 
+/* What of two words or endings fits a number, as gw_plural(n, "is", "are"). */
+const char *gw_plural(uint64_t number, const char *one, const char *many);
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

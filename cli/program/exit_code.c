@@ -1,6 +1,8 @@
 #include "program/exit_code.h"
 
+#include <errno.h>
 #include <signal.h>
+#include <string.h>
 
 int exit_code_of(gw_status status, int signal)
 {
@@ -50,4 +52,13 @@ int exit_code_describe(int i, const char **meaning)
 		return -1;
 	*meaning = table[i].meaning;
 	return table[i].code;
+}
+
+gw_status exit_code_flush(FILE *printed, gw_error *error)
+{
+	errno = 0;
+	if (fflush(printed) == 0 && !ferror(printed))
+		return GW_OK;
+	return gw_fail(error, FILE_ERROR_IO, "standard output cannot be written: %s",
+				   strerror(errno ? errno : EIO));
 }

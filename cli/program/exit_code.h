@@ -6,6 +6,8 @@
 
 #include "files/file_status.h"
 
+#include <stdio.h>
+
 /* All went well, but the result is not as good as asked: a gw_status of the program's own. */
 #define STATUS_MISSED ((gw_status)FILE_STATUS_NEXT)
 
@@ -25,6 +27,10 @@ typedef enum exit_code {
 
 /* The exit code for a status; signal: the one that asked to stop, or 0. Thread-safe. */
 int exit_code_of(gw_status status, int signal);
+
+/* Hands all that was printed to the system. FILE_ERROR_IO when some of it has not arrived, now or
+ * earlier: a full disk or a closed pipe is a failure. */
+gw_status exit_code_flush(FILE *printed, gw_error *error);
 
 /* What each code means, for the manual: the i-th code, or -1 behind the last one. */
 int exit_code_describe(int i, const char **meaning);

@@ -3,6 +3,7 @@
 #include "program/text_quote.h"
 #include "points/scan_color.h"
 #include "scene/glossy_points.h"
+#include "glowworm_host.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -96,8 +97,9 @@ void bake_plan_add_scene(gw_report *r, const settings *s, const loaded_scene *sc
 	char reason[sizeof r->effect->reason] = "no point is glossy";
 	size_t glossy = count_glossy(scene), moving = count_moving(s);
 	if (glossy > 0)
-		snprintf(reason, sizeof reason,
-				 "%zu points are glossy: light bounces on with all they reflect", glossy);
+		snprintf(reason, sizeof reason, "%zu point%s glossy: light bounces on with all %s", glossy,
+				 gw_plural(glossy, " is", "s are"),
+				 gw_plural(glossy, "it reflects", "they reflect"));
 	decide(r, s, SETTINGS_EFFECT_GLOSS, glossy > 0, "as matt; `render` shows reflections", reason);
 	snprintf(reason, sizeof reason, "nothing moves");
 	if (moving > 0)

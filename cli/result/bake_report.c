@@ -7,6 +7,7 @@
 #include "options/preview.h"
 #include "scene/scene_file.h"
 #include "program/text_quote.h"
+#include "glowworm_host.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -508,7 +509,8 @@ static bool is_notable(const gw_count *count, size_t points)
 	} harmless[] = { { "duplicates_merged", 0.1 },
 					 { "albedo_clamped", 0.01 },
 					 { "normals_untrusted", 0.05 },
-					 { "foliage", 0.001 } };
+					 { "foliage", 0.001 },
+					 { "shut_in", 0.1 } };
 	double least = 0.0;
 	for (size_t i = 0; i < sizeof harmless / sizeof *harmless; i++)
 		if (strcmp(count->name, harmless[i].name) == 0)
@@ -516,12 +518,11 @@ static bool is_notable(const gw_count *count, size_t points)
 	return count->points > 0 && (double)count->points >= least * (double)points;
 }
 
-#define OF_POINTS "points "
-
-/* Counts of points, whose meanings begin so, are told together. */
-static bool is_of_points(const gw_count *count)
+/* Counts of points, whose meanings begin so, are told together; the length of that beginning. */
+static size_t is_of_points(const gw_count *count)
 {
-	return strncmp(count->meaning, OF_POINTS, strlen(OF_POINTS)) == 0;
+	const char *begin = count->points == 1 ? "point " : "points ";
+	return strncmp(count->meaning, begin, strlen(begin)) == 0 ? strlen(begin) : 0;
 }
 
 /* What became of which points, in one line, and what else was counted. */
@@ -529,7 +530,7 @@ static void note_counts(const gw_report *r, size_t points)
 {
 	uint32_t together = 0, told = 0;
 	for (uint32_t i = 0; i < r->count_count; i++)
-		together += is_of_points(&r->count[i]) && is_notable(&r->count[i], points);
+		together += is_of_points(&r->count[i]) > 0 && is_notable(&r->count[i], points);
 	for (uint32_t i = 0; i < r->count_count; i++)
 		if (is_notable(&r->count[i], points) && (together < 2 || !is_of_points(&r->count[i])))
 			fprintf(stderr, "glowworm: note: %" PRIu64 " %s\n", r->count[i].points,
@@ -537,7 +538,7 @@ static void note_counts(const gw_report *r, size_t points)
 	for (uint32_t i = 0; i < r->count_count && together >= 2; i++)
 		if (is_notable(&r->count[i], points) && is_of_points(&r->count[i])) {
 			fprintf(stderr, "%s%" PRIu64 " %s", told > 0 ? "; " : "glowworm: note: of all points, ",
-					r->count[i].points, r->count[i].meaning + strlen(OF_POINTS));
+					r->count[i].points, r->count[i].meaning + is_of_points(&r->count[i]));
 			told++;
 		}
 	if (told > 0)
@@ -581,9 +582,10 @@ void bake_report_notes(const bake_facts *f)
 	note_no_scanner(f->settings, r);
 	if (f->vdb_clamped)
 		fprintf(stderr,
-				"glowworm: note: %" PRIu64 " values of the grids do not fit 16 bits and were "
-				"clamped\n",
-				f->vdb_clamped);
+				"glowworm: note: %" PRIu64
+				" value%s of the grids %s not fit 16 bits and %s clamped\n",
+				f->vdb_clamped, gw_plural(f->vdb_clamped, "", "s"),
+				gw_plural(f->vdb_clamped, "does", "do"), gw_plural(f->vdb_clamped, "was", "were"));
 }
 
 /* "3.1 % +- 0.4 %", or that nothing is known. */

@@ -8,6 +8,7 @@
 #include "options/preview.h"
 #include "scene/scene_file.h"
 #include "program/signals.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -660,7 +661,8 @@ gw_status frame_bake_all(bake_facts *facts, settings *s, loaded_scene *scene,
 		status = write_report(&r, to->report);
 	if (status == GW_OK && !s->quiet && !s->verbose) {
 		progress_clear(to->shown);
-		fprintf(stderr, "glowworm: note: %u frames\n", r.last - r.first + 1);
+		uint32_t count = r.last - r.first + 1;
+		fprintf(stderr, "glowworm: note: %u frame%s\n", count, gw_plural(count, "", "s"));
 	}
 	if (status == GW_OK && !s->quiet)
 		print_shares(&r);

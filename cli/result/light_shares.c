@@ -1,5 +1,6 @@
 #include "result/light_shares.h"
 #include "program/text_quote.h"
+#include "glowworm_host.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -128,7 +129,9 @@ static void print_dark(const light_shares *f, const extent *e)
 			print_nothing(f, e, i);
 	}
 	if (dark > LINES)
-		fprintf(stderr, "glowworm: note: so do %zu more; --report names them\n", dark - LINES);
+		fprintf(stderr, "glowworm: note: so %s %zu more; --report names %s\n",
+				gw_plural(dark - LINES, "does", "do"), dark - LINES,
+				gw_plural(dark - LINES, "it", "them"));
 }
 
 /* Flux of a lamp that stands somewhere; 0 where it is not known by its intensity alone. */

@@ -1,5 +1,6 @@
 #include "scene/mesh_notes.h"
 #include "program/text_quote.h"
+#include "glowworm_host.h"
 
 #include <stdio.h>
 
@@ -13,16 +14,20 @@ void mesh_notes_print(const mesh *m, const char *name, bool albedo_given)
 					 name, (double)GW_ALBEDO_DEFAULT);
 	if (m->faces_flat > 0)
 		text_message(stderr,
-					 "glowworm: note: %s: %zu faces with fewer than 3 corners are left out\n", name,
-					 m->faces_flat);
+					 "glowworm: note: %s: %zu face%s with fewer than 3 corners %s left out\n", name,
+					 m->faces_flat, gw_plural(m->faces_flat, "", "s"),
+					 gw_plural(m->faces_flat, "is", "are"));
 	if (m->degenerate > 0)
-		text_message(stderr,
-					 "glowworm: note: %s: %zu of %zu triangles have no area and are left out\n",
-					 name, m->degenerate, m->triangle_count);
+		text_message(
+			stderr, "glowworm: note: %s: %zu of %zu triangle%s %s no area and %s left out\n", name,
+			m->degenerate, m->triangle_count, gw_plural(m->triangle_count, "", "s"),
+			gw_plural(m->degenerate, "has", "have"), gw_plural(m->degenerate, "is", "are"));
 	if (m->faces_crossed > 0)
 		text_message(
 			stderr,
-			"glowworm: note: %s: %zu concave faces cross themselves or have over 256 corners, "
-			"and became fans, which may overlap\n",
-			name, m->faces_crossed);
+			"glowworm: note: %s: %zu concave face%s or %s over 256 corners, and became %s\n", name,
+			m->faces_crossed, gw_plural(m->faces_crossed, " crosses itself", "s cross themselves"),
+			gw_plural(m->faces_crossed, "has", "have"),
+			gw_plural(m->faces_crossed, "a fan, which may overlap itself",
+					  "fans, which may overlap"));
 }

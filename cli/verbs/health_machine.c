@@ -131,7 +131,9 @@ static int try_file(const char *folder)
 		failure = errno ? errno : ENOSPC;
 	else if (fsync(file) != 0 && errno != EINVAL)
 		failure = errno;
-	close(file);
+	/* Network file systems report a full disk at the close. */
+	if (close(file) != 0 && failure == 0)
+		failure = errno;
 	unlink(path);
 	return failure;
 }

@@ -9,19 +9,8 @@
 #include "program/text_quote.h"
 #include "verbs/verbs.h"
 
-#include <errno.h>
 #include <string.h>
 #include <unistd.h>
-
-/* What was printed must have arrived: a full disk or a closed pipe is a failure. */
-static gw_status flush_output(gw_error *error)
-{
-	errno = 0;
-	if (fflush(stdout) == 0 && !ferror(stdout))
-		return GW_OK;
-	return gw_fail(error, FILE_ERROR_IO, "standard output cannot be written: %s",
-				   strerror(errno ? errno : EIO));
-}
 
 static gw_status find_verb(const char *word, verb *found, gw_error *error)
 {
@@ -118,7 +107,7 @@ static int run_program(int count, char **argument)
 	gw_error error = { 0 };
 	gw_status status = run(count - 1, argument + 1, &error);
 	if (status == GW_OK)
-		status = flush_output(&error);
+		status = exit_code_flush(stdout, &error);
 	if (status != GW_OK)
 		text_message(stderr, "glowworm: %s\n", error.text);
 	return exit_code_of(status, signals_pending());

@@ -8,6 +8,7 @@
 #include "result/albedo_stations.h"
 #include "scene/file_roles.h"
 #include "scene/scene_file.h"
+#include "glowworm_host.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,20 +143,25 @@ static gw_status find_albedo(settings *s, loaded_scene *scene, gw_error *error)
 			scene->points.points.scanner_count);
 	if (facts.ends > 0)
 		text_message(stderr,
-					 "glowworm: note: %zu points are white or black in the photographs, as far as "
+					 "glowworm: note: %zu point%s white or black in the photographs, as far as "
 					 "these go: of those values only a bound of the albedo is known, and within it "
-					 "they have that of the points around them\n",
-					 facts.ends);
+					 "%s that of the points around %s\n",
+					 facts.ends, gw_plural(facts.ends, " is", "s are"),
+					 gw_plural(facts.ends, "it has", "they have"),
+					 gw_plural(facts.ends, "it", "them"));
 	if (facts.dark > 0)
 		text_message(stderr,
-					 "glowworm: note: %zu points that the light of the capture does not reach: "
-					 "they have the median's albedo and the chroma of their colour\n",
-					 facts.dark);
+					 "glowworm: note: %zu point%s that the light of the capture does not reach: "
+					 "%s the median's albedo and the chroma of %s colour\n",
+					 facts.dark, gw_plural(facts.dark, "", "s"),
+					 gw_plural(facts.dark, "it has", "they have"),
+					 gw_plural(facts.dark, "its", "their"));
 	if (facts.clipped > 0)
-		text_message(stderr,
-					 "glowworm: note: %zu points brighter than white in that light: their albedo "
-					 "is %g\n",
-					 facts.clipped, (double)ALBEDO_SOLVE_MOST);
+		text_message(
+			stderr,
+			"glowworm: note: %zu point%s brighter than white in that light: %s albedo is %g\n",
+			facts.clipped, gw_plural(facts.clipped, "", "s"),
+			gw_plural(facts.clipped, "its", "their"), (double)ALBEDO_SOLVE_MOST);
 	if (s->remainder == SETTINGS_REMAINDER_LIGHT)
 		text_message(stderr,
 					 "glowworm: light that nobody named: %s %% of the light of the capture, in "

@@ -352,11 +352,12 @@ static gw_status count_all(reader *r)
 	if (r->positions == 0)
 		return glb_fail(&r->document, "it holds no vertices");
 	if (r->left_out > 0)
-		GW_TRY(mesh_add_note(r->mesh, r->document.error, "%s: %zu primitives of %s are left out",
-							 r->document.in->name, r->left_out,
+		GW_TRY(mesh_add_note(r->mesh, r->document.error, "%s: %zu primitive%s of %s %s left out",
+							 r->document.in->name, r->left_out, gw_plural(r->left_out, "", "s"),
 							 r->taking == TAKE_TRIANGLES ? "points or lines"
 							 : r->taking == TAKE_POINTS  ? "lines or faces"
-														 : "lines"));
+														 : "lines",
+							 gw_plural(r->left_out, "is", "are")));
 	return GW_OK;
 }
 

@@ -5,6 +5,7 @@
 #include "files/growing_table.h"
 #include "meshes/mesh.h"
 #include "meshes/mesh_text.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -127,8 +128,9 @@ gw_status mesh_mtl_read(const input_file *in, mesh *m, gw_error *error)
 	while (mesh_text_next(&r.text))
 		GW_TRY(take_line(&r));
 	if (r.textures > 0)
-		GW_TRY(mesh_add_note(m, error,
-							 "%s names %zu textures, which are not read; Kd stands in for them",
-							 in->name, r.textures));
+		GW_TRY(mesh_add_note(m, error, "%s names %zu texture%s not read; Kd stands in for %s",
+							 in->name, r.textures,
+							 gw_plural(r.textures, ", which is", "s, which are"),
+							 gw_plural(r.textures, "it", "them")));
 	return GW_OK;
 }

@@ -368,8 +368,9 @@ static gw_status note_rest(const reader *r)
 	if (h->encoding != PCD_BINARY || left - h->points * h->stride < h->stride)
 		return GW_OK;
 	snprintf(text, sizeof text,
-			 SCAN_NOTE "%zu bytes behind the %llu points that its header counts were left out",
-			 left - (size_t)h->points * h->stride, (unsigned long long)h->points);
+			 SCAN_NOTE "%zu bytes behind the %llu point%s that its header counts were left out",
+			 left - (size_t)h->points * h->stride, (unsigned long long)h->points,
+			 gw_plural(h->points, "", "s"));
 	return scan_add_comment(r->cloud, text, r->error);
 }
 

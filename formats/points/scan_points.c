@@ -6,6 +6,7 @@
 #include "points/scan_color.h"
 #include "points/scan_opacity.h"
 #include "points/scan_intensity.h"
+#include "glowworm_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -151,8 +152,9 @@ static void fill_blank(const scan_color *color, size_t count, scan_points *out)
 		for (size_t k = 0; k < 3 && scan_color_is_black(color, i); k++)
 			out->albedo[3 * i + k] = GW_ALBEDO_DEFAULT;
 	snprintf(out->albedo_source + length, sizeof out->albedo_source - length,
-			 "; %zu points that are exactly black have none and get %g, but for --albedo rgb",
-			 blank, (double)GW_ALBEDO_DEFAULT);
+			 "; %zu point%s exactly black %s none and %s %g, but for --albedo rgb", blank,
+			 gw_plural(blank, " that is", "s that are"), gw_plural(blank, "has", "have"),
+			 gw_plural(blank, "gets", "get"), (double)GW_ALBEDO_DEFAULT);
 	out->albedo_told = true;
 }
 

@@ -11,6 +11,8 @@
 #include "estimate/gap_error.h"
 #include "light/gap_light.h"
 #include "light/lamp_reach.h"
+#include "light/shut_out.h"
+#include "octree/compartments.h"
 #include "base/luminance.h"
 #include "base/memory.h"
 #include "surfels/surfel_backs.h"
@@ -238,10 +240,10 @@ static gw_status make_map(gw_lighting *lighting, gw_error *error)
 	if (lighting->whole)
 		return status;
 	gw_report_count(s->report, "map_pixels_repaired", lighting->map.repaired,
-					"pixels of the sky's map that are negative or no number: taken as 0");
+					"pixel{|s} of the sky's map that {is|are} negative or no number: taken as 0");
 	gw_report_count(
 		s->report, "map_pixels_infinite", lighting->map.infinite,
-		"pixels of the sky's map that are infinite or over 1e12: taken as 65504 or 1e12");
+		"pixel{|s} of the sky's map that {is|are} infinite or over 1e12: taken as 65504 or 1e12");
 	return status;
 }
 
@@ -279,6 +281,52 @@ static gw_status fill_gaps(gw_lighting *lighting, gw_error *error)
 			   : GW_OK;
 }
 
+/* Does every light that has power shine from without? The octree has several compartments. */
+static bool all_shine_outside(const gw_lighting *lighting)
+{
+	const gw_scene *s = lighting->scene;
+	bool any = false;
+	for (size_t i = 0; i < lighting->light_count; i++) {
+		const gw_light *light = &lighting->lights[i];
+		bool sky = light->type == GW_LIGHT_ENVIRONMENT;
+		if (!(sky ? gw_luminance(light->radiance) > 0.0 : gw_light_shines(light)))
+			continue;
+		const gw_lamp lamp = gw_lamp_of(light, &s->octree, &s->surfels, &s->options);
+		any = true;
+		if (!sky && !gw_shut_out_is_outside(&s->octree, &lamp.push))
+			return false;
+	}
+	return any && !lighting->plan.emitters;
+}
+
+/* Counts points that look into a closed space. */
+static size_t count_shut_in(const gw_scene *scene)
+{
+	const gw_surfels *s = &scene->surfels;
+	uint32_t outside = gw_compartment_outside(&scene->octree);
+	size_t count = 0;
+	for (size_t i = 0; i < s->point_count; i++) {
+		uint32_t surfel = s->surfel_of_point[i];
+		bool within = false;
+		for (int back = 0; back < 2 && surfel != UINT32_MAX; back++)
+			within |= gw_compartments_apart(
+				outside, gw_compartment_of_surfel(&scene->octree, surfel, back == 1));
+		count += within;
+	}
+	return count;
+}
+
+/* A room with its doors shut under the sun is black, or lit on the outside of its walls. */
+static void report_shut_in(const gw_lighting *lighting)
+{
+	gw_scene *s = lighting->scene;
+	bool shut = gw_compartments_several(&s->octree) && all_shine_outside(lighting);
+	gw_report_count(
+		s->report, "shut_in", shut ? count_shut_in(s) : 0,
+		"of the points {closes|close} off a space while all lights are outside of it: nothing of "
+		"them gets in, and what is lit are its outer sides; a light inside shows the space");
+}
+
 gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -286,6 +334,8 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, slots, "facet radiance", &lighting->facet_radiance,
 				  error));
 	GW_TRY(gw_scene_find_compartments(s, error));
+	if (!lighting->whole)
+		report_shut_in(lighting);
 	gw_emitters_destroy(s->gpu, &lighting->emitters);
 	lighting->emitters.radiance = &s->octree.facet_emission;
 	if (lighting->plan.emitters)

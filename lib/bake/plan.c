@@ -109,8 +109,9 @@ static void plan_lamps(const gw_plan_task *task, gw_plan *plan, gw_report *repor
 						  gw_shadows_name(shadows_made(task)) };
 	plan->shadows = decide(task, shadow, report);
 	if (plan->shadows && shadows_made(task) != task->options->shadows)
-		gw_report_count(report, "shadows_traced", gw_surfels_count_clear(task->surfels),
-						"points let light through, which maps cannot show: shadows are traced");
+		gw_report_count(
+			report, "shadows_traced", gw_surfels_count_clear(task->surfels),
+			"point{ lets|s let} light through, which maps cannot show: shadows are traced");
 }
 
 static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *report)

@@ -98,6 +98,24 @@ void gw_report_price(gw_report *report, const char *name, double seconds)
 			report->effect[i].seconds = seconds;
 }
 
+/* Copies a sentence; {one|many} in it stands for what fits the number. */
+static void put_counted(char *text, size_t room, uint64_t number, const char *sentence)
+{
+	size_t used = 0;
+	bool one = false, many = false; /* within that part of the braces */
+	for (; *sentence && used + 1 < room; sentence++) {
+		if (*sentence == '{')
+			one = true;
+		else if (*sentence == '|' && one)
+			one = false, many = true;
+		else if (*sentence == '}' && many)
+			many = false;
+		else if (!(one && number != 1) && !(many && number == 1))
+			text[used++] = *sentence;
+	}
+	text[used] = '\0';
+}
+
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning)
 {
 	uint32_t i = 0;
@@ -114,5 +132,5 @@ void gw_report_count(gw_report *report, const char *name, uint64_t points, const
 	gw_count *count = &report->count[i];
 	count->points = points;
 	snprintf(count->name, sizeof count->name, "%s", name);
-	snprintf(count->meaning, sizeof count->meaning, "%s", meaning);
+	put_counted(count->meaning, sizeof count->meaning, points, meaning);
 }

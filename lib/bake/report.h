@@ -24,7 +24,8 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 /* Sets the seconds of an effect that the report has; of others it does nothing. */
 void gw_report_price(gw_report *report, const char *name, double seconds);
 
-/* Adds a number of points with its meaning; nothing when points is 0. */
+/* Adds a number of points with its meaning, in which {one|many} stands for what fits the number:
+ * "point{ is|s are} lost"; nothing when points is 0. */
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning);
 
 #endif

@@ -157,7 +157,7 @@ gw_status gw_result_collect(gw_lighting *lighting, gw_bake_result *result, gw_er
 		for (size_t i = 0; lighting->surfel_first && i < scene->surfels.count; i++)
 			lost += row[i] == row[i + 1] && scene->surfels.two_sided[i] != GW_SIDE_BACK;
 		gw_report_count(scene->report, "without_record", lost,
-						"points with no record near: no gathered light");
+						"point{|s} with no record near: no gathered light");
 		scatter job = { lighting, direct, result };
 		gw_parallel_for(gw_thread_count(scene->options.threads), points, 8192, scatter_points,
 						&job);

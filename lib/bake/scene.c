@@ -263,10 +263,10 @@ static uint64_t count_far(const gw_points *points)
 /* How many strays there are of each kind, with an example each. */
 static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *points)
 {
-	char meaning[sizeof r->count->meaning];
+	char meaning[sizeof r->count->meaning + 64]; /* with what stands in braces */
 	int length = snprintf(meaning, sizeof meaning,
-						  "points are strays, lit as the surface nearest to them, of which they "
-						  "are no part:");
+						  "point{ is a stray|s are strays}, lit as the surface nearest to "
+						  "{it|them}, of which {it is|they are} no part:");
 	gw_strays_count(s, points, r->stray);
 	for (int kind = 0; kind < GW_STRAY_KIND_COUNT; kind++) {
 		const gw_stray_count *count = &r->stray[kind];
@@ -283,7 +283,7 @@ static void report_strays(gw_report *r, const gw_surfels *s, const gw_points *po
 void gw_report_emission(gw_report *r, const gw_surfels *s)
 {
 	gw_report_count(r, "emission_repaired", s->emission_repaired,
-					"points with negative or non-finite emission: taken as 0");
+					"point{|s} with negative or non-finite emission: taken as 0");
 }
 
 static uint64_t count_invisible(const gw_points *points)
@@ -325,34 +325,37 @@ void gw_report_surfels(gw_report *r, const gw_surfels *s, const gw_points *point
 	uint64_t far = s->non_finite > 0 ? count_far(points) : 0;
 	uint64_t invisible = count_invisible(points);
 	gw_report_count(r, "left_out_invisible", invisible,
-					"points of opacity 0: left out, written as dark");
+					"point{|s} of opacity 0: left out, written as dark");
 	gw_report_count(r, "left_out_non_finite", s->non_finite - far - invisible,
-					"points without finite coordinates: left out, written as dark");
+					"point{|s} without finite coordinates: left out, written as dark");
 	gw_report_count(r, "left_out_far", far,
-					"points with a coordinate beyond 1e12 m: left out, written as dark");
+					"point{|s} with a coordinate beyond 1e12 m: left out, written as dark");
 	report_strays(r, s, points);
-	gw_report_count(r, "duplicates_merged", s->duplicates,
-					"points at the place of another, or hardly off it: they share its light");
+	gw_report_count(
+		r, "duplicates_merged", s->duplicates,
+		"point{|s} at the place of another, or hardly off it: {it shares|they share} its "
+		"light");
 	gw_report_count(r, "albedo_clamped", s->albedo_clamped,
-					"points whose albedo was outside 0 to 0.99");
+					"point{|s} whose albedo was outside 0 to 0.99");
 	gw_report_count(r, "albedo_defaulted", s->albedo_defaulted,
-					"points whose albedo was not a number: 0.5 was taken");
+					"point{|s} whose albedo was not a number: 0.5 was taken");
 	gw_report_emission(r, s);
 	gw_report_count(r, "normals_estimated", s->normals_estimated,
-					"points whose normal was missing or bad: estimated from neighbours");
+					"point{|s} whose normal was missing or bad: estimated from neighbours");
 	gw_report_count(r, "normals_turned", s->normals_turned,
-					"points whose normal faced the wrong side and was turned (--normals given "
+					"point{|s} whose normal faced the wrong side and was turned (--normals given "
 					"leaves them)");
-	gw_report_count(r, "normals_lengthened", s->normals_lengthened,
-					"points whose normals were far too short for any surface: taken as of length 1 "
-					"(--normals given leaves them)");
+	gw_report_count(
+		r, "normals_lengthened", s->normals_lengthened,
+		"point{|s} whose normal was far too short for any surface: taken as of length 1 "
+		"(--normals given leaves them)");
 	gw_report_count(r, "normals_doubted", s->normals_doubted,
-					"points whose normals came with so many wrong ones that all were estimated "
+					"point{|s} whose normal came with so many wrong ones that all were estimated "
 					"(--normals given takes them)");
 	gw_report_count(r, "normals_untrusted", s->normals_untrusted,
-					"points whose normal cannot be trusted: lit from both sides");
+					"point{|s} whose normal cannot be trusted: lit from both sides");
 	gw_report_count(r, "foliage", count_foliage(s),
-					"points fill space as leaves do: light passes between them");
+					"point{ fills|s fill} space as leaves do: light passes between them");
 	memcpy(r->origin, s->origin, sizeof r->origin);
 	r->spacing = (double)s->spacing;
 	report_sampling(r, s);
@@ -449,7 +452,7 @@ gw_status gw_scene_build_octree(gw_scene *scene, gw_error *error)
 	if (o->method == GW_METHOD_CONES)
 		gw_report_count(
 			scene->report, "cones_pass", scene->octree.tree_discs,
-			"points sparser than cones can see: light leaks between them; use rays, or a "
+			"point{|s} sparser than cones can see: light leaks between them; use rays, or a "
 			"larger leaf spacing or less depth");
 	return GW_OK;
 }

@@ -2,6 +2,7 @@
  * error.c - failures as sentences, the version, and the names of the public enums.
  */
 #include "glowworm.h"
+#include "glowworm_host.h"
 
 #include <assert.h>
 #include <stdarg.h>
@@ -124,4 +125,9 @@ const char *gw_light_type_name(gw_light_type type)
 	static_assert(sizeof name / sizeof *name == GW_LIGHT_TYPE_COUNT, "every type has a name");
 	assert((unsigned)type < GW_LIGHT_TYPE_COUNT);
 	return name[type];
+}
+
+const char *gw_plural(uint64_t number, const char *one, const char *many)
+{
+	return number == 1 ? one : many;
 }

@@ -51,8 +51,10 @@
 #define ISLAND 12
 #define IN_COMMON 2 /* of stray_step.alone: far off, but on such a plane */
 
-/* More strays than one in so many are none: the cloud is that sparse. */
+/* More strays than one in so many, of all calls together, are none: the cloud is that sparse. */
 #define MOST 5
+
+#define FOUND_ALONE 2 /* of gw_stray_marks.far */
 
 /* Values that stand for no data, beside all from NO_DATA_FROM on. */
 static const double no_data[] = { -9999, 9999, -99999, 99999, -32768, 32767, -32767, 65535 };
@@ -562,6 +564,16 @@ static bool judge(stray_step *step, uint32_t threads)
 	return judge_islands(step);
 }
 
+static void take_marks_back(size_t points, gw_stray_marks *marks)
+{
+	marks->sparse = true;
+	for (size_t i = 0; i < points; i++)
+		if (marks->far[i] == FOUND_ALONE) {
+			marks->mark[i] = 0;
+			marks->count--;
+		}
+}
+
 static void mark_points(const stray_step *step, const gw_points *points, uint8_t *stray,
 						gw_stray_marks *marks)
 {
@@ -571,11 +583,16 @@ static void mark_points(const stray_step *step, const gw_points *points, uint8_t
 		stray[step->candidate[i]] = step->alone[i];
 		strays += step->alone[i];
 	}
-	if (strays == 0 || strays > s->count / MOST)
+	marks->alone += strays;
+	if (marks->alone > marks->surfels / MOST) {
+		take_marks_back(s->point_count, marks);
 		return;
-	for (size_t i = 0; i < s->point_count; i++)
-		if (s->surfel_of_point[i] != UINT32_MAX && stray[s->surfel_of_point[i]])
+	}
+	for (size_t i = 0; strays > 0 && i < s->point_count; i++)
+		if (s->surfel_of_point[i] != UINT32_MAX && stray[s->surfel_of_point[i]]) {
 			set_mark(marks, i, kind_of(points->position + 3 * i, GW_STRAY_ALONE));
+			marks->far[i] = FOUND_ALONE;
+		}
 }
 
 /* Takes over which points lay far off when they were first looked at. */
@@ -594,6 +611,7 @@ static bool keep_far(const stray_step *step, gw_stray_marks *marks)
 	const gw_surfels *s = step->surfels;
 	if (step->again)
 		return true;
+	marks->surfels = s->count;
 	marks->far = gw_allocate_zeros(s->point_count, 1);
 	for (size_t i = 0; marks->far && i < s->point_count; i++)
 		if (s->surfel_of_point[i] != UINT32_MAX)
@@ -612,7 +630,7 @@ gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options
 							   const gw_surfels *surfels, gw_stray_marks *marks, gw_error *error)
 {
 	stray_step step = { .surfels = surfels };
-	if (points->keep_strays || surfels->count < CLOUD_LEAST)
+	if (points->keep_strays || marks->sparse || surfels->count < CLOUD_LEAST)
 		return GW_OK;
 	uint8_t *stray = gw_allocate_zeros(surfels->count, 1);
 	step.far = gw_allocate_zeros(surfels->count, 1);
@@ -620,12 +638,10 @@ gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options
 		recall_far(marks, &step);
 	bool good = stray && step.far && gw_stray_cells_make(surfels, FEW_AROUND, &step.cells) &&
 				take_candidates(&step);
-	if (good && step.candidate_count > 0 && step.thin_count > SEARCHED) {
-		good = judge(&step, options->threads);
-		if (good)
-			mark_points(&step, points, stray, marks);
-	}
-	good = good && keep_far(&step, marks);
+	bool enough = step.candidate_count > 0 && step.thin_count > SEARCHED;
+	good = good && (!enough || judge(&step, options->threads)) && keep_far(&step, marks);
+	if (good && enough)
+		mark_points(&step, points, stray, marks);
 	gw_neighbour_index_free(step.index);
 	void *owned[] = { step.thin,  step.candidate, step.cell,    step.scaled,
 					  step.found, step.plane,     step.squared, step.candidate_of,

@@ -16,7 +16,10 @@
 typedef struct gw_stray_marks {
 	uint8_t *mark; /* one a point */
 	size_t count;  /* how many are marked */
-	uint8_t *far;  /* NULL or one a point, 1: it lay off those around at first */
+	uint8_t *far; /* NULL or one a point, 1: it lay off those around at first, 2: and it is alone */
+	size_t surfels; /* how many there were at first */
+	size_t alone;   /* how many of them were found to be alone */
+	bool sparse;    /* those were too many: the cloud is as sparse as that, and none is a stray */
 } gw_stray_marks;
 
 /*
@@ -33,7 +36,8 @@ void gw_strays_clear(gw_stray_marks *marks);
  * around are from each other, and not on a surface that is merely sparse there, which is one where
  * enough of the nearest lie in a common plane. Called again without those that were marked, it
  * finds strays that were in a plane with them, but none that lay far off nothing at first: or the
- * outermost leaves of trees would go, one layer after the other.
+ * outermost leaves of trees would go, one layer after the other. When all calls together have found
+ * too many, the marks of all of them are taken back, and further calls find none.
  *   surfels  of the points that are not marked yet, with what gw_frame_make fills
  *   marks    far is made by the first call
  * Fails with GW_ERROR_MEMORY.

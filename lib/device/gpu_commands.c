@@ -5,8 +5,15 @@
 #include "base/parallel.h"
 #include "glowworm_host.h"
 
+#include <time.h>
+
 /* Between two looks at whether it waits in vain. */
 #define WAIT_NANOSECONDS UINT64_C(1000000000)
+
+/* A software driver that computes uses more of the processor than this in each wait; one that used
+ * less in so many waits one after the other has lost a thread. */
+#define IDLE_SECONDS 1e-3
+#define IDLE_MOST 15u
 
 const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu)
 {
@@ -103,20 +110,39 @@ static double read_timestamps(gw_gpu *gpu, double fallback)
 		   (double)((tick[1] - tick[0]) & mask);
 }
 
+/* Seconds of the processor that this process has used. */
+static double processor_seconds(void)
+{
+	struct timespec used = { 0 };
+	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+	return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+}
+
+static gw_status fail_stuck(const gw_gpu *gpu, const char *what, gw_error *error)
+{
+	return gw_fail(
+		error, GW_ERROR_MEMORY,
+		"a thread could not be started for \"%s\" on \"%s\": allow more (see ulimit -u), or "
+		"more memory",
+		what, gpu->device.info.name);
+}
+
 /* Waits until the device is done. Threads of a software driver may have failed to start after all:
- * then it would wait for ever. */
+ * then it would wait for ever, while the processor has nothing to do. */
 static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
 {
 	VkResult result;
+	uint32_t idle = 0;
+	double used = processor_seconds();
 	while ((result = vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, WAIT_NANOSECONDS)) ==
 		   VK_TIMEOUT) {
+		double before = used;
+		used = processor_seconds();
+		idle = used - before < IDLE_SECONDS ? idle + 1 : 0;
 		gpu->stuck = gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-					 gw_threads_startable(1) == 0;
+					 (idle >= IDLE_MOST || gw_threads_startable(1) == 0);
 		if (gpu->stuck)
-			return gw_fail(error, GW_ERROR_MEMORY,
-						   "no thread can be started for \"%s\" on \"%s\": allow more (see ulimit "
-						   "-u), or more memory",
-						   what, gpu->device.info.name);
+			return fail_stuck(gpu, what, error);
 	}
 	return result == VK_SUCCESS ? GW_OK
 								: gw_vulkan_fail(gpu, error, "vkWaitForFences", what, result);
@@ -124,6 +150,8 @@ static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
 
 gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
 {
+	if (gpu->stuck)
+		return fail_stuck(gpu, what, error);
 	if (gpu->timestamps != VK_NULL_HANDLE)
 		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
 							1);

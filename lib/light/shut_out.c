@@ -27,6 +27,11 @@ static uint32_t compartment_of(const gw_octree *octree, const gw_light_push *lig
 									  : gw_compartment_at(octree, place);
 }
 
+bool gw_shut_out_is_outside(const gw_octree *octree, const gw_light_push *light)
+{
+	return compartment_of(octree, light) == gw_compartment_outside(octree);
+}
+
 /* Leaves out normals of surfels that look into another compartment than the light's. Those that the
  * light does not shine on anyway may keep theirs. */
 static size_t leave_out(const gw_lit_cloud *cloud, const gw_light_push *light, const float *place,

@@ -19,6 +19,10 @@
 gw_status gw_shut_out_light(const gw_lit_cloud *cloud, const gw_light_push *light,
 							const gw_buffer *normal, gw_buffer *shut, gw_error *error);
 
+/* Does all that a light shines on lie around the scene's closed spaces, not in one? There are
+ * several compartments. */
+bool gw_shut_out_is_outside(const gw_octree *octree, const gw_light_push *light);
+
 /* The compartments that records look into. There are several.
  *   label   receives one a record, the caller's on success */
 gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_error *error);

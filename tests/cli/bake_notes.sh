@@ -30,3 +30,18 @@ glowworm bake plane.ply --albedo constant:0 --light "$lamp" --memory 28M --leaf-
 glowworm bake plane.ply --albedo constant:0 --leaf-spacing 0.3 --transport coarse.gwt -o again.ply \
 	--light "$lamp" 2>notes
 sed -n 's/.*note: the octree was made coarser, .* in place of .* m: ".*" needs .*/coarser/p' notes
+# What is counted is said of one as of one: a point of each sort, and a triangle of a mesh.
+{
+	printf 'x,y,z,nx,ny,nz,red,green,blue\n'
+	awk 'BEGIN { for (i = 0; i < 100; i++) print i % 10 "," int(i / 10) ",0,0,0,1,90,90,90" }'
+	echo '4,4,0,0,0,1,90,90,90'
+	echo 'nan,0,0,0,0,1,90,90,90'
+	echo '4.5,4.5,0,0,0,0,0,0,0'
+} >one.csv
+glowworm bake one.csv --light 'sky radiance 1' --estimate-points 0 -o one.ply 2>&1 |
+	grep -o 'of all points.*'
+glowworm bake one.csv --light 'sky radiance 1' --estimate-points 0 --albedo constant:0.5 \
+	--normals given -o ones.ply --report one.json 2>/dev/null
+grep -o '"meaning": "point [^"]*"' one.json
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n' >one.obj
+glowworm sample one.obj --count 10 -o mesh.ply 2>&1 | sed -n 's/.*: \(1 of .*\)/\1/p'

@@ -4,6 +4,7 @@
 #include "estimate/shadow_error.h"
 #include "cloud/frame.h"
 #include "cloud/neighbours.h"
+#include "cloud/strays.h"
 #include "base/nth_element.h"
 
 #include <math.h>
@@ -1888,6 +1889,67 @@ static void strays_that_hang_together_are_no_surface(void **state)
 	assert_true(left < rooms * strays / 100);
 }
 
+/* A box of 1,000 points, and strays all around it, a spacing of a room's apart. */
+#define BOX_POINTS 1000u
+#define STRAYS_AROUND 140u
+
+static cloud make_box_with_strays(size_t strays)
+{
+	cloud c = make_box(BOX_POINTS + strays, true, 0, 0);
+	for (size_t i = BOX_POINTS; i < c.count; i++) {
+		double place[3], off = 0;
+		while (off < 1) {
+			off = 0;
+			for (size_t k = 0; k < 3; k++) {
+				place[k] = 6 * uniform() - 2.5;
+				off = fmax(off, fabs(place[k] - 0.5) - 0.5);
+			}
+		}
+		set_point(&c, i, place[0], place[1], place[2]);
+	}
+	return c;
+}
+
+/* Looks for strays until none is found any more, with the points from first on hidden. */
+static void look_for_strays(const cloud *c, size_t first, gw_stray_marks *marks)
+{
+	const gw_surfels_options options = { .threads = 2 };
+	size_t known = SIZE_MAX;
+	double *place = must_allocate(c->count, 3 * sizeof *place);
+	while (marks->count != known) {
+		gw_surfels s = { 0 };
+		gw_points rest = points_of(c);
+		known = marks->count;
+		rest.position = place;
+		for (size_t i = 0; i < 3 * c->count; i++)
+			place[i] = marks->mark[i / 3] || i / 3 >= first ? NAN : c->position[i];
+		assert_int_equal(gw_frame_make(&rest, &options, &s, NULL), GW_OK);
+		assert_int_equal(gw_strays_mark_alone(&rest, &options, &s, marks, NULL), GW_OK);
+		gw_surfels_clear(&s);
+	}
+	free(place);
+}
+
+/* More strays than one in five are none, however often was looked: an eighth of the points, which
+ * are strays, and then as many again, which other points hid before. */
+static void many_strays_are_none(void **state)
+{
+	(void)state;
+	const size_t half = BOX_POINTS + STRAYS_AROUND;
+	cloud c = make_box_with_strays(2 * STRAYS_AROUND);
+	gw_points points = points_of(&c);
+	gw_stray_marks marks;
+	assert_int_equal(gw_strays_mark_known(&points, &marks, NULL), GW_OK);
+	assert_int_equal(marks.count, 0);
+	look_for_strays(&c, half, &marks);
+	assert_true(marks.count > STRAYS_AROUND * 9 / 10);
+	memset(marks.far + half, 1, c.count - half);
+	look_for_strays(&c, c.count, &marks);
+	assert_int_equal(marks.count, 0);
+	gw_strays_clear(&marks);
+	clear_cloud(&c);
+}
+
 /* Nine points of a mast on one upright plane, ten times as far from each other as those of the
  * ground below: no wall. */
 static void a_few_in_a_plane_are_no_wall(void **state)
@@ -2147,6 +2209,7 @@ int main(void)
 		cmocka_unit_test(strays_are_no_surfels),
 		cmocka_unit_test(strays_do_not_hide_each_other),
 		cmocka_unit_test(strays_that_hang_together_are_no_surface),
+		cmocka_unit_test(many_strays_are_none),
 		cmocka_unit_test(a_few_in_a_plane_are_no_wall),
 		cmocka_unit_test(uneven_density_works),
 		cmocka_unit_test(it_asks_within_each_step),

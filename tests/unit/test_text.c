@@ -1,6 +1,8 @@
 /* Text for people: messages and percent. */
+#include "program/exit_code.h"
 #include "program/text_quote.h"
 
+#include <errno.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -51,11 +53,45 @@ static void percent_has_no_exponent(void **state)
 	}
 }
 
+/* A terminal that takes nothing of the so-manyth piece, and all before and after it. */
+static ssize_t take_piece(void *user, const char *bytes, size_t length)
+{
+	int *left = user;
+	(void)bytes;
+	if (--*left != 0)
+		return (ssize_t)length;
+	errno = EAGAIN;
+	return 0;
+}
+
+static void printed_text_has_arrived(void **state)
+{
+	(void)state;
+	const cookie_io_functions_t terminal = { .write = take_piece };
+	for (int lost = 0; lost <= 8; lost++) {
+		int left = lost;
+		char buffer[16];
+		gw_error error = { 0 };
+		FILE *out = fopencookie(&left, "w", terminal);
+		assert_non_null(out);
+		setvbuf(out, buffer, _IOFBF, sizeof buffer);
+		for (int i = 0; i < 3; i++)
+			fputs("twenty characters...", out);
+		gw_status status = exit_code_flush(out, &error);
+		bool hit = lost > 0 && left <= 0;
+		assert_int_equal(status, hit ? FILE_ERROR_IO : GW_OK);
+		assert_true(hit || lost != 1);
+		assert_true(!hit || strstr(error.text, "standard output cannot be written"));
+		fclose(out);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(messages_are_shown_not_obeyed),
 		cmocka_unit_test(percent_has_no_exponent),
+		cmocka_unit_test(printed_text_has_arrived),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
