@@ -226,8 +226,10 @@ void gw_half_sample_add(const gw_half_difference *first, const gw_half_differenc
 	double surface = sqrt(fmax(first->rest * first->rest - 2.0 * gathered * gathered, 0.0));
 	if (growth > M_SQRT2)
 		surface /= sqrt(growth * growth - 1.0);
-	surface = hypot(surface, of_sides(first->turned, second->turned));
-	estimate->halves = surface;
-	double all = hypot(surface, hypot(estimate->gathered, estimate->gaps));
+	double sides = of_sides(first->turned, second->turned);
+	estimate->halves = hypot(surface, sides);
+	/* Rays know of sides that are guessed alike in both. */
+	double all = hypot(hypot(surface, fmax(sides, estimate->sides)),
+					   hypot(estimate->gathered, estimate->gaps));
 	estimate->relative_rms = fmax(estimate->relative_rms, all);
 }

@@ -19,6 +19,10 @@
  * either at the most: their square differences d^2 are the sum of two squares of errors, of which
  * that of all points is d^2 / (1 + Q^2), Q at least 1.
  *
+ * Sides that are guessed alike with all points and with half of them show in no difference, but in
+ * what rays say of sides (side_error.h). Of both the larger one counts, and it comes on top of the
+ * error at points that show the same side.
+ *
  * Where points are few, light gets in that all points together shut out, and the half may be many
  * times as bright as all: differences are held against the brighter of the two.
  *

@@ -17,6 +17,8 @@
 
 #define FLOOR 60 /* points a side of the floor, 6 m wide */
 #define LEAVES 4000
+#define LEAVES_OF_THREE 900
+#define SPACING (6.0 / FLOOR)
 #define WIDTH 5.0 /* of what they fill, metres */
 #define LOW 0.5
 #define HIGH 2.0
@@ -111,6 +113,54 @@ static void beer_and_lambert(void **state)
 			assert_true(met > 0.93 * along && met < 1.09 * along);
 			clear(&w);
 		}
+}
+
+/* A leaf that scanners met three times, as often for its area as the floor. */
+static void add_leaf_of_three(scene *s, const double middle[3])
+{
+	double n[3], z = 2.0 * scene_random(s) - 1.0, turn = 2.0 * SCENE_PI * scene_random(s);
+	n[0] = sqrt(1.0 - z * z) * cos(turn);
+	n[1] = sqrt(1.0 - z * z) * sin(turn);
+	n[2] = z;
+	const double u[3] = { -sin(turn), cos(turn), 0.0 };
+	const double v[3] = { -z * cos(turn), -z * sin(turn), sqrt(1.0 - z * z) };
+	for (int corner = 0; corner < 3; corner++) {
+		double at = 2.0 * SCENE_PI * corner / 3.0, p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = middle[k] + SPACING / sqrt(3.0) * (cos(at) * u[k] + sin(at) * v[k]);
+		scene_add(s, p, n, 0.3f);
+	}
+}
+
+/*
+ * Leaves that have a few points each, with normals. Their neighbours are on other leaves: discs as
+ * wide as to these would be plates of several times their area, and the depth five times what it
+ * is. Of eight woods it is 8 % more than that of their area on average, because the octree's cells
+ * are as wide as such a leaf, and chance has a standard deviation of 6 %, of which three are
+ * allowed.
+ */
+static void leaves_of_a_few_points(void **state)
+{
+	(void)state;
+	for (uint64_t seed = 1; seed <= 2; seed++) {
+		scene s = { .state = seed };
+		scene_add_patch(&s, (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 }, (double[]){ 0, 6, 0 },
+						FLOOR, FLOOR, 0.5f);
+		for (int i = 0; i < LEAVES_OF_THREE; i++) {
+			double p[3];
+			for (int k = 0; k < 3; k++)
+				p[k] = scene_random(&s);
+			for (int k = 0; k < 2; k++)
+				p[k] = WIDTH * (p[k] - 0.5);
+			p[2] = LOW + (HIGH - LOW) * p[2];
+			add_leaf_of_three(&s, p);
+		}
+		gw_points points = scene_points(&s);
+		double depth = 0.5 * 3.0 * SPACING * SPACING * LEAVES_OF_THREE / (WIDTH * WIDTH);
+		double met = -log(share_of_ground(&points, (size_t)FLOOR * FLOOR, 0.0));
+		assert_true(met > 0.9 * depth && met < 1.26 * depth);
+		scene_clear(&s);
+	}
 }
 
 static size_t count_foliage(const gw_points *points)
@@ -230,9 +280,8 @@ static void surfaces_are_none(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(beer_and_lambert),
-		cmocka_unit_test(bare_points),
-		cmocka_unit_test(scanned_from_above),
+		cmocka_unit_test(beer_and_lambert),  cmocka_unit_test(leaves_of_a_few_points),
+		cmocka_unit_test(bare_points),       cmocka_unit_test(scanned_from_above),
 		cmocka_unit_test(surfaces_are_none),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -179,6 +179,20 @@ static void sides_are_wrong_in_both(void **state)
 	assert_float_equal(of_turned(0.1, 0.2), 0.0447213595, 1e-7);
 }
 
+/* What rays say of sides comes on top of the rest, unless halves say more of them: 3, 4 and 5. */
+static void sides_guessed_alike_are_known_by_rays(void **state)
+{
+	(void)state;
+	const gw_half_difference first = { .rest = 0.03, .turned = 0.04 * M_SQRT2 }, second = { 0 };
+	gw_error_estimate alike = { .relative_rms = 0.041, .sides = 0.04 };
+	gw_half_sample_add(&(gw_half_difference){ .rest = 0.03 }, &second, 0.0, &alike);
+	assert_float_equal(alike.halves, 0.03, 1e-12);
+	assert_float_equal(alike.relative_rms, 0.05, 1e-12);
+	gw_error_estimate other = { .relative_rms = 0.02, .sides = 0.01 };
+	gw_half_sample_add(&first, &second, 0.0, &other);
+	assert_float_equal(other.relative_rms, 0.05, 1e-12);
+}
+
 /* Errors that fall as 1 / sqrt(n) show as they are, those that fall as 1 / n by more. */
 static void says_how_wrong_all_points_are(void **state)
 {
@@ -226,6 +240,7 @@ int main(void)
 		cmocka_unit_test(leaves_every_other_column),
 		cmocka_unit_test(compares_what_is_lit),
 		cmocka_unit_test(sides_are_wrong_in_both),
+		cmocka_unit_test(sides_guessed_alike_are_known_by_rays),
 		cmocka_unit_test(says_how_wrong_all_points_are),
 		cmocka_unit_test(uneven_points_are_doubted),
 	};

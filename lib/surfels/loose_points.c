@@ -1,0 +1,229 @@
+/*
+ * loose_points.c - see loose_points.h.
+ */
+#include "surfels/loose_points.h"
+
+#include "base/luminance.h"
+#include "base/memory.h"
+#include "base/nth_element.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* A point is loose when less than this share of its neighbours lie on surface with it, on average
+ * over them, and over those around twice as far: at corners of rooms few do, but more further off.
+ */
+#define ON_SURFACE 0.5f
+
+/* From this share on it is solid, and says what a point stands for. What is in between, as beside
+ * leaves and in corners, does neither. */
+#define SOLID 0.9f
+
+/* Half thickness of a surface, in distances of the furthest neighbour, as in surfel_plane.c. */
+#define SLAB 0.35
+
+/* So far into leaves areas are handed on from what is solid, in steps of neighbours; further in the
+ * median of all that is solid counts. */
+#define STEPS_MOST 64
+
+#define NO_SLOT UINT32_MAX
+
+typedef struct loose_step {
+	const gw_surfels *surfels;
+	const float *share; /* count, of neighbours: what the means are taken of */
+	float *mean;        /* count, receives them */
+	uint32_t *slot;     /* count, of the row of a point that is not solid, or NO_SLOT */
+	uint32_t *row;      /* GW_NEIGHBOURS for each slot: its neighbours */
+	uint32_t *surfel;   /* of each slot */
+	uint8_t *loose;     /* of each slot: it is, instead of in between */
+	float *area;        /* of each slot: what a point stands for there; 0: not known yet */
+	size_t slots, loose_count;
+} loose_step;
+
+/* Cosine between two surfels that lie in one slab; 0: they do not. */
+static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, double slab)
+{
+	const float *n = s->normal + 3 * surfel, *m = s->normal + 3 * other;
+	double height = 0.0;
+	for (size_t k = 0; k < 3; k++)
+		height += (double)n[k] *
+				  ((double)s->position[3 * other + k] - (double)s->position[3 * surfel + k]);
+	return fabs(height) <= slab ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 0.0f;
+}
+
+/* Those on the other side of a thin sheet say nothing, and few points neither: they count as a
+ * surface. */
+static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const loose_step *step = user;
+	uint32_t alike = 0, opposite = 0;
+	double slab = list->count > 0 ? SLAB * (double)list->distance[list->count - 1] : 0.0;
+	for (uint32_t j = 0; j < list->count; j++) {
+		float cosine = facing_in_slab(step->surfels, surfel, list->index[j], slab);
+		alike += cosine > (float)GW_SAME_SURFACE;
+		opposite += cosine < -(float)GW_SAME_SURFACE;
+	}
+	bool tells = list->count == GW_NEIGHBOURS && opposite < GW_NEIGHBOURS;
+	step->mean[surfel] = tells ? (float)alike / (float)(GW_NEIGHBOURS - opposite) : 1.0f;
+}
+
+static void average(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const loose_step *step = user;
+	float sum = step->share[surfel];
+	for (uint32_t j = 0; j < list->count; j++)
+		sum += step->share[list->index[j]];
+	step->mean[surfel] = sum / (float)(list->count + 1);
+}
+
+/* Means over neighbours, and over those of theirs: mean[0] and mean[2]. */
+static gw_status measure_shares(gw_neighbours *search, loose_step *step, float *mean[3],
+								gw_error *error)
+{
+	const float *from[3] = { mean[1], mean[0], mean[1] };
+	step->mean = mean[1];
+	GW_TRY(gw_neighbours_visit_reach(search, measure, step, error));
+	for (int round = 0; round < 3; round++) {
+		step->share = from[round];
+		step->mean = mean[round];
+		GW_TRY(gw_neighbours_visit_reach(search, average, step, error));
+	}
+	return GW_OK;
+}
+
+static bool emits(const gw_surfels *s, size_t i)
+{
+	return s->emission && gw_luminance(s->emission + 3 * i) > 0.0;
+}
+
+/* Gives each point that is not solid its slot, if any is loose. */
+static gw_status choose(const float *once, const float *wide, loose_step *step, gw_error *error)
+{
+	size_t n = step->surfels->count, at = 0;
+	for (size_t i = 0; i < n; i++) {
+		step->loose_count += once[i] < ON_SURFACE && wide[i] < ON_SURFACE;
+		step->slots += once[i] < SOLID;
+	}
+	if (step->loose_count == 0)
+		return GW_OK;
+	step->slot = gw_allocate_array(n, sizeof *step->slot);
+	step->row = gw_allocate_array(step->slots, GW_NEIGHBOURS * sizeof *step->row);
+	step->surfel = gw_allocate_array(step->slots, sizeof *step->surfel);
+	step->area = gw_allocate_zeros(step->slots, sizeof *step->area);
+	step->loose = gw_allocate_array(step->slots, sizeof *step->loose);
+	if (!step->slot || !step->row || !step->surfel || !step->area || !step->loose)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
+	for (size_t i = 0; i < n; i++) {
+		step->slot[i] = once[i] < SOLID ? (uint32_t)at : NO_SLOT;
+		if (once[i] < SOLID)
+			step->loose[at++] = once[i] < ON_SURFACE && wide[i] < ON_SURFACE;
+	}
+	return GW_OK;
+}
+
+static void keep_row(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	const loose_step *step = user;
+	uint32_t slot = step->slot[surfel];
+	if (slot == NO_SLOT)
+		return;
+	step->surfel[slot] = (uint32_t)surfel;
+	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++)
+		step->row[GW_NEIGHBOURS * (size_t)slot + j] =
+			j < list->count ? list->index[j] : (uint32_t)surfel;
+}
+
+/* The mean of what is known among the neighbours; 0: nothing. */
+static float known_around(const loose_step *step, size_t slot)
+{
+	double sum = 0.0;
+	uint32_t known = 0;
+	for (uint32_t j = 0; j < GW_NEIGHBOURS; j++) {
+		uint32_t other = step->row[GW_NEIGHBOURS * slot + j], its = step->slot[other];
+		float area = its == NO_SLOT ? step->surfels->area[other] : step->area[its];
+		sum += (double)area;
+		known += area > 0.0f;
+	}
+	return known > 0 ? (float)(sum / known) : 0.0f;
+}
+
+/* Hands areas on from the solid surface, a neighbourhood at a time, so that the order of the points
+ * makes no difference. */
+static gw_status spread_areas(loose_step *step, gw_error *error)
+{
+	size_t left = step->slots;
+	uint32_t *open = gw_allocate_array(left + 1, sizeof *open);
+	float *found = gw_allocate_array(left + 1, sizeof *found);
+	gw_status status = GW_OK;
+	if (!open || !found)
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", left);
+	for (size_t i = 0; i < left && status == GW_OK; i++)
+		open[i] = (uint32_t)i;
+	for (int round = 0; round < STEPS_MOST && left > 0 && status == GW_OK; round++) {
+		size_t kept = 0;
+		for (size_t i = 0; i < left; i++)
+			found[i] = known_around(step, open[i]);
+		for (size_t i = 0; i < left; i++)
+			step->area[open[i]] = found[i];
+		for (size_t i = 0; i < left; i++)
+			if (!(found[i] > 0.0f))
+				open[kept++] = open[i];
+		left = kept < left ? kept : 0;
+	}
+	free(open);
+	free(found);
+	return status;
+}
+
+static float solid_median(const loose_step *step, float *room)
+{
+	size_t solid = 0;
+	for (size_t i = 0; i < step->surfels->count; i++)
+		if (step->slot[i] == NO_SLOT)
+			room[solid++] = step->surfels->area[i];
+	return solid > 0 ? gw_nth_element(room, solid, solid / 2) : INFINITY;
+}
+
+static void bound_discs(const loose_step *step, const uint8_t *fixed, float median, gw_surfels *s)
+{
+	for (size_t slot = 0; slot < step->slots; slot++) {
+		size_t i = step->surfel[slot];
+		float area = step->area[slot] > 0.0f ? step->area[slot] : median;
+		if (!step->loose[slot] || fixed[i] || emits(s, i) ||
+			!((float)M_PI * s->radius[i] * s->radius[i] > area))
+			continue;
+		s->radius[i] = fmaxf(sqrtf(area / (float)M_PI), FLT_MIN);
+		s->area[i] = fminf(s->area[i], area);
+	}
+}
+
+gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_surfels *surfels,
+								gw_error *error)
+{
+	loose_step step = { .surfels = surfels };
+	size_t n = surfels->count;
+	float *mean[3] = { gw_allocate_array(n, sizeof(float)), gw_allocate_array(n, sizeof(float)),
+					   gw_allocate_array(n, sizeof(float)) };
+	gw_status status = GW_OK;
+	if (!mean[0] || !mean[1] || !mean[2])
+		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", n);
+	if (status == GW_OK)
+		status = measure_shares(search, &step, mean, error);
+	if (status == GW_OK)
+		status = choose(mean[0], mean[2], &step, error);
+	if (status == GW_OK && step.loose_count > 0)
+		status = gw_neighbours_visit_reach(search, keep_row, &step, error);
+	if (status == GW_OK && step.loose_count > 0)
+		status = spread_areas(&step, error);
+	if (status == GW_OK && step.loose_count > 0)
+		bound_discs(&step, fixed, solid_median(&step, mean[0]), surfels);
+	for (int k = 0; k < 3; k++)
+		free(mean[k]);
+	free(step.slot);
+	free(step.row);
+	free(step.surfel);
+	free(step.area);
+	free(step.loose);
+	return status;
+}
