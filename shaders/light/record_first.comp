@@ -2,8 +2,9 @@
  * record_first.comp - irradiance that reaches a record unreflected: from the emitters its rays hit
  * (weighted against record_emitters.comp by the balance heuristic), from the samples of emitters,
  * and from the sky where rays left the scene (its map weighted against record_sky.comp). Unless
- * that is known, also the distance to the nearest thing it saw, and whether it is buried. To one that
- * is, backs are black: only what its rays meet before any back counts, and of samples their share.
+ * that is known, also the distance to the nearest thing it saw, and whether it is buried. To one
+ * that is, backs are black: only what its rays meet before any back counts, and of samples their
+ * share.
  */
 #include "base/pass.glsl"
 #include "light/transport_layout.h"
@@ -64,8 +65,8 @@ vec3 light_of_ray(vec3 g, vec3 normal, bool shut, uint k, int h)
 	return texelFetch(facet_part, int(facet)).xyz * share;
 }
 
-/* The nearest thing that a record sees, and 1; or, of one that sees mostly the backs of surfaces and
- * so may lie inside something solid, the share of its rays that pass none. */
+/* The nearest thing that a record sees, and 1; or, of one that sees mostly the backs of surfaces
+ * and so may lie inside something solid, the share of its rays that pass none. */
 void look_around(uint i, int first)
 {
 	float nearest = GW_FAR;
