@@ -91,7 +91,7 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 							   BATCHES_OF(PORTAL_BATCH), .cpu = gw_cpu_portal_light },
 	[GW_PASS_RECORD_FIRST] = { "record_first", "ttttsssstt", sizeof(gw_record_push), 4096,
 							   .cpu = gw_cpu_record_first },
-	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttss", sizeof(gw_record_push), 4096,
+	[GW_PASS_RECORD_GATHER] = { "record_gather", "ttsst", sizeof(gw_record_push), 4096,
 								.cpu = gw_cpu_record_gather },
 	[GW_PASS_RECORD_ADD] = { "record_add", "ss", sizeof(gw_record_push), .cpu = gw_cpu_record_add },
 	[GW_PASS_FACET_WEIGHTS] = { "facet_weights", "ttttttttttsstt", sizeof(gw_lookup_push), 4096,

@@ -41,10 +41,11 @@
 
 /* What is read of the device. */
 typedef struct views {
-	gw_view position, normal, hit; /* of records */
-	gw_view reflected, emission;   /* of facets */
-	gw_view first, fragment;       /* surfels of leaves, where some emit */
-	gw_view texel;                 /* of the sky's map */
+	gw_view position, normal;    /* of records */
+	gw_view hit, distance;       /* of their rays */
+	gw_view reflected, emission; /* of facets */
+	gw_view first, fragment;     /* surfels of leaves, where some emit */
+	gw_view texel;               /* of the sky's map */
 } views;
 
 /* What one record's rays say; sums over those that were looked at stand for all. */
@@ -134,6 +135,18 @@ static uint32_t facet_hit(const check *c, size_t record, uint32_t k)
 	return ((const uint32_t *)c->view.hit.bytes)[record * c->task->rays->rays + k];
 }
 
+static bool is_buried(const check *c, size_t record)
+{
+	return ((const float *)c->view.normal.bytes)[4 * record + 3] < 1.0f;
+}
+
+/* Whether what a ray met counts for its record. */
+static bool is_seen(const check *c, size_t record, uint32_t k)
+{
+	const float *distance = c->view.distance.bytes;
+	return !is_buried(c, record) || distance[record * c->task->rays->rays + k] >= 0.0f;
+}
+
 /* What one ray says. */
 typedef struct ray_finding {
 	double excess;         /* radiance that it brings too much */
@@ -170,15 +183,11 @@ static ray_finding check_ray(const check *c, size_t record, uint32_t k)
 	double sky = leaves ? sky_light(c, ray.direction) : 0.0;
 	double small = hit.small == GW_NONE ? sky : light_of(t, hit.small, ray.direction);
 	double large = hit.large == GW_NONE ? sky : light_of(t, hit.large, ray.direction);
-	double found = (double)own[3] * (facet == GW_NONE ? sky : facet_light(c, facet, &hit));
+	double found = facet == GW_NONE ? sky : facet_light(c, facet, &hit);
+	found = is_seen(c, record, k) ? found : 0.0;
 	return (ray_finding){ .excess = outside(found, small, large),
 						  .albedo = hit.large == GW_NONE ? 0.0 : reflectance(t->surfels, hit.large),
 						  .passed_back_face = hit.passed_back_face };
-}
-
-static bool is_buried(const check *c, size_t record)
-{
-	return ((const float *)c->view.normal.bytes)[4 * record + 3] == 0.0f;
 }
 
 static void check_record(const check *c, size_t record)
@@ -198,7 +207,7 @@ static void check_record(const check *c, size_t record)
 		behind += ray.passed_back_face ? share : 0.0;
 		all += share;
 	}
-	/* Inside something solid it is dark, unless the discs are sure that it is none. */
+	/* Inside something solid backs are black, unless the discs are sure that it is none. */
 	if (is_buried(c, record) && behind > BEHIND_LEAST * all)
 		sum.excess[0] = sum.excess[1] = 0.0;
 	c->record[record] = sum;
@@ -415,6 +424,8 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 	GW_TRY(gw_view_open(t->gpu, &t->records->position, records, &v->position, error));
 	GW_TRY(gw_view_open(t->gpu, &t->records->normal, records, &v->normal, error));
 	GW_TRY(gw_view_open(t->gpu, &t->rays->facet, records / 4 * t->rays->rays, &v->hit, error));
+	GW_TRY(
+		gw_view_open(t->gpu, &t->rays->distance, records / 4 * t->rays->rays, &v->distance, error));
 	if (t->facet_radiance)
 		GW_TRY(gw_view_open(t->gpu, t->facet_radiance, slots, &v->reflected, error));
 	if (t->surfels->emission)
@@ -433,10 +444,9 @@ static gw_status open_records(const gw_geometry_task *t, views *v, gw_error *err
 
 static void close_all(check *c)
 {
-	gw_view *view[] = {
-		&c->view.position, &c->view.normal,   &c->view.hit,      &c->view.texel,
-		&c->view.first,    &c->view.fragment, &c->view.emission, &c->view.reflected
-	};
+	gw_view *view[] = { &c->view.position, &c->view.normal,   &c->view.hit,
+						&c->view.distance, &c->view.texel,    &c->view.first,
+						&c->view.fragment, &c->view.emission, &c->view.reflected };
 	for (size_t i = 0; i < sizeof view / sizeof view[0]; i++)
 		gw_view_close(view[i]);
 }

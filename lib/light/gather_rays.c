@@ -386,7 +386,8 @@ gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 {
 	const gw_binding bindings[] = { gw_whole(&gather->facet), gw_whole(facet_radiance),
 									gw_window(&records->normal, 16),
-									gw_window(&records->gathered, 16) };
+									gw_window(&records->gathered, 16),
+									gw_whole(&gather->distance) };
 	gw_record_push push = { .rays = gather->rays };
 	return gw_passes_run(passes, GW_PASS_RECORD_GATHER, bindings, &push, records->count, error);
 }

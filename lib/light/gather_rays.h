@@ -73,8 +73,8 @@ typedef struct gw_sampled_sources {
 
 /*
  * Irradiance that reaches the records straight from emitters and sky; unless sources->looked also
- * finds the distance to the nearest thing each record saw, into position w, and which lie inside
- * something solid, into normal w.
+ * finds the distance to the nearest thing each record saw, into position w, and which are buried,
+ * into normal w.
  *   irradiance   receives it, records->count vec4
  */
 gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather *gather,

@@ -22,7 +22,8 @@ typedef struct gw_records {
 	uint32_t *facet;           /* on the CPU: where each was placed; NULL for those put elsewhere */
 	gw_buffer position; /* R32G32B32A32_SFLOAT: grid coordinates; w: distance to the nearest thing
 						   the record saw */
-	gw_buffer normal;   /* R32G32B32A32_SFLOAT; w: 0 if the record lies inside something solid */
+	gw_buffer normal;   /* R32G32B32A32_SFLOAT; w: 1; of a record that sees mostly the
+						   backs of surfaces the share of its rays that pass none */
 	gw_buffer block_first;  /* R32_UINT, block_count + 1 */
 	gw_buffer block_record; /* R32_UINT, count */
 	gw_buffer

@@ -530,12 +530,15 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 									const gw_surface_places *of, uint32_t *label, gw_error *error)
 {
 	views v = { 0 };
-	gw_status status = open_views(gpu, octree, &v, error);
+	const gw_octree *has = gw_compartments_octree(octree);
+	gw_status status = open_views(gpu, has, &v, error);
 	if (status == GW_OK) {
-		sight s = sight_of(octree->compartments, octree, &v);
-		s.known = octree->compartments->sides;
+		sight s = sight_of(has->compartments, has, &v);
+		s.known = has->compartments->sides;
 		for (size_t i = 0; i < of->count; i++) {
-			const float *place = of->place + 4 * i, *normal = of->normal + 4 * i;
+			float place[3];
+			const float *normal = of->normal + 4 * i;
+			gw_compartments_place(octree, of->place + 4 * i, place);
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.voters = (enum voters)a;
@@ -561,7 +564,7 @@ gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32
 			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
 			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
 				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
-					 octree->compartments->sides[2 * surfel]);
+					 gw_compartment_of_surfel(octree, surfel, false));
 		}
 		label[2 * leaf] = winner(&of[0]);
 		label[2 * leaf + 1] = winner(&of[1]);

@@ -65,32 +65,53 @@ uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t at[3])
 	return GW_COMPARTMENT_UNKNOWN;
 }
 
+const gw_octree *gw_compartments_octree(const gw_octree *octree)
+{
+	return octree->coarser ? octree->coarser : octree;
+}
+
+void gw_compartments_place(const gw_octree *octree, const float g[3], float place[3])
+{
+	const gw_octree *to = gw_compartments_octree(octree);
+	for (int k = 0; k < 3; k++)
+		place[k] =
+			to == octree
+				? g[k]
+				: (octree->cube_minimum[k] - to->cube_minimum[k] + g[k] * octree->leaf_size) /
+					  to->leaf_size;
+}
+
 bool gw_compartments_several(const gw_octree *octree)
 {
-	return octree->compartments != NULL && octree->compartments->sides != NULL;
+	const gw_compartments *c = gw_compartments_octree(octree)->compartments;
+	return c != NULL && c->sides != NULL;
 }
 
 uint32_t gw_compartments_count(const gw_octree *octree)
 {
-	return octree->compartments->count;
+	return gw_compartments_octree(octree)->compartments->count;
 }
 
 uint32_t gw_compartment_outside(const gw_octree *octree)
 {
-	return octree->compartments->label[octree->compartments->cells];
+	const gw_compartments *c = gw_compartments_octree(octree)->compartments;
+	return c->label[c->cells];
 }
 
 uint32_t gw_compartment_at(const gw_octree *octree, const float g[3])
 {
+	const gw_octree *of = gw_compartments_octree(octree);
+	float place[3];
 	int32_t at[3];
+	gw_compartments_place(octree, g, place);
 	for (int k = 0; k < 3; k++) {
-		float side = (float)(1u << octree->depth);
-		at[k] = g[k] >= 0.0f && g[k] < side ? (int32_t)g[k] : -1;
+		float side = (float)(1u << of->depth);
+		at[k] = place[k] >= 0.0f && place[k] < side ? (int32_t)place[k] : -1;
 	}
-	return gw_compartment_of_cell(octree->compartments, at);
+	return gw_compartment_of_cell(of->compartments, at);
 }
 
 uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back)
 {
-	return octree->compartments->sides[2 * surfel + (back ? 1 : 0)];
+	return gw_compartments_octree(octree)->compartments->sides[2 * surfel + (back ? 1 : 0)];
 }

@@ -236,12 +236,37 @@ static gw_status number_them(gw_compartments *c, size_t surfels, gw_error *error
 	return GW_OK;
 }
 
+/* Octrees may be so many levels deeper than their points ask for: further down random points leave
+ * voids that are wider than cells, at creases above all. Of ten closed rooms of 3,000 points all
+ * are closed 2 below, five 3 and two 4 below. */
+#define LEVELS_BELOW 2u
+
+static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+								 gw_octree *octree, gw_error *error)
+{
+	gw_octree *coarser = gw_allocate_zeros(1, sizeof *coarser);
+	if (coarser == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for an octree");
+	gw_status status = gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, coarser, error);
+	if (status == GW_OK)
+		status = gw_compartments_find(gpu, surfels, threads, coarser, error);
+	if (status == GW_OK) {
+		octree->coarser = coarser;
+		return GW_OK;
+	}
+	gw_octree_destroy(gpu, coarser);
+	free(coarser);
+	return status;
+}
+
 gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 							   gw_octree *octree, gw_error *error)
 {
 	gw_compartments *c = NULL;
-	if (octree->compartments != NULL)
+	if (octree->compartments != NULL || octree->coarser != NULL)
 		return GW_OK;
+	if (octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW)
+		return find_in_coarser(gpu, surfels, threads, octree, error);
 	if (octree->depth < 2) /* The root's children are leaves, in which nothing is kept apart. */
 		return GW_OK;
 	GW_TRY(make(octree, &c, error));

@@ -30,6 +30,12 @@ struct gw_compartments {
 						not several compartments */
 };
 
+/* The octree that has the compartments of one. */
+const gw_octree *gw_compartments_octree(const gw_octree *octree);
+
+/* A place in grid coordinates of an octree in those of that one. */
+void gw_compartments_place(const gw_octree *octree, const float g[3], float place[3]);
+
 /* A child of a cell of a level. */
 gw_compartment_cell gw_compartment_child(const gw_compartments *c, uint32_t level,
 										 gw_compartment_cell of, uint32_t octant);

@@ -139,8 +139,10 @@ typedef struct gw_octree {
 
 	bool backs; /* some surfels are backs */
 
-	/* Its empty space: NULL until somebody asks (compartments.h). */
+	/* Its empty space: NULL until somebody asks (compartments.h). Of an octree that is much deeper
+	 * than its points ask for a coarser one of the same surfels has them. */
 	struct gw_compartments *compartments;
+	struct gw_octree *coarser;
 } gw_octree;
 
 /* The opacity of a facet, of which w is that of its facet_albedo. */

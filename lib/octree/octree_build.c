@@ -333,5 +333,8 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 	for (size_t i = 0; i < sizeof buffer / sizeof *buffer; i++)
 		gw_buffer_destroy(gpu, buffer[i]);
 	gw_compartments_destroy(&octree->compartments);
+	if (octree->coarser)
+		gw_octree_destroy(gpu, octree->coarser);
+	free(octree->coarser);
 	memset(octree, 0, sizeof *octree);
 }

@@ -62,7 +62,7 @@ void main()
 	if (i >= push.count)
 		return;
 	vec3 normal = record_normal[i].xyz;
-	float open = record_normal[i].w; /* 0 inside something solid; GW_RECORD_LEFT: as it is */
+	float open = record_normal[i].w; /* less than 1 if buried; GW_RECORD_LEFT: as it is */
 	if (open == GW_RECORD_LEFT)
 		return;
 	vec3 origin = record_position[i].xyz + 0.5 * normal;

@@ -2,7 +2,9 @@
  * record_first.comp - irradiance that reaches a record unreflected: from the emitters its rays hit
  * (weighted against record_emitters.comp by the balance heuristic), from the samples of emitters,
  * and from the sky where rays left the scene (its map weighted against record_sky.comp). Unless
- * that is known, also the distance to the nearest thing it saw, and whether it is buried.
+ * that is known, also the distance to the nearest thing it saw, and whether it is buried. To one
+ * that is, backs are black: only what its rays meet before any back counts, and of samples their
+ * share.
  */
 #include "base/pass.glsl"
 #include "light/transport_layout.h"
@@ -63,8 +65,8 @@ vec3 light_of_ray(vec3 g, vec3 normal, bool shut, uint k, int h)
 	return texelFetch(facet_part, int(facet)).xyz * share;
 }
 
-/* The nearest thing that a record sees; one that sees mostly the backs of surfaces lies inside
- * something solid. */
+/* The nearest thing that a record sees, and 1; or, of one that sees mostly the backs of surfaces
+ * and so may lie inside something solid, the share of its rays that pass none. */
 void look_around(uint i, int first)
 {
 	float nearest = GW_FAR;
@@ -75,7 +77,8 @@ void look_around(uint i, int first)
 		nearest = min(nearest, abs(t));
 	}
 	record_position[i].w = nearest;
-	record_normal[i].w = 2u * behind > push.rays ? 0.0f : 1.0f;
+	float before = float(push.rays - behind) / float(push.rays);
+	record_normal[i].w = 2u * behind > push.rays ? before : 1.0f;
 }
 
 void main()
@@ -86,10 +89,12 @@ void main()
 	int first = int((push.first + i) * push.rays);
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
 	bool shut = record_sampled[i].w > GW_MARK_OUTSIDE;
-	for (uint k = 0u; k < push.rays; k++)
-		sum += light_of_ray(g, normal, shut, k, first + int(k));
 	if (push.looked == 0u)
 		look_around(i, first);
-	sum = sum * (GW_PI / float(push.rays)) + record_sampled[i].xyz;
-	record_first[i] = vec4(sum * record_normal[i].w, 0.0f);
+	float before = record_normal[i].w;
+	for (uint k = 0u; k < push.rays; k++)
+		if (before == 1.0f || texelFetch(hit_distance, first + int(k)).x >= 0.0f)
+			sum += light_of_ray(g, normal, shut, k, first + int(k));
+	sum = sum * (GW_PI / float(push.rays)) + record_sampled[i].xyz * before;
+	record_first[i] = vec4(sum, 0.0f);
 }

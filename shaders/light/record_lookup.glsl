@@ -100,7 +100,7 @@ void weigh_block(IN(Seeker) seeker, uvec2 span)
 			continue;
 		vec4 facing = texelFetch(record_normal, int(record));
 		float weight = record_weight(seeker, off, facing.xyz);
-		weight *= facing.w > 0.0f ? 1.0f : BURIED_WEIGHT;
+		weight *= facing.w < 1.0f ? BURIED_WEIGHT : 1.0f;
 		if (weight > 0.0f && record_visible(seeker, position, facing.xyz))
 			use_record(record, weight);
 	}

@@ -419,6 +419,73 @@ static void error_is_estimated(void **state)
 	scene_clear(&s);
 }
 
+#define PLATE_SIDE 1.0
+#define PLATE_BELOW 0.25
+#define PLATE_PER_METRE 30
+
+/* Form factor of a square of that side, by a place `below` of it, which looks at it straight, x and
+ * y off its middle (Hottel and Sarofim 1967). */
+static double square_seen(double side, double below, double x, double y)
+{
+	double sum = 0.0;
+	for (int i = 0; i < 4; i++) {
+		double a = (0.5 * side + (i % 2 ? x : -x)) / below;
+		double b = (0.5 * side + (i / 2 ? y : -y)) / below;
+		double ra = sqrt(1.0 + a * a), rb = sqrt(1.0 + b * b);
+		sum += a / ra * atan(b / ra) + b / rb * atan(a / rb);
+	}
+	return sum / (2.0 * SCENE_PI);
+}
+
+/* Mean irradiance of the ceiling's points above the middle of the plate, one that came straight and
+ * one that was reflected; and what all around sends there, were the plate of another side. */
+static double above_plate(const gw_points *points, const float *irradiance, double side)
+{
+	double sum = 0.0, n = 0.0;
+	for (size_t i = 0; i < points->count; i++) {
+		const double *p = points->position + 3 * i;
+		double x = p[0] - 1.0, y = p[1] - 1.0;
+		if (p[2] < 2.0 - 1e-6 || fmax(fabs(x), fabs(y)) > 0.5 * PLATE_BELOW)
+			continue;
+		sum += irradiance ? (double)irradiance[3 * i]
+						  : SCENE_PI * (1.0 - square_seen(side, PLATE_BELOW, x, y));
+		n += 1.0;
+	}
+	return sum / n;
+}
+
+/*
+ * A black plate that faces the floor hangs under the ceiling of a room whose walls glow. Most of
+ * what the ceiling sees above it is the plate's back, which is black, and the rest is the walls'
+ * light: closed form. Where the plate ends is known to the distance between points, to either side;
+ * the light that was reflected once is the albedo's share of that which came straight, but for what
+ * the plate keeps from the walls: from 0.5 to 1.5 m away, at most the integral of 1 / (2 pi d^2).
+ */
+static void ceiling_above_a_plate(void **state)
+{
+	const double side = PLATE_SIDE, spacing = 1.0 / PLATE_PER_METRE, low = 1.0 - 0.5 * side;
+	scene s = { 0 };
+	(void)state;
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, PLATE_PER_METRE, 0.5f);
+	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	size_t walls = s.count, n = (size_t)(side * PLATE_PER_METRE);
+	scene_add_patch(&s, (double[3]){ low, low, 2.0 - PLATE_BELOW }, (double[3]){ 0, side, 0 },
+					(double[3]){ side, 0, 0 }, n, n, 0.0f);
+	gw_points points = scene_points(&s);
+	gw_bake_options options = options_of(GW_METHOD_RAYS, 2);
+	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);
+	double straight = above_plate(&points, result->direct_irradiance, side);
+	double reflected = above_plate(&points, result->indirect_irradiance, side);
+	if (!(straight >= above_plate(&points, NULL, side + 2 * spacing) &&
+		  straight <= above_plate(&points, NULL, side - 2 * spacing)))
+		fail_msg("above the plate: %.4g, not %.4g", straight, above_plate(&points, NULL, side));
+	assert_mean("reflected", reflected, 0.5 * straight, 0.21);
+	for (size_t i = 0; i < walls; i++)
+		assert_true(result->direct_irradiance[3 * i] > 0.0f);
+	gw_bake_result_destroy(&result);
+	scene_clear(&s);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -432,6 +499,7 @@ int main(void)
 		cmocka_unit_test(white_rooms_of_few_points),
 		cmocka_unit_test(thin_wall_keeps_light_in),
 		cmocka_unit_test(error_is_estimated),
+		cmocka_unit_test(ceiling_above_a_plate),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,12 +113,9 @@ static size_t count_sunlit(const scene *s, double height, uint32_t depth)
 
 /* Of the first `count` points those that get more light than some from a sky, a lamp at
  * (2, 1, 3), or bounces. */
-static size_t count_lit_by(const scene *s, size_t count, gw_method method, float some)
+static size_t count_lit_with(const scene *s, size_t count, gw_bake_options options, float some)
 {
 	gw_points points = scene_points(s);
-	gw_bake_options options = gw_bake_options_default();
-	options.estimate_points = 0;
-	options.method = method;
 	const gw_light light[2] = { { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1.0f, 1.0f, 1.0f } },
 								scene_point_light(2.0, 1.0, 3.0, 10.0f) };
 	gw_bake_result *result = scene_bake(&points, light, 2, &options);
@@ -127,6 +124,14 @@ static size_t count_lit_by(const scene *s, size_t count, gw_method method, float
 		lit += result->direct_irradiance[3 * i] + result->indirect_irradiance[3 * i] > some;
 	gw_bake_result_destroy(&result);
 	return lit;
+}
+
+static size_t count_lit_by(const scene *s, size_t count, gw_method method, float some)
+{
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	options.method = method;
+	return count_lit_with(s, count, options, some);
 }
 
 static size_t count_lit(const scene *s, size_t count)
@@ -233,6 +238,23 @@ static void sky_and_lamps_stay_outside(void **state)
 		add_random_box(&s, b);
 		size_t lit = count_lit(&s, s.count);
 		print_message("%zu points, noise %.2f: %zu lit\n", s.count, b.noise, lit);
+		scene_clear(&s);
+		assert_int_equal(lit, 0);
+	}
+}
+
+/* Nor do octrees let light in that are up to 6 levels deeper than their points ask for. */
+static void at_any_depth(void **state)
+{
+	(void)state;
+	for (uint32_t depth = 7; depth <= 12; depth++) {
+		scene s = { .state = depth };
+		gw_bake_options options = gw_bake_options_default();
+		options.estimate_points = 0;
+		options.depth = depth;
+		add_random_box(&s, (box){ 3000, .width = 1, .facing = 1, .about_x = 0.8, .about_z = 0.5 });
+		size_t lit = count_lit_with(&s, s.count, options, 0.0f);
+		print_message("depth %u: %zu lit\n", depth, lit);
 		scene_clear(&s);
 		assert_int_equal(lit, 0);
 	}
@@ -503,6 +525,7 @@ int main(void)
 		cmocka_unit_test(with_noisy_edges),
 		cmocka_unit_test(unevenly_sampled_ones_as_well),
 		cmocka_unit_test(sky_and_lamps_stay_outside),
+		cmocka_unit_test(at_any_depth),
 		cmocka_unit_test(cones_see_no_sky),
 		cmocka_unit_test(what_glows_outside_stays_there),
 		cmocka_unit_test(nor_through_walls_with_two_sides),
