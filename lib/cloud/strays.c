@@ -451,13 +451,14 @@ static bool is_in_plane(const stray_step *step, size_t candidate)
 static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker)
 {
 	stray_step *step = user;
+	gw_stray_spacing found = { .known = false };
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint8_t *far = step->far + step->candidate[i];
 		if (step->again && !*far)
 			continue;
 		double reach = sqrt((double)step->squared[SEARCHED * i + REACHED]) / step->scale;
-		double usual = gw_stray_cells_spacing(&step->cells, step->cell[i], LOOK * reach);
+		double usual = gw_stray_cells_spacing(&step->cells, step->cell[i], LOOK * reach, &found);
 		if (!step->again)
 			*far = reach > ALONE_AT_FIRST * USUAL * usual;
 		step->alone[i] = *far && reach > ALONE * USUAL * usual;
