@@ -567,10 +567,10 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 	gw_status status = open_views(gpu, octree, &v, error);
 	if (status == GW_OK) {
 		sight s = sight_of(octree->compartments, octree, &v);
+		tiles_around around = { .known = false };
 		s.known = octree->compartments->sides;
 		for (size_t i = 0; i < of->count; i++) {
 			const float *place = of->place + 4 * i, *normal = of->normal + 4 * i;
-			tiles_around around = { .known = false };
 			int32_t cell[3];
 			cell_of(place, cell);
 			label[i] = GW_COMPARTMENT_UNKNOWN;
@@ -588,10 +588,14 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 	return status;
 }
 
-gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
-									gw_error *error)
+gw_status gw_compartments_label_facets(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
+									   gw_error *error)
 {
 	views v = { 0 };
+	c->facets = gw_allocate_array(octree->leaf_count, 2 * sizeof *c->facets);
+	if (c->facets == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for the compartments of %u leaves",
+					   octree->leaf_count);
 	gw_status status = open_views(gpu, octree, &v, error);
 	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
 	const float *normal = v.normal.bytes;
@@ -601,11 +605,10 @@ gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
 			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))
-				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0],
-					 octree->compartments->sides[2 * surfel]);
+				vote(&of[(fragment[f] & GW_FRAGMENT_FACET) != 0], c->sides[2 * surfel]);
 		}
-		label[2 * leaf] = winner(&of[0]);
-		label[2 * leaf + 1] = winner(&of[1]);
+		c->facets[2 * leaf] = winner(&of[0]);
+		c->facets[2 * leaf + 1] = winner(&of[1]);
 	}
 	close_views(&v);
 	return status;

@@ -30,6 +30,7 @@ void gw_compartments_destroy(gw_compartments **compartments)
 		return;
 	gw_compartments_drop_cells(*compartments);
 	free((*compartments)->sides);
+	free((*compartments)->facets);
 	free(*compartments);
 	*compartments = NULL;
 }
@@ -87,6 +88,11 @@ uint32_t gw_compartment_at(const gw_octree *octree, const float g[3])
 		at[k] = g[k] >= 0.0f && g[k] < side ? (int32_t)g[k] : -1;
 	}
 	return gw_compartment_of_cell(octree->compartments, at);
+}
+
+const uint32_t *gw_compartments_of_facets(const gw_octree *octree)
+{
+	return octree->compartments->facets;
 }
 
 uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back)

@@ -258,6 +258,8 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 		status = gw_compartments_find_sides(gpu, octree, surfels->count, threads, c, error);
 	if (status == GW_OK && c->sides != NULL)
 		status = number_them(c, surfels->count, error);
+	if (status == GW_OK && c->sides != NULL)
+		status = gw_compartments_label_facets(gpu, octree, c, error);
 	if (status != GW_OK) {
 		gw_compartments_destroy(&c);
 		return status;

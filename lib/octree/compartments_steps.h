@@ -28,6 +28,7 @@ struct gw_compartments {
 	uint32_t count;  /* of numbers */
 	uint32_t *sides; /* 2 * surfels: what the front looks into, and the back; NULL where there are
 						not several compartments */
+	uint32_t *facets; /* 2 * leaves: what they face; NULL likewise */
 };
 
 /* A child of a cell of a level. */
@@ -76,5 +77,9 @@ gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_c
 /* Fills in c->sides, or leaves it empty. */
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
 									 uint32_t threads, gw_compartments *c, gw_error *error);
+
+/* Fills in c->facets from c->sides. */
+gw_status gw_compartments_label_facets(gw_gpu *gpu, const gw_octree *octree, gw_compartments *c,
+									   gw_error *error);
 
 #endif
