@@ -45,6 +45,27 @@ static size_t count_cells(const uint64_t *key, size_t count, int level)
 	return cells;
 }
 
+/* Finds out which cells each block has: blocks are larger cells, about as many as there are cells,
+ * so that few have to be looked through for one. */
+static bool fill_blocks(gw_stray_cells *cells)
+{
+	int bits = 3 * cells->level;
+	while (bits > 0 && UINT64_C(1) << (bits - 1) >= cells->count)
+		bits--;
+	cells->block_bits = 3 * cells->level - bits;
+	cells->blocks = (size_t)1 << bits;
+	cells->block = gw_allocate_array(cells->blocks + 1, sizeof *cells->block);
+	if (!cells->block)
+		return false;
+	size_t cell = 0;
+	for (size_t block = 0; block <= cells->blocks; block++) {
+		while (cell < cells->count && cells->key[cell] >> cells->block_bits < block)
+			cell++;
+		cells->block[block] = (uint32_t)cell;
+	}
+	return true;
+}
+
 static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
 {
 	int shift = 3 * (GRID_BITS - cells->level);
@@ -59,20 +80,25 @@ static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
 			cells->first[cell++] = i;
 		}
 	cells->first[cell] = count;
-	return true;
+	return fill_blocks(cells);
 }
 
 void gw_stray_cells_clear(gw_stray_cells *cells)
 {
 	free(cells->key);
 	free(cells->first);
+	free(cells->block);
 	*cells = (gw_stray_cells){ .count = 0 };
 }
 
 /* The first cell whose key is not below one. */
 static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 {
-	return gw_lower_bound(cells->key, cells->count, key);
+	uint64_t block = key >> cells->block_bits;
+	if (block >= cells->blocks)
+		return cells->count;
+	size_t first = cells->block[block], end = cells->block[block + 1];
+	return first + gw_lower_bound(cells->key + first, end - first, key);
 }
 
 /* The j-th of the cells around the one at a place, itself for j = 13, all `coarser` levels coarser
@@ -109,23 +135,26 @@ static size_t find_around(const gw_stray_cells *cells, size_t cell, int coarser,
 	return surfels;
 }
 
+/* From the middle of the cells around to one of two opposite ones: those with a face in common
+ * first, then those with an edge, so that what a surface has is soon counted. */
+static const int to_beside[AROUND / 2] = { 1, 3, 9, 2, 4, 6, 8, 10, 12, 5, 7, 11, 13 };
+
 bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t few)
 {
 	size_t range[2], surfels = cells->first[cell + 1] - cells->first[cell];
 	uint32_t place[3];
 	gw_morton_decode(cells->key[cell], place);
-	/* Opposite cells in turn, so that what a surface has is soon counted. */
 	for (int j = 0; j < AROUND - 1 && surfels <= few; j++) {
-		find_beside(cells, place, 0, j % 2 ? AROUND - 1 - j / 2 : j / 2, range);
+		int off = to_beside[j / 2];
+		find_beside(cells, place, 0, AROUND / 2 + (j % 2 ? -off : off), range);
 		surfels += cells->first[range[1]] - cells->first[range[0]];
 	}
 	return surfels <= few;
 }
 
-/* The cell of a surfel. */
-static size_t cell_of(const gw_stray_cells *cells, size_t surfel)
+/* The cell of a surfel, which is one of low..high. */
+static size_t cell_of(const gw_stray_cells *cells, size_t surfel, size_t low, size_t high)
 {
-	size_t low = 0, high = cells->count - 1;
 	while (low < high) {
 		size_t middle = low + (high - low + 1) / 2;
 		if (cells->first[middle] <= surfel)
@@ -142,7 +171,8 @@ static bool is_coarse_enough(const gw_stray_cells *cells, size_t surfels, size_t
 	size_t lonely = 0, looked = surfels < LOOKED_AT ? surfels : LOOKED_AT;
 	for (size_t i = 0; i < looked; i++) {
 		size_t surfel = (size_t)((double)i / (double)looked * (double)surfels);
-		lonely += gw_stray_cells_few_around(cells, cell_of(cells, surfel), few);
+		lonely +=
+			gw_stray_cells_few_around(cells, cell_of(cells, surfel, 0, cells->count - 1), few);
 	}
 	return lonely <= looked / LONELY;
 }
@@ -157,11 +187,9 @@ bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
 	for (size_t i = 0; key && i < s->count; i++)
 		key[i] = key_of(s, i, per_metre);
 	while (good && !found) {
-		free(cells->key);
-		free(cells->first);
-		cells->key = NULL;
-		cells->first = NULL;
-		cells->level--;
+		int level = cells->level - 1;
+		gw_stray_cells_clear(cells);
+		cells->level = level;
 		cells->count = count_cells(key, s->count, cells->level);
 		if ((double)s->count < IN_A_CELL * (double)cells->count && cells->level > 0)
 			continue;
@@ -175,9 +203,9 @@ bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
 
 /* The spacing that the number of surfels means, on a surface, in the least cell around one that has
  * enough to tell. */
-static double spacing_at(const gw_stray_cells *cells, size_t surfel)
+static double spacing_at(const gw_stray_cells *cells, size_t cell)
 {
-	size_t cell = cell_of(cells, surfel), first = cell, end = cell + 1;
+	size_t first = cell, end = cell + 1;
 	int coarser = 0;
 	while (cells->first[end] - cells->first[first] < TELLING && coarser < cells->level) {
 		uint64_t key = cells->key[cell] >> 3 * ++coarser;
@@ -188,13 +216,12 @@ static double spacing_at(const gw_stray_cells *cells, size_t surfel)
 	return ldexp(cells->width, coarser) / sqrt(number);
 }
 
-double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double reach)
+/* The median of these around a cell, by cells that are so many levels coarser. */
+static double median_spacing(const gw_stray_cells *cells, size_t cell, int coarser)
 {
 	double spacing[SAMPLES]; /* sorted */
 	size_t range[AROUND][2], passed = 0;
-	int coarser = 0, taken = 0;
-	while (coarser < cells->level && ldexp(cells->width, coarser) < reach)
-		coarser++;
+	int taken = 0;
 	size_t surfels = find_around(cells, cell, coarser, range);
 	for (int j = 0; j < AROUND; j++) {
 		size_t first = cells->first[range[j][0]], end = cells->first[range[j][1]];
@@ -202,7 +229,8 @@ double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double r
 			size_t sample = (size_t)((taken + 0.5) / SAMPLES * (double)surfels);
 			if (sample >= passed + end - first)
 				break;
-			double own = spacing_at(cells, first + sample - passed);
+			double own = spacing_at(
+				cells, cell_of(cells, first + sample - passed, range[j][0], range[j][1] - 1));
 			int at = taken;
 			for (; at > 0 && own < spacing[at - 1]; at--)
 				spacing[at] = spacing[at - 1];
@@ -211,4 +239,16 @@ double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double r
 		passed += end - first;
 	}
 	return taken > 0 ? spacing[taken / 2] : 0;
+}
+
+double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double reach,
+							  gw_stray_spacing *last)
+{
+	int coarser = 0;
+	while (coarser < cells->level && ldexp(cells->width, coarser) < reach)
+		coarser++;
+	uint64_t key = cells->key[cell] >> 3 * coarser;
+	if (!last->known || last->coarser != coarser || last->key != key)
+		*last = (gw_stray_spacing){ true, coarser, key, median_spacing(cells, cell, coarser) };
+	return last->spacing;
 }

@@ -16,6 +16,9 @@ typedef struct gw_stray_cells {
 	size_t *first; /* count + 1, the first surfel of each */
 	int level;     /* 2^level cells along the longest side of the bounds */
 	double width;  /* metres */
+	size_t blocks; /* of cells whose keys have all but so many bits in common */
+	int block_bits;
+	uint32_t *block; /* blocks + 1, the first cell of each */
 } gw_stray_cells;
 
 /* Sorts surfels, all within their bounds, into the smallest cells that do not leave many with no
@@ -26,12 +29,22 @@ void gw_stray_cells_clear(gw_stray_cells *cells);
 /* Do no more than a few surfels lie in a cell and the 26 around it? */
 bool gw_stray_cells_few_around(const gw_stray_cells *cells, size_t cell, size_t few);
 
+/* What was found last: cells of one larger cell have it in common. */
+typedef struct gw_stray_spacing {
+	bool known;
+	int coarser; /* levels */
+	uint64_t key;
+	double spacing;
+} gw_stray_spacing;
+
 /*
  * How far points are from each other there: the median, over the surfels in the larger cell that a
  * cell lies in and the 26 around that one, of the spacing that the number in their own cells means
  * on a surface.
  *   reach   metres; larger cells are at least as wide
+ *   last    of the same cells, { 0 } at first
  */
-double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double reach);
+double gw_stray_cells_spacing(const gw_stray_cells *cells, size_t cell, double reach,
+							  gw_stray_spacing *last);
 
 #endif

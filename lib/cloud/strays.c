@@ -75,6 +75,7 @@ typedef struct stray_step {
 	float *squared;
 	uint32_t *candidate_of; /* thin_count, 1 + place in candidate, 0: none */
 	double *plane;          /* 4 * candidate_count: normal and half thickness; 0: is on none */
+	uint8_t *asked;         /* candidate_count: its plane is */
 	uint8_t *alone;         /* candidate_count */
 	uint8_t *far;           /* surfels->count: which are, or were when they were first looked at */
 	bool again;             /* they were */
@@ -449,24 +450,44 @@ static bool is_in_plane(const stray_step *step, size_t candidate)
 	return false;
 }
 
-static bool is_far_off(const stray_step *step, size_t candidate, double alone)
-{
-	double reach = sqrt((double)step->squared[SEARCHED * candidate + REACHED]) / step->scale;
-	double usual = gw_stray_cells_spacing(&step->cells, step->cell[candidate], LOOK * reach);
-	return reach > alone * USUAL * usual;
-}
-
 static void judge_far_off(void *user, size_t first, size_t last, uint32_t worker)
 {
 	stray_step *step = user;
+	gw_stray_spacing found = { .known = false };
 	(void)worker;
 	for (size_t i = first; i < last; i++) {
 		uint8_t *far = step->far + step->candidate[i];
+		if (step->again && !*far)
+			continue;
+		double reach = sqrt((double)step->squared[SEARCHED * i + REACHED]) / step->scale;
+		double usual = gw_stray_cells_spacing(&step->cells, step->cell[i], LOOK * reach, &found);
 		if (!step->again)
-			*far = is_far_off(step, i, ALONE_AT_FIRST);
-		step->alone[i] = *far && is_far_off(step, i, ALONE);
-		find_plane(step, i);
+			*far = reach > ALONE_AT_FIRST * USUAL * usual;
+		step->alone[i] = *far && reach > ALONE * USUAL * usual;
 	}
+}
+
+/* Planes are asked for of what is far off, and of its neighbours. */
+static void ask_for_planes(stray_step *step)
+{
+	for (size_t i = 0; i < step->candidate_count; i++) {
+		const int *place = step->found + SEARCHED * i;
+		for (int j = 0; step->alone[i] && j < SEARCHED; j++) {
+			uint32_t neighbour = step->candidate_of[place[j]];
+			if (neighbour > 0)
+				step->asked[neighbour - 1] = 1;
+		}
+		step->asked[i] |= step->alone[i];
+	}
+}
+
+static void find_planes(void *user, size_t first, size_t last, uint32_t worker)
+{
+	stray_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		if (step->asked[i])
+			find_plane(step, i);
 }
 
 static void judge_planes(void *user, size_t first, size_t last, uint32_t worker)
@@ -556,10 +577,13 @@ static bool judge(stray_step *step, uint32_t threads)
 {
 	size_t n = step->candidate_count;
 	step->plane = gw_allocate_zeros(n, 4 * sizeof *step->plane);
+	step->asked = gw_allocate_zeros(n, sizeof *step->asked);
 	step->alone = gw_allocate_zeros(n, sizeof *step->alone);
-	if (!step->plane || !step->alone || !search(step))
+	if (!step->plane || !step->asked || !step->alone || !search(step))
 		return false;
 	gw_parallel_for(threads, n, 256, judge_far_off, step);
+	ask_for_planes(step);
+	gw_parallel_for(threads, n, 256, find_planes, step);
 	gw_parallel_for(threads, n, 256, judge_planes, step);
 	return judge_islands(step);
 }
@@ -645,7 +669,7 @@ gw_status gw_strays_mark_alone(const gw_points *points, const gw_surfels_options
 	gw_neighbour_index_free(step.index);
 	void *owned[] = { step.thin,  step.candidate, step.cell,    step.scaled,
 					  step.found, step.plane,     step.squared, step.candidate_of,
-					  step.alone, stray,          step.far };
+					  step.asked, step.alone,     stray,        step.far };
 	for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
 		free(owned[i]);
 	gw_stray_cells_clear(&step.cells);

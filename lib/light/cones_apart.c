@@ -14,7 +14,8 @@
 typedef struct apart {
 	const gw_record_context *on;
 	float largest;                /* of the radiance of all facets */
-	uint32_t *record, *facet;     /* their compartments */
+	uint32_t *record;             /* their compartments */
+	const uint32_t *facet;        /* and those of facets */
 	float *normal, *radiance;     /* 4 a record and 4 a facet: all of them */
 	float *own;                   /* room for those of one compartment */
 	gw_buffer normals, radiances; /* of one compartment */
@@ -25,11 +26,10 @@ static gw_status make_room(apart *a, gw_error *error)
 {
 	gw_gpu *gpu = a->on->passes->gpu;
 	uint64_t most = a->record_bytes > a->facet_bytes ? a->record_bytes : a->facet_bytes;
-	a->facet = gw_allocate_array(a->facet_bytes / 16, sizeof *a->facet);
 	a->normal = gw_allocate_array(a->record_bytes, 1);
 	a->radiance = gw_allocate_array(a->facet_bytes, 1);
 	a->own = gw_allocate_array(most, 1);
-	if (!a->facet || !a->normal || !a->radiance || !a->own)
+	if (!a->normal || !a->radiance || !a->own)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %u records",
 					   a->on->records->count);
 	const gw_buffer_description normals = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, a->record_bytes,
@@ -45,7 +45,7 @@ static gw_status fetch(apart *a, const gw_buffer *radiance, gw_error *error)
 	gw_gpu *gpu = a->on->passes->gpu;
 	GW_TRY(make_room(a, error));
 	GW_TRY(gw_shut_out_label(a->on, &a->record, error));
-	GW_TRY(gw_compartments_of_facets(gpu, a->on->octree, a->facet, error));
+	a->facet = gw_compartments_of_facets(a->on->octree);
 	GW_TRY(gw_buffer_download(gpu, &a->on->records->normal, 0, a->normal, a->record_bytes, error));
 	return gw_buffer_download(gpu, radiance, 0, a->radiance, a->facet_bytes, error);
 }
@@ -112,7 +112,6 @@ gw_status gw_cones_apart_bounce(const gw_record_context *on, gw_cone_gather *gat
 	gw_buffer_destroy(on->passes->gpu, &a.normals);
 	gw_buffer_destroy(on->passes->gpu, &a.radiances);
 	free(a.record);
-	free(a.facet);
 	free(a.normal);
 	free(a.radiance);
 	free(a.own);

@@ -43,20 +43,11 @@ static uint32_t list_emitters(const float *radiance, const float *centre, size_t
 }
 
 /* Marks those that rock may keep apart from records. */
-static gw_status mark_rows(gw_gpu *gpu, const gw_octree *octree, uint32_t n, emitter_row *rows,
-						   gw_error *error)
+static void mark_rows(const gw_octree *octree, uint32_t n, emitter_row *rows)
 {
-	if (!gw_compartments_several(octree))
-		return GW_OK;
-	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
-	if (label == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u leaves",
-					   octree->leaf_count);
-	gw_status status = gw_compartments_of_facets(gpu, octree, label, error);
-	for (uint32_t i = 0; i < n && status == GW_OK; i++)
-		rows[i].mark = gw_compartment_mark(label[rows[i].facet]);
-	free(label);
-	return status;
+	bool several = gw_compartments_several(octree);
+	for (uint32_t i = 0; several && i < n; i++)
+		rows[i].mark = gw_compartment_mark(gw_compartments_of_facets(octree)[rows[i].facet]);
 }
 
 static gw_status make_table(gw_gpu *gpu, const table_room *room, uint32_t n, gw_emitters *emitters,
@@ -88,9 +79,8 @@ static gw_status upload_table(gw_gpu *gpu, const gw_octree *octree, const float 
 		double total;
 		uint32_t n = list_emitters(radiance, centre, 2 * (size_t)octree->leaf_count, &room, &total);
 		emitters->power = (float)total;
-		status = mark_rows(gpu, octree, n, room.rows, error);
-		if (status == GW_OK)
-			status = make_table(gpu, &room, n, emitters, error);
+		mark_rows(octree, n, room.rows);
+		status = make_table(gpu, &room, n, emitters, error);
 	}
 	free(room.rows);
 	free(room.share);

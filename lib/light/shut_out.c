@@ -146,8 +146,9 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
-	uint32_t *record, *facet, *hit; /* hit: what each ray hit */
-	uint32_t outside, empty;        /* empty: a slot without a facet */
+	uint32_t *record, *hit; /* hit: what each ray hit */
+	const uint32_t *facet;
+	uint32_t outside, empty; /* empty: a slot without a facet */
 } hit_labels;
 
 /* Has a ray from a compartment slipped through rock? */
@@ -180,15 +181,14 @@ static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 						   hit_labels *l, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	size_t slots = 2 * (size_t)on->octree->leaf_count, count = on->records->count, turned = 0;
+	size_t count = on->records->count, turned = 0;
 	l->outside = gw_compartment_outside(on->octree);
-	l->facet = gw_allocate_array(slots, sizeof *l->facet);
+	l->facet = gw_compartments_of_facets(on->octree);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
-	if (!l->facet || !l->hit)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %zu facets", slots);
+	if (!l->hit)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what rays of %zu records hit", count);
 	GW_TRY(find_empty_slot(on, &l->empty, error));
 	GW_TRY(gw_shut_out_label(on, &l->record, error));
-	GW_TRY(gw_compartments_of_facets(gpu, on->octree, l->facet, error));
 	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
 	for (size_t i = 0; i < count; i++)
 		turned += turn_record(l, l->record[i], l->hit + rays * i, rays);
@@ -204,7 +204,6 @@ gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer
 		return GW_OK;
 	gw_status status = turn_hits(on, rays, facet, &l, error);
 	free(l.record);
-	free(l.facet);
 	free(l.hit);
 	return status;
 }

@@ -228,8 +228,10 @@ static void vote(votes *v, uint32_t label)
 		i++;
 	if (i == LABELS)
 		return;
-	if (i == v->used)
+	if (i == v->used) {
 		v->label[v->used++] = label;
+		v->count[i] = 0;
+	}
 	v->count[i]++;
 }
 
@@ -278,8 +280,40 @@ static void add_votes(const sight *s, uint32_t leaf, const float place[3], const
 	}
 }
 
-/* The leaves around a place whose surfels have labels, and the label of all of them together, as
- * leaf_label of sight. */
+static uint32_t label_with(uint32_t label, uint32_t other)
+{
+	return other == NONE || label == other ? label : label == NONE ? other : MANY;
+}
+
+/* The eight tiles that the 27 cells around a place are of, and the label of all their surfels
+ * together, as leaf_label of sight. Places beside each other have them in common. */
+typedef struct tiles_around {
+	bool known;
+	int32_t low[3]; /* the tile with the least coordinates */
+	octet of[8];
+	uint32_t label;
+} tiles_around;
+
+static void find_tiles_around(const sight *s, const int32_t cell[3], int side, tiles_around *a)
+{
+	const int32_t low[3] = { (cell[0] - 1) >> 1, (cell[1] - 1) >> 1, (cell[2] - 1) >> 1 };
+	if (a->known && memcmp(a->low, low, sizeof low) == 0)
+		return;
+	a->known = true;
+	memcpy(a->low, low, sizeof low);
+	a->label = s->leaf_label ? NONE : MANY;
+	for (int32_t t = 0; t < 8; t++) {
+		const int32_t at[3] = { 2 * low[0] + 2 * (t & 1), 2 * low[1] + (t & 2),
+								2 * low[2] + (t >> 1 & 2) };
+		const octet of = a->of[t] = octet_of(s, at);
+		uint32_t leaves = (uint32_t)__builtin_popcount(of.there & 0xffu);
+		for (uint32_t i = 0; s->leaf_label && i < leaves; i++)
+			a->label =
+				label_with(a->label, s->leaf_label[2 * (size_t)(of.first + i) + (size_t)side]);
+	}
+}
+
+/* The leaves around a place whose surfels have labels, and the label of all of them together. */
 typedef struct neighbourhood {
 	uint32_t leaf[27], leaves, label;
 } neighbourhood;
@@ -293,37 +327,27 @@ static void add_leaf(const sight *s, uint32_t leaf, int side, neighbourhood *n)
 		own = s->leaf_label[2 * (size_t)leaf + (size_t)side];
 	if (own == NONE)
 		return;
-	n->label = n->label == NONE || n->label == own ? own : MANY;
+	n->label = label_with(n->label, own);
 	n->leaf[n->leaves++] = leaf;
 }
 
-/* Of the cell of a place, or of the cells around it as well, which are of eight tiles. */
-static neighbourhood find_neighbourhood(const sight *s, const float place[3], int side)
+/* Of a cell, or of those around it as well, of which tiles are given. */
+static void find_neighbourhood(const sight *s, const int32_t cell[3], int side,
+							   const tiles_around *around, neighbourhood *n)
 {
-	neighbourhood n = { .label = s->leaf_label ? NONE : MANY };
-	int32_t cell[3], low[3], parity[3];
-	octet of[8];
-	cell_of(place, cell);
+	n->label = s->leaf_label ? NONE : MANY;
+	n->leaves = 0;
 	if (s->voters == THOSE_ALIKE) {
-		add_leaf(s, leaf_of(s, cell), side, &n);
-		return n;
-	}
-	for (int k = 0; k < 3; k++) {
-		low[k] = cell[k] - 1;
-		parity[k] = low[k] & 1;
-	}
-	for (int32_t t = 0; t < 8; t++) {
-		const int32_t at[3] = { low[0] + 2 * (t & 1), low[1] + (t & 2), low[2] + (t >> 1 & 2) };
-		of[t] = octet_of(s, at);
+		add_leaf(s, leaf_of(s, cell), side, n);
+		return;
 	}
 	for (int32_t i = 0; i < 27; i++) {
-		const int32_t off[3] = { i % 3, i / 3 % 3, i / 9 };
-		const int32_t near[3] = { low[0] + off[0], low[1] + off[1], low[2] + off[2] };
-		int32_t tile = (off[0] + parity[0]) >> 1 | (off[1] + parity[1]) >> 1 << 1 |
-					   (off[2] + parity[2]) >> 1 << 2;
-		add_leaf(s, leaf_in(&of[tile], near), side, &n);
+		const int32_t near[3] = { cell[0] - 1 + i % 3, cell[1] - 1 + i / 3 % 3,
+								  cell[2] - 1 + i / 9 };
+		int32_t tile = ((near[0] >> 1) - around->low[0]) | ((near[1] >> 1) - around->low[1]) << 1 |
+					   ((near[2] >> 1) - around->low[2]) << 2;
+		add_leaf(s, leaf_in(&around->of[tile], near), side, n);
 	}
-	return n;
 }
 
 /* The label that a neighbourhood votes for. Where all of it has one label, the first vote decides.
@@ -331,7 +355,7 @@ static neighbourhood find_neighbourhood(const sight *s, const float place[3], in
 static uint32_t vote_on(const sight *s, const neighbourhood *near, const float place[3],
 						const float normal[3], int side)
 {
-	votes v = { { 0 }, { 0 }, 0 };
+	votes v = { .used = 0 };
 	for (uint32_t i = 0; i < near->leaves && (near->label == MANY || v.used == 0); i++)
 		add_votes(s, near->leaf[i], place, normal, side, &v);
 	return s->voters == ALL_NEAR && v.used > 1 ? GW_COMPARTMENT_UNKNOWN : winner(&v);
@@ -356,14 +380,20 @@ static void label_leaves(void *user, size_t first, size_t last, uint32_t worker)
 }
 
 /* The next label of a side of a surfel; of backs only by their sheet. */
-static uint32_t next_label(const sight *s, size_t surfel, int side)
+static uint32_t next_label(const sight *s, size_t surfel, int side, tiles_around *around)
 {
 	const float *place = s->position + 4 * surfel, *normal = s->normal + 4 * surfel;
 	uint32_t own = s->known[2 * surfel + (size_t)side];
 	if ((s->voters != SAME_SHEET && (own != GW_COMPARTMENT_UNKNOWN || side != 0)) ||
 		(side != 0 && !(normal[3] > 0.5f)))
 		return own;
-	neighbourhood near = find_neighbourhood(s, place, side);
+	neighbourhood near;
+	int32_t cell[3];
+	cell_of(place, cell);
+	find_tiles_around(s, cell, side, around);
+	if (around->label == NONE || around->label == own)
+		return own;
+	find_neighbourhood(s, cell, side, around, &near);
 	if (near.label == NONE || near.label == own)
 		return own;
 	uint32_t label = vote_on(s, &near, place, normal, side);
@@ -373,10 +403,11 @@ static uint32_t next_label(const sight *s, size_t surfel, int side)
 static void vote_some(void *user, size_t first, size_t last, uint32_t worker)
 {
 	const sight *s = user;
+	tiles_around around[2] = { { .known = false }, { .known = false } };
 	(void)worker;
 	for (size_t i = first; i < last; i++)
 		for (int side = 0; side < 2; side++)
-			s->to[2 * i + (size_t)side] = next_label(s, i, side);
+			s->to[2 * i + (size_t)side] = next_label(s, i, side, &around[side]);
 }
 
 /* Forgets bubbles: compartments that few look into, but for what lies around the scene. */
@@ -418,7 +449,7 @@ static enum voters voters_in(int round)
 }
 
 /* Propagates labels. Where a round changes none of them, another round of the same votes changes
- * none either. */
+ * none either. The label of a leaf is worth finding while all surfels take part. */
 static void propagate_labels(sight *s, uint32_t *sides, uint32_t *other)
 {
 	size_t bytes = 2 * s->surfels * sizeof *sides;
@@ -429,7 +460,10 @@ static void propagate_labels(sight *s, uint32_t *sides, uint32_t *other)
 		s->known = sides;
 		s->to = other;
 		s->voters = voters_in(round);
-		gw_parallel_for(s->threads, s->leaves, CHUNK, label_leaves, s);
+		if (s->voters == SAME_SHEET)
+			gw_parallel_for(s->threads, s->leaves, CHUNK, label_leaves, s);
+		else
+			s->leaf_label = NULL;
 		gw_parallel_for(s->threads, s->surfels, CHUNK, vote_some, s);
 		settled = memcmp(sides, other, bytes) == 0;
 		memcpy(sides, other, bytes);
@@ -534,15 +568,21 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 	gw_status status = open_views(gpu, has, &v, error);
 	if (status == GW_OK) {
 		sight s = sight_of(has->compartments, has, &v);
+		tiles_around around = { .known = false };
 		s.known = has->compartments->sides;
 		for (size_t i = 0; i < of->count; i++) {
 			float place[3];
+			int32_t cell[3];
 			const float *normal = of->normal + 4 * i;
 			gw_compartments_place(octree, of->place + 4 * i, place);
+			cell_of(place, cell);
 			label[i] = GW_COMPARTMENT_UNKNOWN;
 			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
 				s.voters = (enum voters)a;
-				neighbourhood near = find_neighbourhood(&s, place, 0);
+				neighbourhood near;
+				if (a != THOSE_ALIKE)
+					find_tiles_around(&s, cell, 0, &around);
+				find_neighbourhood(&s, cell, 0, &around, &near);
 				label[i] = vote_on(&s, &near, place, normal, 0);
 			}
 		}
@@ -551,15 +591,20 @@ gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 	return status;
 }
 
-gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
-									gw_error *error)
+gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error *error)
 {
 	views v = { 0 };
+	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
+	octree->facet_compartment = label;
+	if (label == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u leaves",
+					   octree->leaf_count);
 	gw_status status = open_views(gpu, octree, &v, error);
 	const uint32_t *first = v.leaf_fragment.bytes, *fragment = v.fragment_surfel.bytes;
 	const float *normal = v.normal.bytes;
 	for (size_t leaf = 0; leaf < octree->leaf_count && status == GW_OK; leaf++) {
-		votes of[2] = { 0 };
+		votes of[2];
+		of[0].used = of[1].used = 0;
 		for (uint32_t f = first[leaf]; f < first[leaf + 1]; f++) {
 			size_t surfel = fragment[f] & GW_FRAGMENT_SURFEL;
 			if ((fragment[f] & GW_FRAGMENT_ROI) == 0 && !(normal[4 * surfel + 3] > 0.5f))

@@ -36,14 +36,13 @@ void gw_compartments_destroy(gw_compartments **compartments)
 
 uint32_t gw_compartment_leaf_tile(const gw_compartments *c, const int32_t at[3])
 {
-	gw_compartment_cell of = { 0, 1 };
-	for (uint32_t level = 0; level + 1 < c->depth && of.tile != 0 && of.tile != GW_WALL; level++) {
-		uint32_t shift = c->depth - 1 - level;
+	uint32_t tile = 1;
+	for (uint32_t shift = c->depth - 1; shift > 0 && tile != 0 && tile != GW_WALL; shift--) {
 		uint32_t octant = (uint32_t)(at[0] >> shift & 1) | (uint32_t)(at[1] >> shift & 1) << 1 |
 						  (uint32_t)(at[2] >> shift & 1) << 2;
-		of = gw_compartment_child(c, level, of, octant);
+		tile = c->child[8 * (tile - 1) + octant];
 	}
-	return of.tile == GW_WALL ? 0 : of.tile;
+	return tile == GW_WALL ? 0 : tile;
 }
 
 uint32_t gw_compartment_of_cell(const gw_compartments *c, const int32_t at[3])
@@ -109,6 +108,11 @@ uint32_t gw_compartment_at(const gw_octree *octree, const float g[3])
 		at[k] = place[k] >= 0.0f && place[k] < side ? (int32_t)place[k] : -1;
 	}
 	return gw_compartment_of_cell(of->compartments, at);
+}
+
+const uint32_t *gw_compartments_of_facets(const gw_octree *octree)
+{
+	return octree->facet_compartment;
 }
 
 uint32_t gw_compartment_of_surfel(const gw_octree *octree, size_t surfel, bool back)

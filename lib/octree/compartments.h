@@ -73,9 +73,7 @@ typedef struct gw_surface_places {
 gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
 									const gw_surface_places *of, uint32_t *label, gw_error *error);
 
-/* That which facets face. There are several.
- *   label     2 * leaves, receives them; unknown for those with two sides */
-gw_status gw_compartments_of_facets(gw_gpu *gpu, const gw_octree *octree, uint32_t *label,
-									gw_error *error);
+/* That which each facet faces, 2 * leaves; unknown for those with two sides. There are several. */
+const uint32_t *gw_compartments_of_facets(const gw_octree *octree);
 
 #endif

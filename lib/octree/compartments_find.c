@@ -246,7 +246,7 @@ static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_
 {
 	gw_octree *coarser = gw_allocate_zeros(1, sizeof *coarser);
 	if (coarser == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no host memory for an octree");
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for an octree");
 	gw_status status = gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, coarser, error);
 	if (status == GW_OK)
 		status = gw_compartments_find(gpu, surfels, threads, coarser, error);
@@ -259,14 +259,10 @@ static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_
 	return status;
 }
 
-gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
-							   gw_octree *octree, gw_error *error)
+static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+								   gw_octree *octree, gw_error *error)
 {
 	gw_compartments *c = NULL;
-	if (octree->compartments != NULL || octree->coarser != NULL)
-		return GW_OK;
-	if (octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW)
-		return find_in_coarser(gpu, surfels, threads, octree, error);
 	if (octree->depth < 2) /* The root's children are leaves, in which nothing is kept apart. */
 		return GW_OK;
 	GW_TRY(make(octree, &c, error));
@@ -291,4 +287,17 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 		gw_compartments_drop_cells(c);
 	octree->compartments = c;
 	return GW_OK;
+}
+
+gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+							   gw_octree *octree, gw_error *error)
+{
+	if (octree->compartments != NULL || octree->coarser != NULL)
+		return GW_OK;
+	if (octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW)
+		GW_TRY(find_in_coarser(gpu, surfels, threads, octree, error));
+	else
+		GW_TRY(find_in_own_cells(gpu, surfels, threads, octree, error));
+	return gw_compartments_several(octree) ? gw_compartments_label_facets(gpu, octree, error)
+										   : GW_OK;
 }

@@ -143,6 +143,7 @@ typedef struct gw_octree {
 	 * than its points ask for a coarser one of the same surfels has them. */
 	struct gw_compartments *compartments;
 	struct gw_octree *coarser;
+	uint32_t *facet_compartment; /* 2 * leaves: what facets face; NULL where there is but one */
 } gw_octree;
 
 /* The opacity of a facet, of which w is that of its facet_albedo. */

@@ -336,5 +336,6 @@ void gw_octree_destroy(gw_gpu *gpu, gw_octree *octree)
 	if (octree->coarser)
 		gw_octree_destroy(gpu, octree->coarser);
 	free(octree->coarser);
+	free(octree->facet_compartment);
 	memset(octree, 0, sizeof *octree);
 }
