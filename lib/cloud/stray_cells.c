@@ -45,27 +45,6 @@ static size_t count_cells(const uint64_t *key, size_t count, int level)
 	return cells;
 }
 
-/* Finds out which cells each block has: blocks are larger cells, about as many as there are cells,
- * so that few have to be looked through for one. */
-static bool fill_blocks(gw_stray_cells *cells)
-{
-	int bits = 3 * cells->level;
-	while (bits > 0 && UINT64_C(1) << (bits - 1) >= cells->count)
-		bits--;
-	cells->block_bits = 3 * cells->level - bits;
-	cells->blocks = (size_t)1 << bits;
-	cells->block = gw_allocate_array(cells->blocks + 1, sizeof *cells->block);
-	if (!cells->block)
-		return false;
-	size_t cell = 0;
-	for (size_t block = 0; block <= cells->blocks; block++) {
-		while (cell < cells->count && cells->key[cell] >> cells->block_bits < block)
-			cell++;
-		cells->block[block] = (uint32_t)cell;
-	}
-	return true;
-}
-
 static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
 {
 	int shift = 3 * (GRID_BITS - cells->level);
@@ -80,25 +59,20 @@ static bool fill_cells(gw_stray_cells *cells, const uint64_t *key, size_t count)
 			cells->first[cell++] = i;
 		}
 	cells->first[cell] = count;
-	return fill_blocks(cells);
+	return true;
 }
 
 void gw_stray_cells_clear(gw_stray_cells *cells)
 {
 	free(cells->key);
 	free(cells->first);
-	free(cells->block);
 	*cells = (gw_stray_cells){ .count = 0 };
 }
 
 /* The first cell whose key is not below one. */
 static size_t find_key(const gw_stray_cells *cells, uint64_t key)
 {
-	uint64_t block = key >> cells->block_bits;
-	if (block >= cells->blocks)
-		return cells->count;
-	size_t first = cells->block[block], end = cells->block[block + 1];
-	return first + gw_lower_bound(cells->key + first, end - first, key);
+	return gw_lower_bound(cells->key, cells->count, key);
 }
 
 /* The j-th of the cells around the one at a place, itself for j = 13, all `coarser` levels coarser
@@ -187,9 +161,11 @@ bool gw_stray_cells_make(const gw_surfels *s, size_t few, gw_stray_cells *cells)
 	for (size_t i = 0; key && i < s->count; i++)
 		key[i] = key_of(s, i, per_metre);
 	while (good && !found) {
-		int level = cells->level - 1;
-		gw_stray_cells_clear(cells);
-		cells->level = level;
+		free(cells->key);
+		free(cells->first);
+		cells->key = NULL;
+		cells->first = NULL;
+		cells->level--;
 		cells->count = count_cells(key, s->count, cells->level);
 		if ((double)s->count < IN_A_CELL * (double)cells->count && cells->level > 0)
 			continue;

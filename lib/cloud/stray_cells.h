@@ -16,9 +16,6 @@ typedef struct gw_stray_cells {
 	size_t *first; /* count + 1, the first surfel of each */
 	int level;     /* 2^level cells along the longest side of the bounds */
 	double width;  /* metres */
-	size_t blocks; /* of cells whose keys have all but so many bits in common */
-	int block_bits;
-	uint32_t *block; /* blocks + 1, the first cell of each */
 } gw_stray_cells;
 
 /* Sorts surfels, all within their bounds, into the smallest cells that do not leave many with no
