@@ -52,20 +52,20 @@ static float facing_in_slab(const gw_surfels *s, size_t surfel, size_t other, do
 	return fabs(height) <= slab ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 0.0f;
 }
 
-/* Those on the other side of a thin sheet say nothing, and few points neither: they count as a
- * surface. */
+/* Few points say nothing: they count as a surface. Those on the other side of a thin sheet are of
+ * the same surface, but more of leaves than of walls lie so by chance: half of them count. */
 static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const loose_step *step = user;
-	uint32_t alike = 0, opposite = 0;
+	float alike = 0.0f, opposite = 0.0f;
 	double slab = list->count > 0 ? SLAB * (double)list->distance[list->count - 1] : 0.0;
 	for (uint32_t j = 0; j < list->count; j++) {
 		float cosine = facing_in_slab(step->surfels, surfel, list->index[j], slab);
-		alike += cosine > (float)GW_SAME_SURFACE;
-		opposite += cosine < -(float)GW_SAME_SURFACE;
+		alike += cosine > (float)GW_SAME_SURFACE ? 1.0f : 0.0f;
+		opposite += cosine < -(float)GW_SAME_SURFACE ? 0.5f : 0.0f;
 	}
-	bool tells = list->count == GW_NEIGHBOURS && opposite < GW_NEIGHBOURS;
-	step->mean[surfel] = tells ? (float)alike / (float)(GW_NEIGHBOURS - opposite) : 1.0f;
+	bool tells = list->count == GW_NEIGHBOURS;
+	step->mean[surfel] = tells ? (alike + opposite) / ((float)GW_NEIGHBOURS - opposite) : 1.0f;
 }
 
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)
