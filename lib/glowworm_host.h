@@ -1,6 +1,6 @@
 /*
- * glowworm_host.h - public interface of libglowworm to the machine that it runs on: what programs
- * around it would have to write again. Everything here is thread-safe.
+ * glowworm_host.h - public interface of libglowworm to the machine that it runs on, and to who reads
+ * what it says: what programs around it would have to write again. Everything here is thread-safe.
  */
 #ifndef GLOWWORM_HOST_H
 #define GLOWWORM_HOST_H
@@ -48,7 +48,8 @@ typedef void gw_parallel_work(void *user, size_t first, size_t last, uint32_t wo
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,
 					 void *user);
 
-/* What of two words or endings fits a number, as gw_plural(n, "is", "are"). */
+/* Which of two words or endings fits a number, as in gw_plural(n, "is", "are"): `one` for 1, else
+ * `many`; one of the two pointers is returned. */
 const char *gw_plural(uint64_t number, const char *one, const char *many);
 
 #ifdef __GNUC__

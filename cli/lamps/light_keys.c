@@ -13,9 +13,10 @@
 #define PI 3.14159265358979323846
 #define DEGREE (PI / 180.0)
 
-/* Metres. */
-#define EXTENT_LEAST 1e-6
-#define EXTENT_MOST 1e12
+/* Widths of lamps, metres; the library also refuses what is too narrow or too wide for the scene.
+ */
+#define EXTENT_LEAST 1e-25
+#define EXTENT_MOST 1e25
 
 #define POINT (1u << GW_LIGHT_POINT)
 #define SPOT (1u << GW_LIGHT_SPOT)
@@ -178,14 +179,19 @@ static gw_status take_units(lamp *light, light_key_id key, light_units said, gw_
 	return GW_OK;
 }
 
-/* What the library takes. */
 static gw_status check_extent(const double *metres, size_t count, gw_error *error)
 {
 	for (size_t k = 0; k < count; k++)
 		if (!(metres[k] >= EXTENT_LEAST && metres[k] <= EXTENT_MOST))
-			return gw_fail(error, GW_ERROR_USAGE, "a lamp is from %g to %g m wide", EXTENT_LEAST,
+			return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g m", EXTENT_LEAST,
 						   EXTENT_MOST);
 	return GW_OK;
+}
+
+/* Is its length 0 in the arithmetic of lights? */
+static bool is_no_direction(const double way[3])
+{
+	return way[0] * way[0] + way[1] * way[1] + way[2] * way[2] == 0.0;
 }
 
 static gw_status check_range(light_key_id key, const double *values, gw_error *error)
@@ -209,11 +215,8 @@ static gw_status check_range(light_key_id key, const double *values, gw_error *e
 		!(values[0] >= SKY_TURBIDITY_LEAST && values[0] <= SKY_TURBIDITY_MOST))
 		return gw_fail(error, GW_ERROR_USAGE, "it must be from %g to %g", SKY_TURBIDITY_LEAST,
 					   SKY_TURBIDITY_MOST);
-	double squares = values[0] * values[0];
-	for (size_t k = 1; key == LIGHT_KEY_DIRECTION && k < 3; k++)
-		squares += values[k] * values[k];
-	if (key == LIGHT_KEY_DIRECTION && squares == 0.0)
-		return gw_fail(error, GW_ERROR_USAGE, "0,0,0 is no direction");
+	if (key == LIGHT_KEY_DIRECTION && is_no_direction(values))
+		return gw_fail(error, GW_ERROR_USAGE, "0,0,0, or what is as short, is no direction");
 	return GW_OK;
 }
 

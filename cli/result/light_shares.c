@@ -218,8 +218,7 @@ static void print_share(const light_shares *f, const extent *e, size_t i)
 		fprintf(stderr, "; it is %.*f m away from the points", away < 10.0 ? 2 : 0, away);
 	else if (is_doubtful(f, i))
 		fprintf(stderr, "; so little for its power is within the error: it may light nothing%s",
-				is_behind(f, light_of(f, i)) ? ", as the surface nearest to it shows it its back"
-											 : "");
+				is_behind(f, light_of(f, i)) ? ", as it is behind the surface nearest to it" : "");
 	fputc('\n', stderr);
 }
 

@@ -15,6 +15,10 @@
 #define LIGHT_LEAST 0x1p-60
 #define LIGHT_MOST 0x1p60
 
+/* Squares of a lamp's widths beyond these, and flux over them, are more than float32 holds. */
+#define LAMP_LEAST 1e-6
+#define LAMP_MOST 1e12
+
 /* Largest distance that options take, metres. */
 #define DISTANCE_MOST 1e9f
 
@@ -136,6 +140,31 @@ static bool is_finite_light(const gw_light *light)
 	return isfinite(color[0]) && isfinite(color[1]) && isfinite(color[2]);
 }
 
+static bool is_width(float width)
+{
+	return (double)width >= LAMP_LEAST && (double)width <= LAMP_MOST;
+}
+
+/* A lamp that is a point has none. */
+static bool has_sound_width(const gw_light *light)
+{
+	if (light->type == GW_LIGHT_RECTANGLE)
+		return is_width(light->size[0]) && is_width(light->size[1]);
+	bool lamp = light->type != GW_LIGHT_SUN && light->type != GW_LIGHT_ENVIRONMENT;
+	return !lamp || light->radius == 0.0f || is_width(light->radius);
+}
+
+static gw_status check_widths(const gw_light *lights, size_t count, gw_error *error)
+{
+	for (size_t i = 0; i < count; i++)
+		if (!has_sound_width(&lights[i]))
+			return gw_fail(error, GW_ERROR_USAGE,
+						   "light %zu is so narrow or so wide beside the scene that 32-bit numbers "
+						   "do not hold both: give it another radius or size, or none",
+						   i + 1);
+	return GW_OK;
+}
+
 gw_status gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights, size_t count,
 						   gw_light **copy, gw_error *error)
 {
@@ -149,9 +178,10 @@ gw_status gw_scaled_lights(const gw_scaled_scene *scaled, const gw_light *lights
 		scale_light(&own[i], scaled);
 		fit = fit && is_finite_light(&own[i]);
 	}
-	if (!fit) {
+	gw_status status = fit ? check_widths(own, count, error) : fail_bright(error);
+	if (status != GW_OK) {
 		free(own);
-		return fail_bright(error);
+		return status;
 	}
 	*copy = own;
 	return GW_OK;
@@ -216,7 +246,7 @@ gw_status gw_scaled_scene_make(const gw_scene_description *scene, const gw_bake_
 	const gw_points given = scaled->points, *points = &given;
 	choose_units(&scaled->scene, reach, scaled);
 	if (scaled->length == 0 && scaled->light == 0)
-		return GW_OK;
+		return check_widths(scene->lights, scene->light_count, error);
 	gw_points *p = &scaled->points;
 	GW_TRY(gw_scaled_lights(scaled, scene->lights, scene->light_count, &scaled->lights, error));
 	scaled->scene = (gw_scene_description){ p, scaled->lights, scene->light_count };

@@ -1,5 +1,6 @@
 /*
- * error.c - failures as sentences, the version, and the names of the public enums.
+ * error.c - failures as sentences, words that fit numbers, the version, and the names of the
+ * public enums.
  */
 #include "glowworm.h"
 #include "glowworm_host.h"

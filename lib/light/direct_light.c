@@ -26,11 +26,6 @@
 #define UPLOAD_SURFELS 65536u /* at a time */
 #define CLOSED_SURFELS 1024u  /* likewise, for a thread */
 
-/* Metres of a lamp's width. Squares of smaller and larger ones, and flux over them, are more than
- * float32 holds. */
-#define EXTENT_LEAST 1e-6
-#define EXTENT_MOST 1e12
-
 static gw_status bad_light(size_t index, const gw_light *light, const char *what, double value,
 						   const char *remedy, gw_error *error)
 {
@@ -60,15 +55,6 @@ static gw_status check_direction(size_t index, const gw_light *light, gw_error *
 	return GW_OK;
 }
 
-static gw_status check_extent(size_t index, const gw_light *light, const char *what, float extent,
-							  gw_error *error)
-{
-	if (!((double)extent >= (double)(float)EXTENT_LEAST && (double)extent <= EXTENT_MOST))
-		return bad_light(index, light, what, (double)extent, "give metres from 1e-6 to 1e12",
-						 error);
-	return GW_OK;
-}
-
 static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error)
 {
 	for (int axis = 0; axis < 3; axis++) {
@@ -76,8 +62,9 @@ static gw_status check_lamp(size_t index, const gw_light *light, gw_error *error
 			return bad_light(index, light, "a coordinate", light->position[axis],
 							 "give a finite position", error);
 	}
-	if (light->radius != 0.0f)
-		GW_TRY(check_extent(index, light, "radius", light->radius, error));
+	if (!isfinite(light->radius) || light->radius < 0.0f)
+		return bad_light(index, light, "radius", (double)light->radius, "give metres of at least 0",
+						 error);
 	if (light->type == GW_LIGHT_SPOT) {
 		if (!(light->outer_angle > 0.0f && light->outer_angle <= 180.0f))
 			return bad_light(index, light, "outer angle", (double)light->outer_angle,
@@ -100,14 +87,18 @@ static gw_status check_area(size_t index, const gw_light *light, gw_error *error
 	GW_TRY(check_lamp(index, light, error));
 	if (light->type == GW_LIGHT_RECTANGLE) {
 		for (int k = 0; k < 2; k++)
-			GW_TRY(check_extent(index, light, "a side", light->size[k], error));
+			if (!(light->size[k] > 0.0f && isfinite(light->size[k])))
+				return bad_light(index, light, "a side", (double)light->size[k],
+								 "give metres above 0", error);
 		if (!gw_distribution_has_frame(light))
 			return gw_fail(error, GW_ERROR_USAGE,
 						   "light %zu (rectangle%s%s) needs a direction, and one across it",
 						   index + 1, light->name[0] ? " " : "", light->name);
 		return GW_OK;
 	}
-	GW_TRY(check_extent(index, light, "radius", light->radius, error));
+	if (!(light->radius > 0.0f))
+		return bad_light(index, light, "radius", (double)light->radius, "give metres above 0",
+						 error);
 	return light->type == GW_LIGHT_DISC ? check_direction(index, light, error) : GW_OK;
 }
 

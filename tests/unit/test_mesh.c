@@ -330,7 +330,7 @@ static void materials_become_columns(void **state)
 	assert_int_equal(mesh_mtl_read(&in, &m, &error), GW_OK);
 	assert_int_equal(mesh_find_material(&m, "hot #25", 7), 1);
 	assert_int_equal(mesh_find_material(&m, "hot", 3), MESH_NONE);
-	assert_non_null(strstr(m.note[m.note_count - 1], "seed.mtl names 1 texture"));
+	assert_non_null(strstr(m.note[m.note_count - 1], "seed.mtl names 1 texture,"));
 	m.face_material[0] = 0;
 	m.face_material[1] = 1;
 	assert_int_equal(mesh_sample(&m, 3, 1, 1, &cloud, &error), GW_OK);
