@@ -243,21 +243,28 @@ static void sky_and_lamps_stay_outside(void **state)
 	}
 }
 
+/* How many points of a closed box of random points are lit at that depth. */
+static size_t count_lit_at_depth(size_t points, uint32_t depth, uint64_t seed)
+{
+	scene s = { .state = seed };
+	gw_bake_options options = gw_bake_options_default();
+	options.estimate_points = 0;
+	options.depth = depth;
+	add_random_box(&s, (box){ points, .width = 1, .facing = 1, .about_x = 0.8, .about_z = 0.5 });
+	size_t lit = count_lit_with(&s, s.count, options, 0.0f);
+	print_message("%zu points, depth %u: %zu lit\n", points, depth, lit);
+	scene_clear(&s);
+	return lit;
+}
+
 /* Nor do octrees let light in that are up to 6 levels deeper than their points ask for. */
 static void at_any_depth(void **state)
 {
 	(void)state;
-	for (uint32_t depth = 7; depth <= 12; depth++) {
-		scene s = { .state = depth };
-		gw_bake_options options = gw_bake_options_default();
-		options.estimate_points = 0;
-		options.depth = depth;
-		add_random_box(&s, (box){ 3000, .width = 1, .facing = 1, .about_x = 0.8, .about_z = 0.5 });
-		size_t lit = count_lit_with(&s, s.count, options, 0.0f);
-		print_message("depth %u: %zu lit\n", depth, lit);
-		scene_clear(&s);
-		assert_int_equal(lit, 0);
-	}
+	for (uint32_t depth = 7; depth <= 12; depth++)
+		assert_int_equal(count_lit_at_depth(3000, depth, depth), 0);
+	for (uint64_t seed = 1; seed <= 10; seed++)
+		assert_int_equal(count_lit_at_depth(600, 7, seed), 0);
 }
 
 /* Cones are wider than gaps in rock. */
