@@ -1,6 +1,7 @@
 /*
- * glowworm_host.h - public interface of libglowworm to the machine that it runs on, and to who reads
- * what it says: what programs around it would have to write again. Everything here is thread-safe.
+ * glowworm_host.h - public interface of libglowworm to the machine that it runs on, and to those
+ * who read what it says: what programs around it would have to write again. Everything here is
+ * thread-safe.
  */
 #ifndef GLOWWORM_HOST_H
 #define GLOWWORM_HOST_H
