@@ -188,7 +188,7 @@ typedef struct gw_light {
 	float outer_angle;   /* degrees from the axis, dark outside; at most 180. Between the two the
 							intensity falls by smoothstep in the cosine (as pbrt's spot light) */
 	float radius;        /* metres, >= 0; above 0 the shadow has a penumbra; of spheres and discs
-							above 0. Beside the scene neither 1e-6 nor 1e12 of its size */
+							above 0. What 32-bit numbers cannot hold beside the scene is refused */
 	float angle;         /* degrees, angular diameter of the sun, >= 0; above 0: penumbra */
 
 	/* What comes from which direction, multiplied by radiance; of one light of a bake at most.

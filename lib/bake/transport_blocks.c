@@ -5,6 +5,7 @@
 
 #include "normals/disc_tree.h"
 #include "light/transport_layout.h"
+#include "octree/compartments.h"
 
 #include <assert.h>
 #include <math.h>
@@ -20,6 +21,18 @@
 #define NOISY 1u         /* shading normals */
 #define OFF 2u           /* how far normals are off */
 #define POINTS_ALBEDO 4u /* of points that share surfels */
+#define CUT 8u           /* discs are, of which a coarser octree is made */
+#define BENT 16u         /* likewise */
+#define CREASED 32u      /* likewise */
+
+/* What of discs an octree takes that is made from the surfels again. */
+static uint32_t discs_of(const gw_scene *scene)
+{
+	const gw_surfels *s = &scene->surfels;
+	if (!s->clip || !gw_compartments_are_coarser(&scene->octree, s))
+		return 0;
+	return CUT | (s->bend ? BENT : 0) | (s->creased ? CREASED : 0);
+}
 
 gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 {
@@ -58,7 +71,7 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
-				 (s->albedo_of_point ? POINTS_ALBEDO : 0);
+				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | discs_of(scene);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -86,8 +99,8 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
-		   n->optional <= (NOISY | OFF | POINTS_ALBEDO) && n->check_points <= n->surfels &&
-		   n->check_point_rays <= 4096 &&
+		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED) &&
+		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
 		   n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
@@ -200,6 +213,12 @@ static void list_surfels(list *l, gw_scene *scene, const gw_transport_numbers *n
 	host(l, "radii", &s->radius, 4 * count);
 	host(l, "areas", &s->area, 4 * count);
 	host(l, "sides", &s->two_sided, count);
+	if (n->optional & CUT)
+		host(l, "cuts", &s->clip, 24 * count);
+	if (n->optional & BENT)
+		host(l, "bends", &s->bend, 12 * count);
+	if (n->optional & CREASED)
+		host(l, "creases", &s->creased, count);
 	index_below(host(l, "surfels of points", &s->surfel_of_point, 4 * n->points), 0, count,
 				UINT32_MAX, 1);
 	if (n->optional & POINTS_ALBEDO)

@@ -595,7 +595,6 @@ gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error 
 {
 	views v = { 0 };
 	uint32_t *label = gw_allocate_array(octree->leaf_count, 2 * sizeof *label);
-	octree->facet_compartment = label;
 	if (label == NULL)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the compartments of %u leaves",
 					   octree->leaf_count);
@@ -615,5 +614,9 @@ gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error 
 		label[2 * leaf + 1] = winner(&of[1]);
 	}
 	close_views(&v);
+	if (status != GW_OK)
+		free(label);
+	else
+		octree->facet_compartment = label;
 	return status;
 }

@@ -31,6 +31,9 @@ gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t 
 							   gw_octree *octree, gw_error *error);
 void gw_compartments_destroy(gw_compartments **compartments); /* sets it to NULL; accepts NULL */
 
+/* Is an octree so much deeper than its points ask for that a coarser one has its compartments? */
+bool gw_compartments_are_coarser(const gw_octree *octree, const gw_surfels *surfels);
+
 /* Is there more than one, so that it is worth asking? An octree that was not asked has one. */
 bool gw_compartments_several(const gw_octree *octree);
 

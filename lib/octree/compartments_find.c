@@ -241,6 +241,11 @@ static gw_status number_them(gw_compartments *c, size_t surfels, gw_error *error
  * are closed 1 below, six 2, five 3 and two 4 below. */
 #define LEVELS_BELOW 1u
 
+bool gw_compartments_are_coarser(const gw_octree *octree, const gw_surfels *surfels)
+{
+	return octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW;
+}
+
 static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 								 gw_octree *octree, gw_error *error)
 {
@@ -292,9 +297,12 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 							   gw_octree *octree, gw_error *error)
 {
-	if (octree->compartments != NULL || octree->coarser != NULL)
+	bool known = octree->compartments != NULL || octree->coarser != NULL;
+	if (known && (octree->facet_compartment || !gw_compartments_several(octree)))
 		return GW_OK;
-	if (octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW)
+	if (known)
+		return gw_compartments_label_facets(gpu, octree, error);
+	if (surfels->clip && gw_compartments_are_coarser(octree, surfels))
 		GW_TRY(find_in_coarser(gpu, surfels, threads, octree, error));
 	else
 		GW_TRY(find_in_own_cells(gpu, surfels, threads, octree, error));

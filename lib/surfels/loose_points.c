@@ -71,10 +71,10 @@ static void measure(void *user, size_t surfel, const gw_neighbour_list *list)
 static void average(void *user, size_t surfel, const gw_neighbour_list *list)
 {
 	const loose_step *step = user;
-	float sum = step->share[surfel];
+	double sum = (double)step->share[surfel]; /* of equal neighbours the order may be any */
 	for (uint32_t j = 0; j < list->count; j++)
-		sum += step->share[list->index[j]];
-	step->mean[surfel] = sum / (float)(list->count + 1);
+		sum += (double)step->share[list->index[j]];
+	step->mean[surfel] = (float)(sum / (double)(list->count + 1));
 }
 
 /* Means over neighbours, and over those of theirs: mean[0] and mean[2]. */

@@ -55,3 +55,14 @@ ls none.ply new.gwt 2>/dev/null
 make_box --scene corner --points 3001 -o box.ply
 bake --light "$sky" --transport t.gwt -o none.ply
 ls
+# An octree much deeper than its points ask for, beside which a coarser one is made again.
+make_box --scene furnace --points 1500 --emission 0 -o deep.ply
+. "$SOURCE/tests/cli/shared_functions"
+deep() {
+	glowworm bake deep.ply --normals given --depth 9 --light 'sky radiance 1' \
+		--estimate-points 0 -q -f "$@"
+}
+deep --save-transport deep.transport -o deep.lit.ply
+deep --transport deep.transport -o deep.again.ply
+[ "$(body deep.lit.ply)" = "$(body deep.again.ply)" ] ||
+	echo "a deep octree is lit otherwise from a transport"
