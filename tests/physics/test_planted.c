@@ -236,7 +236,7 @@ static void discs_that_are_cut(void **state)
 {
 	(void)state;
 	check_room("discs cut", &(fault){ .depth = 7, .disc = 1.5f }, 0.05);
-	check_room("discs cut further", &(fault){ .depth = 7, .disc = 1.0f }, 0.2);
+	check_room("discs cut further", &(fault){ .depth = 7, .disc = 0.75f }, 0.2);
 }
 
 /* Leaves as wide as the room, as one point far away makes them. */
