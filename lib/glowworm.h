@@ -558,7 +558,9 @@ typedef struct gw_forecast {
 	uint32_t bounces;      /* reflections */
 	double remaining;      /* as of gw_report */
 	double escaped;        /* share of the rays that leave the scene */
-	bool error_is_least;   /* bakes of half of the points will follow, and may add to the error */
+	bool error_is_least;   /* bakes of half of the points will follow, and may add to the error
+							  what could not be foretold; where it could, the error has the
+							  middle of what it may be, and the spread half of its range */
 } gw_forecast;
 
 #define GW_REPORT_STAGES 24

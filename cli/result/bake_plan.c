@@ -200,7 +200,7 @@ void bake_plan_print(const bake_plan_forecast *p, FILE *out)
 	print_figures("foretold", all_seconds(p), p->host_bytes, p->device_bytes, out);
 	print_error(f->error, f->spread, out);
 	if (f->error_is_least)
-		fprintf(out, f->error > 0.0 ? " or more by what half of the points will tell"
+		fprintf(out, f->error > 0.0 ? " or more: half of the points will tell by how much"
 									: ", error not foretold: half of the points will tell it");
 	print_rest(f->bounces, f->remaining, out);
 	if (p->following > 0)

@@ -9,6 +9,7 @@
 #include "bake/effect_seconds.h"
 #include "bake/error_price.h"
 #include "bake/forecast.h"
+#include "bake/half_forecast.h"
 #include "bake/half_sample.h"
 #include "base/memory.h"
 #include "bake/record_fields.h"
@@ -116,27 +117,40 @@ static gw_status light_directly(bake *b, gw_error *error)
 /* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
 #define HALVES_SHARE 0.65
 
-static void add_halves(bake *b)
+static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error *error)
 {
 	gw_report *r = b->report;
+	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
+	GW_TRY(gw_half_forecast_add(&scene, &b->scene.options, &b->scene.callbacks, light, &r->forecast,
+								error));
 	r->forecast.seconds *= 1.0 + HALVES_SHARE;
-	r->forecast.error_is_least = true;
 	gw_report_effect(r, gw_effect_name(GW_EFFECT_ERROR),
 					 "points solved again, and half of the points baked",
 					 "the surface is in doubt: what half of the points tell otherwise is added to "
-					 "the error foretold");
+					 "the error");
+	return GW_OK;
+}
+
+static gw_status foretell_all(bake *b, double done, gw_bake_result *light, gw_error *error)
+{
+	GW_TRY(gw_forecast_make(&b->light, done, b->result, light, error));
+	return light ? foretell_halves(b, light, error) : GW_OK;
 }
 
 /* Tells what is going to be done, and what it will take. */
 static gw_status foretell(bake *b, gw_error *error)
 {
 	gw_report *r = b->report;
+	gw_bake_result *light = NULL;
 	double done = 0.0;
 	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
 		done += r->stage[i].seconds;
-	GW_TRY(gw_forecast_make(&b->light, done, b->result, error));
-	if (gw_half_sample_is_wanted(b->points, &b->scene.options, r))
-		add_halves(b);
+	bool halves = gw_half_sample_is_wanted(b->points, &b->scene.options, r);
+	if (halves && !(light = gw_allocate_zeros(1, sizeof *light)))
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of points");
+	gw_status status = foretell_all(b, done, light, error);
+	gw_bake_result_destroy(&light);
+	GW_TRY(status);
 	if (b->scene.callbacks.planned)
 		b->scene.callbacks.planned(b->scene.callbacks.user, b->result);
 	return GW_OK;

@@ -42,6 +42,7 @@ typedef struct spent {
 typedef struct pilot {
 	gw_lighting *lighting;
 	gw_bake_result *plan;
+	gw_bake_result *light;               /* NULL, or for the light that it found */
 	gw_bake_options asked;               /* of the bake */
 	gw_report *report;                   /* scratch */
 	double passes_before[GW_PASS_COUNT]; /* seconds of the passes until then */
@@ -130,6 +131,17 @@ uint64_t gw_pilot_record_bytes(const gw_scene *s)
 	return bytes;
 }
 
+/* The light of the points, for those who want it. */
+static gw_status keep_light(const pilot *p, gw_error *error)
+{
+	if (!p->light)
+		return GW_OK;
+	GW_TRY(gw_result_collect(p->lighting, p->light, error));
+	p->light->report.error = p->report->error;
+	p->light->report.record_spacing = p->lighting->scene->options.record_spacing;
+	return GW_OK;
+}
+
 static gw_status run_stages(pilot *p, gw_error *error)
 {
 	gw_scene *s = p->lighting->scene;
@@ -147,7 +159,7 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
 	double points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	p->point_ratio = points / fmax(p->report->error.points, 1.0);
-	return GW_OK;
+	return keep_light(p, error);
 }
 
 /* ----------------------------------------------------------------------------- what it tells */
@@ -307,6 +319,7 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 	if (p->lighting->plan.error)
 		GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
 	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
+	GW_TRY(keep_light(p, error));
 	*f = (gw_forecast){ .seconds = done + p->estimate.seconds,
 						.done_seconds = done,
 						.device_bytes = gw_gpu_read_account(s->gpu).peak_bytes,
@@ -317,7 +330,7 @@ static gw_status foretell_lamps(pilot *p, double done, gw_forecast *f, gw_error 
 }
 
 gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *plan,
-						   gw_error *error)
+						   gw_bake_result *light, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
@@ -325,6 +338,7 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *p
 	double start = gw_seconds();
 	pilot p = { .lighting = lighting,
 				.plan = plan,
+				.light = light,
 				.asked = s->options,
 				.report = gw_allocate_zeros(1, sizeof *p.report),
 				.ratio = 1.0,

@@ -21,10 +21,14 @@ uint64_t gw_pilot_record_bytes(const gw_scene *scene);
  *   lighting   its octree stands and its lamps have been lit; on return it is as it was
  *   done       seconds of the stages so far
  *   plan       its report is that of the scene and receives the forecast, of which places is 0
- * where nothing is gathered, and the prices of effects; it is told what each light gives Fails as
- * the stages themselves do, then the lighting is to be cleared.
+ *              where nothing is gathered, and the prices of effects; it is told what each light
+ *              gives
+ *   light      NULL, or empty, and receives what so few records gave: the light of the points and,
+ *              in its report, the error of that and the spacing of these records; to be destroyed
+ *              by the caller, also on failure
+ * Fails as the stages themselves do, then the lighting is to be cleared.
  */
 gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *plan,
-						   gw_error *error);
+						   gw_bake_result *light, gw_error *error);
 
 #endif

@@ -33,7 +33,7 @@ static gw_status plan_alone(gw_frames *f, const trial *first, gw_bake_result *pl
 	gw_status status = gw_frames_light(f, first->frame, error);
 	gw_report_stage(&plan->report, f->scene.gpu, NULL);
 	if (status == GW_OK)
-		status = gw_forecast_make(&f->light, gw_seconds() - start, plan, error);
+		status = gw_forecast_make(&f->light, gw_seconds() - start, plan, NULL, error);
 	f->alone = false;
 	return status;
 }

@@ -51,6 +51,19 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 			report->spacing_ratio > UNEVEN_LEAST || narrow);
 }
 
+gw_bake_options gw_half_sample_options(const gw_bake_options *options)
+{
+	gw_bake_options plain = *options;
+	plain.estimate_points = 0;
+	plain.max_error = plain.time_limit = 0.0f;
+	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
+	plain.bent_normals = false;
+	if (plain.gaps == GW_GAPS_OPEN)
+		plain.effects_forbidden |= 1u
+								   << GW_EFFECT_GAPS; /* gaps that stay open light nothing else */
+	return plain;
+}
+
 /* ---------------------------------------------------------------------------------- choosing */
 
 static const gw_range_image *image_of(const gw_points *points, size_t i, size_t *image)

@@ -57,6 +57,9 @@ bool gw_half_sample_is_wanted(const gw_points *points, const gw_bake_options *op
 /* The same as far as it shows before a bake. */
 bool gw_half_sample_is_likely(const gw_points *points, const gw_bake_options *options);
 
+/* Those of a bake of half of the points, of which only the light is wanted. */
+gw_bake_options gw_half_sample_options(const gw_bake_options *options);
+
 /*
  * Takes half of the points.
  *   level   how many halves came before: 0, or 1 for half of a half

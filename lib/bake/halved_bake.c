@@ -80,14 +80,7 @@ static gw_status bake_half(whole *w, const gw_half_sample *half, const gw_bake_c
 {
 	const gw_scene_description scene = { &half->points, w->scene->lights, w->scene->light_count };
 	const gw_bake_manner manner = { .device = &w->device };
-	gw_bake_options plain = *w->options;
-	plain.estimate_points = 0;
-	plain.max_error = plain.time_limit = 0.0f;
-	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
-	plain.bent_normals = false;
-	if (plain.gaps == GW_GAPS_OPEN)
-		plain.effects_forbidden |= 1u
-								   << GW_EFFECT_GAPS; /* gaps that stay open light nothing else */
+	const gw_bake_options plain = gw_half_sample_options(w->options);
 	return half->points.count > 0
 			   ? gw_bake_once(&scene, &plain, manner, callbacks, result, error)
 			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");

@@ -35,8 +35,8 @@ grep -c '^foretold\|^came' explained.txt
 lit --light "$lamp" --effects=-bounces >direct.txt
 lit --light "$lamp" --bounces 1 | cmp - direct.txt && echo "as one bounce"
 cmp -s direct.txt plain.txt || echo "other than with bounces"
-# Where the surface is in doubt, half of the points will be baked, which nobody does beforehand: an
-# error that is foretold is the least of it, and what came says how much of it is by them.
+# Where the surface is in doubt, half of the points will be baked: the error that is foretold has
+# what they may add, and what came says how much of it is by them.
 sed -n '/end_header/,$p' corner.ply | awk 'NR > 1 { print $1, $2, $3 }' >bare.xyz
 glowworm bake bare.xyz --albedo constant:0.5 --light "$lamp" --explain -f -o lit.ply 2>&1 |
 	sed -nE '/^(foretold|came)/s/[0-9.]+/N/gp' | sed 's/ s, .*, error/ error/; s/, N refl.*//'

@@ -111,6 +111,49 @@ static void plain_surface_is_not_doubted(void **state)
 	scene_clear(&s);
 }
 
+static void on_planned(void *user, const gw_bake_result *plan)
+{
+	*(gw_forecast *)user = plan->report.forecast;
+}
+
+/* What is foretold of a bake whose surface is in doubt has what halves will add: what came lies
+ * within both spreads, of which that of the forecast is no more than the error. A plan by itself
+ * foretells the same, and the light is the same with a forecast. */
+static void halves_are_foretold(void **state)
+{
+	(void)state;
+	const gw_bake_options options = gw_bake_options_default();
+	scene s = { 0 };
+	make_room(&s);
+	uint64_t seed = 3;
+	for (size_t i = 0; i < 3 * s.count; i++)
+		s.position[i] += 0.004 * random_normal(&seed);
+	gw_points points = scene_points(&s);
+	points.normal = NULL;
+	const gw_scene_description described = { &points, NULL, 0 };
+	gw_forecast f = { 0 };
+	const gw_bake_callbacks callbacks = { .user = &f, .planned = on_planned };
+	gw_bake_result *plain = scene_bake(&points, NULL, 0, &options), *told = NULL, *plan = NULL;
+	gw_error error = { 0 };
+	assert_int_equal(gw_bake(&described, &options, &callbacks, &told, &error), GW_OK);
+	assert_memory_equal(told->radiance, plain->radiance, 3 * s.count * sizeof(float));
+	const gw_error_estimate *e = &told->report.error;
+	print_message("foretold %.3g +- %.3g %%, came %.3g +- %.3g %%, by halves %.3g %%\n",
+				  100 * f.error, 100 * f.spread, 100 * e->relative_rms, 100 * e->spread,
+				  100 * e->halves);
+	assert_true(e->halves > 0.0);
+	assert_false(f.error_is_least);
+	assert_true(fabs(f.error - e->relative_rms) < f.spread + e->spread);
+	assert_true(f.spread < f.error);
+	assert_int_equal(gw_plan_bake(&described, &options, NULL, &plan, &error), GW_OK);
+	assert_true(plan->report.forecast.error == f.error);
+	assert_true(plan->report.forecast.spread == f.spread);
+	gw_bake_result_destroy(&plan);
+	gw_bake_result_destroy(&told);
+	gw_bake_result_destroy(&plain);
+	scene_clear(&s);
+}
+
 /* The report says what the device did for the bakes of halves, as a stage of its own: about what it
  * did for the whole, twice at most. Ground of 900 points. */
 static void work_of_halves_is_reported(void **state)
@@ -139,6 +182,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(noise_is_stated),
+		cmocka_unit_test(halves_are_foretold),
 		cmocka_unit_test(work_of_halves_is_reported),
 		cmocka_unit_test(plain_surface_is_not_doubted),
 	};
