@@ -62,9 +62,9 @@ const light_key light_keys[LIGHT_KEY_COUNT] = {
 	[LIGHT_KEY_IRRADIANCE] = { NULL, "irradiance", LIGHT_VALUE_COLOR, SUN, 0,
 							   "W/m^2 or lx on a plane that faces it" },
 	[LIGHT_KEY_RADIANCE] = { NULL, "radiance", LIGHT_VALUE_COLOR, SKY | AREA, 0,
-							 "W/(sr m^2) or cd/m^2: even; of skies a model's overhead, or by map" },
+							 "W/(sr m^2) or cd/m^2; of a model at its zenith; of a map a factor" },
 	[LIGHT_KEY_ILLUMINANCE] = { NULL, "illuminance", LIGHT_VALUE_COLOR, SUN | SKY, 0,
-								"lx: facing the sun; of a sky, on level ground" },
+								"lx, of a sun on a plane that faces it, of a sky on level ground" },
 	[LIGHT_KEY_KELVIN] = { NULL, "kelvin", LIGHT_VALUE_NUMBER, POINT | SPOT | SUN | SKY | AREA, 0,
 						   "colour temperature, 1000 to 40000; luminance stays" },
 	[LIGHT_KEY_MODEL] = { NULL, "model", LIGHT_VALUE_MODEL, SKY, 0,
@@ -582,13 +582,13 @@ static gw_status place_sun(lamp *light, unsigned given, gw_error *error)
 		light->from_sky = true;
 	}
 	bool of_sky = light->light.type == GW_LIGHT_ENVIRONMENT;
+	const char *remedy =
+		given & BIT(PLACE) ? " there and then; leave this light out, or give a time of day"
+		: of_sky           ? ", where no model has it; give one above it"
+						   : "; 'toward' ('direction' in a scene file) is for light from below";
 	if (light->from_sky && (light->elevation < 0.0 || (of_sky && light->elevation <= 0.0)))
 		return gw_fail(error, GW_ERROR_USAGE, "the sun is %.2g degrees below the horizon%s",
-					   -light->elevation,
-					   given & BIT(PLACE) ? " there and then"
-					   : of_sky           ? ""
-										  : "; 'toward' ('direction' in a scene file) is for "
-											"light from below");
+					   -light->elevation, remedy);
 	return GW_OK;
 }
 

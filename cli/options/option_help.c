@@ -14,7 +14,7 @@ void option_text_usage(FILE *out)
 	fprintf(out, "Lights point clouds: adds to every point the light that it sends out.\n\n");
 	for (int v = 0; verb_name(v); v++)
 		fprintf(out, "%s glowworm %s\n", v ? "      " : "Usage:", verb_synopsis((verb)v));
-	fprintf(out, "       glowworm VERB --help | --version\n\n");
+	fprintf(out, "       glowworm VERB --help | help VERB | --version\n\n");
 	fprintf(out, "Example: glowworm bake cave.ply --light 'point at 1,2,1.5 intensity 40' "
 				 "-o lit.ply\n");
 }

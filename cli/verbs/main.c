@@ -80,16 +80,29 @@ static gw_status run_verb(int count, char **argument, gw_error *error)
 	return status;
 }
 
+/* Help as other programs have it: `help`, and `help VERB`. */
+static gw_status run_help(const char *word, gw_error *error)
+{
+	verb v = VERB_BAKE;
+	if (!word) {
+		option_text_usage(stdout);
+		return GW_OK;
+	}
+	GW_TRY(find_verb(word, &v, error));
+	option_text_help(v, stdout);
+	return GW_OK;
+}
+
 static gw_status run(int count, char **argument, gw_error *error)
 {
 	if (strcmp(argument[0], "--version") == 0 || strcmp(argument[0], "-V") == 0) {
 		puts("glowworm " GW_VERSION);
 		return GW_OK;
 	}
-	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0) {
-		option_text_usage(stdout);
-		return GW_OK;
-	}
+	if (strcmp(argument[0], "--help") == 0 || strcmp(argument[0], "-h") == 0)
+		return run_help(NULL, error);
+	if (strcmp(argument[0], "help") == 0 && count <= 2)
+		return run_help(count == 2 ? argument[1] : NULL, error);
 	if (strcmp(argument[0], "--generate") == 0 && count == 2)
 		return option_text_generate(argument[1], stdout, error);
 	if (argument[0][0] == '-')

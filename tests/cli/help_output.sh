@@ -10,6 +10,9 @@ for verb in bake plan info convert render doctor; do
 	sed -n 's/^  [ -][ a-z][ ,] --\([a-z-]*\).*/\1/p' help.txt | sort >other
 	cmp one other && [ "$(wc -l <one)" -gt 4 ]
 done
+glowworm render --help >help.txt
+glowworm help render | cmp - help.txt
+glowworm help | head -n 1
 glowworm bake --help >/dev/full
 echo "full disk: $?"
 glowworm
