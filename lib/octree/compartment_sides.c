@@ -509,6 +509,22 @@ static gw_status open_views(gw_gpu *gpu, const gw_octree *o, views *v, gw_error 
 	return GW_OK;
 }
 
+void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *o)
+{
+	gw_buffer *const rest[] = { &o->node,          &o->tile_key,        &o->tile_neighbour,
+								&o->leaf_tile_key, &o->leaf_cell,       &o->leaf_tile_neighbour,
+								&o->ray_directory, &o->level_directory, &o->facet_centre,
+								&o->leaf_geometry, &o->facet_albedo,    &o->facet_emission,
+								&o->surfel_clip,   &o->fragment_weight, &o->disc_tree };
+	gw_buffer *const of_views[] = { &o->surfel_position, &o->surfel_normal, &o->surfel_disc,
+									&o->facet_plane,     &o->leaf_tile,     &o->leaf_fragment,
+									&o->fragment_surfel };
+	for (size_t i = 0; i < sizeof rest / sizeof *rest; i++)
+		gw_buffer_destroy(gpu, rest[i]);
+	for (size_t i = 0; i < sizeof of_views / sizeof *of_views && !gw_compartments_several(o); i++)
+		gw_buffer_destroy(gpu, of_views[i]);
+}
+
 static void close_views(views *v)
 {
 	gw_view *const all[] = { &v->position,  &v->normal,        &v->size,           &v->plane,
