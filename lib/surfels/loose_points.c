@@ -11,9 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A point is loose when less than this share of its neighbours lie on surface with it, on average
- * over them, and over those around twice as far: at corners of rooms few do, but more further off.
- */
+/* Of each point it is measured which share of its neighbours lies on one surface with it. A point
+ * is loose when the mean of that share over its neighbours is below this, and the mean over the
+ * points up to about twice as far as well: at corners of rooms the first one is low, too, but not
+ * the second. */
 #define ON_SURFACE 0.5f
 
 /* From this share on it is solid, and says what a point stands for. What is in between, as beside
