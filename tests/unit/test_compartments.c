@@ -88,7 +88,8 @@ static void assert_sides(gw_gpu *gpu, const gw_octree *octree, const gw_surfels 
 	assert_ok(gw_view_open(gpu, &octree->surfel_normal, 16 * surfels->count, &facing, &error),
 			  &error);
 	const gw_surface_places places = { surfels->count, place.bytes, facing.bytes };
-	assert_ok(gw_compartments_of_places(gpu, octree, &places, label, &error), &error);
+	const gw_passes passes = { .gpu = gpu, .threads = 3 };
+	assert_ok(gw_compartments_of_places(&passes, octree, &places, label, &error), &error);
 	for (size_t i = 0; i < 2 * (size_t)COUNT; i++) {
 		uint32_t surfel = surfels->surfel_of_point[i];
 		assert_int_equal(gw_compartments_apart(label[surfel], outside), i >= COUNT);
