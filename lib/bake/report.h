@@ -24,8 +24,14 @@ void gw_report_effect(gw_report *report, const char *name, const char *method, c
 /* Sets the seconds of an effect that the report has; of others it does nothing. */
 void gw_report_price(gw_report *report, const char *name, double seconds);
 
-/* Adds a number of points with its meaning, in which {one|many} stands for what fits the number:
- * "point{ is|s are} lost"; nothing when points is 0. */
+/*
+ * Adds a note that counts points, in place of one of the same name that the report has already.
+ *   points    how many; 0: a note of that name is taken out, and none is added
+ *   name      what the note is called in reports, a word
+ *   meaning   what follows the number in the sentence. Of "{one|many}" in it the first wording is
+ *             kept when points is 1, else the second: of "point{ is|s are} lost" comes "1 point is
+ *             lost" or "2 points are lost"
+ */
 void gw_report_count(gw_report *report, const char *name, uint64_t points, const char *meaning);
 
 #endif

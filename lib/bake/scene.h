@@ -44,8 +44,9 @@ struct gw_scene {
 	gw_scene_stage stage;
 
 	gw_gpu *gpu;
-	gw_gpu *
-		*lent; /* NULL, or where the device is taken from, if there is one, and left; not owned */
+	/* NULL, or the address of a device that is handed from bake to bake: opening takes the one
+	 * there, if there is one, and closing puts it back. Not owned. */
+	gw_gpu **lent;
 	gw_surfels surfels;
 	gw_scanned_space space; /* what scanners saw; empty where nobody knows */
 	gw_octree octree;

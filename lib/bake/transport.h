@@ -7,7 +7,8 @@
  *             albedo, emission, scanners), the settings that have to be the same, the scene's
  *             numbers (transport_blocks.h), and a hash of all that
  *   blocks    the arrays in the order of gw_transport_list
- *   tail      a hash of the hashes of all pieces that the blocks are cut into, 1 MiB each
+ *   tail      a hash of all blocks: each is hashed in chunks of 1 MiB, of which its last one may be
+ *             shorter, and the hashes of all chunks, in their order, are hashed into one
  *
  * Head and blocks are filled up with zeros to multiples of GW_LENT_ALIGNMENT bytes, so that a
  * device that is the host can use the blocks where they lie, as in a file that is mapped.

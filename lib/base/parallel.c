@@ -4,10 +4,15 @@
 #include "base/parallel.h"
 
 #include <assert.h>
+#include <dirent.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 typedef struct loop {
 	size_t count, chunk, chunks;
@@ -84,6 +89,36 @@ uint32_t gw_threads_startable(uint32_t wanted)
 		pthread_join(thread[i], NULL);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return started;
+}
+
+/* The state of a thread as of proc(5): R for one that runs, D for one that waits for a disk; 0
+ * where nobody knows. */
+static char state_of_thread(const char *number)
+{
+	char path[64], line[512] = "";
+	snprintf(path, sizeof path, "/proc/self/task/%.20s/stat", number);
+	FILE *file = fopen(path, "re");
+	if (file == NULL)
+		return 0;
+	char *name_end = fgets(line, sizeof line, file) ? strrchr(line, ')') : NULL;
+	fclose(file);
+	return name_end != NULL && name_end[1] == ' ' ? name_end[2] : 0;
+}
+
+bool gw_threads_any_busy(void)
+{
+	DIR *threads = opendir("/proc/self/task");
+	bool any = false;
+	if (threads == NULL)
+		return false;
+	for (struct dirent *entry; !any && (entry = readdir(threads)) != NULL;) {
+		if (entry->d_name[0] == '.' || strtol(entry->d_name, NULL, 10) == (long)gettid())
+			continue;
+		char state = state_of_thread(entry->d_name);
+		any = state == 'R' || state == 'D';
+	}
+	closedir(threads);
+	return any;
 }
 
 void gw_parallel_for(uint32_t threads, size_t count, size_t chunk, gw_parallel_work *work,

@@ -7,6 +7,7 @@
 #include "glowworm_host.h"
 
 #include <signal.h>
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -22,6 +23,10 @@ void gw_signals_to_block(sigset_t *set);
 /* How many of so many threads, at most GW_THREADS_MAX, can be started at the same time. For those
  * who start threads without looking whether they run. */
 uint32_t gw_threads_startable(uint32_t wanted);
+
+/* Does any other thread of this process run, or wait for a disk? False where the system does not
+ * say. */
+bool gw_threads_any_busy(void);
 
 #ifdef __cplusplus
 }

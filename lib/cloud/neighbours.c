@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CHUNK 1024u                  /* surfels searched by one call */
+#define CHUNK 1024u                  /* surfels searched by one call, or numbers of a loop */
 #define SEARCHED (GW_NEIGHBOURS + 1) /* a point is its own nearest neighbour */
 
 /* Neighbours lie on a line when their squared distances from it are below this share of all squared
@@ -378,13 +378,18 @@ void gw_neighbours_run_short(gw_neighbours *search)
 	atomic_store(&search->out_of_memory, true);
 }
 
+static gw_status fail_stopped(gw_error *error)
+{
+	return gw_fail(error, GW_ERROR_CANCELLED, "stopped while describing the surface");
+}
+
 static gw_status visit_all(gw_neighbours *search, visit v, gw_error *error)
 {
 	v.search = search;
 	atomic_store(&search->stopped, asks_to_stop(search));
 	gw_parallel_for(search->threads, search->surfels->count, CHUNK, visit_chunk, &v);
 	if (atomic_load(&search->stopped))
-		return gw_fail(error, GW_ERROR_CANCELLED, "stopped while describing the surface");
+		return fail_stopped(error);
 	if (atomic_load(&search->out_of_memory))
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory to search for neighbours");
 	search->is_stored = true;
@@ -402,6 +407,31 @@ gw_status gw_neighbours_visit_reach(gw_neighbours *search, gw_neighbours_visitor
 									void *user, gw_error *error)
 {
 	return visit_all(search, (visit){ .function = function, .user = user }, error);
+}
+
+/* A loop that can be stopped. */
+typedef struct stoppable_loop {
+	gw_neighbours *search;
+	gw_parallel_work *work;
+	void *user;
+} stoppable_loop;
+
+static void work_on_chunk(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const stoppable_loop *l = user;
+	if (worker == 0 && asks_to_stop(l->search))
+		atomic_store(&l->search->stopped, true);
+	if (!atomic_load(&l->search->stopped))
+		l->work(l->user, first, last, worker);
+}
+
+gw_status gw_neighbours_loop(gw_neighbours *search, size_t count, gw_parallel_work *work,
+							 void *user, gw_error *error)
+{
+	stoppable_loop l = { search, work, user };
+	atomic_store(&search->stopped, asks_to_stop(search));
+	gw_parallel_for(search->threads, count, CHUNK, work_on_chunk, &l);
+	return atomic_load(&search->stopped) ? fail_stopped(error) : GW_OK;
 }
 
 /* Searches k neighbours of one surfel; the least distance in the maximum norm goes to *nearest and

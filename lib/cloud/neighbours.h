@@ -2,6 +2,7 @@
 #ifndef NEIGHBOURS_H
 #define NEIGHBOURS_H
 
+#include "base/parallel.h"
 #include "cloud/surfels.h"
 
 /* Search structure for the nearest neighbours of surfels. */
@@ -53,6 +54,16 @@ gw_status gw_neighbours_visit(gw_neighbours *search, gw_neighbours_visitor *visi
 /* The same in less time: of the distances only the last one of each list is sure to be there. */
 gw_status gw_neighbours_visit_reach(gw_neighbours *search, gw_neighbours_visitor *visit, void *user,
 									gw_error *error);
+
+/*
+ * A loop of another kind over the threads of a search, which stops when a visit would.
+ *   count   of what is numbered from 0
+ *   work    is handed numbers [first, last), from several threads at a time; what it makes of one
+ *           may not depend on what it makes of others
+ * Fails with GW_ERROR_CANCELLED.
+ */
+gw_status gw_neighbours_loop(gw_neighbours *search, size_t count, gw_parallel_work *work,
+							 void *user, gw_error *error);
 
 /*
  * The exact distance of a surfel to the nearest other one in the maximum norm, metres; infinity

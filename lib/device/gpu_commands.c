@@ -5,13 +5,14 @@
 #include "base/parallel.h"
 #include "glowworm_host.h"
 
+#include <stdio.h>
 #include <time.h>
 
-/* Between two looks at whether it waits in vain. */
+/* Between two looks at whether it waits in vain: 1 s. */
 #define WAIT_NANOSECONDS UINT64_C(1000000000)
 
-/* A software driver that computes uses more of the processor than this in each wait; one that used
- * less in so many waits one after the other has lost a thread. */
+/* A software driver that computes uses more of the processor than this between two looks; one that
+ * used less at so many looks one after the other has lost a thread. */
 #define IDLE_SECONDS 1e-3
 #define IDLE_MOST 15u
 
@@ -33,6 +34,8 @@ void gw_gpu_resume(gw_gpu *gpu)
 
 gw_status gw_gpu_check(gw_gpu *gpu, gw_error *error)
 {
+	if (gpu->stuck)
+		return gw_fail(error, GW_ERROR_MEMORY, "%s", gpu->lost_text);
 	if (gpu->lost)
 		return gw_fail(error, GW_ERROR_INTERNAL, "%s", gpu->lost_text);
 	if (gpu->stopped)
@@ -118,31 +121,41 @@ static double processor_seconds(void)
 	return (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
 }
 
-static gw_status fail_stuck(const gw_gpu *gpu, const char *what, gw_error *error)
+/* Gives the driver up, and says so from then on. */
+static gw_status give_up(gw_gpu *gpu, const char *what, bool idle, gw_error *error)
 {
-	return gw_fail(
-		error, GW_ERROR_MEMORY,
-		"a thread could not be started for \"%s\" on \"%s\": allow more (see ulimit -u), or "
-		"more memory",
-		what, gpu->device.info.name);
+	const char *device = gpu->device.info.name;
+	gpu->stuck = true;
+	if (idle)
+		snprintf(gpu->lost_text, sizeof gpu->lost_text,
+				 "\"%s\" does not end on \"%s\": its driver has waited for %u s with nothing to "
+				 "compute, as one does that could not start all of its threads: allow more (see "
+				 "ulimit -u), or more memory",
+				 what, device, IDLE_MOST);
+	else
+		snprintf(gpu->lost_text, sizeof gpu->lost_text,
+				 "a thread could not be started for \"%s\" on \"%s\": allow more (see ulimit -u), "
+				 "or more memory",
+				 what, device);
+	return gw_gpu_check(gpu, error);
 }
 
 /* Waits until the device is done. Threads of a software driver may have failed to start after all:
- * then it would wait for ever, while the processor has nothing to do. */
+ * then it would wait for ever, while none of its threads computes or waits for a disk, as those do
+ * that read a mapped file. What looking takes does not count. */
 static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
 {
 	VkResult result;
 	uint32_t idle = 0;
+	bool software = gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
 	double used = processor_seconds();
 	while ((result = vkWaitForFences(gpu->handle, 1, &gpu->fence, VK_TRUE, WAIT_NANOSECONDS)) ==
 		   VK_TIMEOUT) {
-		double before = used;
+		bool computes = processor_seconds() - used >= IDLE_SECONDS;
+		idle = computes || gw_threads_any_busy() ? 0 : idle + 1;
+		if (software && (idle >= IDLE_MOST || gw_threads_startable(1) == 0))
+			return give_up(gpu, what, idle >= IDLE_MOST, error);
 		used = processor_seconds();
-		idle = used - before < IDLE_SECONDS ? idle + 1 : 0;
-		gpu->stuck = gpu->device.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU &&
-					 (idle >= IDLE_MOST || gw_threads_startable(1) == 0);
-		if (gpu->stuck)
-			return fail_stuck(gpu, what, error);
 	}
 	return result == VK_SUCCESS ? GW_OK
 								: gw_vulkan_fail(gpu, error, "vkWaitForFences", what, result);
@@ -150,8 +163,7 @@ static gw_status wait_for_device(gw_gpu *gpu, const char *what, gw_error *error)
 
 gw_status gw_commands_submit(gw_gpu *gpu, const char *what, double *seconds, gw_error *error)
 {
-	if (gpu->stuck)
-		return fail_stuck(gpu, what, error);
+	GW_TRY(gw_gpu_check(gpu, error));
 	if (gpu->timestamps != VK_NULL_HANDLE)
 		vkCmdWriteTimestamp(gpu->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, gpu->timestamps,
 							1);

@@ -93,9 +93,12 @@ struct gw_gpu {
 	uint32_t pass_compiled[GW_PASS_COUNT];
 	bool keeps_passes;
 	gw_spare_pass *spare[GW_PASS_COUNT]; /* those that nobody uses now; owned */
-	bool stuck; /* the driver waits for threads that never started: nothing can be destroyed */
-	bool lost;
-	char lost_text[GW_ERROR_TEXT];
+	/* The driver was given up while work that it had begun had not ended. No more work is
+	 * submitted, and since the driver may still use them, its buffers, images and passes are not
+	 * destroyed but left to the end of the process. */
+	bool stuck;
+	bool lost;                     /* the device is */
+	char lost_text[GW_ERROR_TEXT]; /* why, of either */
 };
 
 /* ---------------------------------------------------------------------------------- results */

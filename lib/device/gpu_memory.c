@@ -164,8 +164,19 @@ static gw_status allocate(gw_gpu *gpu, VkMemoryRequirements needs, const allocat
 	return GW_OK;
 }
 
+/* Not of a driver that was given up: see `stuck` in gpu_internal.h. */
+static void destroy_buffer(gw_gpu *gpu, VkBufferView view, VkBuffer handle)
+{
+	if (gpu->stuck)
+		return;
+	vkDestroyBufferView(gpu->handle, view, NULL);
+	vkDestroyBuffer(gpu->handle, handle, NULL);
+}
+
 static void release(gw_gpu *gpu, VkDeviceMemory memory, uint64_t allocated)
 {
+	if (gpu->stuck)
+		return;
 	vkFreeMemory(gpu->handle, memory, NULL);
 	assert(gpu->account.bytes >= allocated);
 	gpu->account.bytes -= allocated;
@@ -222,7 +233,7 @@ static gw_status need_staging(gw_gpu *gpu, gw_error *error)
 void gw_staging_destroy(gw_gpu *gpu)
 {
 	gw_staging *staging = &gpu->staging;
-	vkDestroyBuffer(gpu->handle, staging->handle, NULL);
+	destroy_buffer(gpu, VK_NULL_HANDLE, staging->handle);
 	release(gpu, staging->memory, staging->allocated);
 	*staging = (gw_staging){ 0 };
 }
@@ -339,8 +350,7 @@ gw_status gw_buffer_create(gw_gpu *gpu, const gw_buffer_description *description
 
 void gw_buffer_destroy(gw_gpu *gpu, gw_buffer *buffer)
 {
-	vkDestroyBufferView(gpu->handle, buffer->view, NULL);
-	vkDestroyBuffer(gpu->handle, buffer->handle, NULL);
+	destroy_buffer(gpu, buffer->view, buffer->handle);
 	release(gpu, buffer->memory, buffer->allocated);
 	*buffer = (gw_buffer){ 0 };
 }
@@ -602,8 +612,10 @@ gw_status gw_image_create(gw_gpu *gpu, VkFormat format, const uint32_t extent[3]
 
 void gw_image_destroy(gw_gpu *gpu, gw_image *image)
 {
-	vkDestroyImageView(gpu->handle, image->view, NULL);
-	vkDestroyImage(gpu->handle, image->handle, NULL);
+	if (!gpu->stuck) {
+		vkDestroyImageView(gpu->handle, image->view, NULL);
+		vkDestroyImage(gpu->handle, image->handle, NULL);
+	}
 	release(gpu, image->memory, image->allocated);
 	*image = (gw_image){ 0 };
 }

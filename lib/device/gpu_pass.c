@@ -282,10 +282,12 @@ void gw_pass_destroy(gw_gpu *gpu, gw_pass **pass_address)
 	gw_pass *pass = *pass_address;
 	if (pass == NULL)
 		return;
-	vkDestroyPipeline(gpu->handle, pass->pipeline, NULL);
-	vkDestroyDescriptorPool(gpu->handle, pass->descriptors, NULL);
-	vkDestroyPipelineLayout(gpu->handle, pass->layout, NULL);
-	vkDestroyDescriptorSetLayout(gpu->handle, pass->set_layout, NULL);
+	if (!gpu->stuck) {
+		vkDestroyPipeline(gpu->handle, pass->pipeline, NULL);
+		vkDestroyDescriptorPool(gpu->handle, pass->descriptors, NULL);
+		vkDestroyPipelineLayout(gpu->handle, pass->layout, NULL);
+		vkDestroyDescriptorSetLayout(gpu->handle, pass->set_layout, NULL);
+	}
 	free(pass);
 	*pass_address = NULL;
 }

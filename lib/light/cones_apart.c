@@ -14,7 +14,7 @@
 typedef struct apart {
 	const gw_record_context *on;
 	float largest;                /* of the radiance of all facets */
-	uint32_t *record;             /* their compartments */
+	const uint32_t *record;       /* their compartments */
 	const uint32_t *facet;        /* and those of facets */
 	float *normal, *radiance;     /* 4 a record and 4 a facet: all of them */
 	float *own;                   /* room for those of one compartment */
@@ -40,11 +40,23 @@ static gw_status make_room(apart *a, gw_error *error)
 	return gw_buffer_create(gpu, &radiances, &a->radiances, error);
 }
 
-static gw_status fetch(apart *a, const gw_buffer *radiance, gw_error *error)
+/* Once for all bounces: records that are added are more. */
+static gw_status label_records(const gw_record_context *on, gw_cone_gather *gather, gw_error *error)
+{
+	if (gather->record_label != NULL && gather->labelled == on->records->count)
+		return GW_OK;
+	free(gather->record_label);
+	gather->record_label = NULL;
+	gather->labelled = on->records->count;
+	return gw_shut_out_label(on, &gather->record_label, error);
+}
+
+static gw_status fetch(apart *a, gw_cone_gather *gather, const gw_buffer *radiance, gw_error *error)
 {
 	gw_gpu *gpu = a->on->passes->gpu;
 	GW_TRY(make_room(a, error));
-	GW_TRY(gw_shut_out_label(a->on, &a->record, error));
+	GW_TRY(label_records(a->on, gather, error));
+	a->record = gather->record_label;
 	a->facet = gw_compartments_of_facets(a->on->octree);
 	GW_TRY(gw_buffer_download(gpu, &a->on->records->normal, 0, a->normal, a->record_bytes, error));
 	return gw_buffer_download(gpu, radiance, 0, a->radiance, a->facet_bytes, error);
@@ -104,14 +116,13 @@ gw_status gw_cones_apart_bounce(const gw_record_context *on, gw_cone_gather *gat
 				.facet_bytes = 32 * (uint64_t)on->octree->leaf_count };
 	if (!gw_compartments_several(on->octree))
 		return gw_cone_gather_bounce(on, gather, radiance, sky, gathered, error);
-	gw_status status = fetch(&a, radiance.facets, error);
+	gw_status status = fetch(&a, gather, radiance.facets, error);
 	uint32_t count = gw_compartments_count(on->octree);
 	for (uint32_t i = 0; i <= count && status == GW_OK; i++)
 		status =
 			gather_one(&a, i < count ? i : GW_COMPARTMENT_UNKNOWN, gather, sky, gathered, error);
 	gw_buffer_destroy(on->passes->gpu, &a.normals);
 	gw_buffer_destroy(on->passes->gpu, &a.radiances);
-	free(a.record);
 	free(a.normal);
 	free(a.radiance);
 	free(a.own);

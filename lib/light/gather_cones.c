@@ -4,6 +4,7 @@
 #include "light/gather_cones.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* A leaf's faces are taken this much larger than its points' area: with 1, a ray through a wall of
  * scattered points is stopped by 87 %, with 1.5 by 99.7 %. */
@@ -65,6 +66,9 @@ void gw_cone_gather_destroy(gw_gpu *gpu, gw_cone_gather *gather)
 {
 	gw_image_destroy(gpu, &gather->leaf_pool);
 	gw_image_destroy(gpu, &gather->mip_pool);
+	free(gather->record_label);
+	gather->record_label = NULL;
+	gather->labelled = 0;
 }
 
 gw_cone_push gw_cone_gather_push(const gw_cone_gather *gather, float scale, const float sky[3])

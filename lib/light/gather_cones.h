@@ -18,6 +18,10 @@ typedef struct gw_cone_gather {
 	uint32_t leaf_bricks[2], mip_bricks[2];
 	uint32_t leaf_face_depth, mip_face_depth;
 	gw_image leaf_pool, mip_pool; /* R16G16B16A16_SFLOAT, see brick_pool.glsl */
+
+	/* Compartments of the records, from the first bounce on that asks (cones_apart.h); owned. */
+	uint32_t *record_label;
+	uint32_t labelled; /* of so many records */
 } gw_cone_gather;
 
 /* Allocates the pools. Fails with GW_ERROR_MEMORY and the bytes needed. */

@@ -102,7 +102,7 @@ gw_status gw_shut_out_label(const gw_record_context *on, uint32_t **label, gw_er
 		status = gw_view_open(gpu, &on->records->normal, bytes, &normal, error);
 	const gw_surface_places places = { on->records->count, place.bytes, normal.bytes };
 	if (status == GW_OK)
-		status = gw_compartments_of_places(gpu, on->octree, &places, *label, error);
+		status = gw_compartments_of_places(on->passes, on->octree, &places, *label, error);
 	gw_view_close(&normal);
 	gw_view_close(&place);
 	if (status == GW_OK)

@@ -509,6 +509,22 @@ static gw_status open_views(gw_gpu *gpu, const gw_octree *o, views *v, gw_error 
 	return GW_OK;
 }
 
+void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *o)
+{
+	gw_buffer *const rest[] = { &o->node,          &o->tile_key,        &o->tile_neighbour,
+								&o->leaf_tile_key, &o->leaf_cell,       &o->leaf_tile_neighbour,
+								&o->ray_directory, &o->level_directory, &o->facet_centre,
+								&o->leaf_geometry, &o->facet_albedo,    &o->facet_emission,
+								&o->surfel_clip,   &o->fragment_weight, &o->disc_tree };
+	gw_buffer *const of_views[] = { &o->surfel_position, &o->surfel_normal, &o->surfel_disc,
+									&o->facet_plane,     &o->leaf_tile,     &o->leaf_fragment,
+									&o->fragment_surfel };
+	for (size_t i = 0; i < sizeof rest / sizeof *rest; i++)
+		gw_buffer_destroy(gpu, rest[i]);
+	for (size_t i = 0; i < sizeof of_views / sizeof *of_views && !gw_compartments_several(o); i++)
+		gw_buffer_destroy(gpu, of_views[i]);
+}
+
 static void close_views(views *v)
 {
 	gw_view *const all[] = { &v->position,  &v->normal,        &v->size,           &v->plane,
@@ -560,32 +576,49 @@ gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_
 	return status;
 }
 
-gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
+/* Places whose compartments are looked for. */
+typedef struct place_search {
+	sight sight;
+	const gw_octree *octree;
+	const gw_surface_places *of;
+	uint32_t *label;
+} place_search;
+
+static void label_places(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const place_search *p = user;
+	sight s = p->sight;
+	tiles_around around = { .known = false };
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		float place[3];
+		int32_t cell[3];
+		const float *normal = p->of->normal + 4 * i;
+		gw_compartments_place(p->octree, p->of->place + 4 * i, place);
+		cell_of(place, cell);
+		uint32_t label = GW_COMPARTMENT_UNKNOWN;
+		for (int a = THOSE_ALIKE; a <= ALL_NEAR && label == GW_COMPARTMENT_UNKNOWN; a++) {
+			s.voters = (enum voters)a;
+			neighbourhood near;
+			if (a != THOSE_ALIKE)
+				find_tiles_around(&s, cell, 0, &around);
+			find_neighbourhood(&s, cell, 0, &around, &near);
+			label = vote_on(&s, &near, place, normal, 0);
+		}
+		p->label[i] = label;
+	}
+}
+
+gw_status gw_compartments_of_places(const gw_passes *passes, const gw_octree *octree,
 									const gw_surface_places *of, uint32_t *label, gw_error *error)
 {
 	views v = { 0 };
 	const gw_octree *has = gw_compartments_octree(octree);
-	gw_status status = open_views(gpu, has, &v, error);
+	gw_status status = open_views(passes->gpu, has, &v, error);
 	if (status == GW_OK) {
-		sight s = sight_of(has->compartments, has, &v);
-		tiles_around around = { .known = false };
-		s.known = has->compartments->sides;
-		for (size_t i = 0; i < of->count; i++) {
-			float place[3];
-			int32_t cell[3];
-			const float *normal = of->normal + 4 * i;
-			gw_compartments_place(octree, of->place + 4 * i, place);
-			cell_of(place, cell);
-			label[i] = GW_COMPARTMENT_UNKNOWN;
-			for (int a = THOSE_ALIKE; a <= ALL_NEAR && label[i] == GW_COMPARTMENT_UNKNOWN; a++) {
-				s.voters = (enum voters)a;
-				neighbourhood near;
-				if (a != THOSE_ALIKE)
-					find_tiles_around(&s, cell, 0, &around);
-				find_neighbourhood(&s, cell, 0, &around, &near);
-				label[i] = vote_on(&s, &near, place, normal, 0);
-			}
-		}
+		place_search search = { sight_of(has->compartments, has, &v), octree, of, label };
+		search.sight.known = has->compartments->sides;
+		gw_parallel_for(passes->threads, of->count, CHUNK, label_places, &search);
 	}
 	close_views(&v);
 	return status;

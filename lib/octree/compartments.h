@@ -14,6 +14,7 @@
 #ifndef COMPARTMENTS_H
 #define COMPARTMENTS_H
 
+#include "device/passes.h"
 #include "octree/octree.h"
 
 /* A compartment that is not known: of a place in a wall, or amid surface. */
@@ -72,8 +73,9 @@ typedef struct gw_surface_places {
 } gw_surface_places;
 
 /* That which places look into along their normals. There are several.
+ *   passes    whose device and number of threads are used
  *   label     of->count, receives them */
-gw_status gw_compartments_of_places(gw_gpu *gpu, const gw_octree *octree,
+gw_status gw_compartments_of_places(const gw_passes *passes, const gw_octree *octree,
 									const gw_surface_places *of, uint32_t *label, gw_error *error);
 
 /* That which each facet faces, 2 * leaves; unknown for those with two sides. There are several. */

@@ -246,24 +246,6 @@ bool gw_compartments_are_coarser(const gw_octree *octree, const gw_surfels *surf
 	return octree->depth > gw_octree_auto_depth(surfels) + LEVELS_BELOW;
 }
 
-static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
-								 gw_octree *octree, gw_error *error)
-{
-	gw_octree *coarser = gw_allocate_zeros(1, sizeof *coarser);
-	if (coarser == NULL)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for an octree");
-	gw_status status = gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, coarser, error);
-	if (status == GW_OK)
-		status = gw_compartments_find(gpu, surfels, threads, coarser, error);
-	if (status == GW_OK) {
-		octree->coarser = coarser;
-		return GW_OK;
-	}
-	gw_octree_destroy(gpu, coarser);
-	free(coarser);
-	return status;
-}
-
 static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
 								   gw_octree *octree, gw_error *error)
 {
@@ -292,6 +274,25 @@ static gw_status find_in_own_cells(gw_gpu *gpu, const gw_surfels *surfels, uint3
 		gw_compartments_drop_cells(c);
 	octree->compartments = c;
 	return GW_OK;
+}
+
+static gw_status find_in_coarser(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,
+								 gw_octree *octree, gw_error *error)
+{
+	gw_octree *coarser = gw_allocate_zeros(1, sizeof *coarser);
+	if (coarser == NULL)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for an octree");
+	gw_status status = gw_octree_build_spaced(gpu, surfels, GW_LEAF_SPACING, coarser, error);
+	if (status == GW_OK)
+		status = find_in_own_cells(gpu, surfels, threads, coarser, error);
+	if (status == GW_OK) {
+		gw_compartments_drop_rest(gpu, coarser);
+		octree->coarser = coarser;
+		return GW_OK;
+	}
+	gw_octree_destroy(gpu, coarser);
+	free(coarser);
+	return status;
 }
 
 gw_status gw_compartments_find(gw_gpu *gpu, const gw_surfels *surfels, uint32_t threads,

@@ -83,6 +83,10 @@ gw_status gw_compartments_close_voids(gw_gpu *gpu, const gw_octree *octree, gw_c
 gw_status gw_compartments_find_sides(gw_gpu *gpu, const gw_octree *octree, size_t surfels,
 									 uint32_t threads, gw_compartments *c, gw_error *error);
 
+/* Lets go of the buffers of an octree that is there for its compartments alone, but for those that
+ * gw_compartments_of_places reads, if there are several. */
+void gw_compartments_drop_rest(gw_gpu *gpu, gw_octree *octree);
+
 /* Fills in octree->facet_compartment from what its surfels look into. There are several. */
 gw_status gw_compartments_label_facets(gw_gpu *gpu, gw_octree *octree, gw_error *error);
 

@@ -140,7 +140,8 @@ typedef struct gw_octree {
 	bool backs; /* some surfels are backs */
 
 	/* Its empty space: NULL until somebody asks (compartments.h). Of an octree that is much deeper
-	 * than its points ask for a coarser one of the same surfels has them. */
+	 * than its points ask for a coarser one of the same surfels has them, of which hardly any
+	 * buffers are kept then. */
 	struct gw_compartments *compartments;
 	struct gw_octree *coarser;
 	uint32_t *facet_compartment; /* 2 * leaves: what facets face; NULL where there is but one */

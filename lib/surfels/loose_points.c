@@ -11,9 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A point is loose when less than this share of its neighbours lie on surface with it, on average
- * over them, and over those around twice as far: at corners of rooms few do, but more further off.
- */
+/* Of each point it is measured which share of its neighbours lies on one surface with it. A point
+ * is loose when the mean of that share over its neighbours is below this, and the mean over the
+ * points up to about twice as far as well: at corners of rooms the first one is low, too, but not
+ * the second. */
 #define ON_SURFACE 0.5f
 
 /* From this share on it is solid, and says what a point stands for. What is in between, as beside
@@ -39,6 +40,8 @@ typedef struct loose_step {
 	uint8_t *loose;     /* of each slot: it is, instead of in between */
 	float *area;        /* of each slot: what a point stands for there; 0: not known yet */
 	size_t slots, loose_count;
+	uint32_t *open; /* slots whose area is not known yet */
+	float *found;   /* of each of these: its area, or 0 */
 } loose_step;
 
 /* Cosine between two surfels that lie in one slab; 0: they do not. */
@@ -77,7 +80,8 @@ static void average(void *user, size_t surfel, const gw_neighbour_list *list)
 	step->mean[surfel] = (float)(sum / (double)(list->count + 1));
 }
 
-/* Means over neighbours, and over those of theirs: mean[0] and mean[2]. */
+/* To mean[0] goes each point's share averaged over its neighbours, once; to mean[2] averaged three
+ * times, each time over what the last one gave, and so over points about twice as far. */
 static gw_status measure_shares(gw_neighbours *search, loose_step *step, float *mean[3],
 								gw_error *error)
 {
@@ -148,32 +152,43 @@ static float known_around(const loose_step *step, size_t slot)
 	return known > 0 ? (float)(sum / known) : 0.0f;
 }
 
+static void look_around(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const loose_step *step = user;
+	(void)worker;
+	for (size_t i = first; i < last; i++)
+		step->found[i] = known_around(step, step->open[i]);
+}
+
+/* Takes what was found, and keeps open what was not. Returns how many these are. */
+static size_t take_found(const loose_step *step, size_t count)
+{
+	size_t kept = 0;
+	for (size_t i = 0; i < count; i++) {
+		step->area[step->open[i]] = step->found[i];
+		if (!(step->found[i] > 0.0f))
+			step->open[kept++] = step->open[i];
+	}
+	return kept;
+}
+
 /* Hands areas on from the solid surface, a neighbourhood at a time, so that the order of the points
  * makes no difference. */
-static gw_status spread_areas(loose_step *step, gw_error *error)
+static gw_status spread_areas(gw_neighbours *search, loose_step *step, gw_error *error)
 {
 	size_t left = step->slots;
-	uint32_t *open = gw_allocate_array(left + 1, sizeof *open);
-	float *found = gw_allocate_array(left + 1, sizeof *found);
-	gw_status status = GW_OK;
-	if (!open || !found)
-		status = gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", left);
-	for (size_t i = 0; i < left && status == GW_OK; i++)
-		open[i] = (uint32_t)i;
-	for (int round = 0; round < STEPS_MOST && left > 0 && status == GW_OK; round++) {
-		size_t kept = 0;
-		for (size_t i = 0; i < left; i++)
-			found[i] = known_around(step, open[i]);
-		for (size_t i = 0; i < left; i++)
-			step->area[open[i]] = found[i];
-		for (size_t i = 0; i < left; i++)
-			if (!(found[i] > 0.0f))
-				open[kept++] = open[i];
+	step->open = gw_allocate_array(left, sizeof *step->open);
+	step->found = gw_allocate_array(left, sizeof *step->found);
+	if (!step->open || !step->found)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the leaves of %zu points", left);
+	for (size_t i = 0; i < left; i++)
+		step->open[i] = (uint32_t)i;
+	for (int round = 0; round < STEPS_MOST && left > 0; round++) {
+		GW_TRY(gw_neighbours_loop(search, left, look_around, step, error));
+		size_t kept = take_found(step, left);
 		left = kept < left ? kept : 0;
 	}
-	free(open);
-	free(found);
-	return status;
+	return GW_OK;
 }
 
 static float solid_median(const loose_step *step, float *room)
@@ -215,7 +230,7 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 	if (status == GW_OK && step.loose_count > 0)
 		status = gw_neighbours_visit_reach(search, keep_row, &step, error);
 	if (status == GW_OK && step.loose_count > 0)
-		status = spread_areas(&step, error);
+		status = spread_areas(search, &step, error);
 	if (status == GW_OK && step.loose_count > 0)
 		bound_discs(&step, fixed, solid_median(&step, mean[0]), surfels);
 	for (int k = 0; k < 3; k++)
@@ -225,5 +240,7 @@ gw_status gw_loose_points_bound(gw_neighbours *search, const uint8_t *fixed, gw_
 	free(step.surfel);
 	free(step.area);
 	free(step.loose);
+	free(step.open);
+	free(step.found);
 	return status;
 }

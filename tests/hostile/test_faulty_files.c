@@ -542,7 +542,6 @@ static void verbs_on_a_failing_disk(void **state)
 typedef struct command {
 	verb verb;
 	int outputs; /* that it syncs */
-	int texts;   /* that it makes in memory, its own command line among them */
 	const char *words;
 } command;
 
@@ -550,18 +549,18 @@ typedef struct command {
 #define BAKED "--estimate-points;0;" LAMP
 
 static const command commands[] = {
-	{ VERB_SAMPLE, 1, 1, "/in.obj;-q;-o;/out.ply;--count;9" },
-	{ VERB_BAKE, 4, 2,
+	{ VERB_SAMPLE, 1, "/in.obj;-q;-o;/out.ply;--count;9" },
+	{ VERB_BAKE, 4,
 	  "/in.csv;-q;-o;/out.ply;--vdb;/out.vdb;--save-transport;/out.bin;--report;/out.txt;" BAKED },
-	{ VERB_BAKE, 3, 2,
+	{ VERB_BAKE, 3,
 	  "/in.scene.json;-q;-o;/out-%d.ply;--frames;all;--report;/out.txt;--estimate-points;0" },
-	{ VERB_MIX, 1, 1, "/in.ply;-q;--gain;point=2;-o;/out.ply" },
-	{ VERB_COMPARE, 2, 2, "/in.ply;/in.ply;--worst;/out.ply;--json;/out.txt" },
-	{ VERB_ALBEDO, 1, 1, "/in.csv;-q;--capture-scale;0.5;-o;/out.ply;" LAMP },
-	{ VERB_RENDER, 2, 1, "/in.ply;-q;-o;/out.png;--size;16x16;--orbit;2" },
-	{ VERB_RENDER, 1, 1, "/in.ply;/in.ply;-q;--row;-o;/out.png;--size;16x16" },
-	{ VERB_TRADEOFF, 2, 3, "/in.csv;-q;--csv;/out.txt;--svg;/out.svg;" BAKED },
-	{ VERB_LAMP, 1, 1, "/in.ies;-o;/out.png" },
+	{ VERB_MIX, 1, "/in.ply;-q;--gain;point=2;-o;/out.ply" },
+	{ VERB_COMPARE, 2, "/in.ply;/in.ply;--worst;/out.ply;--json;/out.txt" },
+	{ VERB_ALBEDO, 1, "/in.csv;-q;--capture-scale;0.5;-o;/out.ply;" LAMP },
+	{ VERB_RENDER, 2, "/in.ply;-q;-o;/out.png;--size;16x16;--orbit;2" },
+	{ VERB_RENDER, 1, "/in.ply;/in.ply;-q;--row;-o;/out.png;--size;16x16" },
+	{ VERB_TRADEOFF, 2, "/in.csv;-q;--csv;/out.txt;--svg;/out.svg;" BAKED },
+	{ VERB_LAMP, 1, "/in.ies;-o;/out.png" },
 };
 
 static gw_status run_verb(verb v, settings *s, gw_error *error)
@@ -653,31 +652,40 @@ static bool put_inputs(void)
 	return status == GW_OK;
 }
 
-/* What a verb writes is lost at the n-th sync, or at the n-th text that is made in memory. */
-static void expect_noticed(const command *c, call kind, int calls)
+/* More calls of a kind than any of the commands makes. */
+#define CALLS_MOST 100
+
+/* What a verb writes is lost at one call of a kind after the other, until there are no more: it
+ * fails each time, and only then. Returns how many there are. */
+static int count_noticed(const command *c, call kind)
 {
-	for (int at = 1; at <= calls + 1; at++) {
+	bool hit = true;
+	int calls = 0;
+	for (; hit && calls < CALLS_MOST; calls++) {
 		gw_error error = { 0 };
-		fault = (struct fault){ .call = kind, .at = at, .reason = EIO };
+		fault = (struct fault){ .call = kind, .at = calls + 1, .reason = EIO };
 		gw_status status = run_words(c->verb, c->words, &error);
-		bool hit = fault.hit;
+		hit = fault.hit;
 		fault.at = 0;
-		if (hit != (at <= calls) || (status == GW_OK) == hit)
-			fail_msg("%s: call %d %s, status %d: %s", c->words, at, hit ? "failed" : "was not made",
-					 (int)status, error.text);
+		if ((status == GW_OK) == hit)
+			fail_msg("%s: call %d %s, status %d: %s", c->words, calls + 1,
+					 hit ? "failed" : "was not made", (int)status, error.text);
 		others_in_folder();
 	}
+	assert_false(hit);
+	return calls - 1;
 }
 
-/* Every verb notices that one of its outputs is not safe. */
+/* Every verb notices that one of its outputs is not safe, or that a text that it makes in memory,
+ * such as its own command line, was not made. */
 static void all_verbs_on_a_failing_disk(void **state)
 {
 	(void)state;
 	if (!put_inputs())
 		skip();
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
-		expect_noticed(&commands[i], SYNC_FILE, commands[i].outputs);
-		expect_noticed(&commands[i], CLOSE_STREAM, commands[i].texts);
+		assert_int_equal(count_noticed(&commands[i], SYNC_FILE), commands[i].outputs);
+		assert_true(count_noticed(&commands[i], CLOSE_STREAM) > 0);
 	}
 }
 

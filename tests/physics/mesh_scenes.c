@@ -127,11 +127,14 @@ void mesh_add_solid(mesh_builder *b, const double centre[3], const double half[3
 	}
 }
 
-static void add_block(mesh_builder *b, double x0, double x1, double y0, double y1, double z0,
-					  double z1)
+/* Between two opposite corners. */
+static void add_block(mesh_builder *b, const double low[3], const double high[3])
 {
-	const double centre[3] = { 0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.5 * (z0 + z1) };
-	const double half[3] = { 0.5 * (x1 - x0), 0.5 * (y1 - y0), 0.5 * (z1 - z0) };
+	double centre[3], half[3];
+	for (size_t k = 0; k < 3; k++) {
+		centre[k] = 0.5 * (low[k] + high[k]);
+		half[k] = 0.5 * (high[k] - low[k]);
+	}
 	mesh_add_solid(b, centre, half, 0.0);
 }
 
@@ -222,9 +225,9 @@ static void make_rooms(mesh_builder *b)
 	mesh_set_color(b, 225, 205, 180);
 	add_room(b);
 	mesh_set_color(b, 190, 205, 220);
-	add_block(b, 2.95, 3.05, 0.0, 1.5, 0.0, 2.5);
-	add_block(b, 2.95, 3.05, 2.4, 4.0, 0.0, 2.5);
-	add_block(b, 2.95, 3.05, 1.5, 2.4, 2.0, 2.5);
+	add_block(b, (double[]){ 2.95, 0.0, 0.0 }, (double[]){ 3.05, 1.5, 2.5 });
+	add_block(b, (double[]){ 2.95, 2.4, 0.0 }, (double[]){ 3.05, 4.0, 2.5 });
+	add_block(b, (double[]){ 2.95, 1.5, 2.0 }, (double[]){ 3.05, 2.4, 2.5 });
 	mesh_set_color(b, 200, 120, 80);
 	mesh_add_solid(b, (double[3]){ 4.6, 2.2, 0.375 }, (double[3]){ 0.5, 0.35, 0.375 }, 0.5);
 	gw_light *lamp = mesh_add_light(b, GW_LIGHT_POINT);
@@ -244,8 +247,8 @@ static void make_corridor(mesh_builder *b)
 	mesh_set_color(b, 225, 215, 195);
 	add_room(b);
 	mesh_set_color(b, 205, 190, 170);
-	add_block(b, 0.0, 4.0, 1.0, 1.3, 0.0, 2.2);
-	add_block(b, 1.0, 5.0, 2.3, 2.6, 0.0, 2.2);
+	add_block(b, (double[]){ 0.0, 1.0, 0.0 }, (double[]){ 4.0, 1.3, 2.2 });
+	add_block(b, (double[]){ 1.0, 2.3, 0.0 }, (double[]){ 5.0, 2.6, 2.2 });
 	gw_light *lamp = mesh_add_light(b, GW_LIGHT_POINT);
 	mesh_set_place(lamp->position, 2.6, 0.5, 1.3);
 	mesh_set_color3(lamp->intensity, 4.0f, 3.6f, 3.0f);
@@ -294,12 +297,12 @@ static void make_ruin(mesh_builder *b)
 	mesh_set_color(b, 150, 145, 105);
 	mesh_add_side(b, b->scene->low, b->scene->high, 4);
 	mesh_set_color(b, 205, 185, 150);
-	add_block(b, 3.0, 3.5, 3.0, 9.0, 0.0, 3.2);
-	add_block(b, 3.5, 5.5, 8.5, 9.0, 0.0, 2.4);
-	add_block(b, 6.6, 9.0, 8.5, 9.0, 0.0, 2.4);
-	add_block(b, 5.2, 7.0, 8.5, 9.0, 2.4, 2.9);
-	add_block(b, 8.5, 9.0, 5.5, 8.5, 0.0, 1.3);
-	add_block(b, 3.5, 6.0, 3.0, 3.5, 0.0, 0.7);
+	add_block(b, (double[]){ 3.0, 3.0, 0.0 }, (double[]){ 3.5, 9.0, 3.2 });
+	add_block(b, (double[]){ 3.5, 8.5, 0.0 }, (double[]){ 5.5, 9.0, 2.4 });
+	add_block(b, (double[]){ 6.6, 8.5, 0.0 }, (double[]){ 9.0, 9.0, 2.4 });
+	add_block(b, (double[]){ 5.2, 8.5, 2.4 }, (double[]){ 7.0, 9.0, 2.9 });
+	add_block(b, (double[]){ 8.5, 5.5, 0.0 }, (double[]){ 9.0, 8.5, 1.3 });
+	add_block(b, (double[]){ 3.5, 3.0, 0.0 }, (double[]){ 6.0, 3.5, 0.7 });
 	mesh_set_color(b, 180, 150, 120);
 	mesh_add_solid(b, (double[3]){ 6.2, 6.0, 1.2 }, (double[3]){ 0.25, 0.25, 1.2 }, 0.2);
 	mesh_add_solid(b, (double[3]){ 7.6, 3.8, 0.35 }, (double[3]){ 0.5, 0.7, 0.35 }, 0.7);

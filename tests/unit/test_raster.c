@@ -45,11 +45,10 @@ static void free_discs(discs *d)
 	free(d->channel);
 }
 
-static void set_disc(discs *d, size_t i, float x, float y, float z, float radius, float value)
+static void set_disc(discs *d, size_t i, const float place[3], float radius, float value)
 {
-	d->position[3 * i] = x;
-	d->position[3 * i + 1] = y;
-	d->position[3 * i + 2] = z;
+	for (size_t k = 0; k < 3; k++)
+		d->position[3 * i + k] = place[k];
 	d->normal[3 * i + 1] = -1; /* towards the camera, which looks along y */
 	d->radius[i] = radius;
 	d->channel[i] = value;
@@ -100,7 +99,7 @@ static void test_area_of_disc(void **state)
 	(void)state;
 	for (uint32_t samples = 1; samples <= 3; samples += 2) {
 		discs d = make_discs(1);
-		set_disc(&d, 0, 0.013f, 2, 0.007f, 0.5f, 3);
+		set_disc(&d, 0, (float[]){ 0.013f, 2, 0.007f }, 0.5f, 3);
 		gw_gbuffer g = draw(&d.scene, 400, samples, 1, false);
 		double r = 50 * samples, bound = 2 * sqrt(2.0) * pi * r / (samples * samples);
 		double area = covered_area(&g);
@@ -124,7 +123,7 @@ static void test_area_of_tilted_disc(void **state)
 {
 	(void)state;
 	discs d = make_discs(1);
-	set_disc(&d, 0, 0, 4, 0, 0.4f, 1);
+	set_disc(&d, 0, (float[]){ 0, 4, 0 }, 0.4f, 1);
 	d.normal[0] = sinf((float)pi / 3);
 	d.normal[1] = -0.5f;
 	gw_gbuffer g = draw(&d.scene, 1000, 1, 1, false);
@@ -142,8 +141,8 @@ static void test_depth_order(void **state)
 	(void)state;
 	for (size_t near = 0; near < 2; near++) {
 		discs d = make_discs(2);
-		set_disc(&d, near, 0, 2, 0, 0.2f, 7);
-		set_disc(&d, 1 - near, 0, 3, 0, 1, 5);
+		set_disc(&d, near, (float[]){ 0, 2, 0 }, 0.2f, 7);
+		set_disc(&d, 1 - near, (float[]){ 0, 3, 0 }, 1, 5);
 		gw_gbuffer g = draw(&d.scene, 100, 2, 1, false);
 		assert_int_equal(g.id[50 * 100 + 50], near);
 		assert_true(fabs((double)g.channel[50 * 100 + 50] - 7) < 1e-4);
@@ -167,8 +166,11 @@ static discs make_plates(size_t plates, const float *opacity, const float *value
 		random = random * 1664525u + 1013904223u;
 		float shift = ((float)(random >> 8) / 16777216.0f - 0.5f) * 0.01f;
 		float step = plate + 1 == plates ? 0.05f : 0.1f;
-		set_disc(&d, i, ((float)(at % PLATE) - PLATE / 2) * step, 2 + 0.3f * (float)plate + shift,
-				 ((float)(at / PLATE) - PLATE / 2) * step, 1.6f * step, value[plate]);
+		set_disc(&d, i,
+				 (float[]){ ((float)(at % PLATE) - PLATE / 2) * step,
+							2 + 0.3f * (float)plate + shift,
+							((float)(at / PLATE) - PLATE / 2) * step },
+				 1.6f * step, value[plate]);
 		clear[i] = 1 - opacity[plate];
 	}
 	d.scene.discs.transparency = clear;
@@ -239,8 +241,10 @@ static discs make_plane(float distance, float jitter)
 	for (size_t i = 0; i < 101 * 101; i++) {
 		random = random * 1664525u + 1013904223u;
 		float shift = ((float)(random >> 8) / 16777216.0f - 0.5f) * jitter;
-		set_disc(&d, i, ((float)(i % 101) - 50) * 0.05f, distance + shift,
-				 ((float)(i / 101) - 50) * 0.05f, 0.05f, 2);
+		set_disc(&d, i,
+				 (float[]){ ((float)(i % 101) - 50) * 0.05f, distance + shift,
+							((float)(i / 101) - 50) * 0.05f },
+				 0.05f, 2);
 	}
 	return d;
 }
@@ -462,11 +466,11 @@ static void test_near_plane(void **state)
 {
 	(void)state;
 	discs d = make_discs(3);
-	set_disc(&d, 0, 0, 0, -0.1f, 50, 1);
+	set_disc(&d, 0, (float[]){ 0, 0, -0.1f }, 50, 1);
 	d.normal[1] = 0;
 	d.normal[2] = 1;
-	set_disc(&d, 1, 0, -2, 0, 0.5f, 9);
-	set_disc(&d, 2, 0, 0.0005f, 0, 0.0001f, 9);
+	set_disc(&d, 1, (float[]){ 0, -2, 0 }, 0.5f, 9);
+	set_disc(&d, 2, (float[]){ 0, 0.0005f, 0 }, 0.0001f, 9);
 	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
 	/* The horizon of the disc is 0.1 / 50 below the middle, a fifth of a pixel. */
 	for (size_t y = 0; y < 200; y++)
@@ -490,8 +494,10 @@ static void test_small_discs_stay(void **state)
 	(void)state;
 	discs d = make_discs(100);
 	for (size_t i = 0; i < 100; i++)
-		set_disc(&d, i, ((float)(i % 10) - 4.37f) * 0.17f, 1, ((float)(i / 10) - 4.61f) * 0.173f,
-				 0.0001f, 1);
+		set_disc(
+			&d, i,
+			(float[]){ ((float)(i % 10) - 4.37f) * 0.17f, 1, ((float)(i / 10) - 4.61f) * 0.173f },
+			0.0001f, 1);
 	gw_gbuffer g = draw(&d.scene, 200, 2, 1, false);
 	double area = covered_area(&g);
 	if (!(area >= 100 * 0.25 && area <= 100))
@@ -506,8 +512,8 @@ static void test_small_discs_are_weighted(void **state)
 {
 	(void)state;
 	discs d = make_discs(2);
-	set_disc(&d, 0, 0.005f, 1, 0.005f, 0.0001f, 0);
-	set_disc(&d, 1, 0.005f, 1, 0.005f, 0.0003f, 1);
+	set_disc(&d, 0, (float[]){ 0.005f, 1, 0.005f }, 0.0001f, 0);
+	set_disc(&d, 1, (float[]){ 0.005f, 1, 0.005f }, 0.0003f, 1);
 	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
 	size_t pixel = 99 * 200 + 100;
 	if (!(fabsf(g.channel[pixel] - 0.9f) < 1e-4f))
@@ -521,7 +527,7 @@ static void test_thin_rims(void **state)
 {
 	(void)state;
 	discs d = make_plane(3, 0);
-	set_disc(&d, 0, 0, 2, 0, 0.5f, 9);
+	set_disc(&d, 0, (float[]){ 0, 2, 0 }, 0.5f, 9);
 	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
 	assert_true(fabsf(g.channel[100 * 200 + 100] - 9) < 1e-3f);
 	assert_true(fabsf(g.channel[100 * 200 + 124] - 2) < 1e-3f); /* 0.97 of the radius of 25 */
@@ -539,7 +545,7 @@ static void test_clip(void **state)
 	(void)state;
 	discs d = make_discs(1);
 	float clip[6] = { 1, 0, 0, 0, 0, 0 };
-	set_disc(&d, 0, 0, 2, 0, 0.5f, 3);
+	set_disc(&d, 0, (float[]){ 0, 2, 0 }, 0.5f, 3);
 	d.scene.discs.clip = clip;
 	gw_gbuffer g = draw(&d.scene, 400, 1, 1, false);
 	double expected = 0.5 * pi * 50 * 50;
@@ -555,7 +561,7 @@ static void test_cull(void **state)
 	(void)state;
 	discs d = make_discs(1);
 	const uint8_t both[1] = { 1 };
-	set_disc(&d, 0, 0, 2, 0, 0.5f, 3);
+	set_disc(&d, 0, (float[]){ 0, 2, 0 }, 0.5f, 3);
 	d.normal[1] = 1;
 	gw_gbuffer g = draw(&d.scene, 50, 1, 1, false);
 	assert_int_equal(g.id[25 * 50 + 25], 0);
@@ -616,8 +622,8 @@ static void test_triangle_and_discs(void **state)
 {
 	(void)state;
 	discs d = make_discs(2);
-	set_disc(&d, 0, -0.5f, 2, 0, 0.1f, 1);
-	set_disc(&d, 1, 0.5f, 4, 0, 0.1f, 2);
+	set_disc(&d, 0, (float[]){ -0.5f, 2, 0 }, 0.1f, 1);
+	set_disc(&d, 1, (float[]){ 0.5f, 4, 0 }, 0.1f, 2);
 	const float position[9] = { -9, 3, -9, 9, 3, -9, 0, 3, 9 }, channel[3] = { 5, 5, 5 };
 	const uint32_t index[3] = { 0, 1, 2 };
 	d.scene.triangles = (gw_raster_triangles){ 1, 3, index, position, NULL, channel };
@@ -681,8 +687,8 @@ static void test_glowing_discs_end(void **state)
 	(void)state;
 	const uint8_t glows[2] = { 1, 0 };
 	discs d = make_discs(2);
-	set_disc(&d, 0, -0.25f, 2, 0, 0.5f, 10);
-	set_disc(&d, 1, 0.25f, 2, 0, 0.5f, 1);
+	set_disc(&d, 0, (float[]){ -0.25f, 2, 0 }, 0.5f, 10);
+	set_disc(&d, 1, (float[]){ 0.25f, 2, 0 }, 0.5f, 1);
 	d.scene.discs.glows = glows;
 	gw_gbuffer g = draw(&d.scene, 200, 1, 1, false);
 	size_t found[2] = { 0 };

@@ -1,0 +1,169 @@
+/* What points on leaves stand for: handed on from the floor below, by any number of threads, until
+ * somebody wants to stop. */
+#include "cloud/frame.h"
+#include "expected.h"
+#include "surfels/loose_points.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* A floor of even points, and above it a crown of points that face all ways. */
+#define SIDE 60
+#define FLOOR ((size_t)SIDE * SIDE)
+#define COUNT (FLOOR + 20000)
+#define LOW 2.0 /* the crown: from here to HIGH, as wide as the floor; both in spacings of it */
+#define HIGH 20.0
+#define WIDE 100.0f /* radius of all discs before */
+#define PI 3.14159265358979323846
+
+static double position[3 * COUNT];
+static float normal[3 * COUNT], albedo[3 * COUNT];
+
+static double next_random(uint64_t *state)
+{
+	*state = *state * 6364136223846793005u + 1442695040888963407u;
+	return (double)(*state >> 11) * 0x1p-53;
+}
+
+static gw_points make_tree(void)
+{
+	uint64_t state = 1;
+	for (size_t i = 0; i < COUNT; i++) {
+		double *p = position + 3 * i, turn = 2.0 * PI * next_random(&state);
+		double z = i < FLOOR ? 1.0 : 2.0 * next_random(&state) - 1.0, wide = sqrt(1.0 - z * z);
+		normal[3 * i] = (float)(wide * cos(turn));
+		normal[3 * i + 1] = (float)(wide * sin(turn));
+		normal[3 * i + 2] = (float)z;
+		p[0] = i < FLOOR ? (double)(i % SIDE) : SIDE * next_random(&state);
+		p[1] = i < FLOOR ? (double)(i / SIDE) : SIDE * next_random(&state);
+		p[2] = i < FLOOR ? 0.0 : LOW + (HIGH - LOW) * next_random(&state);
+	}
+	return (gw_points){ .count = COUNT, .position = position, .normal = normal, .albedo = albedo };
+}
+
+/* How often somebody was asked whether to stop, and from which time on they want to. */
+typedef struct patience {
+	int asked, most;
+} patience;
+
+static bool is_at_end(void *user)
+{
+	patience *p = user;
+	return ++p->asked > p->most;
+}
+
+/* The surfels of the tree: all discs wide, and areas that grow from 1 to 2 along the floor. */
+typedef struct tree {
+	gw_surfels_options options;
+	gw_surfels surfels;
+	gw_neighbours *search;
+	patience patience;
+	uint8_t *fixed;
+} tree;
+
+static void open_tree(tree *t, uint32_t threads)
+{
+	gw_error error;
+	gw_points points = make_tree();
+	*t = (tree){ .patience.most = 1 << 30 };
+	t->options = (gw_surfels_options){ .threads = threads };
+	assert_ok(gw_frame_make(&points, &t->options, &t->surfels, &error), &error);
+	gw_surfels *s = &t->surfels;
+	s->radius = malloc(s->count * sizeof *s->radius);
+	s->area = malloc(s->count * sizeof *s->area);
+	t->fixed = calloc(s->count, 1);
+	assert_true(s->radius && s->area && t->fixed);
+	for (size_t i = 0; i < s->count; i++) {
+		s->radius[i] = WIDE;
+		s->area[i] = 1.0f + s->position[3 * i] / (s->maximum[0] - s->minimum[0]);
+	}
+	assert_ok(gw_neighbours_open(s, &t->options, &t->search, &error), &error);
+	t->options.cancelled = is_at_end;
+	t->options.user = &t->patience;
+}
+
+static void close_tree(tree *t)
+{
+	gw_neighbours_close(t->search);
+	gw_surfels_clear(&t->surfels);
+	free(t->fixed);
+}
+
+/* Most of the crown gets discs of an area between those of the floor, the same for any number of
+ * threads. */
+static void areas_of_the_floor_go_up(void **state)
+{
+	(void)state;
+	gw_error error;
+	tree one, several;
+	open_tree(&one, 1);
+	assert_ok(gw_loose_points_bound(one.search, one.fixed, &one.surfels, &error), &error);
+	size_t bounded = 0, count = one.surfels.count;
+	for (size_t i = 0; i < count; i++) {
+		double radius = (double)one.surfels.radius[i], area = PI * radius * radius;
+		if (radius == (double)WIDE)
+			continue;
+		assert_true(area > 1.0 - 1e-5 && area < 2.0 + 1e-5); /* of floats */
+		bounded++;
+	}
+	assert_in_range(bounded, count / 2, count - FLOOR);
+	for (uint32_t threads = 2; threads < 8; threads += 3) {
+		open_tree(&several, threads);
+		assert_ok(gw_loose_points_bound(several.search, several.fixed, &several.surfels, &error),
+				  &error);
+		assert_memory_equal(one.surfels.radius, several.surfels.radius, count * sizeof(float));
+		assert_memory_equal(one.surfels.area, several.surfels.area, count * sizeof(float));
+		close_tree(&several);
+	}
+	close_tree(&one);
+}
+
+static void visit_nothing(void *user, size_t surfel, const gw_neighbour_list *list)
+{
+	(void)user, (void)surfel, (void)list;
+}
+
+/* How often five visits of all points ask, which come before anything is handed on. */
+static int asked_by_visits(void)
+{
+	gw_error error;
+	tree t;
+	open_tree(&t, 1);
+	for (int visit = 0; visit < 5; visit++)
+		assert_ok(gw_neighbours_visit_reach(t.search, visit_nothing, NULL, &error), &error);
+	close_tree(&t);
+	return t.patience.asked;
+}
+
+/* Whoever wants to stop is heard while areas are handed on, too, and nothing has changed then. */
+static void it_stops_on_the_way_up(void **state)
+{
+	(void)state;
+	gw_error error;
+	int of_visits = asked_by_visits();
+	for (int more = 0; more < 3; more++) {
+		tree t;
+		open_tree(&t, 1);
+		t.patience.most = of_visits + more;
+		assert_int_equal(gw_loose_points_bound(t.search, t.fixed, &t.surfels, &error),
+						 GW_ERROR_CANCELLED);
+		assert_int_equal(t.patience.asked, of_visits + more + 1);
+		for (size_t i = 0; i < t.surfels.count; i++)
+			assert_true(t.surfels.radius[i] == WIDE);
+		close_tree(&t);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(areas_of_the_floor_go_up),
+		cmocka_unit_test(it_stops_on_the_way_up),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
