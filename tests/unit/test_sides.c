@@ -17,6 +17,7 @@
 typedef struct cloud {
 	double position[3 * MOST];
 	float normal[3 * MOST];
+	float emission[3 * MOST]; /* 0 unless a test says otherwise */
 	size_t count;
 	char up; /* as gw_points has it */
 } cloud;
@@ -92,11 +93,21 @@ static gw_light lamp_at(double x, double y, double z)
 		gw_light){ .type = GW_LIGHT_POINT, .position = { x, y, z }, .intensity = { 10, 10, 10 } };
 }
 
+static const float *emission_of(const cloud *c)
+{
+	for (size_t i = 0; i < 3 * c->count; i++)
+		if (c->emission[i] > 0)
+			return c->emission;
+	return NULL;
+}
+
 /* The share of points that face as they should, and how many are lit from both sides, which may
  * count as right: nothing is dark there. */
 static double right_share(const cloud *c, const gw_light *light, bool both, uint64_t *untrusted)
 {
-	const gw_points points = { .count = c->count, .position = c->position, .up = c->up };
+	const gw_points points = {
+		.count = c->count, .position = c->position, .up = c->up, .emission = emission_of(c)
+	};
 	const gw_surfels_options options = { .lights = light, .light_count = light ? 1 : 0 };
 	gw_surfels s;
 	gw_error error;
@@ -337,6 +348,61 @@ static void test_lit_on_other_side(void **state)
 	free(c);
 }
 
+/* The points from `first` on emit. */
+static void let_emit(cloud *c, size_t first)
+{
+	for (size_t i = 3 * first; i < 3 * c->count; i++)
+		c->emission[i] = 10;
+}
+
+/* A square lamp of points at a height, side metres wide, in the middle over or under bare ground of
+ * 4 by 4 metres; each faces the other. */
+static cloud *new_panel(double height, double side)
+{
+	const double low[3] = { -2, -2, 0 }, high[3] = { 2, 2, 0 };
+	const double from[3] = { -side / 2, -side / 2, height };
+	const double to[3] = { side / 2, side / 2, height };
+	double facing = height > 0 ? 1 : -1;
+	cloud *c = new_cloud();
+	add_face(c, 9600, low, high, 2, facing, false);
+	size_t first = c->count;
+	add_face(c, (size_t)(600 * side * side), from, to, 2, -facing, false);
+	let_emit(c, first);
+	return c;
+}
+
+/* Lamps that are made of points light what is there, and nothing is black: not the bare ground
+ * below a panel, nor a ceiling above glowing ground, nor a street before a sign on a wall. */
+static void test_lamps_of_points(void **state)
+{
+	(void)state;
+	static const double height[4] = { 0.5, 2, 8, -2 }, side[2] = { 1, 3 };
+	for (int i = 0; i < 8; i++) {
+		cloud *c = new_panel(height[i % 4], side[i / 4]);
+		assert_right(c, NULL, "a panel over or under bare ground");
+		free(c);
+	}
+	const double floor[2][3] = { { -2, -2, 0 }, { 2, 2, 0 } }, centre[3] = { 0, 0, 1 };
+	cloud *c = new_cloud();
+	add_face(c, 9600, floor[0], floor[1], 2, 1, false);
+	size_t first = c->count;
+	add_ball(c, 2000, centre, 0.3, 1);
+	let_emit(c, first);
+	assert_right(c, NULL, "a bulb over bare ground");
+	free(c);
+	const double street[2][3] = { { 0 }, { 10, 6, 0 } }, wall[2][3] = { { 0 }, { 10, 0, 6 } };
+	const double sign[2][3] = { { 3, 0.15, 3 }, { 6, 0.15, 4 } };
+	c = new_cloud();
+	add_face(c, 6000, street[0], street[1], 2, 1, false);
+	add_face(c, 6000, wall[0], wall[1], 1, 1, false);
+	first = c->count;
+	add_face(c, 600, sign[0], sign[1], 1, 1, false);
+	let_emit(c, first);
+	assert_right(c, NULL, "a sign before a wall at night");
+	assert_right(c, &sky, "a sign before a wall by day");
+	free(c);
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -505,6 +571,7 @@ int main(void)
 		cmocka_unit_test(test_room),
 		cmocka_unit_test(test_thing_on_floor),
 		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_lamps_of_points),
 		cmocka_unit_test(test_sheet_is_doubtful),
 		cmocka_unit_test(test_backs),
 		cmocka_unit_test(test_up),
