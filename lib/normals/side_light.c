@@ -41,6 +41,10 @@
 #define ROOM_PATH 0.5
 #define ROOM_FACTOR 300.0
 
+/* Only light at places of which so many rays meet surface is in a room: what stands in the open was
+ * put on the wrong side of a closed thing, and has all the light of the other one. */
+#define INDOORS 0.75
+
 /* Less light gets into what has a smaller opening: where less than this share of the directions,
  * that of a room with a window, ends in none, it counts by as much more. But so many may pass
  * between discs. */
@@ -376,7 +380,7 @@ static void add_place(const place *p, int side, gw_side_view *sum)
 	double area = (double)p->area;
 	sum->area += area;
 	sum->light += area * p->total[side];
-	sum->first += area * p->first[side];
+	sum->first += p->met[side] >= INDOORS * RAYS ? area * p->first[side] : 0.0;
 	sum->lit += area * p->lit[side];
 	sum->met += area * p->met[side] / RAYS;
 	sum->path += area * p->path[side] / RAYS;

@@ -35,7 +35,7 @@ typedef struct gw_patches {
 /* What rays from one side of a surface found, as sums over places, each times its area. */
 typedef struct gw_side_view {
 	double light;     /* irradiance, luminance, in a unit that is the same for all */
-	double first;     /* of that, what was not reflected before */
+	double first;     /* of that, what was not reflected before, at places that may be in a room */
 	double lit;       /* irradiance straight from lamps, sun, sky and what emits */
 	double area;      /* m^2 */
 	double met;       /* share of the rays that met surface */
