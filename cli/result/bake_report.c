@@ -391,6 +391,13 @@ static bool are_estimated(const gw_report *r)
 	return false;
 }
 
+/* What says which side is the front, where the normals in hand do not. */
+static const char *better_normals(const gw_report *r)
+{
+	return are_estimated(r) ? "normals in the file settle it"
+							: "--normals estimate, which takes none of the file's, may settle it";
+}
+
 /* Before all others, what the light hangs on most, and what settles it. */
 static doubt note_largest_doubt(const settings *s, const gw_report *r)
 {
@@ -404,8 +411,8 @@ static doubt note_largest_doubt(const settings *s, const gw_report *r)
 				"in it; another --depth or --leaf-spacing may mend that\n",
 				lead);
 	if (most == DOUBT_SIDES)
-		fprintf(stderr, "%s%s; %snormals in the file settle it\n", lead, why_sides(r, why),
-				or_scanner(s, r));
+		fprintf(stderr, "%s%s; %s%s\n", lead, why_sides(r, why), or_scanner(s, r),
+				better_normals(r));
 	if (most == DOUBT_GAPS)
 		tell_gaps(r, lead);
 	if (most == DOUBT_SURFACE && !are_estimated(r))
@@ -437,10 +444,9 @@ static void note_sides(const gw_report *r)
 {
 	char why[WHY];
 	if (r->error.sides > GUESSED_LEAST)
-		fprintf(stderr,
-				"glowworm: note: %s; normals in the file, or positions of scanners, would settle "
-				"it\n",
-				why_sides(r, why));
+		fprintf(stderr, "glowworm: note: %s; %s\n", why_sides(r, why),
+				are_estimated(r) ? "normals in the file, or positions of scanners, would settle it"
+								 : "positions of scanners, or --normals estimate, may settle it");
 }
 
 static const char *how_to_close(const settings *s)

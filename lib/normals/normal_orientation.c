@@ -1,6 +1,7 @@
 /* normal_orientation.c - see normal_orientation.h. */
 #include "normals/normal_orientation.h"
 
+#include "base/luminance.h"
 #include "base/memory.h"
 #include "base/nth_element.h"
 #include "normals/patch_signs.h"
@@ -50,6 +51,9 @@
 /* A point far from all others stands for no more than this many times what most do. */
 #define AREA_MOST 16.0f
 
+/* A lamp is what emits on at least this share of its area. */
+#define LAMP_SHARE 0.5
+
 /* Pairs of points across borders that are held at first. */
 #define BORDERS 65536
 
@@ -58,6 +62,8 @@ typedef struct patch_group {
 	gw_side_light light;
 	double factor[2]; /* of its sides: gw_side_factor */
 	double given;     /* normals that were given, for the sign less those against it */
+	double area;      /* m^2, of all surfels */
+	double emitting;  /* of that, what emits */
 	bool doubtful;
 } patch_group;
 
@@ -299,6 +305,7 @@ static void add_view(const gw_side_view *more, gw_side_view *sum)
 	sum->area += more->area;
 	sum->met += more->met;
 	sum->path += more->path;
+	sum->dark_path += more->dark_path;
 	sum->down += more->down;
 	sum->down_met += more->down_met;
 }
@@ -548,6 +555,46 @@ static void doubt_closed(orientation_work *w)
 		w->now.disputed[i] |= may_be_either(w->now.groups + w->group[i]);
 }
 
+static void sum_emitting(orientation_work *w)
+{
+	const gw_surfels *s = w->surfels;
+	for (size_t i = 0; i < s->count; i++) {
+		patch_group *g = w->now.groups + w->group[w->patch[i]];
+		g->area += (double)w->area[i];
+		g->emitting += gw_luminance(s->emission + 3 * i) > 0 ? (double)w->area[i] : 0.0;
+	}
+}
+
+/* Of a group that is a lamp, 1 where its light gets farther from its front, -1 from its back, and
+ * 0 where neither is clear or it is no lamp. */
+static int lamp_side(const patch_group *g)
+{
+	double front = g->light.side[0].dark_path, back = g->light.side[1].dark_path;
+	if (g->given != 0 || !(g->emitting >= LAMP_SHARE * g->area))
+		return 0;
+	return front > CLEAR * back ? 1 : back > CLEAR * front ? -1 : 0;
+}
+
+/*
+ * Of a lamp that is made of points the light on its sides tells nothing: it shines by itself. Its
+ * front is the side from which its light gets somewhere: to surface that does not emit, farther
+ * away than on the other side, as the ground is below a panel, the room around a bulb, and the
+ * street before a sign.
+ */
+static void turn_lamps(orientation_work *w)
+{
+	if (!w->surfels->emission)
+		return;
+	sum_emitting(w);
+	for (size_t i = 0; i < w->patch_count; i++) {
+		int side = lamp_side(w->now.groups + w->group[i]);
+		w->now.sign[i] = side < 0 ? (int8_t)-w->now.sign[i] : w->now.sign[i];
+		w->now.disputed[i] &= side == 0;
+	}
+	for (size_t i = 0; i < w->patch_count; i++)
+		w->now.groups[i].doubtful &= lamp_side(w->now.groups + i) == 0;
+}
+
 static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, gw_error *error)
 {
 	if (!allocate_patches(w))
@@ -560,6 +607,7 @@ static gw_status orient_patches(orientation_work *w, const uint8_t *estimated, g
 	if (lamps)
 		take_sky(w);
 	doubt_closed(w);
+	turn_lamps(w);
 	return GW_OK;
 }
 

@@ -11,6 +11,9 @@
  *   light           more falls on the front than on the back (side_light.h), rooms before others:
  *                   that of a sky, unless its fronts get hardly any light of this bake
  *
+ * Of what hangs together and emits for the most part the front is the side from which its light
+ * gets farther, to what does not emit.
+ *
  * What a sky would choose and this light does not get to is lit from both sides, so that it is not
  * black; and so is what is closed, large enough to stand in, and lit from outside alone, since a
  * room looks the same as a thing from there.

@@ -41,6 +41,10 @@
 #define ROOM_PATH 0.5
 #define ROOM_FACTOR 300.0
 
+/* Only light at places of which so many rays meet surface is in a room: what stands in the open was
+ * put on the wrong side of a closed thing, and has all the light of the other one. */
+#define INDOORS 0.75
+
 /* Less light gets into what has a smaller opening: where less than this share of the directions,
  * that of a room with a window, ends in none, it counts by as much more. But so many may pass
  * between discs. */
@@ -75,7 +79,8 @@ typedef struct place {
 	double first[2];  /* before any reflection */
 	double lit[2];    /* likewise, without light from where nothing was scanned */
 	double total[2];
-	double path[2]; /* sum of the logarithms of the rays' lengths, to what they meet */
+	double path[2];      /* sum of the logarithms of the rays' lengths, to what they meet */
+	double dark_path[2]; /* sum of the lengths of those that end where nothing emits, metres */
 	uint32_t met[2], down[2], down_met[2]; /* rays */
 	uint32_t end[2][RAYS];                 /* 2 * disc + side, TO_SKY or TO_DARK */
 } place;
@@ -295,6 +300,7 @@ static void shoot(const side_work *w, place *p, size_t number, bool back)
 		bool from_behind = gw_dot(w->disc[disc].normal, from.direction) > 0.0f;
 		p->end[back][ray] = 2 * disc + from_behind;
 		p->path[back] += log((double)length);
+		p->dark_path[back] += w->blocks[disc].radiance > 0.0f ? 0.0 : (double)length;
 		p->met[back]++;
 	}
 }
@@ -374,10 +380,11 @@ static void add_place(const place *p, int side, gw_side_view *sum)
 	double area = (double)p->area;
 	sum->area += area;
 	sum->light += area * p->total[side];
-	sum->first += area * p->first[side];
+	sum->first += p->met[side] >= INDOORS * RAYS ? area * p->first[side] : 0.0;
 	sum->lit += area * p->lit[side];
 	sum->met += area * p->met[side] / RAYS;
 	sum->path += area * p->path[side] / RAYS;
+	sum->dark_path += area * p->dark_path[side] / RAYS;
 	sum->down += area * p->down[side] / RAYS;
 	sum->down_met += area * p->down_met[side] / RAYS;
 }

@@ -34,12 +34,13 @@ typedef struct gw_patches {
 
 /* What rays from one side of a surface found, as sums over places, each times its area. */
 typedef struct gw_side_view {
-	double light;          /* irradiance, luminance, in a unit that is the same for all */
-	double first;          /* of that, what was not reflected before */
-	double lit;            /* irradiance straight from lamps, sun, sky and what emits */
-	double area;           /* m^2 */
-	double met;            /* share of the rays that met surface */
-	double path;           /* logarithm of how far away, metres, of these */
+	double light;     /* irradiance, luminance, in a unit that is the same for all */
+	double first;     /* of that, what was not reflected before, at places that may be in a room */
+	double lit;       /* irradiance straight from lamps, sun, sky and what emits */
+	double area;      /* m^2 */
+	double met;       /* share of the rays that met surface */
+	double path;      /* logarithm of how far away, metres, of these */
+	double dark_path; /* metres to what does not emit, and 0 for rays that meet no such surface */
 	double down, down_met; /* share of the rays that go down, and that meet surface there */
 } gw_side_view;
 

@@ -12,11 +12,13 @@
 #include <cmocka.h>
 
 #define MOST 20000
+#define PI 3.14159265358979323846
 
 /* Points with the normals that they should get, which are not given. */
 typedef struct cloud {
 	double position[3 * MOST];
 	float normal[3 * MOST];
+	float emission[3 * MOST]; /* 0 unless a test says otherwise */
 	size_t count;
 	char up; /* as gw_points has it */
 } cloud;
@@ -92,17 +94,31 @@ static gw_light lamp_at(double x, double y, double z)
 		gw_light){ .type = GW_LIGHT_POINT, .position = { x, y, z }, .intensity = { 10, 10, 10 } };
 }
 
-/* The share of points that face as they should, and how many are lit from both sides, which may
- * count as right: nothing is dark there. */
+static const float *emission_of(const cloud *c)
+{
+	for (size_t i = 0; i < 3 * c->count; i++)
+		if (c->emission[i] > 0)
+			return c->emission;
+	return NULL;
+}
+
+/* The share of points of surface that face as they should, and how many are lit from both sides,
+ * which may count as right: nothing is dark there. */
 static double right_share(const cloud *c, const gw_light *light, bool both, uint64_t *untrusted)
 {
-	const gw_points points = { .count = c->count, .position = c->position, .up = c->up };
+	const gw_points points = {
+		.count = c->count, .position = c->position, .up = c->up, .emission = emission_of(c)
+	};
 	const gw_surfels_options options = { .lights = light, .light_count = light ? 1 : 0 };
 	gw_surfels s;
 	gw_error error;
 	assert_ok(gw_surfels_make(&points, &options, &s, &error), &error);
-	size_t right = 0;
+	size_t right = 0, strays = 0;
 	for (size_t i = 0; i < c->count; i++) {
+		if (s.surfel_of_point[i] == UINT32_MAX) {
+			strays++;
+			continue;
+		}
 		const float *n = s.normal + 3 * (size_t)s.surfel_of_point[i], *m = c->normal + 3 * i;
 		bool lit = both && s.two_sided[s.surfel_of_point[i]];
 		right += lit || n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > 0;
@@ -110,7 +126,7 @@ static double right_share(const cloud *c, const gw_light *light, bool both, uint
 	if (untrusted)
 		*untrusted = s.normals_untrusted;
 	gw_surfels_clear(&s);
-	return (double)right / (double)c->count;
+	return (double)right / (double)(c->count - strays);
 }
 
 static void assert_share(const cloud *c, const gw_light *light, bool both, const char *what)
@@ -148,6 +164,61 @@ static void test_closed_thing(void **state)
 		assert_right(c, &sun, "a ball in the sun");
 		assert_right(c, &lamp, "a ball beside a lamp");
 		assert_right(c, NULL, "a ball without light");
+		free(c);
+	}
+}
+
+/* A ball of random points around 0, outwards. */
+static void add_random_ball(cloud *c, size_t count, double radius, uint64_t *state)
+{
+	for (size_t i = 0; i < count; i++) {
+		double z = 2 * next_random(state) - 1, r = sqrt(1 - z * z);
+		double turn = 2 * PI * next_random(state);
+		double n[3] = { r * cos(turn), r * sin(turn), z }, p[3];
+		for (int k = 0; k < 3; k++)
+			p[k] = radius * n[k];
+		add(c, p, n);
+	}
+}
+
+/* A horn on a ball of that radius: a cone along an axis of space, a tenth as wide as long, its base
+ * inside of the ball. */
+static void add_horn(cloud *c, size_t count, double ball, int axis, double facing, uint64_t *state)
+{
+	while (count > 0) {
+		double along = next_random(state), turn = 2 * PI * next_random(state);
+		if (next_random(state) > 1 - along)
+			continue;
+		double p[3], n[3];
+		for (int k = 0; k < 3; k++) {
+			double across = k == (axis + 1) % 3 ? cos(turn) : sin(turn);
+			p[k] = k == axis ? facing * (0.9 * ball + along) : 0.1 * (1 - along) * across;
+			n[k] = k == axis ? facing * 0.1 : across;
+		}
+		if (p[0] * p[0] + p[1] * p[1] + p[2] * p[2] > ball * ball)
+			add(c, p, n);
+		count--;
+	}
+}
+
+/* Horns, whose tips have fewer points than it takes to tell their sides, on a body as wide as a
+ * room could be: what light gets into the horns does not make a room of the body. Tips narrower
+ * than points are apart have no sides to tell: a 25th of a horn's points, 1.1 % of all. */
+static void test_horned_body(void **state)
+{
+	(void)state;
+	static const uint64_t seeds[2] = { 3, 6 };
+	for (int i = 0; i < 2; i++) {
+		uint64_t random = seeds[i];
+		cloud *c = new_cloud();
+		add_random_ball(c, 7854, 0.5, &random);
+		for (int side = -1; side <= 1; side += 2) {
+			add_horn(c, 785, 0.5, 0, side, &random);
+			add_horn(c, 785, 0.5, 2, side, &random);
+		}
+		double share = right_share(c, i ? &sun : &sky, false, NULL);
+		if (!(share >= 0.989))
+			fail_msg("of a body with horns only %.2f %% face the right side", 100 * share);
 		free(c);
 	}
 }
@@ -337,6 +408,61 @@ static void test_lit_on_other_side(void **state)
 	free(c);
 }
 
+/* The points from `first` on emit. */
+static void let_emit(cloud *c, size_t first)
+{
+	for (size_t i = 3 * first; i < 3 * c->count; i++)
+		c->emission[i] = 10;
+}
+
+/* A square lamp of points at a height, side metres wide, in the middle over or under bare ground of
+ * 4 by 4 metres; each faces the other. */
+static cloud *new_panel(double height, double side)
+{
+	const double low[3] = { -2, -2, 0 }, high[3] = { 2, 2, 0 };
+	const double from[3] = { -side / 2, -side / 2, height };
+	const double to[3] = { side / 2, side / 2, height };
+	double facing = height > 0 ? 1 : -1;
+	cloud *c = new_cloud();
+	add_face(c, 9600, low, high, 2, facing, false);
+	size_t first = c->count;
+	add_face(c, (size_t)(600 * side * side), from, to, 2, -facing, false);
+	let_emit(c, first);
+	return c;
+}
+
+/* Lamps that are made of points light what is there, and nothing is black: not the bare ground
+ * below a panel, nor a ceiling above glowing ground, nor a street before a sign on a wall. */
+static void test_lamps_of_points(void **state)
+{
+	(void)state;
+	static const double height[4] = { 0.5, 2, 8, -2 }, side[2] = { 1, 3 };
+	for (int i = 0; i < 8; i++) {
+		cloud *c = new_panel(height[i % 4], side[i / 4]);
+		assert_right(c, NULL, "a panel over or under bare ground");
+		free(c);
+	}
+	const double floor[2][3] = { { -2, -2, 0 }, { 2, 2, 0 } }, centre[3] = { 0, 0, 1 };
+	cloud *c = new_cloud();
+	add_face(c, 9600, floor[0], floor[1], 2, 1, false);
+	size_t first = c->count;
+	add_ball(c, 2000, centre, 0.3, 1);
+	let_emit(c, first);
+	assert_right(c, NULL, "a bulb over bare ground");
+	free(c);
+	const double street[2][3] = { { 0 }, { 10, 6, 0 } }, wall[2][3] = { { 0 }, { 10, 0, 6 } };
+	const double sign[2][3] = { { 3, 0.15, 3 }, { 6, 0.15, 4 } };
+	c = new_cloud();
+	add_face(c, 6000, street[0], street[1], 2, 1, false);
+	add_face(c, 6000, wall[0], wall[1], 1, 1, false);
+	first = c->count;
+	add_face(c, 600, sign[0], sign[1], 1, 1, false);
+	let_emit(c, first);
+	assert_right(c, NULL, "a sign before a wall at night");
+	assert_right(c, &sky, "a sign before a wall by day");
+	free(c);
+}
+
 /* A sheet that stands in the open is as bright on both sides, and nobody can say which is right. */
 static void test_sheet_is_doubtful(void **state)
 {
@@ -501,10 +627,12 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_closed_thing),
+		cmocka_unit_test(test_horned_body),
 		cmocka_unit_test(test_lit_from_within),
 		cmocka_unit_test(test_room),
 		cmocka_unit_test(test_thing_on_floor),
 		cmocka_unit_test(test_ground),
+		cmocka_unit_test(test_lamps_of_points),
 		cmocka_unit_test(test_sheet_is_doubtful),
 		cmocka_unit_test(test_backs),
 		cmocka_unit_test(test_up),
