@@ -86,7 +86,7 @@ SHARED  := libglowworm.so.$(VERSION)
 KERNELS         := device/prefix_sum light/light_visibility light/light_irradiance \
                    light/facet_direct light/record_rays light/record_again light/record_emitters \
                    light/record_sky light/record_portals light/portal_light \
-                   light/record_first light/record_gather light/record_add \
+                   light/record_first light/record_gather light/record_moments light/record_add \
                    light/facet_weights light/facet_shade light/read_back
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/%_kernel.o)
 KERNEL_OF        = -DPASS=gw_kernel_$(notdir $(1)) -DPASS_TEXT='"$(1).comp"'

@@ -228,6 +228,14 @@ typedef enum gw_method {
 	GW_METHOD_COUNT
 } gw_method;
 
+/* What a record keeps of the light that it gathers. */
+typedef enum gw_basis {
+	GW_BASIS_AUTO,        /* directional where normals of points differ from their records' */
+	GW_BASIS_SCALAR,      /* irradiance on its own normal */
+	GW_BASIS_DIRECTIONAL, /* and how that changes where the normal turns; of GW_METHOD_RAYS */
+	GW_BASIS_COUNT
+} gw_basis;
+
 typedef enum gw_shadows {
 	GW_SHADOWS_TRACED, /* rays against the planes in the leaves */
 	GW_SHADOWS_MAPS,   /* minimum of variance and exponential shadow maps (Salm 4.2) */
@@ -349,6 +357,7 @@ typedef struct gw_bake_options {
 								 starts */
 	float time_limit;         /* above 0: refines as long as the next round will end within so many
 								 seconds of the call; the first round is made in any case */
+	gw_basis basis;           /* GW_BASIS_DIRECTIONAL: of GW_METHOD_RAYS, and GW_GAPS_OPEN */
 	gw_gaps gaps;       /* what gathered light finds in gaps; of GW_METHOD_RAYS. Where they are not
 						   open, lamps and suns do not shine through them either */
 	float gap_radiance; /* W/(sr m^2), with GW_GAPS_BLACK: what gaps send instead of nothing;
@@ -606,6 +615,7 @@ typedef struct gw_report {
 	double spacing_ratio; /* of 95 % of the points over that of 5 %, by their eighth neighbours */
 	double narrow_share;  /* of the points: on surface that ends on two sides, as leaves do */
 	uint64_t leaves, tiles, leaf_tiles, border_tiles, records;
+	bool directional; /* whether these know from where their light comes: GW_BASIS_DIRECTIONAL */
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
@@ -964,6 +974,7 @@ void gw_drivers_release(gw_drivers **drivers);
 const char *gw_method_name(gw_method method);
 const char *gw_shadows_name(gw_shadows shadows);
 const char *gw_gaps_name(gw_gaps gaps);
+const char *gw_basis_name(gw_basis basis);
 const char *gw_effect_name(gw_effect_kind effect); /* "lamps": of gw_effect, too */
 const char *gw_pass_choice_name(gw_pass_choice choice);
 const char *gw_validation_name(gw_validation validation);

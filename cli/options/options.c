@@ -152,6 +152,11 @@ static const char *progress_name(int i)
 	return name[i];
 }
 
+static const char *basis_name(int i)
+{
+	return i < GW_BASIS_COUNT ? gw_basis_name((gw_basis)i) : NULL;
+}
+
 static const char *gaps_name(int i)
 {
 	return i < GW_GAPS_COUNT ? gw_gaps_name((gw_gaps)i) : NULL;
@@ -439,6 +444,12 @@ const option options[] = {
 
 	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.method),
 	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
+	{ "basis", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.basis),
+	  .choice = basis_name, .group = "Light",
+	  .help =
+		  "what is kept where light is gathered: how much there is, or also from where it comes, "
+		  "by which points read it with their own normals; auto does so where these differ, as "
+		  "on rough rock" },
 	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(quality),
 	  .choice = quality_name, .group = "Light",
 	  .help = "values for --record-spacing, --least-records, --rays, --light-samples, --cones and "

@@ -210,6 +210,8 @@ static void write_octree(json_writer *json, const gw_report *r)
 	json_put_real(json, "gather_seconds", r->gather_seconds);
 	json_put_close(json, '}');
 	json_put_count(json, "records", r->records);
+	json_put_text(json, "basis",
+				  gw_basis_name(r->directional ? GW_BASIS_DIRECTIONAL : GW_BASIS_SCALAR));
 	json_put_single(json, "record_spacing", r->record_spacing);
 	json_put_real(json, "spacing", r->spacing);
 	json_put_real(json, "spacing_ratio", r->spacing_ratio);

@@ -162,6 +162,12 @@ static gw_status open_to_sky(gw_lighting *lighting, gw_error *error)
 	return GW_OK;
 }
 
+/* Where moments of what is gathered go, if records keep them. */
+static gw_buffer *moment_of(const gw_scene *scene, gw_buffer *moment)
+{
+	return gw_scene_keeps_moments(scene) ? moment : NULL;
+}
+
 static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -177,7 +183,9 @@ static gw_status first_by_rays(gw_lighting *lighting, gw_error *error)
 										 .portals = &s->portals,
 										 .looked = true,
 										 .seed = (uint32_t)s->options.seed,
-										 .kept = lighting->plan.emitters ? &s->sampled : NULL };
+										 .kept = lighting->plan.emitters ? &s->sampled : NULL,
+										 .moment = moment_of(s, &s->records.first_moment),
+										 .kept_moment = &s->sampled_moment };
 	gw_status status = open_to_sky(lighting, error);
 	if (status == GW_OK && s->further.count > 0 && sources.kept &&
 		s->sampled.handle != VK_NULL_HANDLE)
@@ -342,6 +350,11 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 		GW_TRY(gw_emitters_make(s->gpu, &s->octree, &s->octree.facet_emission, true,
 								&lighting->emitters, error));
 	GW_TRY(make_map(lighting, error));
+	s->report->directional = gw_scene_keeps_moments(s);
+	if (s->report->directional)
+		GW_TRY(gw_records_make_moments(s->gpu, &s->records, error));
+	else
+		gw_records_drop_moments(s->gpu, &s->records);
 	GW_TRY(s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
 											   : first_by_cones(lighting, error));
 	return see_gaps(lighting, error);
@@ -385,7 +398,8 @@ static gw_status sample_patches(gw_scene *s, const gw_emitters *patches, const g
 										 .use_hits = true,
 										 .sky = black,
 										 .looked = true,
-										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED };
+										 .seed = (uint32_t)s->options.seed ^ PATCH_SEED,
+										 .moment = moment_of(s, &s->records.indirect_moment) };
 	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.gathered, error);
 }
 
@@ -454,6 +468,34 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	return status;
 }
 
+/* Adds the moment of what records gather of light that facets reflect of theirs. */
+static gw_status add_moment(gw_lighting *lighting, const gw_buffer *irradiance, float direct_share,
+							float share, gw_error *error)
+{
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	GW_TRY(gw_facets_shade(&on, irradiance, &lighting->facet_direct, direct_share,
+						   &lighting->facet_radiance, error));
+	return gw_ray_gather_moments(&on, &s->rays, &lighting->facet_radiance, share,
+								 &s->records.indirect_moment, error);
+}
+
+/* The moment of all that was reflected, by hits alone but for the first reflection where that was
+ * sampled: the light that reached the records, reflected and gathered once more, but for what came
+ * last where bounces were counted. */
+static gw_status gather_moments(gw_lighting *lighting, uint32_t limit, gw_error *error)
+{
+	gw_records *records = &lighting->scene->records;
+	const gw_lighting *all = lighting->whole ? lighting->whole : lighting;
+	if (limit < 2)
+		return GW_OK;
+	if (!all->patches_sampled)
+		GW_TRY(add_moment(lighting, &records->first, 1.0f, 1.0f, error));
+	GW_TRY(add_moment(lighting, &records->indirect, 0.0f, 1.0f, error));
+	return limit == GW_BOUNCES_AUTO ? GW_OK
+									: add_moment(lighting, &records->gathered, 0.0f, -1.0f, error);
+}
+
 gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
@@ -474,6 +516,8 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 							 .user = s };
 	gw_buffer carried = { 0 };
 	gw_status status = gw_buffer_fill(s->gpu, &s->records.indirect, 0, error);
+	if (status == GW_OK && gw_scene_keeps_moments(s))
+		status = gw_buffer_fill(s->gpu, &s->records.indirect_moment, 0, error);
 	if (status == GW_OK && rays && lighting->carried && task.limit == GW_BOUNCES_AUTO) {
 		status = carry(lighting, &carried, error);
 		task.carried = &carried;
@@ -482,6 +526,12 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 		status = gw_bounces_run(&task, &bounces, error);
 	gw_buffer_destroy(s->gpu, &carried);
 	GW_TRY(status);
+	if (gw_scene_keeps_moments(s))
+		status = gather_moments(lighting, task.limit, error);
+	if (status != GW_OK) {
+		free(bounces.bounce);
+		return status;
+	}
 	if (lighting->whole) {
 		free(bounces.bounce);
 		return GW_OK;
@@ -495,33 +545,59 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 
 /* --------------------------------------------------------------------------------- read back */
 
-/* Interpolates an irradiance of the records at every surfel. */
-static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, float *records,
-						   float **surfels, gw_error *error)
+/* What is downloaded of the records: 16 floats of each. */
+typedef struct record_light {
+	float *irradiance, *normal, *moment;
+} record_light;
+
+/* By each surfel's own normal. */
+static gw_status read_directed(const gw_scene *s, const gw_buffer *moment,
+							   const record_light *records, float *surfels, gw_error *error)
 {
-	GW_TRY(
-		gw_buffer_download(s->gpu, irradiance, 0, records, 16 * (uint64_t)s->records.count, error));
+	uint64_t count = s->records.count;
+	const gw_directed_light light = { .irradiance = records->irradiance,
+									  .moment = records->moment,
+									  .record_normal = records->normal,
+									  .surfel_normal = s->surfels.normal,
+									  .count = s->records.count };
+	GW_TRY(gw_buffer_download(s->gpu, moment, 0, records->moment, 32 * count, error));
+	GW_TRY(gw_buffer_download(s->gpu, &s->records.normal, 0, records->normal, 16 * count, error));
+	return gw_read_back_apply_directed(&s->read_back, &light, s->options.threads, surfels, error);
+}
+
+/* Interpolates an irradiance of the records, which has that moment, at every surfel. */
+static gw_status read_back(const gw_scene *s, const gw_buffer *irradiance, const gw_buffer *moment,
+						   const record_light *records, float **surfels, gw_error *error)
+{
+	GW_TRY(gw_buffer_download(s->gpu, irradiance, 0, records->irradiance,
+							  16 * (uint64_t)s->records.count, error));
 	if (!*surfels)
 		*surfels = gw_allocate_array(s->surfels.count, 4 * sizeof **surfels);
 	if (!*surfels)
 		return gw_fail(error, GW_ERROR_MEMORY, "no memory for the light of %zu surfels",
 					   s->surfels.count);
-	gw_read_back_apply(&s->read_back, records, s->options.threads, *surfels);
+	if (gw_scene_keeps_moments(s))
+		return read_directed(s, moment, records, *surfels, error);
+	gw_read_back_apply(&s->read_back, records->irradiance, s->options.threads, *surfels);
 	return GW_OK;
 }
 
 gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 {
 	const gw_scene *s = lighting->scene;
-	float *records = gw_allocate_array(s->records.count, 4 * sizeof *records);
+	const gw_records *r = &s->records;
+	float *values =
+		gw_allocate_array(r->count, (gw_scene_keeps_moments(s) ? 16 : 4) * sizeof *values);
+	if (!values)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", r->count);
+	const record_light records = { values, values + 4 * (size_t)r->count,
+								   values + 8 * (size_t)r->count };
 	gw_status status =
-		records ? GW_OK
-				: gw_fail(error, GW_ERROR_MEMORY, "no memory for %u records", s->records.count);
+		read_back(s, &r->first, &r->first_moment, &records, &lighting->surfel_first, error);
 	if (status == GW_OK)
-		status = read_back(s, &s->records.first, records, &lighting->surfel_first, error);
-	if (status == GW_OK)
-		status = read_back(s, &s->records.indirect, records, &lighting->surfel_indirect, error);
-	free(records);
+		status = read_back(s, &r->indirect, &r->indirect_moment, &records,
+						   &lighting->surfel_indirect, error);
+	free(values);
 	return status;
 }
 

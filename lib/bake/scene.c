@@ -134,6 +134,7 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "occlusion distance", (double)o->ambient_occlusion_distance, 0, 1e9 },
 		{ "time limit", (double)o->time_limit, 0, 1e9 },
 		{ "method", (double)o->method, 0, GW_METHOD_COUNT - 1 },
+		{ "basis", (double)o->basis, 0, GW_BASIS_COUNT - 1 },
 		{ "shadows", (double)o->shadows, 0, GW_SHADOWS_COUNT - 1 },
 		{ "gaps", (double)o->gaps, 0, GW_GAPS_COUNT - 1 },
 		{ "radiance of gaps", (double)o->gap_radiance, 0, 1e30 },
@@ -155,6 +156,11 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a bake that refines its settings cannot begin with a transport nor make "
 					   "one; leave out the error or time to aim at");
+	if (o->basis == GW_BASIS_DIRECTIONAL &&
+		(o->method != GW_METHOD_RAYS || o->gaps != GW_GAPS_OPEN))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "records know from where their light comes only if they gather by rays and "
+					   "gaps are open; leave the basis to the bake");
 	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "cones do not know gaps; leave these open, or gather by rays");
@@ -517,6 +523,7 @@ void gw_scene_forget_further(gw_scene *scene)
 void gw_scene_forget_samples(gw_scene *scene)
 {
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
+	gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
 	gw_check_point_hits_forget_emitted(&scene->check_points);
 	gw_scene_forget_further(scene);
 }
@@ -538,6 +545,41 @@ gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_option
 	return (gw_record_wish){ o->record_spacing, closer ? o->least_records : 0, o->seed };
 }
 
+/* Normals that are turned by less on the average, radians, read the same light. */
+#define TURN_LEAST 0.02
+
+/* Of normals that are off by this share of how far they are turned, what they read is noise. */
+#define OFF_MOST 0.5
+
+/* By how much normals are off: the root of the mean square, radians. */
+static double normals_off(const gw_surfels *surfels)
+{
+	double sum = 0.0;
+	for (size_t i = 0; i < surfels->count && surfels->shading_normal_off; i++)
+		sum += (double)surfels->shading_normal_off[i] * (double)surfels->shading_normal_off[i];
+	return sqrt(sum / (double)surfels->count);
+}
+
+/* How much it matters that records know from where their light comes: how far normals are turned
+ * from theirs, unless that is noise. */
+static gw_status measure_turn(gw_scene *scene, gw_error *error)
+{
+	const gw_surfels *s = &scene->surfels;
+	gw_view normal;
+	scene->turn = 0.0;
+	if (scene->options.method != GW_METHOD_RAYS || scene->options.basis != GW_BASIS_AUTO ||
+		s->shading_normal)
+		return GW_OK;
+	GW_TRY(gw_view_open(scene->gpu, &scene->records.normal, 16 * (uint64_t)scene->records.count,
+						&normal, error));
+	scene->turn =
+		gw_read_back_turn(&scene->read_back, normal.bytes, s->normal, scene->options.threads);
+	gw_view_close(&normal);
+	if (normals_off(s) > OFF_MOST * scene->turn)
+		scene->turn = 0.0;
+	return GW_OK;
+}
+
 gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 {
 	const gw_record_context on = gw_scene_context(scene, &scene->records);
@@ -547,7 +589,8 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error)
 	GW_TRY(trace_records(scene, error));
 	GW_TRY(make_pools(scene, error));
 	GW_TRY(gw_records_weigh_facets(&on, NULL, error));
-	return gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error);
+	GW_TRY(gw_read_back_make(&on, scene->surfels.count, &scene->read_back, error));
+	return measure_turn(scene, error);
 }
 
 /* The records from `first` on, by themselves. */
@@ -606,7 +649,17 @@ gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density
 		GW_TRY(gw_ray_gather_add(&further, &scene->rays, &scene->further_rays, error));
 	report_rays(scene);
 	GW_TRY(gw_ray_gather_look(&on, &scene->rays, error));
-	return weigh_again(scene, density, error);
+	GW_TRY(weigh_again(scene, density, error));
+	return measure_turn(scene, error);
+}
+
+bool gw_scene_keeps_moments(const gw_scene *scene)
+{
+	const gw_bake_options *o = &scene->options;
+	bool closed = o->gaps != GW_GAPS_OPEN && gw_scanned_space_known(&scene->space);
+	if (o->method != GW_METHOD_RAYS || closed || o->basis == GW_BASIS_SCALAR)
+		return false;
+	return o->basis == GW_BASIS_DIRECTIONAL || scene->turn >= TURN_LEAST;
 }
 
 gw_status gw_scene_find_compartments(gw_scene *s, gw_error *error)
@@ -639,6 +692,7 @@ gw_status gw_scene_complete(gw_scene *scene, const gw_points *points, gw_error *
 	report_records(scene);
 	GW_TRY(gw_scene_find_space(scene, points, error));
 	GW_TRY(gw_records_make_room(scene->gpu, &scene->records, error));
+	GW_TRY(measure_turn(scene, error));
 	return make_pools(scene, error);
 }
 
@@ -669,6 +723,7 @@ void gw_scene_drop_records(gw_scene *scene)
 	gw_scene_forget_further(scene);
 	gw_read_back_clear(&scene->read_back);
 	gw_buffer_destroy(scene->gpu, &scene->sampled);
+	gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
 	gw_check_point_hits_clear(&scene->check_points);
 }
 

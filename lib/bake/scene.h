@@ -16,6 +16,7 @@
 #include "estimate/error_estimate.h"
 #include "light/gather_cones.h"
 #include "light/kept_hits.h"
+#include "light/moments.h"
 #include "light/read_back.h"
 #include "surfels/scanned_space.h"
 #include "bake/scaled_scene.h"
@@ -58,6 +59,9 @@ struct gw_scene {
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
 	gw_buffer sampled;
+	gw_buffer sampled_moment; /* the same of its moment, where records keep theirs (moments.h) */
+	double turn; /* of surfels' normals from those of their records: gw_read_back_turn; 0 where that
+					was not asked for, or is noise */
 	gw_check_point_hits check_points; /* what the points see that estimates solve again */
 	gw_portals portals;               /* looked for when a sky first shines */
 	gw_records further;               /* places of records that were added and are not in it yet */
@@ -154,6 +158,10 @@ gw_status gw_scene_place_records(gw_scene *scene, gw_error *error);
  * each surfel then. What others saw stays. On failure the records are to be dropped.
  */
 gw_status gw_scene_add_records(gw_scene *scene, const gw_record_density *density, gw_error *error);
+
+/* Whether records keep from where their light comes (moments.h): where that is asked for, or
+ * surfels' normals differ from their records' by more than noise; not where gaps are closed. */
+bool gw_scene_keeps_moments(const gw_scene *scene);
 
 /* Finds what rock keeps apart, and what records must not see through it. */
 gw_status gw_scene_find_compartments(gw_scene *scene, gw_error *error);

@@ -17,7 +17,7 @@
 #include <string.h>
 
 #define MAGIC "glowworm transport\n"
-#define VERSION 13u
+#define VERSION 14u
 
 /* Blocks are read and checked in chunks, by all threads. */
 #define CHUNK_BYTES (UINT64_C(1) << 20)
@@ -431,8 +431,10 @@ gw_status gw_transport_load(gw_scene *scene, const gw_points *points, const gw_t
 	GW_TRY(read_blocks(scene, transport, &h, error));
 	gw_octree_passes(&scene->passes, scene->gpu, &scene->octree);
 	scene->passes.threads = scene->options.threads;
-	if (h.numbers.light_samples != scene->options.light_samples)
+	if (h.numbers.light_samples != scene->options.light_samples) {
 		gw_buffer_destroy(scene->gpu, &scene->sampled);
+		gw_buffer_destroy(scene->gpu, &scene->sampled_moment);
+	}
 	if (own.emission != h.identity.emission)
 		GW_TRY(gw_scene_replace_emission(scene, points->emission, points->count, error));
 	return gw_scene_complete(scene, points, error);

@@ -24,6 +24,7 @@
 #define CUT 8u           /* discs are, of which a coarser octree is made */
 #define BENT 16u         /* likewise */
 #define CREASED 32u      /* likewise */
+#define MOMENTS 64u      /* of what emitters brought to the records */
 
 /* What of discs an octree takes that is made from the surfels again. */
 static uint32_t discs_of(const gw_scene *scene)
@@ -71,7 +72,8 @@ gw_transport_numbers gw_transport_numbers_of(const gw_scene *scene)
 	n.opened = scene->rays.through.handle != VK_NULL_HANDLE;
 	n.emits = s->emission != NULL;
 	n.optional = (s->shading_normal ? NOISY : 0) | (s->shading_normal_off ? OFF : 0) |
-				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | discs_of(scene);
+				 (s->albedo_of_point ? POINTS_ALBEDO : 0) | discs_of(scene) |
+				 (scene->sampled_moment.handle ? MOMENTS : 0);
 	n.check_points = scene->check_points.count;
 	n.check_point_rays = scene->check_points.rays;
 	n.check_points_lit = scene->check_points.emitted != NULL;
@@ -99,8 +101,9 @@ bool gw_transport_numbers_fit(const gw_transport_numbers *n)
 		   n->depth <= GW_DEPTH_MAX && n->directory_level == directory && n->rays > 0 &&
 		   n->rays <= 4096 && (uint64_t)n->rays * n->records <= UINT32_MAX && n->emits <= 1 &&
 		   n->looked <= 1 && n->portals <= GW_PORTALS_MOST && n->opened == (n->portals > 0) &&
-		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED) &&
-		   n->check_points <= n->surfels && n->check_point_rays <= 4096 &&
+		   n->optional <= (NOISY | OFF | POINTS_ALBEDO | CUT | BENT | CREASED | MOMENTS) &&
+		   (!(n->optional & MOMENTS) || n->light_samples > 0) && n->check_points <= n->surfels &&
+		   n->check_point_rays <= 4096 &&
 		   n->check_points_lit <= (n->emits && n->check_points > 0) && isfinite(n->leaf_size) &&
 		   n->leaf_size > 0.0f && n->block_level < n->depth && n->leaves > 0 &&
 		   n->leaves <= INT32_MAX / 2 && n->dark_slot <= 2 * n->leaves &&
@@ -319,5 +322,8 @@ size_t gw_transport_list(gw_scene *scene, const gw_transport_numbers *numbers,
 	list_check_points(&l, scene, numbers);
 	if (numbers->light_samples)
 		device(&l, "light of emitters", &scene->sampled, 16 * (uint64_t)numbers->records);
+	if (numbers->optional & MOMENTS)
+		device(&l, "moment of light of emitters", &scene->sampled_moment,
+			   32 * (uint64_t)numbers->records);
 	return l.count;
 }

@@ -24,7 +24,7 @@ typedef struct gw_transport_numbers {
 	uint32_t opened;          /* 1: they were sampled from the records */
 	float escaped;
 	uint32_t optional; /* bits: 1 given normals are there besides smooth ones, 2 and their errors,
-						  4 albedo of points that share surfels */
+						  4 albedo of points that share surfels, and others */
 	uint32_t check_points,
 		check_point_rays;      /* points whose error was estimated, and rays of a gather there */
 	uint32_t check_points_lit; /* 1: what emitters brought them is kept */

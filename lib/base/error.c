@@ -35,6 +35,16 @@ const char *gw_method_name(gw_method method)
 	return name[method];
 }
 
+const char *gw_basis_name(gw_basis basis)
+{
+	static const char *const name[] = { [GW_BASIS_AUTO] = "auto",
+										[GW_BASIS_SCALAR] = "scalar",
+										[GW_BASIS_DIRECTIONAL] = "directional" };
+	static_assert(sizeof name / sizeof *name == GW_BASIS_COUNT, "every basis has a name");
+	assert((unsigned)basis < GW_BASIS_COUNT);
+	return name[basis];
+}
+
 const char *gw_shadows_name(gw_shadows shadows)
 {
 	static const char *const name[] = {

@@ -105,6 +105,15 @@ void gw_cpu_record_gather(gw_passes *passes, const gw_binding *b, const void *pu
 		chunk_of(CHUNK_HITS, p->rays));
 }
 
+void gw_cpu_record_moments(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_record_push *p = push;
+	gw_kernel_loop(
+		passes, GW_PASS_RECORD_MOMENTS,
+		(gw_kernel_run){ .kernel = gw_kernel_record_moments, .bindings = b, .push = push }, count,
+		chunk_of(CHUNK_HITS, p->rays));
+}
+
 void gw_cpu_record_add(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
 {
 	gw_kernel_loop(passes, GW_PASS_RECORD_ADD,

@@ -158,6 +158,12 @@ typedef struct gathering {
 	gw_buffer sampled; /* what samples bring, vec4 a record; w: mark of its compartment */
 } gathering;
 
+/* Where moments go; any buffer will do where none are asked for. */
+static gw_binding moment_of(const gathering *g)
+{
+	return g->sources->moment ? gw_window(g->sources->moment, 32) : gw_window(&g->sampled, 16);
+}
+
 /* Adds samples of the emitters to what is sampled. */
 static gw_status sample_emitters(const gathering *g, gw_record_push push, gw_error *error)
 {
@@ -172,7 +178,8 @@ static gw_status sample_emitters(const gathering *g, gw_record_push push, gw_err
 															  : emitters->radiance),
 									GW_DISC_BINDINGS(g->on->octree),
 									GW_TREE_BINDING(g->on->octree),
-									GW_OPACITY_BINDING(g->on->octree) };
+									GW_OPACITY_BINDING(g->on->octree),
+									moment_of(g) };
 	push.batch_count = push.light_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_EMITTERS, bindings, &push,
 						 g->on->records->count, error);
@@ -198,7 +205,8 @@ static gw_status sample_sky(const gathering *g, gw_record_push push, gw_error *e
 									GW_DISC_BINDINGS(g->on->octree),
 									gw_whole(spheres_of(g->sources)),
 									GW_TREE_BINDING(g->on->octree),
-									GW_OPACITY_BINDING(g->on->octree) };
+									GW_OPACITY_BINDING(g->on->octree),
+									moment_of(g) };
 	push.batch_count = push.sky_samples;
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_SKY, bindings, &push, g->on->records->count,
 						 error);
@@ -214,7 +222,8 @@ static gw_status add_opened(const gathering *g, gw_record_push push, gw_error *e
 																: g->sources->emitters->radiance),
 									gw_window(&g->on->records->position, 16),
 									gw_window(&g->on->records->normal, 16),
-									gw_window(&g->sampled, 16) };
+									gw_window(&g->sampled, 16),
+									moment_of(g) };
 	push.seed = g->gather->seed;
 	push.batch_count = push.rays;
 	return gw_passes_run(g->on->passes, GW_PASS_PORTAL_LIGHT, bindings, &push,
@@ -264,7 +273,8 @@ static gw_status gather_hits(const gathering *g, gw_record_push push, gw_buffer 
 									gw_window(irradiance, 16),
 									gw_whole(g->sources->part ? g->sources->part : radiance),
 									gw_whole(push.sky_width > 0 ? &g->sources->map->texel
-																: radiance) };
+																: radiance),
+									moment_of(g) };
 	return gw_passes_run(g->on->passes, GW_PASS_RECORD_FIRST, bindings, &push,
 						 g->on->records->count, error);
 }
@@ -291,6 +301,8 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 	bool map = sources->map && sources->map->width > 0;
 	gathering g = { .on = on, .gather = gather, .sources = sources };
 	bool dark = emitters->count == 0 && !map && sky[0] == 0.0f && sky[1] == 0.0f && sky[2] == 0.0f;
+	if (sources->moment)
+		GW_TRY(gw_buffer_fill(on->passes->gpu, sources->moment, 0, error));
 	if (dark && sources->looked)
 		return gw_buffer_fill(on->passes->gpu, irradiance, 0, error);
 	bool sampled_too =
@@ -302,6 +314,7 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 							.emitter_power = emitters->power,
 							.use_hits = sources->use_hits && emitters->count > 0,
 							.looked = sources->looked,
+							.moments = sources->moment != NULL,
 							.sky = { sky[0], sky[1], sky[2], 0.0f } };
 	put_map(sources, &push);
 	bool shines = map || sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f;
@@ -320,40 +333,72 @@ static gw_status gather_sources(const gw_record_context *on, const gw_ray_gather
 	return status;
 }
 
-/* What emitters alone bring, unless that is kept from before. */
+/* Buffers for what emitters alone bring, and for its moment where that is asked for. */
+static gw_status make_kept(const gw_record_context *on, const gw_sampled_sources *sources,
+						   gw_error *error)
+{
+	const uint64_t bytes = 16 * (uint64_t)on->records->count;
+	GW_TRY(
+		gw_buffer_create(on->passes->gpu,
+						 &(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
+												   bytes, "irradiance from emitters" },
+						 sources->kept, error));
+	if (!sources->moment)
+		return GW_OK;
+	return gw_buffer_create(on->passes->gpu,
+							&(gw_buffer_description){ GW_BUFFER_TEXEL,
+													  VK_FORMAT_R32G32B32A32_SFLOAT, 2 * bytes,
+													  "moment of irradiance from emitters" },
+							sources->kept_moment, error);
+}
+
+static void drop_kept(gw_gpu *gpu, const gw_sampled_sources *sources)
+{
+	gw_buffer_destroy(gpu, sources->kept);
+	if (sources->kept_moment)
+		gw_buffer_destroy(gpu, sources->kept_moment);
+}
+
+/* What emitters alone bring, unless that is kept from before with all that is asked for. */
 static gw_status keep_emitters(const gw_record_context *on, const gw_ray_gather *gather,
 							   const gw_sampled_sources *sources, gw_error *error)
 {
 	const float black[3] = { 0 };
 	gw_sampled_sources alone = *sources;
-	if (sources->kept->handle != VK_NULL_HANDLE)
+	if (sources->kept->handle != VK_NULL_HANDLE &&
+		(!sources->moment || sources->kept_moment->handle != VK_NULL_HANDLE))
 		return GW_OK;
+	drop_kept(on->passes->gpu, sources);
 	alone.sky = black;
 	alone.map = NULL;
-	gw_status status = gw_buffer_create(
-		on->passes->gpu,
-		&(gw_buffer_description){ GW_BUFFER_TEXEL, VK_FORMAT_R32G32B32A32_SFLOAT,
-								  16 * (uint64_t)on->records->count, "irradiance from emitters" },
-		sources->kept, error);
+	alone.moment = sources->moment ? sources->kept_moment : NULL;
+	gw_status status = make_kept(on, sources, error);
 	if (status == GW_OK)
 		status = gather_sources(on, gather, &alone, sources->kept, error);
 	if (status != GW_OK)
-		gw_buffer_destroy(on->passes->gpu, sources->kept);
+		drop_kept(on->passes->gpu, sources);
 	return status;
 }
 
 gw_status gw_ray_gather_sample_further(const gw_record_context *on, const gw_ray_gather *own,
 									   const gw_sampled_sources *sources, gw_error *error)
 {
-	gw_buffer more = { 0 };
+	const VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
+	gw_gpu *gpu = on->passes->gpu;
+	gw_buffer more = { 0 }, more_moment = { 0 };
 	gw_sampled_sources alone = *sources;
+	bool moments = sources->kept_moment && sources->kept_moment->handle != VK_NULL_HANDLE;
 	alone.kept = &more;
+	alone.kept_moment = &more_moment;
+	alone.moment = moments ? &more_moment : NULL;
 	alone.looked = false;
 	gw_status status = keep_emitters(on, own, &alone, error);
 	if (status == GW_OK)
-		status =
-			append(on->passes->gpu, VK_FORMAT_R32G32B32A32_SFLOAT, &more, sources->kept, error);
-	gw_buffer_destroy(on->passes->gpu, &more);
+		status = append(gpu, format, &more, sources->kept, error);
+	if (status == GW_OK && moments)
+		status = append(gpu, format, &more_moment, sources->kept_moment, error);
+	gw_buffer_destroy(gpu, &more);
+	gw_buffer_destroy(gpu, &more_moment);
 	return status;
 }
 
@@ -368,6 +413,9 @@ gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather
 	others.emitters = &none;
 	GW_TRY(keep_emitters(on, gather, sources, error));
 	GW_TRY(gather_sources(on, gather, &others, irradiance, error));
+	if (sources->moment)
+		GW_TRY(gw_light_add(on->passes, sources->kept_moment, sources->moment,
+							2 * (uint64_t)on->records->count, error));
 	return gw_light_add(on->passes, sources->kept, irradiance, on->records->count, error);
 }
 
@@ -390,4 +438,19 @@ gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 									gw_whole(&gather->distance) };
 	gw_record_push push = { .rays = gather->rays };
 	return gw_passes_run(passes, GW_PASS_RECORD_GATHER, bindings, &push, records->count, error);
+}
+
+gw_status gw_ray_gather_moments(const gw_record_context *on, const gw_ray_gather *gather,
+								const gw_buffer *facet_radiance, float share, gw_buffer *moment,
+								gw_error *error)
+{
+	const gw_binding bindings[] = { gw_whole(&gather->facet),
+									gw_whole(facet_radiance),
+									gw_window(&on->records->position, 16),
+									gw_window(&on->records->normal, 16),
+									gw_window(moment, 32),
+									gw_whole(&gather->distance) };
+	const gw_record_push push = { .rays = gather->rays, .seed = gather->seed, .share = share };
+	return gw_passes_run(on->passes, GW_PASS_RECORD_MOMENTS, bindings, &push, on->records->count,
+						 error);
 }

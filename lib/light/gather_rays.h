@@ -69,6 +69,9 @@ typedef struct gw_sampled_sources {
 	uint32_t seed;             /* of the samples */
 	gw_buffer *kept; /* NULL, or where what emitters brought is left for another time: vec4 a
 						record. A buffer that exists is taken in place of their samples and hits */
+	/* NULL, or receives the irradiance's moment: how it changes where normals turn, 2 vec4 a record
+	 * (record_moment.glsl); and where that of emitters is left, if kept is not NULL. */
+	gw_buffer *moment, *kept_moment;
 } gw_sampled_sources;
 
 /*
@@ -82,7 +85,7 @@ gw_status gw_ray_gather_sampled(const gw_record_context *on, const gw_ray_gather
 								gw_error *error);
 
 /* Gathers what emitters bring to further records, whose hits alone are *own, and keeps it behind
- * *sources->kept, which exists; on has these records alone. */
+ * *sources->kept, which exists, and its moment likewise; on has these records alone. */
 gw_status gw_ray_gather_sample_further(const gw_record_context *on, const gw_ray_gather *own,
 									   const gw_sampled_sources *sources, gw_error *error);
 
@@ -94,6 +97,14 @@ gw_status gw_ray_gather_look(const gw_record_context *on, const gw_ray_gather *g
 gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *facet_radiance, gw_records *records,
 							   gw_error *error);
+
+/*
+ * Adds share times the moment of what a bounce by these rays gathers to `moment`, 2 vec4 a record.
+ * on: the records that were traced.
+ */
+gw_status gw_ray_gather_moments(const gw_record_context *on, const gw_ray_gather *gather,
+								const gw_buffer *facet_radiance, float share, gw_buffer *moment,
+								gw_error *error);
 
 /* Adds `count` vec4 of one buffer to those of another. */
 gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,

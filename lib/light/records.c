@@ -59,6 +59,26 @@ gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error
 	return GW_OK;
 }
 
+gw_status gw_records_make_moments(gw_gpu *gpu, gw_records *records, gw_error *error)
+{
+	gw_buffer *const buffer[] = { &records->first_moment, &records->indirect_moment };
+	const char *const name[] = { "moment of first irradiance", "moment of indirect irradiance" };
+	const uint64_t bytes = 32 * (uint64_t)records->count;
+	for (size_t i = 0; i < 2; i++) {
+		if (buffer[i]->handle != VK_NULL_HANDLE && buffer[i]->bytes == bytes)
+			continue;
+		gw_buffer_destroy(gpu, buffer[i]);
+		GW_TRY(texel(gpu, VK_FORMAT_R32G32B32A32_SFLOAT, bytes, name[i], buffer[i], error));
+	}
+	return GW_OK;
+}
+
+void gw_records_drop_moments(gw_gpu *gpu, gw_records *records)
+{
+	gw_buffer_destroy(gpu, &records->first_moment);
+	gw_buffer_destroy(gpu, &records->indirect_moment);
+}
+
 static gw_status create_buffers(gw_gpu *gpu, const gw_octree *octree, gw_records *records,
 								gw_error *error)
 {
@@ -333,6 +353,7 @@ void gw_records_destroy(gw_gpu *gpu, gw_records *records)
 	gw_buffer *all[] = { &records->position,     &records->normal,       &records->block_first,
 						 &records->block_record, &records->first,        &records->indirect,
 						 &records->gathered,     &records->facet_record, &records->facet_weight };
+	gw_records_drop_moments(gpu, records);
 	for (size_t i = 0; i < sizeof all / sizeof *all; i++)
 		gw_buffer_destroy(gpu, all[i]);
 	free(records->facet);

@@ -28,8 +28,12 @@ typedef struct gw_records {
 	gw_buffer block_record; /* R32_UINT, count */
 	gw_buffer
 		first; /* R32G32B32A32_SFLOAT, irradiance that came unreflected from emitters and sky */
-	gw_buffer indirect;     /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
-	gw_buffer gathered;     /* R32G32B32A32_SFLOAT, of the latest bounce */
+	gw_buffer indirect; /* R32G32B32A32_SFLOAT, irradiance that was reflected at least once */
+	gw_buffer gathered; /* R32G32B32A32_SFLOAT, of the latest bounce */
+	/* R32G32B32A32_SFLOAT, 2 a record, or no buffers: how the first two change where the normal
+	 * turns towards each of its tangents, irradiance over the sine of the angle: record_moment.glsl
+	 */
+	gw_buffer first_moment, indirect_moment;
 	gw_buffer facet_record; /* R32G32B32A32_UINT, GW_WEIGHTS * 2 * leaf_count words: see
 							  facet_weights.comp */
 	gw_buffer facet_weight; /* R32G32B32A32_SFLOAT, likewise */
@@ -108,6 +112,10 @@ gw_status gw_records_make_room(gw_gpu *gpu, gw_records *records, gw_error *error
  */
 gw_status gw_records_put(gw_gpu *gpu, const float *position, const float *normal, uint32_t count,
 						 gw_records *records, gw_error *error);
+
+/* Makes room for moments of their light, unless there is; or gives it back. */
+gw_status gw_records_make_moments(gw_gpu *gpu, gw_records *records, gw_error *error);
+void gw_records_drop_moments(gw_gpu *gpu, gw_records *records);
 
 /* Luminance of all the irradiance that records gathered; light receives one a record. */
 gw_status gw_records_light(gw_gpu *gpu, const gw_records *records, double *light, gw_error *error);

@@ -16,11 +16,17 @@ TEXELS(3, vec4, sky_texel);
 BUFFER(4, readonly, vec4, record_position);
 BUFFER(5, readonly, vec4, record_normal);
 BUFFER(6, readwrite, vec4, record_sampled);
+BUFFER(7, readwrite, vec4, record_moment); /* 2 a record */
 PUSH(gw_record_push);
 
 #include "light/portals.glsl"
-#include "light/record_ray.glsl"
+#include "light/record_moment.glsl"
 #include "light/sky_map.glsl"
+
+/* What all bring, and how that changes where the normal turns. */
+struct Opened {
+	vec3 sum, first, second;
+};
 
 /* Radiance from a direction over how densely all that may find it do. */
 vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
@@ -37,6 +43,17 @@ vec3 share_of_sky(vec3 g, vec3 normal, vec3 direction, float total)
 	return sum * cosine;
 }
 
+void add_sky(INOUT(Opened) opened, vec3 g, vec3 normal, vec3 direction, float total)
+{
+	vec3 irradiance = share_of_sky(g, normal, direction, total);
+	opened.sum += irradiance;
+	if (push.moments == 0u)
+		return;
+	vec2 share = moment_share_of(normal, direction);
+	opened.first += irradiance * share.x;
+	opened.second += irradiance * share.y;
+}
+
 void main()
 {
 	uint i = gl_GlobalInvocationID.x;
@@ -45,19 +62,23 @@ void main()
 	uint record = push.first + i;
 	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
 	PortalsTurn turn = portals_begin(g, normal);
-	vec3 sum = vec3(0.0f);
+	Opened opened = { vec3(0.0f), vec3(0.0f), vec3(0.0f) };
 	for (uint k = push.batch_first; k < push.batch_first + push.batch_count; k++) {
 		if (texelFetch(hit_facet, int(record * push.rays + k)).x != GW_NONE)
 			continue;
 		float cosine;
 		vec3 direction = record_ray(g, normal, k, cosine);
-		sum += share_of_sky(g, normal, direction, turn.total);
+		add_sky(opened, g, normal, direction, turn.total);
 	}
 	uint seen = push.batch_first == 0u ? texelFetch(sky_seen, int(record)).x : 0u;
 	for (uint m = 0u; m < GW_PORTAL_SAMPLES && seen >> m != 0u; m++) {
 		vec3 direction = portals_direction(g, normal, m, turn);
 		if ((seen >> m & 1u) != 0u)
-			sum += share_of_sky(g, normal, direction, turn.total);
+			add_sky(opened, g, normal, direction, turn.total);
 	}
-	record_sampled[i].xyz += sum;
+	record_sampled[i].xyz += opened.sum;
+	if (push.moments != 0u) {
+		record_moment[2u * i].xyz += opened.first;
+		record_moment[2u * i + 1u].xyz += opened.second;
+	}
 }

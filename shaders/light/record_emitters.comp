@@ -27,11 +27,13 @@ TEXELS(15, vec4, surfel_disc);
 TEXELS(16, vec4, surfel_clip);
 TEXELS(17, uvec4, disc_tree);
 TEXELS(18, vec4, facet_albedo);
+BUFFER(19, readwrite, vec4, record_moment); /* 2 a record */
 PUSH(gw_record_push);
 
 #define TRACE_OPACITY
 #include "octree/octree_discs.glsl"
 #include "octree/trace.glsl"
+#include "light/record_moment.glsl"
 
 /* Facets that a sample finds less densely have no light to speak of beside the others, and numbers
  * that nothing can be divided by. */
@@ -56,8 +58,10 @@ bool is_apart(uint mark, uint other)
 	return mark != other && mark != 0u && other != 0u;
 }
 
-vec3 sample_emitter(vec3 g, vec3 normal, uint mark, uint m, uint random)
+/* What sample m brings, and from where. */
+vec3 sample_emitter(vec3 g, vec3 normal, uint mark, uint m, uint random, OUT(vec3) direction)
 {
+	direction = normal;
 	uvec4 row = choose_emitter(m, random);
 	int facet = int(row.x);
 	if (is_apart(mark, row.w))
@@ -69,7 +73,7 @@ vec3 sample_emitter(vec3 g, vec3 normal, uint mark, uint m, uint random)
 	float turn = 2.0f * GW_PI * unit_float(pcg_hash2(random, 2u));
 	vec3 to = t * (radius * cos(turn)) + b * (radius * sin(turn)) + (centre.xyz - g);
 	float squared = dot(to, to);
-	vec3 direction = to * inversesqrt(max(squared, 1e-12f));
+	direction = to * inversesqrt(max(squared, 1e-12f));
 	float cosine = dot(normal, direction), cosine_emitter = -dot(plane, direction);
 	if (cosine <= 0.0f || cosine_emitter <= 1e-4f || squared < 1e-8f)
 		return vec3(0.0f);
@@ -97,10 +101,23 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz, sum = vec3(0.0f);
+	vec3 g = record_position[i].xyz, normal = record_normal[i].xyz;
+	vec3 sum = vec3(0.0f), first = vec3(0.0f), second = vec3(0.0f);
 	uint own = pcg_hash2(pcg_hash_place(g), push.seed ^ GW_EMITTER_SEED);
 	uint mark = uint(record_sampled[i].w);
-	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
-		sum += sample_emitter(g, normal, mark, m, pcg_hash2(own, m));
+	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++) {
+		vec3 direction;
+		vec3 irradiance = sample_emitter(g, normal, mark, m, pcg_hash2(own, m), direction);
+		sum += irradiance;
+		if (push.moments == 0u)
+			continue;
+		vec2 share = moment_share_of(normal, direction);
+		first += irradiance * share.x;
+		second += irradiance * share.y;
+	}
 	record_sampled[i].xyz += sum / float(push.light_samples);
+	if (push.moments != 0u) {
+		record_moment[2u * i].xyz += first / float(push.light_samples);
+		record_moment[2u * i + 1u].xyz += second / float(push.light_samples);
+	}
 }

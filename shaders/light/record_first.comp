@@ -19,9 +19,10 @@ BUFFER(6, readwrite, vec4, record_normal);
 BUFFER(7, writeonly, vec4, record_first);
 TEXELS(8, vec4, facet_part); /* of facet_emission: what is gathered */
 TEXELS(9, vec4, sky_texel);
+BUFFER(10, readwrite, vec4, record_moment); /* 2 a record: of samples, then of all */
 PUSH(gw_record_push);
 
-#include "light/record_ray.glsl"
+#include "light/record_moment.glsl"
 #include "light/sky_map.glsl"
 
 /* Share of an emitter's light that the hit of gather ray k stands for. */
@@ -92,9 +93,22 @@ void main()
 	if (push.looked == 0u)
 		look_around(i, first);
 	float before = record_normal[i].w;
-	for (uint k = 0u; k < push.rays; k++)
-		if (before == 1.0f || texelFetch(hit_distance, first + int(k)).x >= 0.0f)
-			sum += light_of_ray(g, normal, shut, k, first + int(k));
-	sum = sum * (GW_PI / float(push.rays)) + record_sampled[i].xyz * before;
-	record_first[i] = vec4(sum, 0.0f);
+	vec3 along = vec3(0.0f), across = vec3(0.0f);
+	for (uint k = 0u; k < push.rays; k++) {
+		if (before < 1.0f && texelFetch(hit_distance, first + int(k)).x < 0.0f)
+			continue;
+		vec3 radiance = light_of_ray(g, normal, shut, k, first + int(k));
+		sum += radiance;
+		if (push.moments == 0u)
+			continue;
+		vec2 share = moment_share_of_ray(g, k);
+		along += radiance * share.x;
+		across += radiance * share.y;
+	}
+	float each = GW_PI / float(push.rays);
+	record_first[i] = vec4(sum * each + record_sampled[i].xyz * before, 0.0f);
+	if (push.moments != 0u) {
+		record_moment[2u * i].xyz = along * each + record_moment[2u * i].xyz * before;
+		record_moment[2u * i + 1u].xyz = across * each + record_moment[2u * i + 1u].xyz * before;
+	}
 }

@@ -29,6 +29,7 @@ TEXELS(15, vec4, surfel_clip);
 TEXELS(16, vec4, portal);
 TEXELS(17, uvec4, disc_tree);
 TEXELS(18, vec4, facet_albedo);
+BUFFER(19, readwrite, vec4, record_moment); /* 2 a record */
 PUSH(gw_record_push);
 
 #define TRACE_OPACITY
@@ -36,10 +37,11 @@ PUSH(gw_record_push);
 #include "octree/trace.glsl"
 #include "light/portals.glsl"
 #include "light/sky_map.glsl"
+#include "light/record_moment.glsl"
 
 /* The m-th of a record's samples comes from the m-th of as many equal stretches of the table, so
- * that they spread over the sky as evenly as its light does. */
-vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
+ * that they spread over the sky as evenly as its light does. Also from where it comes. */
+vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random, OUT(vec3) direction)
 {
 	uint texels = push.sky_width * push.sky_height;
 	float choice = (float(m) + unit_float(random)) / float(push.sky_samples);
@@ -47,7 +49,7 @@ vec3 sample_sky(vec3 g, vec3 normal, float portals, uint m, uint random)
 	uvec2 row = texelFetch(sky_alias, int(texel)).xy;
 	if (unit_float(pcg_hash2(random, 3u)) >= uintBitsToFloat(row.y))
 		texel = row.x;
-	vec3 direction =
+	direction =
 		sky_direction(texel, unit_float(pcg_hash2(random, 1u)), unit_float(pcg_hash2(random, 2u)));
 	float cosine = dot(normal, direction);
 	if (cosine <= 0.0f)
@@ -75,8 +77,20 @@ void main()
 	vec3 normal = record_normal[i].xyz;
 	uint own = pcg_hash2(pcg_hash_place(g), push.seed ^ GW_SKY_SEED);
 	float portals = portals_weight(g, normal);
-	vec3 sum = vec3(0.0f);
-	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++)
-		sum += sample_sky(g, normal, portals, m, pcg_hash2(own, m));
+	vec3 sum = vec3(0.0f), first = vec3(0.0f), second = vec3(0.0f);
+	for (uint m = push.batch_first; m < push.batch_first + push.batch_count; m++) {
+		vec3 direction;
+		vec3 irradiance = sample_sky(g, normal, portals, m, pcg_hash2(own, m), direction);
+		sum += irradiance;
+		if (push.moments == 0u)
+			continue;
+		vec2 share = moment_share_of(normal, direction);
+		first += irradiance * share.x;
+		second += irradiance * share.y;
+	}
 	record_sampled[i].xyz += sum / float(push.sky_samples);
+	if (push.moments != 0u) {
+		record_moment[2u * i].xyz += first / float(push.sky_samples);
+		record_moment[2u * i + 1u].xyz += second / float(push.sky_samples);
+	}
 }

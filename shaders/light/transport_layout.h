@@ -26,6 +26,11 @@
 /* In place of whether a record is open: it is left as it is. */
 #define GW_RECORD_LEFT (-1.0f)
 
+/* Light counts for how irradiance changes with the normal at most as that at this tangent of an
+ * angle to the normal does (63 degrees); so normals that turn by as little as its inverse as a sine
+ * (30 degrees) never receive less than nothing. */
+#define GW_TANGENT_MOST 2.0f
+
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 
@@ -89,7 +94,9 @@ SHARED_STRUCT(gw_record_push)
 	uint sky_y_up;
 	uint looked;  /* first gather: what lies nearest and who is buried is known */
 	uint portals; /* to the sky, of which a record takes GW_PORTAL_SAMPLES samples; 0: none */
-	uint unused[3];
+	uint moments; /* 1: how irradiance changes with the normal is gathered, too */
+	float share;  /* moments of hits: what they are multiplied by before they are added */
+	uint unused;
 };
 SHARED_SIZE(gw_record_push, 112);
 SHARED_OFFSET(gw_record_push, sky, 48);

@@ -141,8 +141,8 @@ static gw_bake_result *bake_frames(const scene *s, const gw_mover *ball,
 }
 
 /* Nearly all at once, since the layer makes shaders slow to compile: a sky with a map shines into a
- * cellar by a hole, a lamp has an extent, and a ball whose points emit moves there, so that rays
- * keep their hits or are traced again. */
+ * cellar by a hole, a lamp has an extent, a ball whose points emit moves there, so that rays keep
+ * their hits or are traced again, and records know from where their light comes. */
 static void frames_of_a_cellar(void **state)
 {
 	scene s = { 0 };
@@ -162,6 +162,7 @@ static void frames_of_a_cellar(void **state)
 								 .map_height = 8 } };
 	light[0].radius = 0.05f;
 	options.rays = gw_bake_options_default().rays;
+	options.basis = GW_BASIS_DIRECTIONAL;
 	gw_bake_result *expected = bake_frames(&s, &ball, light, &options);
 	options.passes = GW_PASSES_DEVICE;
 	options.validate = *(gw_validation *)*state;

@@ -62,12 +62,13 @@ static const struct {
 	[GW_PASS_FACET_DIRECT] = { "+", 2047 }, /* of a leaf, so many fragments count at most */
 	[GW_PASS_RECORD_RAYS] = { "hd", 0 },
 	[GW_PASS_RECORD_AGAIN] = { "hd", 0 },
-	[GW_PASS_RECORD_EMITTERS] = { "==l", 0 },
-	[GW_PASS_RECORD_SKY] = { "==l", 0 },
+	[GW_PASS_RECORD_EMITTERS] = { "==ll", 0 },
+	[GW_PASS_RECORD_SKY] = { "==ll", 0 },
 	[GW_PASS_RECORD_PORTALS] = { "b", 0 },
-	[GW_PASS_PORTAL_LIGHT] = { "==l", 0 },
-	[GW_PASS_RECORD_FIRST] = { "===l", 0 },
+	[GW_PASS_PORTAL_LIGHT] = { "==ll", 0 },
+	[GW_PASS_RECORD_FIRST] = { "===ll", 0 },
 	[GW_PASS_RECORD_GATHER] = { "=+", 64 }, /* rays of a record */
+	[GW_PASS_RECORD_MOMENTS] = { "==l", 0 },
 	[GW_PASS_RECORD_ADD] = { "==", 0 },
 	[GW_PASS_FACET_WEIGHTS] = { "rw", GW_WEIGHTS },
 	[GW_PASS_FACET_SHADE] = { "==+", GW_WEIGHTS + 1 },
