@@ -18,6 +18,7 @@
 #include "bake/scaled_scene.h"
 #include "bake/transport.h"
 #include "bake/voxels.h"
+#include "bake/volume_light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -134,7 +135,8 @@ static gw_status foretell(bake *b, gw_error *error)
 	double done = 0.0;
 	for (uint32_t i = 0; i + 1 < r->stage_count; i++)
 		done += r->stage[i].seconds;
-	GW_TRY(gw_forecast_make(&b->light, done, b->result, error));
+	if (b->scene.options.method != GW_METHOD_VOLUME) /* which takes as long with few records */
+		GW_TRY(gw_forecast_make(&b->light, done, b->result, error));
 	if (gw_half_sample_is_wanted(b->points, &b->scene.options, r))
 		add_halves(b);
 	if (b->scene.callbacks.planned)
@@ -168,6 +170,11 @@ static gw_status read_back(bake *b, gw_error *error)
 static gw_status estimate(bake *b, gw_error *error)
 {
 	return gw_lighting_estimate(&b->light, error);
+}
+
+static gw_status collect_volume(bake *b, gw_error *error)
+{
+	return gw_volume_light_collect(&b->light, b->result, error);
 }
 
 static gw_status collect_voxels(bake *b, gw_error *error)
@@ -244,8 +251,8 @@ static bool needs_records(const bake *b)
 /* A transport has records, whatever this light calls for. */
 static bool needs_places(const bake *b)
 {
-	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
+	return !has_transport(b) && (b->light.plan.records || keeps_transport(b) ||
+								 b->scene.options.volume || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
@@ -269,6 +276,11 @@ static bool needs_record_fields(const bake *b)
 	return gw_options_record_fields(&b->scene.options);
 }
 
+static bool needs_volume(const bake *b)
+{
+	return b->scene.options.volume;
+}
+
 static bool needs_voxels(const bake *b)
 {
 	return b->scene.options.voxels;
@@ -290,13 +302,14 @@ static const step steps[] = {
 	{ "estimate", 0.02, estimate, needs_estimate },
 	{ "save transport", 0.0, save_transport, keeps_transport },
 	{ "fields", 0.0, collect_record_fields, needs_record_fields },
+	{ "volume", 0.0, collect_volume, needs_volume }, /* before records add up their light */
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
 	{ "lamps", 0.0, collect_lamps, needs_columns },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 18 };
+enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 19 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -523,8 +536,9 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->inject_seconds = seconds[GW_PASS_FACET_SHADE] + seconds[GW_PASS_BRICK_INJECT] +
 							 seconds[GW_PASS_BRICK_MIPMAP];
 	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
-							seconds[GW_PASS_RECORD_FIRST];
-	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
+							seconds[GW_PASS_RECORD_FIRST] + seconds[GW_PASS_VOLUME_RAYS];
+	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES] +
+							 seconds[GW_PASS_VOLUME_FILL] + seconds[GW_PASS_VOLUME_READ];
 }
 
 /* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */
