@@ -225,6 +225,8 @@ typedef struct gw_light {
 typedef enum gw_method {
 	GW_METHOD_RAYS,  /* records gather by rays against the planes in the leaves; hits stored once */
 	GW_METHOD_CONES, /* records gather by cones in the anisotropic pyramid, anew every bounce */
+	GW_METHOD_VOLUME, /* cells of a uniform grid gather by rays and keep spherical harmonics, from
+						 which records and points read (Mavridis and Papaioannou) */
 	GW_METHOD_COUNT
 } gw_method;
 
@@ -344,6 +346,10 @@ typedef struct gw_bake_options {
 	uint32_t rays;          /* gather rays a record (GW_METHOD_RAYS), 1..4096 */
 	uint32_t light_samples; /* samples of the emitters a record, 1..4096 */
 	uint32_t cones;         /* gather cones a record (GW_METHOD_CONES), 1..256 */
+	uint32_t volume_cells;  /* of GW_METHOD_VOLUME and `volume`: cells along the longest side of
+							   the points' bounds, 2..512 */
+	uint32_t volume_harmonics; /* likewise: spherical harmonics a cell, 4 or 9. Each cell sends
+								  `rays` rays */
 	float record_spacing; /* leaf cells between records, 0..64; 0 places one on every surface piece
 							 of every leaf, as in Salm 4.4.3 */
 	uint32_t least_records; /* where there would be fewer, records stand closer, but for this never
@@ -376,6 +382,7 @@ typedef struct gw_bake_options {
 	gw_normals_choice normals;
 	gw_validation validate; /* run under Vulkan's validation layer; any message is an error */
 	bool voxels;            /* fill gw_bake_result.voxels */
+	bool volume;            /* fill gw_bake_result.volume, whatever the method */
 	bool lamps;             /* fill gw_bake_result.lamp and rest: solves again for each light */
 	bool ambient_occlusion; /* fill gw_bake_result.ambient_occlusion */
 	bool bent_normals;      /* fill gw_bake_result.bent_normal */
@@ -573,7 +580,7 @@ typedef struct gw_forecast {
 } gw_forecast;
 
 #define GW_REPORT_STAGES 24
-#define GW_REPORT_PASSES 48
+#define GW_REPORT_PASSES 56
 #define GW_REPORT_EFFECTS 24
 #define GW_REPORT_COUNTS 24
 #define GW_REPORT_ROUNDS 16
@@ -619,6 +626,7 @@ typedef struct gw_report {
 	float record_spacing; /* with which these were placed, leaf cells; 0: one on every surface, or
 							 there are none */
 	uint64_t rays, rays_traced; /* of the records; the others kept their hits from other frames */
+	uint64_t volume_cells;      /* of a radiance volume, that have light */
 	uint64_t octree_bytes;      /* tiles, keys, neighbour pointers, leaves, planes */
 	uint64_t brick_bytes;       /* 3D images */
 	uint64_t peak_bytes;        /* device memory at its highest */
@@ -641,6 +649,22 @@ typedef struct gw_voxels {
 	double origin[3]; /* of cell 0, metres, in the coordinates of gw_points.position */
 	double size;      /* of a cell, metres */
 } gw_voxels;
+
+/*
+ * Radiance that arrives at places in free space from all surfaces and the sky, but not straight
+ * from lamps, as real spherical harmonics L = sum c_j Y_j. The Y_j are orthonormal over the sphere,
+ * in the order 1; y, z, x; xy, yz, 3z^2-1, xz, x^2-y^2 with positive signs. Irradiance on a plane
+ * of normal n is sum A_j c_j Y_j(n) with A_j of pi, 2 pi / 3 and pi / 4 for the three bands.
+ */
+typedef struct gw_volume {
+	size_t count;       /* cells in free space */
+	int32_t *cell;      /* 3 * count */
+	uint32_t harmonics; /* a cell: 4 or 9 */
+	float *radiance;    /* 3 * harmonics * count: of each cell, for each harmonic, c_j as RGB */
+	double
+		origin[3]; /* of the corner of cell 0, metres, in the coordinates of gw_points.position */
+	double size;   /* of a cell, metres */
+} gw_volume;
 
 /* Why a light gives nothing. */
 typedef enum gw_light_fate {
@@ -685,6 +709,7 @@ typedef struct gw_bake_result {
 	float *roi;               /* count, side of the region of influence in leaf cells */
 	uint8_t *stray;           /* NULL when there is none; count, 0 or 1 + the gw_stray_kind */
 	gw_voxels voxels;         /* empty unless gw_bake_options.voxels */
+	gw_volume volume;         /* empty unless gw_bake_options.volume */
 	gw_light_given *given;    /* given_count, in the order of the lights; NULL with 0 bounces */
 	size_t given_count;
 	double gathered_share; /* of such light, what environments and points that emit give */

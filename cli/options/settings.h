@@ -232,7 +232,7 @@ typedef struct settings {
 	float exposure;                  /* EV; NAN: from the picture */
 	const char *scene;               /* the scene file that was read, or NULL */
 	const char *transport, *save_transport;
-	const char *output, *vdb, *report, *format, *columns, *output_format;
+	const char *output, *vdb, *vdb_sh, *report, *format, *columns, *output_format;
 	float vdb_voxel; /* metres; 0: the octree's cells */
 	settings_render render;
 	bool vdb_half, vdb_points, force, quiet, verbose, explain, profile, print_scene, json, devices;

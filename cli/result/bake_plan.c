@@ -40,6 +40,7 @@ gw_bake_options bake_plan_options(const settings *s)
 {
 	gw_bake_options options = s->bake;
 	options.voxels = s->vdb != NULL;
+	options.volume = s->vdb_sh != NULL;
 	options.ambient_occlusion = s->fields & 1u << SETTINGS_FIELD_AO;
 	options.bent_normals = s->fields & 1u << SETTINGS_FIELD_BENT_NORMALS;
 	options.errors = s->fields & 1u << SETTINGS_FIELD_ERROR;

@@ -212,6 +212,8 @@ static void write_octree(json_writer *json, const gw_report *r)
 	json_put_count(json, "records", r->records);
 	json_put_text(json, "basis",
 				  gw_basis_name(r->directional ? GW_BASIS_DIRECTIONAL : GW_BASIS_SCALAR));
+	if (r->volume_cells > 0)
+		json_put_count(json, "volume_cells", r->volume_cells);
 	json_put_single(json, "record_spacing", r->record_spacing);
 	json_put_real(json, "spacing", r->spacing);
 	json_put_real(json, "spacing_ratio", r->spacing_ratio);
@@ -267,7 +269,7 @@ gw_status bake_report_write(const bake_facts *f, output_file *out, gw_error *err
 		write_rounds(&json, r);
 	write_luminance(&json, f);
 	light_shares_write(&json, &(light_shares){ f->settings, f->scene, f->result, 0 });
-	if (f->settings->vdb)
+	if (f->settings->vdb || f->settings->vdb_sh)
 		json_put_count(&json, "vdb_clamped", f->vdb_clamped);
 	json_put_close(&json, '}');
 	fputc('\n', stream);
@@ -455,6 +457,8 @@ static const char *how_to_close(const settings *s)
 {
 	if (s->bake.method == GW_METHOD_CONES)
 		return "cones leave them open, --method rays --gaps mean closes them";
+	if (s->bake.method == GW_METHOD_VOLUME)
+		return "a volume leaves them open, --method rays --gaps mean closes them";
 	return s->bake.gaps == GW_GAPS_OPEN ? "--gaps closes them" : "--gaps has closed them";
 }
 
@@ -663,6 +667,8 @@ static void price_text(const bake_facts *f, char *text, size_t room)
 	time_text(seconds, time);
 	if (f->settings->bake.method == GW_METHOD_CONES && r->error.points)
 		snprintf(text, room, "; part of that is what cones are off, --method rays has less");
+	else if (f->settings->bake.method == GW_METHOD_VOLUME && r->error.points)
+		snprintf(text, room, "; more --volume-cells have less, and --method rays");
 	else if (r->price.error > 0.0 && seconds > 0.0)
 		snprintf(text, room, "; %s %% would take about %s (--max-error %.2g)",
 				 text_percent(r->price.error, percent), time, r->price.error);

@@ -121,9 +121,10 @@ gw_status frame_bake_check(const settings *s, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "--frames needs a scene file that says how many frames there are: "
 					   "\"frames\": N");
-	if (s->vdb || s->transport || s->save_transport)
+	if (s->vdb || s->vdb_sh || s->transport || s->save_transport)
 		return gw_fail(error, GW_ERROR_USAGE, "--frames writes points; leave out --%s",
 					   s->vdb         ? "vdb"
+					   : s->vdb_sh    ? "vdb-sh"
 					   : s->transport ? "transport"
 									  : "save-transport");
 	if (s->output && (strcmp(s->output, "-") == 0 || !strchr(s->output, '.')))

@@ -159,6 +159,7 @@ static gw_status add_outputs(roles *r, const file_series *series, gw_error *erro
 	const char *const path[] = { r->verb == VERB_CONVERT && !s->output ? s->input[1].path : NULL,
 								 series ? NULL : s->output,
 								 s->vdb,
+								 s->vdb_sh,
 								 s->report,
 								 s->save_transport,
 								 s->csv,

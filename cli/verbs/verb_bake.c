@@ -55,16 +55,16 @@ static gw_status check_streams(const settings *s, gw_error *error)
 	int from = 0, to = 0;
 	for (size_t i = 0; i < s->input_count; i++)
 		from += strcmp(s->input[i].path, "-") == 0;
-	const char *const out[] = { s->output, s->vdb, s->report, s->save_transport };
+	const char *const out[] = { s->output, s->vdb, s->vdb_sh, s->report, s->save_transport };
 	from += s->transport && strcmp(s->transport, "-") == 0;
-	for (size_t i = 0; i < 4; i++)
+	for (size_t i = 0; i < sizeof out / sizeof *out; i++)
 		to += out[i] && strcmp(out[i], "-") == 0;
 	if (from > 1)
 		return gw_fail(error, GW_ERROR_USAGE, "standard input can be read once, not %d times",
 					   from);
 	if (to > 1)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output, --vdb, --report and "
+					   "standard output can hold one of --output, --vdb, --vdb-sh, --report and "
 					   "--save-transport, not %d",
 					   to);
 	bool binary = to > 0 && !(s->report && strcmp(s->report, "-") == 0);
@@ -98,13 +98,13 @@ static gw_status check(bake *b)
 					   "what to light? Name an input, or - for standard input");
 	if (s->print_scene)
 		return GW_OK;
-	if (!s->output && !s->vdb && !s->report && !s->save_transport)
+	if (!s->output && !s->vdb && !s->vdb_sh && !s->report && !s->save_transport)
 		return gw_fail(b->error, GW_ERROR_USAGE,
 					   "where to write? Give -o FILE, or -o - for standard output");
 	if (s->output_format && !s->output)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--output-format needs -o FILE");
-	if (s->vdb_half && !s->vdb)
-		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb FILE");
+	if (s->vdb_half && !s->vdb && !s->vdb_sh)
+		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-half needs --vdb or --vdb-sh FILE");
 	if (s->vdb_points && !s->vdb)
 		return gw_fail(b->error, GW_ERROR_USAGE, "--vdb-points needs --vdb FILE");
 	if (s->vdb_voxel > 0.0f && !s->vdb)
@@ -119,6 +119,18 @@ static gw_status check(bake *b)
 	return GW_OK;
 }
 
+/* Can grids be written there? path may be NULL. */
+static gw_status probe_grids(bake *b, const char *path)
+{
+	struct stat info;
+	output_file *probe;
+	if (!path || strcmp(path, "-") == 0 || (stat(path, &info) == 0 && !S_ISREG(info.st_mode)))
+		return GW_OK;
+	GW_TRY(output_file_create(&probe, path, b->settings->force, b->error));
+	output_file_abandon(&probe);
+	return GW_OK;
+}
+
 /* Before hours of work it has to be clear that the results can be put down. */
 static gw_status open_outputs(bake *b)
 {
@@ -129,14 +141,8 @@ static gw_status open_outputs(bake *b)
 		GW_TRY(output_file_create(&b->report, s->report, s->force, b->error));
 	if (s->save_transport)
 		GW_TRY(output_file_create(&b->transport, s->save_transport, s->force, b->error));
-	struct stat info;
-	bool stream = s->vdb && (strcmp(s->vdb, "-") == 0 ||
-							 (stat(s->vdb, &info) == 0 && !S_ISREG(info.st_mode)));
-	if (s->vdb && !stream) {
-		output_file *probe;
-		GW_TRY(output_file_create(&probe, s->vdb, s->force, b->error));
-		output_file_abandon(&probe);
-	}
+	GW_TRY(probe_grids(b, s->vdb));
+	GW_TRY(probe_grids(b, s->vdb_sh));
 	return GW_OK;
 }
 
@@ -350,21 +356,46 @@ static size_t drop_strays(bake *b)
 	return kept;
 }
 
+#define GRID_TEXTS 3
+
+/* What grids say about themselves. */
+static void describe_grids(const settings *s, vdb_text text[GRID_TEXTS])
+{
+	text[0] = (vdb_text){ "creator", "glowworm " GW_VERSION };
+	text[1] = (vdb_text){ "command", s->command };
+	text[2] = (vdb_text){ "units", s->units == LIGHT_UNITS_PHOTOMETRIC ? "cd/m^2" : "W/(sr m^2)" };
+}
+
+/* The radiance in free space. */
+static gw_status write_harmonics(bake *b)
+{
+	const settings *s = b->settings;
+	vdb_text text[GRID_TEXTS];
+	describe_grids(s, text);
+	uint64_t clamped = 0;
+	const vdb_metadata metadata = { .text = text,
+									.text_count = GRID_TEXTS,
+									.half = s->vdb_half,
+									.volume = &b->result->volume,
+									.memory = s->bake.memory,
+									.clamped = &clamped };
+	gw_status status = vdb_write(s->vdb_sh, s->force, &b->result->voxels, &metadata, b->error);
+	b->facts.vdb_clamped += clamped;
+	return status;
+}
+
 static gw_status write_grids(bake *b)
 {
 	const settings *s = b->settings;
-	const vdb_text text[] = {
-		{ "creator", "glowworm " GW_VERSION },
-		{ "command", s->command },
-		{ "units", s->units == LIGHT_UNITS_PHOTOMETRIC ? "cd/m^2" : "W/(sr m^2)" },
-	};
+	vdb_text text[GRID_TEXTS];
+	describe_grids(s, text);
 	const vdb_points points = { .count = drop_strays(b),
 								.position = b->scene.points.points.position,
 								.radiance = b->result->radiance,
 								.albedo = b->result->albedo,
 								.normal = b->result->normal };
 	vdb_metadata metadata = { .text = text,
-							  .text_count = sizeof text / sizeof *text,
+							  .text_count = GRID_TEXTS,
 							  .half = s->vdb_half,
 							  .memory = s->bake.memory,
 							  .points = s->vdb_points ? &points : NULL,
@@ -387,6 +418,8 @@ static gw_status write_outputs(bake *b, gw_status *grids)
 		GW_TRY(b->format->write(b->output, &b->lit, b->error));
 	if (b->settings->vdb)
 		*grids = write_grids(b);
+	if (b->settings->vdb_sh && *grids == GW_OK)
+		*grids = write_harmonics(b);
 	if (*grids == GW_ERROR_CANCELLED)
 		return GW_ERROR_CANCELLED;
 	GW_TRY(signals_check(b->error));

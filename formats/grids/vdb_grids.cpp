@@ -27,7 +27,11 @@
 namespace
 {
 
-const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal" };
+/* Of voxels, then of the harmonics of a volume. */
+enum { HARMONIC_NAME = 5 };
+const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal",
+											"sh_0",    "sh_1",     "sh_2",  "sh_3",     "sh_4",
+											"sh_5",    "sh_6",     "sh_7",  "sh_8" };
 const char *const point_grid_name = "points";
 
 /* Attributes of a point but for its position: what is lit, then in Houdini's names. */
@@ -127,9 +131,14 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 	fingerprint print;
 	print.add(&v.count, sizeof v.count);
 	print.add(v.cell, v.count * 3 * sizeof *v.cell);
-	print.add(v.density, v.count * sizeof *v.density);
+	if (m.volume)
+		print.add(m.volume->radiance,
+				  v.count * 3 * m.volume->harmonics * sizeof *m.volume->radiance);
+	if (!m.volume)
+		print.add(v.density, v.count * sizeof *v.density);
 	for (const float *values : { v.radiance, v.albedo, v.emission, v.normal })
-		print.add(values, v.count * 3 * sizeof *values);
+		if (!m.volume)
+			print.add(values, v.count * 3 * sizeof *values);
 	print.add(v.origin, sizeof v.origin);
 	print.add(&v.size, sizeof v.size);
 	print.add(&m.half, sizeof m.half);
@@ -158,7 +167,7 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 gw_status check(const gw_voxels &v, gw_error *error)
 {
 	if (v.count == 0)
-		return fail(error, GW_ERROR_DATA, "there are no voxels to write as grids");
+		return fail(error, GW_ERROR_DATA, "there are no cells to write as grids");
 	if (!(v.size > 0.0) || !std::isfinite(v.size))
 		return fail(error, GW_ERROR_DATA, "voxels of %g m cannot be written as grids", v.size);
 	for (double o : v.origin)
@@ -201,22 +210,23 @@ void count_nodes(const int32_t *cells, size_t count, uint64_t nodes[3])
 	}
 }
 
-gw_status check_memory(const gw_voxels &v, uint64_t limit, gw_error *error)
+gw_status check_memory(const gw_voxels &v, const vdb_metadata &m, gw_error *error)
 {
-	uint64_t nodes[3];
+	uint64_t nodes[3], limit = m.memory;
 	uint64_t counting = v.count * sizeof(uint64_t);
 	if (limit == 0)
 		return GW_OK;
 	if (counting <= limit) {
 		count_nodes(v.cell, v.count, nodes);
-		uint64_t bytes =
-			tree_bytes<openvdb::FloatTree>(nodes) + 4 * tree_bytes<openvdb::Vec3STree>(nodes);
+		uint64_t bytes = m.volume ? m.volume->harmonics * tree_bytes<openvdb::Vec3STree>(nodes)
+								  : tree_bytes<openvdb::FloatTree>(nodes) +
+										4 * tree_bytes<openvdb::Vec3STree>(nodes);
 		if (bytes <= limit)
 			return GW_OK;
 		return fail(error, GW_ERROR_MEMORY,
 					"the grids of %zu voxels in %llu leaf nodes would take %llu bytes of memory, "
-					"%llu for each voxel, and %llu are allowed; bake with a smaller depth or "
-					"allow more memory",
+					"%llu for each voxel, and %llu are allowed; ask for larger cells or allow "
+					"more memory",
 					v.count, (unsigned long long)nodes[0], (unsigned long long)bytes,
 					(unsigned long long)(bytes / v.count), (unsigned long long)limit);
 	}
@@ -295,12 +305,13 @@ struct builder {
 		return grid;
 	}
 
-	openvdb::GridBase::Ptr vectors(const char *name, const float *values)
+	/* Values of a cell are `step` vectors from those of the next one. */
+	openvdb::GridBase::Ptr vectors(const char *name, const float *values, size_t step = 1)
 	{
 		auto grid = start<openvdb::Vec3SGrid>(name);
 		auto accessor = grid->getAccessor();
 		for (size_t i = 0; i < voxels.count; i++) {
-			const float *v = values + 3 * i;
+			const float *v = values + 3 * step * i;
 			accessor.setValueOn(cell(i), openvdb::Vec3s(stored(v[0]), stored(v[1]), stored(v[2])));
 		}
 		return grid;
@@ -499,11 +510,40 @@ vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
 	return digest;
 }
 
+openvdb::GridPtrVec voxel_grids(builder &build)
+{
+	const gw_voxels &v = build.voxels;
+	return { build.scalars(grid_names[0], v.density), build.vectors(grid_names[1], v.radiance),
+			 build.vectors(grid_names[2], v.albedo), build.vectors(grid_names[3], v.emission),
+			 build.vectors(grid_names[4], v.normal) };
+}
+
+openvdb::GridPtrVec harmonic_grids(builder &build)
+{
+	const gw_volume &volume = *build.metadata.volume;
+	openvdb::GridPtrVec grids;
+	for (uint32_t j = 0; j < volume.harmonics; j++)
+		grids.push_back(build.vectors(grid_names[HARMONIC_NAME + j], volume.radiance + 3 * j,
+									  volume.harmonics));
+	return grids;
+}
+
+/* The cells of a volume, as voxels that have nothing else. */
+gw_voxels cells_of(const gw_volume &volume)
+{
+	gw_voxels cells = {};
+	cells.count = volume.count;
+	cells.cell = volume.cell;
+	cells.size = volume.size;
+	std::copy(volume.origin, volume.origin + 3, cells.origin);
+	return cells;
+}
+
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
 				 vdb_digest *digest, gw_error *error)
 {
 	GW_TRY(check(v, error));
-	GW_TRY(check_memory(v, m.memory, error));
+	GW_TRY(check_memory(v, m, error));
 
 	openvdb::initialize();
 	builder build(v, m);
@@ -512,11 +552,7 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 		points = std::make_unique<placed_points>(*m.points, build.origin);
 		GW_TRY(check_points(*points, *build.transform, m.memory, error));
 	}
-	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
-								  build.vectors(grid_names[1], v.radiance),
-								  build.vectors(grid_names[2], v.albedo),
-								  build.vectors(grid_names[3], v.emission),
-								  build.vectors(grid_names[4], v.normal) };
+	openvdb::GridPtrVec grids = m.volume ? harmonic_grids(build) : voxel_grids(build);
 	if (points)
 		grids.push_back(build_points(build, *points));
 	openvdb::MetaMap file;
@@ -588,8 +624,11 @@ template <typename Work> gw_status guarded(const char *what, gw_error *error, Wo
 extern "C" gw_status vdb_encode(const gw_voxels *voxels, const vdb_metadata *metadata,
 								vdb_sink sink, void *user, vdb_digest *digest, gw_error *error)
 {
-	return guarded("write", error,
-				   [&] { return encode(*voxels, *metadata, sink, user, digest, error); });
+	return guarded("write", error, [&] {
+		return metadata->volume
+				   ? encode(cells_of(*metadata->volume), *metadata, sink, user, digest, error)
+				   : encode(*voxels, *metadata, sink, user, digest, error);
+	});
 }
 
 extern "C" gw_status vdb_verify(const char *path, const vdb_digest *digest, gw_error *error)

@@ -19,6 +19,7 @@
 #include "bake/scaled_scene.h"
 #include "bake/transport.h"
 #include "bake/voxels.h"
+#include "bake/volume_light.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -131,8 +132,11 @@ static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error 
 	return GW_OK;
 }
 
+/* A radiance volume takes as long with few records as with all. */
 static gw_status foretell_all(bake *b, double done, gw_bake_result *light, gw_error *error)
 {
+	if (b->scene.options.method == GW_METHOD_VOLUME)
+		return GW_OK;
 	GW_TRY(gw_forecast_make(&b->light, done, b->result, light, error));
 	return light ? foretell_halves(b, light, error) : GW_OK;
 }
@@ -182,6 +186,11 @@ static gw_status read_back(bake *b, gw_error *error)
 static gw_status estimate(bake *b, gw_error *error)
 {
 	return gw_lighting_estimate(&b->light, error);
+}
+
+static gw_status collect_volume(bake *b, gw_error *error)
+{
+	return gw_volume_light_collect(&b->light, b->result, error);
 }
 
 static gw_status collect_voxels(bake *b, gw_error *error)
@@ -258,8 +267,8 @@ static bool needs_records(const bake *b)
 /* A transport has records, whatever this light calls for. */
 static bool needs_places(const bake *b)
 {
-	return !has_transport(b) &&
-		   (b->light.plan.records || keeps_transport(b) || gw_options_openness(&b->scene.options));
+	return !has_transport(b) && (b->light.plan.records || keeps_transport(b) ||
+								 b->scene.options.volume || gw_options_openness(&b->scene.options));
 }
 
 static bool needs_estimate(const bake *b)
@@ -283,6 +292,11 @@ static bool needs_record_fields(const bake *b)
 	return gw_options_record_fields(&b->scene.options);
 }
 
+static bool needs_volume(const bake *b)
+{
+	return b->scene.options.volume;
+}
+
 static bool needs_voxels(const bake *b)
 {
 	return b->scene.options.voxels;
@@ -304,13 +318,14 @@ static const step steps[] = {
 	{ "estimate", 0.02, estimate, needs_estimate },
 	{ "save transport", 0.0, save_transport, keeps_transport },
 	{ "fields", 0.0, collect_record_fields, needs_record_fields },
+	{ "volume", 0.0, collect_volume, needs_volume }, /* before records add up their light */
 	{ "voxels", 0.02, collect_voxels, needs_voxels },
 	{ "points", 0.02, collect, always },
 	{ "lamps", 0.0, collect_lamps, needs_columns },
 };
 
 /* Where in steps a round begins: with a new octree, or with new records; and what comes after. */
-enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 18 };
+enum { OCTREE_STEP = 5, RECORDS_STEP = 8, AFTER_ROUND = 13, STEP_COUNT = 19 };
 
 _Static_assert(sizeof steps / sizeof *steps == STEP_COUNT, "all steps run");
 
@@ -537,8 +552,9 @@ static void report_profile(const gw_passes *passes, gw_report *report)
 	report->inject_seconds = seconds[GW_PASS_FACET_SHADE] + seconds[GW_PASS_BRICK_INJECT] +
 							 seconds[GW_PASS_BRICK_MIPMAP];
 	report->trace_seconds = seconds[GW_PASS_RECORD_RAYS] + seconds[GW_PASS_RECORD_EMITTERS] +
-							seconds[GW_PASS_RECORD_FIRST];
-	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES];
+							seconds[GW_PASS_RECORD_FIRST] + seconds[GW_PASS_VOLUME_RAYS];
+	report->gather_seconds = seconds[GW_PASS_RECORD_GATHER] + seconds[GW_PASS_RECORD_CONES] +
+							 seconds[GW_PASS_VOLUME_FILL] + seconds[GW_PASS_VOLUME_READ];
 }
 
 /* Seconds that a ray takes, with what else is done for it; to be asked when the rounds are over. */

@@ -13,6 +13,7 @@
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
+#include "bake/volume_light.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -64,7 +65,8 @@ static bool shares(const gw_frames *f)
 
 static bool needs_places(const gw_frames *f)
 {
-	return f->light.plan.records || gw_options_record_fields(&f->scene.options);
+	return f->light.plan.records || f->scene.options.volume ||
+		   gw_options_record_fields(&f->scene.options);
 }
 
 void gw_frames_drop_geometry(gw_frames *f)
@@ -204,6 +206,8 @@ static gw_status collect(gw_frames *f, gw_bake_result *result, gw_error *error)
 	const gw_bake_options *o = &f->scene.options;
 	if (gw_options_record_fields(o))
 		GW_TRY(gw_record_fields_collect(&f->light, result, error));
+	if (o->volume)
+		GW_TRY(gw_volume_light_collect(&f->light, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(&f->light, result, error));
 	GW_TRY(stage(f, "points", 0.95, error));

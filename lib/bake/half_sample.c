@@ -57,7 +57,7 @@ gw_bake_options gw_half_sample_options(const gw_bake_options *options)
 	plain.estimate_points = 0;
 	plain.max_error = plain.time_limit = 0.0f;
 	plain.voxels = plain.lamps = plain.ambient_occlusion = plain.unknown = plain.errors = false;
-	plain.bent_normals = false;
+	plain.bent_normals = plain.volume = false;
 	if (plain.gaps == GW_GAPS_OPEN)
 		plain.effects_forbidden |= 1u
 								   << GW_EFFECT_GAPS; /* gaps that stay open light nothing else */

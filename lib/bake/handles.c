@@ -7,6 +7,7 @@
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
+#include "bake/volume_light.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -288,6 +289,8 @@ static gw_status collect(gw_lighting *lighting, gw_bake_result *result, gw_error
 	/* What follows works where the records' light is. */
 	if (o->voxels || o->lamps)
 		scene->lit = NULL;
+	if (o->volume)
+		GW_TRY(gw_volume_light_collect(lighting, result, error));
 	if (o->voxels)
 		GW_TRY(gw_result_collect_voxels(lighting, result, error));
 	GW_TRY(gw_result_collect(lighting, result, error));

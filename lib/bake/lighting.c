@@ -3,6 +3,7 @@
  */
 #include "bake/lighting.h"
 #include "bake/report.h"
+#include "bake/volume_light.h"
 
 #include "light/bounces.h"
 #include "light/cones_apart.h"
@@ -19,9 +20,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-
-/* Emitters that cover less of the surface than this are sampled; more are light of the voxels. */
-#define SAMPLED_SHARE 0.1
 
 #define PATCH_SEED 0x2c1b3c6du
 
@@ -209,6 +207,22 @@ static gw_status add_gathered(gw_scene *s, gw_error *error)
 						error);
 }
 
+gw_status gw_lighting_sample_small(gw_lighting *lighting, bool *large, gw_error *error)
+{
+	const float black[3] = { 0 };
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	*large = lighting->plan.emitters && lighting->emitters.area_share >= GW_SAMPLED_SHARE;
+	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
+										 .samples = *large ? 0 : s->options.light_samples,
+										 .sky = black,
+										 .map = &lighting->map,
+										 .map_samples = s->options.light_samples,
+										 .looked = true,
+										 .seed = (uint32_t)s->options.seed };
+	return gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error);
+}
+
 /* Cones see the sky and large emitters; small emitters and the map of the sky are sampled. */
 static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 {
@@ -216,15 +230,8 @@ static gw_status first_by_cones(gw_lighting *lighting, gw_error *error)
 	gw_scene *s = lighting->scene;
 	const gw_record_context on = gw_scene_context(s, &s->records);
 	const gw_plan *plan = &lighting->plan;
-	bool in_voxels = plan->emitters && lighting->emitters.area_share >= SAMPLED_SHARE;
-	const gw_sampled_sources sources = { .emitters = &lighting->emitters,
-										 .samples = in_voxels ? 0 : s->options.light_samples,
-										 .sky = black,
-										 .map = &lighting->map,
-										 .map_samples = s->options.light_samples,
-										 .looked = true,
-										 .seed = (uint32_t)s->options.seed };
-	GW_TRY(gw_ray_gather_sampled(&on, &s->rays, &sources, &s->records.first, error));
+	bool in_voxels;
+	GW_TRY(gw_lighting_sample_small(lighting, &in_voxels, error));
 	const float *sky = plan->sky_radiance;
 	bool seen = plan->sky && (sky[0] > 0.0f || sky[1] > 0.0f || sky[2] > 0.0f);
 	if (!in_voxels && !seen)
@@ -355,8 +362,10 @@ gw_status gw_lighting_gather_first(gw_lighting *lighting, gw_error *error)
 		GW_TRY(gw_records_make_moments(s->gpu, &s->records, error));
 	else
 		gw_records_drop_moments(s->gpu, &s->records);
-	GW_TRY(s->options.method == GW_METHOD_RAYS ? first_by_rays(lighting, error)
-											   : first_by_cones(lighting, error));
+	gw_method method = s->options.method;
+	GW_TRY(method == GW_METHOD_RAYS    ? first_by_rays(lighting, error)
+		   : method == GW_METHOD_CONES ? first_by_cones(lighting, error)
+									   : gw_volume_light_first(lighting, error));
 	return see_gaps(lighting, error);
 }
 
@@ -500,15 +509,19 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 {
 	gw_scene *s = lighting->scene;
 	gw_report *report = s->report;
+	const gw_trace_step steps[GW_METHOD_COUNT] = {
+		[GW_METHOD_RAYS] = { gather_by_rays, gather_patches, &s->rays, lighting },
+		[GW_METHOD_CONES] = { .gather = gather_by_cones, .self = lighting },
+		[GW_METHOD_VOLUME] = { .gather = gw_volume_light_gather,
+							   .gather_first = gw_volume_light_gather_first,
+							   .self = lighting },
+	};
 	bool rays = s->options.method == GW_METHOD_RAYS;
 	gw_bounces bounces;
 	gw_bounces_task task = { .on = gw_scene_context(s, &s->records),
 							 .facet_direct = &lighting->facet_direct,
 							 .facet_radiance = &lighting->facet_radiance,
-							 .step = { .gather = rays ? gather_by_rays : gather_by_cones,
-									   .gather_first = rays ? gather_patches : NULL,
-									   .hits = rays ? &s->rays : NULL,
-									   .self = lighting },
+							 .step = steps[s->options.method],
 							 .limit = lighting->plan.bounces ? lighting->plan.limit : 1,
 							 .tolerance = s->options.tolerance,
 							 .no_bound = lighting->whole != NULL,
@@ -597,6 +610,8 @@ gw_status gw_lighting_read_back(gw_lighting *lighting, gw_error *error)
 	if (status == GW_OK)
 		status = read_back(s, &r->indirect, &r->indirect_moment, &records,
 						   &lighting->surfel_indirect, error);
+	if (status == GW_OK && s->options.method == GW_METHOD_VOLUME)
+		status = gw_volume_light_read_back(lighting, error);
 	free(values);
 	return status;
 }

@@ -85,6 +85,14 @@ gw_status gw_lighting_foresee(gw_lighting *lighting, gw_error *error);
  * where no lamp shines. */
 gw_status gw_lighting_download_direct(const gw_lighting *lighting, float **direct, gw_error *error);
 
+/* Emitters that cover less of the surface than this are sampled; more are light of the voxels, or
+ * of the cells of a volume. */
+#define GW_SAMPLED_SHARE 0.1
+
+/* Where cones or a volume gather: what they would miss is sampled from the records, into their
+ * first light: small emitters and the map of the sky. *large: emitters are left to them. */
+gw_status gw_lighting_sample_small(gw_lighting *lighting, bool *large, gw_error *error);
+
 /* Forget the map of the sky, when another is to take its place; what was gathered; all light.
  * Before the scene drops the records, or the octree. */
 void gw_lighting_drop_map(gw_lighting *lighting);

@@ -123,9 +123,10 @@ static void plan_emitters(const gw_plan_task *task, gw_plan *plan, gw_report *re
 					 !(largest > 0.0f)  ? "no point emits"
 					 : plan->limit == 0 ? "no reflection is asked for"
 										: reason,
-					 task->options->method == GW_METHOD_RAYS
-						 ? "sampled, and hit by rays"
-						 : "sampled, or as light of the voxels" };
+					 task->options->method == GW_METHOD_RAYS ? "sampled, and hit by rays"
+					 : task->options->method == GW_METHOD_CONES
+						 ? "sampled, or as light of the voxels"
+						 : "sampled, or hit by rays of the volume" };
 	plan->emitters = decide(task, c, report);
 }
 
@@ -170,10 +171,12 @@ static void plan_sky(const gw_plan_task *task, gw_plan *plan, gw_report *report)
 	if (!plan->sky)
 		drop_sky(plan);
 	bool rays = task->options->method == GW_METHOD_RAYS;
+	bool cones = task->options->method == GW_METHOD_CONES;
 	const call portals = { GW_EFFECT_PORTALS, plan->sky && rays,
 						   !plan->sky ? "no sky shines"
 						   : rays     ? "whether openings to the sky are few is found by rays"
-									  : "cones see the sky themselves",
+						   : cones    ? "cones see the sky themselves"
+									  : "rays of the volume see the sky themselves",
 						   "sampled beside the rays" };
 	plan->portals = decide(task, portals, report);
 }
@@ -213,12 +216,13 @@ static void plan_rest(const gw_plan_task *task, gw_plan *plan, gw_report *report
 	plan->error = decide(task, error, report);
 	bool open = o->ambient_occlusion || o->bent_normals;
 	bool kept = o->transport && o->transport->write;
-	plan->octree_asked = kept || o->voxels || open;
+	plan->octree_asked = kept || o->voxels || o->volume || open;
 	const call octree = { GW_EFFECT_OCTREE, hidden || plan->octree_asked,
 						  plan->records   ? "light is gathered by rays or cones"
 						  : plan->shadows ? "shadows are traced through it"
 						  : kept          ? "a transport has one"
 						  : o->voxels     ? "grids are made of its leaves"
+						  : o->volume     ? "radiance in free space is found by rays"
 						  : open          ? "ambient occlusion is found by rays"
 										  : "nothing is traced",
 						  "sparse voxels" };
@@ -289,7 +293,7 @@ bool gw_plan_may_gather(const gw_bake_options *o)
 		may |= gw_effect_forced(o, gathered[i]);
 	bool first = !is_forbidden(o, GW_EFFECT_EMITTERS) || !is_forbidden(o, GW_EFFECT_SKY);
 	return may || (o->bounces > 0 && first) || o->bounces > 1 || o->ambient_occlusion ||
-		   o->bent_normals;
+		   o->bent_normals || o->volume;
 }
 
 bool gw_plan_may_trace(const gw_bake_options *o)

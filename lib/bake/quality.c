@@ -30,6 +30,8 @@ gw_bake_options gw_bake_options_default(void)
 							  .rays = 64,
 							  .light_samples = 64,
 							  .cones = 16,
+							  .volume_cells = 64,
+							  .volume_harmonics = 4,
 							  .record_spacing = 2.5f,
 							  .least_records = LEAST_RECORDS,
 							  .estimate_points = 500,

@@ -308,6 +308,8 @@ void gw_bake_result_destroy(gw_bake_result **result)
 	free(r->stray);
 	free(r->given);
 	gw_voxels_clear(&r->voxels);
+	free(r->volume.cell);
+	free(r->volume.radiance);
 	free(r->report.bounce);
 	free(r);
 	*result = NULL;

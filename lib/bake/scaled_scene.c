@@ -320,6 +320,7 @@ gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *re
 							   gw_error *error)
 {
 	gw_voxels *v = &result->voxels;
+	gw_volume *u = &result->volume;
 	size_t n = result->count;
 	bool fits = true;
 	if (scaled->length == 0 && scaled->light == 0)
@@ -333,9 +334,13 @@ gw_status gw_scaled_scene_undo(const gw_scaled_scene *scaled, gw_bake_result *re
 	fits &= undo_light(result->error, n, scaled->light);
 	fits &= undo_light(v->radiance, 3 * v->count, scaled->light);
 	fits &= undo_light(v->emission, 3 * v->count, scaled->light);
+	fits &= undo_light(u->radiance, 3 * (size_t)u->harmonics * u->count, scaled->light);
 	v->size = ldexp(v->size, -scaled->length);
-	for (int k = 0; k < 3; k++)
+	u->size = ldexp(u->size, -scaled->length);
+	for (int k = 0; k < 3; k++) {
 		v->origin[k] = ldexp(v->origin[k], -scaled->length);
+		u->origin[k] = ldexp(u->origin[k], -scaled->length);
+	}
 	undo_report(scaled, &result->report);
 	return fits ? GW_OK : fail_bright(error);
 }

@@ -115,6 +115,23 @@ bool gw_options_record_fields(const gw_bake_options *o)
 	return gw_options_openness(o) || o->errors || o->unknown;
 }
 
+static gw_status check_volume(const gw_bake_options *o, gw_error *error)
+{
+	if (o->volume_harmonics != 4 && o->volume_harmonics != 9)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a cell of a volume can have 4 or 9 spherical harmonics, not %u",
+					   o->volume_harmonics);
+	if (o->method == GW_METHOD_VOLUME && gw_options_refine(o))
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "a volume is not refined until an error or a time is reached; ask for more "
+					   "cells, or gather by rays");
+	if (o->method == GW_METHOD_VOLUME && o->lamps)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the light of single lamps does not add up where a volume gathers, which "
+					   "holds each above 0; gather by rays for it");
+	return GW_OK;
+}
+
 gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description *scene,
 						   gw_error *error)
 {
@@ -128,6 +145,8 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 		{ "rays", o->rays, 1, 4096 },
 		{ "light samples", o->light_samples, 1, 4096 },
 		{ "cones", o->cones, 1, 256 },
+		{ "number of cells of a volume", o->volume_cells, GW_VOLUME_CELLS_LEAST,
+		  GW_VOLUME_CELLS_MOST },
 		{ "record spacing", (double)o->record_spacing, 0, 64 },
 		{ "shadow map size", o->shadow_map_size, 16, 8192 },
 		{ "largest error", (double)o->max_error, 0, 1 },
@@ -163,7 +182,10 @@ gw_status gw_options_check(const gw_bake_options *o, const gw_scene_description 
 					   "gaps are open; leave the basis to the bake");
 	if (o->gaps != GW_GAPS_OPEN && o->method != GW_METHOD_RAYS)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "cones do not know gaps; leave these open, or gather by rays");
+					   "%s do%s not know gaps; leave these open, or gather by rays",
+					   o->method == GW_METHOD_CONES ? "cones" : "a volume",
+					   o->method == GW_METHOD_CONES ? "" : "es");
+	GW_TRY(check_volume(o, error));
 	if (o->gap_radiance > 0.0f && (o->lamps || o->gaps != GW_GAPS_BLACK))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "a radiance of gaps takes gaps that are black without it, and is no lamp's: "
@@ -501,10 +523,35 @@ static void report_records(gw_scene *scene)
 	scene->report->record_spacing = scene->records.spacing;
 }
 
-/* Work space of cones. */
+gw_volume_wish gw_scene_wish_volume(const gw_scene *scene)
+{
+	const gw_bake_options *o = &scene->options;
+	return (gw_volume_wish){ .surfels = &scene->surfels,
+							 .cells = o->volume_cells,
+							 .order = o->volume_harmonics == 9 ? 3 : 2,
+							 .rays = o->rays,
+							 .seed = (uint32_t)o->seed,
+							 .whole = o->volume };
+}
+
+/* Cells of a volume, what they see, and which of them light each record. */
+static gw_status make_volume(gw_scene *scene, gw_error *error)
+{
+	const gw_record_context on = gw_scene_context(scene, &scene->records);
+	const gw_volume_wish wish = gw_scene_wish_volume(scene);
+	GW_TRY(gw_compartments_find(scene->gpu, &scene->surfels, scene->options.threads, &scene->octree,
+								error));
+	GW_TRY(gw_radiance_volume_make(&on, &wish, &scene->volume, error));
+	scene->report->volume_cells = scene->volume.count;
+	return gw_volume_weigh_records(&on, &scene->volume, &scene->volume_rows, error);
+}
+
+/* Work space of cones or of a volume. */
 static gw_status make_pools(gw_scene *scene, gw_error *error)
 {
 	const gw_bake_options *o = &scene->options;
+	if (o->method == GW_METHOD_VOLUME)
+		return make_volume(scene, error);
 	if (o->method != GW_METHOD_CONES)
 		return GW_OK;
 	GW_TRY(gw_cone_gather_create(scene->gpu, &scene->octree, o->cones, (uint32_t)o->seed,
@@ -717,6 +764,8 @@ gw_status gw_scene_keep_hits(gw_scene *scene, gw_kept_hits *kept, gw_error *erro
 void gw_scene_drop_records(gw_scene *scene)
 {
 	gw_cone_gather_destroy(scene->gpu, &scene->cones);
+	gw_volume_rows_destroy(scene->gpu, &scene->volume_rows);
+	gw_radiance_volume_destroy(scene->gpu, &scene->volume);
 	gw_ray_gather_destroy(scene->gpu, &scene->rays);
 	gw_portals_destroy(scene->gpu, &scene->portals);
 	gw_records_destroy(scene->gpu, &scene->records);

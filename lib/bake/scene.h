@@ -18,6 +18,7 @@
 #include "light/kept_hits.h"
 #include "light/moments.h"
 #include "light/read_back.h"
+#include "light/volume_places.h"
 #include "surfels/scanned_space.h"
 #include "bake/scaled_scene.h"
 
@@ -53,8 +54,10 @@ struct gw_scene {
 	gw_octree octree;
 	gw_passes passes;
 	gw_records records;
-	gw_ray_gather rays;   /* hits that serve every bounce; of a few rays where cones gather */
-	gw_cone_gather cones; /* empty for GW_METHOD_RAYS */
+	gw_ray_gather rays;         /* hits that serve every bounce; of a few rays where cones gather */
+	gw_cone_gather cones;       /* empty but for GW_METHOD_CONES */
+	gw_radiance_volume volume;  /* empty but for GW_METHOD_VOLUME, as are: */
+	gw_volume_rows volume_rows; /* the cells that light each record */
 	gw_read_back read_back;
 	/* What the points that emit brought to the records, once it is known: it depends on
 	 * their emission, but not on lamps. */
@@ -113,6 +116,9 @@ gw_bake_options gw_options_effective(const gw_bake_options *options);
 
 /* How close records are to stand: by options that may be others than the scene's. */
 gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_options *options);
+
+/* The volume that options ask for, of the cells that its surfels and records read. */
+gw_volume_wish gw_scene_wish_volume(const gw_scene *scene);
 
 /* Whether the options ask to refine until an error or a time is reached. */
 bool gw_options_refine(const gw_bake_options *options);

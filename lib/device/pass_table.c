@@ -4,6 +4,7 @@
 #include "device/pass_table.h"
 
 #include "device/sort_layout.h"
+#include "base/harmonic_values.h"
 #include "octree/octree_layout.h"
 #include "light/shadow_layout.h"
 #include "light/transport_layout.h"
@@ -102,6 +103,15 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 							  .cpu = gw_cpu_facet_shade },
 	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsstt", sizeof(gw_lookup_push), 4096,
 							.cpu = gw_cpu_read_back },
+
+	[GW_PASS_VOLUME_RAYS] = { "volume_rays", "tttttttstttttttt", sizeof(gw_volume_push), 4096,
+							  .cpu = gw_cpu_volume_rays },
+	[GW_PASS_VOLUME_FILL] = { "volume_fill", "ttstts", sizeof(gw_volume_push), 4096,
+							  .cpu = gw_cpu_volume_fill },
+	[GW_PASS_VOLUME_WEIGHTS] = { "volume_weights", "ttttttttttsst", sizeof(gw_volume_push), 4096,
+								 .cpu = gw_cpu_volume_weights },
+	[GW_PASS_VOLUME_READ] = { "volume_read", "sstts", sizeof(gw_volume_push),
+							  GW_VOLUME_WEIGHTS *GW_HARMONICS_MOST, .cpu = gw_cpu_volume_read },
 
 	[GW_PASS_RECORD_DIRECTIONS] = { "record_directions", "ttts", sizeof(gw_record_push),
 									.why = PLACES },

@@ -51,6 +51,11 @@ typedef enum gw_pass_id {
 	GW_PASS_FACET_WEIGHTS,
 	GW_PASS_FACET_SHADE,
 	GW_PASS_READ_BACK,
+	/* a radiance volume */
+	GW_PASS_VOLUME_RAYS,
+	GW_PASS_VOLUME_FILL,
+	GW_PASS_VOLUME_WEIGHTS,
+	GW_PASS_VOLUME_READ,
 	/* cones */
 	GW_PASS_RECORD_DIRECTIONS,
 	GW_PASS_BRICK_INJECT,
@@ -101,5 +106,6 @@ gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, g
 	gw_cpu_record_portals, gw_cpu_portal_light, gw_cpu_record_first, gw_cpu_record_gather,
 	gw_cpu_record_moments, gw_cpu_record_add;
 gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
+gw_cpu_kernel gw_cpu_volume_rays, gw_cpu_volume_fill, gw_cpu_volume_weights, gw_cpu_volume_read;
 
 #endif

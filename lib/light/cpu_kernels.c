@@ -142,3 +142,33 @@ void gw_cpu_read_back(gw_passes *passes, const gw_binding *b, const void *push, 
 				   (gw_kernel_run){ .kernel = gw_kernel_read_back, .bindings = b, .push = push },
 				   count, CHUNK_POINTS);
 }
+
+void gw_cpu_volume_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_VOLUME_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_volume_rays, .bindings = b, .push = push },
+				   count, CHUNK);
+}
+
+void gw_cpu_volume_fill(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	const gw_volume_push *p = push;
+	gw_kernel_loop(passes, GW_PASS_VOLUME_FILL,
+				   (gw_kernel_run){ .kernel = gw_kernel_volume_fill, .bindings = b, .push = push },
+				   count, chunk_of(CHUNK_HITS, p->rays));
+}
+
+void gw_cpu_volume_weights(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(
+		passes, GW_PASS_VOLUME_WEIGHTS,
+		(gw_kernel_run){ .kernel = gw_kernel_volume_weights, .bindings = b, .push = push }, count,
+		CHUNK_POINTS);
+}
+
+void gw_cpu_volume_read(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_VOLUME_READ,
+				   (gw_kernel_run){ .kernel = gw_kernel_volume_read, .bindings = b, .push = push },
+				   count, CHUNK);
+}

@@ -146,7 +146,7 @@ static gw_status find_empty_slot(const gw_record_context *on, uint32_t *slot, gw
 
 /* What the steps of gw_shut_out_hits find. */
 typedef struct hit_labels {
-	uint32_t *record, *hit; /* hit: what each ray hit */
+	uint32_t *hit; /* what each ray hit */
 	const uint32_t *facet;
 	uint32_t outside, empty; /* empty: a slot without a facet */
 } hit_labels;
@@ -177,33 +177,45 @@ static uint32_t turn_record(const hit_labels *l, uint32_t from, uint32_t *hit, u
 	return turned;
 }
 
-static gw_status turn_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
-						   hit_labels *l, gw_error *error)
+static gw_status turn_hits(const gw_record_context *on, const gw_labelled_rays *from,
+						   gw_buffer *facet, hit_labels *l, gw_error *error)
 {
 	gw_gpu *gpu = on->passes->gpu;
-	size_t count = on->records->count, turned = 0;
+	size_t count = from->count, turned = 0;
+	uint32_t rays = from->rays;
 	l->outside = gw_compartment_outside(on->octree);
 	l->facet = gw_compartments_of_facets(on->octree);
 	l->hit = gw_allocate_array(count, rays * sizeof *l->hit);
 	if (!l->hit)
-		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what rays of %zu records hit", count);
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what rays of %zu places hit", count);
 	GW_TRY(find_empty_slot(on, &l->empty, error));
-	GW_TRY(gw_shut_out_label(on, &l->record, error));
 	GW_TRY(gw_buffer_download(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error));
 	for (size_t i = 0; i < count; i++)
-		turned += turn_record(l, l->record[i], l->hit + rays * i, rays);
+		turned += turn_record(l, from->label[i], l->hit + rays * i, rays);
 	return turned > 0 ? gw_buffer_upload(gpu, facet, 0, l->hit, 4 * rays * (uint64_t)count, error)
 					  : GW_OK;
+}
+
+gw_status gw_shut_out_hits_of(const gw_record_context *on, const gw_labelled_rays *from,
+							  gw_buffer *facet, gw_error *error)
+{
+	hit_labels l = { 0 };
+	if (!gw_compartments_several(on->octree))
+		return GW_OK;
+	gw_status status = turn_hits(on, from, facet, &l, error);
+	free(l.hit);
+	return status;
 }
 
 gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
 						   gw_error *error)
 {
-	hit_labels l = { 0 };
+	uint32_t *label;
 	if (!gw_compartments_several(on->octree))
 		return GW_OK;
-	gw_status status = turn_hits(on, rays, facet, &l, error);
-	free(l.record);
-	free(l.hit);
+	GW_TRY(gw_shut_out_label(on, &label, error));
+	const gw_labelled_rays from = { label, on->records->count, rays };
+	gw_status status = gw_shut_out_hits_of(on, &from, facet, error);
+	free(label);
 	return status;
 }

@@ -43,4 +43,15 @@ gw_status gw_shut_out_mark(const gw_record_context *on, gw_buffer *marks, gw_err
 gw_status gw_shut_out_hits(const gw_record_context *on, uint32_t rays, gw_buffer *facet,
 						   gw_error *error);
 
+/* Places that sent rays, in compartments. */
+typedef struct gw_labelled_rays {
+	const uint32_t *label; /* count */
+	size_t count;
+	uint32_t rays; /* of each */
+} gw_labelled_rays;
+
+/* The same for places that are no records; on has the octree alone. */
+gw_status gw_shut_out_hits_of(const gw_record_context *on, const gw_labelled_rays *from,
+							  gw_buffer *facet, gw_error *error);
+
 #endif

@@ -34,6 +34,14 @@
 /* Samples of the portals that a record takes: one bit each of a word. */
 #define GW_PORTAL_SAMPLES 32u
 
+/* Cells of a radiance volume that a place takes light from, at most. */
+#define GW_VOLUME_WEIGHTS 8u
+
+/* What a ray of a cell met first, where only that is asked. */
+#define GW_VOLUME_MET_NOTHING 0u
+#define GW_VOLUME_MET_FRONT 1u
+#define GW_VOLUME_MET_BACK 2u
+
 /* Values of gw_light_push.type. */
 #define GW_PUSH_POINT 0u
 #define GW_PUSH_SPOT 1u
@@ -153,6 +161,31 @@ SHARED_OFFSET(gw_cone_push, scale, 28);
 SHARED_OFFSET(gw_cone_push, sky, 64);
 SHARED_OFFSET(gw_cone_push, eye, 80);
 SHARED_OFFSET(gw_cone_push, sky_width, 96);
+
+/* A radiance volume: rays of its cells, their spherical harmonics, places that read them. */
+SHARED_STRUCT(gw_volume_push)
+{
+	uint first, count;
+	uint rays; /* a cell */
+	uint seed;
+	vec4 minimum; /* grid coordinates of the corner of cell (0, 0, 0); w: side of a cell */
+	uint columns, rows, layers; /* cells along x, y, z */
+	uint terms;                 /* spherical harmonics a cell: 4 or 9 */
+	vec4 sky;                   /* even radiance of the environment */
+	uint sky_width, sky_height; /* of the map, as gw_record_push has it */
+	float sky_turn;
+	uint sky_y_up;
+	uint looking;     /* rays: 1: what each met first, in place of the facet */
+	uint place_first; /* of the places looked at in this run */
+	uint marked;      /* places have marks of their compartments */
+	float most;       /* irradiance that no place can have more of */
+	uint both_sides;  /* places whose normal's w is above 0.5 are lit from both sides */
+	uint unused[3];
+};
+SHARED_SIZE(gw_volume_push, 112);
+SHARED_OFFSET(gw_volume_push, minimum, 16);
+SHARED_OFFSET(gw_volume_push, sky, 48);
+SHARED_OFFSET(gw_volume_push, looking, 80);
 
 /* What pixels see reflected. */
 SHARED_STRUCT(gw_pixel_push)

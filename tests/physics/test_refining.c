@@ -232,7 +232,7 @@ static void always_the_same(void **state)
 	scene s = { 0 };
 	make_passage(&s);
 	gw_points points = scene_points(&s);
-	for (int method = 0; method < GW_METHOD_COUNT; method++) {
+	for (int method = 0; method <= GW_METHOD_CONES; method++) { /* volumes are not refined */
 		gw_bake_result *result[2];
 		for (uint32_t i = 0; i < 2; i++) {
 			gw_bake_options options =

@@ -73,6 +73,10 @@ static const struct {
 	[GW_PASS_FACET_WEIGHTS] = { "rw", GW_WEIGHTS },
 	[GW_PASS_FACET_SHADE] = { "==+", GW_WEIGHTS + 1 },
 	[GW_PASS_READ_BACK] = { "rw", GW_SURFEL_WEIGHTS },
+	[GW_PASS_VOLUME_RAYS] = { "h", 0 },
+	[GW_PASS_VOLUME_FILL] = { "=l", 0 },
+	[GW_PASS_VOLUME_WEIGHTS] = { "rw", GW_VOLUME_WEIGHTS },
+	[GW_PASS_VOLUME_READ] = { "==l", 0 },
 };
 
 /* Elements that went both ways so far, and of those the ones with portals, or a map for rays. */
@@ -394,6 +398,22 @@ static void large_discs_both_ways(void **state)
 	gw_bake_result_destroy(&result);
 }
 
+/* A volume in the place of rays. */
+static void volume_both_ways(void **state)
+{
+	gw_light light[LAMPS];
+	gw_bake_options options = gw_bake_options_default();
+	(void)state;
+	make_lamps(light);
+	options.method = GW_METHOD_VOLUME;
+	options.volume_cells = 12;
+	options.rays = options.light_samples = 16;
+	options.bounces = 2;
+	options.estimate_points = 0;
+	gw_bake_result *result = bake_hall(light, 2, &options);
+	gw_bake_result_destroy(&result);
+}
+
 /* Under a map of the sky, as it is and turned. */
 static void bake_under_map(scene *s)
 {
@@ -639,12 +659,12 @@ static void passes_are_kept(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rows_are_whole),   cmocka_unit_test(shaders_are_rows),
-		cmocka_unit_test(lamps_both_ways),  cmocka_unit_test(large_discs_both_ways),
-		cmocka_unit_test(sky_both_ways),    cmocka_unit_test(portals_both_ways),
-		cmocka_unit_test(frames_both_ways), cmocka_unit_test(none_left_out),
-		cmocka_unit_test(choices_alike),    cmocka_unit_test(kernels_refused),
-		cmocka_unit_test(passes_are_kept),
+		cmocka_unit_test(rows_are_whole),    cmocka_unit_test(shaders_are_rows),
+		cmocka_unit_test(lamps_both_ways),   cmocka_unit_test(large_discs_both_ways),
+		cmocka_unit_test(volume_both_ways),  cmocka_unit_test(sky_both_ways),
+		cmocka_unit_test(portals_both_ways), cmocka_unit_test(frames_both_ways),
+		cmocka_unit_test(none_left_out),     cmocka_unit_test(choices_alike),
+		cmocka_unit_test(kernels_refused),   cmocka_unit_test(passes_are_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
