@@ -87,7 +87,8 @@ KERNELS         := device/prefix_sum light/light_visibility light/light_irradian
                    light/facet_direct light/record_rays light/record_again light/record_emitters \
                    light/record_sky light/record_portals light/portal_light \
                    light/record_first light/record_gather light/record_add \
-                   light/facet_weights light/facet_shade light/read_back
+                   light/facet_weights light/facet_shade light/read_back \
+                   light/probe_sight light/probe_rays
 KERNEL_OBJECTS  := $(KERNELS:%=$(BUILD)/kernels/%_kernel.o)
 KERNEL_OF        = -DPASS=gw_kernel_$(notdir $(1)) -DPASS_TEXT='"$(1).comp"'
 LIB_OBJECTS     := $(call objects,$(LIB_SOURCES)) $(KERNEL_OBJECTS)

@@ -50,6 +50,8 @@ typedef enum gw_pass_id {
 	GW_PASS_FACET_WEIGHTS,
 	GW_PASS_FACET_SHADE,
 	GW_PASS_READ_BACK,
+	GW_PASS_PROBE_SIGHT,
+	GW_PASS_PROBE_RAYS,
 	/* cones */
 	GW_PASS_RECORD_DIRECTIONS,
 	GW_PASS_BRICK_INJECT,
@@ -99,6 +101,7 @@ gw_cpu_kernel gw_cpu_light_visibility, gw_cpu_light_irradiance, gw_cpu_facet_dir
 gw_cpu_kernel gw_cpu_record_rays, gw_cpu_record_again, gw_cpu_record_emitters, gw_cpu_record_sky,
 	gw_cpu_record_portals, gw_cpu_portal_light, gw_cpu_record_first, gw_cpu_record_gather,
 	gw_cpu_record_add;
-gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back;
+gw_cpu_kernel gw_cpu_facet_weights, gw_cpu_facet_shade, gw_cpu_read_back, gw_cpu_probe_sight,
+	gw_cpu_probe_rays;
 
 #endif
