@@ -51,6 +51,23 @@ typedef struct gw_probe {
 	float harmonic[GW_PROBE_HARMONICS][3];
 } gw_probe;
 
+/* Of how many probes a cell knows. */
+#define GW_PROBES_OF_CELL 4
+
+/*
+ * Which probes serve a place: a grid of cubes over the bounds of the probes, 64 along their longest
+ * side. A probe sees a cell if nothing lies before its middle, but for what lies in the cell
+ * itself; of those that do the nearest are best (Wang 2018, section 4.2.2, empty voxels).
+ */
+typedef struct gw_probe_cells {
+	size_t count;   /* cells that any probe sees */
+	int32_t *cell;  /* 3 * count */
+	int32_t *probe; /* GW_PROBES_OF_CELL * count: numbers of probes, the best first; -1: no more */
+	double
+		origin[3]; /* of the corner of cell 0, metres, in the coordinates of gw_points.position */
+	double size;   /* of a cell, metres */
+} gw_probe_cells;
+
 /*
  * Probes, and their octahedral maps: size * size texels each, rows one behind the other, all of one
  * probe before the next. With u to the right and v down from -1 to 1, the middle of a texel is seen
@@ -67,6 +84,7 @@ typedef struct gw_probes {
 	/* Smallest and largest distances below each texel of smaller maps, of half the size, a quarter
 	 * and so on to one texel: (size * size - 1) / 3 a probe. */
 	float *least, *greatest;
+	gw_probe_cells cells;
 	double minimum[3], maximum[3]; /* metres: where probes may stand */
 	double seeable;    /* share of the surface that is seen from any place that was looked at */
 	double seen;       /* share that the probes see, at other spots than they were chosen by */

@@ -265,6 +265,8 @@ const option options[] = {
 	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(json_file), .group = "Output",
 	  .help = "write places, free balls and spherical harmonics of the probes as JSON; - is "
 			  "standard output" },
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(vdb), .group = "Output",
+	  .help = "write which probes serve each cell of a grid as OpenVDB grids: probe_0 to probe_3" },
 	{ "size", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.size),
 	  RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Probes",
 	  .help = "texels a side of each probe's maps, a power of two" },

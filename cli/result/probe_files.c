@@ -3,6 +3,7 @@
  */
 #include "result/probe_files.h"
 
+#include "grids/vdb_grids.h"
 #include "pictures/exr_picture.h"
 #include "program/json_writer.h"
 
@@ -109,6 +110,21 @@ gw_status probe_files_atlas(const probe_files *f, output_file *out, gw_error *er
 	gw_status status = write_picture(f, values, columns * p->size, rows * p->size, out, error);
 	free(values);
 	return status;
+}
+
+gw_status probe_files_grids(const probe_files *f, const char *path, gw_error *error)
+{
+	const gw_probe_cells *cells = &f->probes->cells;
+	const settings *s = f->settings;
+	gw_voxels voxels = { .count = cells->count, .cell = cells->cell, .size = cells->size };
+	memcpy(voxels.origin, cells->origin, sizeof voxels.origin);
+	const vdb_text text[] = { { "creator", "glowworm " GW_VERSION }, { "command", s->command } };
+	const vdb_numbers numbers = { cells->probe };
+	const vdb_metadata metadata = { .text = text,
+									.text_count = sizeof text / sizeof *text,
+									.memory = s->bake.memory,
+									.numbers = &numbers };
+	return vdb_write(path, s->force, &voxels, &metadata, error);
 }
 
 /* ------------------------------------------------------------------------------------- JSON */

@@ -26,6 +26,9 @@ gw_status probe_files_atlas(const probe_files *files, output_file *out, gw_error
 /* Tiles in a row of the picture: as many as make it about square. */
 uint32_t probe_files_columns(const gw_probes *probes);
 
+/* Writes which probes serve each cell, as OpenVDB grids at path. Errors as vdb_write. */
+gw_status probe_files_grids(const probe_files *files, const char *path, gw_error *error);
+
 /* Writes the rest. GW_ERROR_MEMORY; those of output_file_write. */
 gw_status probe_files_json(const probe_files *files, output_file *out, gw_error *error);
 

@@ -47,13 +47,16 @@ static gw_status check(const settings *s, gw_error *error)
 	if (s->input_count == 0)
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "where to place probes? Name an input, or - for standard input");
-	if (!s->output && !s->json_file)
+	int streams = is_stream(s->output) + is_stream(s->json_file) + is_stream(s->vdb);
+	if (!s->output && !s->json_file && !s->vdb)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "where to write? Give -o FILE for the maps, or --json FILE for the rest");
-	if (is_stream(s->output) && is_stream(s->json_file))
+					   "where to write? Give -o FILE for the maps, --json FILE for places and "
+					   "harmonics, or --vdb FILE for a grid");
+	if (streams > 1)
 		return gw_fail(error, GW_ERROR_USAGE,
-					   "standard output can hold one of --output and --json, not both");
-	if (is_stream(s->output) && isatty(STDOUT_FILENO))
+					   "standard output can hold one of --output, --json and --vdb, not %d",
+					   streams);
+	if (streams > 0 && !is_stream(s->json_file) && isatty(STDOUT_FILENO))
 		return gw_fail(error, GW_ERROR_USAGE,
 					   "standard output is a terminal, and this is binary data; redirect it, or "
 					   "name a file with -o");
@@ -61,6 +64,17 @@ static gw_status check(const settings *s, gw_error *error)
 		return gw_fail(error, GW_ERROR_USAGE, "--size %u is no power of two, such as 32, 64 or 128",
 					   s->probes.size);
 	return file_roles_check(VERB_PROBES, s, NULL, error);
+}
+
+/* Whether a file of grids can be made there, before the work. */
+static gw_status check_grids(const settings *s, gw_error *error)
+{
+	output_file *trial = NULL;
+	if (!s->vdb || is_stream(s->vdb))
+		return GW_OK;
+	GW_TRY(output_file_create(&trial, s->vdb, s->force, error));
+	output_file_abandon(&trial);
+	return GW_OK;
 }
 
 static gw_status read_scene(probing *p)
@@ -75,6 +89,7 @@ static gw_status read_scene(probing *p)
 		GW_TRY(output_file_create(&p->atlas, s->output, s->force, p->error));
 	if (s->json_file)
 		GW_TRY(output_file_create(&p->json, s->json_file, s->force, p->error));
+	GW_TRY(check_grids(s, p->error));
 	s->bake.drivers = p->drivers = gw_drivers_load();
 	GW_TRY(loaded_scene_read(s, &p->scene, p->error));
 	glossy_points_apply(s, &p->scene);
@@ -121,6 +136,8 @@ static gw_status write_files(probing *p)
 		GW_TRY(probe_files_atlas(&files, p->atlas, p->error));
 	if (p->json)
 		GW_TRY(probe_files_json(&files, p->json, p->error));
+	if (p->settings->vdb)
+		GW_TRY(probe_files_grids(&files, p->settings->vdb, p->error));
 	GW_TRY(signals_check(p->error));
 	if (p->atlas)
 		GW_TRY(output_file_commit(&p->atlas, p->error));

@@ -27,7 +27,10 @@
 namespace
 {
 
-const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal" };
+/* Of voxels, then of numbers. */
+enum { NUMBER_NAME = 5 };
+const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color",   "emission", "normal",
+											"probe_0", "probe_1",  "probe_2", "probe_3" };
 const char *const point_grid_name = "points";
 
 /* Attributes of a point but for its position: what is lit, then in Houdini's names. */
@@ -127,9 +130,13 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 	fingerprint print;
 	print.add(&v.count, sizeof v.count);
 	print.add(v.cell, v.count * 3 * sizeof *v.cell);
-	print.add(v.density, v.count * sizeof *v.density);
+	if (m.numbers)
+		print.add(m.numbers->value, v.count * VDB_NUMBERS * sizeof *m.numbers->value);
+	if (!m.numbers)
+		print.add(v.density, v.count * sizeof *v.density);
 	for (const float *values : { v.radiance, v.albedo, v.emission, v.normal })
-		print.add(values, v.count * 3 * sizeof *values);
+		if (!m.numbers)
+			print.add(values, v.count * 3 * sizeof *values);
 	print.add(v.origin, sizeof v.origin);
 	print.add(&v.size, sizeof v.size);
 	print.add(&m.half, sizeof m.half);
@@ -292,6 +299,19 @@ struct builder {
 		auto accessor = grid->getAccessor();
 		for (size_t i = 0; i < voxels.count; i++)
 			accessor.setValueOn(cell(i), stored(values[i]));
+		return grid;
+	}
+
+	/* Values of a voxel are VDB_NUMBERS from those of the next one. */
+	openvdb::GridBase::Ptr numbers(const char *name, const int32_t *values)
+	{
+		auto grid = openvdb::Int32Grid::create(-1);
+		grid->setName(name);
+		grid->setTransform(transform->copy());
+		describe(*grid);
+		auto accessor = grid->getAccessor();
+		for (size_t i = 0; i < voxels.count; i++)
+			accessor.setValueOn(cell(i), values[VDB_NUMBERS * i]);
 		return grid;
 	}
 
@@ -491,12 +511,31 @@ vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
 				digest_values(*scalar, digest.voxels[g], digest.values[g]);
 			else if (auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid))
 				digest_values(*vector, digest.voxels[g], digest.values[g]);
+			else if (auto number = openvdb::gridPtrCast<openvdb::Int32Grid>(grid))
+				digest_values(*number, digest.voxels[g], digest.values[g]);
 		}
 	}
 	for (const auto &grid : grids)
 		if (auto points = openvdb::gridPtrCast<PointDataGrid>(grid))
 			digest_points(*points, digest);
 	return digest;
+}
+
+openvdb::GridPtrVec voxel_grids(builder &build)
+{
+	const gw_voxels &v = build.voxels;
+	return { build.scalars(grid_names[0], v.density), build.vectors(grid_names[1], v.radiance),
+			 build.vectors(grid_names[2], v.albedo), build.vectors(grid_names[3], v.emission),
+			 build.vectors(grid_names[4], v.normal) };
+}
+
+openvdb::GridPtrVec number_grids(builder &build)
+{
+	openvdb::GridPtrVec grids;
+	for (size_t j = 0; j < VDB_NUMBERS; j++)
+		grids.push_back(
+			build.numbers(grid_names[NUMBER_NAME + j], build.metadata.numbers->value + j));
+	return grids;
 }
 
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
@@ -512,11 +551,7 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 		points = std::make_unique<placed_points>(*m.points, build.origin);
 		GW_TRY(check_points(*points, *build.transform, m.memory, error));
 	}
-	openvdb::GridPtrVec grids = { build.scalars(grid_names[0], v.density),
-								  build.vectors(grid_names[1], v.radiance),
-								  build.vectors(grid_names[2], v.albedo),
-								  build.vectors(grid_names[3], v.emission),
-								  build.vectors(grid_names[4], v.normal) };
+	openvdb::GridPtrVec grids = m.numbers ? number_grids(build) : voxel_grids(build);
 	if (points)
 		grids.push_back(build_points(build, *points));
 	openvdb::MetaMap file;

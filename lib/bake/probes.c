@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "light/direct_light.h"
 #include "light/octahedral.h"
+#include "light/probe_cells.h"
 #include "light/probe_places.h"
 #include "light/probe_trace.h"
 
@@ -343,6 +344,8 @@ gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *opt
 	gw_status status = place(&p, probes, error);
 	if (status == GW_OK)
 		status = trace(lighting, p.places.place, options->seed, probes, error);
+	if (status == GW_OK)
+		status = gw_probe_cells_find(probes, scene->options.threads, error);
 	gw_probe_places_clear(&p.places);
 	gw_sight_places_clear(scene->gpu, &p.chosen_by);
 	gw_sight_places_clear(scene->gpu, &p.looked_at);
@@ -363,5 +366,6 @@ void gw_probes_destroy(gw_probes **probes)
 	free(p->distance);
 	free(p->least);
 	free(p->greatest);
+	gw_probe_cells_clear(&p->cells);
 	free(p);
 }
