@@ -221,6 +221,20 @@ static gw_status measure(placing *p, double *seen, gw_error *error)
 	return status;
 }
 
+/* The maps have to fit into what the scene may use, or else into what is free. */
+static gw_status check_room(const gw_scene *scene, size_t count, uint32_t size, gw_error *error)
+{
+	const uint64_t texels = (uint64_t)size * size, floats = 7 * texels + 2 * (texels / 3);
+	const uint64_t bytes = count * floats * sizeof(float);
+	const uint64_t room = scene->options.memory > 0 ? scene->options.memory : gw_available_memory();
+	if (room == 0 || bytes <= room)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_MEMORY,
+				   "the maps of %zu probes of %u x %u texels take %llu bytes, and %llu are "
+				   "allowed; ask for fewer probes or smaller maps",
+				   count, size, size, (unsigned long long)bytes, (unsigned long long)room);
+}
+
 static gw_status allocate(size_t count, uint32_t size, gw_probes *probes, gw_error *error)
 {
 	const size_t texels = (size_t)size * size, mips = (size_t)gw_octahedral_mip_texels(size);
@@ -276,6 +290,7 @@ static gw_status place(placing *p, gw_probes *probes, gw_error *error)
 {
 	GW_TRY(find_balls(p, error));
 	GW_TRY(choose(p, error));
+	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
 	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
 	describe(p, probes);
 	return measure(p, &probes->seen, error);
