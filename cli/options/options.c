@@ -211,6 +211,7 @@ enum {
 	ALBEDO = 1u << VERB_ALBEDO,
 	LAMP = 1u << VERB_LAMP,
 	MEASURE = 1u << VERB_MEASURE,
+	PROBES = 1u << VERB_PROBES,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -234,8 +235,8 @@ const option options[] = {
 	  AT(output_format), .choice = format_name, .group = "Output",
 	  .help = "write the points as this format, whatever the name's extension says" },
 	{ "force", 'f', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP), AT(force),
-	  .group = "Output", .help = "overwrite files that exist" },
+	  FOR(BAKE | SAMPLE | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | LAMP | PROBES),
+	  AT(force), .group = "Output", .help = "overwrite files that exist" },
 	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(vdb), .group = "Output",
 	  .help = "write the voxels as OpenVDB grids: density, radiance, color, emission, normal" },
 	{ "vdb-half", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | PLAN), AT(vdb_half), .group = "Output",
@@ -266,6 +267,28 @@ const option options[] = {
 	{ "exposure", 0, "EV", OPTION_REAL, FOR(BAKE | MIX), .scene = true, AT(exposure),
 	  RANGE(-100.0, 100.0), AUTOMATIC(NAN), .group = "Output",
 	  .help = "of the preview, as a camera's exposure value at ISO 100: a larger one is darker" },
+
+	{ "output", 'o', "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(output), .group = "Output",
+	  .help = "write the maps of all probes there, as one OpenEXR picture; - is standard output" },
+	{ "json", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(json_file), .group = "Output",
+	  .help = "write places, free balls and spherical harmonics of the probes as JSON; - is "
+			  "standard output" },
+	{ "vdb", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(PROBES), AT(vdb), .group = "Output",
+	  .help = "write which probes serve each cell of a grid as OpenVDB grids: probe_0 to probe_3" },
+	{ "size", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.size),
+	  RANGE(GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST), .group = "Probes",
+	  .help = "texels a side of each probe's maps, a power of two" },
+	{ "count", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.count), RANGE(1.0, 1e6), AUTOMATIC(0.0),
+	  .group = "Probes",
+	  .help = "probes at most; auto is as many as see all that any place for one sees" },
+	{ "moves", 0, "N", OPTION_COUNT, FOR(PROBES), AT(probes.moves), RANGE(0.0, 1e6),
+	  .group = "Probes",
+	  .help =
+		  "how often it is tried to move a probe, so that fewer see as much, or so that they see "
+		  "more, from in front and from afar" },
+	{ "margin", 0, "X", OPTION_REAL, FOR(PROBES), AT(probes.margin), RANGE(0.0, 1e9),
+	  .group = "Probes",
+	  .help = "metres by which probes may stand outside the bounds of the points" },
 
 	{ "worst", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(COMPARE), AT(worst), .group = "Output",
 	  .help = "write the points with the largest errors there, the worst first, with the columns "
@@ -364,11 +387,11 @@ const option options[] = {
 	  .help = "where light is read: at the points, or from the octree's voxels by linear or cubic "
 			  "sampling" },
 
-	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	{ "light", 'l', "LIGHT", OPTION_LIGHT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .group = "Scene",
 	  .help = "add a light: its type, then pairs of key and value; may be given many times" },
-	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
-	  .group = "Scene",
+	{ "scanner", 0, "X,Y,Z|@FILE", OPTION_SCANNER,
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES), .group = "Scene",
 	  .help = "where a scanner stood, in metres, whatever the inputs say: normals that are missing "
 			  "face it where it saw the point. May be given many times; @FILE holds one place a "
 			  "line" },
@@ -387,7 +410,7 @@ const option options[] = {
 			  "out: albedo leaves it in the albedo; light takes it for light that nobody named and "
 			  "divides it out too, and with it what paint and stone vary slowly; edges and "
 			  "patterns stay" },
-	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	{ "normals", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.normals), .choice = normals_name, .group = "Scene",
 	  .help = "given takes the inputs' normals as they are, estimate none of them; auto takes "
 			  "them unless many cannot be right: mixed signs, normals that are not perpendicular "
@@ -395,49 +418,50 @@ const option options[] = {
 	{ "transport", 0, "FILE", OPTION_TEXT, QUIETLY, FOR(BAKE), AT(transport), .group = "Scene",
 	  .help = "begin with what --save-transport kept of an earlier bake of the same points; "
 			  "lights, emission, shadows and bounces may be others" },
-	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
-	  .group = "Scene", .help = "where the diffuse reflectance comes from" },
-	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	{ "albedo", 0, NULL, OPTION_ALBEDO, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
+	  .scene = true, .group = "Scene", .help = "where the diffuse reflectance comes from" },
+	{ "albedo-scale", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | PROBES), .scene = true,
 	  AT(points.scale), RANGE(0.0, 1000.0), .group = "Scene",
 	  .help = "multiply every albedo by this" },
-	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	{ "albedo-white", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | PROBES), .scene = true,
 	  AT(points.white), RANGE(0.0, 1.0), .group = "Scene",
 	  .help = "blend every albedo towards white: rho + X (1 - rho)" },
-	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	{ "opacity", 0, "SHARE", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(opacity), RANGE(0.0, 1.0), AUTOMATIC(-1.0), .group = "Scene",
 	  .help = "share of each point's piece of surface that is covered: the rest lets light "
 			  "through; auto takes the columns opacity or alpha" },
-	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	{ "input-gamma", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(gamma), .choice = gamma_name, .group = "Scene",
 	  .help = "how the input's colours are encoded" },
-	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(up), .choice = up_name, .group = "Scene",
+	{ "up", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(up), .choice = up_name, .group = "Scene",
 	  .help =
 		  "which axis points up, for suns with azimuth and elevation and for cameras; -y is that "
 		  "of a depth camera's own frame; auto asks the format and, where that does not say, takes "
 		  "z, or y if the points stand on it" },
-	{ "units", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO),
-	  .scene = true, AT(length), .choice = length_name, .group = "Scene",
+	{ "units", 0, NULL, OPTION_CHOICE,
+	  FOR(BAKE | PLAN | INFO | TRADEOFF | RENDER | ALBEDO | PROBES), .scene = true, AT(length),
+	  .choice = length_name, .group = "Scene",
 	  .help =
 		  "what the coordinates are in, and with them the places of lamps and cameras; auto "
 		  "asks the file (WKT or GeoTIFF keys of LAS), else it is metres. All other lengths are "
 		  "metres, and what is written keeps the coordinates" },
-	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
-	  AT(strays), .choice = strays_name, .group = "Scene",
+	{ "strays", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
+	  .scene = true, AT(strays), .choice = strays_name, .group = "Scene",
 	  .help = "points of no surface, such as those far from all others or that a LAS file calls "
 			  "noise: light lights them like the nearest surface, of which they are no part; keep "
 			  "takes them for surface; drop also leaves them out of the result" },
 	{ "format", 0, NULL, OPTION_TEXT,
-	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(format),
-	  .choice = format_name, .group = "Scene",
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
+	  AT(format), .choice = format_name, .group = "Scene",
 	  .help = "read the inputs as this format, whatever they look like" },
 	{ "columns", 0, "LIST", OPTION_TEXT,
-	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(columns),
-	  .group = "Scene",
+	  FOR(BAKE | PLAN | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES),
+	  AT(columns), .group = "Scene",
 	  .help = "names for the columns of inputs that are tables of text, with commas between them, "
 			  "x, y and z among them; - leaves one out" },
 
-	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | SAMPLE | TRADEOFF), .scene = true,
+	{ "density", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | PROBES), .scene = true,
 	  AT(density), RANGE(0.0, 1e12), .open = true, AUTOMATIC(0.0), .group = "Scene",
 	  .help = "points on a square metre of a mesh; auto is the median of the largest cloud among "
 			  "the inputs, or what --count comes to when there is none" },
@@ -445,16 +469,17 @@ const option options[] = {
 	  RANGE(1.0, 4e9), .group = "Scene",
 	  .help = "points on all meshes together, when nothing says their density" },
 
-	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.method),
-	  .choice = method_name, .group = "Light", .help = "how light between surfaces is gathered" },
-	{ "basis", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.basis),
+	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.method), .choice = method_name, .group = "Light",
+	  .help = "how light between surfaces is gathered" },
+	{ "basis", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true, AT(bake.basis),
 	  .choice = basis_name, .group = "Light",
 	  .help =
 		  "what is kept where light is gathered: how much there is, or also from where it comes, "
 		  "by which points read it with their own normals; auto does so where these differ, as "
 		  "on rough rock" },
-	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(quality),
-	  .choice = quality_name, .group = "Light",
+	{ "quality", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(quality), .choice = quality_name, .group = "Light",
 	  .help = "values for --record-spacing, --least-records, --rays, --light-samples, --cones and "
 			  "--leaf-spacing that go together; those that are given by themselves win" },
 	{ "max-error", 'e', "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
@@ -466,7 +491,7 @@ const option options[] = {
 	  RANGE(0.0, 1e9), .open = true, .automatic = "none", .automatic_value = 0.0, .group = "Light",
 	  .help = "refine as long as reading and baking are done in so many seconds; the "
 			  "result then depends on the machine" },
-	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO),
+	{ "shadows", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
 	  .scene = true, AT(bake.shadows), .choice = shadows_name, .group = "Light",
 	  .help = "how lights are hidden by surfaces" },
 	{ "effects", 0, "LIST", OPTION_EFFECTS, FOR(BAKE | PLAN), .scene = true, AT(effects),
@@ -479,59 +504,62 @@ const option options[] = {
 		  "error and octree; of the surface transmission, normals (+ estimates all, - takes "
 		  "the given ones), noise and gloss (- takes glossy points for matt ones); columns are "
 		  "those of `--fields lights`; -motion leaves everything where it is without its path" },
-	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN), .scene = true, AT(bake.gaps),
+	{ "gaps", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | PROBES), .scene = true, AT(bake.gaps),
 	  .choice = gaps_name, .group = "Light",
 	  .help = "what gathered light finds where no scanner looked, because something stood in front "
 			  "of it: the sky, nothing, or as much as from all around. Where no scanner is known, "
 			  "holes of surfaces are gaps" },
-	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN), .scene = true, AT(bake.gap_radiance),
-	  RANGE(0.0, 1e30), .group = "Light",
+	{ "gap-radiance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | PROBES), .scene = true,
+	  AT(bake.gap_radiance), RANGE(0.0, 1e30), .group = "Light",
 	  .help = "radiance that gaps send with --gaps black, instead of none" },
-	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO), .scene = true,
-	  AT(bake.depth), RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO), .group = "Light",
+	{ "depth", 'd', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(bake.depth), RANGE(1.0, GW_DEPTH_MAX), AUTOMATIC(GW_DEPTH_AUTO),
+	  .group = "Light",
 	  .help = "of the octree, 2^N cells a side; auto follows the spacing of the points" },
-	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
-	  AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
+	{ "leaf-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(bake.leaf_spacing), RANGE(0.25, 64.0), .group = "Light",
 	  .help = "width of the octree's cells in spacings of the points, for --depth auto; narrower "
 			  "ones see finer shapes and need more memory" },
-	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | ALBEDO), .scene = true,
-	  AT(bake.bounces), RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO), .group = "Light",
+	{ "bounces", 'b', "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | ALBEDO | PROBES),
+	  .scene = true, AT(bake.bounces), RANGE(0.0, 10000.0), AUTOMATIC(GW_BOUNCES_AUTO),
+	  .group = "Light",
 	  .help = "how often light is reflected: 0 leaves emission alone, 1 is direct light; auto "
 			  "goes on until the rest is below the tolerance" },
-	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | ALBEDO), .scene = true,
-	  AT(bake.tolerance), RANGE(0.0, 1.0), .open = true, .group = "Light",
+	{ "tolerance", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | TRADEOFF | ALBEDO | PROBES),
+	  .scene = true, AT(bake.tolerance), RANGE(0.0, 1.0), .open = true, .group = "Light",
 	  .help = "share of the light that --bounces auto may leave out" },
-	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.rays),
-	  RANGE(1.0, 4096.0), .group = "Light",
+	{ "rays", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.rays), RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "gather rays a record, for --method rays; "
 			  "a cell, for --method volume" },
-	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true,
+	{ "light-samples", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.light_samples), RANGE(1.0, 4096.0), .group = "Light",
 	  .help = "samples of the points that emit light, a record" },
-	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true, AT(bake.cones),
-	  RANGE(1.0, 256.0), .group = "Light", .help = "gather cones a record, for --method cones" },
-	{ "volume-cells", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true,
+	{ "cones", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.cones), RANGE(1.0, 256.0), .group = "Light",
+	  .help = "gather cones a record, for --method cones" },
+	{ "volume-cells", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.volume_cells), RANGE(2.0, 512.0), .group = "Light",
 	  .help = "cells along the longest side of the scene, for --method volume and --vdb-sh" },
-	{ "volume-sh", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO), .scene = true,
+	{ "volume-sh", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.volume_harmonics), RANGE(4.0, 9.0), .group = "Light",
 	  .help = "spherical harmonics that each of these cells keeps of its light: 4 or 9" },
-	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
-	  AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
+	{ "record-spacing", 0, "X", OPTION_REAL, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(bake.record_spacing), RANGE(0.0, 64.0), .group = "Light",
 	  .help = "leaf cells between records; 0 puts one on every surface of every leaf" },
-	{ "least-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | RENDER | ALBEDO), .scene = true,
-	  AT(bake.least_records), RANGE(0.0, 1e9), .group = "Light",
+	{ "least-records", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | RENDER | ALBEDO | PROBES),
+	  .scene = true, AT(bake.least_records), RANGE(0.0, 1e9), .group = "Light",
 	  .help = "records of which a small cloud has at least so many: they stand closer than "
 			  "--record-spacing where that leaves fewer, unless that is given by itself" },
-	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
+	{ "shadow-map-size", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF | PROBES), .scene = true,
 	  AT(bake.shadow_map_size), RANGE(16.0, 8192.0), .group = "Light",
 	  .help = "texels a side of a shadow map, for --shadows maps" },
 	{ "estimate-points", 0, "N", OPTION_COUNT, FOR(BAKE | PLAN | TRADEOFF), .scene = true,
 	  AT(bake.estimate_points), RANGE(0.0, 1e6), .group = "Light",
 	  .help = "points that are solved again, to say how wrong the result is; where records are "
 			  "many, one for 20 of them, up to four times as many; 0 leaves it out" },
-	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | ALBEDO), .scene = true,
-	  AT(bake.seed), .group = "Light", .help = "of all random numbers" },
+	{ "seed", 0, "N", OPTION_SEED, FOR(BAKE | PLAN | SAMPLE | TRADEOFF | ALBEDO | PROBES),
+	  .scene = true, AT(bake.seed), .group = "Light", .help = "of all random numbers" },
 
 	{ "frames", 0, "RANGE", OPTION_TEXT, QUIETLY, FOR(BAKE | PLAN), AT(frames), .group = "Frames",
 	  .help = "bake these frames of a scene in which inputs or lamps move: all, 7, or 10..20. Each "
@@ -543,28 +571,29 @@ const option options[] = {
 
 	{ "threads", 'j', "N", OPTION_COUNT, QUIETLY,
 	  FOR(BAKE | PLAN | SAMPLE | INFO | COMPARE | TRADEOFF | MIX | CONVERT | RENDER | DOCTOR |
-		  ALBEDO),
+		  ALBEDO | PROBES),
 	  .scene = true, AT(bake.threads), RANGE(1.0, 256.0), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "that work; auto is one a core. The result is the same for any number" },
 	{ "memory", 0, "SIZE", OPTION_SIZE, QUIETLY,
-	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO), .scene = true, AT(bake.memory),
-	  AUTOMATIC(0.0), .group = "Machine",
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
+	  AT(bake.memory), AUTOMATIC(0.0), .group = "Machine",
 	  .help = "bytes that a bake may use, with K, M, G or T behind the number; auto is most of "
 			  "what is free" },
-	{ "device", 0, "NAME", OPTION_TEXT, FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO),
-	  .scene = true, AT(bake.device), .group = "Machine",
+	{ "device", 0, "NAME", OPTION_TEXT,
+	  FOR(BAKE | PLAN | TRADEOFF | RENDER | DOCTOR | ALBEDO | PROBES), .scene = true,
+	  AT(bake.device), .group = "Machine",
 	  .help = "Vulkan device: its number, its type, or part of its name, as `glowworm info "
 			  "--devices` lists them" },
 
 	{ "rebuild", 0, NULL, OPTION_FLAG, FOR(BAKE | PLAN), AT(rebuild), .group = "For developers",
 	  .help = "bake every frame from scratch, to check and to compare" },
-	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
+	{ "validate", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
 	  AT(bake.validate), .choice = validation_name, .group = "For developers",
 	  .help = "run under Vulkan's validation layer; any message is an error. calls looks at "
 			  "each call and at what has to wait for what; accesses at each access of shaders to "
 			  "memory" },
-	{ "passes", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER), .scene = true,
-	  AT(bake.passes), .choice = passes_name, .group = "For developers",
+	{ "passes", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
+	  .scene = true, AT(bake.passes), .choice = passes_name, .group = "For developers",
 	  .help = "by what the light is computed: device is shaders alone, as on a GPU; cpu is loops "
 			  "of the processor where there are some, which takes the software driver; auto is "
 			  "whatever is quicker. The light is the same but for roundings" },
@@ -578,7 +607,7 @@ const option options[] = {
 	  .help = "print JSON, one object a line" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE), AT(json),
 	  .group = "Messages", .help = "print JSON" },
-	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER),
+	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
 	  AT(progress), .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
 	{ "explain", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(explain), .group = "Messages",
@@ -589,7 +618,7 @@ const option options[] = {
 	{ "print-scene", 0, NULL, OPTION_FLAG, QUIETLY, FOR(BAKE), AT(print_scene), .group = "Messages",
 	  .help = "print the scene with all values in effect, as a scene file, and stop" },
 	{ "quiet", 'q', NULL, OPTION_FLAG, QUIETLY,
-	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO), AT(quiet),
+	  FOR(BAKE | PLAN | SAMPLE | TRADEOFF | MIX | CONVERT | RENDER | ALBEDO | PROBES), AT(quiet),
 	  .group = "Messages", .help = "print errors only" },
 	{ "verbose", 'v', NULL, OPTION_FLAG, QUIETLY, FOR(BAKE | SAMPLE | RENDER), AT(verbose),
 	  .group = "Messages", .help = "say what was read, made and written" },
@@ -640,7 +669,7 @@ const char *verb_name(int v)
 {
 	static const char *const name[] = { "bake",   "plan",    "info",    "compare",  "mix",
 										"sample", "convert", "render",  "tradeoff", "albedo",
-										"doctor", "lamp",    "measure", NULL };
+										"doctor", "lamp",    "measure", "probes",   NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -659,7 +688,8 @@ const char *verb_summary(verb v)
 										   "take the light out of photographed colours",
 										   "say whether this machine can bake, and what is wrong",
 										   "show how a luminaire shines, or list lamps by name",
-										   "read the light on a piece of surface" };
+										   "read the light on a piece of surface",
+										   "place radiance probes, and write what they see" };
 	return summary[v];
 }
 
@@ -678,7 +708,8 @@ const char *verb_synopsis(verb v)
 		"albedo SCAN... -o POINTS [option]...",
 		"doctor [--device NAME] [--json]",
 		"lamp [LUMINAIRE] [-o PICTURE] [--json]",
-		"measure LIT [--box BOX] [--path PLACES] [option]..."
+		"measure LIT [--box BOX] [--path PLACES] [option]...",
+		"probes INPUT... --light LIGHT... -o ATLAS [--json FILE] [option]..."
 	};
 	return synopsis[v];
 }

@@ -47,6 +47,7 @@ settings settings_default(void)
 							   .glossy_rays = 32,
 							   .samples = 2 } };
 	s.measure_reach = 0.5f;
+	s.probes = gw_probes_options_default();
 	s.bake.normals = GW_NORMALS_AUTO; /* files are wrong more often than programs */
 	return s;
 }

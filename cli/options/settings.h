@@ -6,6 +6,7 @@
 
 #include "options/motion_path.h"
 #include "points/scan.h"
+#include "glowworm_probes.h"
 
 typedef enum verb {
 	VERB_BAKE,
@@ -21,6 +22,7 @@ typedef enum verb {
 	VERB_DOCTOR,
 	VERB_LAMP,
 	VERB_MEASURE,
+	VERB_PROBES,
 	VERB_COUNT,
 } verb;
 
@@ -239,7 +241,8 @@ typedef struct settings {
 	bool places;
 	bool help;
 	const char *csv, *svg;                     /* of tradeoff */
-	const char *worst, *json_file;             /* of compare */
+	gw_probes_options probes;                  /* but for their seed, which is that of the bake */
+	const char *worst, *json_file;             /* of compare, and of probes */
 	uint32_t worst_count;                      /* points that worst holds */
 	float max_rel_rmse, max_best_99, max_bias; /* limits; NAN: none */
 	const char *measure_box, *measure_path;    /* as given; NULL: everywhere */

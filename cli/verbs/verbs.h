@@ -41,6 +41,10 @@ gw_status verb_albedo(settings *settings, gw_error *error);
 /* Prints how much light there is on a piece of a lit cloud, and of which lamp. */
 gw_status verb_measure(const settings *settings, gw_error *error);
 
+/* Lights a scene, places probes in it and writes what they see. Changes the settings as verb_bake
+ * does. */
+gw_status verb_probes(settings *settings, gw_error *error);
+
 /* Reads one file and writes another. */
 gw_status verb_convert(const settings *settings, gw_error *error);
 /* Makes pictures of a cloud. Changes the settings as verb_bake does. */

@@ -27,11 +27,12 @@
 namespace
 {
 
-/* Of voxels, then of the harmonics of a volume. */
-enum { HARMONIC_NAME = 5 };
-const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color", "emission", "normal",
-											"sh_0",    "sh_1",     "sh_2",  "sh_3",     "sh_4",
-											"sh_5",    "sh_6",     "sh_7",  "sh_8" };
+/* Of voxels, then of the harmonics of a volume, then of numbers. */
+enum { HARMONIC_NAME = 5, NUMBER_NAME = 14 };
+const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color",   "emission", "normal",
+											"sh_0",    "sh_1",     "sh_2",    "sh_3",     "sh_4",
+											"sh_5",    "sh_6",     "sh_7",    "sh_8",     "probe_0",
+											"probe_1", "probe_2",  "probe_3" };
 const char *const point_grid_name = "points";
 
 /* Attributes of a point but for its position: what is lit, then in Houdini's names. */
@@ -131,13 +132,16 @@ std::string uuid_of(const gw_voxels &v, const vdb_metadata &m)
 	fingerprint print;
 	print.add(&v.count, sizeof v.count);
 	print.add(v.cell, v.count * 3 * sizeof *v.cell);
+	bool voxels = !m.volume && !m.numbers;
 	if (m.volume)
 		print.add(m.volume->radiance,
 				  v.count * 3 * m.volume->harmonics * sizeof *m.volume->radiance);
-	if (!m.volume)
+	if (m.numbers)
+		print.add(m.numbers->value, v.count * VDB_NUMBERS * sizeof *m.numbers->value);
+	if (voxels)
 		print.add(v.density, v.count * sizeof *v.density);
 	for (const float *values : { v.radiance, v.albedo, v.emission, v.normal })
-		if (!m.volume)
+		if (voxels)
 			print.add(values, v.count * 3 * sizeof *values);
 	print.add(v.origin, sizeof v.origin);
 	print.add(&v.size, sizeof v.size);
@@ -302,6 +306,19 @@ struct builder {
 		auto accessor = grid->getAccessor();
 		for (size_t i = 0; i < voxels.count; i++)
 			accessor.setValueOn(cell(i), stored(values[i]));
+		return grid;
+	}
+
+	/* Values of a voxel are VDB_NUMBERS from those of the next one. */
+	openvdb::GridBase::Ptr numbers(const char *name, const int32_t *values)
+	{
+		auto grid = openvdb::Int32Grid::create(-1);
+		grid->setName(name);
+		grid->setTransform(transform->copy());
+		describe(*grid);
+		auto accessor = grid->getAccessor();
+		for (size_t i = 0; i < voxels.count; i++)
+			accessor.setValueOn(cell(i), values[VDB_NUMBERS * i]);
 		return grid;
 	}
 
@@ -502,6 +519,8 @@ vdb_digest digest_grids(const openvdb::GridPtrVec &grids)
 				digest_values(*scalar, digest.voxels[g], digest.values[g]);
 			else if (auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid))
 				digest_values(*vector, digest.voxels[g], digest.values[g]);
+			else if (auto number = openvdb::gridPtrCast<openvdb::Int32Grid>(grid))
+				digest_values(*number, digest.voxels[g], digest.values[g]);
 		}
 	}
 	for (const auto &grid : grids)
@@ -539,6 +558,15 @@ gw_voxels cells_of(const gw_volume &volume)
 	return cells;
 }
 
+openvdb::GridPtrVec number_grids(builder &build)
+{
+	openvdb::GridPtrVec grids;
+	for (size_t j = 0; j < VDB_NUMBERS; j++)
+		grids.push_back(
+			build.numbers(grid_names[NUMBER_NAME + j], build.metadata.numbers->value + j));
+	return grids;
+}
+
 gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void *user,
 				 vdb_digest *digest, gw_error *error)
 {
@@ -552,7 +580,9 @@ gw_status encode(const gw_voxels &v, const vdb_metadata &m, vdb_sink sink, void 
 		points = std::make_unique<placed_points>(*m.points, build.origin);
 		GW_TRY(check_points(*points, *build.transform, m.memory, error));
 	}
-	openvdb::GridPtrVec grids = m.volume ? harmonic_grids(build) : voxel_grids(build);
+	openvdb::GridPtrVec grids = m.volume    ? harmonic_grids(build)
+								: m.numbers ? number_grids(build)
+											: voxel_grids(build);
 	if (points)
 		grids.push_back(build_points(build, *points));
 	openvdb::MetaMap file;

@@ -2,7 +2,8 @@
  * vdb_grids.h - the octree's leaves as an OpenVDB file: the grids density (float, fog volume),
  * radiance, color (albedo), emission and normal (vec3s); on request the points themselves as the
  * point grid points, with the attributes P, radiance, Cd (albedo) and N (vec3s). Or the radiance in
- * free space as spherical harmonics: the grids sh_0 to sh_3, or to sh_8 (vec3s), see gw_volume.
+ * free space as spherical harmonics: the grids sh_0 to sh_3, or to sh_8 (vec3s), see gw_volume. Or
+ * numbers of what serves each voxel.
  *
  * Cell i reaches from i to i + 1 cell sizes, so the transform puts the centre of index i at
  * origin + (i + 0.5) * size. Where the origin is more than VDB_LOCAL_LIMIT metres from zero, as
@@ -47,6 +48,13 @@ typedef struct vdb_points {
 	const float *normal;    /* 3 * count, unit length */
 } vdb_points;
 
+/* Numbers of things that serve each voxel, such as probes: grids of 32-bit integers named probe_0
+ * to probe_3. */
+#define VDB_NUMBERS 4
+typedef struct vdb_numbers {
+	const int32_t *value; /* VDB_NUMBERS * count of the voxels; -1: none */
+} vdb_numbers;
+
 /* What a grid file says about itself, and how it is written. A zeroed struct is a good default. */
 typedef struct vdb_metadata {
 	const vdb_text *text; /* text_count lines for the file's metadata: units, creator... */
@@ -55,7 +63,8 @@ typedef struct vdb_metadata {
 	const gw_volume *volume;  /* NULL, or what goes into grids in place of the voxels */
 	uint64_t memory;          /* bytes that building the grids may take; 0 means no limit */
 	const vdb_points *points; /* NULL, or what goes into the point grid, never as 16-bit floats */
-	uint64_t *clamped;        /* NULL, or receives how many values were clamped for half */
+	const vdb_numbers *numbers; /* NULL, or what goes into grids in place of what the voxels hold */
+	uint64_t *clamped;          /* NULL, or receives how many values were clamped for half */
 } vdb_metadata;
 
 /*
@@ -65,7 +74,7 @@ typedef struct vdb_metadata {
  *   path      "-" is standard output. A file is read back before it appears under its name
  *   force     overwrite an existing file
  *   voxels    at least one; all arrays present, values finite; not looked at with metadata->volume,
- *             whose cells are likewise
+ *             whose cells are likewise; of metadata->numbers only the cells
  *   error     GW_ERROR_MEMORY, before anything is built, when the grids would need more than
  *             metadata->memory (isolated voxels take 50 KB each and more: the sentence holds the
  *             numbers), and so for the point grid, or when OpenVDB dies; GW_ERROR_DATA for a cell
@@ -84,7 +93,7 @@ gw_status vdb_load(gw_error *error);
 typedef bool (*vdb_sink)(void *user, const void *bytes, size_t length);
 
 /* What the grids hold, to compare a file with what was meant to be in it. */
-#define VDB_GRIDS 14
+#define VDB_GRIDS 18
 typedef struct vdb_digest {
 	uint64_t bytes;             /* of the file */
 	uint64_t voxels[VDB_GRIDS]; /* active ones */

@@ -4,6 +4,7 @@
  */
 #include "light/direct_light.h"
 #include "base/memory.h"
+#include "bake/probes.h"
 #include "bake/record_fields.h"
 #include "bake/report.h"
 #include "bake/result.h"
@@ -333,5 +334,29 @@ gw_status gw_lighting_error(gw_lighting *lighting, gw_error_estimate *estimate, 
 		*estimate = scene->report->error;
 	else
 		gw_scene_forget_light(scene);
+	return status;
+}
+
+gw_status gw_probes_make(gw_lighting *lighting, const gw_probes_options *options,
+						 gw_probes **probes, gw_error *error)
+{
+	const gw_probes_options ordinary = gw_probes_options_default();
+	gw_scene *scene = lighting->scene;
+	options = options ? options : &ordinary;
+	*probes = NULL;
+	GW_TRY(gw_probes_options_check(options, error));
+	GW_TRY(check_lit(lighting, error));
+	begin_call(scene);
+	gw_probes *p = gw_allocate_zeros(1, sizeof *p);
+	if (!p)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for probes");
+	gw_status status = begin(scene, "probes", 0.0, 1.0, error);
+	if (status == GW_OK)
+		status = gw_lighting_probes(lighting, options, p, error);
+	status = end(scene, status, error);
+	if (status == GW_OK)
+		*probes = p;
+	else
+		gw_probes_destroy(&p);
 	return status;
 }

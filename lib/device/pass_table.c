@@ -103,6 +103,10 @@ static const gw_pass_row table[GW_PASS_COUNT] = {
 							  .cpu = gw_cpu_facet_shade },
 	[GW_PASS_READ_BACK] = { "read_back", "ttttttttttttsstt", sizeof(gw_lookup_push), 4096,
 							.cpu = gw_cpu_read_back },
+	[GW_PASS_PROBE_SIGHT] = { "probe_sight", "ttttttttstttttttt", sizeof(gw_probe_push), 4096,
+							  .cpu = gw_cpu_probe_sight },
+	[GW_PASS_PROBE_RAYS] = { "probe_rays", "tttttttsstttttttt", sizeof(gw_probe_push), 4096,
+							 .cpu = gw_cpu_probe_rays },
 
 	[GW_PASS_VOLUME_RAYS] = { "volume_rays", "tttttttstttttttt", sizeof(gw_volume_push), 4096,
 							  .cpu = gw_cpu_volume_rays },

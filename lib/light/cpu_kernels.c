@@ -172,3 +172,17 @@ void gw_cpu_volume_read(gw_passes *passes, const gw_binding *b, const void *push
 				   (gw_kernel_run){ .kernel = gw_kernel_volume_read, .bindings = b, .push = push },
 				   count, CHUNK);
 }
+
+void gw_cpu_probe_sight(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_PROBE_SIGHT,
+				   (gw_kernel_run){ .kernel = gw_kernel_probe_sight, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
+}
+
+void gw_cpu_probe_rays(gw_passes *passes, const gw_binding *b, const void *push, uint64_t count)
+{
+	gw_kernel_loop(passes, GW_PASS_PROBE_RAYS,
+				   (gw_kernel_run){ .kernel = gw_kernel_probe_rays, .bindings = b, .push = push },
+				   count, CHUNK_POINTS);
+}

@@ -120,6 +120,18 @@ SHARED_STRUCT(gw_keep_push)
 };
 SHARED_SIZE(gw_keep_push, 20);
 
+/* Probes and what they see. */
+SHARED_STRUCT(gw_probe_push)
+{
+	uint first, count;
+	uint rays; /* places or directions a probe */
+	uint seed;
+	float orientation, distance; /* weights of the cosine and of the distance */
+	float reach;                 /* distance from which on more is no better */
+	uint unused;
+};
+SHARED_SIZE(gw_probe_push, 32);
+
 /* Finding records near a point. */
 SHARED_STRUCT(gw_lookup_push)
 {

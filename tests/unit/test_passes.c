@@ -14,6 +14,7 @@
 #include "device/gpu_internal.h"
 #include "device/passes.h"
 #include "device/prefix_sum.h"
+#include "glowworm_probes.h"
 #include "expected.h"
 #include "scenes.h"
 #include "light/transport_layout.h"
@@ -77,6 +78,8 @@ static const struct {
 	[GW_PASS_VOLUME_FILL] = { "=l", 0 },
 	[GW_PASS_VOLUME_WEIGHTS] = { "rw", GW_VOLUME_WEIGHTS },
 	[GW_PASS_VOLUME_READ] = { "==l", 0 },
+	[GW_PASS_PROBE_SIGHT] = { "l", 0 },
+	[GW_PASS_PROBE_RAYS] = { "hd", 0 },
 };
 
 /* Elements that went both ways so far, and of those the ones with portals, or a map for rays. */
@@ -458,6 +461,35 @@ static void portals_both_ways(void **state)
 	assert_true(met_portals > 0 || met[GW_PASS_RECORD_SKY] == 0);
 }
 
+/* Probes in a box with a ball. */
+static void probes_both_ways(void **state)
+{
+	scene s = { 0 };
+	const gw_light light = scene_point_light(0.2, 0.2, 0.8, 1.0f);
+	gw_bake_options options = gw_bake_options_default();
+	gw_probes_options few = gw_probes_options_default();
+	gw_scene *prepared = NULL;
+	gw_lighting *lighting = NULL;
+	gw_probes *probes = NULL;
+	gw_error error = { 0 };
+	(void)state;
+	few.size = 16;
+	few.moves = 4;
+	options.estimate_points = 0;
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 10, 0.5f);
+	scene_add_sphere(&s, (double[3]){ 0.6, 0.6, 0.4 }, 0.2, 100, 1, 0.5f);
+	const gw_points points = scene_points(&s);
+	const gw_scene_description description = { &points, &light, 1 };
+	scene_choose_passes(&options.passes, &options.validate);
+	assert_ok(gw_scene_create(&description, &options, NULL, &prepared, &error), &error);
+	assert_ok(gw_lighting_create(prepared, &light, 1, &lighting, &error), &error);
+	assert_ok(gw_probes_make(lighting, &few, &probes, &error), &error);
+	gw_probes_destroy(&probes);
+	gw_lighting_destroy(&lighting);
+	gw_scene_destroy(&prepared);
+	scene_clear(&s);
+}
+
 /* A ball in the hall moves: rays that may meet it are traced again. */
 static void frames_both_ways(void **state)
 {
@@ -662,9 +694,10 @@ int main(void)
 		cmocka_unit_test(rows_are_whole),    cmocka_unit_test(shaders_are_rows),
 		cmocka_unit_test(lamps_both_ways),   cmocka_unit_test(large_discs_both_ways),
 		cmocka_unit_test(volume_both_ways),  cmocka_unit_test(sky_both_ways),
-		cmocka_unit_test(portals_both_ways), cmocka_unit_test(frames_both_ways),
-		cmocka_unit_test(none_left_out),     cmocka_unit_test(choices_alike),
-		cmocka_unit_test(kernels_refused),   cmocka_unit_test(passes_are_kept),
+		cmocka_unit_test(portals_both_ways), cmocka_unit_test(probes_both_ways),
+		cmocka_unit_test(frames_both_ways),  cmocka_unit_test(none_left_out),
+		cmocka_unit_test(choices_alike),     cmocka_unit_test(kernels_refused),
+		cmocka_unit_test(passes_are_kept),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,386 @@
+/*
+ * probes.c - see probes.h. Probes are records of another kind: placed in free space, traced to all
+ * sides, with the radiance that the points send out in the end.
+ */
+#include "bake/probes.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "light/direct_light.h"
+#include "light/octahedral.h"
+#include "light/probe_cells.h"
+#include "light/probe_places.h"
+#include "light/probe_trace.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Surfels that balls of free space are grown from, and balls that are looked from, at most. */
+#define SEEDS 8192u
+#define CANDIDATES 512u
+
+/* Spots on the surface that probes are chosen by, and those that are looked at in the end. */
+#define CHOSEN_BY 2048u
+#define LOOKED_AT 16384u
+
+/* Rays start at surface within so many leaf cells of a place in its leaf: nearer than that a place
+ * is as good as in the surface. */
+#define LEAST_CELLS 2.0f
+
+#define CHUNK 8192u /* surfels that a thread takes at a time */
+
+/* Where in its step the first spot lies, for the two choices. */
+#define SHIFT_CHOSEN 0.5
+#define SHIFT_LOOKED 0.19
+
+gw_probes_options gw_probes_options_default(void)
+{
+	return (gw_probes_options){ .size = 64, .moves = 100, .seed = 1 };
+}
+
+gw_status gw_probes_options_check(const gw_probes_options *o, gw_error *error)
+{
+	if (o->size < GW_PROBE_SIZE_LEAST || o->size > GW_PROBE_SIZE_MOST ||
+		(o->size & (o->size - 1)) != 0)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "maps of probes are %u texels wide; give a power of two from %u to %u",
+					   o->size, GW_PROBE_SIZE_LEAST, GW_PROBE_SIZE_MOST);
+	if (!isfinite(o->margin) || o->margin < 0.0f)
+		return gw_fail(error, GW_ERROR_USAGE,
+					   "the margin of probes is %g; give metres of at least 0", (double)o->margin);
+	return GW_OK;
+}
+
+/* ------------------------------------------------------------------------- what is sent out */
+
+typedef struct sending {
+	const gw_lighting *lighting;
+	const float *direct; /* 4 a surfel, or NULL */
+	float *radiance;     /* 4 a surfel */
+} sending;
+
+static float part(const float *values, size_t surfel, size_t c)
+{
+	return values ? values[4 * surfel + c] : 0.0f;
+}
+
+static void send(void *user, size_t first, size_t last, uint32_t worker)
+{
+	const sending *job = user;
+	const gw_lighting *l = job->lighting;
+	const gw_surfels *s = &l->scene->surfels;
+	(void)worker;
+	for (size_t i = first; i < last; i++) {
+		size_t shown = gw_lighting_shown(l, (uint32_t)i);
+		for (size_t c = 0; c < 3; c++)
+			job->radiance[4 * i + c] =
+				(s->emission ? s->emission[3 * shown + c] : 0.0f) +
+				s->albedo[3 * shown + c] / GW_PI *
+					(part(job->direct, shown, c) + part(l->surfel_first, shown, c) +
+					 part(l->surfel_indirect, shown, c));
+	}
+}
+
+/* The mean of what its surfels send out, of each facet. */
+static gw_status average(gw_scene *scene, const float *radiance, gw_buffer buffer[2],
+						 gw_error *error)
+{
+	const uint64_t bytes[2] = { 16 * (uint64_t)scene->surfels.count,
+								32 * (uint64_t)scene->octree.leaf_count };
+	static const char *const name[] = { "radiance of surfels", "radiance of facets" };
+	for (int i = 0; i < 2; i++)
+		GW_TRY(gw_buffer_create(scene->gpu,
+								&(gw_buffer_description){ GW_BUFFER_TEXEL,
+														  VK_FORMAT_R32G32B32A32_SFLOAT, bytes[i],
+														  name[i] },
+								&buffer[i], error));
+	GW_TRY(gw_buffer_upload(scene->gpu, &buffer[0], 0, radiance, bytes[0], error));
+	return gw_average_facets(&scene->passes, &scene->octree, &buffer[0], &buffer[1], error);
+}
+
+/* What facets send out. */
+static gw_status find_radiance(gw_lighting *lighting, gw_buffer *facets, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	gw_buffer buffer[2] = { { 0 }, { 0 } };
+	float *direct = NULL;
+	GW_TRY(gw_lighting_choose_sides(lighting, error));
+	GW_TRY(gw_lighting_download_direct(lighting, &direct, error));
+	sending job = { lighting, direct,
+					gw_allocate_zeros(scene->surfels.count, 4 * sizeof *job.radiance) };
+	gw_status status =
+		job.radiance ? GW_OK
+					 : gw_fail(error, GW_ERROR_MEMORY, "no memory for the radiance of %zu surfels",
+							   scene->surfels.count);
+	if (status == GW_OK) {
+		gw_parallel_for(scene->options.threads, scene->surfels.count, CHUNK, send, &job);
+		status = average(scene, job.radiance, buffer, error);
+	}
+	free(direct);
+	free(job.radiance);
+	gw_buffer_destroy(scene->gpu, &buffer[0]);
+	if (status == GW_OK)
+		*facets = buffer[1];
+	else
+		gw_buffer_destroy(scene->gpu, &buffer[1]);
+	return status;
+}
+
+/* ------------------------------------------------------------------------------------ places */
+
+/* All that lasts as long as probes are placed. */
+typedef struct placing {
+	gw_scene *scene;
+	const gw_probes_options *options;
+	gw_neighbours *search;
+	gw_free_ball *ball;
+	size_t ball_count;
+	gw_sight_places chosen_by, looked_at;
+	gw_free_ball_task room;
+	gw_probe_places places;
+} placing;
+
+static gw_status find_balls(placing *p, gw_error *error)
+{
+	gw_scene *scene = p->scene;
+	const gw_surfels *s = &scene->surfels;
+	const gw_surfels_options how = gw_scene_surfels_options(scene, NULL, 0);
+	const float margin = (float)ldexp((double)p->options->margin, scene->units.length);
+	GW_TRY(gw_neighbours_open(s, &how, &p->search, error));
+	p->room = (gw_free_ball_task){ .surfels = s,
+								   .search = p->search,
+								   .least = LEAST_CELLS * scene->octree.leaf_size,
+								   .seeds = SEEDS,
+								   .most = CANDIDATES,
+								   .threads = scene->options.threads };
+	for (int k = 0; k < 3; k++) {
+		p->room.minimum[k] = s->minimum[k] - margin;
+		p->room.maximum[k] = s->maximum[k] + margin;
+	}
+	GW_TRY(gw_free_balls_find(&p->room, &p->ball, &p->ball_count, error));
+	if (p->ball_count > 0)
+		return GW_OK;
+	return gw_fail(
+		error, GW_ERROR_DATA,
+		"there is no free space for a probe: in front of no surface there is room for "
+		"%.3g m to all sides within the bounds of the points; a margin lets probes stand "
+		"outside of them",
+		ldexp((double)p->room.least, -scene->units.length));
+}
+
+static gw_status choose(placing *p, gw_error *error)
+{
+	gw_scene *scene = p->scene;
+	gw_probe_task task = { .sight = { &scene->passes, &scene->octree, &p->chosen_by },
+						   .search = p->search,
+						   .candidate = p->ball,
+						   .candidate_count = p->ball_count,
+						   .least = p->room.least,
+						   .most = p->options->count,
+						   .moves = p->options->moves,
+						   .seed = (uint32_t)p->options->seed,
+						   .cancelled = gw_scene_stopped,
+						   .user = scene };
+	memcpy(task.minimum, p->room.minimum, sizeof task.minimum);
+	memcpy(task.maximum, p->room.maximum, sizeof task.maximum);
+	GW_TRY(gw_sight_places_make(scene->gpu, &scene->octree, CHOSEN_BY, SHIFT_CHOSEN, &p->chosen_by,
+								error));
+	/* In the largest free ball a probe is as far from everything as it can be. */
+	p->chosen_by.reach = p->ball[0].radius / scene->octree.leaf_size;
+	GW_TRY(gw_probe_places_choose(&task, &p->places, error));
+	if (p->places.count > 0)
+		return GW_OK;
+	return gw_fail(
+		error, GW_ERROR_DATA,
+		"there is no free space for a probe: from none of %zu places any surface is seen "
+		"from in front; look at the normals",
+		p->ball_count);
+}
+
+/* The share of the surface that is seen, at spots that nobody chose by. */
+static gw_status measure(placing *p, double *seen, gw_error *error)
+{
+	gw_scene *scene = p->scene;
+	const gw_sight sight = { &scene->passes, &scene->octree, &p->looked_at };
+	GW_TRY(gw_sight_places_make(scene->gpu, &scene->octree, LOOKED_AT, SHIFT_LOOKED, &p->looked_at,
+								error));
+	size_t width = p->looked_at.count;
+	float *value = gw_allocate_array(width, p->places.count * sizeof *value);
+	if (!value)
+		return gw_fail(error, GW_ERROR_MEMORY, "no memory for what %u probes see", p->places.count);
+	gw_status status = gw_sight_look(&sight, p->places.place, p->places.count, value, error);
+	double area = 0.0;
+	for (size_t t = 0; t < width && status == GW_OK; t++) {
+		bool any = false;
+		for (size_t k = 0; k < p->places.count; k++)
+			any = any || value[k * width + t] > 0.0f;
+		area += any ? (double)p->looked_at.area[t] : 0.0;
+	}
+	*seen = p->looked_at.total > 0.0 ? area / p->looked_at.total : 0.0;
+	free(value);
+	return status;
+}
+
+/* The maps have to fit into what the scene may use, or else into what is free. */
+static gw_status check_room(const gw_scene *scene, size_t count, uint32_t size, gw_error *error)
+{
+	const uint64_t texels = (uint64_t)size * size, floats = 7 * texels + 2 * (texels / 3);
+	const uint64_t bytes = count * floats * sizeof(float);
+	const uint64_t room = scene->options.memory > 0 ? scene->options.memory : gw_available_memory();
+	if (room == 0 || bytes <= room)
+		return GW_OK;
+	return gw_fail(error, GW_ERROR_MEMORY,
+				   "the maps of %zu probes of %u x %u texels take %llu bytes, and %llu are "
+				   "allowed; ask for fewer probes or smaller maps",
+				   count, size, size, (unsigned long long)bytes, (unsigned long long)room);
+}
+
+static gw_status allocate(size_t count, uint32_t size, gw_probes *probes, gw_error *error)
+{
+	const size_t texels = (size_t)size * size, mips = (size_t)gw_octahedral_mip_texels(size);
+	probes->count = count;
+	probes->size = size;
+	probes->probe = gw_allocate_zeros(count, sizeof *probes->probe);
+	probes->radiance = gw_allocate_zeros(count, 3 * texels * sizeof *probes->radiance);
+	probes->normal = gw_allocate_zeros(count, 3 * texels * sizeof *probes->normal);
+	probes->distance = gw_allocate_zeros(count, texels * sizeof *probes->distance);
+	probes->least = gw_allocate_zeros(count, mips * sizeof *probes->least);
+	probes->greatest = gw_allocate_zeros(count, mips * sizeof *probes->greatest);
+	return probes->probe && probes->radiance && probes->normal && probes->distance &&
+				   probes->least && probes->greatest
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY,
+						 "no memory for the maps of %zu probes of %u x %u texels; fewer probes or "
+						 "smaller maps take less",
+						 count, size, size);
+}
+
+/* A length of the scene in the metres that were given. */
+static double metres_of(const gw_scene *scene, double length)
+{
+	return ldexp(length, -scene->units.length);
+}
+
+/* What is known of the probes before they are traced. */
+static void describe(const placing *p, gw_probes *probes)
+{
+	const gw_scene *scene = p->scene;
+	const gw_octree *o = &scene->octree;
+	probes->seeable = p->places.seeable;
+	probes->candidates = p->ball_count;
+	probes->first = p->places.first;
+	for (size_t i = 0; i < probes->count; i++) {
+		float place[3];
+		for (int k = 0; k < 3; k++) {
+			place[k] = o->cube_minimum[k] + p->places.place[4 * i + (size_t)k] * o->leaf_size;
+			probes->probe[i].position[k] =
+				metres_of(scene, scene->surfels.origin[k] + (double)place[k]);
+		}
+		probes->probe[i].radius =
+			(float)metres_of(scene, (double)gw_free_distance(p->search, place));
+	}
+	for (int k = 0; k < 3; k++) {
+		const double origin = scene->surfels.origin[k];
+		probes->minimum[k] = metres_of(scene, origin + (double)p->room.minimum[k]);
+		probes->maximum[k] = metres_of(scene, origin + (double)p->room.maximum[k]);
+	}
+}
+
+static gw_status place(placing *p, gw_probes *probes, gw_error *error)
+{
+	GW_TRY(find_balls(p, error));
+	GW_TRY(choose(p, error));
+	GW_TRY(check_room(p->scene, p->places.count, p->options->size, error));
+	GW_TRY(allocate(p->places.count, p->options->size, probes, error));
+	describe(p, probes);
+	return measure(p, &probes->seen, error);
+}
+
+/* ------------------------------------------------------------------------------- what they see */
+
+/* The sky's texels, where it has a map. */
+static gw_status open_sky(const gw_lighting *lighting, gw_view *texel, gw_sky_view *sky,
+						  gw_error *error)
+{
+	const gw_sky_map *map = &lighting->map;
+	*sky = (gw_sky_view){ .radiance = lighting->plan.sky_radiance };
+	if (!lighting->plan.map || map->width == 0)
+		return GW_OK;
+	GW_TRY(gw_view_open(lighting->scene->gpu, &map->texel, 16 * (uint64_t)map->width * map->height,
+						texel, error));
+	sky->map = map;
+	sky->texel = texel->bytes;
+	return GW_OK;
+}
+
+/* Brings the light into the units that were given. */
+static gw_status undo_light(const gw_scene *scene, gw_probes *probes, gw_error *error)
+{
+	const size_t texels = (size_t)probes->size * probes->size;
+	GW_TRY(gw_scaled_scene_undo_radiance(&scene->units, probes->radiance, probes->count * texels,
+										 error));
+	for (size_t i = 0; i < probes->count; i++)
+		GW_TRY(gw_scaled_scene_undo_radiance(&scene->units, probes->probe[i].harmonic[0],
+											 GW_PROBE_HARMONICS, error));
+	return GW_OK;
+}
+
+static gw_status trace(gw_lighting *lighting, const float *place, uint64_t seed, gw_probes *probes,
+					   gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	gw_buffer facets = { 0 };
+	gw_view texel = { 0 };
+	gw_probe_scene seen = { .passes = &scene->passes,
+							.octree = &scene->octree,
+							.facet_radiance = &facets,
+							.seed = (uint32_t)seed,
+							.threads = scene->options.threads };
+	GW_TRY(find_radiance(lighting, &facets, error));
+	gw_status status = open_sky(lighting, &texel, &seen.sky, error);
+	if (status == GW_OK)
+		status = gw_probes_trace(&seen, place, metres_of(scene, (double)scene->octree.leaf_size),
+								 probes, error);
+	gw_view_close(&texel);
+	gw_buffer_destroy(scene->gpu, &facets);
+	return status == GW_OK ? undo_light(scene, probes, error) : status;
+}
+
+gw_status gw_lighting_probes(gw_lighting *lighting, const gw_probes_options *options,
+							 gw_probes *probes, gw_error *error)
+{
+	gw_scene *scene = lighting->scene;
+	placing p = { .scene = scene, .options = options };
+	if (scene->octree.leaf_count == 0)
+		return gw_fail(
+			error, GW_ERROR_USAGE,
+			"the scene has no octree, which probes are traced through; force that effect");
+	GW_TRY(gw_scene_find_compartments(scene, error));
+	gw_status status = place(&p, probes, error);
+	if (status == GW_OK)
+		status = trace(lighting, p.places.place, options->seed, probes, error);
+	if (status == GW_OK)
+		status = gw_probe_cells_find(probes, scene->options.threads, error);
+	gw_probe_places_clear(&p.places);
+	gw_sight_places_clear(scene->gpu, &p.chosen_by);
+	gw_sight_places_clear(scene->gpu, &p.looked_at);
+	gw_neighbours_close(p.search);
+	free(p.ball);
+	return status;
+}
+
+void gw_probes_destroy(gw_probes **probes)
+{
+	gw_probes *p = *probes;
+	*probes = NULL;
+	if (!p)
+		return;
+	free(p->probe);
+	free(p->radiance);
+	free(p->normal);
+	free(p->distance);
+	free(p->least);
+	free(p->greatest);
+	gw_probe_cells_clear(&p->cells);
+	free(p);
+}

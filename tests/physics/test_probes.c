@@ -1,0 +1,372 @@
+/* Probes: what they see in a furnace and of half of one, how many it takes to see rooms, and that
+ * it is the same every time. */
+#include "expected.h"
+#include "glowworm_probes.h"
+#include "scenes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Of the rays in a closed sphere some slip between the planes of its leaves: 0.08 %, says
+ * octree_bindings.c of one that is 30 cells wide. */
+#define SLIPPED 0.002
+
+#define SPHERE_POINTS 20000
+
+static gw_bake_options bake_options(uint32_t bounces)
+{
+	gw_bake_options options = gw_bake_options_default();
+	options.bounces = bounces;
+	options.estimate_points = 0;
+	options.effects_forced |= 1u << GW_EFFECT_OCTREE;
+	scene_choose_passes(&options.passes, &options.validate);
+	return options;
+}
+
+/* Probes of a scene in the light of its own emission and of lights. */
+typedef struct made {
+	gw_probes *probes;
+	double leaf_size; /* metres */
+	gw_status status;
+	gw_error error;
+} made;
+
+static made make_probes(const scene *s, const gw_bake_options *bake, const gw_light *light,
+						const gw_probes_options *options)
+{
+	gw_points points = scene_points(s);
+	const gw_scene_description description = { &points, light, light ? 1 : 0 };
+	gw_scene *prepared = NULL;
+	gw_lighting *lighting = NULL;
+	made m = { .probes = NULL };
+	assert_ok(gw_scene_create(&description, bake, NULL, &prepared, &m.error), &m.error);
+	assert_ok(gw_lighting_create(prepared, light, light ? 1 : 0, &lighting, &m.error), &m.error);
+	m.leaf_size = gw_scene_report(prepared)->leaf_size;
+	m.status = gw_probes_make(lighting, options, &m.probes, &m.error);
+	gw_lighting_destroy(&lighting);
+	gw_scene_destroy(&prepared);
+	return m;
+}
+
+static made make_good(const scene *s, const gw_bake_options *bake, const gw_light *light,
+					  const gw_probes_options *options)
+{
+	made m = make_probes(s, bake, light, options);
+	if (m.status != GW_OK)
+		fail_msg("%s", m.error.text);
+	return m;
+}
+
+static void assert_near(const char *what, double found, double expected, double allowed)
+{
+	if (!(fabs(found - expected) <= allowed))
+		fail_msg("%s: %.6g, not %.6g: off by %.3g, allowed %.3g", what, found, expected,
+				 fabs(found - expected), allowed);
+}
+
+/* A sphere of radius 1 that is seen from inside. */
+static scene make_sphere(float albedo)
+{
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, SPHERE_POINTS, -1, albedo);
+	return s;
+}
+
+/* Direction of the middle of a texel, as the header says it. */
+static void direction_of(uint32_t size, size_t texel, double d[3])
+{
+	double u = ((double)(texel % size) + 0.5) * 2.0 / size - 1.0;
+	double v = ((double)(texel / size) + 0.5) * 2.0 / size - 1.0;
+	d[0] = u;
+	d[1] = v;
+	d[2] = 1.0 - fabs(u) - fabs(v);
+	if (d[2] < 0.0) {
+		d[0] = (1.0 - fabs(v)) * (u < 0.0 ? -1.0 : 1.0);
+		d[1] = (1.0 - fabs(u)) * (v < 0.0 ? -1.0 : 1.0);
+	}
+	double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+	for (int k = 0; k < 3; k++)
+		d[k] /= length;
+}
+
+/* Surface is planes in leaf cells: they are off a sphere of radius 1 by the square of a cell's
+ * diagonal over 8, and points of a cell by half a cell at its rim. */
+static void assert_on_sphere(const made *m, size_t texel)
+{
+	const gw_probes *p = m->probes;
+	const size_t texels = (size_t)p->size * p->size;
+	const double *at = p->probe[texel / texels].position;
+	double d[3], r = 0.0, facing = 0.0;
+	direction_of(p->size, texel % texels, d);
+	for (int k = 0; k < 3; k++) {
+		double place = at[k] + (double)p->distance[texel] * d[k];
+		r += place * place;
+		facing += d[k] * (double)p->normal[3 * texel + (size_t)k];
+	}
+	assert_near("distance from the middle", sqrt(r), 1.0, m->leaf_size);
+	assert_true(facing < 0.0);
+}
+
+/* Cells whose middle lies in the sphere are those that its only probe serves, and no others but at
+ * its rim: by half the diagonal of a cell for what lies in the cell itself, by a leaf for the
+ * planes in the leaves, and by a texel's half where that is seen at a slant. Through 0.2 % of the
+ * texels a ray slips out, which is less than a hundredth of all cells. */
+static void assert_cells(const made *m)
+{
+	const gw_probe_cells *c = &m->probes->cells;
+	const double rim = 0.87 * c->size + m->leaf_size + 2.0 / m->probes->size;
+	size_t within = 0, all = 0, beyond = 0;
+	for (size_t i = 0; i < c->count; i++) {
+		double r = 0.0;
+		for (int k = 0; k < 3; k++) {
+			double at = c->origin[k] + (c->cell[3 * i + (size_t)k] + 0.5) * c->size;
+			r += at * at;
+		}
+		within += sqrt(r) < 1.0 - rim;
+		beyond += sqrt(r) > 1.0 + rim;
+		assert_int_equal(c->probe[GW_PROBES_OF_CELL * i], 0);
+		assert_int_equal(c->probe[GW_PROBES_OF_CELL * i + 1], -1);
+	}
+	for (int x = 0; x < 64; x++)
+		for (int y = 0; y < 64; y++)
+			for (int z = 0; z < 64; z++) {
+				const double at[3] = { c->origin[0] + (x + 0.5) * c->size,
+									   c->origin[1] + (y + 0.5) * c->size,
+									   c->origin[2] + (z + 0.5) * c->size };
+				all += sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2]) < 1.0 - rim;
+			}
+	assert_true(all > 10000);
+	assert_int_equal(within, all);
+	assert_true((double)beyond < 0.01 * 64 * 64 * 64);
+}
+
+/* Radiance is 1 in all directions; of all harmonics the first alone is there, L sqrt(4 pi). */
+static void furnace(void **state)
+{
+	(void)state;
+	scene s = make_sphere(0.0f);
+	scene_emit(&s, 0, (float[3]){ 1, 2, 4 });
+	const gw_bake_options bake = bake_options(1);
+	made m = make_good(&s, &bake, NULL, NULL);
+	const gw_probes *p = m.probes;
+	const size_t texels = p->count * p->size * p->size;
+	size_t slipped = 0;
+	assert_int_equal(p->count, 1);
+	assert_int_equal(p->size, 64);
+	for (size_t i = 0; i < texels; i++) {
+		if (p->distance[i] >= GW_PROBE_FAR) {
+			slipped++;
+			continue;
+		}
+		/* Means of equal numbers: but for a few roundings. */
+		for (size_t c = 0; c < 3; c++)
+			assert_near("radiance", (double)p->radiance[3 * i + c], (double)(1 << c), 1e-5 * 4);
+		assert_on_sphere(&m, i);
+	}
+	assert_true((double)slipped <= SLIPPED * (double)texels);
+	for (size_t h = 0; h < GW_PROBE_HARMONICS; h++)
+		for (size_t c = 0; c < 3; c++)
+			assert_near("harmonic", (double)p->probe->harmonic[h][c] / (double)(1 << c),
+						h == 0 ? sqrt(4.0 * SCENE_PI) : 0.0, 4.0 * SCENE_PI * SLIPPED + 0.002);
+	assert_true(p->seen > 0.999 && p->seeable > 0.999);
+	assert_cells(&m);
+	gw_probes_destroy(&m.probes);
+	assert_null(m.probes);
+	scene_clear(&s);
+}
+
+/* In a white furnace light is reflected until it is 1 / (1 - albedo) of what is sent out: within
+ * 1 % in the mean, as test_furnace.c has it. */
+static void white_furnace(void **state)
+{
+	(void)state;
+	scene s = make_sphere(0.5f);
+	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	const gw_bake_options bake = bake_options(GW_BOUNCES_AUTO);
+	made m = make_good(&s, &bake, NULL, NULL);
+	for (size_t k = 0; k < m.probes->count; k++)
+		assert_near("first harmonic", (double)m.probes->probe[k].harmonic[0][1],
+					2.0 * sqrt(4.0 * SCENE_PI), 0.01 * 2.0 * sqrt(4.0 * SCENE_PI));
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+/*
+ * The upper half of the sphere sends out 1, seen from its middle: by the integrals of the harmonics
+ * over a half sphere c0 = sqrt(pi), cz = sqrt(3 pi) / 2, all others 0. On the rim facets have the
+ * mean of both halves: of half a cell, and as much for the place of the probe and for texels, of a
+ * rim of 2 pi, times the largest value of a harmonic, which is below 0.7; and what slips through.
+ */
+static void half_furnace(void **state)
+{
+	(void)state;
+	scene s = make_sphere(0.0f);
+	for (size_t i = 0; i < s.count; i++)
+		if (s.position[3 * i + 2] > 0.0)
+			for (size_t c = 0; c < 3; c++)
+				s.emission[3 * i + c] = 1.0f;
+	s.emits = true;
+	const gw_bake_options bake = bake_options(0);
+	gw_probes_options options = gw_probes_options_default();
+	options.moves = 0;
+	made m = make_good(&s, &bake, NULL, &options);
+	const gw_probe *probe = m.probes->probe;
+	double off =
+		fmax(fabs(probe->position[0]), fmax(fabs(probe->position[1]), fabs(probe->position[2])));
+	double allowed = 0.7 * 2.0 * SCENE_PI * (m.leaf_size + off + 1.0 / 64.0) + SLIPPED;
+	assert_int_equal(m.probes->count, 1);
+	assert_true(allowed < 0.3);
+	for (size_t h = 0; h < GW_PROBE_HARMONICS; h++) {
+		double expected = h == 0 ? sqrt(SCENE_PI) : h == 2 ? sqrt(3.0 * SCENE_PI) / 2.0 : 0.0;
+		assert_near("harmonic", (double)probe->harmonic[h][0], expected, allowed);
+	}
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+/* Over a black floor all that is above its horizon is sky, exactly; and nothing is met there. */
+static void sky(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
+					64, 64, 0.0f);
+	const gw_light even = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 3, 2, 1 } };
+	const gw_bake_options bake = bake_options(1);
+	gw_probes_options options = gw_probes_options_default();
+	options.margin = 1.0f;
+	made m = make_good(&s, &bake, &even, &options);
+	const gw_probes *p = m.probes;
+	const size_t texels = (size_t)p->size * p->size;
+	for (size_t i = 0; i < p->count * texels; i++) {
+		double d[3];
+		direction_of(p->size, i % texels, d);
+		bool open = p->distance[i] >= GW_PROBE_FAR;
+		assert_true(open || d[2] < 0.0);
+		for (size_t c = 0; c < 3; c++)
+			assert_true(p->radiance[3 * i + c] == (open ? even.radiance[c] : 0.0f));
+	}
+	for (size_t k = 0; k < p->count; k++)
+		assert_true(p->probe[k].position[2] > 0.0 && p->probe[k].position[2] <= 1.0 + 1e-6);
+	gw_probes_destroy(&m.probes);
+	/* Without a margin there is no room over it. */
+	options.margin = 0.0f;
+	m = make_probes(&s, &bake, &even, &options);
+	assert_int_equal(m.status, GW_ERROR_DATA);
+	assert_non_null(strstr(m.error.text, "no free space"));
+	assert_null(m.probes);
+	scene_clear(&s);
+}
+
+/* From any place in a box all of it is seen: one probe does. Two boxes beside each other, each
+ * shut, take one each, and one sees half of them. Facets at edges, a leaf wide, may hide behind
+ * others: of a box of 1 m with 32 points a metre less than 2 % of the area. */
+static void boxes(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	const gw_bake_options bake = bake_options(2);
+	gw_probes_options options = gw_probes_options_default();
+	options.size = 16;
+	made m = make_good(&s, &bake, &lamp, &options);
+	assert_int_equal(m.probes->count, 1);
+	assert_true(m.probes->seen > 0.98 && m.probes->seeable > 0.98);
+	gw_probes_destroy(&m.probes);
+	scene_add_box(&s, (double[3]){ 1.5, 0, 0 }, (double[3]){ 1, 1, 1 }, 32, 0.5f);
+	m = make_good(&s, &bake, &lamp, &options);
+	assert_int_equal(m.probes->count, 2);
+	assert_true(m.probes->seen > 0.98);
+	gw_probes_destroy(&m.probes);
+	options.count = 1;
+	m = make_good(&s, &bake, &lamp, &options);
+	assert_int_equal(m.probes->count, 1);
+	assert_near("seen by one", m.probes->seen, 0.5, 0.01);
+	gw_probes_destroy(&m.probes);
+	scene_clear(&s);
+}
+
+static void assert_same(const gw_probes *a, const gw_probes *b)
+{
+	const size_t texels = a->count * a->size * a->size;
+	assert_int_equal(a->count, b->count);
+	assert_memory_equal(a->probe, b->probe, a->count * sizeof *a->probe);
+	assert_memory_equal(a->radiance, b->radiance, 3 * texels * sizeof(float));
+	assert_memory_equal(a->normal, b->normal, 3 * texels * sizeof(float));
+	assert_memory_equal(a->distance, b->distance, texels * sizeof(float));
+	assert_true(a->seen == b->seen && a->seeable == b->seeable);
+	assert_int_equal(a->cells.count, b->cells.count);
+	assert_memory_equal(a->cells.probe, b->cells.probe,
+						GW_PROBES_OF_CELL * a->cells.count * sizeof *a->cells.probe);
+}
+
+static void same_every_time(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_make_hall(&s);
+	gw_bake_options bake = bake_options(2);
+	gw_probes_options options = gw_probes_options_default();
+	options.size = 16;
+	options.moves = 20;
+	bake.threads = 1;
+	made one = make_good(&s, &bake, NULL, &options);
+	bake.threads = 3;
+	made other = make_good(&s, &bake, NULL, &options);
+	assert_same(one.probes, other.probes);
+	gw_probes_destroy(&one.probes);
+	gw_probes_destroy(&other.probes);
+	scene_clear(&s);
+}
+
+/* A solid cube: its surface looks out of its own bounds, so there is no place for a probe. */
+static void solid(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 16, 0.5f);
+	for (size_t i = 0; i < 3 * s.count; i++)
+		s.normal[i] = -s.normal[i];
+	const gw_light even = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
+	gw_bake_options bake = bake_options(1);
+	bake.normals = GW_NORMALS_GIVEN;
+	made m = make_probes(&s, &bake, &even, NULL);
+	assert_int_equal(m.status, GW_ERROR_DATA);
+	assert_non_null(strstr(m.error.text, "no free space"));
+	scene_clear(&s);
+}
+
+static void refused(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 1, 1, 1 }, 8, 0.5f);
+	const gw_light lamp = scene_point_light(0.5, 0.5, 0.7, 1.0f);
+	const gw_bake_options bake = bake_options(1);
+	for (int i = 0; i < 5; i++) {
+		gw_probes_options options = gw_probes_options_default();
+		options.size = i == 0 ? 0 : i == 1 ? 48 : i == 2 ? 2048 : 64;
+		options.margin = i == 3 ? -1.0f : i == 4 ? NAN : 0.0f;
+		made m = make_probes(&s, &bake, &lamp, &options);
+		assert_int_equal(m.status, GW_ERROR_USAGE);
+		assert_null(m.probes);
+	}
+	scene_clear(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(furnace),      cmocka_unit_test(white_furnace),
+		cmocka_unit_test(half_furnace), cmocka_unit_test(sky),
+		cmocka_unit_test(boxes),        cmocka_unit_test(same_every_time),
+		cmocka_unit_test(solid),        cmocka_unit_test(refused),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
