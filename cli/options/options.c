@@ -212,6 +212,7 @@ enum {
 	LAMP = 1u << VERB_LAMP,
 	MEASURE = 1u << VERB_MEASURE,
 	PROBES = 1u << VERB_PROBES,
+	METHODS = 1u << VERB_METHODS,
 	EVERY_VERB = (1u << VERB_COUNT) - 1
 };
 
@@ -472,8 +473,8 @@ const option options[] = {
 	{ "method", 'm', NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
 	  AT(bake.method), .choice = method_name, .group = "Light",
 	  .help = "how light between surfaces is gathered" },
-	{ "basis", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true, AT(bake.basis),
-	  .choice = basis_name, .group = "Light",
+	{ "basis", 0, NULL, OPTION_CHOICE, FOR(BAKE | PLAN | ALBEDO | PROBES), .scene = true,
+	  AT(bake.basis), .choice = basis_name, .group = "Light",
 	  .help =
 		  "what is kept where light is gathered: how much there is, or also from where it comes, "
 		  "by which points read it with their own normals; auto does so where these differ, as "
@@ -605,8 +606,8 @@ const option options[] = {
 			  "head height, the most open first. They are those of a scene with this one input" },
 	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(INFO), AT(json), .group = "Messages",
 	  .help = "print JSON, one object a line" },
-	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE), AT(json),
-	  .group = "Messages", .help = "print JSON" },
+	{ "json", 0, NULL, OPTION_FLAG, QUIETLY, FOR(DOCTOR | PLAN | LAMP | MEASURE | METHODS),
+	  AT(json), .group = "Messages", .help = "print JSON" },
 	{ "progress", 0, NULL, OPTION_CHOICE, QUIETLY, FOR(BAKE | PLAN | TRADEOFF | RENDER | PROBES),
 	  AT(progress), .choice = progress_name, .group = "Messages",
 	  .help = "auto shows it on a terminal; json writes one object a line to standard error" },
@@ -667,9 +668,10 @@ const option *option_find_key(const char *key)
 
 const char *verb_name(int v)
 {
-	static const char *const name[] = { "bake",   "plan",    "info",    "compare",  "mix",
-										"sample", "convert", "render",  "tradeoff", "albedo",
-										"doctor", "lamp",    "measure", "probes",   NULL };
+	static const char *const name[] = { "bake",     "plan",   "info",    "compare",
+										"mix",      "sample", "convert", "render",
+										"tradeoff", "albedo", "doctor",  "lamp",
+										"measure",  "probes", "methods", NULL };
 	static_assert(sizeof name / sizeof *name == VERB_COUNT + 1, "every verb has a name");
 	return name[v];
 }
@@ -689,7 +691,8 @@ const char *verb_summary(verb v)
 										   "say whether this machine can bake, and what is wrong",
 										   "show how a luminaire shines, or list lamps by name",
 										   "read the light on a piece of surface",
-										   "place radiance probes, and write what they see" };
+										   "place radiance probes, and write what they see",
+										   "list the ways in which light is gathered" };
 	return summary[v];
 }
 
@@ -709,7 +712,8 @@ const char *verb_synopsis(verb v)
 		"doctor [--device NAME] [--json]",
 		"lamp [LUMINAIRE] [-o PICTURE] [--json]",
 		"measure LIT [--box BOX] [--path PLACES] [option]...",
-		"probes INPUT... --light LIGHT... -o ATLAS [--json FILE] [option]..."
+		"probes INPUT... --light LIGHT... -o ATLAS [--json FILE] [option]...",
+		"methods [--json]"
 	};
 	return synopsis[v];
 }

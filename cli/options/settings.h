@@ -23,6 +23,7 @@ typedef enum verb {
 	VERB_LAMP,
 	VERB_MEASURE,
 	VERB_PROBES,
+	VERB_METHODS,
 	VERB_COUNT,
 } verb;
 

@@ -60,6 +60,8 @@ static gw_status call_verb(verb v, settings *s, gw_error *error)
 		return verb_measure(s, error);
 	case VERB_PROBES:
 		return verb_probes(s, error);
+	case VERB_METHODS:
+		return verb_methods(s, error);
 	case VERB_COUNT:
 		break;
 	}

@@ -45,6 +45,9 @@ gw_status verb_measure(const settings *settings, gw_error *error);
  * does. */
 gw_status verb_probes(settings *settings, gw_error *error);
 
+/* Prints the ways in which light between surfaces is gathered. */
+gw_status verb_methods(const settings *settings, gw_error *error);
+
 /* Reads one file and writes another. */
 gw_status verb_convert(const settings *settings, gw_error *error);
 /* Makes pictures of a cloud. Changes the settings as verb_bake does. */

@@ -3,7 +3,7 @@ glowworm --generate bash >bash.txt && bash -n bash.txt
 glowworm --generate zsh | grep -c -e '--light' -e '^bake)' -e '^info)' -e '^render)'
 glowworm --generate fish | grep -c -- '-l light-samples'
 for page in '' -bake -plan -info -compare -mix -sample -convert -render -tradeoff -albedo \
-	-doctor -lamp -measure -probes; do
+	-doctor -lamp -measure -probes -methods; do
 	glowworm --generate man-glowworm$page | grep -vE '^\.(SH|SS|TP|B|BR)( |$)' | grep '^[.]'
 done
 # Completion of an option's values.
