@@ -1,6 +1,6 @@
 /*
- * record_moment.glsl - how a record's irradiance changes where its normal turns: what each direction
- * brings, times the tangent of its angle to the normal, along the two tangents of
+ * record_moment.glsl - how a record's irradiance changes where its normal turns: what each
+ * direction brings, times the tangent of its angle to the normal, along the two tangents of
  * tangent_frame(normal) (the rotational gradient of Ward and Heckbert 1992; with the irradiance
  * along the normal, the first moment of what the record saw).
  *

@@ -1,6 +1,7 @@
 # The ways in which light is gathered: every --method that there is, and as JSON.
 glowworm methods >methods.txt
-for method in $(glowworm bake --help | sed -n 's/.*--method \([a-z|]*\).*/\1/p' | head -1 | tr '|' ' '); do
+choices=$(glowworm bake --help | sed -n 's/.*--method \([a-z|]*\).*/\1/p' | head -1)
+for method in $(echo "$choices" | tr '|' ' '); do
 	grep -qx "$method" methods.txt || echo "methods says nothing of $method"
 done
 cat methods.txt
