@@ -46,6 +46,25 @@ static void add(tradeoff *t, const gw_bake_options *base, gw_method method, gw_q
 			 " --rays %u --light-samples %u", run->bake.rays, run->bake.light_samples);
 }
 
+/* Normal quality without what records know of directions. */
+static void add_scalar(tradeoff *t, const gw_bake_options *base)
+{
+	tradeoff_run *run = &t->run[t->count];
+	add(t, base, GW_METHOD_RAYS, GW_QUALITY_NORMAL, 1.0);
+	run->bake.basis = GW_BASIS_SCALAR;
+	snprintf(run->name, sizeof run->name, "rays normal, scalar");
+	snprintf(run->options, sizeof run->options, "--method rays --quality normal --basis scalar");
+}
+
+static void add_volume(tradeoff *t, const gw_bake_options *base, uint32_t cells)
+{
+	tradeoff_run *run = &t->run[t->count];
+	add(t, base, GW_METHOD_VOLUME, GW_QUALITY_NORMAL, 1.0);
+	run->bake.volume_cells = cells;
+	snprintf(run->name, sizeof run->name, "volume, %u cells", cells);
+	snprintf(run->options, sizeof run->options, "--method volume --volume-cells %u", cells);
+}
+
 void tradeoff_plan(const gw_bake_options *base, tradeoff *t)
 {
 	*t = (tradeoff){ 0 };
@@ -60,6 +79,9 @@ void tradeoff_plan(const gw_bake_options *base, tradeoff *t)
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_DRAFT, 1.0);
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_NORMAL, 1.0);
 	add(t, base, GW_METHOD_CONES, GW_QUALITY_HIGH, 1.0);
+	add_scalar(t, base);
+	for (uint32_t cells = 32; cells <= 128; cells *= 2)
+		add_volume(t, base, cells);
 }
 
 /* ------------------------------------------------------------------------------- one run */
