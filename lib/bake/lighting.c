@@ -489,20 +489,23 @@ static gw_status add_moment(gw_lighting *lighting, const gw_buffer *irradiance, 
 								 &s->records.indirect_moment, error);
 }
 
-/* The moment of all that was reflected, by hits alone but for the first reflection where that was
- * sampled: the light that reached the records, reflected and gathered once more, but for what came
- * last where bounces were counted. */
-static gw_status gather_moments(gw_lighting *lighting, uint32_t limit, gw_error *error)
+/* The moment of all that was gathered of reflections, by hits alone but for the first one where
+ * that was sampled: of what reached the records, reflected, but for what came last, whose
+ * reflection was not gathered. Where the first bounce was a guess at all others, this is what came,
+ * and nothing is left. */
+static gw_status gather_moments(gw_lighting *lighting, uint32_t bounce_count, bool carried,
+								gw_error *error)
 {
 	gw_records *records = &lighting->scene->records;
 	const gw_lighting *all = lighting->whole ? lighting->whole : lighting;
-	if (limit < 2)
+	if (bounce_count < 2)
 		return GW_OK;
 	if (!all->patches_sampled)
 		GW_TRY(add_moment(lighting, &records->first, 1.0f, 1.0f, error));
 	GW_TRY(add_moment(lighting, &records->indirect, 0.0f, 1.0f, error));
-	return limit == GW_BOUNCES_AUTO ? GW_OK
-									: add_moment(lighting, &records->gathered, 0.0f, -1.0f, error);
+	return carried && bounce_count == 2
+			   ? GW_OK
+			   : add_moment(lighting, &records->gathered, 0.0f, -1.0f, error);
 }
 
 gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
@@ -540,7 +543,7 @@ gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)
 	gw_buffer_destroy(s->gpu, &carried);
 	GW_TRY(status);
 	if (gw_scene_keeps_moments(s))
-		status = gather_moments(lighting, task.limit, error);
+		status = gather_moments(lighting, bounces.bounce_count, task.carried != NULL, error);
 	if (status != GW_OK) {
 		free(bounces.bounce);
 		return status;

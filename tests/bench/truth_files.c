@@ -110,7 +110,7 @@ gw_status truth_trace(const mesh_scene *scene, const truth_tracing *how, const c
 gw_status truth_add_light(const mesh_scene *scene, const truth_places *p, scan *cloud,
 						  gw_error *error)
 {
-	static const char *const name[3] = { "radiance", "direct", "indirect" };
+	static const char *const name[3] = { "radiance", "direct_irradiance", "indirect_irradiance" };
 	for (int column = 0; column < 9; column++) {
 		char full[64];
 		int quantity = column / 3, k = column % 3;

@@ -32,8 +32,8 @@ typedef struct truth_tracing {
 gw_status truth_trace(const mesh_scene *scene, const truth_tracing *how, const char *name,
 					  truth_places *places, gw_error *error);
 
-/* Adds scalar_radiance_*, scalar_direct_*, scalar_indirect_* (irradiance) and scalar_stderr
- * (standard error of the luminance) of the places to a cloud that has as many points. */
+/* Adds scalar_radiance_*, scalar_direct_irradiance_*, scalar_indirect_irradiance_* and
+ * scalar_stderr (standard error of the luminance) of the places to a cloud that has as many points. */
 gw_status truth_add_light(const mesh_scene *scene, const truth_places *places, scan *cloud,
 						  gw_error *error);
 

@@ -128,6 +128,62 @@ static void even_sky_has_no_moment(void **state)
 		fail_msg("%.4f more to the east and %.4f to the west, not 0", more[0], more[1]);
 }
 
+/* ------------------------------------------------------------------------------------- lamps */
+
+/* The largest radiance of all, and how far the lamps' columns are from the whole, as a share of
+ * it. */
+static double off_the_whole(const gw_bake_result *r, size_t count, double *largest)
+{
+	double off = 0.0;
+	*largest = 0.0;
+	for (size_t i = 0; i < 3 * count; i++) {
+		double sum = (double)r->lamp[0][i] + (double)r->lamp[1][i] + (double)r->lamp[2][i];
+		off = fmax(off, fabs(sum - (double)r->radiance[i]));
+		*largest = fmax(*largest, (double)r->radiance[i]);
+	}
+	return off / *largest;
+}
+
+/* In a sphere two lamps shine and one outside of it does not, whose column is black. The columns
+ * add up to the whole, and light is at least direct light, wherever bounces end: after the first or
+ * the second that is gathered, when the rest does not matter, or at once because any rest may be
+ * left out. Light is added up in float32, of some thousand terms at most, all of which are at least
+ * 0 but for the last reflection's, taken off again. */
+static void lamps_add_up(void **state)
+{
+	(void)state;
+	static const struct {
+		uint32_t bounces;
+		float tolerance;
+	} ends[] = {
+		{ 2, 1e-3f }, { 3, 1e-3f }, { GW_BOUNCES_AUTO, 1e-3f }, { GW_BOUNCES_AUTO, 0.9f }
+	};
+	const gw_light lights[] = { scene_point_light(0.3, 0.2, 0.1, 2.0f),
+								scene_point_light(-0.4, 0.1, 0.3, 1.0f),
+								scene_point_light(8.0, 8.0, 8.0, 40.0f) };
+	scene s = { 0 };
+	scene_add_sphere(&s, (double[3]){ 0, 0, 0 }, 1.0, 3000, -1, 0.3f);
+	gw_points points = scene_points(&s);
+	for (size_t e = 0; e < sizeof ends / sizeof *ends; e++) {
+		gw_bake_options options = gw_bake_options_default();
+		options.basis = GW_BASIS_DIRECTIONAL;
+		options.bounces = ends[e].bounces;
+		options.tolerance = ends[e].tolerance;
+		options.lamps = true;
+		options.estimate_points = 0;
+		gw_bake_result *r = scene_bake(&points, lights, 3, &options);
+		double largest, off = off_the_whole(r, s.count, &largest);
+		if (!(off <= 4096.0 * 0x1p-24))
+			fail_msg("end %zu: lamps are off the whole by %.3g of its largest", e, off);
+		for (size_t i = 0; i < 3 * s.count; i++)
+			assert_true(r->lamp[2][i] == 0.0f);
+		if (ends[e].tolerance > 0.5f)
+			assert_true(scene_mean(r->indirect_irradiance, s.count, 0) == 0.0);
+		gw_bake_result_destroy(&r);
+	}
+	scene_clear(&s);
+}
+
 /* ------------------------------------------------------------------------------------- reading */
 
 /* One record that faces up, read by a surfel that leans to x by an angle. */
@@ -180,6 +236,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(leaning_points_see_more_of_one_side),
 		cmocka_unit_test(even_sky_has_no_moment),
+		cmocka_unit_test(lamps_add_up),
 		cmocka_unit_test(normals_read_by_their_sine),
 		cmocka_unit_test(turn_is_the_root_of_the_mean_square),
 	};
