@@ -477,35 +477,41 @@ static gw_status carry(const gw_lighting *lighting, gw_buffer *facets, gw_error 
 	return status;
 }
 
-/* Adds the moment of what records gather of light that facets reflect of theirs. */
-static gw_status add_moment(gw_lighting *lighting, const gw_buffer *irradiance, float direct_share,
-							float share, gw_error *error)
+/* What reached the records and whose reflection was gathered, by hits, into *irradiance: all, but
+ * for what came last. Where the first reflection was sampled, that has its moment already; where
+ * the first bounce was a guess at all others, it is what came, and nothing is left. */
+static gw_status add_reflected(gw_lighting *lighting, bool first, bool last, gw_buffer *irradiance,
+							   gw_error *error)
 {
 	gw_scene *s = lighting->scene;
-	const gw_record_context on = gw_scene_context(s, &s->records);
-	GW_TRY(gw_facets_shade(&on, irradiance, &lighting->facet_direct, direct_share,
-						   &lighting->facet_radiance, error));
-	return gw_ray_gather_moments(&on, &s->rays, &lighting->facet_radiance, share,
-								 &s->records.indirect_moment, error);
+	gw_records *r = &s->records;
+	if (first)
+		GW_TRY(gw_light_add(&s->passes, &r->first, irradiance, r->count, error));
+	GW_TRY(gw_light_add(&s->passes, &r->indirect, irradiance, r->count, error));
+	return last ? GW_OK : gw_light_take(&s->passes, &r->gathered, irradiance, r->count, error);
 }
 
-/* The moment of all that was gathered of reflections, by hits alone but for the first one where
- * that was sampled: of what reached the records, reflected, but for what came last, whose
- * reflection was not gathered. Where the first bounce was a guess at all others, this is what came,
- * and nothing is left. */
+/* The moment of all that was gathered of reflections. */
 static gw_status gather_moments(gw_lighting *lighting, uint32_t bounce_count, bool carried,
 								gw_error *error)
 {
-	gw_records *records = &lighting->scene->records;
-	const gw_lighting *all = lighting->whole ? lighting->whole : lighting;
+	gw_scene *s = lighting->scene;
+	const gw_record_context on = gw_scene_context(s, &s->records);
+	bool first = !(lighting->whole ? lighting->whole : lighting)->patches_sampled;
+	gw_buffer irradiance = { 0 };
 	if (bounce_count < 2)
 		return GW_OK;
-	if (!all->patches_sampled)
-		GW_TRY(add_moment(lighting, &records->first, 1.0f, 1.0f, error));
-	GW_TRY(add_moment(lighting, &records->indirect, 0.0f, 1.0f, error));
-	return carried && bounce_count == 2
-			   ? GW_OK
-			   : add_moment(lighting, &records->gathered, 0.0f, -1.0f, error);
+	GW_TRY(darken(lighting, GW_BUFFER_TEXEL, s->records.count, "reflected irradiance of records",
+				  &irradiance, error));
+	gw_status status =
+		add_reflected(lighting, first, carried && bounce_count == 2, &irradiance, error);
+	if (status == GW_OK)
+		status = gw_facets_shade(&on, &irradiance, &lighting->facet_direct, first ? 1.0f : 0.0f,
+								 &lighting->facet_radiance, error);
+	gw_buffer_destroy(s->gpu, &irradiance);
+	return status != GW_OK ? status
+						   : gw_ray_gather_moments(&on, &s->rays, &lighting->facet_radiance,
+												   &s->records.indirect_moment, error);
 }
 
 gw_status gw_lighting_bounce(gw_lighting *lighting, gw_error *error)

@@ -36,9 +36,7 @@ static gw_status shade_gathered(const gw_voxels_task *task, float **values, gw_e
 	gw_records *records = task->records;
 	const gw_record_context on = { task->passes, task->octree, records };
 	gw_buffer reflected = { 0 };
-	const gw_binding add[] = { gw_window(&records->first, 16), gw_window(&records->indirect, 16) };
-	GW_TRY(gw_passes_run(task->passes, GW_PASS_RECORD_ADD, add, &(gw_record_push){ 0 },
-						 records->count, error));
+	GW_TRY(gw_light_add(task->passes, &records->first, &records->indirect, records->count, error));
 	GW_TRY(gw_buffer_create(gpu,
 							&(gw_buffer_description){ GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED,
 													  16 * slots, "voxel radiance" },

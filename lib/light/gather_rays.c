@@ -244,12 +244,24 @@ static void put_map(const gw_sampled_sources *sources, gw_record_push *push)
 	push->sky_y_up = map->y_up;
 }
 
+static gw_status add_times(gw_passes *passes, float share, const gw_buffer *from, gw_buffer *to,
+						   uint64_t count, gw_error *error)
+{
+	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
+	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ .share = share },
+						 count, error);
+}
+
 gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
 					   gw_error *error)
 {
-	const gw_binding bindings[] = { gw_window(from, 16), gw_window(to, 16) };
-	return gw_passes_run(passes, GW_PASS_RECORD_ADD, bindings, &(gw_record_push){ 0 }, count,
-						 error);
+	return add_times(passes, 1.0f, from, to, count, error);
+}
+
+gw_status gw_light_take(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+						gw_error *error)
+{
+	return add_times(passes, -1.0f, from, to, count, error);
 }
 
 /* What the rays themselves meet, and what was sampled. */
@@ -441,8 +453,7 @@ gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 }
 
 gw_status gw_ray_gather_moments(const gw_record_context *on, const gw_ray_gather *gather,
-								const gw_buffer *facet_radiance, float share, gw_buffer *moment,
-								gw_error *error)
+								const gw_buffer *facet_radiance, gw_buffer *moment, gw_error *error)
 {
 	const gw_binding bindings[] = { gw_whole(&gather->facet),
 									gw_whole(facet_radiance),
@@ -450,7 +461,7 @@ gw_status gw_ray_gather_moments(const gw_record_context *on, const gw_ray_gather
 									gw_window(&on->records->normal, 16),
 									gw_window(moment, 32),
 									gw_whole(&gather->distance) };
-	const gw_record_push push = { .rays = gather->rays, .seed = gather->seed, .share = share };
+	const gw_record_push push = { .rays = gather->rays, .seed = gather->seed };
 	return gw_passes_run(on->passes, GW_PASS_RECORD_MOMENTS, bindings, &push, on->records->count,
 						 error);
 }

@@ -98,16 +98,16 @@ gw_status gw_ray_gather_bounce(gw_passes *passes, const gw_ray_gather *gather,
 							   const gw_buffer *facet_radiance, gw_records *records,
 							   gw_error *error);
 
-/*
- * Adds share times the moment of what a bounce by these rays gathers to `moment`, 2 vec4 a record.
- * on: the records that were traced.
- */
+/* Adds the moment of what a bounce by these rays gathers to `moment`, 2 vec4 a record. on: the
+ * records that were traced. */
 gw_status gw_ray_gather_moments(const gw_record_context *on, const gw_ray_gather *gather,
-								const gw_buffer *facet_radiance, float share, gw_buffer *moment,
+								const gw_buffer *facet_radiance, gw_buffer *moment,
 								gw_error *error);
 
-/* Adds `count` vec4 of one buffer to those of another. */
+/* Adds `count` vec4 of one buffer to those of another, or takes them off. */
 gw_status gw_light_add(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
 					   gw_error *error);
+gw_status gw_light_take(gw_passes *passes, const gw_buffer *from, gw_buffer *to, uint64_t count,
+						gw_error *error);
 
 #endif

@@ -1,5 +1,5 @@
 /*
- * record_add.comp - adds what one bounce brought to what the records have.
+ * record_add.comp - adds what one bounce brought to what the records have, push.share times.
  */
 #include "base/pass.glsl"
 #include "light/transport_layout.h"
@@ -13,5 +13,6 @@ void main()
 	uint i = gl_GlobalInvocationID.x;
 	if (i >= push.count)
 		return;
-	record_sum[i] += record_gathered[i];
+	vec4 more = record_gathered[i];
+	record_sum[i] += vec4(more.xyz * push.share, more.w * push.share);
 }

@@ -1,6 +1,6 @@
 /*
  * record_moments.comp - how irradiance that records gather from what their rays hit changes where
- * their normals turn, times push.share, added to what is there. Of a buried record only hits before
+ * their normals turn, added to what is there. Of a buried record only hits before
  * any back of a surface count, as in record_gather.comp.
  */
 #include "base/pass.glsl"
@@ -34,7 +34,7 @@ void main()
 		first += radiance * share.x;
 		second += radiance * share.y;
 	}
-	float each = push.share * GW_PI / float(push.rays);
+	float each = GW_PI / float(push.rays);
 	record_moment[2u * i].xyz += first * each;
 	record_moment[2u * i + 1u].xyz += second * each;
 }

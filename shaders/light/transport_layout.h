@@ -103,7 +103,7 @@ SHARED_STRUCT(gw_record_push)
 	uint looked;  /* first gather: what lies nearest and who is buried is known */
 	uint portals; /* to the sky, of which a record takes GW_PORTAL_SAMPLES samples; 0: none */
 	uint moments; /* 1: how irradiance changes with the normal is gathered, too */
-	float share;  /* moments of hits: what they are multiplied by before they are added */
+	float share;  /* adding: what is added is multiplied by this */
 	uint unused;
 };
 SHARED_SIZE(gw_record_push, 112);
