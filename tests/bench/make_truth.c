@@ -6,8 +6,8 @@
  *
  * PREFIX.ply is the cloud, PREFIX.scene.json its lamps, PREFIX.truth.ply a random part of the
  * points with scalar_radiance_*, scalar_direct_irradiance_*, scalar_indirect_irradiance_*,
- * emission_* and scalar_stderr (standard error of the luminance). Both clouds have a column `index`,
- * so that
+ * emission_* and scalar_stderr (standard error of the luminance). Both clouds have a column
+ * `index`, so that
  *
  *   glowworm bake PREFIX.scene.json -o lit.ply && glowworm compare lit.ply PREFIX.truth.ply
  *

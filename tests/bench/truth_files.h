@@ -33,7 +33,8 @@ gw_status truth_trace(const mesh_scene *scene, const truth_tracing *how, const c
 					  truth_places *places, gw_error *error);
 
 /* Adds scalar_radiance_*, scalar_direct_irradiance_*, scalar_indirect_irradiance_* and
- * scalar_stderr (standard error of the luminance) of the places to a cloud that has as many points. */
+ * scalar_stderr (standard error of the luminance) of the places to a cloud that has as many
+ * points. */
 gw_status truth_add_light(const mesh_scene *scene, const truth_places *places, scan *cloud,
 						  gw_error *error);
 
