@@ -29,9 +29,9 @@ namespace
 
 /* Of voxels, then of the harmonics of a volume, then of numbers. */
 enum { HARMONIC_NAME = 5, NUMBER_NAME = 14 };
-const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color",   "emission", "normal",
-											"sh_0",    "sh_1",     "sh_2",    "sh_3",     "sh_4",
-											"sh_5",    "sh_6",     "sh_7",    "sh_8",     "probe_0",
+const char *const grid_names[VDB_GRIDS] = { "density", "radiance", "color",  "emission", "normal",
+											"sh_0",    "sh_1",     "sh_2",   "sh_3",     "sh_4",
+											"sh_5",    "sh_6",     "sh_7",   "sh_8",     "probe_0",
 											"probe_1", "probe_2",  "probe_3" };
 const char *const point_grid_name = "points";
 

@@ -598,13 +598,19 @@ gw_record_wish gw_scene_wish_records(const gw_scene *scene, const gw_bake_option
 /* Of normals that are off by this share of how far they are turned, what they read is noise. */
 #define OFF_MOST 0.5
 
-/* By how much normals are off: the root of the mean square, radians. */
-static double normals_off(const gw_surfels *surfels)
+/* By how much normals are off: the root of the mean square, radians; of noisy points how far their
+ * own normals are turned from the surface's counts as well. */
+static double normals_off(const gw_surfels *s)
 {
 	double sum = 0.0;
-	for (size_t i = 0; i < surfels->count && surfels->shading_normal_off; i++)
-		sum += (double)surfels->shading_normal_off[i] * (double)surfels->shading_normal_off[i];
-	return sqrt(sum / (double)surfels->count);
+	for (size_t i = 0; i < s->count && s->shading_normal_off; i++)
+		sum += (double)s->shading_normal_off[i] * (double)s->shading_normal_off[i];
+	for (size_t i = 0; i < s->count && s->shading_normal; i++) {
+		const float *a = s->normal + 3 * i, *b = s->shading_normal + 3 * i;
+		double cosine = (double)(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+		sum += fmax(0.0, 1.0 - cosine * cosine);
+	}
+	return sqrt(sum / (double)s->count);
 }
 
 /* How much it matters that records know from where their light comes: how far normals are turned
@@ -614,8 +620,7 @@ static gw_status measure_turn(gw_scene *scene, gw_error *error)
 	const gw_surfels *s = &scene->surfels;
 	gw_view normal;
 	scene->turn = 0.0;
-	if (scene->options.method != GW_METHOD_RAYS || scene->options.basis != GW_BASIS_AUTO ||
-		s->shading_normal)
+	if (scene->options.method != GW_METHOD_RAYS || scene->options.basis != GW_BASIS_AUTO)
 		return GW_OK;
 	GW_TRY(gw_view_open(scene->gpu, &scene->records.normal, 16 * (uint64_t)scene->records.count,
 						&normal, error));

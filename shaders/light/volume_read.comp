@@ -28,7 +28,7 @@ void main()
 	vec4 n = texelFetch(place_normal, int(push.place_first + push.first + i));
 	bool both_sides = push.both_sides != 0u && n.w > 0.5f;
 	float lobe[GW_HARMONICS_MOST];
-	for (uint j = 0u; j < push.terms; j++) {
+	for (uint j = 0u; j < GW_HARMONICS_MOST; j++) {
 		bool odd = j > 0u && j < 4u; /* those of the other side are of the other sign */
 		lobe[j] = both_sides && odd ? 0.0f : harmonic_cosine(j) * harmonic_value(j, n.x, n.y, n.z);
 	}
