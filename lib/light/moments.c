@@ -19,8 +19,7 @@ static float dot(const float *a, const float *b)
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* ---------------------------------------------------------------------------- how far normals turn
- */
+/* ------------------------------------------------------------------- how far normals turn */
 
 typedef struct turn {
 	const gw_read_back *rows;
@@ -61,8 +60,7 @@ double gw_read_back_turn(const gw_read_back *read_back, const float *record_norm
 	return sqrt(sum / (double)read_back->count);
 }
 
-/* ------------------------------------------------------------------------------------- read back
- */
+/* ------------------------------------------------------------------------------ read back */
 
 /* A record's light, and its moment of each colour as a vector in the axes of the grid. */
 typedef struct directed {
