@@ -17,12 +17,16 @@
 static void make_room(scene *s)
 {
 	const double low[3] = { 0, 0, 0 }, size[3] = { 2, 2, 2 };
-	scene_add_patch(s, (double[3]){ 0.7, 0.7, 1.9 }, (double[3]){ 0, 0.6, 0 },
-					(double[3]){ 0.6, 0, 0 }, 12, 12, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0.7, 0.7, 1.9 }, (double[3]){ 0, 0.6, 0 },
+									(double[3]){ 0.6, 0, 0 }, 12, 12 },
+					0.5f);
 	scene_emit(s, 0, (float[3]){ 5, 5, 5 });
 	scene_add_box(s, low, size, 20, 0.6f);
-	scene_add_patch(s, (double[3]){ 0.5, 0.5, 0.6 }, (double[3]){ 0.8, 0, 0 },
-					(double[3]){ 0, 0.8, 0 }, 18, 18, 0.6f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0.5, 0.5, 0.6 }, (double[3]){ 0.8, 0, 0 },
+									(double[3]){ 0, 0.8, 0 }, 18, 18 },
+					0.6f);
 }
 
 static double luminance(const gw_bake_result *r, size_t i)
@@ -96,8 +100,10 @@ static void plain_surface_is_not_doubted(void **state)
 						   .irradiance = { 2, 2, 2 } };
 	const gw_bake_options options = gw_bake_options_default();
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
-					40, 40, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, 40, 40 },
+					0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
 	assert_false(scene_has_stage(&result->report, "half the points"));
@@ -160,8 +166,10 @@ static void work_of_halves_is_reported(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 30, 30,
-					0.5f);
+	scene_add_patch(
+		&s,
+		&(scene_patch){ (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 30, 30 },
+		0.5f);
 	gw_points points = scene_points(&s);
 	points.normal = NULL;
 	gw_bake_options options = gw_bake_options_default();
