@@ -115,21 +115,12 @@ static gw_status light_directly(bake *b, gw_error *error)
 	return GW_OK;
 }
 
-/* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
-#define HALVES_SHARE 0.65
-
 static gw_status foretell_halves(bake *b, const gw_bake_result *light, gw_error *error)
 {
-	gw_report *r = b->report;
 	const gw_scene_description scene = { b->points, b->light.lights, b->light.light_count };
-	GW_TRY(gw_half_forecast_add(&scene, &b->scene.options, &b->scene.callbacks, light, &r->forecast,
-								error));
-	r->forecast.seconds *= 1.0 + HALVES_SHARE;
-	gw_report_effect(r, gw_effect_name(GW_EFFECT_ERROR),
-					 "points solved again, and half of the points baked",
-					 "the surface is in doubt: what half of the points tell otherwise is added to "
-					 "the error");
-	return GW_OK;
+	const gw_half_forecast_task task = { &scene, &b->scene.options, &b->scene.callbacks,
+										 b->scene.gpu };
+	return gw_half_forecast_add(&task, light, b->report, error);
 }
 
 /* A radiance volume takes as long with few records as with all. */
@@ -155,6 +146,9 @@ static gw_status foretell(bake *b, gw_error *error)
 	gw_status status = foretell_all(b, done, light, error);
 	gw_bake_result_destroy(&light);
 	GW_TRY(status);
+	uint64_t peak = gw_gpu_read_account(b->scene.gpu).peak_bytes; /* the forecast's own too */
+	if (!b->planning && r->forecast.device_bytes < peak)
+		r->forecast.device_bytes = peak;
 	if (b->scene.callbacks.planned)
 		b->scene.callbacks.planned(b->scene.callbacks.user, b->result);
 	return GW_OK;

@@ -51,7 +51,9 @@ typedef struct pilot {
 	double ratio;                        /* of these to the pilot's */
 	double point_ratio;                  /* likewise of points that are solved again */
 	spent place, first, bounce, read_back, estimate;
-	uint64_t before, grown; /* bytes on the device; and by how much they will be more */
+	uint64_t before, grown; /* bytes on the device; and by how much they will be more, */
+	uint64_t more;          /* of which so much by more records than the pilot's */
+	uint64_t peak;          /* what the device will hold at its highest */
 } pilot;
 
 double gw_pilot_record_seconds(const gw_passes *passes)
@@ -143,6 +145,7 @@ static gw_status keep_light(const pilot *p, gw_error *error)
 	return GW_OK;
 }
 
+/* All stages that the pilot has, and the light that they find. */
 static gw_status run_stages(pilot *p, gw_error *error)
 {
 	gw_scene *s = p->lighting->scene;
@@ -154,13 +157,27 @@ static gw_status run_stages(pilot *p, gw_error *error)
 	GW_TRY(measure(p, gw_lighting_read_back, &p->read_back, error));
 	GW_TRY(gw_result_share_light(p->lighting, p->plan, error));
 	uint64_t now = gw_gpu_read_account(s->gpu).bytes;
-	p->grown = now - p->before + (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s));
+	p->more = (uint64_t)((p->ratio - 1.0) * (double)gw_pilot_record_bytes(s));
+	p->grown = now - p->before + p->more;
 	if (!p->lighting->plan.error)
 		return GW_OK;
 	GW_TRY(measure(p, gw_lighting_estimate, &p->estimate, error));
 	double points = gw_estimate_points(p->asked.estimate_points, (uint32_t)p->records);
 	p->point_ratio = points / fmax(p->report->error.points, 1.0);
 	return keep_light(p, error);
+}
+
+/* The same; its highest is that of the pilot with the bytes of more records on top, as these stand
+ * from the first stage to the last, unless the octree took more before. */
+static gw_status run_pilot(pilot *p, gw_error *error)
+{
+	gw_gpu *gpu = p->lighting->scene->gpu;
+	uint64_t earlier = gw_gpu_restart_peak(gpu);
+	gw_status status = run_stages(p, error);
+	uint64_t later = gw_gpu_read_account(gpu).peak_bytes + p->more;
+	gw_gpu_restore_peak(gpu, earlier);
+	p->peak = later > earlier ? later : earlier;
+	return status;
 }
 
 /* ----------------------------------------------------------------------------- what it tells */
@@ -219,19 +236,16 @@ static void foretell(const pilot *p, double done, gw_forecast *f)
 	double light = scaled(&p->first, p->ratio) + scaled(&p->bounce, p->ratio) +
 				   scaled(&p->read_back, p->ratio);
 	double round = scaled(&p->place, p->ratio) + light + scaled(&p->estimate, p->point_ratio);
-	gw_gpu_account account = gw_gpu_read_account(s->gpu);
 	*f = (gw_forecast){ .places = s->records.count,
 						.records = p->records,
 						.record_spacing = p->spacing,
 						.seconds = done + round,
 						.done_seconds = done,
-						.device_bytes = p->before + p->grown,
+						.device_bytes = p->peak,
 						.host_bytes = host_bytes(p),
 						.bounces = p->report->bounce_count,
 						.remaining = p->report->remaining,
 						.escaped = (double)s->portals.escaped };
-	if (f->device_bytes < account.peak_bytes)
-		f->device_bytes = account.peak_bytes;
 	foretell_error(p, f);
 	if (p->asked.lamps)
 		f->seconds += light * (double)p->lighting->light_count;
@@ -350,7 +364,7 @@ gw_status gw_forecast_make(gw_lighting *lighting, double done, gw_bake_result *p
 	memcpy(p.passes_before, s->passes.device_seconds, sizeof p.passes_before);
 	s->report = p.report;
 	gw_status status =
-		lighting->plan.records ? run_stages(&p, error) : foretell_lamps(&p, done, forecast, error);
+		lighting->plan.records ? run_pilot(&p, error) : foretell_lamps(&p, done, forecast, error);
 	if (status == GW_OK && lighting->plan.records)
 		foretell(&p, done, forecast);
 	if (status == GW_OK && lighting->plan.records)

@@ -5,12 +5,16 @@
 
 #include "bake/bake.h"
 #include "bake/half_sample.h"
+#include "bake/report.h"
 #include "glowworm_host.h"
 
 #include <math.h>
 
 /* Share of a difference that few records do not see, as of an error in error_estimate.h. */
 #define UNSEEN 0.1
+
+/* Bakes of half of the points, and mostly of half of these, take this share of the whole one. */
+#define HALVES_SHARE 0.65
 
 /* Its records are as far apart in metres as those of all points, whose leaves are smaller. */
 static gw_bake_options few_records(const gw_bake_options *options, const gw_bake_result *light)
@@ -39,38 +43,75 @@ static double most(const gw_error_estimate *pilot, const gw_half_difference *dif
 	return e.relative_rms;
 }
 
-static gw_status bake_half(const gw_scene_description *scene, const gw_bake_options *options,
-						   const gw_bake_callbacks *callbacks, const gw_half_sample *half,
-						   gw_bake_result **result, gw_error *error)
+/* Of which an octree that found no memory for its leaves shows other differences. */
+static gw_status refuse_coarser(const gw_bake_result *of_half, gw_error *error)
 {
-	const gw_scene_description part = { &half->points, scene->lights, scene->light_count };
-	const gw_bake_callbacks quiet = { .user = callbacks->user, .cancelled = callbacks->cancelled };
-	*result = NULL;
-	return half->points.count > 0
-			   ? gw_bake_once(&part, options, (gw_bake_manner){ 0 }, &quiet, result, error)
-			   : gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
+	return *of_half->report.why_coarser == '\0'
+			   ? GW_OK
+			   : gw_fail(error, GW_ERROR_MEMORY, "%s", of_half->report.why_coarser);
 }
 
-gw_status gw_half_forecast_add(const gw_scene_description *scene, const gw_bake_options *options,
-							   const gw_bake_callbacks *callbacks, const gw_bake_result *light,
-							   gw_forecast *forecast, gw_error *error)
+static gw_status bake_half(const gw_half_forecast_task *task, const gw_bake_options *options,
+						   const gw_half_sample *half, gw_bake_result **result, gw_error *error)
 {
-	const gw_bake_options few = few_records(options, light);
+	const gw_scene_description part = { &half->points, task->scene->lights,
+										task->scene->light_count };
+	const gw_bake_callbacks quiet = { .user = task->callbacks->user,
+									  .cancelled = task->callbacks->cancelled };
+	gw_gpu *device = task->device;
+	gw_gpu_aside aside;
+	*result = NULL;
+	if (half->points.count == 0)
+		return gw_fail(error, GW_ERROR_DATA, "nothing is left of the points in half of them");
+	gw_gpu_put_aside(device, &aside);
+	gw_status status =
+		gw_bake_once(&part, options, (gw_bake_manner){ .device = &device }, &quiet, result, error);
+	gw_gpu_go_on(task->device, &aside);
+	return status == GW_OK ? refuse_coarser(*result, error) : status;
+}
+
+static void add_difference(const gw_half_difference *d, const gw_bake_result *light, gw_forecast *f)
+{
+	double least = f->error, highest = most(&light->report.error, d, f);
+	f->error = 0.5 * (least + highest);
+	f->spread = hypot(f->spread, 0.5 * (highest - least));
+}
+
+/* What the outcome of the bake of half of the points means for the whole one. */
+static gw_status tell(gw_status status, gw_report *r)
+{
+	gw_forecast *f = &r->forecast;
+	f->error_is_least = status == GW_ERROR_MEMORY;
+	if (status == GW_ERROR_DATA)
+		return GW_OK;
+	if (status != GW_OK && status != GW_ERROR_MEMORY)
+		return status;
+	f->seconds *= 1.0 + HALVES_SHARE;
+	gw_report_effect(
+		r, gw_effect_name(GW_EFFECT_ERROR), "points solved again, and half of the points baked",
+		"the surface is in doubt: what half of the points tell otherwise is added to "
+		"the error%s",
+		f->error_is_least ? "; beside the bake of all there was no memory to foretell it" : "");
+	return GW_OK;
+}
+
+gw_status gw_half_forecast_add(const gw_half_forecast_task *task, const gw_bake_result *light,
+							   gw_report *report, gw_error *error)
+{
+	const gw_bake_options few = few_records(task->options, light);
 	double start = gw_seconds();
 	gw_half_sample half;
 	gw_bake_result *of_half = NULL;
-	gw_status status = gw_half_sample_make(scene->points, 0, &half, error);
+	gw_status status = gw_half_sample_make(task->scene->points, 0, &half, error);
 	if (status == GW_OK)
-		status = bake_half(scene, &few, callbacks, &half, &of_half, error);
+		status = bake_half(task, &few, &half, &of_half, error);
 	if (status == GW_OK) {
 		const gw_half_difference d = gw_half_sample_difference(&half, of_half, light);
-		double least = forecast->error, highest = most(&light->report.error, &d, forecast);
-		forecast->error = 0.5 * (least + highest);
-		forecast->spread = hypot(forecast->spread, 0.5 * (highest - least));
+		add_difference(&d, light, &report->forecast);
 	}
-	forecast->error_is_least = status != GW_OK;
-	forecast->own_seconds += gw_seconds() - start;
+	status = tell(status, report);
+	report->forecast.own_seconds += gw_seconds() - start;
 	gw_bake_result_destroy(&of_half);
 	gw_half_sample_clear(&half);
-	return status == GW_ERROR_DATA || status == GW_ERROR_MEMORY ? GW_OK : status;
+	return status;
 }

@@ -11,21 +11,28 @@
 #ifndef HALF_FORECAST_H
 #define HALF_FORECAST_H
 
-#include "glowworm.h"
+#include "device/passes.h"
+
+/* The whole bake. */
+typedef struct gw_half_forecast_task {
+	const gw_scene_description *scene;
+	const gw_bake_options *options;     /* checked and effective (scene.h) */
+	const gw_bake_callbacks *callbacks; /* asked whether it is cancelled; told nothing */
+	gw_gpu *device;                     /* lent to the bake of half of the points, with what it
+										   has in use; the caller's again on return */
+} gw_half_forecast_task;
 
 /*
  * Adds it to a forecast.
- *   scene      of the whole bake
- *   options    of the whole bake, checked and effective (scene.h)
- *   callbacks  of the whole bake, asked whether it is cancelled; told nothing
- *   light      of the points as few records found it, with its error and the spacing of these
- *              records in the report (gw_forecast_make)
- *   forecast   its error and spread are changed, and own_seconds; where half of the points are no
- *              cloud or find no memory it says that the error is the least
- * Fails as a bake does.
+ *   light    of the points as few records found it, with its error and the spacing of these records
+ *            in the report (gw_forecast_make)
+ *   report   its forecast and the reason for the effect `error` are changed. Where half of the
+ *            points find no memory beside the whole bake, they say so, and that the error is the
+ *            least; where half of them are no cloud, nothing changes but own_seconds, and the bake
+ *            will add nothing either.
+ * Fails as a bake does, but for these two.
  */
-gw_status gw_half_forecast_add(const gw_scene_description *scene, const gw_bake_options *options,
-							   const gw_bake_callbacks *callbacks, const gw_bake_result *light,
-							   gw_forecast *forecast, gw_error *error);
+gw_status gw_half_forecast_add(const gw_half_forecast_task *task, const gw_bake_result *light,
+							   gw_report *report, gw_error *error);
 
 #endif

@@ -59,7 +59,7 @@ const VkPhysicalDeviceLimits *gw_gpu_limits(const gw_gpu *gpu);
 void gw_gpu_keep_passes(gw_gpu *gpu);
 
 /* Begins with an open device again as if it had just been opened: its account is empty, and memory
- * and `cancelled` are those of the options. Nothing of before may be in use. */
+ * and `cancelled` are those of the options. Nothing of before may be in use, unless it was put aside (passes.h). */
 void gw_gpu_begin_again(gw_gpu *gpu, const gw_gpu_options *options);
 
 /* The number of validation messages so far, and the first one's text ("" when none). */
@@ -77,6 +77,11 @@ typedef struct gw_gpu_account {
 } gw_gpu_account;
 
 gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu);
+
+/* Sets the highest to what is allocated now, to see by how much something raises it; returns what
+ * it was. Afterwards gw_gpu_restore_peak makes it the highest of all again. */
+uint64_t gw_gpu_restart_peak(gw_gpu *gpu);
+void gw_gpu_restore_peak(gw_gpu *gpu, uint64_t peak);
 
 /* ------------------------------------------------------------------------------------- buffers */
 

@@ -298,3 +298,16 @@ gw_gpu_account gw_gpu_read_account(const gw_gpu *gpu)
 {
 	return gpu->account;
 }
+
+uint64_t gw_gpu_restart_peak(gw_gpu *gpu)
+{
+	uint64_t peak = gpu->account.peak_bytes;
+	gpu->account.peak_bytes = gpu->account.bytes;
+	return peak;
+}
+
+void gw_gpu_restore_peak(gw_gpu *gpu, uint64_t peak)
+{
+	if (gpu->account.peak_bytes < peak)
+		gpu->account.peak_bytes = peak;
+}

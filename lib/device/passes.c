@@ -174,3 +174,30 @@ gw_status gw_passes_run(gw_passes *passes, gw_pass_id id, const gw_binding *bind
 	gw_passes_run_kernel(passes, id, bindings, push, count);
 	return GW_OK;
 }
+
+void gw_gpu_put_aside(const gw_gpu *gpu, gw_gpu_aside *aside)
+{
+	*aside = (gw_gpu_aside){ .account = gpu->account,
+							 .budget = gpu->budget,
+							 .cancelled = gpu->cancelled,
+							 .user = gpu->user,
+							 .keeps_passes = gpu->keeps_passes };
+	memcpy(aside->pass_runs, gpu->pass_runs, sizeof aside->pass_runs);
+	memcpy(aside->pass_compiled, gpu->pass_compiled, sizeof aside->pass_compiled);
+}
+
+void gw_gpu_go_on(gw_gpu *gpu, const gw_gpu_aside *aside)
+{
+	gw_gpu_account *now = &gpu->account;
+	const gw_gpu_account *before = &aside->account;
+	now->dispatches += before->dispatches;
+	now->device_seconds += before->device_seconds;
+	now->compile_seconds += before->compile_seconds;
+	now->peak_bytes = now->peak_bytes > before->peak_bytes ? now->peak_bytes : before->peak_bytes;
+	gpu->budget = aside->budget;
+	gpu->cancelled = aside->cancelled;
+	gpu->user = aside->user;
+	gpu->keeps_passes = aside->keeps_passes;
+	memcpy(gpu->pass_runs, aside->pass_runs, sizeof gpu->pass_runs);
+	memcpy(gpu->pass_compiled, aside->pass_compiled, sizeof gpu->pass_compiled);
+}

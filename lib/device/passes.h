@@ -65,4 +65,23 @@ static inline gw_binding gw_voxels_of(const gw_image *image)
 	return (gw_binding){ .image = (gw_image *)(uintptr_t)image };
 }
 
+/* What one who has a device under way puts aside while somebody else uses it. */
+typedef struct gw_gpu_aside {
+	gw_gpu_account account;
+	uint64_t budget;
+	bool (*cancelled)(void *user);
+	void *user;
+	uint64_t pass_runs[GW_PASS_COUNT];
+	uint32_t pass_compiled[GW_PASS_COUNT];
+	bool keeps_passes;
+} gw_gpu_aside;
+
+/*
+ * Lends an open device to somebody who begins with it again (gw_gpu_begin_again), and goes on after
+ * that. Buffers and passes of before stay, count as taken, and are not to be used in between.
+ * Afterwards the account has what either did; the runs of passes are those of before.
+ */
+void gw_gpu_put_aside(const gw_gpu *gpu, gw_gpu_aside *aside);
+void gw_gpu_go_on(gw_gpu *gpu, const gw_gpu_aside *aside);
+
 #endif

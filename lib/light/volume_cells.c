@@ -84,19 +84,23 @@ static void mark_read(const gw_radiance_volume *v, const float *place, const flo
 	}
 }
 
-static gw_status mark_buffers(const gw_record_context *on, const gw_radiance_volume *v,
-							  const gw_buffer *place, const gw_buffer *normal, size_t count,
+/* Places on the surface, on the device. */
+typedef struct place_buffers {
+	const gw_buffer *place, *normal;
+	size_t count;
+} place_buffers;
+
+static gw_status mark_buffers(gw_gpu *gpu, const gw_radiance_volume *v, const place_buffers *of,
 							  uint8_t *wanted, gw_error *error)
 {
 	gw_view places = { 0 }, normals = { 0 };
-	gw_gpu *gpu = on->passes->gpu;
-	if (count == 0)
+	if (of->count == 0)
 		return GW_OK;
-	gw_status status = gw_view_open(gpu, place, 16 * (uint64_t)count, &places, error);
+	gw_status status = gw_view_open(gpu, of->place, 16 * (uint64_t)of->count, &places, error);
 	if (status == GW_OK)
-		status = gw_view_open(gpu, normal, 16 * (uint64_t)count, &normals, error);
+		status = gw_view_open(gpu, of->normal, 16 * (uint64_t)of->count, &normals, error);
 	if (status == GW_OK)
-		mark_read(v, places.bytes, normals.bytes, count, wanted);
+		mark_read(v, places.bytes, normals.bytes, of->count, wanted);
 	gw_view_close(&normals);
 	gw_view_close(&places);
 	return status;
@@ -111,9 +115,11 @@ static gw_status mark(const gw_record_context *on, const gw_volume_wish *wish,
 		wanted[i] = 1;
 	if (wish->whole)
 		return GW_OK;
-	GW_TRY(mark_buffers(on, v, &octree->surfel_position, &octree->surfel_normal,
-						wish->surfels->count, wanted, error));
-	return mark_buffers(on, v, &r->position, &r->normal, r->count, wanted, error);
+	const place_buffers surfels = { &octree->surfel_position, &octree->surfel_normal,
+									wish->surfels->count };
+	GW_TRY(mark_buffers(on->passes->gpu, v, &surfels, wanted, error));
+	return mark_buffers(on->passes->gpu, v, &(place_buffers){ &r->position, &r->normal, r->count },
+						wanted, error);
 }
 
 static gw_status list(const uint8_t *wanted, size_t cells, gw_radiance_volume *v, gw_error *error)

@@ -400,15 +400,16 @@ static uint32_t pick_emitter(const peer_discs *d, float u)
 
 /* Each emitter stands for a round piece of its own area, so that together they cover what shines
  * once. */
-void peer_add_emitter(const peer_discs *d, uint32_t surfel, float u, float v, float w, float others,
+void peer_add_emitter(const peer_discs *d, uint32_t surfel, const float drawn[3], float others,
 					  float sum[3])
 {
 	if (d->emitter_count == 0)
 		return;
-	size_t e = pick_emitter(d, u);
+	size_t e = pick_emitter(d, drawn[0]);
 	const gw_surfels *s = &d->surfels;
 	const float *n = s->normal + 3 * e;
-	float r = sqrtf(v * s->area[e] / PI), x = r * cosf(2.0f * PI * w), y = r * sinf(2.0f * PI * w);
+	float r = sqrtf(drawn[1] * s->area[e] / PI), turn = 2.0f * PI * drawn[2];
+	float x = r * cosf(turn), y = r * sinf(turn);
 	float place[3], to[3], cosine, distance;
 	for (size_t k = 0; k < 3; k++)
 		place[k] = s->position[3 * e + k] + x * d->frame[6 * e + k] + y * d->frame[6 * e + 3 + k] +

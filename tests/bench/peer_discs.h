@@ -63,11 +63,11 @@ void peer_add_lamps(const peer_discs *discs, uint32_t surfel, peer_random *rando
 					float irradiance[3]);
 
 /*
- * Adds the irradiance of one place on an emitter, drawn by u, v, w in [0, 1), weighed by the
+ * Adds the irradiance of one place on an emitter, drawn by three numbers in [0, 1), weighed by the
  * balance heuristic (Veach 1997) against `others` cosine-distributed rays for each such place.
  */
-void peer_add_emitter(const peer_discs *discs, uint32_t surfel, float u, float v, float w,
-					  float others, float irradiance[3]);
+void peer_add_emitter(const peer_discs *discs, uint32_t surfel, const float drawn[3], float others,
+					  float irradiance[3]);
 
 /* The weight of an emitter that a cosine-distributed ray met by chance; the other part. */
 float peer_met_weight(const peer_discs *discs, uint32_t from, uint32_t met,

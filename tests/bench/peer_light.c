@@ -41,9 +41,10 @@ static void first_direction(const peer_discs *d, uint32_t surfel, uint32_t sampl
 
 static void first_emitter(const peer_discs *d, uint32_t surfel, uint32_t sample, float sum[3])
 {
-	peer_add_emitter(d, surfel, fraction(surfel, 2, step_cube[0], sample),
-					 fraction(surfel, 3, step_cube[1], sample),
-					 fraction(surfel, 4, step_cube[2], sample), 1.0f, sum);
+	float drawn[3];
+	for (uint32_t k = 0; k < 3; k++)
+		drawn[k] = fraction(surfel, 2 + k, step_cube[k], sample);
+	peer_add_emitter(d, surfel, drawn, 1.0f, sum);
 }
 
 static const float *albedo_of(const peer_discs *d, uint32_t surfel)
@@ -51,15 +52,21 @@ static const float *albedo_of(const peer_discs *d, uint32_t surfel)
 	return d->surfels.albedo + 3 * (size_t)surfel;
 }
 
-/* What emits on a surface that a ray met by chance, as irradiance of the ray's surfel. */
-static void add_met(const peer_discs *d, uint32_t from, uint32_t met, const float direction[3],
-					float distance, const float throughput[3], float sum[3])
+/* A ray from one surfel that met another one by chance. */
+typedef struct meeting {
+	uint32_t from, met;
+	const float *direction; /* 3 */
+	float distance;
+} meeting;
+
+/* What emits there, as irradiance of the ray's surfel. */
+static void add_met(const peer_discs *d, const meeting *m, const float throughput[3], float sum[3])
 {
-	if (d->emitter_count == 0 || d->density[met] <= 0.0f)
+	if (d->emitter_count == 0 || d->density[m->met] <= 0.0f)
 		return;
-	float weight = PI * peer_met_weight(d, from, met, direction, distance, 1.0f);
+	float weight = PI * peer_met_weight(d, m->from, m->met, m->direction, m->distance, 1.0f);
 	for (size_t k = 0; k < 3; k++)
-		sum[k] += throughput[k] * weight * d->surfels.emission[3 * (size_t)met + k];
+		sum[k] += throughput[k] * weight * d->surfels.emission[3 * (size_t)m->met + k];
 }
 
 /* ----------------------------------------------------------------------------------- lamps */
@@ -106,9 +113,10 @@ static void add_vertex(const peer_discs *d, uint32_t surfel, peer_random *random
 {
 	float here[3] = { 0 };
 	peer_add_lamps(d, surfel, random, here);
-	if (d->emitter_count > 0)
-		peer_add_emitter(d, surfel, peer_random_next(random), peer_random_next(random),
-						 peer_random_next(random), 1.0f, here);
+	float drawn[3] = { 0 };
+	for (int k = 0; k < 3 && d->emitter_count > 0; k++)
+		drawn[k] = peer_random_next(random);
+	peer_add_emitter(d, surfel, drawn, 1.0f, here);
 	for (int k = 0; k < 3; k++)
 		sum[k] += throughput[k] * here[k];
 }
@@ -145,7 +153,7 @@ static void trace_path(const peer_discs *d, uint32_t surfel, uint32_t sample, pe
 			sum[k] += throughput[k] * PI * d->sky[k];
 		if (met >= PEER_BACK)
 			return;
-		add_met(d, at, met, direction, distance, throughput, sum);
+		add_met(d, &(meeting){ at, met, direction, distance }, throughput, sum);
 		for (int k = 0; k < 3; k++)
 			throughput[k] *= albedo_of(d, met)[k];
 		add_vertex(d, met, random, throughput, sum);
@@ -200,7 +208,7 @@ static void gather_some(void *user, size_t first, size_t last, uint32_t worker)
 			for (int k = 0; k < 3 && met == PEER_NOTHING; k++)
 				sum[k] += PI * d->sky[k];
 			if (met < PEER_BACK)
-				add_met(d, (uint32_t)i, met, direction, distance, one, sum);
+				add_met(d, &(meeting){ (uint32_t)i, met, direction, distance }, one, sum);
 		}
 		for (int k = 0; k < 3; k++)
 			sum[k] /= (float)c->rays;

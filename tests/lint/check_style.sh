@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Style that a script can see: tabs for indentation, no trailing blanks, a final newline, lines of
-# at most 100 columns (a tab counts 4), functions of at most 100 lines, ASCII in code, no invisible
-# or direction-changing characters anywhere, and file names that are lower case and unique.
+# at most 100 columns (a tab counts 4), functions of at most 100 lines and six
+# parameters, ASCII in code, no invisible or direction-changing characters anywhere, and file
+# names that are lower case and unique.
 # shellcheck source=tests/lint/tree_files
 . "$(dirname "$0")/tree_files"
 
@@ -65,7 +66,30 @@ check_names() {
 	list_files | grep -E '[^A-Za-z0-9_./-]' | sed 's|$|: a file name with odd characters|'
 }
 
+# Declarations and definitions begin in the first column. What has a leading `__` has the parameters
+# that the C library gives it.
+check_parameters() {
+	list_sources | grep -E '\.(c|h|cpp)$' | tr '\n' '\0' | xargs -0 awk '
+		FNR == 1 { depth = 0 }
+		depth == 0 && /^[A-Za-z][^=;"]*[A-Za-z0-9_]\(/ && !/__[a-z_]*\(/ { start = FNR; commas = 0 }
+		start || depth {
+			line = $0
+			gsub(/"[^"]*"|\047[^\047]*\047|\/\*[^*]*\*\//, "", line)
+			for (i = 1; i <= length(line); i++) {
+				c = substr(line, i, 1)
+				depth += (c == "(") - (c == ")")
+				commas += depth == 1 && c == ","
+			}
+			if (depth > 0)
+				next
+			if (commas > 5)
+				printf "%s:%d: a function of %d parameters\n", FILENAME, start, commas + 1
+			start = depth = 0
+		}'
+}
+
 complain < <(check_lines)
+complain < <(check_parameters)
 complain < <(check_code)
 complain < <(check_names)
 finish

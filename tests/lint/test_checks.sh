@@ -117,6 +117,8 @@ expect_fault style 'upper case' 'echo "int x;" >lib/Three.h'
 expect_fault style 'odd characters' 'echo "int x;" >"lib/a b.h"'
 expect_fault style 'a function of 103 lines' \
 	'{ echo "void f(void)"; echo "{"; yes "	;" | head -n 101; echo "}"; } >>lib/one.c'
+expect_fault style 'lib/one.c:8: a function of 7 parameters' \
+	'echo "int f(int a, int b, int (*c)(int, int), int d, int e, int g, int h);" >>lib/one.c'
 
 expect_fault format 'lib/one.c:8' 'echo "int  two(void);" >>lib/one.c'
 

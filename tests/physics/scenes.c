@@ -49,21 +49,21 @@ size_t scene_add(scene *s, const double position[3], const double normal[3], flo
 	return s->count++;
 }
 
-void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
-					 size_t n, size_t m, float albedo)
+void scene_add_patch(scene *s, const scene_patch *patch, float albedo)
 {
+	const double *u = patch->u, *v = patch->v;
 	double normal[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
 						 u[0] * v[1] - u[1] * v[0] };
 	double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
 	for (size_t k = 0; k < 3; k++)
 		normal[k] /= length;
-	for (size_t j = 0; j < m; j++) {
-		for (size_t i = 0; i < n; i++) {
-			double a = ((double)i + scene_random(s)) / (double)n;
-			double b = ((double)j + scene_random(s)) / (double)m;
+	for (size_t j = 0; j < patch->m; j++) {
+		for (size_t i = 0; i < patch->n; i++) {
+			double a = ((double)i + scene_random(s)) / (double)patch->n;
+			double b = ((double)j + scene_random(s)) / (double)patch->m;
 			double p[3];
 			for (size_t k = 0; k < 3; k++)
-				p[k] = corner[k] + a * u[k] + b * v[k];
+				p[k] = patch->corner[k] + a * u[k] + b * v[k];
 			scene_add(s, p, normal, albedo);
 		}
 	}
@@ -96,8 +96,9 @@ void scene_add_box(scene *s, const double corner[3], const double size[3], doubl
 		high[axis] += size[axis];
 		u[a] = size[a];
 		v[b] = size[b];
-		scene_add_patch(s, low, u, v, n, m, albedo);  /* u x v is +axis: inwards */
-		scene_add_patch(s, high, v, u, m, n, albedo); /* v x u is -axis: inwards */
+		scene_add_patch(s, &(scene_patch){ low, u, v, n, m }, albedo); /* u x v is +axis: inwards */
+		scene_add_patch(s, &(scene_patch){ high, v, u, m, n },
+						albedo); /* v x u is -axis: inwards */
 	}
 }
 
@@ -118,8 +119,11 @@ void scene_make_cellar(scene *s)
 	};
 	for (size_t i = 0; i < sizeof patch / sizeof *patch; i++) {
 		const double *u = patch[i].u, *v = patch[i].v;
-		scene_add_patch(s, patch[i].corner, u, v, (size_t)lround(32 * (u[0] + u[1] + u[2])),
-						(size_t)lround(32 * (v[0] + v[1] + v[2])), 0.5f);
+		scene_add_patch(s,
+						&(scene_patch){ patch[i].corner, u, v,
+										(size_t)lround(32 * (u[0] + u[1] + u[2])),
+										(size_t)lround(32 * (v[0] + v[1] + v[2])) },
+						0.5f);
 	}
 }
 
@@ -144,19 +148,20 @@ void scene_make_hall(scene *s)
 	const double origin[3] = { 0, 0, 0 }, right[3] = { 4, 0, 0 }, back[3] = { 0, 3, 0 };
 	const double top[3] = { 0, 0, 2.5 };
 	const double x[3] = { 4, 0, 0 }, y[3] = { 0, 3, 0 }, z[3] = { 0, 0, 2.5 };
-	scene_add_patch(s, origin, x, y, 48, 36, 0.5f);
-	scene_add_patch(s, top, y, x, 36, 48, 0.7f);
-	scene_add_patch(s, back, x, z, 48, 30, 0.6f);
+	scene_add_patch(s, &(scene_patch){ origin, x, y, 48, 36 }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ top, y, x, 36, 48 }, 0.7f);
+	scene_add_patch(s, &(scene_patch){ back, x, z, 48, 30 }, 0.6f);
 	size_t first = s->count;
-	scene_add_patch(s, origin, y, z, 36, 30, 0.5f);
+	scene_add_patch(s, &(scene_patch){ origin, y, z, 36, 30 }, 0.5f);
 	colour(s, first, 0.7f, 0.1f, 0.1f);
 	first = s->count;
-	scene_add_patch(s, right, z, y, 30, 36, 0.5f);
+	scene_add_patch(s, &(scene_patch){ right, z, y, 30, 36 }, 0.5f);
 	colour(s, first, 0.1f, 0.7f, 0.2f);
 	scene_add_sphere(s, (double[3]){ 2.5, 1.75, 0.75 }, 0.5, 450, 1, 0.8f);
 	first = s->count;
 	const double lamp[3] = { 1, 1, 2.25 };
-	scene_add_patch(s, lamp, (double[3]){ 0, 0.5, 0 }, (double[3]){ 0.5, 0, 0 }, 6, 6, 0.2f);
+	scene_add_patch(
+		s, &(scene_patch){ lamp, (double[3]){ 0, 0.5, 0 }, (double[3]){ 0.5, 0, 0 }, 6, 6 }, 0.2f);
 	scene_emit(s, first, (float[3]){ 8.0f, 7.0f, 5.0f });
 }
 

@@ -27,12 +27,15 @@ double scene_random(scene *s);
 /* Adds a point; albedo is the same in all channels. Returns its index. */
 size_t scene_add(scene *s, const double position[3], const double normal[3], float albedo);
 
-/*
- * Adds a parallelogram of n x m points, one at a random place in each of the cells.
- *   corner, u, v   metres; u and v are the sides, the normal is along u x v
- */
-void scene_add_patch(scene *s, const double corner[3], const double u[3], const double v[3],
-					 size_t n, size_t m, float albedo);
+/* A parallelogram of n x m points. */
+typedef struct scene_patch {
+	const double *corner, *u, *v; /* 3 each, metres; u and v are the sides, the normal is along
+									 u x v */
+	size_t n, m;                  /* along u and v */
+} scene_patch;
+
+/* Adds its points, one at a random place in each of the cells. */
+void scene_add_patch(scene *s, const scene_patch *patch, float albedo);
 
 /*
  * Adds `count` points spread evenly over a sphere (golden-angle spiral).

@@ -48,8 +48,10 @@ static gw_bake_options direct_only(gw_shadows shadows)
 static scene make_plane(void)
 {
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -2, -2, 0 }, (double[3]){ 4, 0, 0 }, (double[3]){ 0, 4, 0 },
-					100, 100, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -2, -2, 0 }, (double[3]){ 4, 0, 0 },
+									(double[3]){ 0, 4, 0 }, 100, 100 },
+					0.5f);
 	scene_add(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 0, 0, 1 }, 0.5f);
 	return s;
 }
@@ -409,8 +411,10 @@ static void horizons_cut_areas(void **state)
 	(void)state;
 	static const gw_light_type type[] = { GW_LIGHT_SPHERE, GW_LIGHT_DISC, GW_LIGHT_RECTANGLE };
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ 0, -1, -1 }, (double[3]){ 0, 2, 0 }, (double[3]){ 0, 0, 2 },
-					40, 40, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ 0, -1, -1 }, (double[3]){ 0, 2, 0 },
+									(double[3]){ 0, 0, 2 }, 40, 40 },
+					0.5f);
 	gw_points points = scene_points(&s);
 	const double normal[3] = { (double)points.normal[0], (double)points.normal[1],
 							   (double)points.normal[2] };
@@ -450,11 +454,15 @@ static void plate_hides_part_of_rectangle(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
-					81, 81, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, 81, 81 },
+					0.5f);
 	size_t floor = s.count;
-	scene_add_patch(&s, (double[3]){ -2, -2, 1 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 4, 0 },
-					81, 161, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -2, -2, 1 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 4, 0 }, 81, 161 },
+					0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
 	gw_light light = make_area(GW_LIGHT_RECTANGLE, 0, 0, 2);
@@ -559,8 +567,10 @@ static void sun_on_tilted_planes(void **state)
 	for (size_t n = 0; n < sizeof degrees / sizeof *degrees; n++) {
 		double b = degrees[n] * SCENE_PI / 180;
 		scene s = { 0 };
-		scene_add_patch(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 0, 0 },
-						(double[3]){ 0, 2 * cos(b), 2 * sin(b) }, 60, 60, 0.5f);
+		scene_add_patch(&s,
+						&(scene_patch){ (double[3]){ 0, 0, 0 }, (double[3]){ 2, 0, 0 },
+										(double[3]){ 0, 2 * cos(b), 2 * sin(b) }, 60, 60 },
+						0.5f);
 		gw_points points = scene_points(&s);
 		gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
 		for (size_t i = 0; i < 3 * s.count; i++) {
@@ -614,8 +624,10 @@ static void wall_casts_its_shadow(void **state)
 	(void)state;
 	scene s = make_plane();
 	size_t floor_count = s.count;
-	scene_add_patch(&s, (double[3]){ 0.5, -2, 0 }, (double[3]){ 0, 0, 1 }, (double[3]){ 0, 4, 0 },
-					25, 100, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ 0.5, -2, 0 }, (double[3]){ 0, 0, 1 },
+									(double[3]){ 0, 4, 0 }, 25, 100 },
+					0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
 	gw_light light = scene_point_light(-1, 0, 2, 1.0f);
@@ -733,11 +745,12 @@ static size_t lit_at_the_foot(double depth, size_t *count)
 {
 	scene s = { 0 };
 	const double x[3] = { 1, 0, 0 }, half[3] = { 0.5, 0, 0 }, y[3] = { 0, 1, 0 };
-	scene_add_patch(&s, (double[3]){ 0, 0, 0 }, x, y, 64, 64, 0.5f);
+	scene_add_patch(&s, &(scene_patch){ (double[3]){ 0, 0, 0 }, x, y, 64, 64 }, 0.5f);
 	size_t floor = s.count, lit = 0;
-	scene_add_patch(&s, (double[3]){ 0, 0, 0.5 }, half, y, 32, 64, 0.5f);
-	scene_add_patch(&s, (double[3]){ 0.5, 0, 0 }, y, (double[3]){ 0, 0, 0.5 }, 64, 32, 0.5f);
-	scene_add_patch(&s, (double[3]){ 0, 0, -depth }, y, half, 64, 32, 0.5f);
+	scene_add_patch(&s, &(scene_patch){ (double[3]){ 0, 0, 0.5 }, half, y, 32, 64 }, 0.5f);
+	scene_add_patch(
+		&s, &(scene_patch){ (double[3]){ 0.5, 0, 0 }, y, (double[3]){ 0, 0, 0.5 }, 64, 32 }, 0.5f);
+	scene_add_patch(&s, &(scene_patch){ (double[3]){ 0, 0, -depth }, y, half, 64, 32 }, 0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = direct_only(GW_SHADOWS_TRACED);
 	gw_light sun = { .type = GW_LIGHT_SUN, .direction = { 2, 0, -1 }, .irradiance = { 1, 1, 1 } };
@@ -948,10 +961,15 @@ static void edge_hides_part_of_ball(void **state)
 	scene s = { 0 };
 	gw_surfels surfels;
 	float *share;
-	scene_add_patch(&s, (double[3]){ -side, -side, 0 }, (double[3]){ 2 * side, 0, 0 },
-					(double[3]){ 0, 2 * side, 0 }, ACROSS, ACROSS, 0.5f);
-	scene_add_patch(&s, (double[3]){ -side, -side, PLATE_HEIGHT }, (double[3]){ 0, 2 * side, 0 },
-					(double[3]){ side, 0, 0 }, ACROSS, ACROSS / 2, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -side, -side, 0 }, (double[3]){ 2 * side, 0, 0 },
+									(double[3]){ 0, 2 * side, 0 }, ACROSS, ACROSS },
+					0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -side, -side, PLATE_HEIGHT },
+									(double[3]){ 0, 2 * side, 0 }, (double[3]){ side, 0, 0 },
+									ACROSS, ACROSS / 2 },
+					0.5f);
 	find_shares(&s, &surfels, &share);
 	for (size_t i = 0; i < surfels.count; i++) {
 		const float *p = surfels.position + 3 * i;

@@ -1,5 +1,7 @@
 /* Points that are no such surface as is made of them: the bake has to say how wrong that makes the
  * light, and clean points take no longer and state no more. */
+#include "bake/half_forecast.h"
+#include "base/hash.h"
 #include "base/luminance.h"
 #include "glowworm_host.h"
 #include "random_numbers.h"
@@ -17,12 +19,16 @@
 static void make_room(scene *s)
 {
 	const double low[3] = { 0, 0, 0 }, size[3] = { 2, 2, 2 };
-	scene_add_patch(s, (double[3]){ 0.7, 0.7, 1.9 }, (double[3]){ 0, 0.6, 0 },
-					(double[3]){ 0.6, 0, 0 }, 12, 12, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0.7, 0.7, 1.9 }, (double[3]){ 0, 0.6, 0 },
+									(double[3]){ 0.6, 0, 0 }, 12, 12 },
+					0.5f);
 	scene_emit(s, 0, (float[3]){ 5, 5, 5 });
 	scene_add_box(s, low, size, 20, 0.6f);
-	scene_add_patch(s, (double[3]){ 0.5, 0.5, 0.6 }, (double[3]){ 0.8, 0, 0 },
-					(double[3]){ 0, 0.8, 0 }, 18, 18, 0.6f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0.5, 0.5, 0.6 }, (double[3]){ 0.8, 0, 0 },
+									(double[3]){ 0, 0.8, 0 }, 18, 18 },
+					0.6f);
 }
 
 static double luminance(const gw_bake_result *r, size_t i)
@@ -96,8 +102,10 @@ static void plain_surface_is_not_doubted(void **state)
 						   .irradiance = { 2, 2, 2 } };
 	const gw_bake_options options = gw_bake_options_default();
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
-					40, 40, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, 40, 40 },
+					0.5f);
 	gw_points points = scene_points(&s);
 	gw_bake_result *result = scene_bake(&points, &sun, 1, &options);
 	assert_false(scene_has_stage(&result->report, "half the points"));
@@ -154,14 +162,104 @@ static void halves_are_foretold(void **state)
 	scene_clear(&s);
 }
 
+/* What is foretold of halves by themselves. */
+typedef struct foretold_halves {
+	gw_report report;
+	gw_status status;
+	gw_gpu_account account; /* of the device, which something else had in use */
+} foretold_halves;
+
+static bool on_cancelled(void *user)
+{
+	return *(bool *)user;
+}
+
+/* A whole bake found 1 % of error; the device is lent with a buffer of 1 MB in use. */
+static foretold_halves foretell_halves(const gw_points *points, uint64_t memory, bool stopped)
+{
+	foretold_halves h = { .report.forecast = { .seconds = 1.0, .error = 0.01, .spread = 0.001 } };
+	gw_bake_options options = gw_bake_options_default();
+	gw_gpu *gpu = NULL;
+	gw_buffer taken = { 0 };
+	gw_error error = { 0 };
+	const gw_buffer_description megabyte = { GW_BUFFER_STORAGE, VK_FORMAT_UNDEFINED, 1 << 20,
+											 "in use" };
+	gw_bake_result *light = scene_bake(points, NULL, 0, &options);
+	const gw_scene_description whole = { points, NULL, 0 };
+	const gw_bake_callbacks callbacks = { .user = &stopped, .cancelled = on_cancelled };
+	assert_int_equal(gw_gpu_create(&(gw_gpu_options){ .device = NULL }, &gpu, &error), GW_OK);
+	assert_int_equal(gw_buffer_create(gpu, &megabyte, &taken, &error), GW_OK);
+	options.memory = memory;
+	const gw_half_forecast_task task = { &whole, &options, &callbacks, gpu };
+	h.status = gw_half_forecast_add(&task, light, &h.report, &error);
+	h.account = gw_gpu_read_account(gpu);
+	gw_buffer_destroy(gpu, &taken);
+	gw_gpu_destroy(&gpu);
+	gw_bake_result_destroy(&light);
+	return h;
+}
+
+/* Half of the points are baked beside the whole, on its device and of its memory. Where that is too
+ * little it is said that they may add to the error, and why that was not foretold. Whoever stops
+ * the bake stops this too. */
+static void halves_without_memory_are_said(void **state)
+{
+	(void)state;
+	const uint64_t megabyte = 1 << 20;
+	scene s = { 0 };
+	make_room(&s);
+	gw_points points = scene_points(&s);
+	points.normal = NULL;
+	foretold_halves h = foretell_halves(&points, 0, false);
+	assert_int_equal(h.status, GW_OK);
+	assert_false(h.report.forecast.error_is_least);
+	assert_true(h.report.forecast.error > 0.01 && h.report.forecast.seconds > 1.0);
+	assert_null(strstr(scene_effect(&h.report, "error")->reason, "no memory"));
+	assert_true(h.account.bytes == megabyte && h.account.peak_bytes > megabyte);
+	h = foretell_halves(&points, 2 * megabyte, false);
+	assert_int_equal(h.status, GW_OK);
+	assert_true(h.report.forecast.error_is_least && h.report.forecast.seconds > 1.0);
+	assert_float_equal(h.report.forecast.error, 0.01, 0.0);
+	assert_non_null(strstr(scene_effect(&h.report, "error")->reason, "no memory"));
+	assert_true(h.account.bytes == megabyte && h.account.peak_bytes <= 2 * megabyte);
+	h = foretell_halves(&points, 0, true);
+	assert_int_equal(h.status, GW_ERROR_CANCELLED);
+	scene_clear(&s);
+}
+
+/* All points at a few places that are none of the half: no cloud. A bake adds nothing for it, so
+ * that nothing is foretold. */
+static void half_of_nothing_changes_nothing(void **state)
+{
+	(void)state;
+	scene s = { 0 };
+	for (int place = 0, found = 0; found < 4; place++) {
+		const double at[3] = { place % 8, place / 8, 0.0 };
+		found += !(gw_hash(0, at, sizeof at) >> 63);
+		for (int i = 0; i < 150 && !(gw_hash(0, at, sizeof at) >> 63); i++)
+			scene_add(&s, at, (double[3]){ 0, 0, 1 }, 0.5f);
+	}
+	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
+	gw_points points = scene_points(&s);
+	foretold_halves h = foretell_halves(&points, 0, false);
+	assert_int_equal(h.status, GW_OK);
+	assert_false(h.report.forecast.error_is_least);
+	assert_int_equal(h.report.effect_count, 0);
+	assert_float_equal(h.report.forecast.error, 0.01, 0.0);
+	assert_float_equal(h.report.forecast.seconds, 1.0, 0.0);
+	scene_clear(&s);
+}
+
 /* The report says what the device did for the bakes of halves, as a stage of its own: about what it
  * did for the whole, twice at most. Ground of 900 points. */
 static void work_of_halves_is_reported(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 30, 30,
-					0.5f);
+	scene_add_patch(
+		&s,
+		&(scene_patch){ (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 30, 30 },
+		0.5f);
 	gw_points points = scene_points(&s);
 	points.normal = NULL;
 	gw_bake_options options = gw_bake_options_default();
@@ -183,6 +281,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(noise_is_stated),
 		cmocka_unit_test(halves_are_foretold),
+		cmocka_unit_test(halves_without_memory_are_said),
+		cmocka_unit_test(half_of_nothing_changes_nothing),
 		cmocka_unit_test(work_of_halves_is_reported),
 		cmocka_unit_test(plain_surface_is_not_doubted),
 	};

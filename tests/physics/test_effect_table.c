@@ -33,16 +33,20 @@ static const gw_light sun = { .type = GW_LIGHT_SUN,
 
 static void make_floor(scene *s)
 {
-	scene_add_patch(s, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, SIDE,
-					SIDE, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 },
+									(double[]){ 0, 1, 0 }, SIDE, SIDE },
+					0.5f);
 }
 
 /* A floor, and half a metre over it a sheet twice as wide. */
 static void make_roofed_floor(scene *s)
 {
 	make_floor(s);
-	scene_add_patch(s, (double[]){ -0.5, -0.5, 0.5 }, (double[]){ 0, 2, 0 }, (double[]){ 2, 0, 0 },
-					2 * SIDE, 2 * SIDE, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ -0.5, -0.5, 0.5 }, (double[]){ 0, 2, 0 },
+									(double[]){ 2, 0, 0 }, 2 * SIDE, 2 * SIDE },
+					0.5f);
 }
 
 static void assert_same_light(const gw_bake_result *a, const gw_bake_result *b)

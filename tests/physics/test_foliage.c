@@ -36,8 +36,10 @@ static void make_wood(wood *w, double tau, uint64_t seed)
 {
 	double leaf = 2.0 * tau * WIDTH * WIDTH / LEAVES;
 	*w = (wood){ .scene.state = seed };
-	scene_add_patch(&w->scene, (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
-					(double[]){ 0, 6, 0 }, FLOOR, FLOOR, 0.5f);
+	scene_add_patch(&w->scene,
+					&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
+									(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
+					0.5f);
 	for (int i = 0; i < LEAVES; i++) {
 		double p[3];
 		for (int k = 0; k < 3; k++)
@@ -144,8 +146,10 @@ static void leaves_of_a_few_points(void **state)
 	(void)state;
 	for (uint64_t seed = 1; seed <= 2; seed++) {
 		scene s = { .state = seed };
-		scene_add_patch(&s, (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 }, (double[]){ 0, 6, 0 },
-						FLOOR, FLOOR, 0.5f);
+		scene_add_patch(&s,
+						&(scene_patch){ (double[]){ -3, -3, 0 }, (double[]){ 6, 0, 0 },
+										(double[]){ 0, 6, 0 }, FLOOR, FLOOR },
+						0.5f);
 		for (int i = 0; i < LEAVES_OF_THREE; i++) {
 			double p[3];
 			for (int k = 0; k < 3; k++)

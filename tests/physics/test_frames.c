@@ -28,12 +28,12 @@ static void add_cube(scene *s, double side, size_t n, float albedo)
 {
 	const double low = -0.5 * side, high = 0.5 * side;
 	const double u[3] = { side, 0, 0 }, v[3] = { 0, side, 0 }, w[3] = { 0, 0, side };
-	scene_add_patch(s, (double[3]){ low, low, high }, u, v, n, n, albedo);
-	scene_add_patch(s, (double[3]){ low, low, low }, v, u, n, n, albedo);
-	scene_add_patch(s, (double[3]){ high, low, low }, v, w, n, n, albedo);
-	scene_add_patch(s, (double[3]){ low, low, low }, w, v, n, n, albedo);
-	scene_add_patch(s, (double[3]){ low, low, low }, u, w, n, n, albedo);
-	scene_add_patch(s, (double[3]){ low, high, low }, w, u, n, n, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ low, low, high }, u, v, n, n }, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ low, low, low }, v, u, n, n }, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ high, low, low }, v, w, n, n }, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ low, low, low }, w, v, n, n }, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ low, low, low }, u, w, n, n }, albedo);
+	scene_add_patch(s, &(scene_patch){ (double[3]){ low, high, low }, w, u, n, n }, albedo);
 }
 
 /* Turned about z, scaled, and put somewhere. */

@@ -469,8 +469,10 @@ static void ceiling_above_a_plate(void **state)
 	scene_add_box(&s, (double[3]){ 0, 0, 0 }, (double[3]){ 2, 2, 2 }, PLATE_PER_METRE, 0.5f);
 	scene_emit(&s, 0, (float[3]){ 1, 1, 1 });
 	size_t walls = s.count, n = (size_t)(side * PLATE_PER_METRE);
-	scene_add_patch(&s, (double[3]){ low, low, 2.0 - PLATE_BELOW }, (double[3]){ 0, side, 0 },
-					(double[3]){ side, 0, 0 }, n, n, 0.0f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ low, low, 2.0 - PLATE_BELOW },
+									(double[3]){ 0, side, 0 }, (double[3]){ side, 0, 0 }, n, n },
+					0.0f);
 	gw_points points = scene_points(&s);
 	gw_bake_options options = options_of(GW_METHOD_RAYS, 2);
 	gw_bake_result *result = scene_bake(&points, NULL, 0, &options);

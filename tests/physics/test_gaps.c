@@ -487,13 +487,13 @@ static void add_block(scene *s, const double low[3], const double high[3])
 	const double along_x[3] = { x, 0, 0 }, along_y[3] = { 0, y, 0 }, up[3] = { 0, 0, z };
 	const double far_x[3] = { high[0], low[1], low[2] }, far_y[3] = { low[0], high[1], low[2] };
 	const double top[3] = { low[0], low[1], high[2] };
-	scene_add_patch(s, low, along_x, up, n, k, 0.5f);
-	scene_add_patch(s, low, up, along_y, k, m, 0.5f);
-	scene_add_patch(s, far_x, along_y, up, m, k, 0.5f);
-	scene_add_patch(s, far_y, up, along_x, k, n, 0.5f);
-	scene_add_patch(s, top, along_x, along_y, n, m, 0.5f);
+	scene_add_patch(s, &(scene_patch){ low, along_x, up, n, k }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ low, up, along_y, k, m }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ far_x, along_y, up, m, k }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ far_y, up, along_x, k, n }, 0.5f);
+	scene_add_patch(s, &(scene_patch){ top, along_x, along_y, n, m }, 0.5f);
 	if (low[2] > 0.0)
-		scene_add_patch(s, low, along_y, along_x, m, n, 0.5f);
+		scene_add_patch(s, &(scene_patch){ low, along_y, along_x, m, n }, 0.5f);
 }
 
 /* Walls of a ruin with a door, through which the ground is seen as far as it goes: no beam that met
@@ -507,7 +507,9 @@ static void doors_are_no_holes(void **state)
 										  { { 6.6, 8.5, 0 }, { 9, 9, 2.4 } },
 										  { { 5.2, 8.5, 2.4 }, { 7, 9, 2.9 } },
 										  { { 8.5, 5.5, 0 }, { 9, 8.5, 1.3 } } };
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 12, 0, 0 }, (double[3]){ 0, 12, 0 }, 96, 96,
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ 0 }, (double[3]){ 12, 0, 0 },
+									(double[3]){ 0, 12, 0 }, 96, 96 },
 					0.5f);
 	for (size_t i = 0; i < sizeof block / sizeof *block; i++)
 		add_block(&s, block[i][0], block[i][1]);

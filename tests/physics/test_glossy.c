@@ -63,9 +63,14 @@ static void close_world(world *w)
 	free(w->radiance);
 }
 
-/* Places on a sphere about the middle, on the side that the eye at (0.8, 0, 0) sees. */
-static void place_pixels(const world *w, double radius, float facing, float roughness,
-						 float reflectance, float *position, float *normal)
+/* A sphere about the middle. */
+typedef struct ball {
+	double radius;
+	float facing, roughness, reflectance; /* facing 1: outwards */
+} ball;
+
+/* Places on it, on the side that the eye at (0.8, 0, 0) sees. */
+static void place_pixels(const world *w, const ball *b, float *position, float *normal)
 {
 	scene sphere = { 0 };
 	scene_add_sphere(&sphere, (double[3]){ 0, 0, 0 }, 1.0, 4 * PIXELS, 1, 0.5f);
@@ -75,11 +80,11 @@ static void place_pixels(const world *w, double radius, float facing, float roug
 		if (n[0] < 0.45)
 			continue;
 		for (size_t k = 0; k < 3; k++) {
-			position[4 * used + k] = (float)(radius * n[k] - w->surfels.origin[k]);
-			normal[4 * used + k] = facing * (float)n[k];
+			position[4 * used + k] = (float)(b->radius * n[k] - w->surfels.origin[k]);
+			normal[4 * used + k] = b->facing * (float)n[k];
 		}
-		position[4 * used + 3] = roughness;
-		normal[4 * used++ + 3] = reflectance;
+		position[4 * used + 3] = b->roughness;
+		normal[4 * used++ + 3] = b->reflectance;
 	}
 	assert_int_equal(used, PIXELS);
 	scene_clear(&sphere);
@@ -104,7 +109,7 @@ static void check_furnace(world *w, float roughness, float reflectance, uint32_t
 	gw_error error = { 0 };
 	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
 	const gw_reflection how = { .rays = rays, .cone = cone };
-	place_pixels(w, RADIUS, 1.0f, roughness, reflectance, position, normal);
+	place_pixels(w, &(ball){ RADIUS, 1.0f, roughness, reflectance }, position, normal);
 	set_eye(w, &pixels);
 	if (gw_render_octree_reflect(w->octree, &pixels, &how, reflected, &error) != GW_OK)
 		fail_msg("%s", error.text);
@@ -173,7 +178,7 @@ static void mirror_shows_the_place(void **state)
 	open_world(&w, (field){ 2.0, 1.0 }, false);
 	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
 	const gw_reflection how = { .rays = 1 };
-	place_pixels(&w, RADIUS, 1.0f, 0.0f, 1.0f, position, normal);
+	place_pixels(&w, &(ball){ RADIUS, 1.0f, 0.0f, 1.0f }, position, normal);
 	set_eye(&w, &pixels);
 	if (gw_render_octree_reflect(w.octree, &pixels, &how, reflected, &error) != GW_OK)
 		fail_msg("%s", error.text);
@@ -232,7 +237,7 @@ static void check_sky(world *w, double turn, bool y_up, bool cone)
 						   .map_y_up = y_up };
 	fill_sky(map, turn, y_up);
 	assert_ok(gw_render_octree_set_sky(w->octree, &sky, &error), &error);
-	place_pixels(w, RADIUS, 1.0f, 0.0f, 1.0f, position, normal);
+	place_pixels(w, &(ball){ RADIUS, 1.0f, 0.0f, 1.0f }, position, normal);
 	set_eye(w, &pixels);
 	assert_ok(gw_render_octree_reflect(w->octree, &pixels, &how, reflected, &error), &error);
 	double square = 0.0, count = 0.0;
@@ -290,7 +295,7 @@ static void bricks_hold_a_linear_field(void **state)
 	world w;
 	open_world(&w, (field){ 2.0, 1.0 }, true);
 	gw_pixels pixels = { .count = PIXELS, .position = position, .normal = normal };
-	place_pixels(&w, 1.0, -1.0f, 0.0f, 0.0f, position, normal);
+	place_pixels(&w, &(ball){ 1.0, -1.0f, 0.0f, 0.0f }, position, normal);
 	for (int k = 0; k < 3; k++)
 		pixels.eye[k] = (float)-w.surfels.origin[k];
 	for (int cubic = 0; cubic < 2; cubic++) {

@@ -316,8 +316,11 @@ static void what_glows_outside_stays_there(void **state)
 		scene s = { 0 };
 		add_random_box(&s, b);
 		size_t inside = s.count;
-		scene_add_patch(&s, (double[3]){ 1.6, -0.3, -0.3 }, (double[3]){ 0.0, 0.0, 0.6 },
-						(double[3]){ 0.0, 0.6, 0.0 }, 24, 24, 0.5f);
+		scene_add_patch(&s,
+						&(scene_patch){ (double[3]){ 1.6, -0.3, -0.3 },
+										(double[3]){ 0.0, 0.0, 0.6 }, (double[3]){ 0.0, 0.6, 0.0 },
+										24, 24 },
+						0.5f);
 		scene_emit(&s, inside, glow);
 		expect_no_glow_within(&s, inside, NULL);
 		scene_clear(&s);

@@ -440,10 +440,14 @@ static double wall_share(double distance, double half, double height)
 static void make_wall(scene *s)
 {
 	*s = (scene){ .state = 11 };
-	scene_add_patch(s, (double[]){ 0, -2, 0 }, (double[]){ 2, 0, 0 }, (double[]){ 0, 4, 0 }, 100,
-					200, 0.5f);
-	scene_add_patch(s, (double[]){ 0, -2, 0 }, (double[]){ 0, 4, 0 }, (double[]){ 0, 0, 1 }, 200,
-					50, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ 0, -2, 0 }, (double[]){ 2, 0, 0 },
+									(double[]){ 0, 4, 0 }, 100, 200 },
+					0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[]){ 0, -2, 0 }, (double[]){ 0, 4, 0 },
+									(double[]){ 0, 0, 1 }, 200, 50 },
+					0.5f);
 }
 
 static gw_bake_result *bake_ambient_occlusion(const scene *s, float distance)

@@ -38,8 +38,10 @@ static int lean_of(size_t i)
  */
 static void make_floor(scene *s)
 {
-	scene_add_patch(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1.25, 0, 0 }, (double[3]){ 0, 1.25, 0 },
-					SIDE, SIDE, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0, 0, 0 }, (double[3]){ 1.25, 0, 0 },
+									(double[3]){ 0, 1.25, 0 }, SIDE, SIDE },
+					0.5f);
 	for (size_t i = 0; i < s->count; i++) {
 		s->normal[3 * i] = (float)(lean_of(i) * sin(LEAN));
 		s->normal[3 * i + 2] = lean_of(i) ? (float)cos(LEAN) : 1.0f;

@@ -33,18 +33,19 @@ static void give(clear_scene *s, size_t first, float opacity)
 		s->opacity[i] = opacity;
 }
 
-static void add_patch(clear_scene *s, const double corner[3], const double u[3], const double v[3],
-					  size_t n, float albedo, float opacity)
+static void add_patch(clear_scene *s, const scene_patch *patch, float albedo, float opacity)
 {
 	size_t first = s->scene.count;
-	scene_add_patch(&s->scene, corner, u, v, n, n, albedo);
+	scene_add_patch(&s->scene, patch, albedo);
 	give(s, first, opacity);
 }
 
 static void add_floor(clear_scene *s)
 {
-	add_patch(s, (double[]){ -2, -2, 0 }, (double[]){ 4, 0, 0 }, (double[]){ 0, 4, 0 }, FLOOR, 0.5f,
-			  1.0f);
+	add_patch(s,
+			  &(scene_patch){ (double[]){ -2, -2, 0 }, (double[]){ 4, 0, 0 }, (double[]){ 0, 4, 0 },
+							  FLOOR, FLOOR },
+			  0.5f, 1.0f);
 }
 
 /* A sheet at a height that faces up or down; noise along its normal, metres. */
@@ -53,7 +54,9 @@ static void add_sheet(clear_scene *s, double height, int facing, double noise, f
 	double half = 0.5 * SHEET_WIDTH;
 	size_t first = s->scene.count;
 	const double x[3] = { SHEET_WIDTH, 0, 0 }, y[3] = { 0, SHEET_WIDTH, 0 };
-	add_patch(s, (double[]){ -half, -half, height }, facing > 0 ? x : y, facing > 0 ? y : x, SHEET,
+	add_patch(s,
+			  &(scene_patch){ (double[]){ -half, -half, height }, facing > 0 ? x : y,
+							  facing > 0 ? y : x, SHEET, SHEET },
 			  0.5f, opacity);
 	for (size_t i = first; i < s->scene.count && noise > 0.0; i++)
 		s->scene.position[3 * i + 2] +=
@@ -207,7 +210,8 @@ static double sky_in_box(float opacity)
 		{ { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } }, { { 0, 0, 1 }, { 0, 1, 0 }, { 1, 0, 0 } },
 	};
 	for (size_t i = 0; i < (opacity > 0.0f ? 6 : 5); i++)
-		add_patch(&s, patch[i].corner, patch[i].u, patch[i].v, 32, 0.0f, i < 5 ? 1.0f : opacity);
+		add_patch(&s, &(scene_patch){ patch[i].corner, patch[i].u, patch[i].v, 32, 32 }, 0.0f,
+				  i < 5 ? 1.0f : opacity);
 	bool portal;
 	return floor_under_sky(&s, GW_METHOD_RAYS, &portal);
 }
@@ -317,9 +321,11 @@ static void test_cones_own_light(void **state)
 		for (float opacity = 0.3f; opacity < 1.0f; opacity += 0.35f) {
 			clear_scene s = { .opacity = NULL };
 			double direct, indirect, limit = SCENE_PI * (lean ? 0.01 : ldexp(1.0, -11));
-			add_patch(&s, (double[]){ -1.6, -1.6, lean ? -0.64 : 0.01 },
-					  (double[]){ 3.2, 0, lean ? 1.28 : 0.0 }, (double[]){ 0, 3.2, 0 }, SHEET, 0.5f,
-					  opacity);
+			add_patch(&s,
+					  &(scene_patch){ (double[]){ -1.6, -1.6, lean ? -0.64 : 0.01 },
+									  (double[]){ 3.2, 0, lean ? 1.28 : 0.0 },
+									  (double[]){ 0, 3.2, 0 }, SHEET, SHEET },
+					  0.5f, opacity);
 			show_both_sides(&s, 0, opacity);
 			light_by_cones(&s, s.scene.count, &direct, &indirect);
 			if (!(indirect <= limit && fabs(direct - SCENE_PI) <= limit))
@@ -349,8 +355,10 @@ static void test_cones_beside_white(void **state)
 			if (both)
 				show_both_sides(&s, 0, opacity);
 			size_t end = s.scene.count;
-			add_patch(&s, (double[]){ -1.6, -1.6, apart }, (double[]){ 0, 3.2, 0 },
-					  (double[]){ 3.2, 0, 0 }, SHEET, 0.9f, 1.0f);
+			add_patch(&s,
+					  &(scene_patch){ (double[]){ -1.6, -1.6, apart }, (double[]){ 0, 3.2, 0 },
+									  (double[]){ 3.2, 0, 0 }, SHEET, SHEET },
+					  0.9f, 1.0f);
 			light_by_cones(&s, end, &direct, &indirect);
 			if (!(direct < side * SCENE_PI && indirect > (0.9 * (1.0 - a) - 0.03) * SCENE_PI &&
 				  indirect < (0.9 * (1.0 - 0.6 * a) + side) * SCENE_PI))
@@ -387,7 +395,9 @@ static double below_panel(float sheet, float panel)
 	if (sheet > 0.0f)
 		add_sheet(&s, 0.4, -1, 0.0, sheet);
 	size_t first = s.scene.count;
-	add_patch(&s, (double[]){ -0.5, -0.5, 1 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, 24,
+	add_patch(&s,
+			  &(scene_patch){ (double[]){ -0.5, -0.5, 1 }, (double[]){ 0, 1, 0 },
+							  (double[]){ 1, 0, 0 }, 24, 24 },
 			  0.0f, panel);
 	scene_emit(&s.scene, first, (float[]){ 1.0f, 1.0f, 1.0f });
 	gw_points points = points_of(&s);
@@ -429,8 +439,10 @@ static void test_energy(void **state)
 	scene_add_box(&s.scene, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, 32, 0.0f);
 	give(&s, 0, 1.0f);
 	size_t first = s.scene.count;
-	add_patch(&s, (double[]){ 0.15, 0.15, 0.4 }, (double[]){ 0.7, 0, 0 }, (double[]){ 0, 0.7, 0 },
-			  24, albedo, opacity);
+	add_patch(&s,
+			  &(scene_patch){ (double[]){ 0.15, 0.15, 0.4 }, (double[]){ 0.7, 0, 0 },
+							  (double[]){ 0, 0.7, 0 }, 24, 24 },
+			  albedo, opacity);
 	gw_points points = points_of(&s);
 	gw_bake_options options = plain_options();
 	options.bounces = GW_BOUNCES_AUTO;
@@ -528,7 +540,9 @@ static double below_a_hole(float opacity, bool *portal)
 	scene_make_cellar(&s.scene);
 	give(&s, 0, 1.0f);
 	if (opacity > 0.0f)
-		add_patch(&s, (double[]){ 0, 0, 0.6 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, 32,
+		add_patch(&s,
+				  &(scene_patch){ (double[]){ 0, 0, 0.6 }, (double[]){ 1, 0, 0 },
+								  (double[]){ 0, 1, 0 }, 32, 32 },
 				  0.5f, opacity);
 	return floor_under_sky(&s, GW_METHOD_RAYS, portal);
 }

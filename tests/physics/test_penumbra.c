@@ -23,11 +23,17 @@
 static size_t make_lamp(scene *s)
 {
 	const size_t sides = (size_t)(2 * FLOOR * PER_METRE), across = (size_t)(2 * PANEL * PER_METRE);
-	scene_add_patch(s, (double[3]){ -FLOOR, -FLOOR, 0 }, (double[3]){ 2 * FLOOR, 0, 0 },
-					(double[3]){ 0, 2 * FLOOR, 0 }, sides, sides, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ -FLOOR, -FLOOR, 0 },
+									(double[3]){ 2 * FLOOR, 0, 0 }, (double[3]){ 0, 2 * FLOOR, 0 },
+									sides, sides },
+					0.5f);
 	size_t floor = s->count;
-	scene_add_patch(s, (double[3]){ -PANEL, -PANEL, HEIGHT }, (double[3]){ 0, 2 * PANEL, 0 },
-					(double[3]){ 2 * PANEL, 0, 0 }, across, across, 0.0f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ -PANEL, -PANEL, HEIGHT },
+									(double[3]){ 0, 2 * PANEL, 0 }, (double[3]){ 2 * PANEL, 0, 0 },
+									across, across },
+					0.0f);
 	scene_emit(s, floor, (float[3]){ 1, 1, 1 });
 	return floor;
 }
@@ -42,11 +48,17 @@ static void add_block(scene *s)
 	const size_t across = (size_t)(2 * BLOCK * PER_METRE), up = (size_t)(TOP * PER_METRE);
 	for (int k = 0; k < 4; k++) {
 		const double *a = corner[k], *b = corner[k + 1];
-		scene_add_patch(s, (double[3]){ a[0], a[1], 0 }, (double[3]){ b[0] - a[0], b[1] - a[1], 0 },
-						(double[3]){ 0, 0, TOP }, across, up, 0.0f);
+		scene_add_patch(s,
+						&(scene_patch){ (double[3]){ a[0], a[1], 0 },
+										(double[3]){ b[0] - a[0], b[1] - a[1], 0 },
+										(double[3]){ 0, 0, TOP }, across, up },
+						0.0f);
 	}
-	scene_add_patch(s, (double[3]){ -BLOCK, -BLOCK, TOP }, (double[3]){ 2 * BLOCK, 0, 0 },
-					(double[3]){ 0, 2 * BLOCK, 0 }, across, across, 0.0f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ -BLOCK, -BLOCK, TOP },
+									(double[3]){ 2 * BLOCK, 0, 0 }, (double[3]){ 0, 2 * BLOCK, 0 },
+									across, across },
+					0.0f);
 }
 
 /* Does the block hide one place from another that is above it? */

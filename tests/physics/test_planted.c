@@ -296,8 +296,10 @@ static void undersides_that_are_missing(void **state)
 	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
 	scene s = { 0 };
 	scene_add_sphere(&s, (double[3]){ 0, 0, 0.3 }, 0.3, 6000, 1, 0.5f);
-	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
-					118, 118, 0.5f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, 118, 118 },
+					0.5f);
 	size_t kept = 0;
 	for (size_t i = 0; i < s.count; i++) {
 		const double *p = s.position + 3 * i;

@@ -118,8 +118,10 @@ static void open_scenes_need_none(void **state)
 	scene s = { 0 };
 	const gw_light sky = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 1, 1, 1 } };
 	const gw_light lamp = scene_point_light(0.5, 0.5, 0.5, 1.0f);
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 32, 32,
-					0.5f);
+	scene_add_patch(
+		&s,
+		&(scene_patch){ (double[3]){ 0 }, (double[3]){ 1, 0, 0 }, (double[3]){ 0, 1, 0 }, 32, 32 },
+		0.5f);
 	gw_bake_result *r = bake(&s, &sky);
 	assert_false(scene_effect(&r->report, "portals")->called_for);
 	gw_bake_result_destroy(&r);

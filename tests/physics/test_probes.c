@@ -234,8 +234,10 @@ static void sky(void **state)
 {
 	(void)state;
 	scene s = { 0 };
-	scene_add_patch(&s, (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 },
-					64, 64, 0.0f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ -1, -1, 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, 64, 64 },
+					0.0f);
 	const gw_light even = { .type = GW_LIGHT_ENVIRONMENT, .radiance = { 3, 2, 1 } };
 	const gw_bake_options bake = bake_options(1);
 	gw_probes_options options = gw_probes_options_default();

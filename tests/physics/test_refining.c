@@ -18,8 +18,10 @@ static void make_passage(scene *s)
 	const float lamp[3] = { 20.0f, 18.0f, 15.0f };
 	scene_add_box(s, (double[3]){ 0, 0, 0 }, (double[3]){ 5, 1, 1 }, 24, 0.5f);
 	size_t first = s->count;
-	scene_add_patch(s, (double[3]){ 0.375, 0.375, 0.96875 }, (double[3]){ 0, 0.25, 0 },
-					(double[3]){ 0.25, 0, 0 }, 8, 8, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0.375, 0.375, 0.96875 }, (double[3]){ 0, 0.25, 0 },
+									(double[3]){ 0.25, 0, 0 }, 8, 8 },
+					0.5f);
 	scene_emit(s, first, lamp);
 }
 

@@ -380,8 +380,10 @@ static void either_side_of_a_sheet_is_lit(void **state)
 	(void)state;
 	static float pixels[3 * SKY_WIDTH * SKY_HEIGHT];
 	scene sheet = { 0 };
-	scene_add_patch(&sheet, (double[3]){ 0, 0, 0 }, (double[3]){ 0, 2, 0 }, (double[3]){ 0, 0, 1 },
-					64, 32, 0.5f);
+	scene_add_patch(&sheet,
+					&(scene_patch){ (double[3]){ 0, 0, 0 }, (double[3]){ 0, 2, 0 },
+									(double[3]){ 0, 0, 1 }, 64, 32 },
+					0.5f);
 	gw_points points = scene_points(&sheet);
 	points.normal = NULL;
 	gw_bake_options options = gw_bake_options_default();

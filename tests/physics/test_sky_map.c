@@ -32,14 +32,20 @@ static void fill(float r, float g, float b)
 /* A horizontal floor, 1.2 m, and a wall of 0.6 m that stands in its middle along x. */
 static void make_floor(scene *s, bool wall)
 {
-	scene_add_patch(s, (double[3]){ 0, 0, 0 }, (double[3]){ 1.25, 0, 0 }, (double[3]){ 0, 1.25, 0 },
-					50, 50, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0, 0, 0 }, (double[3]){ 1.25, 0, 0 },
+									(double[3]){ 0, 1.25, 0 }, 50, 50 },
+					0.5f);
 	if (!wall)
 		return;
-	scene_add_patch(s, (double[3]){ 0, 0.625, 0 }, (double[3]){ 1.25, 0, 0 },
-					(double[3]){ 0, 0, 0.5 }, 50, 20, 0.5f);
-	scene_add_patch(s, (double[3]){ 0, 0.65625, 0.5 }, (double[3]){ 1.25, 0, 0 },
-					(double[3]){ 0, 0, -0.5 }, 50, 20, 0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0, 0.625, 0 }, (double[3]){ 1.25, 0, 0 },
+									(double[3]){ 0, 0, 0.5 }, 50, 20 },
+					0.5f);
+	scene_add_patch(s,
+					&(scene_patch){ (double[3]){ 0, 0.65625, 0.5 }, (double[3]){ 1.25, 0, 0 },
+									(double[3]){ 0, 0, -0.5 }, 50, 20 },
+					0.5f);
 }
 
 static gw_bake_result *bake(const scene *s, const gw_light *light, gw_method method)

@@ -116,8 +116,10 @@ static void sky_over_floor(void **state)
 	double sum = 0.0;
 	size_t middle = 0;
 	(void)state;
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 }, SIDE,
-					SIDE, 0.0f);
+	scene_add_patch(&s,
+					&(scene_patch){ (double[3]){ 0 }, (double[3]){ 2, 0, 0 },
+									(double[3]){ 0, 2, 0 }, SIDE, SIDE },
+					0.0f);
 	gw_points points = scene_points(&s);
 	gw_bake_result *result = scene_bake(&points, &sky, 1, &options);
 	for (size_t i = 0; i < s.count; i++) {

@@ -37,9 +37,10 @@ static double area_of(const gw_tessellation *p)
 	return sum;
 }
 
-static void add(gw_tessellation *p, float ax, float ay, float bx, float by, float cx, float cy)
+/* A triangle at height 0; at has x and y of its corners. */
+static void add(gw_tessellation *p, const float at[6])
 {
-	const float corner[9] = { ax, ay, 0, bx, by, 0, cx, cy, 0 };
+	const float corner[9] = { at[0], at[1], 0, at[2], at[3], 0, at[4], at[5], 0 };
 	assert_int_equal(gw_tessellation_add(p, corner, up, NULL), GW_OK);
 }
 
@@ -49,8 +50,8 @@ static void triangles_are_small_and_whole(void **state)
 {
 	(void)state;
 	gw_tessellation p = cut_into(0.1f);
-	add(&p, 0, 0, 2, 0, 0, 1);
-	add(&p, 0, 0, 3, 0, 0, 1e-4f); /* a sliver costs its length, not its square */
+	add(&p, (float[]){ 0, 0, 2, 0, 0, 1 });
+	add(&p, (float[]){ 0, 0, 3, 0, 0, 1e-4f }); /* a sliver costs its length, not its square */
 	assert_true(fabs(area_of(&p) - 1 - 1.5e-4) < 1e-5);
 	for (size_t i = 0; i < p.count; i++)
 		for (size_t e = 0; e < 3; e++)
@@ -58,7 +59,7 @@ static void triangles_are_small_and_whole(void **state)
 	size_t all = p.count;
 	gw_tessellation_clear(&p);
 	p = cut_into(0.1f);
-	add(&p, 0, 0, 3, 0, 0, 1e-4f);
+	add(&p, (float[]){ 0, 0, 3, 0, 0, 1e-4f });
 
 	assert_true(p.count <= 2 * 4 * 32 &&
 				all > p.count); /* 3 / 32 < 0.1; four a part of each side */
@@ -72,12 +73,12 @@ static void far_triangles_cost_nothing(void **state)
 {
 	(void)state;
 	gw_tessellation p = cut_into(1);
-	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
+	add(&p, (float[]){ -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f });
 	assert_true(p.count > 400 && p.count < 8 * 400);
 	gw_tessellation_clear(&p);
 	p = cut_into(1);
 	p.most = 100;
-	add(&p, -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f);
+	add(&p, (float[]){ -1e30f, -1e30f, 1e30f, -1e30f, 0, 1e30f });
 	assert_int_equal(p.count, 100);
 	gw_tessellation_clear(&p);
 }
@@ -99,8 +100,8 @@ static void neighbours_share_corners(void **state)
 {
 	(void)state;
 	gw_tessellation a = cut_into(0.15f), b = cut_into(0.15f);
-	add(&a, 0, 0, 1, 0, 1, 1);
-	add(&b, 0, 0, 1, 1, -3, 2);
+	add(&a, (float[]){ 0, 0, 1, 0, 1, 1 });
+	add(&b, (float[]){ 0, 0, 1, 1, -3, 2 });
 	assert_true(on_diagonal(&a) == on_diagonal(&b));
 	assert_int_equal(__builtin_popcountll(on_diagonal(&a)), 17); /* 1.41 / 16 < 0.15 < 1.41 / 8 */
 	gw_tessellation_clear(&a);
@@ -149,10 +150,10 @@ static void corners_take_the_light_of_their_side(void **state)
 	plate *p = make_plate();
 	for (uint32_t threads = 1; threads <= 2; threads++) {
 		gw_tessellation m = cut_into(1.5f / SIDE);
-		add(&m, 0, 0, 1, 0, 1, 1);
-		add(&m, 0, 0, 1, 1, 0, 1);
+		add(&m, (float[]){ 0, 0, 1, 0, 1, 1 });
+		add(&m, (float[]){ 0, 0, 1, 1, 0, 1 });
 		size_t count = m.count;
-		add(&m, 5, 5, 6, 5, 6, 6);
+		add(&m, (float[]){ 5, 5, 6, 5, 6, 6 });
 		assert_true(m.count > count);
 		assert_int_equal(gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 },
 									   threads, p->on_mesh, NULL),
@@ -178,7 +179,7 @@ static void nothing_is_lit_by_nothing(void **state)
 		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
 		GW_OK);
 	assert_int_equal(p->on_mesh[0], 0);
-	add(&m, 5, 5, 6, 5, 6, 6);
+	add(&m, (float[]){ 5, 5, 6, 5, 6, 6 });
 	assert_int_equal(
 		gw_mesh_light(&m, &p->surfels, (gw_surfel_channels){ p->channel, 1 }, 1, p->on_mesh, NULL),
 		GW_OK);

@@ -444,8 +444,10 @@ static void sky_both_ways(void **state)
 {
 	scene s = { 0 };
 	(void)state;
-	scene_add_patch(&s, (double[3]){ 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 }, 40, 40,
-					0.5f);
+	scene_add_patch(
+		&s,
+		&(scene_patch){ (double[3]){ 0 }, (double[3]){ 2, 0, 0 }, (double[3]){ 0, 2, 0 }, 40, 40 },
+		0.5f);
 	scene_add_sphere(&s, (double[3]){ 1, 1, 0.4 }, 0.3, 500, 1, 0.5f);
 	bake_under_map(&s);
 	assert_true(met_maps > 0 || met[GW_PASS_RECORD_FIRST] == 0);

@@ -53,18 +53,25 @@ static void add_ball(cloud *c, size_t count, const double centre[3], double radi
 	}
 }
 
-/* A rectangle across an axis, at random. A window is left out of it when it is tall enough. */
-static void add_face(cloud *c, size_t count, const double low[3], const double high[3], int axis,
-					 double facing, bool window)
+/* A rectangle across an axis. */
+typedef struct face {
+	const double *low, *high; /* 3 each */
+	int axis;
+	double facing; /* 1: along the axis, -1: against it */
+	bool window;   /* is left out of it when it is tall enough */
+} face;
+
+/* Points on it at random. */
+static void add_face(cloud *c, size_t count, const face *f)
 {
-	uint64_t state = (uint64_t)(2 * axis) + (facing > 0) + 1;
+	uint64_t state = (uint64_t)(2 * f->axis) + (f->facing > 0) + 1;
 	for (size_t i = 0; i < count; i++) {
 		double p[3], n[3] = { 0 };
 		for (int k = 0; k < 3; k++)
-			p[k] = low[k] + (high[k] - low[k]) * next_random(&state);
-		n[axis] = facing;
-		double u = p[(axis + 1) % 3], v = p[2];
-		if (!(window && u > 1 && u < 2.5 && v > 0.9 && v < 2))
+			p[k] = f->low[k] + (f->high[k] - f->low[k]) * next_random(&state);
+		n[f->axis] = f->facing;
+		double u = p[(f->axis + 1) % 3], v = p[2];
+		if (!(f->window && u > 1 && u < 2.5 && v > 0.9 && v < 2))
 			add(c, p, n);
 	}
 }
@@ -78,8 +85,8 @@ static void add_room(cloud *c, bool window)
 			double low[3] = { 0 }, high[3] = { size[0], size[1], size[2] };
 			*(side ? low + axis : high + axis) = side ? size[axis] : 0;
 			double area = size[(axis + 1) % 3] * size[(axis + 2) % 3];
-			add_face(c, (size_t)(180 * area), low, high, axis, side ? -1 : 1,
-					 window && axis == 0 && side);
+			add_face(c, (size_t)(180 * area),
+					 &(face){ low, high, axis, side ? -1 : 1, window && axis == 0 && side });
 		}
 }
 
@@ -255,7 +262,7 @@ static void test_thing_on_floor(void **state)
 	const double low[3] = { -1.5, -1.5, 0 }, high[3] = { 1.5, 1.5, 0 }, centre[3] = { 0, 0, 0.3 };
 	const gw_light lamp = lamp_at(2, 1, 2);
 	cloud *c = new_cloud();
-	add_face(c, 12000, low, high, 2, 1, false);
+	add_face(c, 12000, &(face){ low, high, 2, 1, false });
 	add_ball(c, 4000, centre, 0.3, 1);
 	assert_right(c, &sky, "a ball on a floor under the sky");
 	assert_right(c, &sun, "a ball on a floor in the sun");
@@ -293,7 +300,7 @@ static void test_up(void **state)
 		uint64_t untrusted;
 		cloud *c = new_cloud();
 		high[i % 3] = 0;
-		add_face(c, 5000, low, high, (int)(i % 3), i < 3 ? 1 : -1, false);
+		add_face(c, 5000, &(face){ low, high, (int)(i % 3), i < 3 ? 1 : -1, false });
 		c->up = axes[i];
 		assert_true(right_share(c, &sky, false, &untrusted) > 0.995);
 		assert_int_equal(untrusted, 0);
@@ -304,16 +311,17 @@ static void test_up(void **state)
 /* The faces of a box, but for one, so many points a square metre; facing 1: outwards. */
 static void add_box(cloud *c, double density, const double box[2][3], int without, double facing)
 {
-	for (int face = 0; face < 6; face++) {
-		int axis = face / 2, end = face % 2;
+	for (int number = 0; number < 6; number++) {
+		int axis = number / 2, end = number % 2;
 		double from[3], to[3], area = 1;
 		for (int k = 0; k < 3; k++) {
 			from[k] = box[axis == k && end][k];
 			to[k] = box[axis != k || end][k];
 			area *= axis == k ? 1 : box[1][k] - box[0][k];
 		}
-		if (face != without)
-			add_face(c, (size_t)(density * area), from, to, axis, end ? facing : -facing, false);
+		if (number != without)
+			add_face(c, (size_t)(density * area),
+					 &(face){ from, to, axis, end ? facing : -facing, false });
 	}
 }
 
@@ -354,7 +362,7 @@ static void test_house_without_back(void **state)
 				 i < 2    ? 1200
 				 : i == 2 ? 4800
 						  : 4000,
-				 from[i], to[i], axis[i], i % 2 || i == 3 ? 1 : -1, false);
+				 &(face){ from[i], to[i], axis[i], i % 2 || i == 3 ? 1 : -1, false });
 	assert_right(c, &sky, "a house without its back under the sky");
 	assert_right(c, &low, "a house without its back, the sun behind it");
 	free(c);
@@ -424,9 +432,9 @@ static cloud *new_panel(double height, double side)
 	const double to[3] = { side / 2, side / 2, height };
 	double facing = height > 0 ? 1 : -1;
 	cloud *c = new_cloud();
-	add_face(c, 9600, low, high, 2, facing, false);
+	add_face(c, 9600, &(face){ low, high, 2, facing, false });
 	size_t first = c->count;
-	add_face(c, (size_t)(600 * side * side), from, to, 2, -facing, false);
+	add_face(c, (size_t)(600 * side * side), &(face){ from, to, 2, -facing, false });
 	let_emit(c, first);
 	return c;
 }
@@ -444,7 +452,7 @@ static void test_lamps_of_points(void **state)
 	}
 	const double floor[2][3] = { { -2, -2, 0 }, { 2, 2, 0 } }, centre[3] = { 0, 0, 1 };
 	cloud *c = new_cloud();
-	add_face(c, 9600, floor[0], floor[1], 2, 1, false);
+	add_face(c, 9600, &(face){ floor[0], floor[1], 2, 1, false });
 	size_t first = c->count;
 	add_ball(c, 2000, centre, 0.3, 1);
 	let_emit(c, first);
@@ -453,10 +461,10 @@ static void test_lamps_of_points(void **state)
 	const double street[2][3] = { { 0 }, { 10, 6, 0 } }, wall[2][3] = { { 0 }, { 10, 0, 6 } };
 	const double sign[2][3] = { { 3, 0.15, 3 }, { 6, 0.15, 4 } };
 	c = new_cloud();
-	add_face(c, 6000, street[0], street[1], 2, 1, false);
-	add_face(c, 6000, wall[0], wall[1], 1, 1, false);
+	add_face(c, 6000, &(face){ street[0], street[1], 2, 1, false });
+	add_face(c, 6000, &(face){ wall[0], wall[1], 1, 1, false });
 	first = c->count;
-	add_face(c, 600, sign[0], sign[1], 1, 1, false);
+	add_face(c, 600, &(face){ sign[0], sign[1], 1, 1, false });
 	let_emit(c, first);
 	assert_right(c, NULL, "a sign before a wall at night");
 	assert_right(c, &sky, "a sign before a wall by day");
@@ -470,7 +478,7 @@ static void test_sheet_is_doubtful(void **state)
 	const double low[3] = { 0, 0, 0 }, high[3] = { 0, 4, 3 };
 	uint64_t untrusted;
 	cloud *c = new_cloud();
-	add_face(c, 5000, low, high, 0, 1, false);
+	add_face(c, 5000, &(face){ low, high, 0, 1, false });
 	(void)right_share(c, &sky, false, &untrusted);
 	assert_int_equal(untrusted, 5000);
 	(void)right_share(c, &sun, false, &untrusted);
